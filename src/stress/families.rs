@@ -122,21 +122,3 @@ fn caption(report: &StressReport) -> Vec<String> {
         ),
     ]
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_worst_family_is_that_of_the_highest_rate() {
-        let families: Vec<&Family> = FAMILIES.iter().filter(|f| f.name.starts_with("cell-")).collect();
-        let methods = vec![Contender::of(MethodChoice::Ray), Contender::of(MethodChoice::R2)];
-        let effort = Effort { scenes: 2, seed: 1 };
-        let scores = stress(&families, &methods, effort).expect("all scenes can be decided");
-        let report = StressReport { command: Vec::new(), effort, methods, scores };
-        let lines = words(&report);
-        assert!(lines[0].starts_with("ray: 0 of ") && !lines[0].contains("worst"), "{lines:?}");
-        assert!(lines[1].contains(", worst on cell-"), "{lines:?}");
-        assert_eq!(report.total(0).map(|t| t[1]), report.total(1).map(|t| t[1]));
-    }
-}

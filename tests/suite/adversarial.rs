@@ -6,12 +6,14 @@
 
 #![expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "small numbers")]
 
-use rayon::prelude::*;
+use skyshed_core::los;
 
 use crate::oracle::{Columns, P3, Prism};
-use crate::referee::{Count, Footprints, Raster};
-use crate::shapes::{M, at_height, block, catalogue, moved, prism, random_columns, random_end, random_prisms, star};
-use crate::support::{Random, slow};
+use crate::referee::{Count, Footprints, Raster, Scene, over_seeds};
+use crate::shapes::{
+    M, around, at_height, block, catalogue, cross, moved, prism, random_columns, random_end, random_prisms, star,
+};
+use crate::support::{Random, columns_of, point, slow};
 
 /// All points of a square lattice, `low..=high` along both axes, times `step`.
 fn lattice(low: i64, high: i64, step: i64) -> Vec<[i64; 2]> {
@@ -28,40 +30,24 @@ fn pattern(mut k: usize, n_cells: usize, choices: &[Option<i64>]) -> Vec<Option<
     (0..n_cells).map(|_| digit()).collect()
 }
 
-fn sum(counts: impl ParallelIterator<Item = Count>) -> Count {
-    counts.reduce(Count::default, Count::plus)
-}
-
-/// Moves both ends by up to one step along every axis, `n` times at random, or all 729 times.
-fn around(uav: P3, receiver: P3, n: usize, random: &mut Random) -> Vec<(P3, P3)> {
-    let moved = |p: P3, k: i64| [p[0] + k % 3 - 1, p[1] + k / 3 % 3 - 1, p[2] + k / 9 - 1];
-    if n >= 729 {
-        return (0..27).flat_map(|i| (0..27).map(move |j| (moved(uav, i), moved(receiver, j)))).collect();
-    }
-    (0..n).map(|_| (moved(uav, random.within(0, 26)), moved(receiver, random.within(0, 26)))).collect()
-}
-
 // ---------------------------------------------------------------------------------------------------------------------
 // Rasters.
 
 #[test]
 fn all_links_between_half_cells_over_all_patterns_of_four_columns() {
     // 2 × 2 cells, each nodata, 0 or 1 m, and ends on a lattice of half cells that reaches half a cell beyond.
-    let patterns = 3_usize.pow(4);
     let heights = [(1, 1), (2, 0), (0, 2), (3, 1), (2, 2), (0, 0)];
-    let count = sum((0..patterns).into_par_iter().map(|k| {
-        let columns = pattern(k, 4, &[Some(M), None, Some(0)]);
-        let raster = Raster::new(Columns { n_cols: 2, n_rows: 2, heights: columns });
-        let mut count = Count::default();
+    let count = over_seeds(3_u64.pow(4), 0, |k, _, count| {
+        let k = k as usize;
+        let raster = Raster::new(Columns { n_cols: 2, n_rows: 2, heights: pattern(k, 4, &[Some(M), None, Some(0)]) });
         let points = lattice(-1, 5, M / 2);
         for (i, &uav) in points.iter().enumerate() {
             for (j, &receiver) in points.iter().enumerate() {
                 let z = heights[(i + 3 * j + k) % heights.len()];
-                raster.check(at_height(uav, z.0 * M / 2), at_height(receiver, z.1 * M / 2), &mut count);
+                raster.check(at_height(uav, z.0 * M / 2), at_height(receiver, z.1 * M / 2), count);
             }
         }
-        count
-    }));
+    });
     count.assert_both(190_000);
 }
 
@@ -70,29 +56,24 @@ fn links_between_half_cells_over_all_patterns_of_nine_columns_and_their_neighbor
     let every = if slow() { 4 } else { 16 };
     let neighbors = if slow() { 26 } else { 6 };
     let heights = [(1, 1), (2, 0), (0, 2), (4, 0), (3, 1), (2, 2)];
-    let count = sum((0..512_usize).into_par_iter().map(|k| {
-        let columns = pattern(k, 9, &[Some(M), Some(0)]);
-        let raster = Raster::new(Columns { n_cols: 3, n_rows: 3, heights: columns });
-        let mut count = Count::default();
-        let mut random = Random(k as u64);
+    let count = over_seeds(512, 0, |k, random, count| {
+        let k = k as usize;
+        let raster = Raster::new(Columns { n_cols: 3, n_rows: 3, heights: pattern(k, 9, &[Some(M), Some(0)]) });
         let points = lattice(0, 6, M / 2);
         for (i, &uav) in points.iter().enumerate() {
             for (j, &receiver) in points.iter().enumerate() {
                 if !(i * 49 + j + k).is_multiple_of(every) {
                     continue;
                 }
-                let z = heights[random.next() as usize % heights.len()];
+                let z = random.choose(&heights);
                 let (uav, receiver) = (at_height(uav, z.0 * M / 2), at_height(receiver, z.1 * M / 2));
-                raster.check(uav, receiver, &mut count);
-                if (i + j) % 4 == 0 && raster.check_heights(uav, receiver, &mut count) {
-                    for (uav, receiver) in around(uav, receiver, neighbors, &mut random) {
-                        raster.check(uav, receiver, &mut count);
-                    }
+                raster.check(uav, receiver, count);
+                if (i + j) % 4 == 0 {
+                    raster.check_tie(uav, receiver, neighbors, random, count);
                 }
             }
         }
-        count
-    }));
+    });
     count.assert_both(80_000);
     assert!(count.ties > 1_000, "{count:?}");
 }
@@ -100,29 +81,21 @@ fn links_between_half_cells_over_all_patterns_of_nine_columns_and_their_neighbor
 #[test]
 fn random_links_over_random_columns_and_their_neighbors_at_every_tie() {
     let n = if slow() { 400_000 } else { 24_000 };
-    let count = sum((0..n).into_par_iter().map(|seed| {
-        let mut random = Random(seed);
-        let raster = Raster::new(random_columns(&mut random));
-        let mut count = Count::default();
+    let count = over_seeds(n, 0, |_, random, count| {
+        let raster = Raster::new(random_columns(random));
         for _ in 0..3 {
-            let (uav, receiver) = (random_end(&mut random, &raster.oracle), random_end(&mut random, &raster.oracle));
-            raster.check(uav, receiver, &mut count);
-            if raster.check_heights(uav, receiver, &mut count) {
-                for (uav, receiver) in around(uav, receiver, 12, &mut random) {
-                    raster.check(uav, receiver, &mut count);
-                }
-            }
+            let (uav, receiver) = (random_end(random, &raster.oracle), random_end(random, &raster.oracle));
+            raster.check(uav, receiver, count);
+            raster.check_tie(uav, receiver, 12, random, count);
         }
-        count
-    }));
+    });
     count.assert_both(3 * n);
     assert!(count.ties > n / 100, "{count:?}");
 }
 
 #[test]
 fn rows_columns_and_single_cells_are_seen_from_all_eight_sides() {
-    let count = sum((0..1500_u64).into_par_iter().map(|seed| {
-        let mut random = Random(seed ^ 0xE1);
+    let count = over_seeds(1500, 0xE1, |seed, random, count| {
         let (n_cols, n_rows) = [(1, 1), (1, 7), (7, 1)][seed as usize % 3];
         let choices = [None, Some(0), Some(M), Some(3 * M)];
         let columns = (0..n_cols * n_rows).map(|_| random.choose(&choices)).collect();
@@ -132,16 +105,13 @@ fn rows_columns_and_single_cells_are_seen_from_all_eight_sides() {
             let edge = i64::try_from(n).unwrap() * M;
             [-2 * M, -M, -1, 0, 1, M / 2, edge / 2, edge - 1, edge, edge + 1, edge + M]
         };
-        let mut count = Count::default();
         let mut end =
             || at_height([random.choose(&along(n_cols)), random.choose(&along(n_rows))], random.within(0, 8) * M / 2);
         let links: Vec<(P3, P3)> = (0..40).map(|_| (end(), end())).collect();
         for (uav, receiver) in links {
-            raster.check(uav, receiver, &mut count);
-            raster.check_heights(uav, receiver, &mut count);
+            raster.check_all(uav, receiver, count);
         }
-        count
-    }));
+    });
     count.assert_both(60_000);
 }
 
@@ -169,7 +139,7 @@ fn long_links_at_extreme_heights_over_a_raster_are_exact() {
             block(west, 0, west + M, M, h.unwrap())
         })
         .collect();
-    let engine = crate::support::columns_of(&Columns { n_cols: n, n_rows: 1, heights: columns });
+    let engine = columns_of(&Columns { n_cols: n, n_rows: 1, heights: columns });
     let footprints = Footprints::new(prisms);
     let (mut random, mut count) = (Random(5), Count::default());
     let far = i64::try_from(n).unwrap() * M;
@@ -181,9 +151,7 @@ fn long_links_at_extreme_heights_over_a_raster_are_exact() {
         let x = random.choose(&[0, 1, far - 1, far, 4099 * M, 8198 * M + 1]);
         let uav = [x, random.within(0, M), height(&mut random) + random.within(-2, 2)];
         let los = footprints.check(uav, receiver, &mut count);
-        let found =
-            skyshed_core::los::columns_los(&engine, crate::support::point(uav), crate::support::point(receiver));
-        assert_eq!(found, los, "link {k}: {uav:?} {receiver:?}");
+        assert_eq!(los::columns_los(&engine, point(uav), point(receiver)), los, "link {k}: {uav:?} {receiver:?}");
     }
     assert!(count.links >= 1_500 && count.los > 100 && count.links - count.los > 100, "{count:?}");
 }
@@ -205,10 +173,8 @@ fn sweep_scene(prisms: &[Prism], unit: i64, lift: i64, every: u64, random: &mut 
             let z = random.choose(&heights);
             let (uav, receiver) = (at_height(uav, z.0 * lift), at_height(receiver, z.1 * lift));
             scene.check(uav, receiver, &mut count);
-            if random.chance(15) && scene.check_heights(uav, receiver, &mut count) {
-                for (uav, receiver) in around(uav, receiver, 8, random) {
-                    scene.check(uav, receiver, &mut count);
-                }
+            if random.chance(15) {
+                scene.check_tie(uav, receiver, 8, random, &mut count);
             }
         }
     }
@@ -221,12 +187,11 @@ fn all_links_on_a_coarse_lattice_over_a_catalogue_of_footprints() {
     let units: &[i64] = if slow() { &[2, 1024, 4096, 1 << 17] } else { &[4096] };
     let every = if slow() { 1 } else { 2 };
     let scenes = catalogue();
-    let jobs: Vec<(i64, usize)> = units.iter().flat_map(|&u| (0..scenes.len()).map(move |s| (u, s))).collect();
-    let count = sum(jobs.into_par_iter().map(|(unit, s)| {
-        let count = sweep_scene(&scenes[s].1, unit, M, every, &mut Random(s as u64));
-        assert!(count.los > 100 && count.links - count.los > 100, "{}: {count:?}", scenes[s].0);
-        count
-    }));
+    let count = over_seeds((units.len() * scenes.len()) as u64, 0, |job, random, count| {
+        let (unit, (name, prisms)) = (units[job as usize / scenes.len()], &scenes[job as usize % scenes.len()]);
+        *count = sweep_scene(prisms, unit, M, every, random);
+        assert!(count.los > 100 && count.links - count.los > 100, "{name}: {count:?}");
+    });
     count.assert_both(56_000);
     assert!(count.ties > 800, "{count:?}");
 }
@@ -234,12 +199,11 @@ fn all_links_on_a_coarse_lattice_over_a_catalogue_of_footprints() {
 #[test]
 fn random_footprints_with_collinear_vertices_and_shared_walls() {
     let n = if slow() { 4_000 } else { 300 };
-    let count = sum((0..n).into_par_iter().map(|seed| {
-        let mut random = Random(seed ^ 0x5EED);
-        let prisms = random_prisms(&mut random);
+    let count = over_seeds(n, 0x5EED, |_, random, count| {
+        let prisms = random_prisms(random);
         let unit = random.choose(&[1, 512, 4096, 8192]);
-        sweep_scene(&prisms, unit, random.choose(&[1, M]), 40, &mut random)
-    }));
+        *count = sweep_scene(&prisms, unit, random.choose(&[1, M]), 40, random);
+    });
     count.assert_both(100 * n);
 }
 
@@ -248,10 +212,9 @@ fn large_offsets_and_heights_at_the_ends_of_the_proven_range_are_exact() {
     // Coordinates within ±2^26, differences up to 2^26, tops and ends near ±2^25, neighbors of every end.
     let n = if slow() { 16_000 } else { 1_600 };
     let scenes = catalogue();
-    let count = sum((0..n).into_par_iter().map(|seed| {
-        let mut random = Random(seed ^ 0xFA2);
+    let count = over_seeds(n, 0xFA2, |seed, random, count| {
         let prisms =
-            if random.chance(70) { scenes[seed as usize % scenes.len()].1.clone() } else { random_prisms(&mut random) };
+            if random.chance(70) { scenes[seed as usize % scenes.len()].1.clone() } else { random_prisms(random) };
         let unit = (1 << 23) - random.within(0, 2);
         let shift = [random.choose(&[0, -(1 << 26) + (1 << 23), 1 << 23]), random.choose(&[0, -(1 << 25), 1 << 23])];
         let low = -(1 << 25);
@@ -264,18 +227,16 @@ fn large_offsets_and_heights_at_the_ends_of_the_proven_range_are_exact() {
             first.rings[0].iter_mut().for_each(|v| v[0] += wobble.within(-1, 1));
         }
         let scene = Footprints::new(scene);
-        let mut count = Count::default();
         for _ in 0..30 {
             let mut end =
                 || at_height(place([random.within(0, 7), random.within(0, 7)]), low + random.within(0, 4) * lift);
             let (uav, receiver) = (end(), end());
-            for (uav, receiver) in around(uav, receiver, 2, &mut random) {
-                scene.check(uav, receiver, &mut count);
+            for (uav, receiver) in around(uav, receiver, 2, random) {
+                scene.check(uav, receiver, count);
             }
-            scene.check_heights(uav, receiver, &mut count);
+            scene.check_heights(uav, receiver, count);
         }
-        count
-    }));
+    });
     count.assert_both(60 * n);
 }
 
@@ -292,20 +253,18 @@ fn needles_slits_and_slivers_one_step_wide() {
         prism(&[[1200, 1200], [1201, 1200], [1200, 1201]], 800), // the smallest triangle
     ];
     let scene = Footprints::new(town);
-    let count = sum((0..if slow() { 120_u64 } else { 10 }).into_par_iter().map(|seed| {
-        let (mut random, mut count) = (Random(seed), Count::default());
+    let count = over_seeds(if slow() { 120 } else { 10 }, 0, |_, random, count| {
         for _ in 0..1000 {
             let xs = [0, 400, 401, 402, 599, 600, 899, 900, 901, 902, 1200, 1201, 1500, 1800, 2 * unit, -unit];
             let ys = [-unit, 0, 1, 600, 900, 901, 902, 1199, 1200, 1201, 1500, 1800];
             let mut end = || [random.choose(&xs), random.choose(&ys), random.within(3, 9) * 100];
             let (uav, receiver) = (end(), end());
-            scene.check(uav, receiver, &mut count);
+            scene.check(uav, receiver, count);
             if random.chance(5) {
-                scene.check_heights(uav, receiver, &mut count);
+                scene.check_heights(uav, receiver, count);
             }
         }
-        count
-    }));
+    });
     count.assert_both(10_000);
 }
 
@@ -321,9 +280,7 @@ fn a_platform_at_twenty_kilometers_sees_through_a_slit_only_along_it() {
         for dx in -2..=3 {
             for y in [0, 1, 50 * M, 100 * M - 1, 100 * M, 100 * M + 1, 140 * M] {
                 for z in [0, M, top - 1, top] {
-                    let receiver = [20 * M + dx, y, z];
-                    scene.check(uav, receiver, &mut count);
-                    scene.check_heights(uav, receiver, &mut count);
+                    scene.check_all(uav, [20 * M + dx, y, z], &mut count);
                 }
             }
         }
@@ -339,15 +296,14 @@ fn many_prisms_that_meet_at_one_point_are_told_apart() {
         let mut wedges = Vec::new();
         for k in 0..rays.len() {
             let (a, b) = (rays[k], rays[(k + random.choose(&[1, 1, 2])) % rays.len()]);
-            if a[0] * b[1] - a[1] * b[0] > 0 && random.chance(80) {
+            if cross(a, b) > 0 && random.chance(80) {
                 wedges.push(prism(&[[0, 0], a, b], random.within(1, 3)));
             }
         }
         moved(&wedges, |p| p.map(|c| c * M), |top| top * M)
     };
-    let count = sum((0..if slow() { 1_500_u64 } else { 120 }).into_par_iter().map(|seed| {
-        let (mut random, mut count) = (Random(seed), Count::default());
-        let scene = Footprints::new(fan(&mut random));
+    let count = over_seeds(if slow() { 1_500 } else { 120 }, 0, |_, random, count| {
+        let scene = Footprints::new(fan(random));
         for _ in 0..60 {
             let mut end = || [random.within(-6, 6) * M, random.within(-6, 6) * M, random.within(0, 3) * M];
             let (a, b) = (end(), end());
@@ -355,12 +311,10 @@ fn many_prisms_that_meet_at_one_point_are_told_apart() {
             let opposite = [-a[0], -a[1], b[2]];
             let center = [0, 0, b[2]];
             for (uav, receiver) in [(a, b), (a, opposite), (a, center), ([0, 0, a[2]], center)] {
-                scene.check(uav, receiver, &mut count);
-                scene.check_heights(uav, receiver, &mut count);
+                scene.check_all(uav, receiver, count);
             }
         }
-        count
-    }));
+    });
     count.assert_both(24_000);
 }
 
@@ -371,8 +325,7 @@ fn vertical_and_zero_length_links_agree_at_every_kind_of_point() {
         let scene = Footprints::new(moved(&prisms, |p| p.map(|c| c * M), |top| top * M));
         for p in lattice(-1, 13, M / 2) {
             for (a, b) in [(4, 0), (3, 2), (2, 2), (2, 1), (0, 4), (1, 1), (0, 0)] {
-                scene.check(at_height(p, a * M), at_height(p, b * M), &mut count);
-                scene.check_heights(at_height(p, a * M), at_height(p, b * M), &mut count);
+                scene.check_all(at_height(p, a * M), at_height(p, b * M), &mut count);
             }
         }
     }
@@ -381,8 +334,7 @@ fn vertical_and_zero_length_links_agree_at_every_kind_of_point() {
     let raster = Raster::new(Columns { n_cols: 2, n_rows: 2, heights: vec![Some(M), None, Some(0), Some(5 * M)] });
     for p in lattice(-1, 5, M / 2) {
         for (a, b) in [(4, 0), (2, 2), (0, 0), (0, 9)] {
-            assert!(raster.check(at_height(p, a * M), at_height(p, b * M), &mut count));
-            raster.check_heights(at_height(p, a * M), at_height(p, b * M), &mut count);
+            assert!(raster.check_all(at_height(p, a * M), at_height(p, b * M), &mut count));
         }
     }
     assert_eq!(count.links, 4 * 49);
@@ -399,27 +351,21 @@ fn a_link_without_length_inside_a_building_has_nothing_in_its_way() {
 #[test]
 fn a_city_of_stars_is_crossed_by_long_links_over_many_buckets() {
     let n = if slow() { 60 } else { 12 };
-    let count = sum((0..n).into_par_iter().map(|seed| {
-        let (mut random, mut count) = (Random(seed ^ 0xC17), Count::default());
+    let count = over_seeds(n, 0xC17, |seed, random, count| {
         let mut town = Vec::new();
-        for i in 0..6 {
-            for j in 0..6 {
-                let ring: Vec<[i64; 2]> = star(&mut random, 6);
-                let corner = [i * 7 * 2048, j * 7 * 2048];
-                let at = |v: &[i64; 2]| [corner[0] + v[0] * 2048, corner[1] + v[1] * 2048];
-                town.push(prism(&ring.iter().map(at).collect::<Vec<_>>(), random.within(1, 20) * M));
-            }
+        for corner in lattice(0, 5, 7 * 2048) {
+            let ring = star(random, 6);
+            let at = |p: [i64; 2]| [corner[0] + p[0] * 2048, corner[1] + p[1] * 2048];
+            town.extend(moved(&[prism(&ring, random.within(1, 20))], at, |top| top * M));
         }
         let scene = Footprints::new(town);
         for _ in 0..250 {
             let mut end = |high: i64| [random.within(-1, 42) * 2048, random.within(-1, 42) * 2048, high];
             let (uav, receiver) = (end(seed as i64 % 30 * M), end(0));
             let uav = [uav[0], uav[1], uav[2] + (receiver[0] / 2048 % 8) * 2 * M];
-            scene.check(uav, receiver, &mut count);
-            scene.check_heights(uav, receiver, &mut count);
+            scene.check_all(uav, receiver, count);
         }
-        count
-    }));
+    });
     assert!(count.links >= 250 * n && count.los > 100 && count.links - count.los > 100, "{count:?}");
 }
 

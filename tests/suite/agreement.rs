@@ -1,104 +1,40 @@
 //! Every engine against the text cases, and against the oracle on random scenes.
 //!
 //! Three independent answers of the crate are compared each time: the decision itself, the ceiling at the receiver's
-//! place (met exactly when the link is LoS, and equal to the oracle's as a number), and the least UAV height.
-
-use num_bigint::BigInt;
-use num_rational::Ratio;
-use skyshed_core::height_field::{Columns, Prisms};
-use skyshed_core::los::{
-    LeastHeight, columns_least_height, columns_least_receiver_height, columns_los, prisms_least_height,
-    prisms_least_receiver_height, prisms_los,
-};
+//! place, and the least UAV height. Of both heights the same lattice heights meet the crate's and the oracle's.
 
 use crate::case_file::{CaseKind, N_CASES, all_cases};
-use crate::oracle::{self, P3};
-use crate::support::{Random, columns_of, point, prisms_of, slow};
-
-/// Whether the crate's ceiling [steps] is the oracle's, to within the rounding of one f64.
-fn same_height(ours: &LeastHeight, oracle: &oracle::Ceiling) -> bool {
-    let ours = ours.height_steps();
-    match oracle {
-        oracle::Ceiling::Clear => ours == f64::NEG_INFINITY,
-        oracle::Ceiling::Never => ours == f64::INFINITY,
-        oracle::Ceiling::At(exact) => {
-            let exact = to_f64(exact);
-            (ours - exact).abs() <= 1e-9 * exact.abs().max(1.0)
-        }
-    }
-}
-
-/// The nearest double, to within two roundings.
-fn to_f64(exact: &Ratio<BigInt>) -> f64 {
-    let text = |n: &BigInt| n.to_string().parse::<f64>().unwrap();
-    text(exact.numer()) / text(exact.denom())
-}
-
-/// Checks all engines for columns on one link and returns the common answer.
-fn check_columns(columns: &Columns, exact: &oracle::Columns, uav: P3, receiver: P3, place: &str) -> bool {
-    let expected = oracle::columns_los(exact, uav, receiver);
-    let (u, r) = (point(uav), point(receiver));
-    let context = || format!("{place}: UAV {uav:?}, receiver {receiver:?}, {exact:?}");
-    assert_eq!(columns_los(columns, u, r), expected, "ray: {}", context());
-    let ceiling = columns_least_receiver_height(columns, u, r);
-    assert_eq!(ceiling.is_met_by(r.z), expected, "ceiling: {}", context());
-    let exact_ceiling = oracle::columns_ceiling(exact, uav, [receiver[0], receiver[1]]);
-    assert!(same_height(&ceiling, &exact_ceiling), "ceiling {ceiling:?}, oracle {exact_ceiling:?}: {}", context());
-    let least = columns_least_height(columns, u, r);
-    assert_eq!(least.is_met_by(u.z), expected, "least height: {}", context());
-    let exact_least = oracle::columns_least_uav_height(exact, [uav[0], uav[1]], receiver);
-    assert!(same_height(&least, &exact_least), "least height {least:?}, oracle {exact_least:?}: {}", context());
-    expected
-}
-
-/// Checks all engines for prisms on one link and returns the common answer.
-fn check_prisms(prisms: &Prisms, exact: &[oracle::Prism], uav: P3, receiver: P3, place: &str) -> bool {
-    let expected = oracle::prisms_los(exact, uav, receiver);
-    let (u, r) = (point(uav), point(receiver));
-    let context = || format!("{place}: UAV {uav:?}, receiver {receiver:?}, {exact:?}");
-    assert_eq!(prisms_los(prisms, u, r), expected, "ray: {}", context());
-    let ceiling = prisms_least_receiver_height(prisms, u, r);
-    if uav != receiver {
-        assert_eq!(ceiling.is_met_by(r.z), expected, "ceiling: {}", context());
-    }
-    let exact_ceiling = oracle::prisms_ceiling(exact, uav, [receiver[0], receiver[1]]);
-    assert!(same_height(&ceiling, &exact_ceiling), "ceiling {ceiling:?}, oracle {exact_ceiling:?}: {}", context());
-    let least = prisms_least_height(prisms, u, r);
-    let exact_least = oracle::prisms_least_uav_height(exact, [uav[0], uav[1]], receiver);
-    assert!(same_height(&least, &exact_least), "least height {least:?}, oracle {exact_least:?}: {}", context());
-    expected
-}
+use crate::oracle::{self, Columns, P3, Prism};
+use crate::referee::{Count, Footprints, Raster, Scene, over_seeds};
+use crate::shapes::{M, plan, rectangle};
+use crate::support::{Random, slow};
 
 #[test]
 fn every_engine_answers_every_text_case() {
-    let mut n = 0;
-    for case in all_cases() {
-        let place = format!("{}:{} {}", case.file, case.line, case.title);
-        let answer = match &case.kind {
-            CaseKind::Columns { columns } => {
-                check_columns(&columns_of(columns), columns, case.uav, case.receiver, &place)
-            }
-            CaseKind::Prisms { prisms } => check_prisms(&prisms_of(prisms), prisms, case.uav, case.receiver, &place),
+    let cases = all_cases();
+    for case in &cases {
+        let scene: Box<dyn Scene> = match &case.kind {
+            CaseKind::Columns(columns) => Box::new(Raster::new(columns.clone())),
+            CaseKind::Prisms(prisms) => Box::new(Footprints::new(prisms.clone())),
         };
-        assert_eq!(answer, case.expect_los, "{place}");
-        n += 1;
+        let answer = scene.check_all(case.uav, case.receiver, &mut Count::default());
+        assert_eq!(answer, case.expect_los, "{}:{}: {} ({})", case.file, case.line, case.title, case.source);
     }
-    assert_eq!(n, N_CASES);
+    assert_eq!(cases.len(), N_CASES);
 }
 
 /// Columns with heights that often tie, some void, some towers.
-fn random_columns(random: &mut Random) -> oracle::Columns {
-    let n_cols = usize::try_from(random.within(1, 10)).unwrap();
-    let n_rows = usize::try_from(random.within(1, 10)).unwrap();
-    let built = 10 * u64::try_from(random.within(0, 9)).unwrap();
+fn random_columns(random: &mut Random) -> Columns {
+    let (n_cols, n_rows) = (random.index(1, 10), random.index(1, 10));
+    let built = 10 * random.below(10);
     let heights = (0..n_cols * n_rows)
-        .map(|_| match random.next() % 100 {
+        .map(|_| match random.below(100) {
             0..4 => None,
             p if p < built => Some(random.choose(&[1024, 2048, 2048, 3072, 4096, 20_480])),
             _ => Some(random.choose(&[0, 0, 0, 1, 512])),
         })
         .collect();
-    oracle::Columns { n_cols, n_rows, heights }
+    Columns { n_cols, n_rows, heights }
 }
 
 /// An end of a link: often on the lattice of corners and centers, in and around the raster.
@@ -120,98 +56,61 @@ fn random_end(random: &mut Random, n_cols: usize, n_rows: usize, highest: i64) -
     [along(random, n_cols), along(random, n_rows), z]
 }
 
+/// Compares fifty links of a scene.
+fn fifty_links(scene: &impl Scene, (n_cols, n_rows): (usize, usize), random: &mut Random, count: &mut Count) {
+    for _ in 0..50 {
+        let uav = random_end(random, n_cols, n_rows, 16_384);
+        let receiver = random_end(random, n_cols, n_rows, 4096);
+        scene.check_all(uav, receiver, count);
+    }
+}
+
 #[test]
 fn ray_over_columns_agrees_with_the_oracle_on_random_rasters() {
-    let n_links = if slow() { 600_000 } else { 30_000 };
-    let mut random = Random(1);
-    let (mut n, mut n_los) = (0, 0);
-    while n < n_links {
-        let exact = random_columns(&mut random);
-        let columns = columns_of(&exact);
-        for _ in 0..50 {
-            let uav = random_end(&mut random, exact.n_cols, exact.n_rows, 16_384);
-            let receiver = random_end(&mut random, exact.n_cols, exact.n_rows, 4096);
-            n_los += i32::from(check_columns(&columns, &exact, uav, receiver, "random raster"));
-            n += 1;
-        }
-    }
-    assert!(n_los > n / 10 && n_los < n - n / 10, "{n_los} of {n} links are LoS: both answers must be common");
+    let n_scenes = if slow() { 12_000 } else { 600 };
+    let count = over_seeds(n_scenes, 1, |_, random, count| {
+        let raster = Raster::new(random_columns(random));
+        fifty_links(&raster, (raster.oracle.n_cols, raster.oracle.n_rows), random, count);
+    });
+    count.assert_both(50 * n_scenes);
 }
 
 /// Footprints on a coarse lattice, so that walls are shared, corners touch and rays run along edges.
-fn random_prisms(random: &mut Random) -> Vec<oracle::Prism> {
-    let unit = 1024;
-    let n = random.within(1, 7);
-    let shape = |random: &mut Random| -> Vec<Vec<[i64; 2]>> {
-        let (x, y) = (random.within(0, 8) * unit, random.within(0, 8) * unit);
-        let (w, h) = (random.within(1, 4) * unit, random.within(1, 4) * unit);
-        let rectangle = |x0: i64, y0: i64, x1: i64, y1: i64| vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
-        match random.next() % 7 {
-            0 | 1 => vec![rectangle(x, y, x + w, y + h)],
-            2 => vec![vec![
-                [x, y],
-                [x + 2 * w, y],
-                [x + 2 * w, y + h],
-                [x + w, y + h],
-                [x + w, y + 2 * h],
-                [x, y + 2 * h],
-            ]],
-            3 => vec![
-                rectangle(x, y, x + 4 * unit, y + 4 * unit),
-                rectangle(x + unit, y + unit, x + random.within(2, 3) * unit, y + 3 * unit),
-            ],
-            4 => {
-                vec![vec![[x, y], [x + w, y + random.within(0, 2) * unit], [x + random.within(0, 1) * unit, y + 3 * h]]]
-            }
-            5 => {
-                // A comb with teeth of the same width as the gaps.
-                vec![vec![
-                    [x, y],
-                    [x + 5 * unit, y],
-                    [x + 5 * unit, y + 3 * unit],
-                    [x + 4 * unit, y + 3 * unit],
-                    [x + 4 * unit, y + unit],
-                    [x + 3 * unit, y + unit],
-                    [x + 3 * unit, y + 3 * unit],
-                    [x + 2 * unit, y + 3 * unit],
-                    [x + 2 * unit, y + unit],
-                    [x + unit, y + unit],
-                    [x + unit, y + 3 * unit],
-                    [x, y + 3 * unit],
-                ]]
-            }
-            _ => {
-                let fine = |random: &mut Random| random.within(-700, 700);
-                vec![vec![
-                    [x + fine(random), y + fine(random)],
-                    [x + 3000 + fine(random), y + fine(random)],
-                    [x + 3000 + fine(random), y + 3000 + fine(random)],
-                    [x + fine(random), y + 3000 + fine(random)],
-                ]]
-            }
-        }
-    };
-    (0..n)
-        .map(|_| oracle::Prism { rings: shape(random), top: random.choose(&[1024, 2048, 2048, 3072, 4096, 12_288]) })
+fn random_prisms(random: &mut Random) -> Vec<Prism> {
+    (0..random.within(1, 7))
+        .map(|_| Prism { rings: random_rings(random), top: random.choose(&[1024, 2048, 2048, 3072, 4096, 12_288]) })
         .collect()
+}
+
+fn random_rings(random: &mut Random) -> Vec<Vec<[i64; 2]>> {
+    let (x, y) = (random.within(0, 8) * M, random.within(0, 8) * M);
+    let (w, h) = (random.within(1, 4), random.within(1, 4));
+    let meters = |ring: &[[i64; 2]]| ring.iter().map(|p| [x + p[0] * M, y + p[1] * M]).collect();
+    match random.next() % 7 {
+        0 | 1 => vec![meters(&rectangle(0, 0, w, h))],
+        2 => vec![meters(&[[0, 0], [2 * w, 0], [2 * w, h], [w, h], [w, 2 * h], [0, 2 * h]])],
+        3 => vec![meters(&rectangle(0, 0, 4, 4)), meters(&rectangle(1, 1, random.within(2, 3), 3))],
+        4 => vec![meters(&[[0, 0], [w, random.within(0, 2)], [random.within(0, 1), 3 * h]])],
+        5 => {
+            // A comb with teeth of the same width as the gaps.
+            let comb = [[0, 0], [5, 0], [5, 3], [4, 3], [4, 1], [3, 1], [3, 3], [2, 3], [2, 1], [1, 1], [1, 3], [0, 3]];
+            vec![meters(&comb)]
+        }
+        _ => {
+            let corners = [[0, 0], [3000, 0], [3000, 3000], [0, 3000]];
+            let mut near = |k: i64| k + random.within(-700, 700);
+            vec![corners.iter().map(|p| [near(x + p[0]), near(y + p[1])]).collect()]
+        }
+    }
 }
 
 #[test]
 fn ray_over_prisms_agrees_with_the_oracle_on_random_footprints() {
-    let n_links = if slow() { 600_000 } else { 30_000 };
-    let mut random = Random(2);
-    let (mut n, mut n_los) = (0, 0);
-    while n < n_links {
-        let exact = random_prisms(&mut random);
-        let prisms = prisms_of(&exact);
-        for _ in 0..50 {
-            let uav = random_end(&mut random, 12, 12, 16_384);
-            let receiver = random_end(&mut random, 12, 12, 4096);
-            n_los += i32::from(check_prisms(&prisms, &exact, uav, receiver, "random footprints"));
-            n += 1;
-        }
-    }
-    assert!(n_los > n / 10 && n_los < n - n / 10, "{n_los} of {n} links are LoS: both answers must be common");
+    let n_scenes = if slow() { 12_000 } else { 600 };
+    let count = over_seeds(n_scenes, 2, |_, random, count| {
+        fifty_links(&Footprints::new(random_prisms(random)), (12, 12), random, count);
+    });
+    count.assert_both(50 * n_scenes);
 }
 
 #[test]
@@ -219,12 +118,11 @@ fn what_is_inside_a_solid_agrees_with_the_oracle_at_lattice_points() {
     let mut random = Random(3);
     let (mut n, mut n_inside) = (0, 0);
     for _ in 0..300 {
-        let exact = random_prisms(&mut random);
-        let prisms = prisms_of(&exact);
+        let scene = Footprints::new(random_prisms(&mut random));
         for _ in 0..60 {
             let p = random_end(&mut random, 12, 12, 5000);
-            let inside = i64::from(prisms.solid_below(p[0], p[1])) > p[2];
-            assert_eq!(inside, oracle::prisms_cover(&exact, [p[0], p[1]], p[2]), "point {p:?} in {exact:?}");
+            let inside = i64::from(scene.engine.solid_below(p[0], p[1])) > p[2];
+            assert_eq!(inside, oracle::prisms_cover(&scene.oracle, plan(p), p[2]), "point {p:?} in {:?}", scene.oracle);
             n += 1;
             n_inside += i32::from(inside);
         }

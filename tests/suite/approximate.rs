@@ -1,9 +1,11 @@
 //! The approximations against plain restatements of their rules, and their errors against what is known of them: `step`
 //! errs towards LoS only, `xdraw` both ways and most in suburban cities, none of them is exact.
 
+#![expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "small test coordinates")]
+
 use num_bigint::BigInt;
 use num_rational::Ratio;
-use skyshed_core::city::{BuiltUp, BuiltUpCity, Ground, Site};
+use skyshed_core::city::{BuiltUp, Ground, Site};
 use skyshed_core::coverage::{MapOptions, Mapper, Seen, Uav};
 use skyshed_core::height_field::{Columns, HeightField};
 use skyshed_core::los::{MethodChoice, StepLength, columns_los, r2_los, step_los, xdraw_los};
@@ -11,7 +13,7 @@ use skyshed_core::quantity::{Height, LatticePoint, VOID};
 use skyshed_core::raster::{BitGrid, CellWindow};
 
 use crate::engines::as_raster;
-use crate::support::{Random, slow};
+use crate::support::{ENVIRONMENTS, Random, city, slow};
 
 /// A small raster with many ties, a UAV on a lattice where borders and corners are met often, and receivers' heights.
 fn small(random: &mut Random) -> (Columns, LatticePoint, i64) {
@@ -30,7 +32,7 @@ fn small(random: &mut Random) -> (Columns, LatticePoint, i64) {
     (columns, uav, random.within(0, 3) * 512)
 }
 
-/// The heights of the receivers: the same everywhere.
+/// All cells, and the window around them.
 fn whole(columns: &Columns) -> (BitGrid, CellWindow) {
     let (n_rows, n_cols) = (columns.n_rows(), columns.n_cols());
     (BitGrid::full(n_rows, n_cols), CellWindow { row: 0, col: 0, n_rows, n_cols })
@@ -45,10 +47,7 @@ fn ratio(n: i64, d: i64) -> Rational {
 /// `step` in rational arithmetic, straight from its definition.
 fn step_by_definition(columns: &Columns, uav: LatticePoint, rx: LatticePoint, cells: f64) -> bool {
     let (dx, dy) = (uav.x - rx.x, uav.y - rx.y);
-    #[expect(clippy::cast_precision_loss, reason = "small test coordinates")]
-    let parts = (((dx * dx + dy * dy) as f64).sqrt() / 1024.0 / cells).ceil();
-    #[expect(clippy::cast_possible_truncation, reason = "small test coordinates")]
-    let parts = (parts as i64).max(1);
+    let parts = ((((dx * dx + dy * dy) as f64).sqrt() / 1024.0 / cells).ceil() as i64).max(1);
     (1..parts).all(|k| {
         let at = |from: i64, d: i64| (ratio(from, 1) + ratio(d * k, parts)) / ratio(1024, 1);
         let (x, y) = (at(rx.x, dx), at(rx.y, dy));
@@ -56,17 +55,13 @@ fn step_by_definition(columns: &Columns, uav: LatticePoint, rx: LatticePoint, ce
         let holds = |cell: i64, v: &Rational| ratio(cell, 1) <= *v && *v <= ratio(cell + 1, 1);
         let (own_x, own_y) = (ratio(rx.x, 1024), ratio(rx.y, 1024));
         let (n_cols, n_rows) = (i64::try_from(columns.n_cols()).unwrap(), i64::try_from(columns.n_rows()).unwrap());
-        let mut lowest: Option<i32> = None;
-        for east in -5..n_cols + 5 {
-            for north in -5..n_rows + 5 {
-                if holds(east, &x) && holds(north, &y) {
-                    let is_own = holds(east, &own_x) && holds(north, &own_y);
-                    let top = if is_own { VOID } else { columns.top(east, north) };
-                    lowest = Some(lowest.map_or(top, |l| l.min(top)));
-                }
-            }
-        }
-        lowest.is_none_or(|top| top == VOID || ratio(i64::from(top), 1) <= z)
+        let cells = (-5..n_cols + 5).flat_map(|east| (-5..n_rows + 5).map(move |north| (east, north)));
+        let beside = cells.filter(|(east, north)| holds(*east, &x) && holds(*north, &y));
+        let lowest = beside.map(|(east, north)| {
+            let is_own = holds(east, &own_x) && holds(north, &own_y);
+            if is_own { VOID } else { columns.top(east, north) }
+        });
+        lowest.min().is_none_or(|top| top == VOID || ratio(i64::from(top), 1) <= z)
     })
 }
 
@@ -77,17 +72,15 @@ fn step_is_its_definition_and_never_calls_a_clear_link_blocked() {
     for _ in 0..if slow() { 4000 } else { 400 } {
         let (columns, uav, z) = small(&mut random);
         let cells = random.choose(&[0.25, 0.5, 1.0, 2.0, 4.0]);
-        for row in 0..columns.n_rows() {
-            for col in 0..columns.n_cols() {
-                let (x, y) = columns.center(row, col);
-                let rx = LatticePoint { x, y, z };
-                let found = step_los(&columns, uav, rx, StepLength::new(cells).unwrap());
-                assert_eq!(found, step_by_definition(&columns, uav, rx, cells), "{uav:?} to {rx:?}, step {cells}");
-                let exact = columns_los(&columns, uav, rx);
-                assert!(found || !exact, "{uav:?} to {rx:?}, step {cells}");
-                n_missed += u64::from(found && !exact);
-                n += 1;
-            }
+        for (row, col) in whole(&columns).0.cells() {
+            let (x, y) = columns.center(row, col);
+            let rx = LatticePoint { x, y, z };
+            let found = step_los(&columns, uav, rx, StepLength::new(cells).unwrap());
+            assert_eq!(found, step_by_definition(&columns, uav, rx, cells), "{uav:?} to {rx:?}, step {cells}");
+            let exact = columns_los(&columns, uav, rx);
+            assert!(found || !exact, "{uav:?} to {rx:?}, step {cells}");
+            n_missed += u64::from(found && !exact);
+            n += 1;
         }
     }
     assert!(n > 8000 && n_missed > 100, "{n_missed} of {n} missed");
@@ -103,8 +96,7 @@ struct XdrawByDefinition<'a> {
 impl XdrawByDefinition<'_> {
     /// The slope that hides what is at a cell, along the axis `by_rows`; −10^30 where nothing does.
     fn hidden_below(&self, (row, col): (i64, i64), by_rows: bool) -> f64 {
-        #[expect(clippy::cast_possible_truncation, reason = "small test coordinates")]
-        let own = (self.uav.1.floor() as i64, self.uav.0.floor() as i64);
+        let own = self.own_cell();
         // Across and along the lines.
         let (line, lateral, own_line, own_lateral) =
             if by_rows { (row, col, own.0, own.1) } else { (col, row, own.1, own.0) };
@@ -131,28 +123,29 @@ impl XdrawByDefinition<'_> {
         steepest(lateral) * (1.0 - weight) + steepest(next) * weight
     }
 
+    /// Row and column of the UAV.
+    fn own_cell(&self) -> (i64, i64) {
+        (self.uav.1.floor() as i64, self.uav.0.floor() as i64)
+    }
+
     fn n(&self, rows: bool) -> i64 {
         i64::try_from(if rows { self.columns.n_rows() } else { self.columns.n_cols() }).unwrap()
     }
 
     fn los(&self, row: i64, col: i64, z: i64) -> bool {
-        #[expect(clippy::cast_possible_truncation, reason = "small test coordinates")]
-        let own = (self.uav.1.floor() as i64, self.uav.0.floor() as i64);
+        let own = self.own_cell();
         if (row, col) == own {
             return true;
         }
         let by_rows = (row - own.0).abs() >= (col - own.1).abs();
         let across = if by_rows { center(row) - self.uav.1 } else { center(col) - self.uav.0 };
-        #[expect(clippy::cast_precision_loss, reason = "small test coordinates")]
         let slope = (z as f64 - self.uav.2) / across.abs();
         slope >= self.hidden_below((row, col), by_rows)
     }
 }
 
 fn center(cell: i64) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "small test coordinates")]
-    let cell = cell as f64;
-    cell + 0.5
+    cell as f64 + 0.5
 }
 
 #[test]
@@ -163,21 +156,17 @@ fn xdraw_is_its_definition() {
         let (columns, uav, z) = small(&mut random);
         let (all, window) = whole(&columns);
         let found = xdraw_los(&columns, uav, &|_, _| z, &all, window);
-        #[expect(clippy::cast_precision_loss, reason = "small test coordinates")]
+        // On the border between two cells the UAV belongs to either.
+        if uav.x.rem_euclid(1024) == 0 || uav.y.rem_euclid(1024) == 0 {
+            continue;
+        }
         let position = (uav.x as f64 / 1024.0, columns.n_rows() as f64 - uav.y as f64 / 1024.0, uav.z as f64);
         let twin = XdrawByDefinition { columns: &columns, uav: position };
-        for row in 0..columns.n_rows() {
-            for col in 0..columns.n_cols() {
-                let (r, c) = (i64::try_from(row).unwrap(), i64::try_from(col).unwrap());
-                // On the border between two cells the UAV belongs to either.
-                if uav.x.rem_euclid(1024) == 0 || uav.y.rem_euclid(1024) == 0 {
-                    continue;
-                }
-                let expected = twin.los(r, c, z);
-                assert_eq!(found.contains(row, col), expected, "{uav:?}, row {row}, column {col}, {columns:?}");
-                n += 1;
-                n_blocked += u64::from(!expected);
-            }
+        for (row, col) in all.cells() {
+            let expected = twin.los(i64::try_from(row).unwrap(), i64::try_from(col).unwrap(), z);
+            assert_eq!(found.contains(row, col), expected, "{uav:?}, row {row}, column {col}, {columns:?}");
+            n += 1;
+            n_blocked += u64::from(!expected);
         }
     }
     assert!(n > 2000 && n_blocked > 200, "{n_blocked} of {n} blocked");
@@ -201,21 +190,6 @@ fn r2_takes_the_answer_of_the_nearest_ray() {
     assert_eq!(hidden, [(0, 3), (0, 4), (1, 3), (1, 4)]);
 }
 
-/// The raster of a generated city.
-fn raster_city(name: &str, seed: u64) -> HeightField {
-    let city = BuiltUpCity {
-        built_up: BuiltUp::named(name).unwrap(),
-        size_m: 600.0,
-        margin_m: 0.0,
-        cell_m: 1.0,
-        seed,
-        ground_m: 0.0,
-    };
-    let scene = city.city().unwrap();
-    let field = HeightField::build(&scene.grid, scene.solids).field;
-    as_raster(&field, Ground::Flat(0), 0, &mut Random(1))
-}
-
 fn seen(field: &HeightField, uav: &Uav, method: MethodChoice) -> Seen {
     let options = MapOptions { method, ..MapOptions::default() };
     Mapper::new(field, &options).unwrap().seen(uav)
@@ -226,7 +200,6 @@ fn errors(field: &HeightField, uav: &Uav, method: MethodChoice) -> (f64, f64) {
     let (exact, found) = (seen(field, uav, MethodChoice::Ray), seen(field, uav, method));
     assert_eq!(exact.receivers, found.receivers);
     let both = exact.los.count_in(&found.los);
-    #[expect(clippy::cast_precision_loss, reason = "a few hundred thousand cells")]
     let percent = |n: u64| 100.0 * n as f64 / exact.receivers.count() as f64;
     (percent(found.los.count() - both), percent(exact.los.count() - both))
 }
@@ -235,8 +208,8 @@ fn errors(field: &HeightField, uav: &Uav, method: MethodChoice) -> (f64, f64) {
 fn errors_have_the_sign_and_size_that_is_known_of_them() {
     let step = |cells: f64| MethodChoice::Step(StepLength::new(cells).unwrap());
     let mut of_xdraw = Vec::new();
-    for name in ["suburban", "urban", "dense-urban", "high-rise"] {
-        let field = raster_city(name, 3);
+    for name in ENVIRONMENTS {
+        let field = as_raster(&city(name, 600.0, 1.0, 3), Ground::Flat(0), 0, &mut Random(1));
         // Over a crossroad near the middle.
         let built_up = BuiltUp::named(name).unwrap();
         let middle = (300.0 / built_up.period()).floor() * built_up.period() + built_up.street_width() / 2.0;

@@ -1,17 +1,19 @@
 //! Speed against accuracy: counts by hand and from saved maps, sums, the exact answer, coarser cells, threads.
 
 use serde_json::Value;
-use skyshed_core::city::{Ground, Site, Solids};
+use skyshed_core::city::{Ground, Site};
 use skyshed_core::coverage::{MapOptions, Uav};
 use skyshed_core::height_field::{HeightField, Pooling, Station};
 use skyshed_core::los::{MethodChoice, link_los};
 use skyshed_core::quantity::Height;
-use skyshed_core::raster::{GeoRef, Raster};
-use skyshed_io::formats::RasterFile;
+use skyshed_core::raster::GeoRef;
+use skyshed_io::formats::GeoTiff;
 use skyshed_study::accuracy::chart::{Contestant, Truth};
 
+use crate::compare;
 use crate::program::Folder;
-use crate::support::Random;
+use crate::support::{Random, class_of};
+use crate::zones::surface_field;
 
 /// Flat ground with a wall of 5 m in the fourth of seven columns; a UAV over the first cell of the middle row.
 const WALL: [i32; 21] = [0, 0, 0, 5, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0];
@@ -27,11 +29,7 @@ const CITY: &str = r#"{"type": "FeatureCollection", "features": [
    "geometry": {"type": "Polygon", "coordinates": [[[42.6,13],[44,13],[44,14],[42.6,14],[42.6,13]]]}}]}"#;
 
 pub(crate) fn grid<T: ToString>(values: &[T], n_cols: usize) -> String {
-    let rows: Vec<String> =
-        values.chunks(n_cols).map(|row| row.iter().map(T::to_string).collect::<Vec<_>>().join(" ")).collect();
-    let n_rows = rows.len();
-    let head = format!("ncols {n_cols}\nnrows {n_rows}\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -9999\n");
-    format!("{head}{}\n", rows.join("\n"))
+    compare::grid(values, n_cols, -9999)
 }
 
 /// Heights of 48 × 40 cells: flat ground with some columns upon it.
@@ -131,12 +129,8 @@ fn a_uav_inside_a_building_that_grew_has_no_numbers_but_a_reason() {
 
 /// The classes of a saved map, row by row.
 pub(crate) fn classes(folder: &Folder, file: &str) -> Vec<u8> {
-    let RasterFile::GeoTiff(tiff) = RasterFile::open(folder.join(file), &mut Vec::new()).unwrap() else {
-        panic!("a GeoTIFF")
-    };
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "classes are small whole numbers")]
-    let class = |v: f64| if v.is_nan() { 255 } else { v as u8 };
-    tiff.read_band(0, tiff.georef().window(), &mut Vec::new(), class).unwrap().cells().to_vec()
+    let tiff = GeoTiff::open(folder.join(file), &mut Vec::new()).unwrap();
+    tiff.read_band(0, tiff.georef().window(), &mut Vec::new(), class_of).unwrap().cells().to_vec()
 }
 
 #[test]
@@ -196,9 +190,7 @@ fn a_row_names_the_engine_that_decided_it() {
 fn rough_field() -> (HeightField, Uav) {
     let georef = GeoRef::new((0.0, 40.0), (1.0, 1.0), (40, 48), None).unwrap();
     let tops = rough().iter().map(|z| i32::try_from(*z).unwrap() * 1024).collect::<Vec<_>>();
-    let surface = Raster::new(georef.clone(), tops);
-    let solids = Solids::Raster { surface, ground: Ground::Flat(0), building_threshold: 256, voids: None };
-    let field = HeightField::build(&georef, solids).field;
+    let field = surface_field(&georef, tops, Ground::Flat(0));
     let site = Site { id: "1".into(), x: 20.25, y: 17.75, height: Height::AboveGround(35.0) };
     let uav = Uav::place(&site, &field, None).unwrap();
     (field, uav)

@@ -123,8 +123,7 @@ fn a_generated_city_written_and_read_back_gives_the_same_map() {
     let made =
         folder.type_in("city itu:urban --size 200 --seed 7 -o c.png -o c.svg -o c.tif -o c.asc -o c.geojson -o c.json");
     assert_eq!(made.done().out, "");
-    let wanted = ["c.asc", "c.asc.json", "c.geojson", "c.json", "c.png", "c.svg", "c.tif"];
-    assert_eq!(folder.files(), wanted);
+    assert_eq!(folder.files().join(" "), "c.asc c.asc.json c.geojson c.json c.png c.svg c.tif");
     let digest = |line: &str| {
         let document = folder.type_in(&format!("map {line} --uav 90,110,55 --uav 10,10,120 --json -q")).done().json();
         document["digest"].as_str().expect("a digest").to_string()
@@ -151,15 +150,12 @@ fn a_generated_city_written_and_read_back_gives_the_same_map() {
 #[test]
 fn a_generated_city_says_why_it_has_as_many_buildings() {
     let folder = Folder::new();
-    for (city, words) in [
-        (
-            "itu:dense-urban",
-            "324 buildings on 1000 × 1000 m: 18 rows of 18, one each 57.7 m as 300/km² asks; the edge cuts the last",
-        ),
-        ("itu:urban", "484 buildings on 1000 × 1000 m: 22 rows of 22, one each 44.7 m as 500/km² asks\n"),
+    for (city, n, rows) in [
+        ("itu:dense-urban", 324, "18 rows of 18, one each 57.7 m as 300/km² asks; the edge cuts the last"),
+        ("itu:urban", 484, "22 rows of 22, one each 44.7 m as 500/km² asks\n"),
     ] {
         let said = folder.type_in(&format!("city {city}")).done().out;
-        assert!(said.contains(words), "{said}");
+        assert!(said.contains(&format!("{n} buildings on 1000 × 1000 m: {rows}")), "{said}");
     }
 }
 

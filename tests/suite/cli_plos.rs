@@ -1,7 +1,6 @@
 //! `skyshed plos` from outside: tables, documents, plots, its flags, and what it refuses.
 
 use std::collections::HashMap;
-use std::path::Path;
 
 use serde_json::Value;
 
@@ -25,20 +24,16 @@ fn folder() -> Folder {
     let folder = Folder::new();
     folder.write("city.geojson", CITY);
     folder.write("curve.csv", "theta_deg,p_los\n0,0\n90,1\n");
-    let row = |row: usize| {
-        let cells = (0..40).map(|col| match (row, col) {
-            (8..16, 8..16) => "30",
-            (20..24, 4..36) => "0.5",
-            (30, 30) => "-9999",
-            _ => "0",
-        });
-        cells.collect::<Vec<_>>().join(" ")
+    let surface = |cell: usize| match (cell / 40, cell % 40) {
+        (8..16, 8..16) => "30",
+        (20..24, 4..36) => "0.5",
+        (30, 30) => "-9999",
+        _ => "0",
     };
-    let rows: Vec<String> = (0..40).map(row).collect();
     let head = "ncols 40\nnrows 40\nxllcorner 0\nyllcorner 0\ncellsize 5\nNODATA_value -9999\n";
-    folder.write("dsm.asc", &format!("{head}{}\n", rows.join("\n")));
-    let flat: Vec<String> = (0..40).map(|_| ["1"; 40].join(" ")).collect();
-    folder.write("slope.asc", &format!("{head}{}\n", flat.join("\n")));
+    let cells: Vec<&str> = (0..40 * 40).map(surface).collect();
+    folder.write("dsm.asc", &format!("{head}{}\n", cells.join(" ")));
+    folder.write("flat.asc", &format!("{head}{}\n", ["1"; 40 * 40].join(" ")));
     folder
 }
 
@@ -49,6 +44,10 @@ fn table(text: &str) -> Vec<HashMap<String, String>> {
 
 fn document(folder: &Folder, line: &str) -> Value {
     folder.type_in(&format!("plos {line} --json")).done().json()
+}
+
+fn methods(document: &Value) -> Vec<&str> {
+    document["methods"].as_array().unwrap().iter().map(|m| m["id"].as_str().unwrap()).collect()
 }
 
 #[test]
@@ -156,8 +155,8 @@ fn too_few_clusters_leave_no_interval() {
 #[test]
 fn a_place_without_users_has_no_p_los() {
     let folder = folder();
-    let answer =
-        folder.type_in("plos itu:urban --theta 90 --placement rooftop --method product,city,geometry --json").done();
+    let line = "plos itu:urban --theta 90 --placement rooftop --method product,city,geometry --json";
+    let answer = folder.type_in(line).done();
     assert_eq!(answer.warnings(), ["W202"]);
     for row in answer.json()["rows"].as_array().unwrap() {
         assert!(row["p_los"].is_null() && row["reason"] == "no user is there", "{row}");
@@ -175,9 +174,7 @@ fn a_real_city_is_mapped_and_the_city_that_fits_it_laid_over() {
     let gamma = ((400.0 + 144.0 + 2500.0 + 225.0) / 8.0_f64).sqrt();
     assert!((fit["gamma_m"].as_f64().unwrap() - gamma).abs() < 1e-9, "{fit}");
     assert_eq!(fit["buildings"], 4);
-    let methods: Vec<&str> =
-        document["methods"].as_array().unwrap().iter().map(|m| m["id"].as_str().unwrap()).collect();
-    assert_eq!(methods, ["maps", "product"]);
+    assert_eq!(methods(&document), ["maps", "product"]);
     let svg = folder.text("p.svg");
     for words in ["Rayleigh, most likely", "Building heights", "drawn by hand", "(estimated)"] {
         assert!(svg.contains(words), "{words}");
@@ -214,13 +211,11 @@ fn users_and_uavs_of_a_real_city_are_told_apart_by_zone() {
         }
     }
     // Around a single building no streets meet.
-    let ring = "[[[5,5],[15,5],[15,15],[5,15],[5,5]]]";
-    let feature = format!(
-        r#"{{"type": "Feature", "properties": {{"height": 9}}, "geometry": {{"type": "Polygon", "coordinates": {ring}}}}}"#
-    );
-    folder.write("house.geojson", &format!(r#"{{"type": "FeatureCollection", "features": [{feature}]}}"#));
-    let refused = folder.type_in("plos house.geojson --extent 0,0,20,20 --users crossroad --theta 40 --method maps");
-    assert!(refused.refused(4)[0].contains("it has no crossroad cell"), "{refused:?}");
+    let house = r#"{"type": "Feature", "properties": {"height": 9},
+        "geometry": {"type": "Polygon", "coordinates": [[[5,5],[15,5],[15,15],[5,15],[5,5]]]}}"#;
+    folder.write("house.geojson", house);
+    let line = "plos house.geojson --extent 0,0,20,20 --users crossroad --theta 40 --method maps";
+    folder.refuses(line, "E204", &["crossroad"]);
 }
 
 #[test]
@@ -231,51 +226,48 @@ fn a_raster_has_maps_but_no_city_that_fits() {
     assert!(answer.warnings().contains(&"W210"), "{answer:?}");
     let document = answer.json();
     assert!(document["rows"].as_array().unwrap().iter().all(|r| r["method"] == "maps"));
-    let refused = folder.type_in(&format!("{line} --method product"));
-    assert!(refused.refused(2)[0].contains("α, β, γ are unknown"), "{refused:?}");
+    folder.refuses(&format!("{line} --method product"), "E122", &["`product`"]);
 }
 
-/// Lines that change the digest: a study without a flag, and the flag.
-const FLAGS: [(&str, &str); 38] = [
+/// Studies, and what each changes their digests.
+const FLAGS: [(&str, &str); 17] = [
     ("itu:urban --phi 45", "--theta 40"),
-    ("itu:urban", "--distance 50:200:50"),
-    ("itu:urban", "--radius 50,100"),
-    ("itu:urban --theta 30", "--phi 30"),
-    ("itu:urban --theta 30", "--height 40"),
-    ("itu:urban --theta 30", "--alpha 0.2"),
-    ("itu:urban --theta 30", "--beta 300"),
-    ("itu:urban --theta 30", "--gamma 30"),
-    ("itu:urban --theta 30", "--users crossroad"),
-    ("itu:urban --theta 30", "--placement rooftop"),
+    ("itu:urban", "--distance 50:200:50; --radius 50,100"),
+    (
+        "itu:urban --theta 30",
+        "--phi 30; --height 40; --alpha 0.2; --beta 300; --gamma 30; --rx-height 0; --seed 2; itu:ghent",
+    ),
+    (
+        "itu:urban --theta 30",
+        "--users crossroad; --users street; --placement rooftop; --curve mine=curve.csv; --ci 0.99",
+    ),
     ("itu:urban --theta 30", "--method geometry"),
-    ("itu:urban --theta 30", "--rx-height 0"),
     ("itu:high-rise --theta 30", "--uav-clear-of-roof"),
-    ("itu:urban --theta 30", "--curve mine=curve.csv"),
-    ("itu:urban --theta 30 --method geometry", "--until 0.02"),
-    ("itu:urban --theta 30", "--ci 0.99"),
-    ("itu:urban --theta 30", "--seed 2"),
-    ("itu:urban --theta 30 --method city", "--cities 20"),
-    ("itu:urban --theta 30 --method city", "--users-per-city 90"),
-    ("itu:urban --theta 30 --method geometry", "--links 3000"),
-    ("itu:urban --theta 30", "itu:ghent"),
-    ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--positions 20"),
-    ("city.geojson --theta 30 --height 25 --cell 5", "--block 20"),
-    ("city.geojson --theta 30 --height 25 --block 30", "--cell 5"),
-    ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--missing levels"),
-    ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--height-unit ft"),
-    ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--height-field tall"),
-    ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--top-field z_top"),
-    ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--extent 0,0,150,150"),
-    ("city.geojson --theta 30 --height 25 --cell 5 --block 30 --top-field z_top", "--ground 3"),
-    ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--theta-band 9"),
-    ("city.geojson --theta 30 --height 25 --cell 5 --block 30", "--data-area all"),
-    ("city.geojson --theta 30 --height 25 --block 30 --top-field z_top", "--terrain slope.asc"),
-    ("dsm.asc --ground 0 --theta 10 --height 20 --block 30", "--building-threshold 0.7"),
+    ("itu:urban --theta 30 --method geometry", "--until 0.02; --links 3000"),
+    ("itu:urban --theta 30 --method city", "--cities 20; --users-per-city 90"),
+    ("CITY --cell 5 --block 30", "--positions 20; --extent 0,0,150,150; --theta-band 9; --data-area all"),
+    ("CITY --cell 5 --block 30", "--missing levels; --height-unit ft; --height-field tall; --top-field z_top"),
+    ("CITY --cell 5", "--block 20"),
+    ("CITY --block 30", "--cell 5"),
+    ("CITY --cell 5 --block 30 --top-field z_top", "--ground 3"),
+    ("CITY --block 30 --top-field z_top", "--terrain flat.asc"),
+    ("dsm.asc --ground 0 --theta 10 --height 20 --block 30", "--building-threshold 0.7; --rx-height 9"),
     ("dsm.asc --ground 0 --theta 5 --height 20 --block 30", "--nodata-as block"),
-    ("dsm.asc --ground 0 --theta 10 --height 20 --block 30", "--rx-height 9"),
     ("dsm.asc --theta 10 --height 20 --block 30", "--ground 0"),
-    ("itu:0.3,500,15 --theta 30", "--users street"),
 ];
+
+#[test]
+fn every_flag_changes_the_values() {
+    let folder = folder();
+    let digest = |line: &str| document(&folder, &format!("{line} -q"))["digest"].clone();
+    for (line, flags) in FLAGS {
+        let line = line.replace("CITY", "city.geojson --theta 30 --height 25");
+        let without = digest(&line);
+        for flag in flags.split("; ") {
+            assert_ne!(without, digest(&format!("{line} {flag}")), "{line} {flag}");
+        }
+    }
+}
 
 /// Where UAVs may be depends on the radius, and each radius has its own.
 #[test]
@@ -289,57 +281,6 @@ fn p_los_within_a_radius_does_not_depend_on_the_other_radii() {
     };
     let (one, other) = (rows("60"), rows("120"));
     assert_eq!(rows("60,120"), [one, other].concat());
-    let refused = folder.type_in("plos c.geojson --height 80 --radius 60 --theta-band 3");
-    assert!(refused.refused(2)[0].contains("`--theta-band` has no meaning"), "{refused:?}");
-    for flag in ["--theta-band 3", "--data-area all", "--base mean"] {
-        let refused = folder.type_in(&format!("plos itu:urban --theta 30 {flag}"));
-        assert!(refused.refused(2)[0].contains("has no meaning without a city in a file"), "{flag}: {refused:?}");
-    }
-}
-
-/// Flags that change what is written or said, not the values.
-const OTHER: [&str; 24] = [
-    "--attribution",
-    "--base",
-    "--width",
-    "--dpi",
-    "--project",
-    "--skip-bad",
-    "--repairs",
-    "--levels-field",
-    "--layer",
-    "--tolerance",
-    "--output",
-    "--csv",
-    "--plot",
-    "--title",
-    "--json",
-    "--overwrite",
-    "--threads",
-    "--quiet",
-    "--max-memory",
-    "--csv-text",
-    "--hash",
-    "--crs",
-    "--help",
-    "--version",
-];
-
-#[test]
-fn every_flag_changes_the_values() {
-    let folder = folder();
-    let digest = |line: &str| document(&folder, &format!("{line} -q"))["digest"].clone();
-    for (line, flag) in FLAGS {
-        assert_ne!(digest(line), digest(&format!("{line} {flag}")), "{line} {flag}");
-    }
-    for flag in folder.flags("plos") {
-        let flag = flag.as_str();
-        // Refused here, as tested below.
-        let is_known = OTHER.contains(&flag)
-            || flag == "--size"
-            || FLAGS.iter().any(|(_, words)| words.split(' ').next() == Some(flag));
-        assert!(is_known, "plos {flag}: add it to the flags above");
-    }
 }
 
 #[test]
@@ -354,8 +295,7 @@ fn plots_are_chosen_by_what_is_swept() {
     let curves = svg("itu:urban --theta 20:80:20 --phi 0:90:30 --plot curves");
     assert!(curves.contains("φ = 30°") && !curves.contains("Azimuth φ"));
     assert!(svg("itu:urban --theta 30:60:30 --title Mine").contains("Mine"));
-    let refused = folder.type_in("plos itu:urban --theta 30 --plot heat -o q.png");
-    assert!(refused.refused(2)[0].contains("0 quantities are swept"), "{refused:?}");
+    folder.refuses("plos itu:urban --theta 30 --plot heat -o q.png", "E124", &["0 quantities"]);
     assert!(!folder.files().iter().any(|f| f.contains("q.png")), "{:?}", folder.files());
     // A point is enough for a plot.
     assert!(svg("itu:urban --theta 45").contains("Elevation angle"));
@@ -364,52 +304,52 @@ fn plots_are_chosen_by_what_is_swept() {
 #[test]
 fn bad_parameters_are_refused_with_their_range() {
     let folder = folder();
-    for (line, wanted) in [
-        ("itu:urban --theta 0", "0 < θ ≤ 90"),
-        ("itu:urban --theta 90.001", "0 < θ ≤ 90"),
-        ("itu:urban --theta -5", "0 < θ ≤ 90"),
-        ("itu:urban --theta nan", "finite"),
-        ("itu:1,500,15", "0 < α < 1"),
-        ("itu:nan,500,15", "0 < α < 1"),
-        ("itu:0.3,0,15", "β > 0"),
-        ("itu:0.3,500,-1", "0 < γ ≤ 2048"),
-        ("itu:urban --alpha 1", "0 < α < 1"),
-        ("itu:urban --beta 0", "β > 0"),
-        ("itu:urban --gamma 0:20:10", "0 < γ ≤ 2048"),
-        ("itu:urban --height 1", "above the receivers, 1.5 m"),
-        ("itu:urban --height 40000", "at most 32768 m"),
-        ("itu:urban --rx-height -1", "at least 0 m"),
-        ("itu:urban --phi 91", "0 ≤ φ ≤ 90"),
-        ("itu:urban --distance -1", "at least 0 m"),
-        ("itu:urban --radius 0", "above 0 m"),
-        ("itu:urban --ci 1", "above 0 and below 1"),
-        ("itu:urban --until 0", "above 0 and below 0.5"),
-        ("itu:urban --theta 5:90", "A:B:S"),
-        ("itu:urban --theta 10 --distance 5", "cannot be used with"),
-        ("itu:urban --method nothing", "wanted product, city, geometry"),
-        ("itu:urban --method icc", "wanted product, city, geometry"),
-        ("itu:urban --method maps", "no meaning for a generated city"),
-        ("itu:ghent --method alhourani2014", "wanted both above 0"),
-        ("itu:urban --size 500", "no meaning"),
-        ("itu:urban --cell 2", "no meaning without a city in a file"),
-        ("itu:urban --cities 10", "without `--method city`"),
-        ("itu:urban --curve mine", "NAME=FILE"),
-        ("itu:urban --curve itu=curve.csv", "another method has that name"),
-        ("city.geojson --gamma 5,6", "a real city"),
-        ("city.geojson --placement street-center", "wanted anywhere, street, crossroad or rooftop"),
-        ("city.geojson --phi 30", "a real city"),
-        ("itu:urban --title Mine", "without a .png, .svg or .pdf"),
-        ("itu:urban --csv table.txt", "ends in .csv"),
-    ] {
-        let answer = folder.type_in(&format!("plos {line}"));
-        let said = answer.refused(2).join(" ");
-        assert!(said.contains(wanted), "{line}: {said}");
-    }
-    assert!(folder.type_in("plos itu:urban --theta 0.01").refused(5)[0].contains("wanted at most 32768 m"));
-    assert!(folder.type_in("plos itu:urban --curve mine=none.csv").refused(3)[0].contains("none.csv"));
     folder.write("bad.csv", "theta_deg,p_los\n0,0\n10,1.5\n");
-    assert!(folder.type_in("plos itu:urban --curve mine=bad.csv").refused(3)[0].contains("line 3"));
-    assert!(!Path::new(&folder.word("table.txt")).exists());
+    for (line, code, told) in [
+        ("itu:urban --theta 0", "E120", "0 < θ ≤ 90"),
+        ("itu:urban --theta 90.001", "E120", "0 < θ ≤ 90"),
+        ("itu:urban --theta nan", "E101", "--theta"),
+        ("itu:1,500,15", "E110", "0 < α < 1"),
+        ("itu:nan,500,15", "E110", "0 < α < 1"),
+        ("itu:0.3,0,15", "E110", "β > 0"),
+        ("itu:0.3,500,-1", "E110", "0 < γ ≤ 2048"),
+        ("itu:urban --alpha 1", "E110", "0 < α < 1"),
+        ("itu:urban --beta 0", "E110", "β > 0"),
+        ("itu:urban --gamma 0:20:10", "E110", "0 < γ ≤ 2048"),
+        ("itu:urban --height 1", "E120", "1.5 m"),
+        ("itu:urban --height 40000", "E120", "32768 m"),
+        ("itu:urban --rx-height -1", "E120", "at least 0 m"),
+        ("itu:urban --phi 91", "E120", "0 ≤ φ ≤ 90"),
+        ("itu:urban --distance -1", "E120", "at least 0 m"),
+        ("itu:urban --radius 0", "E120", "above 0 m"),
+        ("itu:urban --ci 1", "E120", "above 0 and below 1"),
+        ("itu:urban --until 0", "E101", "above 0 and below 0.5"),
+        ("itu:urban --theta 5:90", "E101", "A:B:S"),
+        ("itu:urban --theta 10 --distance 5", "E101", "--distance"),
+        ("itu:urban --theta 0.01", "E502", "32768 m"),
+        ("itu:urban --method nothing", "E121", "`nothing`"),
+        ("itu:urban --method maps", "E121", "`maps`"),
+        ("itu:ghent --method alhourani2014", "E122", "`alhourani2014`"),
+        ("itu:urban --size 500", "E116", "`--size`"),
+        ("itu:urban --cell 2", "E116", "`--cell`"),
+        ("itu:urban --theta 30 --theta-band 3", "E116", "`--theta-band`"),
+        ("itu:urban --theta 30 --data-area all", "E116", "`--data-area`"),
+        ("itu:urban --theta 30 --base mean", "E116", "`--base`"),
+        ("itu:urban --cities 10", "E116", "`--method city`"),
+        ("itu:urban --curve mine", "E123", "NAME=FILE"),
+        ("itu:urban --curve itu=curve.csv", "E123", "`itu`"),
+        ("itu:urban --curve mine=none.csv", "E301", "none.csv"),
+        ("itu:urban --curve mine=bad.csv", "E313", "line 3"),
+        ("city.geojson --gamma 5,6", "E116", "γ"),
+        ("city.geojson --placement street-center", "E116", "a placement"),
+        ("city.geojson --phi 30", "E116", "azimuth"),
+        ("city.geojson --height 80 --radius 60 --theta-band 3", "E116", "`--theta-band`"),
+        ("itu:urban --title Mine", "E116", "`--title`"),
+        ("itu:urban --csv table.txt", "E105", "table.txt"),
+    ] {
+        folder.refuses(&format!("plos {line}"), code, &[told]);
+    }
+    assert!(!folder.join("table.txt").exists());
 }
 
 #[test]
@@ -417,8 +357,7 @@ fn models_without_a_value_are_left_out_or_told() {
     let folder = folder();
     let answer = folder.type_in("plos itu:ghent --theta 10:90:10 --method models --json").done();
     let document = answer.json();
-    let methods: Vec<&str> =
-        document["methods"].as_array().unwrap().iter().map(|m| m["id"].as_str().unwrap()).collect();
+    let methods = methods(&document);
     for id in ["itu", "kang2019", "mohammed2023", "tr36777_uma_av"] {
         assert!(methods.contains(&id), "{methods:?}");
     }

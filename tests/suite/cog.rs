@@ -6,8 +6,9 @@ use std::process::Command;
 
 use skyshed_core::raster::GeoRef;
 use skyshed_io::crs;
-use skyshed_io::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
+use skyshed_io::formats::{Bands, GeoTiffImage, encode_geotiff};
 
+use crate::formats_write::image_of;
 use crate::program::Folder;
 use crate::support::python_with;
 
@@ -55,28 +56,19 @@ fn directories(file: &[u8]) -> Vec<Directory> {
     found
 }
 
-fn image(values: &[f32], n_bands: usize) -> Vec<u8> {
-    let crs = crs::from_epsg(25832).unwrap();
-    let georef = GeoRef::new((500_000.0, 5_400_000.0), (1.0, 1.0), (900, 1100), Some(crs)).unwrap();
-    let bands = (0..n_bands).map(|k| (format!("{k}.margin"), values)).collect();
-    let image = GeoTiffImage {
-        georef: &georef,
-        bands: Bands::Float(bands),
-        nodata: Some(-9999.0),
-        palette: None,
-        metadata: &[("SKYSHED".into(), "{}".into())],
-        layout: TiffLayout::Cog,
-    };
+/// Two bands of numbers.
+fn margins() -> Vec<u8> {
+    let georef = GeoRef::new((500_000.0, 5_400_000.0), (1.0, 1.0), (900, 1100), crs::from_epsg(25832).ok()).unwrap();
+    let values: Vec<f32> = (0..900 * 1100).map(|cell| (cell % 1009) as f32 / 8.0).collect();
+    let bands = Bands::Float(["0.margin", "1.margin"].map(|name| (name.to_string(), &values[..])).to_vec());
+    let metadata = [("SKYSHED".into(), "{}".into())];
+    let image = GeoTiffImage { nodata: Some(-9999.0), metadata: &metadata, ..image_of(&georef, bands) };
     encode_geotiff(&image).unwrap()
-}
-
-fn values() -> Vec<f32> {
-    (0..900 * 1100).map(|cell| (cell % 1009) as f32 / 8.0).collect()
 }
 
 #[test]
 fn directories_come_first_and_the_full_resolution_last() {
-    let file = image(&values(), 2);
+    let file = margins();
     let found = directories(&file);
     // 1100 × 900 is halved until it fits one tile, rounding up.
     let sizes: Vec<[u64; 2]> = found.iter().map(|d| d.size).collect();
@@ -103,7 +95,7 @@ fn rio_cogeo_finds_nothing_to_warn_of() {
         return;
     }
     let folder = Folder::new();
-    std::fs::write(folder.join("margins.tif"), image(&values(), 2)).unwrap();
+    std::fs::write(folder.join("margins.tif"), margins()).unwrap();
     folder.type_in("map itu:urban --size 700 --uav 300,300,80 -o mask.tif -q").done();
     folder.type_in("map itu:urban --size 700 --uav 300,300,80 --tif-layout plain -o plain.tif -q").done();
     let judged = |name: &str| {

@@ -1,12 +1,13 @@
 //! `skyshed compare` from outside: counts by hand, saved masks, intervals, sheets, files, flags, and what it refuses.
 
+use std::collections::HashMap;
+
 use serde_json::Value;
-use skyshed_io::formats::RasterFile;
+use skyshed_io::formats::GeoTiff;
 use skyshed_study::city_statistics::bootstrap::{Share, resampled_ratios};
 
 use crate::program::{Folder, program, wait};
-use crate::support::read_png;
-use crate::support::{Random, slow};
+use crate::support::{Random, read_png, slow};
 
 /// Two masks of 4 × 4 cells in which every combination of classes that matters occurs.
 const FIRST: [u8; 16] = [1, 1, 0, 0, 1, 2, 2, 0, 0, 2, 3, 1, 255, 0, 1, 1];
@@ -26,7 +27,7 @@ const CITY: &str = r#"{"type": "FeatureCollection", "features": [
    "geometry": {"type": "Polygon", "coordinates": [[[123,123],[130,123],[130,130],[123,130],[123,123]]]}}]}"#;
 
 /// An ASCII grid of some columns from (0, 0), cells of 1 m.
-fn grid<T: ToString>(values: &[T], n_cols: usize, nodata: i32) -> String {
+pub(crate) fn grid<T: ToString>(values: &[T], n_cols: usize, nodata: i32) -> String {
     let n_rows = values.len() / n_cols;
     let rows: Vec<String> =
         values.chunks(n_cols).map(|row| row.iter().map(T::to_string).collect::<Vec<_>>().join(" ")).collect();
@@ -42,6 +43,38 @@ fn folder() -> Folder {
     folder.write("second.asc", &grid(&SECOND, 4, 255));
     folder.write("city.geojson", CITY);
     folder
+}
+
+/// The rows of a table, their cells by column.
+pub(crate) fn table_rows(table: &str) -> Vec<HashMap<String, String>> {
+    csv::Reader::from_reader(table.as_bytes()).deserialize().map(|row| row.unwrap()).collect()
+}
+
+/// Asserts that each line is refused with a code, the exit code of its class and some words in the first line, and that it
+/// writes nothing.
+pub(crate) fn check_refusals(folder: &Folder, command: &str, cases: &[(&str, &str, &str)]) {
+    let before = folder.files();
+    for (line, code, named) in cases {
+        let answer = folder.type_in(&format!("{command} {line}"));
+        let exit_code = match &code[..2] {
+            "E1" => 2,
+            "E2" => 4,
+            "E5" => 5,
+            _ => 3,
+        };
+        let lines = answer.refused(exit_code);
+        assert_eq!(answer.error(), *code, "{line}: {lines:?}");
+        assert!(lines[0].contains(named), "{line}: {lines:?}");
+        assert_eq!(folder.files(), before, "{line}");
+    }
+}
+
+/// Asserts that every flag in the help of a command is a word of the flags that are shown at work.
+pub(crate) fn check_flags_are_known(folder: &Folder, command: &str, known: &[&str]) {
+    let words: Vec<&str> = known.iter().flat_map(|words| words.split(' ')).collect();
+    for flag in folder.flags(command) {
+        assert!(words.contains(&flag.as_str()), "{command} {flag}: add it to the flags above, with a test");
+    }
 }
 
 const BY_HAND: &str = "flat.asc --ground 0 --mask first.asc --mask second.asc";
@@ -112,9 +145,7 @@ fn a_difference_turned_round_changes_its_sign_alone() {
 fn bands_hold_masks_differences_and_the_count() {
     let folder = folder();
     folder.type_in(&format!("compare {BY_HAND} -o out.tif")).done();
-    let RasterFile::GeoTiff(tiff) = RasterFile::open(folder.join("out.tif"), &mut Vec::new()).unwrap() else {
-        panic!("a GeoTIFF")
-    };
+    let tiff = GeoTiff::open(folder.join("out.tif"), &mut Vec::new()).unwrap();
     let names = ["first.los", "second.los", "first-second.difference", "count"].map(Some);
     assert_eq!(tiff.band_names(), names);
     for (band, wanted) in [FIRST, SECOND, DIFFERENCE, COUNT].iter().enumerate() {
@@ -225,9 +256,7 @@ fn margins_are_those_of_the_layer() {
     let line = "city.geojson --uav 10,10,40 --uav 75,75,60";
     let document = document(&folder, line);
     folder.type_in(&format!("map {line} --layers margin -o margin.tif")).done();
-    let RasterFile::GeoTiff(tiff) = RasterFile::open(folder.join("margin.tif"), &mut Vec::new()).unwrap() else {
-        panic!("a GeoTIFF")
-    };
+    let tiff = GeoTiff::open(folder.join("margin.tif"), &mut Vec::new()).unwrap();
     for band in 0..2 {
         let layer = tiff.read_band(band, tiff.georef().window(), &mut Vec::new(), |v| v).unwrap();
         let mut margins: Vec<f64> = layer.cells().iter().copied().filter(|m| !m.is_nan()).collect();
@@ -301,25 +330,22 @@ fn table_and_document_agree() {
     folder.type_in(&format!("compare {line} --csv a.csv -o b.json -q")).done();
     let document = folder.json("b.json");
     assert_eq!(document["digest"], folder.json("a.csv.json")["digest"]);
-    let rows: Vec<std::collections::HashMap<String, String>> =
-        csv::Reader::from_reader(folder.text("a.csv").as_bytes()).deserialize().map(|row| row.unwrap()).collect();
+    let rows = table_rows(&folder.text("a.csv"));
     assert_eq!(rows.len(), (3 + 3) * 5);
     for row in &rows {
         let (list, key) = if row["row"] == "placement" { ("placements", "p_los") } else { ("pairs", "difference") };
-        let is_it = |o: &&Value| {
-            let name = if list == "pairs" { "first" } else { "id" };
-            o[name] == row["first"].as_str() && (list != "pairs" || o["second"] == row["second"].as_str())
+        let is_it = |o: &&Value| match list {
+            "pairs" => o["first"] == row["first"].as_str() && o["second"] == row["second"].as_str(),
+            _ => o["id"] == row["first"].as_str(),
         };
         let object = document[list].as_array().unwrap().iter().find(is_it).unwrap();
         let object = if row["zone"] == "all" { object } else { &object["zones"][row["zone"].as_str()] };
-        for (column, name) in [(key, key), ("ci_low", "ci_low"), ("ci_high", "ci_high"), ("blocks", "blocks")] {
+        for column in [key, "ci_low", "ci_high", "blocks"] {
             // The parser of JSON may be off by a last digit.
-            let (in_table, in_document) = (row[column].parse::<f64>().ok(), object[name].as_f64());
-            let are_equal = match (in_table, in_document) {
-                (Some(a), Some(b)) => (a - b).abs() < 1e-14 * a.abs().max(1.0),
-                (a, b) => a.is_none() && b.is_none(),
-            };
-            assert!(are_equal, "{row:?} {column} {in_document:?}");
+            let (in_table, in_document) = (row[column].parse::<f64>().ok(), object[column].as_f64());
+            assert_eq!(in_table.is_some(), in_document.is_some(), "{row:?} {column}");
+            let off = in_table.unwrap_or(0.0) - in_document.unwrap_or(0.0);
+            assert!(off.abs() < 1e-14 * in_table.unwrap_or(0.0).abs().max(1.0), "{row:?} {column} {in_document:?}");
         }
     }
     // Without an output the table is the answer.
@@ -350,18 +376,14 @@ fn a_sheet_names_what_it_shows() {
 
 #[test]
 fn files_do_not_depend_on_the_number_of_threads() {
-    let runs: Vec<Folder> = ["1", "2"]
-        .into_iter()
-        .map(|threads| {
-            let folder = folder();
-            let line = "compare itu:urban --size 400 --uav 100,100,60 --uav 300,300,120 -q -o c.html -o c.png -o c.tif \
-                        -o c.svg --csv c.csv";
-            let words: Vec<&str> = line.split_whitespace().collect();
-            let mut command = program(folder.path(), &words);
-            wait(command.env("RAYON_NUM_THREADS", threads).spawn().unwrap()).done();
-            folder
-        })
-        .collect();
+    let files = "-o c.html -o c.png -o c.tif -o c.svg --csv c.csv";
+    let line = format!("compare itu:urban --size 400 --uav 100,100,60 --uav 300,300,120 -q {files}");
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let runs = ["1", "2"].map(|threads| {
+        let folder = folder();
+        wait(program(folder.path(), &words).env("RAYON_NUM_THREADS", threads).spawn().unwrap()).done();
+        folder
+    });
     for name in ["c.html", "c.png", "c.tif", "c.svg", "c.csv", "c.csv.json"] {
         assert!(runs[0].read(name) == runs[1].read(name), "{name}");
     }
@@ -376,52 +398,38 @@ fn what_makes_no_sense_is_refused_and_leaves_nothing() {
     std::fs::copy(folder.join("first.asc"), folder.join("other/first.asc")).unwrap();
     folder.type_in("map city.geojson --uav 10,10,40 --uav 75,75,60 --layers margin -o margins.tif").done();
     folder.type_in("map city.geojson --crs EPSG:25832 --uav 10,10,40 -o utm.tif").done();
-    let before = folder.files();
+    let mask = folder.read("utm.tif");
     let many: String = (0..17).map(|k| format!(" --uav {k},1,60")).collect();
-    let seventeen = format!("compare city.geojson{many}");
-    for (line, code, wanted) in [
-        ("compare city.geojson", 2, "error[E108]: cannot compare: found 0 placements, wanted at least 2"),
-        ("compare city.geojson --uav 1,1,50", 2, "error[E108]: cannot compare: found 1 placements"),
-        ("compare flat.asc --ground 0 --mask first.asc", 2, "error[E108]: cannot compare: found 1 placements"),
-        ("compare city.geojson --uav 1,1,50 --uav 2,2 -o c.png", 2, "error[E102]: cannot read `--uav 2,2`"),
-        (
-            "compare city.geojson --uav 1,1,50 --uav 2,2,9 --block 0",
-            2,
-            "error[E113]: the edge of blocks is `0`, wanted above",
-        ),
-        ("compare city.geojson --uav 1,1,50 --uav 2,2,9 -o c.exr", 2, "error[E105]: cannot write c.exr"),
-        ("compare city.geojson --uav 1,1,50 --uav 2,2,9 --csv c.txt", 2, "error[E105]: cannot write c.txt"),
-        ("compare city.geojson --uav 1,1,50 --uav 2,2,9 --title T", 2, "error[E116]: `--title` has no meaning"),
-        ("compare flat.asc --uav 1,1,50 --uav 2,2,9 --receivers street", 2, "error[E117]: receivers `street`"),
-        ("compare flat.asc --ground 0 --uav 1,1,50 --mask wide.asc", 3, "error[E312]: cannot compare wide.asc (5×4"),
-        (
-            "compare flat.asc --ground 0 --uav 1,1,50 --mask odd.asc",
-            3,
-            "error[E302]: cannot use odd.asc as a mask: row 1",
-        ),
-        ("compare flat.asc --ground 0 --uav 1,1,50 --mask none.tif", 3, "error[E301]: cannot read none.tif"),
-        ("compare city.geojson --uav 1,1,50 --mask margins.tif", 3, "error[E302]: cannot use margins.tif as a mask"),
-        ("compare city.geojson --crs EPSG:25833 --uav 1,1,50 --mask utm.tif", 3, "error[E311]: cannot combine"),
-        ("compare city.geojson --uav 1,1,50 --uav 30,30,5", 4, "error[E201]: cannot place UAV `2`"),
-        (
-            "compare flat.asc --ground 0 --mask first.asc --mask other/first.asc",
-            4,
-            "error[E207]: two placements are named `first`",
-        ),
-        (&seventeen, 5, "error[E502]: cannot compare 17 placements, wanted at most 16"),
-        ("compare itu:urban --uav 1,1,50 --uav 2,2,9 --block 1", 5, "error[E502]: cannot resample 1000000 blocks"),
-        ("compare itu:urban --uav 1,1,50 --uav 2,2,9 --max-memory 1M", 5, "error[E501]: cannot start"),
-    ] {
-        let answer = folder.type_in(line);
-        let lines = answer.refused(code);
-        assert!(lines[0].starts_with(wanted), "{line}: {lines:?}");
-        assert_eq!(folder.files(), before, "{line}");
-    }
-    // A mask is an input like any other.
-    let line = "compare flat.asc --ground 0 --mask first.asc --mask second.asc --overwrite -o second.json";
-    folder.write("second.json", "mine");
-    folder.type_in(&line.replace(" --overwrite", "")).refused(2);
-    assert_eq!(folder.text("second.json"), "mine");
+    let (flat, utm) = ("flat.asc --ground 0 --uav 1,1,50", "city.geojson --crs EPSG:25832 --uav 1,1,50 --mask utm.tif");
+    check_refusals(
+        &folder,
+        "compare",
+        &[
+            ("city.geojson", "E108", "found 0 "),
+            ("city.geojson --uav 1,1,50", "E108", "found 1 "),
+            ("flat.asc --ground 0 --mask first.asc", "E108", "found 1 "),
+            ("city.geojson --uav 1,1,50 --uav 2,2 -o c.png", "E102", "`--uav 2,2`"),
+            ("city.geojson --uav 1,1,50 --uav 2,2,9 --block 0", "E113", "`0`"),
+            ("city.geojson --uav 1,1,50 --uav 2,2,9 -o c.exr", "E105", "c.exr"),
+            ("city.geojson --uav 1,1,50 --uav 2,2,9 --csv c.txt", "E105", "c.txt"),
+            ("city.geojson --uav 1,1,50 --uav 2,2,9 --title T", "E116", "`--title`"),
+            ("flat.asc --uav 1,1,50 --uav 2,2,9 --receivers street", "E117", "`street`"),
+            (&format!("{flat} --mask wide.asc"), "E312", "wide.asc (5×4"),
+            (&format!("{flat} --mask odd.asc"), "E302", "odd.asc as a mask: row 1"),
+            (&format!("{flat} --mask none.tif"), "E301", "none.tif"),
+            ("city.geojson --uav 1,1,50 --mask margins.tif", "E302", "margins.tif as a mask"),
+            ("city.geojson --crs EPSG:25833 --uav 1,1,50 --mask utm.tif", "E311", ""),
+            ("city.geojson --uav 1,1,50 --uav 30,30,5", "E201", "`2`"),
+            ("flat.asc --ground 0 --mask first.asc --mask other/first.asc", "E207", "`first`"),
+            (&format!("city.geojson{many}"), "E502", "17 placements"),
+            ("itu:urban --uav 1,1,50 --uav 2,2,9 --block 1", "E502", "1000000 blocks"),
+            ("itu:urban --uav 1,1,50 --uav 2,2,9 --max-memory 1M", "E501", ""),
+            (&format!("{utm} -o margins.tif"), "E106", "margins.tif"),
+            // A mask is an input like any other.
+            (&format!("{utm} -o utm.tif --overwrite"), "E105", "utm.tif: it is an input"),
+        ],
+    );
+    assert!(folder.read("utm.tif") == mask);
 }
 
 /// Flags that change the document: a line without it, and the flag.
@@ -452,27 +460,8 @@ const FLAGS: [(&str, &str); 23] = [
 ];
 
 /// Flags that change what is written or said.
-const OTHER: [&str; 19] = [
-    "--width",
-    "--dpi",
-    "--project",
-    "--skip-bad",
-    "--repairs",
-    "--levels-field",
-    "--layer",
-    "--output",
-    "--csv",
-    "--title",
-    "--attribution",
-    "--json",
-    "--overwrite",
-    "--threads",
-    "--quiet",
-    "--max-memory",
-    "--csv-text",
-    "--hash",
-    "--help",
-];
+const OTHER: &str = "--width --dpi --project --skip-bad --repairs --levels-field --layer --output --csv --title \
+    --attribution --json --overwrite --threads --quiet --max-memory --csv-text --hash --help --version";
 
 #[test]
 fn every_flag_changes_the_document() {
@@ -493,11 +482,5 @@ fn every_flag_changes_the_document() {
     for (line, flag) in FLAGS {
         assert_ne!(plan(line), plan(&format!("{line} {flag}")), "{line} {flag}");
     }
-    for flag in folder.flags("compare") {
-        let flag = flag.as_str();
-        let is_known = flag == "--version"
-            || OTHER.contains(&flag)
-            || FLAGS.iter().any(|(_, words)| words.split(' ').next() == Some(flag));
-        assert!(is_known, "compare {flag}: add it to the flags above");
-    }
+    check_flags_are_known(&folder, "compare", &[&FLAGS.map(|(_, flag)| flag)[..], &[OTHER]].concat());
 }

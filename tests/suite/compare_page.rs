@@ -1,12 +1,18 @@
 //! The page of `skyshed compare`: whole, self-contained, safe from the words of users, and alive in a browser.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use image::RgbaImage;
+use serde_json::{Value, json};
+use skyshed_core::coverage::class;
 
+use crate::chart::classes;
+use crate::compare::grid;
 use crate::program::Folder;
 use crate::support::read_png;
+use crate::tiles::squares;
 
 const BLUE: [u8; 3] = [0x00, 0x72, 0xB2];
 const ORANGE: [u8; 3] = [0xE6, 0x9F, 0x00];
@@ -44,10 +50,16 @@ fn number_of(image: &RgbaImage, color: [u8; 3]) -> u64 {
     image.pixels().filter(|p| p.0[..3] == color && p.0[3] == 255).count() as u64
 }
 
+/// What stands between the first of some words and the next of others.
+fn between<'a>(text: &'a str, from: &str, to: &str) -> &'a str {
+    let (_, rest) = text.split_once(from).unwrap_or_else(|| panic!("no {from}"));
+    rest.split(to).next().unwrap()
+}
+
 /// The text of a script of data.
-fn data(page: &str, id: &str) -> serde_json::Value {
-    let (_, rest) = page.split_once(&format!("<script type=\"application/json\" id=\"{id}\">")).unwrap();
-    serde_json::from_str(rest.split("</script>").next().unwrap()).unwrap()
+fn data(page: &str, id: &str) -> Value {
+    let text = between(page, &format!("<script type=\"application/json\" id=\"{id}\">"), "</script>");
+    serde_json::from_str(text).unwrap()
 }
 
 #[test]
@@ -89,21 +101,15 @@ fn a_page_asks_the_network_for_nothing() {
 #[test]
 fn words_of_the_user_are_words() {
     let folder = Folder::new();
-    let id = "</script><script>alert('1')</script><b x=\\\"\\\">&";
-    let point = |id: &str, x: u32| {
-        format!(
-            "{{\"type\": \"Feature\", \"properties\": {{\"id\": \"{id}\", \"h\": 60}}, \
-             \"geometry\": {{\"type\": \"Point\", \"coordinates\": [{x}, 50]}}}}"
-        )
-    };
-    let crs = "\"crs\": {\"type\": \"name\", \"properties\": {\"name\": \"urn:ogc:def:crs:EPSG::25832\"}}";
-    let features = format!("{}, {}", point(id, 50), point("{{document}}", 150));
-    folder.write("sites.geojson", &format!("{{\"type\": \"FeatureCollection\", {crs}, \"features\": [{features}]}}"));
-    folder.write(
-        "city.geojson",
-        r#"{"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {"height": 20},
-            "geometry": {"type": "Polygon", "coordinates": [[[80,20],[120,20],[120,60],[80,60],[80,20]]]}}]}"#,
-    );
+    let id = "</script><script>alert('1')</script><b x=\"\">&";
+    let points = [(id, 50), ("{{document}}", 150)].map(|(id, x)| {
+        let geometry = json!({"type": "Point", "coordinates": [x, 50]});
+        json!({"type": "Feature", "properties": {"id": id, "h": 60}, "geometry": geometry})
+    });
+    let crs = json!({"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::25832"}});
+    let sites = json!({"type": "FeatureCollection", "crs": crs, "features": points});
+    folder.write("sites.geojson", &sites.to_string());
+    folder.write("city.geojson", &squares(&[[80.0, 20.0, 40.0, 20.0]]));
     let scene = ["city.geojson", "--crs", "EPSG:25832", "--extent", "0,0,200,100"];
     let rest = ["--uavs", "sites.geojson", "-o", "c.html", "--title", "<i>T</i>", "--attribution", "<u>\"A\"</u>"];
     folder.run(&[&["compare"], &scene[..], &rest[..]].concat()).done();
@@ -114,7 +120,7 @@ fn words_of_the_user_are_words() {
         assert!(!page.contains(markup), "{markup}");
     }
     assert!(page.contains("&lt;i&gt;T&lt;/i&gt;") && page.contains("&lt;script&gt;alert"));
-    assert_eq!(data(&page, "view")["ids"][0], "</script><script>alert('1')</script><b x=\"\">&");
+    assert_eq!(data(&page, "view")["ids"][0], id);
     assert_eq!(data(&page, "comparison")["placements"][1]["id"], "{{document}}");
 }
 
@@ -129,27 +135,28 @@ fn a_large_grid_is_thinned_to_the_middles_of_squares() {
     assert!(page.contains("one cell of each 2 × 2"), "the page says so");
     let pictures = pictures(&page);
     assert!(pictures.iter().all(|p| p.dimensions() == (1050, 1050)));
-    let mut warnings = Vec::new();
-    let skyshed_io::formats::RasterFile::GeoTiff(tiff) =
-        skyshed_io::formats::RasterFile::open(folder.join("c.tif"), &mut warnings).unwrap()
-    else {
-        panic!("a GeoTIFF")
-    };
-    let window = tiff.georef().window();
-    let mask = tiff.read_band(0, window, &mut warnings, |v| v).unwrap();
+    let mask = classes(&folder, "c.tif");
     for (x, y, pixel) in pictures[1].enumerate_pixels() {
-        let value = mask.row(2 * y as usize + 1)[2 * x as usize + 1];
-        let wanted = if value > 1.5 { None } else { Some(if value > 0.5 { BLUE } else { ORANGE }) };
+        let wanted = match mask[(2 * y as usize + 1) * 2100 + 2 * x as usize + 1] {
+            class::LOS => Some(BLUE),
+            class::NLOS => Some(ORANGE),
+            _ => None,
+        };
         let found = [BLUE, ORANGE].into_iter().find(|color| pixel.0[..3] == *color);
         assert_eq!(found, wanted, "{x} {y}");
     }
 }
 
-/// A browser on the path, if there is one.
+/// A browser on the path; a line says where there is none.
 fn browser() -> Option<PathBuf> {
     let folders: Vec<PathBuf> = std::env::split_paths(&std::env::var_os("PATH")?).collect();
     let names = ["chromium", "chromium-browser", "google-chrome"];
-    names.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name))).find(|path| path.is_file())
+    let mut paths = names.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name)));
+    let found = paths.find(|path| path.is_file());
+    if found.is_none() {
+        let _ = writeln!(std::io::stderr(), "SKIPPED: no Chromium on the path to open the page in");
+    }
+    found
 }
 
 /// Runs the browser on a page with a fragment and returns what it prints.
@@ -165,42 +172,31 @@ fn browse(browser: &Path, folder: &Folder, fragment: &str, task: &[&str]) -> Str
 
 #[test]
 fn a_browser_shows_the_state_of_the_fragment() {
-    let Some(browser) = browser() else {
-        use std::io::Write;
-        let _ = writeln!(std::io::stderr(), "SKIPPED: no Chromium on the path to open the page in");
-        return;
-    };
+    let Some(browser) = browser() else { return };
     let folder = Folder::new();
     // Forty columns and thirty rows, the first so many cells 0 and the others 1.
-    let grid = |n_zeros: usize| {
-        let cell = |k: usize| if k < n_zeros { "0" } else { "1" };
-        let row = |row: usize| (0..40).map(|col| cell(40 * row + col)).collect::<Vec<_>>().join(" ");
-        let rows = (0..30).map(row).collect::<Vec<_>>().join("\n");
-        format!("ncols 40\nnrows 30\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value 255\n{rows}\n")
-    };
-    folder.write("flat.asc", &grid(1200));
-    folder.write("dark.asc", &grid(1200));
-    folder.write("light.asc", &grid(0));
-    folder.write("some.asc", &grid(300));
+    for (name, n_zeros) in [("flat.asc", 1200), ("dark.asc", 1200), ("light.asc", 0), ("some.asc", 300)] {
+        let cells: Vec<u8> = (0..1200).map(|k| u8::from(k >= n_zeros)).collect();
+        folder.write(name, &grid(&cells, 40, 255));
+    }
     let masks = "--mask light.asc --mask dark.asc --mask some.asc";
     folder.type_in(&format!("compare flat.asc --ground 0 {masks} -o c.html -q")).done();
 
     let dom = browse(&browser, &folder, "a=some&b=dark&at=0.3&layers=buildings,los", &["--dump-dom"]);
     assert!(dom.contains("data-ready=\"true\""), "the script ran to its end");
     let selected = |id: &str| {
-        let (_, rest) = dom.split_once(&format!("<select id=\"{id}\">")).unwrap();
-        let options = rest.split("</select>").next().unwrap();
+        let options = between(&dom, &format!("<select id=\"{id}\">"), "</select>");
         options.split("<option ").find(|o| o.contains("selected")).map(str::to_string).unwrap()
     };
     assert!(selected("a").contains("value=\"some\"") && selected("b").contains("value=\"dark\""));
     assert!(dom.contains("aria-valuetext=\"some · saved map on the left 30 %, dark · saved map on the right 70 %\""));
-    let range = dom.split("<input type=\"range\"").nth(1).unwrap().split('>').next().unwrap();
+    let range = between(&dom, "<input type=\"range\"", ">");
     assert!(range.contains("value=\"0.3\""), "{range}");
     // The script counts P_LoS from the pixels: that of the document.
     let document = data(&folder.text("c.html"), "comparison");
     let share = |id: &str| -> f64 {
-        let output = dom.split(&format!("<output id=\"{id}\"")).nth(1).unwrap();
-        output.split("data-p-los=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
+        let output = between(&dom, &format!("<output id=\"{id}\""), ">");
+        between(output, "data-p-los=\"", "\"").parse().unwrap()
     };
     assert_eq!(document["placements"][2]["p_los"], 0.75);
     assert!((share("share-a") - 0.75).abs() < 1e-12 && share("share-b").abs() < 1e-12);
@@ -216,8 +212,8 @@ fn a_browser_shows_the_state_of_the_fragment() {
     let dom = browse(&browser, &folder, "a=light&b=some&layers=difference", &["--dump-dom"]);
     assert!(dom.contains("data-theme=\"difference\""));
     let cells = |k: u8| {
-        let output = dom.split(&format!("<output data-pair=\"{k}\"")).nth(1).unwrap();
-        output.split("data-cells=\"").nth(1).unwrap().split('"').next().unwrap().to_string()
+        let output = between(&dom, &format!("<output data-pair=\"{k}\""), ">");
+        between(output, "data-cells=\"", "\"").to_string()
     };
     assert_eq!([0, 1, 2, 3].map(cells), ["0", "300", "0", "900"]);
 }
@@ -265,11 +261,7 @@ addEventListener("load", () => {
 
 #[test]
 fn nothing_is_cut_off_or_faint_in_light_and_dark() {
-    let Some(browser) = browser() else {
-        use std::io::Write;
-        let _ = writeln!(std::io::stderr(), "SKIPPED: no Chromium on the path to open the page in");
-        return;
-    };
+    let Some(browser) = browser() else { return };
     let folder = Folder::new();
     // Names as long as tables of sites have them, two UAVs at one place, and some near each border.
     let places = [(150, 150, 60), (150, 150, 90), (5, 40, 60), (250, 292, 60), (290, 60, 60), (60, 240, 60)];
@@ -279,15 +271,15 @@ fn nothing_is_cut_off_or_faint_in_light_and_dark() {
     folder.write("sites.csv", &format!("id,x,y,h\n{sites}"));
     folder.type_in("compare itu:urban --size 300 --uavs sites.csv -o c.html -q").done();
     let page = folder.text("c.html");
-    let matrix = page.split("<section aria-label=\"Differences of any two\">").nth(1).unwrap();
-    assert_eq!(matrix.split("</table>").next().unwrap().matches("<td>").count(), 36, "a matrix of six by six");
+    let matrix = between(&page, "<section aria-label=\"Differences of any two\">", "</table>");
+    assert_eq!(matrix.matches("<td>").count(), 36, "a matrix of six by six");
     folder.write("c.html", &page.replace("</body>", &format!("{LOOK}</body>")));
     for (scheme, is_dark) in [("0", true), ("1", false)] {
         let settings = format!("--blink-settings=preferredColorScheme={scheme}");
         let shot = format!("--screenshot={}", folder.word("shot.png"));
         let task = [settings.as_str(), "--window-size=1400,1000", "--dump-dom"];
         let dom = browse(&browser, &folder, "layers=count", &task);
-        let noted = |name: &str| dom.split(&format!("data-{name}=\"")).nth(1).unwrap().split('"').next().unwrap();
+        let noted = |name: &str| between(&dom, &format!("data-{name}=\""), "\"");
         assert_eq!((noted("cut"), noted("faint")), ("", ""), "dark: {is_dark}");
         assert_eq!((noted("marks"), noted("outside"), noted("covered")), ("6", "", "0"), "dark: {is_dark}");
         assert!(noted("words").parse::<u32>().unwrap() > 150);

@@ -1,17 +1,16 @@
 //! Where the data end, and what a share is a share of: known ground, missing heights, whole discs, bands of angles, goals
 //! within a radius.
 
-#![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
 use serde_json::{Value, json};
-use skyshed_core::city::BuiltUp;
-use skyshed_study::los_probability::product::Product;
-use skyshed_study::los_probability::setting::{Placement, Setting, Users};
+use skyshed_study::los_probability::setting::{Placement, Setting};
 
 use crate::cli_map::{mask_of, tif};
+use crate::compare::{check_refusals, table_rows};
 use crate::figures::{drawn, words};
+use crate::los_probability::{at_height, number, product};
 use crate::polygon_files::{area, rings};
 use crate::program::Folder;
+use crate::sampled::within;
 use crate::support::slow;
 
 const MUNICH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/maps/munich.geojson");
@@ -68,13 +67,7 @@ fn ground_beyond_the_last_house_holds_no_data() {
     // A polygon of one's own.
     write_city(&folder, "area.geojson", &[building(&json!({}), [40.0, 0.0, 260.0, 100.0])]);
     assert_eq!(info("--data-area area.geojson").0, 220 * 100 - 2 * 40 * 40);
-    let answer = folder.type_in("map itu:urban --data-area all --uav 5,5,50 --json");
-    let lines = answer.refused(2);
-    assert!(lines[0].contains("`--data-area` has no meaning for a generated city"), "{lines:?}");
-    // A lone building says nothing of a city: all is known, and a warning says so.
-    write_city(&folder, "lone.geojson", &[building(&json!({"height": 9}), [0.0, 0.0, 30.0, 30.0])]);
-    let document = folder.type_in("info lone.geojson --json").done().json();
-    assert_eq!(document["cells"]["nodata"], 0, "{document}");
+    check_refusals(&folder, "map itu:urban --uav 5,5,50", &[("--data-area all", "E116", "`--data-area`")]);
 }
 
 #[test]
@@ -159,14 +152,8 @@ fn no_place_is_ranked_and_no_cell_compared_where_munich_has_no_data() {
     let ranked = document["ranked"].as_array().unwrap().iter();
     let mut places: Vec<[f64; 2]> = ranked.map(|p| [p["x"].as_f64().unwrap(), p["y"].as_f64().unwrap()]).collect();
     let n_ranked = places.len();
-    let table = folder.text("p.csv");
-    let columns: Vec<&str> = table.lines().next().unwrap().split(',').collect();
-    let column = |name: &str| columns.iter().position(|found| *found == name).unwrap();
-    let (x, y) = (column("x"), column("y"));
-    places.extend(table.lines().skip(1).map(|row| {
-        let fields: Vec<&str> = row.split(',').collect();
-        [x, y].map(|k| fields[k].parse::<f64>().unwrap())
-    }));
+    let table = table_rows(&folder.text("p.csv"));
+    places.extend(table.iter().map(|row| [number(row, "x"), number(row, "y")]));
     assert!(n_ranked > 0 && places.len() > n_ranked + 100, "{n_ranked} and {}", places.len());
     for [x, y] in places {
         // A place on an edge belongs to the cell north-east of it.
@@ -190,24 +177,15 @@ fn no_place_is_ranked_and_no_cell_compared_where_munich_has_no_data() {
 fn masks_of_scenes_without_an_end_of_data_are_those_of_version_0_1() {
     let folder = Folder::new();
     let [dsm, terrain] = ["dsm", "terrain"].map(|part| MUNICH.replace("munich.geojson", &format!("munich_{part}.tif")));
+    let surface = format!("{dsm} --terrain {terrain} --uav 691549.7,5334762.2,60");
+    let footprints = format!("{MUNICH} --data-area all --uav 691549.7,5334762.2,120");
+    let by_their_tops = format!("{footprints} --top-field z_top");
     for (line, digest) in [
         // As version 0.1 gave them; its only data area was all.
-        (
-            "itu:urban --size 300 --uav 150,150,60".to_string(),
-            "288d0a2adcd7825004dd92d51caa456bc0ea8499191fe3461569e5e8989ddf19",
-        ),
-        (
-            format!("{dsm} --terrain {terrain} --uav 691549.7,5334762.2,60"),
-            "22bcc6914bf37dbb9f8f6ea65c66beeaa86ac9a7360b0f09da7108dbd4008756",
-        ),
-        (
-            format!("{MUNICH} --data-area all --uav 691549.7,5334762.2,120"),
-            "dd70488fec8257775802d7cbd1677ef7a90562d2bea986429fe152534b5d3192",
-        ),
-        (
-            format!("{MUNICH} --top-field z_top --data-area all --uav 691549.7,5334762.2,120"),
-            "dd70488fec8257775802d7cbd1677ef7a90562d2bea986429fe152534b5d3192",
-        ),
+        ("itu:urban --size 300 --uav 150,150,60", "288d0a2adcd7825004dd92d51caa456bc0ea8499191fe3461569e5e8989ddf19"),
+        (&surface, "22bcc6914bf37dbb9f8f6ea65c66beeaa86ac9a7360b0f09da7108dbd4008756"),
+        (&footprints, "dd70488fec8257775802d7cbd1677ef7a90562d2bea986429fe152534b5d3192"),
+        (&by_their_tops, "dd70488fec8257775802d7cbd1677ef7a90562d2bea986429fe152534b5d3192"),
     ] {
         let document = folder.type_in(&format!("map {line} --json -q")).done().json();
         assert_eq!(document["digest"], format!("sha256:{digest}"), "{line}");
@@ -239,11 +217,10 @@ fn missing_heights_are_refused_above_two_percent_of_the_area() {
         let features: Vec<Value> = (0..100_u8)
             .map(|k| {
                 let x = 20.0 * f64::from(k);
-                let properties = match k < n_missing {
-                    true => {
-                        json!({"name": "x", "building:levels": if k % 2 == 0 { Value::from(4) } else { Value::Null }})
-                    }
-                    false => json!({"height": 10.0 + f64::from(k % 3)}),
+                let properties = if k < n_missing {
+                    json!({"name": "x", "building:levels": (k % 2 == 0).then_some(4)})
+                } else {
+                    json!({"height": 10.0 + f64::from(k % 3)})
                 };
                 building(&properties, [x, 0.0, x + 10.0, 10.0])
             })
@@ -255,54 +232,45 @@ fn missing_heights_are_refused_above_two_percent_of_the_area() {
     assert!(answer.warnings().contains(&"W354"), "{answer:?}");
     assert!(folder.text("c.svg").contains("2.0 % of the footprint area has no height"), "the caption says so");
     with(3);
-    let lines = folder.type_in("map c.geojson --uav 995,50,30 --json").refused(3).join("\n");
-    assert!(
-        lines.contains("error[E309]") && lines.contains("3 of 100 footprints, 3.0 % of the footprint area"),
-        "{lines}"
-    );
-    // What each policy would do here.
-    assert!(
-        lines.contains("`levels` gives 2 of them")
-            && lines.contains("leaves 1 out")
-            && lines.contains("`median` gives them 11 m"),
-        "{lines}"
-    );
+    let answer = folder.type_in("map c.geojson --uav 995,50,30 --json");
+    assert_eq!(answer.error(), "E309");
+    // What is missing, and what each policy would do here.
+    for told in ["3 of 100 ", " 3.0 % ", "`levels` gives 2 ", "leaves 1 out", "`median` gives them 11 m"] {
+        assert!(answer.err.contains(told), "{told}: {answer:?}");
+    }
     for policy in ["drop", "levels", "median"] {
         folder.type_in(&format!("map c.geojson --uav 995,50,30 --json --missing {policy}")).done();
     }
     // `info` tells what is wrong.
     assert_eq!(folder.type_in("info c.geojson --json").done().json()["faults"]["missing_height"], 3);
-    let lines = folder.type_in("map c.geojson --uav 995,50,30 --json --height-field heihgt").refused(3).join("\n");
-    assert!(lines.contains("error[E365]") && lines.contains("`height`"), "{lines}");
+    let misspelled = folder.type_in("map c.geojson --uav 995,50,30 --json --height-field heihgt");
+    assert!(misspelled.error() == "E365" && misspelled.err.contains("`height`"), "{misspelled:?}");
 }
 
 #[test]
 fn p_los_at_an_angle_does_not_depend_on_the_other_angles() {
     let folder = Folder::new();
     folder.type_in("city itu:urban --size 500 --seed 5 -o c.geojson -q").done();
-    let rows = |theta: &str| {
-        let line = format!("plos c.geojson --method maps --height 80 --positions 20 --theta {theta} --csv -");
-        let line = line.replace(" --csv -", " -o t.csv --overwrite -q");
-        folder.type_in(&line).done();
+    let line = "plos c.geojson --method maps --height 80 --positions 20";
+    let row_at_30 = |theta: &str| {
+        folder.type_in(&format!("{line} --theta {theta} -o t.csv --overwrite -q")).done();
         let table = folder.text("t.csv");
         let row = table.lines().find(|line| line.split(',').nth(7) == Some("30")).unwrap().to_string();
         assert!(table.lines().next().unwrap().ends_with("theta_band_deg") && row.ends_with(",2.5"), "{row}");
         row
     };
-    let alone = rows("30");
-    assert_eq!(alone, rows("5:90:5"));
-    assert_eq!(alone, rows("29,30,31,33.5"));
-    let wide =
-        folder.type_in("plos c.geojson --method maps --height 80 --positions 20 --theta 30 --theta-band 10 --json -q");
-    let document = wide.done().json();
+    let alone = row_at_30("30");
+    assert_eq!(alone, row_at_30("5:90:5"));
+    assert_eq!(alone, row_at_30("29,30,31,33.5"));
+    let document = folder.type_in(&format!("{line} --theta 30 --theta-band 10 --json -q")).done().json();
     assert_eq!(document["real_cities"][0]["theta_band_deg"], 10.0);
     assert_ne!(document["rows"][0]["p_los"].to_string(), alone.split(',').nth(13).unwrap());
-    folder.type_in("plos c.geojson --method maps --theta 30 --theta-band 0").refused(2);
+    check_refusals(&folder, line, &[("--theta 30 --theta-band 0", "E113", "`0`")]);
 }
 
 /// P_LoS by the product at elevation angles within a band, each weighted by the users there: on flat ground their number per
 /// angle grows as the area of the ring.
-fn product_over_band(built_up: BuiltUp, height_m: f64, (low, high): (f64, f64)) -> f64 {
+fn product_over_band(city: &str, height_m: f64, (low, high): (f64, f64)) -> f64 {
     let rise = height_m - 1.5;
     let distance = |theta: f64| rise / theta.to_radians().tan();
     let (near, far) = (distance(high), distance(low));
@@ -312,21 +280,9 @@ fn product_over_band(built_up: BuiltUp, height_m: f64, (low, high): (f64, f64)) 
         // Rings of equal area.
         let share = (f64::from(k) + 0.5) / f64::from(n);
         let r = (near * near + share * (far * far - near * near)).sqrt();
-        let mut product = Product::new(
-            Setting {
-                built_up,
-                uav_height_m: height_m,
-                rx_height_m: 1.5,
-                reach: Setting::reach_at_distance(r, height_m, 1.5).unwrap(),
-                phi_deg: None,
-                users: Users::Outdoor,
-                placement: Placement::Anywhere,
-                uav_clear_of_roof: false,
-            },
-            11,
-        );
-        product.add_points(1 << 8);
-        sum += product.estimate(0.95).p_los.unwrap();
+        let reach = Setting::reach_at_distance(r, height_m, 1.5).unwrap();
+        let asked = Setting { rx_height_m: 1.5, reach, ..at_height(city, 90.0, height_m) };
+        sum += product(&asked, 1 << 8).p_los.unwrap();
     }
     sum / f64::from(n)
 }
@@ -334,7 +290,6 @@ fn product_over_band(built_up: BuiltUp, height_m: f64, (low, high): (f64, f64)) 
 #[test]
 fn over_a_generated_city_in_a_file_angles_agree_with_the_product_over_their_bands() {
     let folder = Folder::new();
-    let built_up = BuiltUp::named("urban").unwrap();
     let n_cities = if slow() { 8 } else { 2 };
     for seed in 1..=n_cities {
         let line = format!("city itu:urban --size 1500 --cell 3 --seed {seed} -o c.geojson -q --overwrite");
@@ -344,7 +299,7 @@ fn over_a_generated_city_in_a_file_angles_agree_with_the_product_over_their_band
         for row in document["rows"].as_array().unwrap() {
             let theta = row["theta_deg"].as_f64().unwrap();
             let (p, error) = (row["p_los"].as_f64().unwrap(), row["std_error"].as_f64().unwrap());
-            let wanted = product_over_band(built_up, 100.0, (theta - 2.5, theta + 2.5));
+            let wanted = product_over_band("urban", 100.0, (theta - 2.5, theta + 2.5));
             assert!((p - wanted).abs() <= 4.0 * error + 0.005, "seed {seed}, {theta}°: {p} ± {error}, wanted {wanted}");
         }
     }
@@ -378,27 +333,9 @@ fn a_sample_within_a_radius_is_over_whole_discs() {
         );
         let document = folder.type_in(&line).done().json();
         for (zone, placement) in placements {
-            let row = document["rows"]
-                .as_array()
-                .unwrap()
-                .iter()
-                .find(|r| r["placement"] == zone && r["receivers_zone"] == "all")
-                .unwrap();
-            let mut product = Product::new(
-                Setting {
-                    built_up: BuiltUp::named(name).unwrap(),
-                    uav_height_m: 100.0,
-                    rx_height_m: 1.5,
-                    reach: Setting::reach_within(radius_m, 100.0, 1.5).unwrap(),
-                    phi_deg: None,
-                    users: Users::Outdoor,
-                    placement,
-                    uav_clear_of_roof: true,
-                },
-                7,
-            );
-            product.add_points(1 << 10);
-            let wanted = product.estimate(0.95);
+            let rows = document["rows"].as_array().unwrap();
+            let row = rows.iter().find(|r| r["placement"] == zone && r["receivers_zone"] == "all").unwrap();
+            let wanted = product(&within(name, radius_m, 100.0, placement), 1 << 10);
             let (p, error) = (row["p_los"].as_f64().unwrap(), row["std_error"].as_f64().unwrap());
             let error = error.hypot(wanted.std_error.unwrap());
             let wanted = wanted.p_los.unwrap();
@@ -423,13 +360,13 @@ fn a_sample_in_a_file_leaves_out_discs_that_are_cut() {
     let row = &document["rows"][0];
     assert_eq!((&row["placements"], row["disc_cut"].as_u64().unwrap() > 0), (&json!(30), true), "{row}");
     assert!(document["discs"].as_str().unwrap().starts_with("whole"), "{document}");
-    let lines = folder.type_in("sample c.geojson --zones street:5 --height 80 --radius 500").refused(4).join("\n");
-    assert!(lines.contains("error[E216]") && lines.contains("smaller `--radius`"), "{lines}");
     // `plos` over discs takes whole ones too.
     town(&folder);
-    let line = "plos town.geojson --method maps --height 80 --positions 10 --radius";
-    let lines = folder.type_in(&format!("{line} 500")).refused(4).join("\n");
-    assert!(lines.contains("error[E216]") && lines.contains("smaller `--radius`"), "{lines}");
+    let too_wide = [
+        ("sample c.geojson --zones street:5 --height 80 --radius 500", "E216", ""),
+        ("plos town.geojson --method maps --height 80 --positions 10 --radius 500", "E216", ""),
+    ];
+    check_refusals(&folder, "", &too_wide);
     let line = "plos c.geojson --method maps --height 80 --positions 10 --radius 20,60 --json -q";
     let document = folder.type_in(line).done().json();
     assert!(document["real_cities"][0]["positions_with_cut_discs"].as_u64().unwrap() > 0, "{document}");

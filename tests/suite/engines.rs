@@ -4,8 +4,8 @@
 use std::path::PathBuf;
 
 use rayon::prelude::*;
-use skyshed_core::city::{BuiltUp, BuiltUpCity, Ground, Site, Solids};
-use skyshed_core::coverage::{Control, MapOptions, Mapper, Receivers, SiteCoverage, Uav, class, map_site};
+use skyshed_core::city::{Ground, Site};
+use skyshed_core::coverage::{MapOptions, Mapper, Receivers, SiteCoverage, Uav, class};
 use skyshed_core::height_field::HeightField;
 use skyshed_core::los::{GridLos, GridReceivers, Method, MethodChoice};
 use skyshed_core::quantity::{Height, VOID, height_steps};
@@ -13,24 +13,10 @@ use skyshed_core::raster::{CellWindow, GeoRef, Raster};
 use skyshed_core::simd::simd_levels;
 use skyshed_io::read::{SurfaceOptions, read_surface};
 
-use crate::invariants::uav_at;
+use crate::invariants::{map, uav_at};
 use crate::oracle;
-use crate::support::{Random, slow, truth};
-
-const ENVIRONMENTS: [&str; 4] = ["suburban", "urban", "dense-urban", "high-rise"];
-
-fn city(name: &str, seed: u64, size_m: f64) -> HeightField {
-    let city = BuiltUpCity {
-        built_up: BuiltUp::named(name).unwrap(),
-        size_m,
-        margin_m: 0.0,
-        cell_m: 1.0,
-        seed,
-        ground_m: 0.0,
-    };
-    let scene = city.city().unwrap();
-    HeightField::build(&scene.grid, scene.solids).field
-}
+use crate::referee::{Count, over_seeds};
+use crate::support::{ENVIRONMENTS, Random, city, oracle_of, raster_field, slow, truth};
 
 /// A raster scene of the surface of another, each roof cell raised by up to `noise` lattice steps.
 pub(crate) fn as_raster(field: &HeightField, ground: Ground, noise: i64, random: &mut Random) -> HeightField {
@@ -39,37 +25,27 @@ pub(crate) fn as_raster(field: &HeightField, ground: Ground, noise: i64, random:
         let z = height_steps(f64::from(*z)).unwrap();
         if z > 0 && noise > 0 { z + i32::try_from(random.within(-noise, noise)).unwrap() } else { z }
     });
-    let surface = Raster::new(field.grid().clone(), cells.collect::<Vec<_>>());
-    let solids = Solids::Raster { surface, ground, building_threshold: 256, voids: None };
-    HeightField::build(field.grid(), solids).field
+    raster_field(Raster::new(field.grid().clone(), cells.collect::<Vec<_>>()), ground)
 }
 
 fn by(field: &HeightField, uav: &Uav, method: MethodChoice, receivers: Receivers, radius: Option<f64>) -> SiteCoverage {
-    let options = MapOptions { method, receivers, radius, ..MapOptions::default() };
-    map_site(field, uav, &options, &Control::default()).unwrap()
+    map(field, uav, &MapOptions { method, receivers, radius, ..MapOptions::default() })
 }
 
-/// Compares the engine that the scene calls for with rays; returns the number of receivers and of those in sight.
-fn compare(field: &HeightField, uav: &Uav, receivers: Receivers, radius: Option<f64>, what: &str) -> (u64, u64) {
+/// Compares the engine that the scene calls for with rays.
+fn compare(field: &HeightField, uav: &Uav, receivers: Receivers, radius: Option<f64>, what: &str) -> Count {
     let found = by(field, uav, MethodChoice::Auto, receivers, radius);
     let expected = by(field, uav, MethodChoice::Ray, receivers, radius);
-    if found.mask != expected.mask {
-        let n_cols = field.grid().n_cols();
-        let differ: Vec<usize> = (0..found.mask.len()).filter(|i| found.mask[*i] != expected.mask[*i]).collect();
-        panic!(
-            "{what}, {receivers:?}, UAV {:?}: {} cells differ, the first at row {}, column {}: {} instead of {}",
-            uav.station,
-            differ.len(),
-            differ[0] / n_cols,
-            differ[0] % n_cols,
-            found.mask[differ[0]],
-            expected.mask[differ[0]]
-        );
+    let n_cols = field.grid().n_cols();
+    if let Some(cell) = (0..found.mask.len()).find(|cell| found.mask[*cell] != expected.mask[*cell]) {
+        let (row, col, classes) = (cell / n_cols, cell % n_cols, (found.mask[cell], expected.mask[cell]));
+        panic!("{what}, {receivers:?}, UAV {:?}: row {row}, column {col}: {classes:?}", uav.station);
     }
     assert_eq!(found.tally, expected.tally, "{what}");
     let mapper_options = MapOptions { receivers, radius, ..MapOptions::default() };
-    assert_eq!(Mapper::new(field, &mapper_options).unwrap().count(uav), (found.tally.receivers, found.tally.los));
-    (found.tally.receivers, found.tally.los)
+    let (links, los) = (found.tally.receivers, found.tally.los);
+    assert_eq!(Mapper::new(field, &mapper_options).unwrap().count(uav), (links, los));
+    Count { links, los, ..Count::default() }
 }
 
 /// UAVs over a street, a crossroad and a roof, at cell centers, corners and anywhere, from 2 m to 500 m up.
@@ -101,37 +77,28 @@ fn uavs(field: &HeightField, random: &mut Random) -> Vec<Uav> {
 #[test]
 fn generated_cities_as_footprints_and_as_rasters_agree_with_rays() {
     let (seeds, size) = if slow() { (20, 400.0) } else { (2, 140.0) };
-    let jobs: Vec<(&str, u64)> =
-        ENVIRONMENTS.iter().flat_map(|name| (0..seeds).map(move |seed| (*name, seed))).collect();
-    let totals: Vec<(u64, u64)> = jobs
-        .into_par_iter()
-        .map(|(name, seed)| {
-            let mut random = Random(seed);
-            let footprints = city(name, seed, size);
-            let flat = as_raster(&footprints, Ground::Flat(0), 0, &mut random);
-            let noisy = as_raster(&footprints, Ground::Flat(0), 700, &mut random);
-            let surface = as_raster(&footprints, Ground::Surface, 0, &mut random);
-            let mut total = (0, 0);
-            for (k, uav) in uavs(&footprints, &mut random).iter().enumerate() {
-                let what = format!("{name}, seed {seed}");
-                let radius = (k % 4 == 3).then_some(47.3);
-                let mut add = |field: &HeightField, receivers: Receivers, kind: &str| {
-                    let uav = &uav_at(field, uav.station.place.x, uav.station.place.y, uav.station.z);
-                    let (n, los) = compare(field, uav, receivers, radius, &format!("{what}, {kind}"));
-                    total = (total.0 + n, total.1 + los);
-                };
-                for receivers in [Receivers::Ground, Receivers::Roof, Receivers::All] {
-                    add(&footprints, receivers, "footprints");
-                    add(&flat, receivers, "raster");
-                }
-                add(&noisy, Receivers::All, "noisy roofs");
-                add(&surface, Receivers::Ground, "surface alone");
+    let count = over_seeds(4 * seeds, 0, |job, _, count| {
+        let (name, seed) = (ENVIRONMENTS[usize::try_from(job % 4).unwrap()], job / 4);
+        let mut random = Random(seed);
+        let footprints = city(name, size, 1.0, seed);
+        let flat = as_raster(&footprints, Ground::Flat(0), 0, &mut random);
+        let noisy = as_raster(&footprints, Ground::Flat(0), 700, &mut random);
+        let surface = as_raster(&footprints, Ground::Surface, 0, &mut random);
+        for (k, uav) in uavs(&footprints, &mut random).iter().enumerate() {
+            let radius = (k % 4 == 3).then_some(47.3);
+            let mut add = |field: &HeightField, receivers: Receivers, kind: &str| {
+                let uav = &uav_at(field, uav.station.place.x, uav.station.place.y, uav.station.z);
+                *count += compare(field, uav, receivers, radius, &format!("{name}, seed {seed}, {kind}"));
+            };
+            for receivers in [Receivers::Ground, Receivers::Roof, Receivers::All] {
+                add(&footprints, receivers, "footprints");
+                add(&flat, receivers, "raster");
             }
-            total
-        })
-        .collect();
-    let (n, los) = totals.iter().fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
-    assert!(n > 3_000_000 && los * 10 > n && los * 10 < 9 * n, "{los} of {n} receivers");
+            add(&noisy, Receivers::All, "noisy roofs");
+            add(&surface, Receivers::Ground, "surface alone");
+        }
+    });
+    count.assert_both(3_000_000);
 }
 
 /// Surfaces on which bins, corners and heights coincide as often as can be.
@@ -164,45 +131,31 @@ fn hostile_rasters_agree_with_rays_from_every_kind_of_place() {
     let n = if slow() { 200 } else { 90 };
     let side = usize::try_from(n).unwrap();
     let grid = GeoRef::new((0.0, f64::from(n)), (1.0, 1.0), (side, side), None).unwrap();
-    let totals: Vec<(u64, u64)> = (0..11_usize)
-        .into_par_iter()
-        .map(|kind| {
-            let uav_z = 30 * 1024;
-            let surface = Raster::new(grid.clone(), hostile(kind, n, uav_z));
-            let solids = Solids::Raster { surface, ground: Ground::Surface, building_threshold: 256, voids: None };
-            let field = HeightField::build(&grid, solids).field;
-            let half = f64::from(n / 2);
-            let mut total = (0, 0);
-            let places = [
-                (half + 0.5, half + 0.5),
-                (half, half),
-                (half, half + 0.5),
-                (half + 1.0 / 1024.0, half - 1.0 / 1024.0),
-                (half + 0.3, half + 0.77),
-                (0.0, 0.0),
-                (0.5, f64::from(n) - 0.5),
-                (-31.5, half + 0.5),
-                (-200.0, -200.0),
-                (half, f64::from(n) + 77.0),
-            ];
-            for (x, y) in places {
-                for z in [uav_z, uav_z + 1, 2 * uav_z, 20 * uav_z] {
-                    let (n, los) = compare(
-                        &field,
-                        &uav_at(&field, x, y, i64::from(z)),
-                        Receivers::Ground,
-                        None,
-                        &format!("{kind}"),
-                    );
-                    total = (total.0 + n, total.1 + los);
-                }
+    let uav_z = 30 * 1024;
+    let half = f64::from(n / 2);
+    let places = [
+        (half + 0.5, half + 0.5),
+        (half, half),
+        (half, half + 0.5),
+        (half + 1.0 / 1024.0, half - 1.0 / 1024.0),
+        (half + 0.3, half + 0.77),
+        (0.0, 0.0),
+        (0.5, f64::from(n) - 0.5),
+        (-31.5, half + 0.5),
+        (-200.0, -200.0),
+        (half, f64::from(n) + 77.0),
+    ];
+    (0..11_usize).into_par_iter().for_each(|kind| {
+        let field = raster_field(Raster::new(grid.clone(), hostile(kind, n, uav_z)), Ground::Surface);
+        let mut count = Count::default();
+        for (x, y) in places {
+            for z in [uav_z, uav_z + 1, 2 * uav_z, 20 * uav_z] {
+                let uav = uav_at(&field, x, y, i64::from(z));
+                count += compare(&field, &uav, Receivers::Ground, None, &format!("{kind}"));
             }
-            total
-        })
-        .collect();
-    for (kind, (n, los)) in totals.iter().enumerate() {
-        assert!(*n > 100_000 && *los > 0 && los < n, "{kind}: {los} of {n}");
-    }
+        }
+        assert!(count.links > 100_000 && count.los > 0 && count.los < count.links, "{kind}: {count:?}");
+    });
 }
 
 #[test]
@@ -211,10 +164,7 @@ fn real_surfaces_agree_with_rays() {
     let of = |parts: &str| -> Vec<PathBuf> {
         let folder = data.join(parts);
         let entries = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().path());
-        let mut files: Vec<PathBuf> =
-            entries.filter(|p| p.extension().is_some_and(|e| e == "tif" || e == "asc")).collect();
-        files.sort();
-        files
+        entries.filter(|p| p.extension().is_some_and(|e| e == "tif" || e == "asc")).collect()
     };
     let folders =
         ["lidar/bilbao", "lidar/delft", "viewshed_thirdparty/gdal", "viewshed_thirdparty/grass", "cities/munich"];
@@ -247,7 +197,7 @@ fn real_surfaces_agree_with_rays() {
 #[test]
 fn neither_threads_nor_vectors_change_a_cell() {
     let mut random = Random(5);
-    let footprints = city("urban", 3, 300.0);
+    let footprints = city("urban", 300.0, 1.0, 3);
     let raster = as_raster(&footprints, Ground::Surface, 300, &mut random);
     for field in [&footprints, &raster] {
         let uav = &uavs(field, &mut random)[3];
@@ -279,13 +229,9 @@ fn the_oracle_agrees_where_masks_turn() {
     let n_asked = if slow() { 4000 } else { 250 };
     let mut random = Random(11);
     for name in ENVIRONMENTS {
-        let raster = as_raster(&city(name, 7, 160.0), Ground::Flat(0), 50, &mut random);
+        let raster = as_raster(&city(name, 160.0, 1.0, 7), Ground::Flat(0), 50, &mut random);
         let columns = raster.columns().unwrap();
-        let exact = oracle::Columns {
-            n_cols: columns.n_cols(),
-            n_rows: columns.n_rows(),
-            heights: columns.tops().iter().map(|t| (*t != VOID).then_some(i64::from(*t))).collect(),
-        };
+        let exact = oracle_of(columns);
         let mut asked = 0;
         for uav in &uavs(&raster, &mut random) {
             let found = by(&raster, uav, MethodChoice::Sweep, Receivers::All, None);
@@ -297,9 +243,9 @@ fn the_oracle_agrees_where_masks_turn() {
             let edges: Vec<usize> = (0..found.mask.len()).filter(|i| found.mask[*i] <= 1 && turns(*i)).collect();
             for _ in 0..n_asked.min(edges.len()) / 10 {
                 let cell = random.choose(&edges);
-                let (x, y) = columns.center(cell / n_cols, cell % n_cols);
-                let on =
-                    if raster.cells().open.contains(cell / n_cols, cell % n_cols) { 0 } else { columns.tops()[cell] };
+                let (row, col) = (cell / n_cols, cell % n_cols);
+                let (x, y) = columns.center(row, col);
+                let on = if raster.cells().open.contains(row, col) { 0 } else { columns.tops()[cell] };
                 let u = uav.station.on_columns();
                 let los = oracle::columns_los(&exact, [u.x, u.y, u.z], [x, y, i64::from(on) + 1536]);
                 assert_eq!(los, found.mask[cell] == class::LOS, "{name}: cell {cell}, UAV {u:?}");

@@ -2,8 +2,6 @@
 //!
 //! `cog` and `planning_tools` hold such files against GDAL and rasterio, where these are at hand.
 
-#![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
 use std::io::{Cursor, Read};
 
 use exr::meta::attribute::AttributeValue;
@@ -12,9 +10,12 @@ use geotiff_reader::GeoTiffFile;
 use skyshed_core::raster::{Crs, GeoRef};
 use skyshed_io::crs;
 use skyshed_io::formats::{
-    Bands, ClassColor, ExrChannel, GeoTiff, GeoTiffImage, NpyArray, TiffLayout, encode_geotiff, pam_sidecar,
-    world_file, write_exr, write_geotiff, write_npz,
+    Bands, ClassColor, ExrChannel, GeoTiffImage, NpyArray, TiffLayout, encode_geotiff, pam_sidecar, world_file,
+    write_exr, write_geotiff, write_npz,
 };
+
+use crate::mosaic::{codes, read, same};
+use crate::program::Folder;
 
 const SHAPE: (usize, usize) = (300, 700);
 
@@ -45,34 +46,44 @@ fn bit_sets() -> Vec<u32> {
 
 fn palette() -> Vec<ClassColor> {
     let class = |value, name: &str, rgba| ClassColor { value, name: name.to_string(), rgba };
-    vec![class(0, "NLoS", [230, 159, 0, 255]), class(1, "LoS", [0, 114, 178, 255]), class(3, "a < b & ä", [9; 4])]
+    vec![
+        class(0, "NLoS", [230, 159, 0, 255]),
+        class(1, "LoS", [0, 114, 178, 255]),
+        class(3, "a<b> & \"c\"\u{1}ä", [9; 4]),
+    ]
 }
 
 fn metadata() -> Vec<(String, String)> {
     vec![("skyshed".to_string(), r#"{"version": "1 <&> 2", "file": "straße.tif"}"#.to_string())]
 }
 
-fn ascii_tag(file: &GeoTiffFile, code: u16) -> Option<String> {
-    let tag = file.tiff().ifd(file.base_ifd_index()).unwrap().tag(code)?;
-    Some(tag.value.as_str().unwrap().to_string())
+/// A cloud optimized picture of some bands, and of nothing beside them.
+pub(crate) fn image_of<'a>(georef: &'a GeoRef, bands: Bands<'a>) -> GeoTiffImage<'a> {
+    GeoTiffImage { georef, bands, nodata: None, palette: None, metadata: &[], layout: TiffLayout::Cog }
+}
+
+fn written(image: &GeoTiffImage<'_>) -> GeoTiffFile {
+    GeoTiffFile::from_bytes(encode_geotiff(image).unwrap()).unwrap()
+}
+
+fn classes_of(file: &GeoTiffFile) -> Vec<u8> {
+    file.read_raster::<u8>().unwrap().into_iter().collect()
+}
+
+fn bits_of<'a>(values: impl IntoIterator<Item = &'a f32>) -> Vec<u32> {
+    values.into_iter().map(|value| value.to_bits()).collect()
 }
 
 #[test]
-fn a_mask_comes_back_from_geotiff_with_place_colors_and_names() {
+fn a_mask_comes_back_from_geotiff_in_both_layouts_with_place_colors_and_names() {
     let (georef, mask, palette, metadata) = (grid(Some(25832)), classes(), palette(), metadata());
     let bands = Bands::Byte(vec![("los".to_string(), &mask)]);
-    let image = GeoTiffImage {
-        georef: &georef,
-        bands,
-        nodata: Some(255.0),
-        palette: Some(&palette),
-        metadata: &metadata,
-        layout: TiffLayout::Cog,
-    };
-    let file = GeoTiffFile::from_bytes(encode_geotiff(&image).unwrap()).unwrap();
+    let (palette, metadata) = (Some(&palette[..]), &metadata[..]);
+    let image = GeoTiffImage { nodata: Some(255.0), palette, metadata, ..image_of(&georef, bands) };
+    let file = written(&image);
 
     assert_eq!((file.height() as usize, file.width() as usize, file.band_count()), (SHAPE.0, SHAPE.1, 1));
-    assert_eq!(file.read_raster::<u8>().unwrap().into_iter().collect::<Vec<_>>(), mask);
+    assert_eq!(classes_of(&file), mask);
     assert_eq!((file.epsg(), file.nodata()), (Some(25832), Some("255")));
     assert_eq!(file.geo_bounds(), Some([georef.x_min(), georef.y_min(), georef.x_max(), georef.y_max()]));
 
@@ -80,11 +91,27 @@ fn a_mask_comes_back_from_geotiff_with_place_colors_and_names() {
     assert_eq!((ifd.is_tiled(), ifd.compression(), ifd.photometric_interpretation()), (true, 8, Some(3)));
     let colors = ifd.tag(320).unwrap().value.as_u16_slice().unwrap();
     assert_eq!([colors[1], colors[257], colors[513]], [0, 114 * 257, 178 * 257]);
-    let items = ascii_tag(&file, 42112).unwrap();
+    let items = ifd.tag(42112).unwrap().value.as_str().unwrap();
     assert!(items.contains(r#"<Item name="DESCRIPTION" sample="0" role="description">los</Item>"#), "{items}");
     // GDAL takes the escapes off twice.
     assert!(items.contains("1 &amp;lt;&amp;amp;&amp;gt; 2"), "{items}");
     assert!(items.contains("straße.tif"), "{items}");
+
+    // Everything that is said about the cells is said in both layouts.
+    let bytes = encode_geotiff(&GeoTiffImage { layout: TiffLayout::Plain, ..image }).unwrap();
+    // A band is one stretch of bytes behind the header, north row first: no codec is needed to read it.
+    assert_eq!(&bytes[8..8 + n_cells()], &mask);
+    let plain = GeoTiffFile::from_bytes(bytes).unwrap();
+    let plain_ifd = plain.tiff().ifd(0).unwrap();
+    assert_eq!((plain_ifd.is_tiled(), plain_ifd.compression()), (false, 1));
+    assert_eq!((plain.overview_count(), plain.tiff().ifd_count()), (0, 1));
+    // 700 cells a row: strips of 12 rows reach 8192 bytes.
+    assert_eq!(plain_ifd.tag(278).unwrap().value.as_u32(), Some(12));
+    assert_eq!(classes_of(&plain), mask);
+    assert_eq!((plain.epsg(), plain.nodata(), plain.geo_bounds()), (file.epsg(), file.nodata(), file.geo_bounds()));
+    for code in [262, 320, 33550, 33922, 34735, 34737, 42112, 42113] {
+        assert_eq!(plain_ifd.tag(code).unwrap().value, ifd.tag(code).unwrap().value, "tag {code}");
+    }
 }
 
 #[test]
@@ -95,10 +122,7 @@ fn overviews_of_a_mask_show_the_most_frequent_class() {
     }
     mask[SHAPE.1 + 1] = 3;
     let georef = grid(None);
-    let bands = Bands::Byte(vec![("los".to_string(), &mask)]);
-    let image =
-        GeoTiffImage { georef: &georef, bands, nodata: None, palette: None, metadata: &[], layout: TiffLayout::Cog };
-    let file = GeoTiffFile::from_bytes(encode_geotiff(&image).unwrap()).unwrap();
+    let file = written(&image_of(&georef, Bands::Byte(vec![("los".to_string(), &mask)])));
     assert_eq!(file.overview_count(), 2);
     let half = file.read_overview::<u8>(0).unwrap();
     assert_eq!(half.shape(), [150, 350]);
@@ -110,110 +134,45 @@ fn overviews_of_a_mask_show_the_most_frequent_class() {
 #[test]
 fn bands_of_numbers_come_back_from_geotiff() {
     let (georef, margins, bits) = (grid(Some(32632)), margins(), bit_sets());
-    let bands = Bands::Float(vec![("1.margin".to_string(), &margins), ("2.margin".to_string(), &margins)]);
-    let image = GeoTiffImage {
-        georef: &georef,
-        bands,
-        nodata: Some(-9999.0),
-        palette: None,
-        metadata: &[],
-        layout: TiffLayout::Cog,
-    };
-    let file = GeoTiffFile::from_bytes(encode_geotiff(&image).unwrap()).unwrap();
-    assert_eq!((file.band_count(), file.nodata()), (2, Some("-9999")));
-    for band in 0..2 {
-        let found: Vec<u32> = file.read_band::<f32>(band).unwrap().iter().map(|value| value.to_bits()).collect();
-        assert_eq!(found, margins.iter().map(|value| value.to_bits()).collect::<Vec<_>>());
+    let floats = Bands::Float(vec![("1.margin".to_string(), &margins), ("2.margin".to_string(), &margins)]);
+    let whole = Bands::UInt32(vec![("which.0".to_string(), &bits)]);
+    for layout in [TiffLayout::Cog, TiffLayout::Plain] {
+        let image = GeoTiffImage { nodata: Some(-9999.0), layout, ..image_of(&georef, floats.clone()) };
+        let file = written(&image);
+        assert_eq!((file.band_count(), file.nodata()), (2, Some("-9999")));
+        for band in 0..2 {
+            assert_eq!(bits_of(&file.read_band::<f32>(band).unwrap()), bits_of(&margins));
+        }
+        if layout == TiffLayout::Cog {
+            let overview = file.read_overview_band::<f32>(0, 1).unwrap();
+            assert_eq!(overview[[3, 5]].to_bits(), margins[6 * SHAPE.1 + 10].to_bits());
+        } else {
+            let numbers: Vec<u8> = margins.iter().flat_map(|value| value.to_le_bytes()).collect();
+            assert_eq!(encode_geotiff(&image).unwrap()[8..8 + numbers.len()], numbers);
+        }
+        let file = written(&GeoTiffImage { layout, ..image_of(&georef, whole.clone()) });
+        assert_eq!(file.nodata(), None);
+        assert_eq!(file.read_raster::<u32>().unwrap().into_iter().collect::<Vec<_>>(), bits);
     }
-    let overview = file.read_overview_band::<f32>(0, 1).unwrap();
-    assert_eq!(overview[[3, 5]].to_bits(), margins[6 * SHAPE.1 + 10].to_bits());
-
-    let image =
-        GeoTiffImage { bands: Bands::UInt32(vec![("which.0".to_string(), &bits)]), nodata: None, ..image.clone() };
-    let file = GeoTiffFile::from_bytes(encode_geotiff(&image).unwrap()).unwrap();
-    assert_eq!(file.nodata(), None);
-    assert_eq!(file.read_raster::<u32>().unwrap().into_iter().collect::<Vec<_>>(), bits);
-}
-
-#[test]
-fn a_plain_geotiff_is_strips_of_bare_numbers_that_hold_the_same() {
-    let (georef, mask, palette, metadata) = (grid(Some(25832)), classes(), palette(), metadata());
-    let image = GeoTiffImage {
-        georef: &georef,
-        bands: Bands::Byte(vec![("los".to_string(), &mask)]),
-        nodata: Some(255.0),
-        palette: Some(&palette),
-        metadata: &metadata,
-        layout: TiffLayout::Plain,
-    };
-    let bytes = encode_geotiff(&image).unwrap();
-    // A band is one stretch of bytes behind the header, north row first: no codec is needed to read it.
-    assert_eq!(&bytes[8..8 + n_cells()], &mask);
-    let plain = GeoTiffFile::from_bytes(bytes).unwrap();
-    let cog = GeoTiffFile::from_bytes(encode_geotiff(&GeoTiffImage { layout: TiffLayout::Cog, ..image }).unwrap());
-    let cog = cog.unwrap();
-    let ifd = plain.tiff().ifd(0).unwrap();
-    assert_eq!((ifd.is_tiled(), ifd.compression(), ifd.photometric_interpretation()), (false, 1, Some(3)));
-    assert_eq!((plain.overview_count(), plain.tiff().ifd_count()), (0, 1));
-    // 700 cells a row: strips of 12 rows reach 8192 bytes.
-    assert_eq!(ifd.tag(278).unwrap().value.as_u32(), Some(12));
-    assert_eq!(plain.read_raster::<u8>().unwrap().into_iter().collect::<Vec<_>>(), mask);
-    // Everything that is said about the cells is said in both layouts.
-    assert_eq!((plain.epsg(), plain.nodata(), plain.geo_bounds()), (cog.epsg(), cog.nodata(), cog.geo_bounds()));
-    for code in [320, 33550, 33922, 34735, 34737, 42112, 42113] {
-        let of = |file: &GeoTiffFile| file.tiff().ifd(0).unwrap().tag(code).unwrap().value.clone();
-        assert_eq!(of(&plain), of(&cog), "tag {code}");
-    }
-
-    let (margins, bits) = (margins(), bit_sets());
-    let bands = Bands::Float(vec![("1.margin".to_string(), &margins), ("2.margin".to_string(), &margins)]);
-    let floats = GeoTiffImage {
-        georef: &georef,
-        bands,
-        nodata: Some(-9999.0),
-        palette: None,
-        metadata: &[],
-        layout: TiffLayout::Plain,
-    };
-    let bytes = encode_geotiff(&floats).unwrap();
-    let numbers: Vec<u8> = margins.iter().flat_map(|value| value.to_le_bytes()).collect();
-    assert_eq!(&bytes[8..8 + numbers.len()], &numbers);
-    let file = GeoTiffFile::from_bytes(bytes).unwrap();
-    for band in 0..2 {
-        let found: Vec<u32> = file.read_band::<f32>(band).unwrap().iter().map(|value| value.to_bits()).collect();
-        assert_eq!(found, margins.iter().map(|value| value.to_bits()).collect::<Vec<_>>());
-    }
-    let image = GeoTiffImage { bands: Bands::UInt32(vec![("which.0".to_string(), &bits)]), nodata: None, ..floats };
-    let file = GeoTiffFile::from_bytes(encode_geotiff(&image).unwrap()).unwrap();
-    assert_eq!(file.read_raster::<u32>().unwrap().into_iter().collect::<Vec<_>>(), bits);
 }
 
 #[test]
 fn geokeys_say_what_is_known_of_the_reference_system() {
     let cells = vec![0_u8; n_cells()];
-    let written = |crs: Option<Crs>| {
+    let of = |crs: Option<Crs>| {
         let georef = grid(None).with_crs(crs);
-        let bands = Bands::Byte(vec![("los".to_string(), &cells)]);
-        let image = GeoTiffImage {
-            georef: &georef,
-            bands,
-            nodata: None,
-            palette: None,
-            metadata: &[],
-            layout: TiffLayout::Cog,
-        };
-        GeoTiffFile::from_bytes(encode_geotiff(&image).unwrap()).unwrap()
+        written(&image_of(&georef, Bands::Byte(vec![("los".to_string(), &cells)])))
     };
     for code in [4326, 3857, 2056, 4647, 2263] {
-        assert_eq!(written(Some(crs::from_epsg(code).unwrap())).epsg(), Some(code));
+        assert_eq!(of(Some(crs::from_epsg(code).unwrap())).epsg(), Some(code));
     }
     // GDAL makes up a local system as soon as there is any key.
-    assert!(written(None).tiff().ifd(0).unwrap().tag(34735).is_none());
+    assert!(of(None).tiff().ifd(0).unwrap().tag(34735).is_none());
 
-    let cited = written(Some(crs::from_geokeys_citation("City grid", Some(0.3048), false)));
+    let cited = of(Some(crs::from_geokeys_citation("City grid", Some(0.3048), false)));
     assert_eq!(cited.geokeys().get_ascii(3073), Some("City grid"));
     assert_eq!((cited.geokeys().get_short(3072), cited.geokeys().get_short(3076)), (Some(32767), Some(9002)));
-    let defined = written(Some(crs::parse("+proj=tmerc +lat_0=1 +lon_0=8.5 +datum=WGS84").unwrap()));
+    let defined = of(Some(crs::parse("+proj=tmerc +lat_0=1 +lon_0=8.5 +datum=WGS84").unwrap()));
     let definition = defined.geokeys().get_ascii(3073).unwrap();
     assert!(definition.starts_with("ESRI PE String = PROJCS["), "{definition}");
     assert_eq!(crs::parse(definition.trim_start_matches("ESRI PE String = ")).unwrap().epsg(), None);
@@ -223,14 +182,7 @@ fn geokeys_say_what_is_known_of_the_reference_system() {
 fn files_do_not_depend_on_the_number_of_threads() {
     let (georef, margins, bits, metadata) = (grid(Some(2056)), margins(), bit_sets(), metadata());
     let bands = Bands::Float(vec![("a".to_string(), &margins), ("b".to_string(), &margins)]);
-    let image = GeoTiffImage {
-        georef: &georef,
-        bands,
-        nodata: None,
-        palette: None,
-        metadata: &metadata,
-        layout: TiffLayout::Cog,
-    };
+    let image = GeoTiffImage { metadata: &metadata, ..image_of(&georef, bands) };
     let files = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
@@ -264,7 +216,7 @@ fn channels_come_back_from_exr_with_their_place() {
     assert_eq!(names, ["a_site_with_a_name_of_more_than_31_bytes.los", "s1.margin"]);
     assert_eq!(list[0].sample_data, FlatSamples::U32(bits));
     let FlatSamples::F32(found) = &list[1].sample_data else { panic!("margins are floats") };
-    assert!(found.iter().map(|value| value.to_bits()).eq(margins.iter().map(|value| value.to_bits())));
+    assert_eq!(bits_of(found), bits_of(&margins));
 
     let attribute = |name: &str| {
         let own = image.layer_data.attributes.other.iter().chain(&image.attributes.other);
@@ -315,7 +267,8 @@ fn arrays_come_back_from_npz() {
 fn a_sidecar_names_the_classes_in_order() {
     let text = pam_sidecar(&palette());
     let names: Vec<&str> = text.lines().filter_map(|line| line.trim().strip_prefix("<Category>")).collect();
-    assert_eq!(names, ["NLoS</Category>", "LoS</Category>", "</Category>", "a &lt; b &amp; ä</Category>"]);
+    let last = "a&lt;b&gt; &amp; &quot;c&quot; ä</Category>";
+    assert_eq!(names, ["NLoS</Category>", "LoS</Category>", "</Category>", last]);
 }
 
 #[test]
@@ -335,58 +288,37 @@ fn a_full_disk_is_an_error_of_the_output() {
         }
     }
     let (georef, mask, bits) = (grid(None), classes(), bit_sets());
-    let bands = Bands::Byte(vec![("los".to_string(), &mask)]);
-    let image =
-        GeoTiffImage { georef: &georef, bands, nodata: None, palette: None, metadata: &[], layout: TiffLayout::Cog };
+    let image = image_of(&georef, Bands::Byte(vec![("los".to_string(), &mask)]));
     let error = write_geotiff(&mut Full, &image).unwrap_err();
     assert_eq!((error.code().as_str(), error.class().exit_code()), ("E401", 3), "{error}");
     let channels = [("a".to_string(), ExrChannel::UInt(&bits))];
     assert_eq!(write_exr(&mut Full, &georef, &channels, &[]).unwrap_err().code(), "E401");
 }
 
-#[test]
-fn reference_systems_are_read_named_and_joined() {
-    let utm = crs::parse("urn:ogc:def:crs:EPSG::25832").unwrap();
-    assert_eq!((utm.label(), utm.name()), ("EPSG:25832".to_string(), "ETRS89 / UTM zone 32N".to_string()));
-    assert!(crs::is_web_mercator(&crs::parse("EPSG:900913").unwrap()));
-    assert!(!crs::is_web_mercator(&utm));
-    assert_eq!(crs::parse(&crs::wkt_of(&utm).unwrap()).unwrap(), utm);
-    // PROJ 9.5.1: 513223.5394 5403015.5180.
-    let wgs84 = crs::from_epsg(4326).unwrap();
-    let (x, y) = skyshed_io::crs::transform(&wgs84, &utm, (9.18, 48.78)).unwrap();
-    assert!((x - 513_223.539_4).abs() < 1e-3 && (y - 5_403_015.518).abs() < 1e-3, "{x} {y}");
-    assert_eq!(skyshed_io::crs::utm_for(9.18, 48.78), 32632);
+/// Heights with a band that says how opaque their cells are, which counts from an `ExtraSamples` of 1 on.
+pub(crate) fn with_opacity(georef: &GeoRef, heights: &[f32], opacity: &[f32], extra_samples: u8) -> Vec<u8> {
+    let bands = Bands::Float(vec![("height".to_string(), heights), ("alpha".to_string(), opacity)]);
+    let mut bytes = encode_geotiff(&image_of(georef, bands)).unwrap();
+    // The tag, one short: 0 is data, 1 and 2 are associated and unassociated alpha.
+    let tag = [0x52, 0x01, 3, 0, 1, 0, 0, 0, 0, 0];
+    let at = bytes.windows(tag.len()).position(|window| window == tag).unwrap();
+    bytes[at + 8] = extra_samples;
+    bytes
 }
 
 #[test]
 fn a_band_that_says_how_opaque_cells_are_hides_those_that_are_not() {
-    let folder = crate::program::Folder::new();
+    let folder = Folder::new();
     let georef = GeoRef::new((0.0, 2.0), (1.0, 1.0), (2, 3), None).unwrap();
     // 0 m where nothing was measured, as tools leave it that write transparency beside heights.
     let heights = [5.0, 0.0, 7.0, 0.0, 0.0, 9.0];
-    let opaque = [255.0, 0.0, 1.0, 255.0, 0.0, 255.0];
-    let bands = Bands::Float(vec![("height".to_string(), &heights), ("alpha".to_string(), &opaque)]);
-    let image =
-        GeoTiffImage { georef: &georef, bands, nodata: None, palette: None, metadata: &[], layout: TiffLayout::Cog };
-    let mut bytes = encode_geotiff(&image).unwrap();
-    let read = |name: &str, bytes: &[u8]| {
-        std::fs::write(folder.join(name), bytes).unwrap();
-        let mut warnings = Vec::new();
-        let file = GeoTiff::open(folder.join(name), &mut warnings).unwrap();
-        let cells = file.read(file.georef().window(), &mut warnings, |height| height).unwrap().cells().to_vec();
-        (cells, warnings.iter().map(skyshed_io::Warning::code).collect::<Vec<_>>())
-    };
-    let (cells, warnings) = read("bands.tif", &bytes);
-    assert!(cells == heights.map(f64::from) && warnings.contains(&"W323".to_string()), "{cells:?} {warnings:?}");
-    // The tag ExtraSamples, one short: 0 is data, 2 is unassociated alpha.
-    let tag = [0x52, 0x01, 3, 0, 1, 0, 0, 0, 0, 0];
-    let at = bytes.windows(tag.len()).position(|window| window == tag).unwrap();
-    for alpha in [1, 2] {
-        bytes[at + 8] = alpha;
-        let (cells, warnings) = read("alpha.tif", &bytes);
-        let is_void: Vec<bool> = cells.iter().map(|height| height.is_nan()).collect();
-        assert_eq!(is_void, opaque.map(|alpha| alpha == 0.0));
-        assert_eq!((cells[0], cells[2], cells[3]), (5.0, 7.0, 0.0));
-        assert!(!warnings.contains(&"W323".to_string()), "{warnings:?}");
+    let opacity = [255.0, 0.0, 1.0, 255.0, 0.0, 255.0];
+    for extra_samples in 0..=2 {
+        std::fs::write(folder.join("a.tif"), with_opacity(&georef, &heights, &opacity, extra_samples)).unwrap();
+        let (cells, warnings) = read(&folder.join("a.tif")).unwrap();
+        let seen = |k: usize| if extra_samples > 0 && opacity[k] == 0.0 { f64::NAN } else { f64::from(heights[k]) };
+        let wanted = [0, 1, 2, 3, 4, 5].map(seen);
+        assert!(same(&cells, &wanted), "{extra_samples}: {cells:?}");
+        assert_eq!(codes(&warnings).contains(&"W323".to_string()), extra_samples == 0, "{warnings:?}");
     }
 }

@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use skyshed_core::raster::GeoRef;
-use skyshed_io::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
 
+use crate::formats_write;
 use crate::program::{Folder, run_in};
 use crate::support::{Random, slow};
 
@@ -33,18 +33,12 @@ const SITES: &str = "# places\nid,x,y,h,h_above\na,5,5,60,ground\nb,35.5,30,90,a
 const POINTS: &str = r#"{"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "EPSG:25832"}}, "features": [
  {"type": "Feature", "properties": {"h": 60, "id": "a"}, "geometry": {"type": "Point", "coordinates": [5, 5]}}]}"#;
 
-fn grid(sep: &str) -> String {
+fn grid() -> String {
     let rows = (0..12).map(|r| {
-        (0..16).map(|c| if (4..7).contains(&c) && r > 3 { "14.25" } else { "2" }).collect::<Vec<_>>().join(sep)
+        (0..16).map(|c| if (4..7).contains(&c) && r > 3 { "14.25" } else { "2" }).collect::<Vec<_>>().join(" ")
     });
     let head = "ncols 16\nnrows 12\nxllcorner 100\nyllcorner -50.5\ncellsize 2.5\nNODATA_value -9999\n";
     head.to_string() + &rows.collect::<Vec<_>>().join("\n") + "\n"
-}
-
-/// A small GeoTIFF and a saved mask, as this program writes them.
-fn made(folder: &Folder, line: &str, file: &str) -> Vec<u8> {
-    folder.type_in(line).done();
-    folder.read(file)
 }
 
 /// A virtual raster over a tile that lies beside it: a copy, and one that is scaled and cut.
@@ -65,98 +59,54 @@ UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],PARAMETER["
 PARAMETER["scale_factor",0.9996],PARAMETER["false_easting",500000],UNIT["Foot_US",0.304800609601219]]"#;
 
 /// Heights and how opaque their cells are.
-fn with_opacity() -> Vec<u8> {
+fn half_opaque() -> Vec<u8> {
     let georef = GeoRef::new((0.0, 12.0), (1.0, 1.0), (12, 16), None).expect("a valid grid");
     #[expect(clippy::cast_precision_loss, reason = "small numbers")]
     let heights: Vec<f32> = (0..192).map(|k| (k % 7) as f32).collect();
     let opaque: Vec<f32> = (0..192).map(|k| if k % 11 == 0 { 0.0 } else { 255.0 }).collect();
-    let bands = Bands::Float(vec![("height".to_string(), &heights), ("opacity".to_string(), &opaque)]);
-    let image =
-        GeoTiffImage { georef: &georef, bands, nodata: None, palette: None, metadata: &[], layout: TiffLayout::Cog };
-    let mut bytes = encode_geotiff(&image).expect("a file");
-    // ExtraSamples: unassociated alpha.
-    let tag = [0x52, 0x01, 3, 0, 1, 0, 0, 0, 0, 0];
-    let at = bytes.windows(tag.len()).position(|window| window == tag).expect("the tag");
-    bytes[at + 8] = 2;
-    bytes
+    formats_write::with_opacity(&georef, &heights, &opaque, 2)
 }
 
 fn targets() -> Vec<Target> {
     let folder = Folder::new();
-    let text = |t: &str| t.as_bytes().to_vec();
+    let target = |name, good: &[u8], line| Target { name, good: good.to_vec(), line };
+    // As this program writes them.
+    let made = |name, line: &str, reader| {
+        folder.type_in(&format!("{line} -o {name}")).done();
+        Target { name, good: folder.read(name), line: reader }
+    };
+    let margins = "map itu:urban --size 60 --uav 5,5,80 --layers margin --tif-layout plain";
+    let walk = b"x,y\n1,1\n20,5\n45.5,30\n";
+    let curve = b"theta_deg,p_los\n5,0.1\n45,0.6\n90,1\n";
+    let area = "place city.geojson --height 60 --step 20 --goal p_los(area) --area {} -o out.json";
+    let footprints = FOOTPRINTS.as_bytes();
     vec![
-        Target { name: "grid.asc", good: text(&grid(" ")), line: "map {} --ground 2 --uav 101,-45,40 -o out.json" },
-        Target {
-            name: "mosaic.vrt",
-            good: text(VIRTUAL),
-            line: "map {} --ground 2 --uav 500003,5399990,40amsl -o out.json",
-        },
-        Target {
-            name: "surface.tif",
-            good: made(&folder, "city itu:urban --size 60 -o surface.tif", "surface.tif"),
-            line: "map {} --ground 0 --uav 5,5,80 -o out.json",
-        },
-        Target {
-            name: "plain.tif",
-            good: made(
-                &folder,
-                "map itu:urban --size 60 --uav 5,5,80 --layers margin --tif-layout plain -o plain.tif",
-                "plain.tif",
-            ),
-            line: "map {} --uav 5,5,80amsl -o out.json",
-        },
-        Target { name: "opacity.tif", good: with_opacity(), line: "map {} --ground 0 --uav 5,5,60 -o out.json" },
-        Target { name: "named.prj", good: text(SYSTEM), line: "map named.asc --ground 2 --uav 101,-45,40 -o out.json" },
+        target("grid.asc", grid().as_bytes(), "map {} --ground 2 --uav 101,-45,40 -o out.json"),
+        target("mosaic.vrt", VIRTUAL.as_bytes(), "map {} --ground 2 --uav 500003,5399990,40amsl -o out.json"),
+        made("surface.tif", "city itu:urban --size 60", "map {} --ground 0 --uav 5,5,80 -o out.json"),
+        made("plain.tif", margins, "map {} --uav 5,5,80amsl -o out.json"),
+        target("opacity.tif", &half_opaque(), "map {} --ground 0 --uav 5,5,60 -o out.json"),
+        target("named.prj", SYSTEM.as_bytes(), "map named.asc --ground 2 --uav 101,-45,40 -o out.json"),
         // Names in pictures, and footprints cut to tiles.
-        Target { name: "names.csv", good: text(SITES), line: "map city.geojson --uavs {} --height-curve out.svg" },
-        Target { name: "tiles.geojson", good: text(FOOTPRINTS), line: "info {} --tile 7 -o out.csv" },
-        Target { name: "city.geojson", good: text(FOOTPRINTS), line: "map {} --uav 5,5,60 -o out.json" },
-        Target { name: "sites.csv", good: text(SITES), line: "map city.geojson --uavs {} -o out.json" },
-        Target { name: "sites.geojson", good: text(POINTS), line: "map city.geojson --uavs {} -o out.json" },
-        Target {
-            name: "walk.csv",
-            good: text("x,y\n1,1\n20,5\n45.5,30\n"),
-            line: "track city.geojson --uav 5,5,60 --track {} -o out.json",
-        },
-        Target {
-            name: "area.geojson",
-            good: text(FOOTPRINTS),
-            line: "place city.geojson --height 60 --step 20 --goal p_los(area) --area {} -o out.json",
-        },
-        Target {
-            name: "curve.csv",
-            good: text("theta_deg,p_los\n5,0.1\n45,0.6\n90,1\n"),
-            line: "plos itu:urban --theta 30,60 --method itu --curve mine={} -o out.json",
-        },
-        Target {
-            name: "mask.tif",
-            good: made(&folder, "map itu:urban --size 60 --uav 5,5,80 -o mask.tif", "mask.tif"),
-            line: "compare itu:urban --size 60 --uav 5,5,70 --mask {} -o out.json",
-        },
+        target("names.csv", SITES.as_bytes(), "map city.geojson --uavs {} --height-curve out.svg"),
+        target("tiles.geojson", footprints, "info {} --tile 7 -o out.csv"),
+        target("city.geojson", footprints, "map {} --uav 5,5,60 -o out.json"),
+        target("sites.csv", SITES.as_bytes(), "map city.geojson --uavs {} -o out.json"),
+        target("sites.geojson", POINTS.as_bytes(), "map city.geojson --uavs {} -o out.json"),
+        target("walk.csv", walk, "track city.geojson --uav 5,5,60 --track {} -o out.json"),
+        target("area.geojson", footprints, area),
+        target("curve.csv", curve, "plos itu:urban --theta 30,60 --method itu --curve mine={} -o out.json"),
+        made(
+            "mask.tif",
+            "map itu:urban --size 60 --uav 5,5,80",
+            "compare itu:urban --size 60 --uav 5,5,70 --mask {} -o out.json",
+        ),
     ]
 }
 
-/// Numbers that parsers and arithmetic stumble over.
-const NUMBERS: [&str; 18] = [
-    "1e-307",
-    "1e150",
-    "0",
-    "-0",
-    "1e308",
-    "-1e308",
-    "1e-320",
-    "nan",
-    "inf",
-    "-inf",
-    "99999999999999999999",
-    "1,5",
-    "0x10",
-    "",
-    "--1",
-    "1e",
-    "4294967296",
-    "-32769",
-];
+/// Numbers that parsers and arithmetic stumble over; one of them is none at all.
+const NUMBERS: &str =
+    "1e-307|1e150|0|-0|1e308|-1e308|1e-320|nan|inf|-inf|99999999999999999999|1,5|0x10||--1|1e|4294967296|-32769";
 
 /// A damaged copy.
 fn damaged(good: &[u8], random: &mut Random) -> Vec<u8> {
@@ -200,7 +150,8 @@ fn replace_a_number(bytes: &mut Vec<u8>, from: usize, random: &mut Random) {
     let is_digit = |b: &u8| b.is_ascii_digit() || b".-".contains(b);
     let Some(start) = bytes[from..].iter().position(is_digit).map(|k| from + k) else { return };
     let end = bytes[start..].iter().position(|b| !is_digit(b)).map_or(bytes.len(), |k| start + k);
-    bytes.splice(start..end, random.choose(&NUMBERS).bytes());
+    let numbers: Vec<&str> = NUMBERS.split('|').collect();
+    bytes.splice(start..end, random.choose(&numbers).bytes());
 }
 
 #[test]
@@ -213,8 +164,8 @@ fn damaged_files_are_refused_or_mapped_and_leave_nothing_half_written() {
             let bytes = damaged(&target.good, &mut random);
             let folder = Folder::new();
             folder.write("city.geojson", FOOTPRINTS);
-            folder.write("tile.asc", &grid(" "));
-            folder.write("named.asc", &grid(" "));
+            folder.write("tile.asc", &grid());
+            folder.write("named.asc", &grid());
             std::fs::write(folder.join(target.name), &bytes).unwrap();
             let line = target.line.replace("{}", target.name);
             let answer = run_in(folder.path(), &line.split_whitespace().collect::<Vec<_>>());

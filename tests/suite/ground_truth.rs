@@ -1,8 +1,6 @@
 //! What a scene is made of: the ground under footprints, voids, holes, lattices, extents and ranges, by hand and against plain
 //! geometry in rationals.
 
-#![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
@@ -10,6 +8,7 @@ use skyshed_core::city::Solids;
 use skyshed_core::quantity::meters;
 use skyshed_io::read::{DataAreaChoice, FootprintOptions, read_footprints};
 
+use crate::compare::check_refusals;
 use crate::program::Folder;
 use crate::support::{Random, slow};
 
@@ -27,6 +26,12 @@ fn city(features: &[Value]) -> String {
 fn square(west: f64, south: f64, side: f64) -> Vec<[f64; 2]> {
     let (east, north) = (west + side, south + side);
     vec![[west, south], [east, south], [east, north], [west, north]]
+}
+
+/// Whether a document has a warning of this code with this number.
+fn warns(document: &Value, code: &str, number: &str) -> bool {
+    let warnings = document["warnings"].as_array().unwrap();
+    warnings.iter().any(|w| w["code"] == code && w["text"].as_str().unwrap().contains(number))
 }
 
 /// An ASCII grid from the north-west cell.
@@ -103,27 +108,20 @@ fn outline(random: &mut Random, cell: i128, n_cells: i128) -> Vec<Vec<[i128; 2]>
         let v = random.within(-2, i64::try_from(size).unwrap() + 2).into();
         if random.within(0, 2) > 0 { v / cell * cell } else { v }
     };
-    if random.within(0, 3) == 0 {
-        // A rectangle with a court.
-        let (x, y): (i128, i128) = (near(random), near(random));
+    let has_court = random.within(0, 3) == 0;
+    let (x, y): (i128, i128) = (near(random), near(random));
+    if has_court {
         let (w, h): (i128, i128) = (random.within(3, 30).into(), random.within(3, 30).into());
         let ring = |x0, y0, x1, y1| vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
         return vec![ring(x, y, x + w, y + h), ring(x + 1, y + 1, x + w - 1, y + h - 1)];
     }
-    let (x, y): (i128, i128) = (near(random), near(random));
     // Corners by octants, so that sides do not cross.
     const WAYS: [[i128; 2]; 8] = [[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1]];
     let corner = |way: &[i128; 2], random: &mut Random| {
         let reach: i128 = random.within(1, 12).into();
         [x + way[0] * reach, y + way[1] * reach]
     };
-    let mut ring: Vec<[i128; 2]> = Vec::new();
-    for way in &WAYS {
-        if random.within(0, 3) > 0 {
-            ring.push(corner(way, random));
-        }
-    }
-    vec![ring]
+    vec![WAYS.iter().filter_map(|way| (random.within(0, 3) > 0).then(|| corner(way, random))).collect()]
 }
 
 #[test]
@@ -138,13 +136,7 @@ fn a_footprint_stands_on_the_lowest_column_that_its_area_overlaps() {
         let cell: i128 = [4, 8, 2, 10][scene % 4];
         let n_cells: i128 = 12;
         let heights: Vec<f64> = (0..n_cells * n_cells)
-            .map(|_| {
-                if random.within(0, 12) == 0 {
-                    -9999.0
-                } else {
-                    f64::from(i32::try_from(random.within(0, 40)).unwrap())
-                }
-            })
+            .map(|_| if random.within(0, 12) == 0 { -9999.0 } else { random.within(0, 40) as f64 })
             .collect();
         let (east, north) = (691_000.0, 5_334_000.0);
         let outlines: Vec<Vec<Vec<[i128; 2]>>> = (0..n_each).map(|_| outline(&mut random, cell, n_cells)).collect();
@@ -170,11 +162,8 @@ fn a_footprint_stands_on_the_lowest_column_that_its_area_overlaps() {
                 })
                 .collect();
             folder.write("city.geojson", &city(&features));
-            let options = FootprintOptions {
-                terrain: Some(folder.join("terrain.asc").into()),
-                data_area: DataAreaChoice::All,
-                ..FootprintOptions::default()
-            };
+            let terrain = Some(folder.join("terrain.asc").into());
+            let options = FootprintOptions { terrain, data_area: DataAreaChoice::All, ..FootprintOptions::default() };
             let read = read_footprints(folder.join("city.geojson"), &options, &mut Vec::new()).unwrap();
             let Solids::Vector { footprints, .. } = read.solids else { panic!("footprints") };
             let found = |k: usize| footprints.iter().find(|f| f.id == k.to_string()).map(|f| meters(f.base.unwrap()));
@@ -202,17 +191,14 @@ fn a_footprint_stands_on_the_lowest_column_that_its_area_overlaps() {
 #[test]
 fn a_house_at_the_edge_of_a_cliff_stands_on_its_own_side() {
     let folder = Folder::new();
-    let house = feature(&json!({"height": 3}), &[square(6.0, 2.0, 4.0)]);
-    let mirrored = feature(&json!({"height": 3}), &[square(10.0, 2.0, 4.0)]);
-    let high_west: Vec<f64> = (0..200).map(|k| if k % 20 < 10 { 10.0 } else { 0.0 }).collect();
-    let high_east: Vec<f64> = (0..200).map(|k| if k % 20 < 10 { 0.0 } else { 10.0 }).collect();
-    for (name, feature, heights) in [("a", house, high_west), ("b", mirrored, high_east)] {
-        folder.write(&format!("{name}.geojson"), &city(&[feature]));
-        folder.write(&format!("{name}.asc"), &grid((0.0, 0.0), 1.0, 20, &heights));
-        let line = format!("city {name}.geojson --terrain {name}.asc -o {name}_out.geojson -q");
-        folder.type_in(&line).done();
-        let properties = folder.json(&format!("{name}_out.geojson"))["features"][0]["properties"].clone();
-        assert_eq!((&properties["ground"], &properties["z_top"]), (&json!(10.0), &json!(13.0)), "{name}");
+    // West of the cliff, and mirrored.
+    for (west, high_cols) in [(6.0, 0..10), (10.0, 10..20)] {
+        folder.write("c.geojson", &city(&[feature(&json!({"height": 3}), &[square(west, 2.0, 4.0)])]));
+        let heights: Vec<f64> = (0..200).map(|k| if high_cols.contains(&(k % 20)) { 10.0 } else { 0.0 }).collect();
+        folder.write("t.asc", &grid((0.0, 0.0), 1.0, 20, &heights));
+        folder.type_in("city c.geojson --terrain t.asc -o out.geojson -q --overwrite").done();
+        let properties = folder.json("out.geojson")["features"][0]["properties"].clone();
+        assert_eq!((&properties["ground"], &properties["z_top"]), (&json!(10.0), &json!(13.0)), "{west}");
     }
 }
 
@@ -233,9 +219,7 @@ fn other_bases_are_the_mean_by_area_and_the_highest() {
     assert_eq!((ground(""), ground("--base lowest"), ground("--base highest")), (4.0, 4.0, 16.0));
     let mean: f64 = (0.25 * 4.0 + 8.0 + 12.0 + 0.5 * 16.0) / 2.75;
     assert!((ground("--base mean") - mean).abs() <= 0.5 / 1024.0, "{}", ground("--base mean"));
-    let answer = folder.type_in("map c.geojson --base mean --uav 1,1,50 --json");
-    let lines = answer.refused(2);
-    assert!(lines[0].contains("`--base` has no meaning for footprints without `--terrain`"), "{lines:?}");
+    check_refusals(&folder, "map c.geojson --uav 1,1,50", &[("--base mean", "E116", "`--base`")]);
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -260,14 +244,11 @@ fn an_absolute_top_needs_no_ground() {
     let document = answer.json();
     // 20 columns of terrain but 4 of void, and 3 × 3 roofs over nothing, twice.
     assert_eq!(document["sites"][0]["receivers"], 16 * 20 + 2 * 9, "{document}");
-    let told: Vec<String> =
-        document["warnings"].as_array().unwrap().iter().map(|w| w["text"].as_str().unwrap().into()).collect();
-    let cells = 30 * 20 - 16 * 20 - 2 * 9;
-    assert!(told.iter().any(|text| text.starts_with(&format!("{cells} cells have no ground: "))), "{told:?}");
+    assert!(warns(&document, "W340", &format!("{} cells", 30 * 20 - 16 * 20 - 2 * 9)), "{document}");
     // Heights above ground have none there to stand on.
     let above = map("").json();
     assert_eq!(above["sites"][0]["receivers"], 16 * 20, "{above}");
-    assert!(above["warnings"].to_string().contains("2 footprints with heights above ground where no terrain is known"));
+    assert!(warns(&above, "W357", "2 footprints"), "{above}");
     // Ground that is not known can block everything instead, in the terrain and beyond it.
     let link = |rest: &str, rx: &str| {
         let line = format!(
@@ -298,9 +279,8 @@ fn where_the_surface_has_a_void_the_terrain_blocks() {
     // Over the void the height is above the terrain; below it is refused.
     let over = folder.type_in("map s.asc --terrain t.asc --uav 9.5,1.5,5 --json").done().json();
     assert_eq!(over["sites"][0]["height_amsl_m"], 35.0);
-    let answer = folder.type_in("map s.asc --terrain t.asc --uav 9.5,1.5,20amsl --json");
-    let lines = answer.refused(4);
-    assert!(lines[0].starts_with("error[E202]") && lines[1].contains("`0agl`"), "{lines:?}");
+    let below = folder.type_in("map s.asc --terrain t.asc --uav 9.5,1.5,20amsl --json");
+    assert!(below.error() == "E202" && below.refused(4)[1].contains("`0agl`"), "{below:?}");
 }
 
 #[test]
@@ -309,15 +289,14 @@ fn ground_that_was_typed_holds_everywhere() {
     folder.write("s.asc", &grid((0.0, 0.0), 1.0, 4, &[7.0, 7.0, 7.0, 7.0, 7.0, -9999.0, 9.0, 7.0]));
     // Over the void, on the north and the east edge, at the corner, and far outside.
     for place in ["1.5,0.5", "2,2", "4,1", "4,2", "-30,1", "1,99"] {
-        let site =
-            folder.type_in(&format!("map s.asc --ground 7 --uav {place},3 --json")).done().json()["sites"][0].clone();
+        let map = |height: &str| folder.type_in(&format!("map s.asc --ground 7 --uav {place},{height} --json"));
+        let site = map("3").done().json()["sites"][0].clone();
         assert_eq!((&site["height_amsl_m"], &site["height_agl_m"]), (&json!(10.0), &json!(3.0)), "{place}");
-        let answer = folder.type_in(&format!("map s.asc --ground 7 --uav {place},6amsl --json"));
-        let lines = answer.refused(4);
-        assert!(lines[0].starts_with("error[E202]"), "{place}: {lines:?}");
+        let below = map("6amsl");
+        assert_eq!(below.error(), "E202", "{place}: {below:?}");
         // The height of the hint works.
-        let hint = lines[1].split('`').nth(1).unwrap();
-        folder.type_in(&format!("map s.asc --ground 7 --uav {place},{hint} --json")).done();
+        let hint = below.refused(4)[1].split('`').nth(1).unwrap();
+        map(hint).done();
     }
 }
 
@@ -372,8 +351,7 @@ fn ends_of_links_are_on_the_lattice_of_meters_whatever_the_terrains_cells() {
     for (cell, parts, side) in [(2.0, 2_usize, 32), (2.5, 5, 40), (5.0, 5, 80)] {
         let n = 16;
         // Rough ground: what hides a receiver is often a corner.
-        let heights: Vec<f64> =
-            (0..n * n).map(|_| f64::from(i32::try_from(random.within(0, 3000)).unwrap()) / 256.0).collect();
+        let heights: Vec<f64> = (0..n * n).map(|_| random.within(0, 3000) as f64 / 256.0).collect();
         let fine: Vec<f64> = (0..n * parts * n * parts)
             .map(|k| heights[k / (n * parts) / parts * n + k % (n * parts) / parts])
             .collect();
@@ -424,10 +402,9 @@ fn voids_of_a_terrain_on_the_grid_of_the_surface_are_told() {
     let mut terrain = [1.0; 16];
     (terrain[3], terrain[6]) = (-9999.0, -9999.0);
     folder.write("t.asc", &grid((0.0, 0.0), 1.0, 4, &terrain));
-    let answer = folder.type_in("info s.asc --terrain t.asc --json -q").done();
-    let document = answer.json();
+    let document = folder.type_in("info s.asc --terrain t.asc --json -q").done().json();
     assert_eq!(document["cells"]["nodata"], 2);
-    assert!(document["warnings"].to_string().contains("2 of 16 cells of the terrain have no height"), "{document}");
+    assert!(warns(&document, "W340", "2 of 16 cells"), "{document}");
     folder.write("t.asc", &grid((0.0, 0.0), 1.0, 4, &[1.0; 16]));
     let document = folder.type_in("info s.asc --terrain t.asc --json -q").done().json();
     assert!(!document["warnings"].to_string().contains("W340"), "{document}");
@@ -476,17 +453,16 @@ fn heights_between_lattice_steps_round_up_at_one_half_in_every_format() {
             json!([wanted, wanted]),
             "mesh {z}"
         );
-        let mut object = json!({"type": "CityJSON", "version": "1.1", "transform": {"scale": [1.0, 1.0, 1.0], "translate": [0.0, 0.0, 0.0]},
-            "metadata": {"referenceSystem": "https://www.opengis.net/def/crs/EPSG/0/25832"},
-            "vertices": [], "CityObjects": {}});
-        // The transform carries the fraction: vertices are integers.
-        object["transform"]["translate"] = json!([0.0, 0.0, z]);
-        object["vertices"] =
-            json!([[0, 0, -10], [8, 0, -10], [8, 8, -10], [0, 8, -10], [0, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0]]);
+        let corners = [[0, 0], [8, 0], [8, 8], [0, 8]];
+        let vertices: Vec<[i32; 3]> = [-10, 0].iter().flat_map(|z| corners.map(|[x, y]| [x, y, *z])).collect();
         let faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
-        let shell: Vec<Value> = faces.iter().map(|f| json!([f])).collect();
-        object["CityObjects"]["a"] =
-            json!({"type": "Building", "geometry": [{"type": "Solid", "lod": "1", "boundaries": [shell]}]});
+        let solid = json!({"type": "Solid", "lod": "1", "boundaries": [faces.map(|face| [face])]});
+        // The transform carries the fraction: vertices are integers.
+        let object = json!({"type": "CityJSON", "version": "1.1",
+            "transform": {"scale": [1.0, 1.0, 1.0], "translate": [0.0, 0.0, z]},
+            "metadata": {"referenceSystem": "https://www.opengis.net/def/crs/EPSG/0/25832"},
+            "vertices": vertices,
+            "CityObjects": {"a": {"type": "Building", "geometry": [solid]}}});
         folder.write("c.city.json", &object.to_string());
         folder.type_in("city c.city.json -o out.geojson -q --overwrite").done();
         assert_eq!(folder.json("out.geojson")["features"][0]["properties"]["z_top"], wanted, "CityJSON {z}");

@@ -1,20 +1,20 @@
 //! P_LoS against the UAV's height: the curve counts what maps made at each height count, to the last receiver.
 
-#![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
 use serde_json::{Value, json};
-use skyshed_core::city::{Ground, Solids};
+use skyshed_core::city::Ground;
 use skyshed_core::coverage::{Control, HeightCurve, HeightLayers, MapOptions, Receivers, SiteCoverage, Uav, map_site};
 use skyshed_core::height_field::{HeightField, Station};
 use skyshed_core::los::{columns_least_height, columns_least_step, prisms_least_height, prisms_least_step};
-use skyshed_core::quantity::VOID;
-use skyshed_core::raster::{GeoRef, Raster};
+use skyshed_core::quantity::{BLOCKS_ALL, VOID};
+use skyshed_core::raster::GeoRef;
 
+use crate::compare::check_refusals;
 use crate::invariants::{raster_town, uav_at, uavs, vector_town};
 use crate::oracle::Columns;
 use crate::program::Folder;
 use crate::shapes::{M, moved, random_columns, random_end, random_prism_end, random_prisms};
 use crate::support::{Random, columns_of, point, prisms_of};
+use crate::zones::surface_field;
 
 fn options(receivers: Receivers, radius: Option<f64>) -> MapOptions {
     MapOptions { receivers, radius, ..MapOptions::default() }
@@ -92,9 +92,7 @@ fn plateau(random: &mut Random) -> HeightField {
         _ => ground,
     };
     let cells = (0..24 * 24).map(|_| height(random)).collect::<Vec<_>>();
-    let surface = Raster::new(grid.clone(), cells);
-    let solids = Solids::Raster { surface, ground: Ground::Flat(ground), building_threshold: 256, voids: None };
-    HeightField::build(&grid, solids).field
+    surface_field(&grid, cells, Ground::Flat(ground))
 }
 
 #[test]
@@ -169,14 +167,7 @@ fn quantiles_are_the_least_heights_that_reach_their_share() {
 fn a_wall_that_blocks_everything_is_never_overcome() {
     // Three cells: the receiver in the west is behind nodata that blocks everything.
     let grid = GeoRef::new((0.0, 1.0), (1.0, 1.0), (1, 3), None).unwrap();
-    let cells = vec![0, skyshed_core::quantity::BLOCKS_ALL, 0];
-    let solids = Solids::Raster {
-        surface: Raster::new(grid.clone(), cells),
-        ground: Ground::Flat(0),
-        building_threshold: 256,
-        voids: None,
-    };
-    let field = HeightField::build(&grid, solids).field;
+    let field = surface_field(&grid, vec![0, BLOCKS_ALL, 0], Ground::Flat(0));
     assert_ne!(field.ground_at(&field.place(2.5, 0.5)), VOID);
     let uav = uav_at(&field, 2.5, 0.5, 10 * M);
     let options = options(Receivers::Ground, None);
@@ -303,51 +294,22 @@ fn the_heights_of_a_curve_are_chosen_or_asked_for() {
 fn what_makes_no_sense_of_a_curve_is_refused() {
     let folder = wall();
     folder.write("there.svg", "mine");
-    let before = folder.files();
-    for (line, code, first) in [
-        ("--height-curve a.tif", 2, "error[E105]: cannot write a.tif: this command does not write that format"),
-        ("--height-curve -", 2, "error[E105]: cannot write -: this command does not write that format"),
-        ("--height-curve a.csv -o a.csv", 2, "error[E105]: cannot write a.csv: it is named twice"),
-        ("--height-curve a.csv --height-curve a.csv", 2, "error[E105]: cannot write a.csv: it is named twice"),
-        ("--height-curve there.svg", 2, "error[E106]: cannot write there.svg: it exists"),
-        (
-            "--height-curve a.csv --title T",
-            2,
-            "error[E116]: `--title` has no meaning without a .png, .svg or .pdf output",
-        ),
-        (
-            "--json --curve-heights 0:10:1",
-            2,
-            "error[E101]: the following required arguments were not provided: --height-curve",
-        ),
-        ("--height-curve a.csv --curve-heights 0:10", 2, "error[E101]: invalid value '0:10' for '--curve-heights"),
-        ("--height-curve a.csv --curve-heights 0:nan:1", 2, "error[E101]: invalid value '0:nan:1' for '--curve-hei"),
-        (
-            "--height-curve a.csv --curve-heights 9:1:1",
-            2,
-            "error[E113]: the heights of the curve are `9:1:1`, wanted A:B:S",
-        ),
-        (
-            "--height-curve a.csv --curve-heights 0:9:0",
-            2,
-            "error[E113]: the heights of the curve are `0:9:0`, wanted a step",
-        ),
-        (
-            "--height-curve a.csv --curve-heights 0:9e9:1",
-            2,
-            "error[E113]: the heights of the curve are `0:9000000000:1`, wan",
-        ),
-        (
-            "--height-curve a.csv --curve-heights 0:9:1e-9",
-            2,
-            "error[E113]: the heights of the curve are `0:9:0.000000001`, w",
-        ),
-    ] {
-        let answer = folder.type_in(&format!("{MAP} {line}"));
-        let lines = answer.refused(code);
-        assert!(lines[0].starts_with(first), "{line}: {lines:?}");
-        assert_eq!(folder.files(), before, "{line}");
-    }
+    let cases = [
+        ("--height-curve a.tif", "E105", "a.tif"),
+        ("--height-curve -", "E105", "write -"),
+        ("--height-curve a.csv -o a.csv", "E105", "a.csv: it is named twice"),
+        ("--height-curve a.csv --height-curve a.csv", "E105", "a.csv: it is named twice"),
+        ("--height-curve there.svg", "E106", "there.svg"),
+        ("--height-curve a.csv --title T", "E116", "`--title`"),
+        ("--json --curve-heights 0:10:1", "E101", "--height-curve"),
+        ("--height-curve a.csv --curve-heights 0:10", "E101", "'0:10'"),
+        ("--height-curve a.csv --curve-heights 0:nan:1", "E101", "'0:nan:1'"),
+        ("--height-curve a.csv --curve-heights 9:1:1", "E113", "`9:1:1`"),
+        ("--height-curve a.csv --curve-heights 0:9:0", "E113", "`0:9:0`"),
+        ("--height-curve a.csv --curve-heights 0:9e9:1", "E113", "`0:9000000000:1`"),
+        ("--height-curve a.csv --curve-heights 0:9:1e-9", "E113", "`0:9:0.000000001`"),
+    ];
+    check_refusals(&folder, MAP, &cases);
     // A title is drawn where there is a plot.
     folder.type_in(&format!("{MAP} --height-curve t.svg --title Over-the-wall -q")).done();
     assert!(folder.text("t.svg").contains(">Over-the-wall<"));

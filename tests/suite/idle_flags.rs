@@ -1,4 +1,5 @@
 //! No flag of any command is taken in silence: with it a run answers something else, or refuses it by name.
+//! A new flag is among them as soon as help tells it; what a flag changes is shown in `cli_flags` and where it belongs.
 
 use std::collections::BTreeMap;
 
@@ -7,116 +8,46 @@ use serde_json::Value;
 use crate::cli::scenes;
 use crate::program::Folder;
 
-/// Each command with the line that its flags are added to.
-const BASES: &[(&str, &str)] = &[
-    ("map", "map city.geojson --uav 2,2,50 --json -o t.csv"),
-    ("link", "link city.geojson --uav 2,2,50amsl --rx 40,40 --json"),
-    ("track", "track city.geojson --uav 2,2,50 --track walk.csv --json -o t.csv"),
-    ("city", "city city.geojson --json -o c.geojson"),
-    ("info", "info city.geojson --json"),
-    ("zones", "zones city.geojson --top-field z_top --ground 10 --json"),
-    ("limits", "limits city.geojson --uav 2,2,50amsl --cities 2 --json"),
-    ("plos", "plos itu:urban --height 100 --distance 50 --method product --json"),
-    ("place", "place city.geojson --height 40,60 --step 20 --json"),
-    ("sample", "sample itu:urban --size 200 --zones street:4 --height 60 --json"),
-    ("compare", "compare city.geojson --uav 2,2,50 --uav 45,45,30 --json"),
-    ("chart", "chart city.geojson --uav 2,2,50 --time 0 --json"),
-    ("stress", "stress --scenes 1 --families cell-grazing --json"),
-    ("completions", "completions bash"),
+/// A line of each command, which its flags are added to.
+const BASES: &[&str] = &[
+    "map city.geojson --uav 2,2,50 --json -o t.csv",
+    "link city.geojson --uav 2,2,50amsl --rx 40,40 --json",
+    "track city.geojson --uav 2,2,50 --track walk.csv --json -o t.csv",
+    "city city.geojson --json -o c.geojson",
+    "info city.geojson --json",
+    "zones city.geojson --top-field z_top --ground 10 --json",
+    "limits city.geojson --uav 2,2,50amsl --cities 2 --json",
+    "plos itu:urban --height 100 --distance 50 --method product --json",
+    "place city.geojson --height 40,60 --step 20 --json",
+    "sample itu:urban --size 200 --zones street:4 --height 60 --json",
+    "compare city.geojson --uav 2,2,50 --uav 45,45,30 --json",
+    "chart city.geojson --uav 2,2,50 --time 0 --json",
+    "stress --scenes 1 --families cell-grazing --json",
+    "completions bash",
 ];
 
-/// A value of each flag that takes one; a command before the flag has its own.
-const VALUES: &[(&str, &str)] = &[
-    ("--terrain", "slope.asc"),
-    ("--ground", "5"),
-    ("--building-threshold", "4"),
-    ("--height-field", "tall"),
-    ("--top-field", "z_top"),
-    ("--height-unit", "ft"),
-    ("--levels-field", "tall"),
-    ("--layer", "a"),
-    ("--missing", "levels"),
-    ("--base", "highest"),
-    ("--data-area", "all"),
-    ("--extent", "0,0,48,48"),
-    ("--cell", "0.5"),
-    ("--crs", "EPSG:25832"),
-    ("--project", "EPSG:25832"),
-    ("--size", "210"),
-    ("--seed", "5"),
-    ("--nodata-as", "block"),
-    ("--repairs", "mended.csv"),
-    ("--tile", "20"),
-    ("--uav", "30,5,45"),
-    ("--uavs", "sites.csv"),
-    ("--rx", "41,40"),
-    ("--track", "other.csv"),
-    ("--every", "3"),
-    ("--rx-height", "9"),
-    ("--receivers", "all"),
-    ("--radius", "25"),
-    ("--method", "ray"),
-    ("plos --method", "3gpp-tr36777-umi"),
-    ("stress --method", "xdraw"),
-    ("--tolerance", "0.2"),
-    ("--layers", "los,margin"),
-    ("--height-curve", "curve.csv"),
-    ("--curve-heights", "10:50:10"),
-    ("--output", "more.json"),
-    ("completions --output", "more.json"),
-    ("city --data-area", "part.geojson"),
-    ("--csv", "more.csv"),
-    ("--threads", "1"),
-    ("--max-memory", "1G"),
-    ("--tif-layout", "plain"),
-    ("--polygons", "los"),
-    ("--simplify", "2"),
-    ("--scratch", "."),
-    ("--title", "Another_title"),
-    ("--attribution", "Somebody"),
-    ("--width", "900"),
-    ("--dpi", "150"),
-    ("--uav-error", "2"),
-    ("--height-error", "3"),
-    ("--cities", "3"),
-    ("--curve", "mine=curve_of_mine.csv"),
-    ("--theta", "30"),
-    ("--distance", "60"),
-    ("--phi", "10"),
-    ("--height", "70"),
-    ("--alpha", "0.4"),
-    ("--beta", "400"),
-    ("--gamma", "12"),
-    ("--users", "street"),
-    ("--placement", "street"),
-    ("--until", "0.2"),
-    ("--ci", "0.8"),
-    ("--users-per-city", "3"),
-    ("--links", "300"),
-    ("--positions", "20"),
-    ("--theta-band", "2"),
-    ("--block", "30"),
-    ("--plot", "heat"),
-    ("--step", "15"),
-    ("--over", "street"),
-    ("--within", "part.geojson"),
-    ("--keep-out", "part.geojson"),
-    ("--candidates", "sites.csv"),
-    ("--clearance", "45"),
-    ("--goal", "margin"),
-    ("--area", "part.geojson"),
-    ("--weights", "slope.asc"),
-    ("--minimize", "height"),
-    ("--count", "2"),
-    ("--map", "best.tif"),
-    ("--top", "1"),
-    ("--zones", "crossroad:4"),
-    ("--mask", "mask.asc"),
-    ("--time", "0.01"),
-    ("--families", "cell-slits"),
-    ("--scenes", "2"),
-    ("chart --theta", "40"),
-    ("chart --height", "70"),
+/// A value of each flag that takes one.
+const VALUES: &str = "\
+    --terrain slope.asc --ground 5 --building-threshold 4 --height-field tall --top-field z_top --height-unit ft \
+    --levels-field tall --layer a --missing levels --base highest --data-area all --extent 0,0,48,48 --cell 0.5 \
+    --crs EPSG:25832 --project EPSG:25832 --size 210 --seed 5 --nodata-as block --repairs mended.csv --tile 20 \
+    --uav 30,5,45 --uavs sites.csv --rx 41,40 --track other.csv --every 3 --rx-height 9 --receivers all \
+    --radius 25 --method ray --tolerance 0.2 --layers los,margin --height-curve curve.csv --curve-heights 10:50:10 \
+    --output more.json --csv more.csv --threads 1 --max-memory 1G --tif-layout plain --polygons los --simplify 2 \
+    --scratch . --title Another_title --attribution Somebody --width 900 --dpi 150 --uav-error 2 --height-error 3 \
+    --cities 3 --curve mine=curve_of_mine.csv --theta 30 --distance 60 --phi 10 --height 70 --alpha 0.4 --beta 400 \
+    --gamma 12 --users street --placement street --until 0.2 --ci 0.8 --users-per-city 3 --links 300 \
+    --positions 20 --theta-band 2 --block 30 --plot heat --step 15 --over street --within part.geojson \
+    --keep-out part.geojson --candidates sites.csv --clearance 45 --goal margin --area part.geojson \
+    --weights slope.asc --minimize height --count 2 --map best.tif --top 1 --zones crossroad:4 --mask mask.asc \
+    --time 0.01 --families cell-slits --scenes 2";
+
+/// Other values of flags that mean something else to a command.
+const OWN_VALUES: &[(&str, &str)] = &[
+    ("plos", "--method 3gpp-tr36777-umi"),
+    ("stress", "--method xdraw"),
+    ("city", "--data-area part.geojson"),
+    ("chart", "--theta 40 --height 70"),
 ];
 
 /// Flags that by their nature change no answer of these runs; other tests show what they do.
@@ -144,22 +75,24 @@ fn seen(folder: &Folder, line: &str) -> (i32, String, String, BTreeMap<String, V
         }
         Err(_) => answer.out.clone(),
     };
-    let mut files = BTreeMap::new();
-    for name in folder.files().into_iter().filter(|name| !before.contains(name)) {
+    let mut written = folder.files();
+    written.retain(|name| !before.contains(name));
+    let held = |name: &String| {
         let bytes = match name.rsplit('.').next() {
-            Some("png") => pixels(&folder.read(&name)),
+            Some("png") => pixels(&folder.read(name)),
             Some("json" | "geojson") => {
-                let mut value = folder.json(&name);
+                let mut value = folder.json(name);
                 forget(&mut value);
                 value.to_string().into_bytes()
             }
-            Some("csv") => folder.read(&name),
+            Some("csv") => folder.read(name),
             // Rasters hold the words of their run.
             _ => Vec::new(),
         };
-        files.insert(name.clone(), bytes);
-        std::fs::remove_file(folder.join(&name)).expect("a file of this run");
-    }
+        (name.clone(), bytes)
+    };
+    let files = written.iter().map(held).collect();
+    folder.remove(&written);
     let is_quiet = answer.err.is_empty().to_string();
     (answer.code(), if answer.code() == 0 { out } else { answer.err.clone() }, is_quiet, files)
 }
@@ -191,28 +124,31 @@ fn no_flag_of_any_command_is_taken_in_silence() {
     folder.write("other.csv", "x,y\n2,30\n45,35\n");
     folder.write("curve_of_mine.csv", "distance_m,p_los\n0,1\n500,0.1\n");
     folder.write("part.geojson", r#"{"type": "Polygon", "coordinates": [[[0,0],[25,0],[25,50],[0,50],[0,0]]]}"#);
-    let mask: Vec<String> = (0..50).map(|row| vec![if row < 20 { "1" } else { "0" }; 50].join(" ")).collect();
-    folder
-        .write("mask.asc", &format!("ncols 50\nnrows 50\nxllcorner 0\nyllcorner 0\ncellsize 1\n{}\n", mask.join("\n")));
+    let mask = "1 ".repeat(20 * 50) + &"0 ".repeat(30 * 50);
+    folder.write("mask.asc", &format!("ncols 50\nnrows 50\nxllcorner 0\nyllcorner 0\ncellsize 1\n{mask}\n"));
     let value_of = |command: &str, flag: &str| {
-        let own = format!("{command} {flag}");
-        let all = || VALUES.iter();
-        all().find(|(name, _)| *name == own).or_else(|| all().find(|(name, _)| *name == flag)).map(|(_, value)| *value)
+        let own = OWN_VALUES.iter().filter(|(name, _)| *name == command).map(|(_, words)| *words);
+        let mut words = own.chain([VALUES]).flat_map(str::split_whitespace);
+        words.find(|word| *word == flag).and_then(|_| words.next())
     };
     let mut silent = Vec::new();
-    for &(command, base) in BASES {
+    for &base in BASES {
+        let command = base.split(' ').next().expect("a word");
         let draws = ["--title", "--attribution", "--width", "--dpi", "--plot"];
         let flags: Vec<String> = match command {
             "completions" => vec!["--output".into()],
             _ => folder.flags(command),
         };
+        let help = folder.type_in(&format!("{command} --help")).out;
         let plain = seen(&folder, base);
         assert_eq!(plain.0, 0, "{base}: {}", plain.1);
         let mut drawn = None;
         for flag in flags.iter().filter(|flag| !["--help", "--version"].contains(&flag.as_str())) {
             // A city in vectors has no ground that could be without data.
             let is_drawn = draws.contains(&flag.as_str()) || (command, flag.as_str()) == ("city", "--data-area");
-            let line = format!("{flag} {}", value_of(command, flag).unwrap_or_default());
+            let value = value_of(command, flag);
+            assert!(value.is_some() || !help.contains(&format!("{flag} <")), "{command} {flag}: give it a value above");
+            let line = format!("{flag} {}", value.unwrap_or_default());
             let without = if is_drawn {
                 drawn.get_or_insert_with(|| seen(&folder, &format!("{base} -o drawn.png"))).clone()
             } else {

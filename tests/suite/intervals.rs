@@ -1,26 +1,13 @@
 //! Intervals tell the truth: over many repetitions a 95 % interval covers the value 95 % of the time.
 
-use skyshed_core::city::BuiltUp;
 use skyshed_study::los_probability::city::CitySimulator;
 use skyshed_study::los_probability::estimate::{Count, clopper_pearson, clustered, wilson};
 use skyshed_study::los_probability::geometry::GeometrySimulator;
 use skyshed_study::los_probability::product::Product;
-use skyshed_study::los_probability::setting::{Placement, Setting, Users};
+use skyshed_study::los_probability::setting::Setting;
 
+use crate::los_probability::setting;
 use crate::support::slow;
-
-fn setting(city: &str, theta_deg: f64) -> Setting {
-    Setting {
-        built_up: BuiltUp::named(city).unwrap(),
-        uav_height_m: 100.0,
-        rx_height_m: 0.0,
-        reach: Setting::reach_at_elevation(theta_deg, 100.0, 0.0).unwrap(),
-        phi_deg: None,
-        users: Users::Outdoor,
-        placement: Placement::Anywhere,
-        uav_clear_of_roof: false,
-    }
-}
 
 /// P_LoS to a standard error far below what intervals of few draws can resolve.
 fn truth(setting: &Setting) -> f64 {
@@ -64,33 +51,23 @@ fn coverage_of_cities(setting: &Setting, n_cities: u64, n_repetitions: u64) -> (
 #[test]
 fn intervals_clustered_by_city_cover_and_naive_ones_do_not() {
     let (n_repetitions, allowed) = repetitions();
-    let cases: &[(&str, f64, u64)] = if slow() {
+    // Angles of 30 cities, and of 100.
+    let cases: &[(&str, &[f64], &[f64])] = if slow() {
         &[
-            ("suburban", 10.0, 30),
-            ("suburban", 45.0, 30),
-            ("suburban", 65.0, 30),
-            ("urban", 10.0, 30),
-            ("urban", 30.0, 30),
-            ("urban", 60.0, 100),
-            ("urban", 75.0, 30),
-            ("urban", 80.0, 30),
-            ("dense", 15.0, 30),
-            ("dense", 45.0, 30),
-            ("dense", 60.0, 100),
-            ("dense", 75.0, 30),
-            ("dense", 80.0, 30),
-            ("high-rise", 30.0, 30),
-            ("high-rise", 60.0, 30),
-            ("high-rise", 75.0, 100),
-            ("high-rise", 85.0, 30),
-            ("ghent", 20.0, 30),
-            ("ghent", 45.0, 30),
-            ("ghent", 85.0, 30),
+            ("suburban", &[10.0, 45.0, 65.0], &[]),
+            ("urban", &[10.0, 30.0, 75.0, 80.0], &[60.0]),
+            ("dense", &[15.0, 45.0, 75.0, 80.0], &[60.0]),
+            ("high-rise", &[30.0, 60.0, 85.0], &[75.0]),
+            ("ghent", &[20.0, 45.0, 85.0], &[]),
         ]
     } else {
-        &[("urban", 45.0, 30), ("dense", 60.0, 30), ("high-rise", 75.0, 30)]
+        &[("urban", &[45.0], &[]), ("dense", &[60.0], &[]), ("high-rise", &[75.0], &[])]
     };
-    for &(city, theta, n_cities) in cases {
+    let cases = cases.iter().flat_map(|(city, of_30, of_100)| {
+        let of_30 = of_30.iter().map(move |theta| (*city, *theta, 30));
+        of_30.chain(of_100.iter().map(move |theta| (*city, *theta, 100)))
+    });
+    for (city, theta, n_cities) in cases {
         let (truth, covered, naive) = coverage_of_cities(&setting(city, theta), n_cities, n_repetitions);
         let case = format!("{city} at {theta}°, P_LoS {truth:.4}, {n_cities} cities");
         assert!((0.05..=0.95).contains(&truth), "{case}");

@@ -1,8 +1,7 @@
-//! What must not change, and what can only change one way: engines and whole maps on random scenes.
+//! What must not change, and what can only change one way: the oracle, engines and whole maps on random scenes.
 
 #![expect(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     clippy::unwrap_used,
     reason = "small numbers, and a panic is a failed test"
 )]
@@ -14,51 +13,79 @@ use skyshed_core::coverage::{
 };
 use skyshed_core::height_field::{CellKind, HeightField, Station};
 use skyshed_core::los::{
-    columns_least_height, columns_least_receiver_height, columns_los, link_los, prisms_least_receiver_height,
-    prisms_los,
+    LeastHeight, columns_least_height, columns_least_receiver_height, columns_los, link_los,
+    prisms_least_receiver_height, prisms_los,
 };
-use skyshed_core::quantity::{Frame, VOID};
+use skyshed_core::quantity::{Frame, LatticePoint, VOID};
 use skyshed_core::raster::{GeoRef, LargeVec, Raster};
 
-use crate::oracle::{Columns, P3, Prism};
-use crate::shapes::{M, moved, plan, prism, random_columns, random_end, random_prism_end, random_prisms, star};
-use crate::support::{Random, columns_of, point, prisms_of};
+use crate::oracle::{self, Columns, P3, Prism};
+use crate::referee::{both_answers, in_steps};
+use crate::shapes::{
+    M, at_height, crossing_prism_end, crossing_prisms, moved, plan, prism, raised, random_columns, random_end,
+    random_prism_end, random_prisms, star, turn, without_own_cells,
+};
+use crate::support::{Random, columns_of, point, prisms_of, raster_field};
 
-/// Runs a property on `n` random scenes; it returns whether a link is LoS, and both answers must be frequent.
-fn both_answers(n: u64, seed: u64, property: impl Fn(&mut Random) -> bool) {
-    let mut random = Random(seed);
-    let los = (0..n).filter(|_| property(&mut random)).count() as u64;
-    assert!(los * 10 >= n && (n - los) * 10 >= n, "{los} of {n} are LoS");
+/// Who decides links, and the random footprints that it can be given.
+struct Judge {
+    name: &'static str,
+    columns_los: fn(&Columns, P3, P3) -> bool,
+    prisms_los: fn(&[Prism], P3, P3) -> bool,
+    /// Ceiling at the receiver's place \[steps\].
+    prisms_ceiling: fn(&[Prism], P3, P3) -> f64,
+    random_prisms: fn(&mut Random) -> Vec<Prism>,
+    random_prism_end: fn(&mut Random) -> P3,
 }
 
-fn raised([x, y, z]: P3, by: i64) -> P3 {
-    [x, y, z + by]
+const JUDGES: [Judge; 2] = [
+    Judge {
+        name: "the oracle",
+        columns_los: oracle::columns_los,
+        prisms_los: oracle::prisms_los,
+        prisms_ceiling: |prisms, uav, receiver| in_steps(&oracle::prisms_ceiling(prisms, uav, plan(receiver))),
+        random_prisms: crossing_prisms,
+        random_prism_end: crossing_prism_end,
+    },
+    Judge {
+        name: "ray",
+        columns_los: |columns, uav, receiver| columns_los(&columns_of(columns), point(uav), point(receiver)),
+        prisms_los: |prisms, uav, receiver| prisms_los(&prisms_of(prisms), point(uav), point(receiver)),
+        prisms_ceiling: |prisms, uav, receiver| {
+            prisms_least_receiver_height(&prisms_of(prisms), point(uav), point(receiver)).height_steps()
+        },
+        random_prisms,
+        random_prism_end,
+    },
+];
+
+/// Runs a property of a link in a random raster; it returns whether the link is LoS.
+fn in_rasters(n: u64, seed: u64, property: impl Fn(&Judge, &mut Random, Columns, P3, P3) -> bool) {
+    for judge in &JUDGES {
+        both_answers(n, seed, |random| {
+            let columns = random_columns(random);
+            let (uav, receiver) = (random_end(random, &columns), random_end(random, &columns));
+            property(judge, random, columns, uav, receiver)
+        });
+    }
 }
 
-fn raster_los(columns: &Columns, uav: P3, receiver: P3) -> bool {
-    columns_los(&columns_of(columns), point(uav), point(receiver))
-}
-
-fn vector_los(prisms: &[Prism], uav: P3, receiver: P3) -> bool {
-    prisms_los(&prisms_of(prisms), point(uav), point(receiver))
+/// Runs a property of a link among random footprints; it returns whether the link is LoS.
+fn among_prisms(n: u64, seed: u64, property: impl Fn(&Judge, &mut Random, Vec<Prism>, P3, P3) -> bool) {
+    for judge in &JUDGES {
+        both_answers(n, seed, |random| {
+            let prisms = (judge.random_prisms)(random);
+            let (uav, receiver) = ((judge.random_prism_end)(random), (judge.random_prism_end)(random));
+            property(judge, random, prisms, uav, receiver)
+        });
+    }
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
 // What must not change.
 
 #[test]
-fn swapping_the_ends_changes_nothing_among_prisms() {
-    both_answers(10_000, 1, |random| {
-        let prisms = prisms_of(&random_prisms(random));
-        let (uav, receiver) = (point(random_prism_end(random)), point(random_prism_end(random)));
-        let los = prisms_los(&prisms, uav, receiver);
-        assert_eq!(los, prisms_los(&prisms, receiver, uav), "{uav:?} {receiver:?}");
-        los
-    });
-}
-
-#[test]
-fn mirrors_turns_and_shifts_change_nothing_among_prisms() {
+fn swapped_ends_mirrors_turns_and_shifts_change_nothing_among_prisms() {
     let maps: [fn([i64; 2]) -> [i64; 2]; 5] = [
         |[x, y]| [-x, y],
         |[x, y]| [-y, x],
@@ -66,17 +93,14 @@ fn mirrors_turns_and_shifts_change_nothing_among_prisms() {
         |[x, y]| [2 * x + y, y - x],
         |[x, y]| [x * 8192 - 8192, y * 8192 + 16_384],
     ];
-    both_answers(5_000, 2, |random| {
-        let prisms = random_prisms(random);
-        let (uav, receiver) = (random_prism_end(random), random_prism_end(random));
-        let los = vector_los(&prisms, uav, receiver);
+    among_prisms(10_000, 1, |judge, _, prisms, uav, receiver| {
+        let los = (judge.prisms_los)(&prisms, uav, receiver);
+        let what = || format!("{}: {prisms:?} {uav:?} {receiver:?}", judge.name);
+        assert_eq!(los, (judge.prisms_los)(&prisms, receiver, uav), "{}", what());
         for map in maps {
-            let end = |p: P3| {
-                let [x, y] = map(plan(p));
-                [x, y, p[2]]
-            };
-            let there = vector_los(&moved(&prisms, map, |top| top), end(uav), end(receiver));
-            assert_eq!(los, there, "{prisms:?} {uav:?} {receiver:?}");
+            let end = |p: P3| at_height(map(plan(p)), p[2]);
+            let there = (judge.prisms_los)(&moved(&prisms, map, |top| top), end(uav), end(receiver));
+            assert_eq!(los, there, "{}", what());
         }
         los
     });
@@ -94,106 +118,81 @@ fn shifted(columns: &Columns, margin: usize) -> Columns {
 
 #[test]
 fn mirrors_turns_and_shifts_change_nothing_in_a_raster() {
-    both_answers(10_000, 3, |random| {
-        let columns = random_columns(random);
-        let (uav, receiver) = (random_end(random, &columns), random_end(random, &columns));
-        let los = raster_los(&columns, uav, receiver);
+    in_rasters(10_000, 3, |judge, random, columns, uav, receiver| {
+        let los = (judge.columns_los)(&columns, uav, receiver);
         let Columns { n_cols, n_rows, ref heights } = columns;
         let [width, depth] = [n_cols, n_rows].map(|n| i64::try_from(n).unwrap() * M);
+        let what = |kind: &str| format!("{kind}, {}: {columns:?} {uav:?} {receiver:?}", judge.name);
 
         let mirrored = heights.chunks(n_cols).flat_map(|row| row.iter().rev().copied()).collect();
+        let mirrored = Columns { n_cols, n_rows, heights: mirrored };
         let end = |[x, y, z]: P3| [width - x, y, z];
-        let there = raster_los(&Columns { n_cols, n_rows, heights: mirrored }, end(uav), end(receiver));
-        assert_eq!(los, there, "mirror: {columns:?} {uav:?} {receiver:?}");
+        assert_eq!(los, (judge.columns_los)(&mirrored, end(uav), end(receiver)), "{}", what("mirror"));
 
         // Counterclockwise: the eastern column becomes the northern row, its northern end first.
         let turned = (0..n_cols).rev().flat_map(|c| (0..n_rows).map(move |r| heights[r * n_cols + c])).collect();
+        let turned = Columns { n_cols: n_rows, n_rows: n_cols, heights: turned };
         let end = |[x, y, z]: P3| [depth - y, x, z];
-        let there = raster_los(&Columns { n_cols: n_rows, n_rows: n_cols, heights: turned }, end(uav), end(receiver));
-        assert_eq!(los, there, "turn: {columns:?} {uav:?} {receiver:?}");
+        assert_eq!(los, (judge.columns_los)(&turned, end(uav), end(receiver)), "{}", what("turn"));
 
         let margin = random.within(1, 3);
-        let end = |[x, y, z]: P3| [x + margin * M, y + margin * M, z];
         let wider = shifted(&columns, usize::try_from(margin).unwrap());
-        assert_eq!(los, raster_los(&wider, end(uav), end(receiver)), "shift: {columns:?} {uav:?} {receiver:?}");
+        let end = |[x, y, z]: P3| [x + margin * M, y + margin * M, z];
+        assert_eq!(los, (judge.columns_los)(&wider, end(uav), end(receiver)), "{}", what("shift"));
         los
     });
 }
 
-/// The raster with the receiver's own cells as nodata.
-fn without_own_cells(columns: &Columns, receiver: P3) -> Columns {
-    let mut open = columns.clone();
-    for (index, height) in open.heights.iter_mut().enumerate() {
-        let corner = [index % columns.n_cols, columns.n_rows - 1 - index / columns.n_cols];
-        let [west, south] = corner.map(|n| i64::try_from(n).unwrap() * M);
-        if (west..=west + M).contains(&receiver[0]) && (south..=south + M).contains(&receiver[1]) {
-            *height = None;
-        }
-    }
-    open
-}
-
 #[test]
 fn splitting_each_cell_in_four_changes_nothing() {
-    both_answers(10_000, 4, |random| {
-        let columns = random_columns(random);
-        let (uav, receiver) = (random_end(random, &columns), random_end(random, &columns));
+    in_rasters(10_000, 4, |judge, _, columns, uav, receiver| {
         // The own cell would shrink with the cells, so it is opened beforehand.
         let coarse = without_own_cells(&columns, receiver);
         let (n_cols, n_rows) = (2 * coarse.n_cols, 2 * coarse.n_rows);
         let fine = |index: usize| coarse.heights[index / n_cols / 2 * coarse.n_cols + index % n_cols / 2];
         let fine = Columns { n_cols, n_rows, heights: (0..n_cols * n_rows).map(fine).collect() };
         let end = |[x, y, z]: P3| [2 * x, 2 * y, z];
-        let los = raster_los(&columns, uav, receiver);
-        assert_eq!(los, raster_los(&coarse, uav, receiver), "{columns:?} {uav:?} {receiver:?}");
-        assert_eq!(los, raster_los(&fine, end(uav), end(receiver)), "{columns:?} {uav:?} {receiver:?}");
+        let los = (judge.columns_los)(&columns, uav, receiver);
+        let what = || format!("{}: {columns:?} {uav:?} {receiver:?}", judge.name);
+        assert_eq!(los, (judge.columns_los)(&coarse, uav, receiver), "{}", what());
+        assert_eq!(los, (judge.columns_los)(&fine, end(uav), end(receiver)), "{}", what());
         los
     });
 }
 
-/// Cuts a polygon seen whole from its first vertex, or `None` if no diagonal from there stays inside.
+/// Cuts a convex polygon of four corners or more along the diagonal from its first vertex to that at `at`.
 fn cut_in_two(ring: &[[i64; 2]], at: usize) -> Option<[Vec<[i64; 2]>; 2]> {
-    let turn = |a: [i64; 2], b: [i64; 2], c: [i64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     let n = ring.len();
-    // In a convex polygon every diagonal is inside.
     let convex = (0..n).all(|i| turn(ring[i], ring[(i + 1) % n], ring[(i + 2) % n]) > 0);
-    (convex && n >= 4).then(|| [ring[..=at].to_vec(), [&ring[at..], &ring[..1]].concat()])
+    (convex && at + 1 < n).then(|| [ring[..=at].to_vec(), [&ring[at..], &ring[..1]].concat()])
 }
 
 #[test]
 fn cutting_a_footprint_in_two_along_a_line_through_lattice_points_changes_nothing() {
-    both_answers(3_000, 5, |random| {
-        let mut whole = random_prisms(random);
+    among_prisms(5_000, 5, |judge, random, mut whole, mut uav, mut receiver| {
         whole.truncate(2);
         let mut cut = whole.clone();
         let (ring, [a, b]) = loop {
             let ring = star(random, 6);
-            let at = 2 + random.within(0, 3) as usize;
-            if at + 1 < ring.len()
-                && let Some(halves) = cut_in_two(&ring, at)
-            {
+            if let Some(halves) = cut_in_two(&ring, random.index(2, 5)) {
                 break (ring, halves);
             }
         };
         let top = random.within(1, 5);
         whole.push(prism(&ring, top));
         cut.extend([prism(&a, top), prism(&b, top)]);
-        let (whole_engine, cut_engine) = (prisms_of(&whole), prisms_of(&cut));
-        // Along the cut as often as anywhere.
-        let along = |k: i64, z: i64| {
+        if random.chance(50) {
+            // Along the cut as often as anywhere.
             let (p, q) = (a[0], a[a.len() - 1]);
-            [p[0] + k * (q[0] - p[0]), p[1] + k * (q[1] - p[1]), z]
-        };
-        let (uav, receiver) = if random.chance(50) {
-            (random_prism_end(random), random_prism_end(random))
-        } else {
-            (along(-1, random.within(0, 6)), along(random.within(1, 2), random.within(0, 6)))
-        };
-        let los = prisms_los(&whole_engine, point(uav), point(receiver));
-        assert_eq!(los, prisms_los(&cut_engine, point(uav), point(receiver)), "{whole:?} {uav:?} {receiver:?}");
-        let ceilings = [&whole_engine, &cut_engine]
-            .map(|p| prisms_least_receiver_height(p, point(uav), point(receiver)).height_steps());
-        assert!(ceilings[0].total_cmp(&ceilings[1]).is_eq(), "{ceilings:?} {whole:?} {uav:?} {receiver:?}");
+            let along = |k: i64, z: i64| [p[0] + k * (q[0] - p[0]), p[1] + k * (q[1] - p[1]), z];
+            uav = along(-1, random.within(0, 6));
+            receiver = along(random.within(1, 2), random.within(0, 6));
+        }
+        let what = || format!("{}: {whole:?} {uav:?} {receiver:?}", judge.name);
+        let los = (judge.prisms_los)(&whole, uav, receiver);
+        assert_eq!(los, (judge.prisms_los)(&cut, uav, receiver), "{}", what());
+        let ceilings = [&whole, &cut].map(|prisms| (judge.prisms_ceiling)(prisms, uav, receiver));
+        assert!(ceilings[0].total_cmp(&ceilings[1]).is_eq(), "{ceilings:?} {}", what());
         los
     });
 }
@@ -205,83 +204,66 @@ fn cutting_a_footprint_in_two_along_a_line_through_lattice_points_changes_nothin
 fn raising_a_building_never_clears_a_link_and_raising_an_end_never_blocks_it() {
     // True for any two ends, wherever they are: every solid reaches down without end, so a segment that rises at one
     // end leaves the interior only. The one exception is an empty segment, of coinciding ends, that gets a length.
-    both_answers(10_000, 6, |random| {
-        let mut columns = random_columns(random);
-        let (uav, receiver) = (random_end(random, &columns), random_end(random, &columns));
-        let los = raster_los(&columns, uav, receiver);
+    in_rasters(10_000, 6, |judge, random, mut columns, uav, receiver| {
+        let los = (judge.columns_los)(&columns, uav, receiver);
         if los {
-            assert!(raster_los(&columns, raised(uav, random.within(1, 5000)), receiver));
-            assert!(raster_los(&columns, uav, raised(receiver, random.within(1, 5000))));
+            assert!((judge.columns_los)(&columns, raised(uav, random.within(1, 5000)), receiver));
+            assert!((judge.columns_los)(&columns, uav, raised(receiver, random.within(1, 5000))));
         } else {
-            let index = random.next() as usize % columns.heights.len();
+            let index = random.below(columns.heights.len());
             columns.heights[index] = Some(columns.heights[index].unwrap_or(0) + random.within(1, 5000));
-            assert!(!raster_los(&columns, uav, receiver), "{columns:?} {uav:?} {receiver:?}");
+            let raised = (judge.columns_los)(&columns, uav, receiver);
+            assert!(!raised, "{}: {columns:?} {uav:?} {receiver:?}", judge.name);
         }
         los
     });
-    both_answers(10_000, 7, |random| {
-        let mut prisms = random_prisms(random);
-        let (uav, receiver) = (random_prism_end(random), random_prism_end(random));
-        let los = vector_los(&prisms, uav, receiver);
+    among_prisms(10_000, 7, |judge, random, mut prisms, uav, receiver| {
+        let los = (judge.prisms_los)(&prisms, uav, receiver);
         if los && uav != receiver {
-            assert!(vector_los(&prisms, raised(uav, random.within(1, 3)), receiver));
-            assert!(vector_los(&prisms, uav, raised(receiver, random.within(1, 3))));
+            assert!((judge.prisms_los)(&prisms, raised(uav, random.within(1, 3)), receiver));
+            assert!((judge.prisms_los)(&prisms, uav, raised(receiver, random.within(1, 3))));
         } else if !los {
-            let index = random.next() as usize % prisms.len();
+            let index = random.below(prisms.len());
             prisms[index].top += random.within(1, 3);
-            assert!(!vector_los(&prisms, uav, receiver), "{prisms:?} {uav:?} {receiver:?}");
+            let raised = (judge.prisms_los)(&prisms, uav, receiver);
+            assert!(!raised, "{}: {prisms:?} {uav:?} {receiver:?}", judge.name);
         }
         los
     });
 }
 
+/// Asserts that a least height tells how the link is decided at the height `z`, and within two steps of itself.
+fn check_least(least: &LeastHeight, z: i64, is_los: impl Fn(i64) -> bool) {
+    let near = least.height_steps().round();
+    let around = if near.is_finite() { near as i64 - 2..=near as i64 + 2 } else { z..=z };
+    for z in around.chain([z]) {
+        assert_eq!(least.is_met_by(z), is_los(z), "{least:?} at {z}");
+    }
+}
+
 #[test]
 fn a_receiver_at_its_ceiling_is_los_and_a_step_below_is_not() {
     both_answers(10_000, 8, |random| {
-        let columns = columns_of(&random_columns(random));
-        let shape = Columns { n_cols: columns.n_cols(), n_rows: columns.n_rows(), heights: Vec::new() };
-        let (uav, receiver) = (random_end(random, &shape), random_end(random, &shape));
-        let (uav, receiver) = (point(uav), point(receiver));
-        let los = columns_los(&columns, uav, receiver);
-        let with_z = |mut p: skyshed_core::quantity::LatticePoint, z: i64| {
-            p.z = z;
-            p
-        };
+        let raster = random_columns(random);
+        let (uav, receiver) = (point(random_end(random, &raster)), point(random_end(random, &raster)));
+        let columns = columns_of(&raster);
         let ceiling = columns_least_receiver_height(&columns, uav, receiver);
-        assert_eq!(ceiling.is_met_by(receiver.z), los);
-        if ceiling.height_steps().is_finite() {
-            let near = ceiling.height_steps().round() as i64;
-            for z in near - 2..=near + 2 {
-                assert_eq!(ceiling.is_met_by(z), columns_los(&columns, uav, with_z(receiver, z)));
-            }
-        }
+        check_least(&ceiling, receiver.z, |z| columns_los(&columns, uav, LatticePoint { z, ..receiver }));
         let least = columns_least_height(&columns, uav, receiver);
-        assert_eq!(least.is_met_by(uav.z), los);
-        if least.height_steps().is_finite() {
-            let near = least.height_steps().round() as i64;
-            for z in near - 2..=near + 2 {
-                assert_eq!(least.is_met_by(z), columns_los(&columns, with_z(uav, z), receiver));
-            }
-        }
-        los
+        check_least(&least, uav.z, |z| columns_los(&columns, LatticePoint { z, ..uav }, receiver));
+        columns_los(&columns, uav, receiver)
     });
     both_answers(10_000, 9, |random| {
-        let scene = moved(&random_prisms(random), |p| p, |top| top * M);
-        let prisms = prisms_of(&scene);
-        let ([x, y, z], [rx, ry, rz]) = (random_prism_end(random), random_prism_end(random));
-        let (uav, receiver) = (point([x, y, z * M]), point([rx, ry, rz * M]));
-        let los = prisms_los(&prisms, uav, receiver);
+        let prisms = prisms_of(&moved(&random_prisms(random), |p| p, |top| top * M));
+        let end = |[x, y, z]: P3| LatticePoint { x, y, z: z * M };
+        let (uav, receiver) = (end(random_prism_end(random)), end(random_prism_end(random)));
         let ceiling = prisms_least_receiver_height(&prisms, uav, receiver);
-        if uav != receiver {
-            assert_eq!(ceiling.is_met_by(receiver.z), los);
-        }
-        if ceiling.height_steps().is_finite() {
-            let near = ceiling.height_steps().round() as i64;
-            for z in (near - 2..=near + 2).filter(|z| [rx, ry, *z] != [x, y, uav.z]) {
-                assert_eq!(ceiling.is_met_by(z), prisms_los(&prisms, uav, point([rx, ry, z])));
-            }
-        }
-        los
+        check_least(&ceiling, receiver.z, |z| {
+            let receiver = LatticePoint { z, ..receiver };
+            // A link of no length is LoS, whatever the ceiling.
+            if receiver == uav { ceiling.is_met_by(z) } else { prisms_los(&prisms, uav, receiver) }
+        });
+        prisms_los(&prisms, uav, receiver)
     });
 }
 
@@ -304,30 +286,12 @@ pub(crate) fn raster_town(random: &mut Random, n: usize) -> HeightField {
         _ => 0,
     };
     let cells = (0..n * n).map(|_| height(random)).collect::<Vec<_>>();
-    let solids = Solids::Raster {
-        surface: Raster::new(grid.clone(), cells),
-        ground: Ground::Flat(0),
-        building_threshold: 256,
-        voids: None,
-    };
-    HeightField::build(&grid, solids).field
+    raster_field(Raster::new(grid, cells), Ground::Flat(0))
 }
 
-/// A town of random polygons, 7 m apart, on flat ground; edges run through cell centers.
-pub(crate) fn vector_town(random: &mut Random, n: usize) -> HeightField {
+/// Footprints on flat ground, on `n` by `n` cells of 1 m.
+fn vector_field(footprints: Vec<Footprint>, n: usize) -> HeightField {
     let grid = GeoRef::new((0.0, n as f64), (1.0, 1.0), (n, n), None).unwrap();
-    let blocks = i32::try_from(n / 7).unwrap();
-    let footprints = (0..blocks * blocks)
-        .map(|k| {
-            let (i, j) = (k % blocks * 7, k / blocks * 7);
-            let at = |v: &[i64; 2]| {
-                [(i * 2 + i32::try_from(v[0]).unwrap() * 2) * 512, (j * 2 + i32::try_from(v[1]).unwrap() * 2 + 1) * 512]
-            };
-            let ring = star(random, 6).iter().map(at).collect();
-            let top = i32::try_from(random.within(1, 12)).unwrap() * 1024;
-            Footprint { id: k.to_string(), polygons: vec![vec![ring]], top, base: Some(0) }
-        })
-        .collect();
     let solids = Solids::Vector {
         footprints,
         frame: Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 },
@@ -336,6 +300,20 @@ pub(crate) fn vector_town(random: &mut Random, n: usize) -> HeightField {
         data_area: DataArea::All,
     };
     HeightField::build(&grid, solids).field
+}
+
+/// A town of random polygons, 7 m apart, on flat ground; edges run through cell centers.
+pub(crate) fn vector_town(random: &mut Random, n: usize) -> HeightField {
+    let blocks = i32::try_from(n / 7).unwrap();
+    let footprint = |k: i32| {
+        let (east, north) = (k % blocks * 14, k / blocks * 14);
+        let half_meters = |v: i64| 2 * i32::try_from(v).unwrap();
+        let at = |v: &[i64; 2]| [(east + half_meters(v[0])) * 512, (north + half_meters(v[1]) + 1) * 512];
+        let ring = star(random, 6).iter().map(at).collect();
+        let top = i32::try_from(random.within(1, 12)).unwrap() * 1024;
+        Footprint { id: k.to_string(), polygons: vec![vec![ring]], top, base: Some(0) }
+    };
+    vector_field((0..blocks * blocks).map(footprint).collect(), n)
 }
 
 pub(crate) fn uav_at(field: &HeightField, x: f64, y: f64, z: i64) -> Uav {
@@ -353,7 +331,7 @@ pub(crate) fn uavs(field: &HeightField, random: &mut Random) -> Vec<Uav> {
         .into()
 }
 
-fn map(field: &HeightField, uav: &Uav, options: &MapOptions) -> SiteCoverage {
+pub(crate) fn map(field: &HeightField, uav: &Uav, options: &MapOptions) -> SiteCoverage {
     map_site(field, uav, options, &Control::default()).unwrap()
 }
 
@@ -372,8 +350,7 @@ fn the_margin_is_never_negative_zero_and_tells_los_by_its_sign() {
     for_each_site(11, |field, uav| {
         let with_layers = map(field, uav, &options(Receivers::All, ALL_LAYERS));
         let plain = map(field, uav, &options(Receivers::All, HeightLayers::default()));
-        assert_eq!(with_layers.mask, plain.mask);
-        assert_eq!(with_layers.tally, plain.tally);
+        assert_eq!((&with_layers.mask, with_layers.tally), (&plain.mask, plain.tally));
         assert!(plain.tally.los > 100 && plain.tally.receivers - plain.tally.los > 100, "{:?}", plain.tally);
         let (margin, ceiling) = (with_layers.margin.unwrap(), with_layers.least_receiver_height.unwrap());
         for ((class, margin), ceiling) in plain.mask.iter().zip(&margin).zip(&ceiling) {
@@ -424,14 +401,13 @@ fn masks_and_layers_are_equal_with_one_two_and_seven_threads() {
             let pool = ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
             pool.install(|| map(field, uav, &options(Receivers::All, ALL_LAYERS)))
         });
-        let bits =
-            |layer: &Option<Vec<f32>>| -> Vec<u32> { layer.as_ref().unwrap().iter().map(|v| v.to_bits()).collect() };
+        let bits = |map: &SiteCoverage| {
+            let layers = [&map.margin, &map.least_receiver_height, &map.least_height];
+            layers.map(|layer| layer.as_ref().unwrap().iter().map(|v| v.to_bits()).collect::<Vec<_>>())
+        };
         for other in &all[1..] {
-            assert_eq!(all[0].mask, other.mask);
-            assert_eq!(all[0].tally, other.tally);
-            assert_eq!(bits(&all[0].margin), bits(&other.margin));
-            assert_eq!(bits(&all[0].least_receiver_height), bits(&other.least_receiver_height));
-            assert_eq!(bits(&all[0].least_height), bits(&other.least_height));
+            assert_eq!((&all[0].mask, all[0].tally), (&other.mask, other.tally));
+            assert_eq!(bits(&all[0]), bits(other));
         }
     });
 }
@@ -510,16 +486,9 @@ fn union_count_and_which_agree_with_each_other_and_with_the_masks() {
 fn a_receiver_on_a_roof_sees_what_its_own_roof_does_not_hide() {
     // One building of 10 m over 4…8 m; a UAV 20 m high straight over it sees all its roof, one at the side below the
     // roof sees none of it, and one level with the receivers sees them all.
-    let grid = GeoRef::new((0.0, 12.0), (1.0, 1.0), (12, 12), None).unwrap();
     let ring = vec![[4096, 4096], [8192, 4096], [8192, 8192], [4096, 8192]];
-    let solids = Solids::Vector {
-        footprints: vec![Footprint { id: "a".into(), polygons: vec![vec![ring]], top: 10_240, base: Some(0) }],
-        frame: Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 },
-        ground: Ground::Flat(0),
-        faults: FootprintFaults::default(),
-        data_area: DataArea::All,
-    };
-    let field = HeightField::build(&grid, solids).field;
+    let house = Footprint { id: "a".into(), polygons: vec![vec![ring]], top: 10_240, base: Some(0) };
+    let field = vector_field(vec![house], 12);
     for (x, z, rx_height, n_los) in
         [(6.0, 20_480, 1536, 16), (0.5, 5_000, 0, 0), (0.5, 11_776, 1536, 16), (0.5, 10_240, 0, 16)]
     {

@@ -45,13 +45,13 @@ pub(crate) fn product(setting: &Setting, points: u64) -> Estimate {
 }
 
 /// Rows of a reference table as maps from column to text; `None` where the tables are not at hand.
-fn reference(name: &str) -> Option<Vec<HashMap<String, String>>> {
+pub(crate) fn reference(name: &str) -> Option<Vec<HashMap<String, String>>> {
     let path = truth()?.join("../reference").join(name);
     let mut reader = csv::Reader::from_path(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     Some(reader.deserialize().map(|row| row.unwrap()).collect())
 }
 
-fn number(row: &HashMap<String, String>, column: &str) -> f64 {
+pub(crate) fn number(row: &HashMap<String, String>, column: &str) -> f64 {
     row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
 }
 
@@ -77,10 +77,7 @@ fn the_product_gives_the_reference_values_within_their_errors() {
     for row in &rows {
         let mut asked = at_height(&row["env"], number(row, "theta_deg"), number(row, "h_uav_m"));
         asked.phi_deg = row["phi_deg"].parse().ok();
-        let mut of = |users: Users| {
-            let (p, error) = estimate(Setting { users, ..asked });
-            (p, error)
-        };
+        let mut of = |users: Users| estimate(Setting { users, ..asked });
         let (p, error) = match row["user_class"].as_str() {
             "street" => of(Users::Street),
             "crossroad" => of(Users::Crossroad),

@@ -11,7 +11,7 @@ mod case_file; // reads tests/cases/*.txt
 mod agreement; // every engine against the text cases and the oracle
 mod sweep; // the bracketed sweep equals ray on small rasters with every kind of tie
 mod engines; // whole maps by the engine for the scene are those of a ray per receiver
-mod invariants; // properties: swap, mirror, quarter turn, split, raise
+mod invariants; // properties of the oracle and of the engines: swap, mirror, quarter turn, split, raise
 mod approximate; // step, xdraw and r2 against restatements of their rules; the sign and size of their errors
 mod shadow; // the engine `shadow` against `ray`, cell for cell
 mod plateaus; // shadows of a raster's plateaus against `ray`, and when they are taken
@@ -57,7 +57,7 @@ mod tables; // UAVs, tracks and curves: bad rows, feet, decimal commas, standard
 #[cfg(unix)]
 mod odd_paths; // names of files that are no Unicode
 mod idle_flags; // no flag of any command is taken in silence
-mod cli_flags; // every flag of map, link, city and info changes something
+mod cli_flags; // where flags of the scene, the UAVs and the receivers change a map
 mod cli_link; // one link, a city, facts of a scene
 mod cli_map; // maps as files and documents
 mod figures; // what pictures show and say, against the numbers of files; their width and resolution
@@ -88,7 +88,7 @@ mod plain_tiff; // writes simple GeoTIFFs
 mod polygons; // triangulation and repair of footprints
 mod schemas; // documents against their JSON Schemas, columns and their meanings
 mod recorder; // digests of all masks, for two builds side by side
-mod referee; // one link by an engine and by the oracle
+mod referee; // links and whole maps by an engine, by the oracle and by ray
 mod shapes; // small scenes with many ties
 mod pictures; // one picture of each kind, pixel by pixel
 mod prose; // how documents and doc comments read: lengths, openings, spelling

@@ -1,23 +1,20 @@
 //! Files of their own for each UAV: those of single runs, left alone when they are there, whole at any moment.
 
-use std::time::SystemTime;
-
 use serde_json::Value;
 use skyshed_io::formats::GeoTiff;
 
-use crate::program::{Folder, program, wait};
+use crate::program::{Folder, program, send, wait};
 use crate::support::{Random, class_of, has_program, slow};
 
 /// A raster and UAVs over it.
 fn write_scene(folder: &Folder, n_sites: usize) {
     folder.type_in("city itu:urban --size 700 --seed 3 -o dsm.tif -q").done();
     let mut random = Random(5);
-    let mut table = "id,x,y,h\n".to_string();
-    for k in 0..n_sites {
-        table +=
-            &format!("site {k},{},{},{}\n", random.within(20, 680), random.within(20, 680), random.within(80, 140));
-    }
-    folder.write("sites.csv", &table);
+    let mut row = |k: usize| {
+        let [x, y, h] = [(20, 680), (20, 680), (80, 140)].map(|(low, high)| random.within(low, high));
+        format!("site {k},{x},{y},{h}\n")
+    };
+    folder.write("sites.csv", &format!("id,x,y,h\n{}", (0..n_sites).map(&mut row).collect::<String>()));
 }
 
 fn digest(folder: &Folder, name: &str) -> String {
@@ -57,11 +54,9 @@ fn with_a_radius_only_what_is_in_range_is_read() {
     let all = folder.json("all.json");
     for k in 0..4 {
         let own = folder.json(&format!("site_{k}.json"));
-        for key in ["receivers", "los", "p_los", "x", "y", "height_amsl_m", "elevation_bands", "placement"] {
-            // Zones depend on what lies beyond the range; ground and rooftop do not.
-            if key != "placement" {
-                assert_eq!(own["sites"][0][key], all["sites"][k][key], "{k} {key}");
-            }
+        // Not the placement: zones depend on what lies beyond the range.
+        for key in ["receivers", "los", "p_los", "x", "y", "height_amsl_m", "elevation_bands"] {
+            assert_eq!(own["sites"][0][key], all["sites"][k][key], "{k} {key}");
         }
         assert!(own["scene"]["cols"].as_u64() < Some(200), "{}", own["scene"]);
         // The cells in range are those of the whole map.
@@ -85,9 +80,9 @@ fn with_a_radius_only_what_is_in_range_is_read() {
         assert!(status.expect("it runs").success());
         let answer = folder.type_in("map rows.tif --ground 0 --uavs sites.csv --radius 90 -o r-{site}.tif");
         assert!(answer.done().err.contains("tiles"));
-        (0..4).for_each(|k| {
-            assert_eq!(digest(&folder, &format!("r-site_{k}.tif")), digest(&folder, &format!("site_{k}.tif")))
-        });
+        for k in 0..4 {
+            assert_eq!(digest(&folder, &format!("r-site_{k}.tif")), digest(&folder, &format!("site_{k}.tif")));
+        }
     }
 }
 
@@ -100,19 +95,16 @@ fn what_is_there_is_left_alone() {
     let line = format!("map dsm.tif --ground 0 --uavs sites.csv --radius 60 {outputs} --resume");
     let run = |line: &str| folder.type_in(line).done().err;
     assert!(run(&line).contains("3 UAVs mapped\n"), "nothing was there");
-    let written =
-        |name: &str| -> SystemTime { std::fs::metadata(folder.join(name)).and_then(|m| m.modified()).expect("a file") };
-    let before = written("site_0.tif");
+    let written = || std::fs::metadata(folder.join("site_0.tif")).and_then(|m| m.modified()).expect("a file");
+    let before = written();
     // Threads, words and names of other files change nothing.
     assert!(run(&format!("{line} -j 1")).contains("0 UAVs mapped, 3 there already"));
     std::fs::remove_file(folder.join("site_1.exr")).expect("a file");
     assert!(run(&line).contains("1 UAV mapped, 2 there already"));
     assert!(folder.files().contains(&"site_1.exr".to_string()));
-    assert_eq!(written("site_0.tif"), before);
+    assert_eq!(written(), before);
     // What is left of a run that was killed beside files that are not there is replaced.
-    for name in ["site_2.tif", "site_2.csv", "site_2.asc", "site_2.bil"] {
-        std::fs::remove_file(folder.join(name)).expect("a file");
-    }
+    folder.remove(&["tif", "csv", "asc", "bil"].map(|extension| format!("site_2.{extension}")));
     assert!(run(&line).contains("1 UAV mapped, 2 there already"));
     // Where files are called is nobody's business, nor where scratch goes, nor how the UAV was given.
     let place = folder.text("sites.csv").lines().nth(1).map(|row| row.replacen("site 0,", "", 1)).expect("a row");
@@ -122,17 +114,19 @@ fn what_is_there_is_left_alone() {
     assert!(run(&format!("{again} --uav {place}")).contains("0 UAVs mapped, 1 there already"));
     assert!(run(&format!("{again} --uav {place} -o ./u-{{site}}.json")).contains("1 UAV mapped"));
     // Another question has another answer.
-    let answer = folder.type_in(&format!("{line} --rx-height 2"));
-    assert!(answer.refused(2)[0].contains("made by another run"), "{answer:?}");
+    let is_other = |line: &str| {
+        let answer = folder.type_in(line);
+        assert!(answer.error() == "E106" && answer.err.contains("made by another run"), "{line}: {answer:?}");
+    };
+    is_other(&format!("{line} --rx-height 2"));
     assert!(run(&format!("{line} --rx-height 2 --overwrite")).contains("3 UAVs mapped\n"));
     // So has a changed input.
     folder.type_in("city itu:urban --size 700 --seed 4 -o dsm.tif --overwrite -q").done();
-    assert!(folder.type_in(&line).refused(2)[0].contains("made by another run"));
+    is_other(&line);
     // A run of all UAVs together can be asked for again, too.
-    let together =
-        "map dsm.tif --ground 0 --uavs sites.csv --radius 60 -o all.tif -o all.kmz --crs EPSG:25832 --resume";
-    run(together);
-    assert!(run(together).contains("nothing to do"));
+    let line = "map dsm.tif --ground 0 --uavs sites.csv --radius 60 -o all.tif -o all.kmz --crs EPSG:25832 --resume";
+    run(line);
+    assert!(run(line).contains("nothing to do"));
 }
 
 #[test]
@@ -145,10 +139,9 @@ fn a_uav_that_cannot_be_mapped_does_not_stop_the_others() {
     assert_eq!(answer.code(), 4, "{answer:?}");
     assert!(answer.err.contains("UAV `below`") && answer.err.contains("2 UAVs mapped, 1 not"), "{answer:?}");
     assert!(folder.files().contains(&"low.csv".to_string()));
-    let mixed = folder.type_in("map dsm.tif --uav 1,1,90 -o {site}.csv -o all.tif");
-    assert!(mixed.refused(2)[1].contains("{site}"));
+    folder.refuses("map dsm.tif --uav 1,1,90 -o {site}.csv -o all.tif", "E105", &["{site}"]);
     folder.write("twins.csv", "id,x,y,h\na b,9,9,90\na/b,99,99,90\n");
-    assert!(folder.type_in("map dsm.tif --uavs twins.csv -o {site}.csv").refused(4)[0].contains("share the files"));
+    folder.refuses("map dsm.tif --uavs twins.csv -o {site}.csv", "E207", &["share the files"]);
 }
 
 #[test]
@@ -161,9 +154,7 @@ fn an_interrupt_ends_the_run_and_says_what_is_written() {
     while !is_begun() {
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
-    let kill =
-        std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("`kill` runs");
-    assert!(kill.success());
+    send("-INT", &child);
     let answer = wait(child);
     assert_eq!(answer.code(), 130, "{answer:?}");
     assert!(answer.err.contains("interrupted; the files of "), "{answer:?}");
@@ -208,7 +199,7 @@ fn another_data_area_in_the_same_file_is_another_run() {
     resumed(20.0).done();
     assert_eq!(folder.json("u-1.json")["sites"][0]["receivers"], 400 - 81);
     let answer = resumed(30.0);
-    assert!(answer.refused(2)[0].contains("made by another run"), "{answer:?}");
+    assert!(answer.error() == "E106" && answer.err.contains("made by another run"), "{answer:?}");
 }
 
 #[test]
@@ -228,7 +219,7 @@ fn killed_at_any_moment_it_leaves_whole_files_and_goes_on() {
     let mut random = Random(11);
     let (mut n_partial, n_kills) = (0, if slow() { 200 } else { 20 });
     for _ in 0..n_kills {
-        finals().iter().for_each(|name| std::fs::remove_file(folder.join(name)).expect("a file"));
+        folder.remove(&finals());
         // At any moment of a run, and then at another one of what is left of it.
         for _ in 0..2 {
             let mut child = run();
@@ -237,12 +228,11 @@ fn killed_at_any_moment_it_leaves_whole_files_and_goes_on() {
             let _ = child.kill();
             child.wait().expect("a killed program ends");
             n_partial += usize::from(!finals().is_empty() && finals().len() < n_files);
-            for name in finals().iter().filter(|name| name.ends_with(".tif")) {
-                let k = names.iter().position(|n| n == name).expect("one of the files");
-                assert_eq!(digest(&folder, name), expected[k], "{name} is whole");
-            }
-            for name in finals().iter().filter(|name| name.ends_with(".json")) {
-                folder.json(name);
+            for name in finals() {
+                match names.iter().position(|n| *n == name) {
+                    Some(k) => assert_eq!(digest(&folder, &name), expected[k], "{name} is whole"),
+                    None => drop(folder.json(&name)),
+                }
             }
         }
         wait(run()).done();

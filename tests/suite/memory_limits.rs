@@ -4,6 +4,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use serde_json::json;
+
 use crate::program::{Folder, wait};
 
 /// What is taken before a watch comes to its turn on a machine that runs other tests \[bytes\].
@@ -13,20 +15,33 @@ const SLACK: u64 = 8 << 20;
 fn scenes() -> Folder {
     let folder = Folder::new();
     folder.type_in("city itu:urban --size 1500 -o city.tif -q").done();
-    let square = |x: f64, y: f64| {
-        let corners = [[x, y], [x + 9.0, y], [x + 9.0, y + 9.0], [x, y + 9.0], [x, y]];
-        serde_json::json!({"type": "Feature", "properties": {"height": 12},
+    let house = |k: i32| {
+        let (x, y) = (k % 120 * 5, k / 120 * 10);
+        let corners = [[x, y], [x + 9, y], [x + 9, y + 9], [x, y + 9], [x, y]];
+        json!({"type": "Feature", "properties": {"height": 12},
             "geometry": {"type": "Polygon", "coordinates": [corners]}})
     };
-    let place = |k: i32| square(f64::from(k % 120) * 5.0, f64::from(k / 120) * 10.0);
-    let features: Vec<_> = (0..14_400).map(place).collect();
-    let crs = serde_json::json!({"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::25832"}});
-    folder.write(
-        "houses.geojson",
-        &serde_json::json!({"type": "FeatureCollection", "crs": crs, "features": features}).to_string(),
-    );
+    let features: Vec<_> = (0..14_400).map(house).collect();
+    let crs = json!({"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::25832"}});
+    folder.write("houses.geojson", &json!({"type": "FeatureCollection", "crs": crs, "features": features}).to_string());
     folder.write("walk.csv", "x,y\n10,10\n800,10\n800,700\n");
     folder
+}
+
+/// Removes what was not there before.
+fn clear(folder: &Folder, before: &[String]) {
+    let mut written = folder.files();
+    written.retain(|file| !before.contains(file));
+    folder.remove(&written);
+}
+
+/// Limits around what a run takes, of whose files none stays \[bytes\], and whether each is enough.
+fn limits(folder: &Folder, line: &str) -> [(u64, bool); 3] {
+    let before = folder.files();
+    let (answer, needed) = folder.measured(line);
+    answer.done();
+    clear(folder, &before);
+    [(needed / 4, false), (needed / 2, false), (2 * needed, true)]
 }
 
 #[test]
@@ -56,29 +71,15 @@ fn a_run_stays_within_its_memory_or_is_refused() {
         "chart itu:urban --plos --time 0 -o a.csv",
     ] {
         let before = folder.files();
-        let (answer, needed) = folder.measured(line);
-        assert_eq!(answer.code(), 0, "{line}: {answer:?}");
-        let written: Vec<String> = folder.files().into_iter().filter(|file| !before.contains(file)).collect();
-        let clear = || written.iter().for_each(|file| std::fs::remove_file(folder.join(file)).unwrap());
-        clear();
-        for (of_needed, is_enough) in [(0.25, false), (0.5, false), (2.0, true)] {
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                clippy::cast_precision_loss,
-                reason = "bytes"
-            )]
-            let limit = (of_needed * needed as f64) as u64;
+        for (limit, is_enough) in limits(&folder, line) {
             let (answer, peak) = folder.measured(&format!("{line} --max-memory {limit}"));
             if answer.code() == 0 {
                 assert!(peak <= limit + limit / 10 + SLACK, "{line}: {peak} of {limit} bytes");
-                clear();
+                clear(&folder, &before);
                 continue;
             }
-            assert!(!is_enough, "{line}: {needed} bytes suffice, but of {limit}: {answer:?}");
-            let said = answer.refused(5);
-            assert!(said[0].starts_with("error[E501]: cannot "), "{said:?}");
-            let starts = said[0].contains("cannot start");
+            assert!(!is_enough && answer.error() == "E501", "{line}: of {limit} bytes: {answer:?}");
+            let starts = answer.err.contains("cannot start");
             assert!(starts || peak <= limit + limit / 10 + SLACK, "{line}: {peak} of {limit} bytes");
             assert_eq!(folder.files(), before, "{line}");
         }
@@ -127,12 +128,7 @@ fn a_run_in_a_group_with_little_memory_is_refused_and_not_killed() {
         "compare houses.geojson --uav 3,3,90 --uav 300,300,90 -o a.html -o a.tif",
     ] {
         let before = folder.files();
-        let (answer, needed) = folder.measured(line);
-        assert_eq!(answer.code(), 0, "{line}: {answer:?}");
-        let written: Vec<String> = folder.files().into_iter().filter(|file| !before.contains(file)).collect();
-        let clear = || written.iter().for_each(|file| std::fs::remove_file(folder.join(file)).unwrap());
-        clear();
-        for (limit, is_enough) in [(needed / 4, false), (needed / 2, false), (2 * needed, true)] {
+        for (limit, is_enough) in limits(&folder, line) {
             let Some(group) = Group::new(limit) else { return skipped() };
             let mut command = Command::new("sh");
             command.args([
@@ -145,14 +141,13 @@ fn a_run_in_a_group_with_little_memory_is_refused_and_not_killed() {
             let answer = wait(child);
             match answer.code() {
                 0 => {
-                    clear();
+                    clear(&folder, &before);
                     continue;
                 }
                 99 => return skipped(),
                 _ => {}
             }
-            assert!(!is_enough, "{line}: {needed} bytes suffice, but of {limit}: {answer:?}");
-            assert!(answer.refused(5)[0].starts_with("error[E501]: cannot "), "{answer:?}");
+            assert!(!is_enough && answer.error() == "E501", "{line}: of {limit} bytes: {answer:?}");
             assert_eq!(folder.files(), before, "{line}");
         }
     }

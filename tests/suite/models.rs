@@ -1,26 +1,12 @@
 //! Every published P_LoS model against tables of values computed independently, to the printed digit.
 
-use std::collections::BTreeMap;
-
 use skyshed_core::city::BuiltUp;
 use skyshed_study::los_probability::models::{Model, ModelLink, itu};
 
-use crate::support::truth;
+use crate::los_probability::{number, reference};
 
 /// Half a unit of the last printed digit, and the rounding of the arithmetic.
 const PRINTED: f64 = 0.5e-6 + 1e-12;
-
-/// The rows of a table of the reference folder, cells by column name.
-fn table(name: &str) -> Option<Vec<BTreeMap<String, String>>> {
-    let file = truth()?.join("../reference").join(name);
-    let mut reader = csv::Reader::from_path(&file).unwrap();
-    let headers = reader.headers().unwrap().clone();
-    let rows = reader.records().map(|record| {
-        let record = record.unwrap();
-        headers.iter().map(str::to_string).zip(record.iter().map(str::to_string)).collect()
-    });
-    Some(rows.collect())
-}
 
 /// How many cells were compared, and how many were refused as they must be.
 #[derive(Debug, Default, PartialEq)]
@@ -45,7 +31,7 @@ fn compare(model: Model, link: &ModelLink, cell: &str, counts: &mut Counts) {
 
 #[test]
 fn models_of_a_city_give_their_table() {
-    let Some(rows) = table("models_reference.csv") else { return };
+    let Some(rows) = reference("models_reference.csv") else { return };
     let columns = [
         ("itu_p1410", Model::Itu),
         ("alhourani_printed_ab", Model::AlHourani2014Table),
@@ -55,17 +41,15 @@ fn models_of_a_city_give_their_table() {
         ("mohammed2023", Model::Mohammed2023),
         ("saboor2024_phi0_product", Model::Saboor2024),
     ];
-    let (mut counts, mut n_m) = (Counts::default(), 0);
+    let mut counts = Counts::default();
     for row in &rows {
-        let number = |column: &str| row[column].parse::<f64>().unwrap();
-        let (uav_height_m, theta_deg) = (number("h_m"), number("theta_deg"));
+        let (uav_height_m, theta_deg) = (number(row, "h_m"), number(row, "theta_deg"));
         let built_up = BuiltUp::named(&row["env"]).map_or_else(|| BuiltUp::new(0.435, 4679.0, 8.8), Ok).unwrap();
         // The table's own distance is rounded to a micrometer, which is too coarse for its sixth digit only at steps.
         let distance_m = if theta_deg < 90.0 { uav_height_m / theta_deg.to_radians().tan() } else { 0.0 };
-        assert!((distance_m - number("r_m")).abs() < 1e-6);
+        assert!((distance_m - number(row, "r_m")).abs() < 1e-6);
         let link = ModelLink { built_up, uav_height_m, rx_height_m: 0.0, theta_deg, distance_m, phi_deg: Some(0.0) };
         assert_eq!(itu::m(distance_m, &built_up).to_string(), row["itu_m"], "{link:?}");
-        n_m += 1;
         for (column, model) in columns {
             // The table keeps the polynomial for Ghent, where b < 0 makes it 1 at every angle: nonsense, to be refused.
             let nonsense = row["env"] == "ghent" && model == Model::AlHourani2014;
@@ -73,12 +57,12 @@ fn models_of_a_city_give_their_table() {
         }
     }
     // Five cities at 18 angles; the sigmoids and the elevation fit have four cities.
-    assert_eq!((n_m, counts), (5 * 18, Counts { compared: (4 * 5 + 3 * 4) * 18, refused: 3 * 18 }));
+    assert_eq!((rows.len(), counts), (5 * 18, Counts { compared: (4 * 5 + 3 * 4) * 18, refused: 3 * 18 }));
 }
 
 #[test]
 fn models_of_a_network_give_their_table() {
-    let Some(rows) = table("models_3gpp_reference.csv") else { return };
+    let Some(rows) = reference("models_3gpp_reference.csv") else { return };
     let columns = [
         ("rma_av", Model::Tr36777RmaAv),
         ("uma_av", Model::Tr36777UmaAv),
@@ -89,8 +73,7 @@ fn models_of_a_network_give_their_table() {
     ];
     let mut counts = Counts::default();
     for row in &rows {
-        let number = |column: &str| row[column].parse::<f64>().unwrap();
-        let (uav_height_m, distance_m) = (number("h_ut_m"), number("d2d_m"));
+        let (uav_height_m, distance_m) = (number(row, "h_ut_m"), number(row, "d2d_m"));
         let theta_deg = uav_height_m.atan2(distance_m).to_degrees();
         let built_up = BuiltUp::named("urban").unwrap();
         let link = ModelLink { built_up, uav_height_m, rx_height_m: 0.0, theta_deg, distance_m, phi_deg: None };

@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::process::Command;
 
-use skyshed::Error;
 use skyshed_core::raster::CellWindow;
-use skyshed_io::Warning;
 use skyshed_io::formats::RasterFile;
+use skyshed_io::{Result, Warning};
 
+use crate::cli_map::mask_of;
 use crate::plain_tiff::{Cells, PlainTiff};
 use crate::program::Folder;
 use crate::support::{Random, has_program, slow};
@@ -25,7 +25,8 @@ struct Tile {
     tiff: PlainTiff,
 }
 
-pub(crate) fn read(path: &Path) -> Result<(Vec<f64>, Vec<Warning>), Error> {
+/// The heights of a raster, NaN where it has none, and what was odd about it.
+pub(crate) fn read(path: &Path) -> Result<(Vec<f64>, Vec<Warning>)> {
     let mut warnings = Vec::new();
     let file = RasterFile::open(path, &mut warnings)?;
     let raster = file.read(file.georef().window(), &mut warnings, |height| height)?;
@@ -37,7 +38,7 @@ pub(crate) fn codes(warnings: &[Warning]) -> Vec<String> {
 }
 
 /// Equal to the last bit, NaN to NaN.
-fn same(a: &[f64], b: &[f64]) -> bool {
+pub(crate) fn same(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()))
 }
 
@@ -105,17 +106,7 @@ fn painted(
 fn whole(heights: &[f64], n_cols: usize) -> PlainTiff {
     const NONE: i32 = -32_000;
     let values = heights.iter().map(|h| if h.is_nan() { f64::from(NONE) } else { *h }).collect();
-    PlainTiff {
-        corner: CORNER,
-        cell: 2.0,
-        n_cols,
-        n_rows: heights.len() / n_cols,
-        cells: Cells::Float32,
-        values,
-        nodata: Some(NONE),
-        rows_per_strip: 7,
-        epsg: 25832,
-    }
+    PlainTiff { nodata: Some(NONE), ..PlainTiff::floats(CORNER, 2.0, n_cols, values) }
 }
 
 /// The mask of a map and its digest; `None` if the UAV is inside of something.
@@ -127,10 +118,16 @@ fn mapped(folder: &Folder, scene: &str, name: &str) -> Option<(Vec<u8>, serde_js
         return None;
     }
     let document = answer.done().json();
-    let file = RasterFile::open(folder.join(&format!("{name}.tif")), &mut Vec::new()).unwrap();
-    let mask = file.read(file.georef().window(), &mut Vec::new(), |v| if v.is_nan() { 255.0 } else { v }).unwrap();
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "classes")]
-    Some((mask.cells().iter().map(|v| *v as u8).collect(), document["digest"].clone()))
+    Some((mask_of(folder, &format!("{name}.tif")), document["digest"].clone()))
+}
+
+/// What a program of GDAL says, run in a folder by a line without quotes.
+pub(crate) fn gdal(folder: &Folder, line: &str) -> String {
+    let mut words = line.split_whitespace();
+    let mut program = Command::new(words.next().unwrap());
+    let done = program.args(words).current_dir(folder.path()).output().unwrap();
+    assert!(done.status.success(), "{line}: {done:?}");
+    String::from_utf8_lossy(&done.stdout).into_owned()
 }
 
 #[test]
@@ -282,15 +279,9 @@ fn a_virtual_raster_is_what_its_sources_paint_and_what_gdal_makes_of_it() {
         assert_eq!(said.contains("in no tile"), n_gaps > 0, "{said}");
         assert!(n_gaps == 0 || said.contains(&format!("{n_gaps} cell")), "{said}, wanted {n_gaps}");
         if with_gdal {
-            let done = Command::new("gdal_translate")
-                .args(["-q", &folder.word("city.vrt"), &folder.word("one.tif")])
-                .output()
-                .unwrap();
-            assert!(done.status.success(), "{done:?}");
-            assert!(
-                same(&read(&folder.join("one.tif")).unwrap().0, &heights),
-                "seed {seed}: GDAL makes another raster"
-            );
+            gdal(&folder, "gdal_translate -q city.vrt one.tif");
+            let of_gdal = read(&folder.join("one.tif")).unwrap().0;
+            assert!(same(&of_gdal, &heights), "seed {seed}: GDAL makes another raster");
             if seed % 4 == 0 {
                 let found = mapped(&folder, "city.vrt", "a");
                 assert_eq!(found, mapped(&folder, "one.tif", "b"), "seed {seed}");
@@ -306,15 +297,10 @@ fn what_gdalbuildvrt_makes_of_any_tiles_is_read_as_gdal_does() {
     if !has_program("gdalbuildvrt") {
         return;
     }
-    let gdal = |program: &str, words: &[&str]| {
-        let done = Command::new(program).arg("-q").args(words).output().unwrap();
-        assert!(done.status.success(), "{program} {words:?}: {done:?}");
-    };
     for seed in 0..12 {
         let mut random = Random(900 + seed);
         let folder = Folder::new();
         let cells = random.choose(&["Int16", "Float32"]);
-        let mut names = Vec::new();
         for k in 0..5 {
             // The first one holds the window that is cut out below.
             let (at, shape) = match k {
@@ -325,36 +311,26 @@ fn what_gdalbuildvrt_makes_of_any_tiles_is_read_as_gdal_does() {
             made.name = format!("plain_{k}.tif");
             made.tiff.nodata = Some(NODATA);
             write(&folder, &made);
-            let name = folder.word(&format!("tile_{k}.tif"));
-            let mut words = vec!["-ot", cells];
-            words.extend(random.choose(&[
-                &["-co", "COMPRESS=DEFLATE", "-co", "TILED=YES", "-co", "BLOCKXSIZE=16", "-co", "BLOCKYSIZE=16"][..],
-                &["-co", "COMPRESS=LZW", "-co", "PREDICTOR=2"],
-                &["-co", "COMPRESS=ZSTD", "-co", "SPARSE_OK=TRUE"],
-                &[],
-            ]));
-            let plain = folder.word(&made.name);
-            words.extend([plain.as_str(), name.as_str()]);
-            gdal("gdal_translate", &words);
-            names.push(name);
+            let options = random.choose(&[
+                "-co COMPRESS=DEFLATE -co TILED=YES -co BLOCKXSIZE=16 -co BLOCKYSIZE=16",
+                "-co COMPRESS=LZW -co PREDICTOR=2",
+                "-co COMPRESS=ZSTD -co SPARSE_OK=TRUE",
+                "",
+            ]);
+            gdal(&folder, &format!("gdal_translate -q -ot {cells} {options} plain_{k}.tif tile_{k}.tif"));
         }
-        let vrt = folder.word("all.vrt");
-        let words: Vec<&str> = std::iter::once(vrt.as_str()).chain(names.iter().map(String::as_str)).collect();
-        gdal("gdalbuildvrt", &words);
+        gdal(&folder, "gdalbuildvrt -q all.vrt tile_0.tif tile_1.tif tile_2.tif tile_3.tif tile_4.tif");
         // A virtual raster of a part of it, which cuts sources on all sides, and one in that.
-        let (part, inner, one) = (folder.word("part.vrt"), folder.word("inner.vrt"), folder.word("one.tif"));
-        gdal("gdal_translate", &["-of", "VRT", "-srcwin", "2", "3", "9", "8", &vrt, &part]);
-        gdal("gdalbuildvrt", &[&inner, &part]);
-        for name in [&vrt, &part, &inner] {
-            gdal("gdal_translate", &[name, &one]);
-            let (heights, warnings) = read(Path::new(name)).unwrap();
-            assert!(same(&heights, &read(Path::new(&one)).unwrap().0), "seed {seed}, {name}");
-            assert_eq!(codes(&warnings), Vec::<String>::new(), "{name}");
+        gdal(&folder, "gdal_translate -q -of VRT -srcwin 2 3 9 8 all.vrt part.vrt");
+        gdal(&folder, "gdalbuildvrt -q inner.vrt part.vrt");
+        for name in ["all.vrt", "part.vrt", "inner.vrt"] {
+            gdal(&folder, &format!("gdal_translate -q {name} one.tif"));
+            let (heights, warnings) = read(&folder.join(name)).unwrap();
+            assert!(same(&heights, &read(&folder.join("one.tif")).unwrap().0), "seed {seed}, {name}");
+            assert_eq!(codes(&warnings), [""; 0], "{name}");
+            let georef = |name: &str| RasterFile::open(folder.join(name), &mut Vec::new()).unwrap().georef().clone();
+            assert_eq!(georef(name), georef("one.tif"), "seed {seed}, {name}");
         }
-        let (vrt_file, one_file) = (folder.join("part.vrt"), folder.join("one.tif"));
-        gdal("gdal_translate", &[&part, &one]);
-        let georef = |path: &Path| RasterFile::open(path, &mut Vec::new()).unwrap().georef().clone();
-        assert_eq!(georef(&vrt_file), georef(&one_file));
     }
 }
 
@@ -367,17 +343,8 @@ pub(crate) fn nine_tiles() -> Folder {
         let value = |cell: usize| {
             offset((row + i64::try_from(cell / 5).unwrap()) * 15 + col) + offset(i64::try_from(cell % 5).unwrap())
         };
-        let tiff = PlainTiff {
-            corner: (CORNER.0 + 2.0 * offset(col), CORNER.1 - 2.0 * offset(row)),
-            cell: 2.0,
-            n_cols: 5,
-            n_rows: 4,
-            cells: Cells::Float32,
-            values: (0..20).map(value).collect(),
-            nodata: None,
-            rows_per_strip: 3,
-            epsg: 25832,
-        };
+        let corner = (CORNER.0 + 2.0 * offset(col), CORNER.1 - 2.0 * offset(row));
+        let tiff = PlainTiff::floats(corner, 2.0, 5, (0..20).map(value).collect());
         tiles.push(Tile { name: format!("nine/t{k}.tif"), row, col, tiff });
     }
     tiles.iter().for_each(|tile| write(&folder, tile));
@@ -442,7 +409,6 @@ fn documents_name_the_mosaic_and_its_tiles() {
         assert_eq!(sources[5]["sha256"], hash.as_str());
     }
     // What would be a tile of the next run is not written.
-    let lines = folder.type_in("map nine --uav 500011,5399989,500amsl -o nine/mask.tif");
-    assert!(lines.refused(2)[0].contains("it would be a tile of the folder that this run reads"), "{lines:?}");
+    folder.refuses("map nine --uav 500011,5399989,500amsl -o nine/mask.tif", "E105", &["it would be a tile"]);
     folder.type_in("map nine --uav 500011,5399989,500amsl -o nine/mask.json -q").done();
 }

@@ -95,8 +95,8 @@ pub(crate) struct Prism {
     pub(crate) top: i64,
 }
 
-/// The least height of one end that makes a link LoS, while everything else stays as it is.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// The least height of one end that makes a link LoS, while everything else stays as it is. Lower ones come first.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Ceiling {
     /// LoS at every height: minus infinity.
     Clear,
@@ -166,7 +166,7 @@ fn is_los(stretches: &[Stretch], z_uav: i64, z_receiver: i64) -> bool {
         let Some(height) = stretch.height else { return true };
         // z_uav + t rise >= height, multiplied by the denominator of t.
         let room = &Int::from(height) - &z_uav;
-        [&stretch.from, &stretch.to].into_iter().all(|t| &t.num * &rise >= &room * &t.den)
+        [&stretch.from, &stretch.to].into_iter().all(|t| (&t.num * &rise).cmp(&(&room * &t.den)).is_ge())
     })
 }
 
@@ -175,23 +175,13 @@ fn least_height(stretches: &[Stretch], z: i64) -> Ceiling {
     let mut least = Ceiling::Clear;
     for stretch in stretches {
         let Some(height) = stretch.height else { continue };
+        let rise = &Int::from(height) - &Int::from(z);
         for t in [&stretch.from, &stretch.to] {
-            if t.num.sign() == Ordering::Equal {
-                if z < height {
-                    return Ceiling::Never;
-                }
-                continue;
-            }
-            let rise = &Int::from(height) - &Int::from(z);
-            let demand = Ratio::from(BigInt::from(z)) + Ratio::new((&rise * &t.den).to_big(), t.num.to_big());
-            let is_higher = match &least {
-                Ceiling::Clear => true,
-                Ceiling::At(so_far) => demand > *so_far,
-                Ceiling::Never => false,
-            };
-            if is_higher {
-                least = Ceiling::At(demand);
-            }
+            least = least.max(match t.num.sign() {
+                Ordering::Equal if z < height => Ceiling::Never,
+                Ordering::Equal => Ceiling::Clear,
+                _ => Ceiling::At(Ratio::from(BigInt::from(z)) + Ratio::new((&rise * &t.den).to_big(), t.num.to_big())),
+            });
         }
     }
     least
@@ -235,7 +225,7 @@ fn column_stretches(columns: &Columns, uav: [i64; 2], receiver: [i64; 2]) -> Vec
 
     if along == [0, 0] {
         // All cells around a vertical link contain the receiver's (x, y): all are exempt.
-        return vec![Stretch { from: Fraction::zero(), to: Fraction::one(), height: None }];
+        return vec![Stretch { from: Fraction::whole(0), to: Fraction::whole(1), height: None }];
     }
     let mut breakpoints = Vec::new();
     for (axis, n_cells) in [(0, columns.n_cols), (1, columns.n_rows)] {
@@ -258,7 +248,7 @@ fn column_stretches(columns: &Columns, uav: [i64; 2], receiver: [i64; 2]) -> Vec
 fn prism_stretches(prisms: &[Prism], uav: [i64; 2], receiver: [i64; 2]) -> Vec<Stretch> {
     let (start, along) = (wide(uav), difference(uav, receiver));
     if along == [0, 0] {
-        return vec![Stretch { from: Fraction::zero(), to: Fraction::one(), height: height_around(prisms, uav) }];
+        return vec![Stretch { from: Fraction::whole(0), to: Fraction::whole(1), height: height_around(prisms, uav) }];
     }
     let along_int = along.map(Int::Small);
     let mut breakpoints = Vec::new();
@@ -411,6 +401,7 @@ fn dot(a: &[Int; 2], b: &[Int; 2]) -> Int {
 // Positions along a link.
 
 /// A position along a link; the denominator is positive, common factors stay.
+#[derive(Clone)]
 struct Fraction {
     num: Int,
     den: Int,
@@ -425,12 +416,8 @@ impl Fraction {
         }
     }
 
-    fn zero() -> Fraction {
-        Fraction { num: Int::Small(0), den: Int::Small(1) }
-    }
-
-    fn one() -> Fraction {
-        Fraction { num: Int::Small(1), den: Int::Small(1) }
+    fn whole(value: i128) -> Fraction {
+        Fraction { num: Int::Small(value), den: Int::Small(1) }
     }
 
     fn cmp(&self, other: &Fraction) -> Ordering {
@@ -440,7 +427,7 @@ impl Fraction {
 
 /// Cuts 0..1 at the breakpoints that lie inside, and asks for the height at a point within each stretch.
 fn stretches_between(mut breakpoints: Vec<Fraction>, height_at: impl Fn(&Fraction) -> Option<i64>) -> Vec<Stretch> {
-    let (zero, one) = (Fraction::zero(), Fraction::one());
+    let (zero, one) = (Fraction::whole(0), Fraction::whole(1));
     breakpoints.retain(|t| t.cmp(&zero).is_gt() && t.cmp(&one).is_lt());
     breakpoints.extend([zero, one]);
     breakpoints.sort_by(Fraction::cmp);
@@ -449,8 +436,7 @@ fn stretches_between(mut breakpoints: Vec<Fraction>, height_at: impl Fn(&Fractio
         .windows(2)
         .map(|ends| {
             let within = Fraction { num: &ends[0].num + &ends[1].num, den: &ends[0].den + &ends[1].den };
-            let copy = |t: &Fraction| Fraction { num: t.num.clone(), den: t.den.clone() };
-            Stretch { from: copy(&ends[0]), to: copy(&ends[1]), height: height_at(&within) }
+            Stretch { from: ends[0].clone(), to: ends[1].clone(), height: height_at(&within) }
         })
         .collect()
 }
@@ -473,43 +459,22 @@ impl Int {
         }
     }
 
-    /// The value compared with 0.
-    fn sign(&self) -> Ordering {
-        match self {
-            Int::Small(value) => value.cmp(&0),
-            Int::Big(value) => value.cmp(&BigInt::ZERO),
-        }
-    }
-}
-
-impl From<i64> for Int {
     fn from(value: i64) -> Int {
         Int::Small(i128::from(value))
     }
-}
 
-impl Ord for Int {
     fn cmp(&self, other: &Int) -> Ordering {
         match (self, other) {
             (Int::Small(a), Int::Small(b)) => a.cmp(b),
             _ => self.to_big().cmp(&other.to_big()),
         }
     }
-}
 
-impl PartialOrd for Int {
-    fn partial_cmp(&self, other: &Int) -> Option<Ordering> {
-        Some(self.cmp(other))
+    /// The value compared with 0.
+    fn sign(&self) -> Ordering {
+        self.cmp(&Int::Small(0))
     }
 }
-
-impl PartialEq for Int {
-    fn eq(&self, other: &Int) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Int {}
 
 macro_rules! exact_operator {
     ($operator:ident, $method:ident, $checked:ident) => {

@@ -3,13 +3,11 @@
 use num_bigint::BigInt;
 use num_rational::Ratio;
 
-use super::oracle::{Ceiling, Columns, P3, Prism, columns_ceiling, columns_least_uav_height, columns_los, prisms_los};
+use crate::oracle::{Ceiling, Columns, P3, Prism, columns_ceiling, columns_least_uav_height, columns_los, prisms_los};
+use crate::shapes::{M, moved, plan, raised, rectangle};
 
 // ---------------------------------------------------------------------------------------------------------------------
 // Scenes in meters and cells.
-
-/// Meters or cells in lattice units.
-pub(crate) const M: i64 = 1024;
 
 /// Marks nodata in a grid of heights.
 const NODATA: i64 = i64::MIN;
@@ -31,23 +29,14 @@ pub(crate) fn meters(x: i64, y: i64, z: i64) -> P3 {
     [x * M, y * M, z * M]
 }
 
-/// A point raised by some lattice units.
-pub(crate) fn raised([x, y, z]: P3, units: i64) -> P3 {
-    [x, y, z + units]
-}
-
-pub(crate) fn plan([x, y, _]: P3) -> [i64; 2] {
-    [x, y]
-}
-
 /// A prism over one ring in meters.
 pub(crate) fn prism(ring: &[[i64; 2]], top: i64) -> Prism {
-    Prism { rings: vec![ring.iter().map(|vertex| vertex.map(|c| c * M)).collect()], top: top * M }
+    moved(&[crate::shapes::prism(ring, top)], |p| p.map(|c| c * M), |top| top * M).remove(0)
 }
 
 /// A prism over a rectangle in meters.
 pub(crate) fn block(west: i64, south: i64, east: i64, north: i64, top: i64) -> Prism {
-    prism(&[[west, south], [east, south], [east, north], [west, north]], top)
+    prism(&rectangle(west, south, east, north), top)
 }
 
 /// A ceiling of num/den meters.

@@ -1,7 +1,8 @@
 //! The oracle proves itself on prisms small enough to compute by hand.
 
-use super::oracle::{Ceiling, Prism, prisms_ceiling, prisms_cover, prisms_least_uav_height, prisms_los};
-use super::oracle_proof::{M, at, block, meters, plan, prism};
+use crate::oracle::{Ceiling, Prism, prisms_ceiling, prisms_cover, prisms_least_uav_height, prisms_los};
+use crate::oracle_proof::{at, block, meters, prism};
+use crate::shapes::{M, plan, rectangle};
 
 #[test]
 fn the_shadow_of_a_box_ends_on_its_closed_form_length() {
@@ -122,11 +123,14 @@ fn the_two_triangles_of_a_square_are_one_solid() {
     assert!(!prisms_los(&halves_of_square(8, 6), meters(-5, 15, 6), meters(15, -5, 6)));
 }
 
+/// A square ring, in meters.
+fn square(low: i64, high: i64) -> Vec<[i64; 2]> {
+    rectangle(low * M, low * M, high * M, high * M)
+}
+
 #[test]
 fn a_courtyard_is_open_and_its_walls_are_not() {
-    let mut house = block(0, 0, 30, 30, 10);
-    house.rings.push(block(10, 10, 20, 20, 0).rings.remove(0));
-    let scene = [house];
+    let scene = [Prism { rings: vec![square(0, 30), square(10, 20)], top: 10 * M }];
     // Within the yard, along its walls, and across it from corner to corner.
     assert!(prisms_los(&scene, meters(11, 11, 1), meters(19, 15, 1)));
     assert!(prisms_los(&scene, meters(10, 10, 1), meters(20, 10, 1)));
@@ -141,8 +145,7 @@ fn a_courtyard_is_open_and_its_walls_are_not() {
 #[test]
 fn winding_and_order_of_rings_do_not_matter() {
     // The square ring runs counterclockwise; the hole either way, and before or after the shell.
-    let shell: Vec<[i64; 2]> = block(0, 0, 30, 30, 0).rings.remove(0);
-    let hole: Vec<[i64; 2]> = block(10, 10, 20, 20, 0).rings.remove(0);
+    let (shell, hole) = (square(0, 30), square(10, 20));
     let turned = |ring: &[[i64; 2]]| ring.iter().rev().copied().collect::<Vec<_>>();
     for rings in [
         vec![shell.clone(), hole.clone()],
@@ -159,21 +162,9 @@ fn winding_and_order_of_rings_do_not_matter() {
 #[test]
 fn a_ring_walked_through_a_slit_is_a_house_with_a_yard() {
     // In to the yard and back along y = 15, x = 0..10: both sides are solid, so the slit is inside.
-    let ring = [
-        [0, 15],
-        [0, 0],
-        [30, 0],
-        [30, 30],
-        [0, 30],
-        [0, 15],
-        [10, 15],
-        [10, 20],
-        [20, 20],
-        [20, 10],
-        [10, 10],
-        [10, 15],
-    ];
-    let scene = [prism(&ring, 10)];
+    let shell = [[0, 15], [0, 0], [30, 0], [30, 30], [0, 30], [0, 15]];
+    let yard = [[10, 15], [10, 20], [20, 20], [20, 10], [10, 10], [10, 15]];
+    let scene = [prism(&[shell, yard].concat(), 10)];
     assert!(!prisms_los(&scene, meters(-5, 15, 1), meters(15, 15, 1)));
     assert!(!prisms_los(&scene, meters(2, 15, 1), meters(8, 15, 1)));
     assert!(prisms_cover(&scene, [5 * M, 15 * M], 9 * M));
@@ -229,10 +220,8 @@ fn three_prisms_that_meet_in_a_point_are_open_between_them() {
     assert!(!prisms_cover(&scene, [0, 0], -M));
     assert!(prisms_los(&scene, meters(0, 0, 20), meters(0, 0, 0)));
     // With the gaps filled by prisms of 4 it is inside up to 4.
-    let mut filled = scene.to_vec();
-    filled.push(prism(&[[0, 0], [10, 2], [-2, 10]], 4));
-    filled.push(prism(&[[0, 0], [-10, 8], [-10, -8]], 4));
-    filled.push(prism(&[[0, 0], [-2, -10], [10, -2]], 4));
+    let gaps = [[[0, 0], [10, 2], [-2, 10]], [[0, 0], [-10, 8], [-10, -8]], [[0, 0], [-2, -10], [10, -2]]];
+    let filled = [scene, gaps.map(|gap| prism(&gap, 4))].concat();
     assert!(prisms_cover(&filled, [0, 0], 4 * M - 1));
     assert!(!prisms_cover(&filled, [0, 0], 4 * M));
     assert_eq!(prisms_ceiling(&filled, meters(0, 0, 20), [0, 0]), at(4, 1));

@@ -1,90 +1,18 @@
-//! The oracle proves itself again, on random scenes: against brute-force twins that decide in other ways, and on what
-//! must not change or can only change one way.
+//! The oracle proves itself again, on random scenes: against brute-force twins that decide in other ways, at any size of
+//! numbers, and at its own ceilings. `invariants` holds it to what must not change or can only change one way.
 
 use num_bigint::BigInt;
 use num_rational::Ratio;
 
-use super::oracle::{
+use crate::oracle::{
     Ceiling, Columns, P3, Prism, columns_ceiling, columns_least_uav_height, columns_los, prisms_ceiling, prisms_cover,
     prisms_least_uav_height, prisms_los,
 };
-use super::oracle_proof::{M, plan, raised};
-
-// ---------------------------------------------------------------------------------------------------------------------
-// Random scenes, crowded with coincidences.
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// A whole number from `low` to `high`, both included.
-    fn between(&mut self, low: i64, high: i64) -> i64 {
-        let span = u64::try_from(high - low + 1).expect("low is not above high");
-        low + i64::try_from(self.next() % span).expect("a remainder of a small span")
-    }
-
-    fn size(&mut self, most: i64) -> usize {
-        usize::try_from(self.between(1, most)).expect("a size is positive")
-    }
-}
-
-/// A raster of up to 6 × 6 columns of few different heights, some nodata.
-fn random_columns(random: &mut Random) -> Columns {
-    let (n_cols, n_rows) = (random.size(6), random.size(6));
-    let heights = (0..n_cols * n_rows)
-        .map(|_| if random.between(0, 9) == 0 { None } else { Some(random.between(0, 1) * random.between(0, 6) * M) })
-        .collect();
-    Columns { n_cols, n_rows, heights }
-}
-
-/// A point in or near the raster: on a corner, an edge, a quarter line, or anywhere.
-fn random_end(random: &mut Random, columns: &Columns) -> P3 {
-    let grain = [1024, 512, 256, 1][random.size(4) - 1];
-    let mut coordinate = |n_cells: usize| {
-        let n_steps = (i64::try_from(n_cells).expect("a small raster") + 1) * M / grain;
-        random.between(-M / grain, n_steps) * grain
-    };
-    let (x, y) = (coordinate(columns.n_cols), coordinate(columns.n_rows));
-    [x, y, random.between(0, 16) * M / 2]
-}
-
-/// Up to 5 prisms with vertices on a lattice of 0..=4: boxes, and rings that may cross themselves.
-fn random_prisms(random: &mut Random) -> Vec<Prism> {
-    (0..random.size(5))
-        .map(|_| {
-            let ring = |random: &mut Random| match random.between(0, 2) {
-                0 => {
-                    let (west, south) = (random.between(0, 3), random.between(0, 3));
-                    let (east, north) = (random.between(west + 1, 4), random.between(south + 1, 4));
-                    vec![[west, south], [east, south], [east, north], [west, north]]
-                }
-                kind => (0..2 + random.size(2 * kind)).map(|_| [random.between(0, 4), random.between(0, 4)]).collect(),
-            };
-            let rings = (0..random.size(3).max(2) - 1).map(|_| ring(random)).collect();
-            Prism { rings, top: random.between(1, 5) }
-        })
-        .collect()
-}
-
-/// An end on the lattice in or near the scene of [`random_prisms`].
-fn random_prism_end(random: &mut Random) -> P3 {
-    [random.between(-1, 5), random.between(-1, 5), random.between(0, 6)]
-}
-
-/// Runs `check`, which returns whether a link was LoS, and makes sure that both answers were common.
-fn both_answers(n: usize, seed: u64, mut check: impl FnMut(&mut Random) -> bool) {
-    let mut random = Random(seed);
-    let n_los = (0..n).filter(|_| check(&mut random)).count();
-    assert!(n_los * 10 > n && (n - n_los) * 10 > n, "{n_los} of {n} links are LoS");
-}
+use crate::referee::both_answers;
+use crate::shapes::{
+    M, at_height, crossing_prism_end, crossing_prisms, moved, plan, prism, random_columns, random_end, rectangle,
+    south_west, without_own_cells,
+};
 
 // ---------------------------------------------------------------------------------------------------------------------
 // Brute-force twins.
@@ -175,7 +103,7 @@ fn sampled_height(prisms: &[Prism], scale: i128, x: i128, y: i128) -> Option<i64
     prisms.iter().filter(|prism| is_inside(prism)).map(|prism| prism.top).max()
 }
 
-/// Decides a link on the small lattice of [`random_prisms`] by sampling it so densely that nothing can be missed.
+/// Decides a link on the small lattice of [`crossing_prisms`] by sampling it so densely that nothing can be missed.
 ///
 /// A link advances by at most 6 on each axis and an edge by at most 4, so breakpoints are fractions with denominators
 /// up to 2 * 6 * 4 = 48, and the ray is level with a top at fractions with denominators up to 6. So a stretch, or the
@@ -218,13 +146,22 @@ fn rasters_agree_with_clipping_each_column_and_each_wall() {
     });
 }
 
+/// One prism over each cell that has a height.
+fn prisms_over_cells(columns: &Columns) -> Vec<Prism> {
+    let prism_over = |(index, height): (usize, &Option<i64>)| {
+        let [west, south] = south_west(columns, index);
+        height.map(|top| prism(&rectangle(west, south, west + M, south + M), top))
+    };
+    columns.heights.iter().enumerate().filter_map(prism_over).collect()
+}
+
 #[test]
 fn rasters_agree_with_prisms_over_their_cells() {
     both_answers(5_000, 2, |random| {
         let columns = random_columns(random);
         let (uav, receiver) = (random_end(random, &columns), random_end(random, &columns));
         let los = columns_los(&columns, uav, receiver);
-        let prisms = prisms_of(&without_own_cells(&columns, receiver));
+        let prisms = prisms_over_cells(&without_own_cells(&columns, receiver));
         assert_eq!(los, prisms_los(&prisms, uav, receiver), "{columns:?} {uav:?} {receiver:?}");
         los
     });
@@ -233,8 +170,8 @@ fn rasters_agree_with_prisms_over_their_cells() {
 #[test]
 fn prisms_agree_with_dense_sampling() {
     both_answers(1_500, 3, |random| {
-        let prisms = random_prisms(random);
-        let (uav, mut receiver) = (random_prism_end(random), random_prism_end(random));
+        let prisms = crossing_prisms(random);
+        let (uav, mut receiver) = (crossing_prism_end(random), crossing_prism_end(random));
         if plan(uav) == plan(receiver) {
             receiver[0] += 1;
         }
@@ -248,8 +185,8 @@ fn prisms_agree_with_dense_sampling() {
 fn the_height_around_a_point_agrees_with_looking_in_all_directions() {
     both_answers(4_000, 4, |random| {
         // Three scenes in one, so that many points are surrounded.
-        let prisms: Vec<Prism> = (0..3).flat_map(|_| random_prisms(random)).collect();
-        let (p, z) = ([random.between(1, 3), random.between(1, 3)], random.between(0, 2));
+        let prisms: Vec<Prism> = (0..3).flat_map(|_| crossing_prisms(random)).collect();
+        let (p, z) = ([random.within(1, 3), random.within(1, 3)], random.within(0, 2));
         let covers = prisms_cover(&prisms, p, z);
         assert_eq!(covers, sampled_height_around(&prisms, p).is_some_and(|height| z < height), "{prisms:?} {p:?} {z}");
         // The link straight up to the sky starts at this point.
@@ -262,8 +199,8 @@ fn the_height_around_a_point_agrees_with_looking_in_all_directions() {
 fn no_point_of_a_clear_link_is_covered() {
     // Horizontal distances are multiples of 6, so the five points between are on the lattice.
     both_answers(3_000, 5, |random| {
-        let prisms = random_prisms(random);
-        let (first, step) = (random_prism_end(random), [0, 0, 0].map(|_: i64| random.between(-1, 1)));
+        let prisms = crossing_prisms(random);
+        let (first, step) = (crossing_prism_end(random), [0, 0, 0].map(|_: i64| random.within(-1, 1)));
         let along = |k: i64| [0, 1, 2].map(|axis| first[axis] + k * step[axis]);
         let los = prisms_los(&prisms, first, along(6));
         if los && step != [0, 0, 0] {
@@ -275,155 +212,15 @@ fn no_point_of_a_clear_link_is_covered() {
     });
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
-// What must not change.
-
-/// The raster with the receiver's own cells as nodata.
-fn without_own_cells(columns: &Columns, receiver: P3) -> Columns {
-    let mut open = columns.clone();
-    for (index, height) in open.heights.iter_mut().enumerate() {
-        let [west, south] = south_west(columns, index);
-        if (west..=west + M).contains(&receiver[0]) && (south..=south + M).contains(&receiver[1]) {
-            *height = None;
-        }
-    }
-    open
-}
-
-/// The south-western corner of a cell.
-fn south_west(columns: &Columns, index: usize) -> [i64; 2] {
-    let (row, col) = (index / columns.n_cols, index % columns.n_cols);
-    [col, columns.n_rows - 1 - row].map(|n| i64::try_from(n).expect("a small raster") * M)
-}
-
-/// One prism over each cell that has a height.
-fn prisms_of(columns: &Columns) -> Vec<Prism> {
-    let mut prisms = Vec::new();
-    for (index, height) in columns.heights.iter().enumerate() {
-        if let Some(top) = *height {
-            let [west, south] = south_west(columns, index);
-            let ring = vec![[west, south], [west + M, south], [west + M, south + M], [west, south + M]];
-            prisms.push(Prism { rings: vec![ring], top });
-        }
-    }
-    prisms
-}
-
-/// Applies a map of the plane to every vertex.
-fn moved(prisms: &[Prism], map: impl Fn([i64; 2]) -> [i64; 2]) -> Vec<Prism> {
-    let ring = |ring: &Vec<[i64; 2]>| ring.iter().map(|&vertex| map(vertex)).collect();
-    prisms.iter().map(|prism| Prism { rings: prism.rings.iter().map(ring).collect(), top: prism.top }).collect()
-}
-
-#[test]
-fn swapping_the_ends_changes_nothing_among_prisms() {
-    both_answers(5_000, 6, |random| {
-        let prisms = random_prisms(random);
-        let (uav, receiver) = (random_prism_end(random), random_prism_end(random));
-        let los = prisms_los(&prisms, uav, receiver);
-        assert_eq!(los, prisms_los(&prisms, receiver, uav), "{prisms:?} {uav:?} {receiver:?}");
-        if plan(uav) != plan(receiver) {
-            let swapped = prisms_ceiling(&prisms, receiver, plan(uav));
-            assert_eq!(swapped, prisms_least_uav_height(&prisms, plan(uav), receiver));
-        }
-        los
-    });
-}
-
-#[test]
-fn mirrors_and_quarter_turns_change_nothing_among_prisms() {
-    both_answers(3_000, 7, |random| {
-        let prisms = random_prisms(random);
-        let (uav, receiver) = (random_prism_end(random), random_prism_end(random));
-        let los = prisms_los(&prisms, uav, receiver);
-        let maps: [fn([i64; 2]) -> [i64; 2]; 4] =
-            [|[x, y]| [-x, y], |[x, y]| [-y, x], |[x, y]| [y + 7, x - 3], |[x, y]| [2 * x + y, y - x]];
-        for map in maps {
-            let end = |p: P3| {
-                let [x, y] = map(plan(p));
-                [x, y, p[2]]
-            };
-            assert_eq!(
-                los,
-                prisms_los(&moved(&prisms, map), end(uav), end(receiver)),
-                "{prisms:?} {uav:?} {receiver:?}"
-            );
-        }
-        los
-    });
-}
-
-#[test]
-fn mirrors_and_quarter_turns_change_nothing_in_a_raster() {
-    both_answers(5_000, 8, |random| {
-        let columns = random_columns(random);
-        let (uav, receiver) = (random_end(random, &columns), random_end(random, &columns));
-        let los = columns_los(&columns, uav, receiver);
-        let Columns { n_cols, n_rows, ref heights } = columns;
-        let (width, depth) = [n_cols, n_rows].map(|n| i64::try_from(n).expect("a small raster") * M).into();
-
-        let mirrored = heights.chunks(n_cols).flat_map(|row| row.iter().rev().copied()).collect();
-        let mirrored = Columns { n_cols, n_rows, heights: mirrored };
-        let end = |[x, y, z]: P3| [width - x, y, z];
-        assert_eq!(los, columns_los(&mirrored, end(uav), end(receiver)), "mirror: {columns:?} {uav:?} {receiver:?}");
-
-        // Counterclockwise: the eastern column becomes the northern row, its northern end first.
-        let turned =
-            (0..n_cols).rev().flat_map(|col| (0..n_rows).map(move |row| heights[row * n_cols + col])).collect();
-        let turned = Columns { n_cols: n_rows, n_rows: n_cols, heights: turned };
-        let end = |[x, y, z]: P3| [depth - y, x, z];
-        assert_eq!(los, columns_los(&turned, end(uav), end(receiver)), "turn: {columns:?} {uav:?} {receiver:?}");
-        los
-    });
-}
-
-#[test]
-fn splitting_each_cell_in_four_changes_nothing() {
-    both_answers(5_000, 9, |random| {
-        let columns = random_columns(random);
-        let (uav, receiver) = (random_end(random, &columns), random_end(random, &columns));
-        // The own cell would shrink with the cells, so it is opened beforehand.
-        let coarse = without_own_cells(&columns, receiver);
-        let (n_cols, n_rows) = (2 * coarse.n_cols, 2 * coarse.n_rows);
-        let fine = |index: usize| coarse.heights[index / n_cols / 2 * coarse.n_cols + index % n_cols / 2];
-        let fine = Columns { n_cols, n_rows, heights: (0..n_cols * n_rows).map(fine).collect() };
-        let end = |[x, y, z]: P3| [2 * x, 2 * y, z];
-        let los = columns_los(&coarse, uav, receiver);
-        assert_eq!(los, columns_los(&columns, uav, receiver));
-        assert_eq!(los, columns_los(&fine, end(uav), end(receiver)), "{columns:?} {uav:?} {receiver:?}");
-        los
-    });
-}
-
-#[test]
-fn cutting_a_prism_in_two_changes_nothing() {
-    // A convex quadrilateral is cut along a diagonal; each half is a prism of its own.
-    both_answers(5_000, 10, |random| {
-        let mut whole = random_prisms(random);
-        let (a, b) = (random.between(1, 3), random.between(1, 3));
-        let ring = [[0, a], [b, 0], [4, 4 - a], [4 - b, 4]];
-        let top = random.between(1, 5);
-        let mut cut = whole.clone();
-        whole.push(Prism { rings: vec![ring.to_vec()], top });
-        cut.push(Prism { rings: vec![vec![ring[0], ring[1], ring[2]]], top });
-        cut.push(Prism { rings: vec![vec![ring[2], ring[0], ring[3]]], top });
-        let (uav, receiver) = (random_prism_end(random), random_prism_end(random));
-        let los = prisms_los(&whole, uav, receiver);
-        assert_eq!(los, prisms_los(&cut, uav, receiver), "{whole:?} {uav:?} {receiver:?}");
-        los
-    });
-}
-
 #[test]
 fn the_size_of_the_numbers_changes_nothing() {
     // Scaled up, the same scene needs big integers.
     both_answers(2_000, 11, |random| {
-        let prisms = random_prisms(random);
-        let (uav, receiver) = (random_prism_end(random), random_prism_end(random));
+        let prisms = crossing_prisms(random);
+        let (uav, receiver) = (crossing_prism_end(random), crossing_prism_end(random));
         let los = prisms_los(&prisms, uav, receiver);
         let (plane, up) = (1_i64 << 59, 1_i64 << 58);
-        let mut large = moved(&prisms, |p| p.map(|c| c * plane));
-        large.iter_mut().for_each(|prism| prism.top *= up);
+        let large = moved(&prisms, |p| p.map(|c| c * plane), |top| top * up);
         let end = |[x, y, z]: P3| [x * plane, y * plane, z * up];
         assert_eq!(los, prisms_los(&large, end(uav), end(receiver)), "{prisms:?} {uav:?} {receiver:?}");
         assert_eq!(
@@ -436,25 +233,7 @@ fn the_size_of_the_numbers_changes_nothing() {
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
-// What can change only one way.
-
-#[test]
-fn raising_a_column_never_clears_and_raising_an_end_never_blocks() {
-    both_answers(5_000, 12, |random| {
-        let mut columns = random_columns(random);
-        let (uav, receiver) = (random_end(random, &columns), random_end(random, &columns));
-        let los = columns_los(&columns, uav, receiver);
-        if los {
-            assert!(columns_los(&columns, raised(uav, random.between(1, 5000)), receiver));
-            assert!(columns_los(&columns, uav, raised(receiver, random.between(1, 5000))));
-        } else {
-            let index = random.size(i64::try_from(columns.heights.len()).expect("a small raster")) - 1;
-            columns.heights[index] = Some(columns.heights[index].unwrap_or(0) + random.between(1, 5000));
-            assert!(!columns_los(&columns, uav, receiver), "{columns:?} {uav:?} {receiver:?}");
-        }
-        los
-    });
-}
+// Ceilings.
 
 /// Checks a ceiling: `los_at(scale, z)` decides the link with all heights but the asked one multiplied by `scale`.
 ///
@@ -483,16 +262,16 @@ fn los_in_a_raster_is_at_or_above_the_ceiling() {
             let heights = columns.heights.iter().map(|height| height.map(|height| height * scale)).collect();
             Columns { heights, ..columns.clone() }
         };
-        let with_z = |p: P3, z: i64| [p[0], p[1], z];
-        check_ceiling(&columns_ceiling(&columns, uav, plan(receiver)), |scale, z| {
-            columns_los(&stretched(scale), with_z(uav, uav[2] * scale), with_z(receiver, z))
+        let ceiling = columns_ceiling(&columns, uav, plan(receiver));
+        let least = columns_least_uav_height(&columns, plan(uav), receiver);
+        check_ceiling(&ceiling, |scale, z| {
+            columns_los(&stretched(scale), at_height(plan(uav), uav[2] * scale), at_height(plan(receiver), z))
         });
-        check_ceiling(&columns_least_uav_height(&columns, plan(uav), receiver), |scale, z| {
-            columns_los(&stretched(scale), with_z(uav, z), with_z(receiver, receiver[2] * scale))
+        check_ceiling(&least, |scale, z| {
+            columns_los(&stretched(scale), at_height(plan(uav), z), at_height(plan(receiver), receiver[2] * scale))
         });
         let los = columns_los(&columns, uav, receiver);
-        assert_eq!(los, reaches(receiver[2], &columns_ceiling(&columns, uav, plan(receiver))));
-        assert_eq!(los, reaches(uav[2], &columns_least_uav_height(&columns, plan(uav), receiver)));
+        assert_eq!([los; 2], [reaches(receiver[2], &ceiling), reaches(uav[2], &least)]);
         los
     });
 }
@@ -500,31 +279,28 @@ fn los_in_a_raster_is_at_or_above_the_ceiling() {
 #[test]
 fn los_among_prisms_is_at_or_above_the_ceiling() {
     both_answers(5_000, 14, |random| {
-        let prisms = random_prisms(random);
-        let (uav, receiver) = (random_prism_end(random), random_prism_end(random));
-        let stretched = |scale: i64| -> Vec<Prism> {
-            prisms.iter().map(|prism| Prism { top: prism.top * scale, ..prism.clone() }).collect()
-        };
-        let with_z = |p: P3, z: i64| [p[0], p[1], z];
-        check_ceiling(&prisms_ceiling(&prisms, uav, plan(receiver)), |scale, z| {
-            prisms_los(&stretched(scale), with_z(uav, uav[2] * scale), with_z(receiver, z))
+        let prisms = crossing_prisms(random);
+        let (uav, receiver) = (crossing_prism_end(random), crossing_prism_end(random));
+        let stretched = |scale: i64| moved(&prisms, |p| p, |top| top * scale);
+        let ceiling = prisms_ceiling(&prisms, uav, plan(receiver));
+        let least = prisms_least_uav_height(&prisms, plan(uav), receiver);
+        check_ceiling(&ceiling, |scale, z| {
+            prisms_los(&stretched(scale), at_height(plan(uav), uav[2] * scale), at_height(plan(receiver), z))
         });
-        check_ceiling(&prisms_least_uav_height(&prisms, plan(uav), receiver), |scale, z| {
-            prisms_los(&stretched(scale), with_z(uav, z), with_z(receiver, receiver[2] * scale))
+        check_ceiling(&least, |scale, z| {
+            prisms_los(&stretched(scale), at_height(plan(uav), z), at_height(plan(receiver), receiver[2] * scale))
         });
         let los = prisms_los(&prisms, uav, receiver);
         if uav != receiver {
-            assert_eq!(los, reaches(receiver[2], &prisms_ceiling(&prisms, uav, plan(receiver))));
-            assert_eq!(los, reaches(uav[2], &prisms_least_uav_height(&prisms, plan(uav), receiver)));
+            assert_eq!([los; 2], [reaches(receiver[2], &ceiling), reaches(uav[2], &least)]);
+        }
+        if plan(uav) != plan(receiver) {
+            assert_eq!(least, prisms_ceiling(&prisms, receiver, plan(uav)), "swapped");
         }
         los
     });
 }
 
 fn reaches(z: i64, ceiling: &Ceiling) -> bool {
-    match ceiling {
-        Ceiling::Clear => true,
-        Ceiling::At(height) => Ratio::from(BigInt::from(z)) >= *height,
-        Ceiling::Never => false,
-    }
+    Ceiling::At(Ratio::from(BigInt::from(z))) >= *ceiling
 }

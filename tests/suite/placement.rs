@@ -1,10 +1,8 @@
 //! Where to hover: the best candidate is that of a brute force by rays, the bound is never below an optimum found by
 //! trying every choice, the least height is that of a linear search; and the command says so.
 
-#![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
 use serde_json::Value;
-use skyshed_core::city::{BuiltUp, BuiltUpCity};
+use skyshed_core::city::BuiltUpCity;
 use skyshed_core::coverage::{Control, HeightLayers, MapOptions, Mapper, Receivers, class};
 use skyshed_core::height_field::HeightField;
 use skyshed_core::los::MethodChoice;
@@ -15,6 +13,9 @@ use skyshed_study::placement::{
     ranked_margins, scores, worst_margins,
 };
 
+use crate::cities::{built, generated};
+use crate::cli_map::mask_of;
+use crate::compare::{check_flags_are_known, check_refusals};
 use crate::invariants::{raster_town, vector_town};
 use crate::program::Folder;
 use crate::support::Random;
@@ -40,16 +41,7 @@ fn by_rays(field: &HeightField, candidate: &Candidate, options: &MapOptions, wei
 #[test]
 fn the_best_candidate_is_that_of_a_brute_force_by_rays() {
     let mut random = Random(51);
-    let city = BuiltUpCity {
-        built_up: BuiltUp::named("urban").unwrap(),
-        size_m: 120.0,
-        margin_m: 0.0,
-        cell_m: 4.0,
-        seed: 3,
-        ground_m: 0.0,
-    };
-    let city = city.city().unwrap();
-    let city = HeightField::build(&city.grid, city.solids).field;
+    let city = built(&BuiltUpCity { cell_m: 4.0, ..generated("urban", 3, 120.0) });
     for field in [raster_town(&mut random, 24), vector_town(&mut random, 28), city] {
         let candidates = candidates(&field, (field.grid().x_max() - field.grid().x_min()) / 5.0);
         assert!(candidates.len() > 20);
@@ -353,44 +345,49 @@ fn goals_without_an_answer_say_why() {
 #[test]
 fn what_makes_no_sense_of_a_search_is_refused() {
     let folder = city();
-    let before = folder.files();
-    for (line, code, first) in [
-        ("", 2, "error[E101]: the following required arguments were not provided: --height"),
-        ("--height x", 2, "error[E113]: the heights are `x`"),
-        ("--height 9:1:1", 2, "error[E113]: the heights are `9:1:1`"),
-        ("--height nan", 2, "error[E113]: the heights are `nan`"),
-        ("--height 9 --step 0", 2, "error[E113]: the step between places is `0`, wanted above 0 m"),
-        ("--height 9 --clearance -1", 2, "error[E113]: the clearance is `-1`, wanted 0 m to 32768 m"),
-        ("--height 9 --goal sight", 2, "error[E101]: cannot read the goal `sight`: found `sight`"),
-        ("--height 9 --goal p_los(park)", 2, "error[E101]: cannot read the goal `p_los(park)`: found `(park)`"),
-        ("--height 9 --goal p_los(area)", 2, "error[E108]: the goal `p_los(area)` needs `--area`"),
-        ("--height 9 --goal p_los(weights)", 2, "error[E108]: the goal `p_los(weights)` needs `--weights`"),
-        ("--height 9 --area west.geojson", 2, "error[E116]: `--area` has no meaning"),
-        ("--height 9 --goal p_los(street) --receivers all", 2, "error[E116]: `--receivers` has no meaning"),
-        ("--height 9 --goal p_los>=0.5", 2, "error[E101]: the goal `p_los>=0.5` names a share"),
-        ("--height 9 --minimize height", 2, "error[E101]: the goal is `p_los`, wanted a share to reach"),
-        ("--height 9 --goal margin -k 2", 2, "error[E116]: `--count` has no meaning"),
-        ("--height 9 -k 0", 2, "error[E101]: invalid value '0' for '--count <N>'"),
-        ("--height 9 --title T", 2, "error[E116]: `--title` has no meaning"),
-        ("--height 9 -o a.exr", 2, "error[E105]: cannot write a.exr"),
-        ("--height 9 -o city.geojson --overwrite", 2, "error[E105]: cannot write city.geojson: it is an input"),
-        ("--height 9 --goal p_los(weights) --weights debt.asc", 3, "error[E302]: cannot use debt.asc as weights"),
-        ("--height 9 --within own.csv", 3, "error[E302]: cannot read own.csv"),
-        ("--height 9 --within far.geojson", 4, "error[E208]: cannot use far.geojson: its polygons lie outside"),
-        ("--height 9 --keep-out far.geojson", 4, "error[E208]: cannot use far.geojson"),
-        ("--height 9 --goal p_los(area) --area far.geojson", 4, "error[E208]: cannot use far.geojson"),
-        ("--height 9 --clearance 99", 4, "error[E209]: no candidate is left of 25: 1 inside a building"),
-        ("--height 9 --step 0.001", 5, "error[E502]: cannot search 2500000000 candidates"),
-        ("--height 9 -k 2 --max-memory 20K", 5, "error[E501]: "),
-    ] {
-        let answer =
-            folder.type_in(&format!("{PLACE} {line}").replace("--step 10 --height 9 --step", "--height 9 --step"));
-        let lines = answer.refused(code);
-        assert!(lines[0].starts_with(first), "{line}: {lines:?}");
-        assert_eq!(folder.files(), before, "{line}");
-    }
-    let answer = folder.type_in("place city.geojson --candidates own.csv -o a.png");
-    assert!(answer.refused(2)[0].starts_with("error[E109]"));
+    check_refusals(
+        &folder,
+        PLACE,
+        &[
+            ("", "E101", "--height"),
+            ("--height x", "E113", "`x`"),
+            ("--height 9:1:1", "E113", "`9:1:1`"),
+            ("--height nan", "E113", "`nan`"),
+            ("--height 9 --clearance -1", "E113", "`-1`"),
+            ("--height 9 --goal sight", "E101", "found `sight`"),
+            ("--height 9 --goal p_los(park)", "E101", "found `(park)`"),
+            ("--height 9 --goal p_los(area)", "E108", "`--area`"),
+            ("--height 9 --goal p_los(weights)", "E108", "`--weights`"),
+            ("--height 9 --area west.geojson", "E116", "`--area`"),
+            ("--height 9 --goal p_los(street) --receivers all", "E116", "`--receivers`"),
+            ("--height 9 --goal p_los>=0.5", "E101", "`p_los>=0.5`"),
+            ("--height 9 --minimize height", "E101", "`p_los`"),
+            ("--height 9 --goal margin -k 2", "E116", "`--count`"),
+            ("--height 9 -k 0", "E101", "'--count <N>'"),
+            ("--height 9 --title T", "E116", "`--title`"),
+            ("--height 9 -o a.exr", "E105", "a.exr"),
+            ("--height 9 -o city.geojson --overwrite", "E105", "city.geojson: it is an input"),
+            ("--height 9 --map best.csv", "E105", "best.csv: `--map`"),
+            ("--height 9 --csv table.txt", "E105", "table.txt: `--csv`"),
+            ("--height 9 --goal p_los(courtyard) --map none.png", "E209", "none.png"),
+            ("--height 9 --goal p_los(weights) --weights debt.asc", "E302", "debt.asc"),
+            ("--height 9 --within own.csv", "E302", "own.csv"),
+            ("--height 9 --within far.geojson", "E208", "far.geojson"),
+            ("--height 9 --keep-out far.geojson", "E208", "far.geojson"),
+            ("--height 9 --goal p_los(area) --area far.geojson", "E208", "far.geojson"),
+            ("--height 9 --clearance 99", "E209", "25: 1 inside a building"),
+            ("--height 9 -k 2 --max-memory 20K", "E501", ""),
+        ],
+    );
+    check_refusals(
+        &folder,
+        "place city.geojson",
+        &[
+            ("--height 9 --step 0", "E113", "`0`"),
+            ("--height 9 --extent 0,0,50,50 --step 0.001", "E502", "2500000000 candidates"),
+            ("--candidates own.csv -o a.png", "E109", ""),
+        ],
+    );
 }
 
 /// Flags that change what is found: a line without, and the flag.
@@ -423,41 +420,10 @@ const FLAGS: [(&str, &str); 26] = [
     ("--height 10", "--cell 5"),
 ];
 
-/// Flags that change where things are written or how they are decided, or that other tests show at work.
-const OTHER: [&str; 31] = [
-    "--width",
-    "--dpi",
-    "--project",
-    "--skip-bad",
-    "--repairs",
-    "--levels-field",
-    "--layer",
-    "--output",
-    "--csv",
-    "--map",
-    "--title",
-    "--attribution",
-    "--json",
-    "--overwrite",
-    "--threads",
-    "--quiet",
-    "--max-memory",
-    "--csv-text",
-    "--method",
-    "--hash",
-    "--crs",
-    "--help",
-    "--version",
-    // The scene, as for maps.
-    "--terrain",
-    "--base",
-    "--data-area",
-    "--building-threshold",
-    "--extent",
-    "--size",
-    "--seed",
-    "--nodata-as",
-];
+/// Flags that change where things are written or how they are decided, or that other tests show at work; those of the scene.
+const OTHER: &str = "--width --dpi --project --skip-bad --repairs --levels-field --layer --output --csv --map --title \
+    --attribution --json --overwrite --threads --quiet --max-memory --csv-text --method --hash --crs --help --version \
+    --terrain --base --data-area --building-threshold --extent --size --seed --nodata-as";
 
 #[test]
 fn every_flag_changes_what_is_found() {
@@ -482,12 +448,7 @@ fn every_flag_changes_what_is_found() {
     for (line, flag) in FLAGS {
         assert_ne!(found(line), found(&format!("{line} {flag}")), "{line} {flag}");
     }
-    for flag in folder.flags("place") {
-        let flag = flag.as_str();
-        let is_known =
-            OTHER.contains(&flag) || FLAGS.iter().any(|(_, words)| words.split(' ').any(|word| word == flag));
-        assert!(is_known, "place {flag}: add it to the flags above");
-    }
+    check_flags_are_known(&folder, "place", &[&FLAGS.map(|(_, flag)| flag)[..], &[OTHER]].concat());
 }
 
 #[test]
@@ -495,12 +456,7 @@ fn the_map_of_the_winner_and_a_table_by_name_are_written() {
     let folder = city();
     folder.type_in(&format!("{PLACE} --height 15 --csv t.csv --map best.tif --radius 20")).done();
     let found = document(&folder, "--height 15 --radius 20");
-    let mask: Vec<u8> = geotiff_reader::GeoTiffFile::from_bytes(folder.read("best.tif"))
-        .unwrap()
-        .read_raster::<u8>()
-        .unwrap()
-        .into_iter()
-        .collect();
+    let mask = mask_of(&folder, "best.tif");
     let count = |class: u8| mask.iter().filter(|c| **c == class).count() as u64;
     // Those out of range are among the receivers that the share is of.
     assert!(found["winner"]["receivers"].as_u64() > Some(count(0) + count(1)));
@@ -511,15 +467,6 @@ fn the_map_of_the_winner_and_a_table_by_name_are_written() {
     assert!(
         svg.contains("What the chosen UAVs see of") && svg.contains("UAV 2") && svg.contains("Seen by at least one")
     );
-    for (line, code, wanted) in [
-        ("--height 15 --map best.csv", 2, "`--map` writes a map"),
-        ("--height 15 --csv table.txt", 2, "ends in .csv"),
-        ("--height 15 --goal p_los(courtyard) --map none.png", 4, "there is no winner to map"),
-    ] {
-        let answer = folder.type_in(&format!("{PLACE} {line}"));
-        assert!(answer.refused(code)[0].contains(wanted) || answer.err.contains(wanted), "{line}: {answer:?}");
-    }
-    assert!(!folder.files().contains(&"none.png".to_string()));
 }
 
 #[test]

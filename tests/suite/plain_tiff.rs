@@ -23,6 +23,13 @@ pub(crate) struct PlainTiff {
 }
 
 impl PlainTiff {
+    /// Numbers of 32 bits in EPSG:25832, three rows a strip, without nodata.
+    pub(crate) fn floats(corner: (f64, f64), cell: f64, n_cols: usize, values: Vec<f64>) -> PlainTiff {
+        let n_rows = values.len() / n_cols;
+        let cells = Cells::Float32;
+        PlainTiff { corner, cell, n_cols, n_rows, cells, values, nodata: None, rows_per_strip: 3, epsg: 25832 }
+    }
+
     pub(crate) fn bytes(&self) -> Vec<u8> {
         let width = if self.cells == Cells::Int16 { 2 } else { 4 };
         let mut file = b"II*\0\0\0\0\0".to_vec();

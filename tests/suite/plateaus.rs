@@ -1,19 +1,19 @@
 //! Shadows of the plateaus of a raster equal `ray` on its columns, cell for cell; and `auto` takes them where they serve.
 
-use rayon::prelude::*;
-use skyshed_core::city::{BuiltUp, BuiltUpCity, Ground};
-use skyshed_core::coverage::{Control, KeepMasks, MapOptions, Mapper, Receivers, map_site};
-use skyshed_core::height_field::{Columns, HeightField, Plateaus};
+use skyshed_core::city::Ground;
+use skyshed_core::coverage::{Control, KeepMasks, MapOptions, Mapper, Receivers};
+use skyshed_core::height_field::{Columns, Plateaus};
 use skyshed_core::los::{Method, MethodChoice, OnPlateaus, PlateauScene, ShadowGrid, columns_los, plateaus_los};
 use skyshed_core::quantity::{LatticePoint, VOID};
-use skyshed_core::raster::{BitGrid, CellWindow};
+use skyshed_core::raster::CellWindow;
 use skyshed_core::simd::simd_levels;
 
 use crate::engines::as_raster;
-use crate::invariants::uav_at;
+use crate::invariants::{map, uav_at};
 use crate::plain_tiff::{Cells, PlainTiff};
 use crate::program::Folder;
-use crate::support::{Random, slow};
+use crate::referee::{Count, check_cells, over_seeds};
+use crate::support::{ENVIRONMENTS, Random, cells_where, city, random_place, slow};
 
 /// Rectangles on flat ground, one over another, some of them void, with tops around the UAV's height.
 fn blocks(random: &mut Random, (n_rows, n_cols): (usize, usize), uav_z: i64) -> Vec<i32> {
@@ -39,42 +39,30 @@ fn blocks(random: &mut Random, (n_rows, n_cols): (usize, usize), uav_z: i64) -> 
     tops
 }
 
-/// A UAV over cell centers, corners, edges and anywhere, inside and outside.
-fn place(random: &mut Random, (n_rows, n_cols): (usize, usize), z: i64) -> LatticePoint {
-    let mut along = |n: usize| {
-        let span = i64::try_from(n).unwrap();
-        let beyond = 20.max(span / 2);
-        random.within(-beyond, span + beyond) * 1024 + random.choose(&[0, 512, 512, 1, 1023, 256, 700])
-    };
-    LatticePoint { x: along(n_cols), y: along(n_rows), z }
-}
-
-/// Compares all receivers of one scene with rays; returns how many they are, and how many of them are in line of sight.
-fn compare(tops: &[i32], n_cols: usize, uav: LatticePoint, on: OnPlateaus, random: &mut Random) -> (u64, u64) {
+/// Compares all receivers of one scene with rays.
+fn compare(tops: &[i32], n_cols: usize, uav: LatticePoint, on: OnPlateaus, random: &mut Random) -> Count {
     let n_rows = tops.len() / n_cols;
     let columns = Columns::new(n_rows, n_cols, tops.to_vec());
-    let Some(plateaus) = Plateaus::of(tops, n_cols) else { return (0, 0) };
+    let Some(plateaus) = Plateaus::of(tops, n_cols) else { return Count::default() };
     let height = |cell: usize| match on {
         OnPlateaus::Level(z) => z,
         OnPlateaus::Above(above) => i64::from(tops[cell]) + i64::from(above),
     };
     let lowest = i64::from(plateaus.lowest());
     if uav.z < lowest || matches!(on, OnPlateaus::Level(z) if z < lowest) {
-        return (0, 0);
+        return Count::default();
     }
     let wanted_of_100 = random.choose(&[100, 100, 60]);
-    let mut wanted = BitGrid::new(n_rows, n_cols);
     // Sometimes a part of the raster, and all between it and the UAV.
     let some = |random: &mut Random, n: usize| {
         let first = random.index(0, n - 1);
         if random.chance(20) { (first, random.index(first, n - 1) + 1) } else { (0, n) }
     };
     let (rows, cols) = (some(random, n_rows), some(random, n_cols));
-    for cell in (0..tops.len()).filter(|cell| tops[*cell] != VOID) {
-        let (row, col) = (cell / n_cols, cell % n_cols);
+    let wanted = cells_where((n_rows, n_cols), |row, col| {
         let is_there = (rows.0..rows.1).contains(&row) && (cols.0..cols.1).contains(&col);
-        wanted.set(row, col, is_there && random.chance(wanted_of_100));
-    }
+        is_there && tops[row * n_cols + col] != VOID && random.chance(wanted_of_100)
+    });
     let place = |steps: i64, n: usize| usize::try_from(steps.div_euclid(1024)).unwrap_or(0).min(n - 1);
     let (uav_row, uav_col) = (n_rows - 1 - place(uav.y, n_rows), place(uav.x, n_cols));
     let (row, col) = (rows.0.min(uav_row), cols.0.min(uav_col));
@@ -87,41 +75,34 @@ fn compare(tops: &[i32], n_cols: usize, uav: LatticePoint, on: OnPlateaus, rando
     let (columns, plateaus) = (&columns, &plateaus);
     let scene = PlateauScene { columns, plateaus, grid: &grid, wanted: &wanted, window, level, n_bands };
     let los = plateaus_los(&scene, uav, on);
-    for row in 0..n_rows {
-        for col in 0..n_cols {
-            let ((x, y), z) = (columns.center(row, col), height(row * n_cols + col));
-            let expected = wanted.contains(row, col) && columns_los(columns, uav, LatticePoint { x, y, z });
-            let what = format!("row {row}, column {col} of {n_rows}×{n_cols}, UAV {uav:?}, {on:?}, {level:?}");
-            assert_eq!(los.contains(row, col), expected, "{what}, {n_bands} bands, tops {tops:?}");
-        }
-    }
-    (wanted.count(), los.count())
+    let ray = |row: usize, col: usize| {
+        let ((x, y), z) = (columns.center(row, col), height(row * n_cols + col));
+        columns_los(columns, uav, LatticePoint { x, y, z })
+    };
+    check_cells(&los, &wanted, ray, || format!("UAV {uav:?}, {on:?}, {level:?}, {n_bands} bands, tops {tops:?}"))
 }
 
 #[test]
 fn small_block_models_with_heights_around_the_uav_agree_with_ray() {
     let n = if slow() { 400_000 } else { 12_000 };
-    let counts = (0..n).into_par_iter().map(|seed| {
-        let mut random = Random(seed ^ 0x91A7);
-        let (n_rows, n_cols) = (random.index(1, 40), random.index(1, 80));
+    let count = over_seeds(n, 0x91A7, |_, random, count| {
+        let shape = (random.index(1, 40), random.index(1, 80));
         let uav_z = random.choose(&[512, 1024, 9 * 1024, 40 * 1024, 130 * 1024]);
-        let tops = blocks(&mut random, (n_rows, n_cols), uav_z);
-        let uav = place(&mut random, (n_rows, n_cols), uav_z);
+        let tops = blocks(random, shape, uav_z);
+        let uav = random_place(random, shape, uav_z, 20);
         let on = match random.within(0, 2) {
             0 => OnPlateaus::Level(random.choose(&[0, 1536, uav_z, uav_z + 3000, 9000])),
             _ => OnPlateaus::Above(random.choose(&[0, 1, 1536, 1536, 30 * 1024])),
         };
-        compare(&tops, n_cols, uav, on, &mut random)
+        *count = compare(&tops, shape.1, uav, on, random);
     });
-    let (receivers, los) = counts.reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
-    assert!(receivers > n * 300 && los > n * 50 && los < receivers * 3 / 4, "{los} of {receivers}");
+    assert!(count.links > n * 300 && count.los > n * 50 && count.los < count.links * 3 / 4, "{count:?}");
 }
 
 #[test]
 fn towns_of_blocks_agree_with_ray() {
     let n = if slow() { 2000 } else { 60 };
-    let counts = (0..n).into_par_iter().map(|seed| {
-        let mut random = Random(seed ^ 0xB10C);
+    let count = over_seeds(n, 0xB10C, |_, random, count| {
         let (n_rows, n_cols) = (random.index(60, 300), random.index(60, 300));
         let (block, street) = (random.index(5, 25), random.index(1, 12));
         let (tall, spread) = (random.within(1, 40), random.choose(&[0, 1024, 40 * 1024]));
@@ -135,29 +116,19 @@ fn towns_of_blocks_agree_with_ray() {
             }
         }
         let z = random.choose(&[2000, 20 * 1024, 60 * 1024, 100 * 1024, 300 * 1024]);
-        let uav = place(&mut random, (n_rows, n_cols), z);
+        let uav = random_place(random, (n_rows, n_cols), z, 20);
         let on = random.choose(&[OnPlateaus::Level(1536), OnPlateaus::Above(1536), OnPlateaus::Above(0)]);
-        compare(&tops, n_cols, uav, on, &mut random)
+        *count = compare(&tops, n_cols, uav, on, random);
     });
-    let (receivers, los) = counts.reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
-    assert!(receivers > n * 10_000 && los > n * 1000 && los < receivers, "{los} of {receivers}");
-}
-
-fn city(name: &str, seed: u64) -> HeightField {
-    let built_up = BuiltUp::named(name).unwrap();
-    let scene =
-        BuiltUpCity { built_up, size_m: 520.0, margin_m: 0.0, cell_m: 1.0, seed, ground_m: 0.0 }.city().unwrap();
-    HeightField::build(&scene.grid, scene.solids).field
+    assert!(count.links > n * 10_000 && count.los > n * 1000 && count.los < count.links, "{count:?}");
 }
 
 #[test]
 fn auto_takes_the_shadows_of_generated_cities_as_rasters_and_they_are_those_of_rays_and_of_the_sweep() {
     let seeds = if slow() { 10 } else { 1 };
-    for (name, seed) in
-        ["suburban", "urban", "dense-urban", "high-rise"].into_iter().flat_map(|n| (0..seeds).map(move |s| (n, s)))
-    {
+    for (name, seed) in ENVIRONMENTS.into_iter().flat_map(|n| (0..seeds).map(move |s| (n, s))) {
         let mut random = Random(seed);
-        let footprints = city(name, seed);
+        let footprints = city(name, 520.0, 1.0, seed);
         for ground in [Ground::Surface, Ground::Flat(0)] {
             let field = as_raster(&footprints, ground, 0, &mut random);
             let (x, y) = (random.within(0, 1040) as f64 / 2.0, random.within(0, 1040) as f64 / 2.0);
@@ -167,10 +138,8 @@ fn auto_takes_the_shadows_of_generated_cities_as_rasters_and_they_are_those_of_r
                 for (receivers, radius) in
                     [(Receivers::Ground, None), (Receivers::All, None), (Receivers::All, Some(201.3))]
                 {
-                    let by = |method| {
-                        let options = MapOptions { method, receivers, radius, ..MapOptions::default() };
-                        map_site(&field, &uav, &options, &Control::default()).unwrap()
-                    };
+                    let options = |method| MapOptions { method, receivers, radius, ..MapOptions::default() };
+                    let by = |method| map(&field, &uav, &options(method));
                     let (auto, ray, sweep) = (by(MethodChoice::Auto), by(MethodChoice::Ray), by(MethodChoice::Sweep));
                     let what = format!("{name}, seed {seed}, UAV {above} m over {x}, {y}, {receivers:?}, {radius:?}");
                     assert!(auto.mask == ray.mask && sweep.mask == ray.mask, "{what}");
@@ -188,7 +157,7 @@ fn auto_takes_the_shadows_of_generated_cities_as_rasters_and_they_are_those_of_r
 
 #[test]
 fn many_threads_that_all_want_what_is_made_once_do_not_wait_for_each_other() {
-    let footprints = city("urban", 3);
+    let footprints = city("urban", 520.0, 1.0, 3);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build().unwrap();
     for method in [MethodChoice::Auto, MethodChoice::Sweep] {
         for _ in 0..5 {
@@ -200,8 +169,7 @@ fn many_threads_that_all_want_what_is_made_once_do_not_wait_for_each_other() {
                 mapper.map_many(&uavs, KeepMasks::Always, &Control::default(), |_| {}, |_| {}).unwrap()
             });
             assert_eq!(maps.sites.len(), 12);
-            let alone = map_site(&field, &uavs[7], &options, &Control::default()).unwrap();
-            assert!(maps.sites[7].mask == alone.mask);
+            assert!(maps.sites[7].mask == map(&field, &uavs[7], &options).mask);
         }
     }
 }
@@ -266,12 +234,8 @@ fn a_file_of_runs_is_the_map_of_the_same_cells_one_by_one() {
                 folder.type_in(&format!("map {scene}.tif {at} -o alone.tif -j {threads} --overwrite -q")).done();
                 let bytes = folder.read("alone.tif");
                 let mask = &bytes[8..8 + shape.0 * shape.1];
-                let expected = ray["sites"][0]["los"].as_u64().unwrap();
-                assert_eq!(
-                    mask.iter().filter(|class| **class == 1).count() as u64,
-                    expected,
-                    "{scene}, {threads} threads"
-                );
+                let n_los = mask.iter().filter(|class| **class == 1).count();
+                assert_eq!(Some(n_los as u64), ray["sites"][0]["los"].as_u64(), "{scene}, {threads} threads");
                 n += 1;
             }
         }

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 use flatgeobuf::{ColumnType, FallibleStreamingIterator, FeatureProperties, FgbReader};
-use geotiff_reader::GeoTiffFile;
 use serde_json::Value;
 
+use crate::cli_map::tif;
+use crate::mosaic::gdal;
 use crate::program::Folder;
 use crate::support::{has_program, python_with};
 
@@ -28,8 +29,12 @@ fn yard() -> Folder {
 }
 
 fn masks(folder: &Folder, name: &str, n: usize) -> Vec<Vec<u8>> {
-    let file = GeoTiffFile::from_bytes(folder.read(name)).unwrap();
+    let file = tif(folder, name);
     (0..n).map(|k| file.read_band::<u8>(k).unwrap().into_iter().collect()).collect()
+}
+
+fn features_of(document: &Value) -> &[Value] {
+    document["features"].as_array().unwrap()
 }
 
 pub(crate) type Ring = Vec<[f64; 2]>;
@@ -60,14 +65,12 @@ fn a_cell_is_inside_one_polygon_of_its_class_and_of_no_other() {
     let document = folder.json("all.geojson");
     assert_eq!(document["crs"]["properties"]["name"], "urn:ogc:def:crs:EPSG::25832");
     assert_eq!(document["skyshed"]["schema"], "skyshed/map/1");
-    let features = document["features"].as_array().unwrap();
+    let features = features_of(&document);
     let masks = masks(&folder, "mask.tif", 2);
     for (site, mask) in ["1", "2"].iter().zip(&masks) {
         for (class, name) in [(0, "NLoS"), (1, "LoS")] {
-            let of_class: Vec<&Value> = features
-                .iter()
-                .filter(|f| f["properties"]["site"] == *site && f["properties"]["class"] == name)
-                .collect();
+            let is_meant = |f: &&Value| f["properties"]["site"] == *site && f["properties"]["class"] == name;
+            let of_class: Vec<&Value> = features.iter().filter(is_meant).collect();
             for (cell, found) in mask.iter().enumerate() {
                 let (row, col) = (cell / SHAPE[1], cell % SHAPE[1]);
                 let center = [691_600.5 + col as f64, 5_334_789.5 - row as f64];
@@ -78,11 +81,8 @@ fn a_cell_is_inside_one_polygon_of_its_class_and_of_no_other() {
                 let rings = rings(feature);
                 let areas: Vec<f64> = rings.iter().map(area).collect();
                 assert!(areas[0] > 0.0 && areas[1..].iter().all(|hole| *hole < 0.0), "{areas:?}");
-                let sum: f64 = areas.iter().sum();
-                assert_eq!(
-                    (feature["properties"]["cells"].as_f64(), feature["properties"]["area_m2"].as_f64()),
-                    (Some(sum), Some(sum))
-                );
+                let told = ["cells", "area_m2"].map(|name| feature["properties"][name].as_f64());
+                assert_eq!(told, [Some(areas.iter().sum::<f64>()); 2]);
             }
         }
     }
@@ -91,9 +91,9 @@ fn a_cell_is_inside_one_polygon_of_its_class_and_of_no_other() {
     // One class alone is that class.
     folder.type_in(&format!("{two} -o los.geojson --polygons los -q")).done();
     let los: Vec<Value> = features.iter().filter(|f| f["properties"]["class"] == "LoS").cloned().collect();
-    assert_eq!(folder.json("los.geojson")["features"].as_array(), Some(&los));
+    assert_eq!(features_of(&folder.json("los.geojson")), los);
     folder.type_in(&format!("{two} -o nlos.geojson --polygons nlos -q")).done();
-    assert_eq!(folder.json("nlos.geojson")["features"].as_array().map(Vec::len), Some(features.len() - los.len()));
+    assert_eq!(features_of(&folder.json("nlos.geojson")).len(), features.len() - los.len());
 }
 
 #[test]
@@ -101,12 +101,9 @@ fn flatgeobuf_holds_the_same_polygons() {
     let folder = yard();
     folder.type_in(&format!("{MAP} -o all.geojson -o all.fgb --polygons all -q")).done();
     let document = folder.json("all.geojson");
-    let mut wanted: Vec<(String, String)> = document["features"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|f| (f["properties"]["class"].as_str().unwrap().to_string(), f["properties"]["cells"].to_string()))
-        .collect();
+    let of_feature =
+        |f: &Value| (f["properties"]["class"].as_str().unwrap().to_string(), f["properties"]["cells"].to_string());
+    let mut wanted: Vec<(String, String)> = features_of(&document).iter().map(of_feature).collect();
     let bytes = folder.read("all.fgb");
     let reader = FgbReader::open(bytes.as_slice()).unwrap();
     assert_eq!(reader.header().crs().map(|crs| crs.code()), Some(25832));
@@ -138,8 +135,7 @@ fn flatgeobuf_holds_the_same_polygons() {
     assert_eq!(found, wanted);
     if has_program("ogrinfo") {
         for name in ["all.fgb", "all.geojson"] {
-            let output = Command::new("ogrinfo").args(["-so", "-al", &folder.word(name)]).output().unwrap();
-            let said = String::from_utf8_lossy(&output.stdout).into_owned();
+            let said = gdal(&folder, &format!("ogrinfo -so -al {name}"));
             assert!(said.contains(&format!("Feature Count: {}", wanted.len())), "{name}: {said}");
             assert!(said.contains("Geometry: Polygon") && said.contains("25832"), "{name}: {said}");
         }
@@ -153,7 +149,7 @@ fn simpler_outlines_stay_near_and_keep_parts_and_holes() {
     folder.type_in(&format!("{two} -o exact.geojson --polygons all -q")).done();
     folder.type_in(&format!("{two} -o few.geojson --polygons all --simplify 1.5 -q")).done();
     let (exact, few) = (folder.json("exact.geojson"), folder.json("few.geojson"));
-    let (exact, few) = (exact["features"].as_array().unwrap(), few["features"].as_array().unwrap());
+    let (exact, few) = (features_of(&exact), features_of(&few));
     let n = |features: &[Value]| features.iter().flat_map(rings).map(|ring| ring.len()).sum::<usize>();
     assert!(exact.iter().any(|f| rings(f).len() > 1), "there is a hole to keep");
     assert!(2 * n(few) < n(exact), "{} of {} positions", n(few), n(exact));
@@ -204,15 +200,14 @@ fn geos_finds_every_polygon_valid() {
 #[test]
 fn polygons_without_a_file_for_them_are_refused() {
     let folder = yard();
-    for (line, wanted) in [
-        ("-o a.fgb", "error[E116]: cannot write a.fgb: it holds polygons"),
-        ("-o a.png --polygons los", "error[E116]: `--polygons` has no meaning without a .geojson or .fgb output"),
-        ("-o a.geojson --polygons los --simplify 0", "error[E113]: `--simplify` is `0`, wanted above 0 m"),
-        ("-o a.geojson --simplify 2", "error[E101]: "),
-        ("-o a.fgb --polygons los --layers margin", "error[E107]: cannot write a.fgb: it shows line of sight"),
+    for (line, code, part) in [
+        ("-o a.fgb", "E116", "a.fgb"),
+        ("-o a.png --polygons los", "E116", "`--polygons`"),
+        ("-o a.geojson --polygons los --simplify 0", "E113", "`0`"),
+        ("-o a.geojson --simplify 2", "E101", "--polygons"),
+        ("-o a.fgb --polygons los --layers margin", "E107", "a.fgb"),
     ] {
-        let answer = folder.type_in(&format!("{MAP} {line}"));
-        assert!(answer.refused(2)[0].starts_with(wanted), "{line}: {}", answer.err);
+        folder.refuses(&format!("{MAP} {line}"), code, &[part]);
     }
     assert_eq!(folder.files(), ["yard.geojson"]);
 }

@@ -51,6 +51,14 @@ impl Answer {
         self.err.lines().collect()
     }
 
+    /// The code of the error, such as `E302`, of a run that must fail, saying nothing on standard output.
+    pub(crate) fn error(&self) -> &str {
+        assert_ne!(self.code(), 0, "{self:?}");
+        assert_eq!(self.out, "", "an error says nothing on standard output: {self:?}");
+        let code = self.err.lines().find_map(|line| line.strip_prefix("error[")?.split_once(']'));
+        code.unwrap_or_else(|| panic!("no error: {self:?}")).0
+    }
+
     /// Standard output as one JSON document; a parser that takes neither NaN nor a second document reads all of it.
     pub(crate) fn json(&self) -> Value {
         serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e}: {self:?}"))
@@ -135,6 +143,28 @@ impl Folder {
     pub(crate) fn type_in(&self, line: &str) -> Answer {
         self.run(&line.split_whitespace().collect::<Vec<_>>())
     }
+
+    /// Runs a line that must fail with this code, the exit code of its class, and these words in its error or hint.
+    pub(crate) fn refuses(&self, line: &str, code: &str, words: &[&str]) -> Answer {
+        let answer = self.type_in(line);
+        assert_eq!(answer.error(), code, "{line}: {answer:?}");
+        let exit = match &code[..2] {
+            "E1" => 2,
+            "E2" => 4,
+            "E3" | "E4" => 3,
+            "E5" => 5,
+            class => panic!("{class} is the class of no refusal"),
+        };
+        let hints = &answer.refused(exit)[1..];
+        assert!(hints.iter().all(|hint| hint.starts_with("hint: ")), "{line}: {answer:?}");
+        words.iter().for_each(|word| assert!(answer.err.contains(word), "{line}: no `{word}` in {answer:?}"));
+        answer
+    }
+
+    /// Removes files; one that is gone already does no harm.
+    pub(crate) fn remove(&self, names: &[String]) {
+        names.iter().for_each(|name| drop(std::fs::remove_file(self.join(name))));
+    }
 }
 
 impl Drop for Folder {
@@ -196,6 +226,11 @@ impl Folder {
             (wait(child), peak.join().expect("a peak"))
         })
     }
+}
+
+/// Sends a signal, such as `-INT`, to a running program.
+pub(crate) fn send(signal: &str, child: &Child) {
+    Command::new("kill").args([signal, &child.id().to_string()]).output().expect("`kill` runs");
 }
 
 /// What a running program says until it ends; it is stopped, and the test fails, where it never does.

@@ -1,11 +1,9 @@
 //! Rasters brought into another reference system: each cell is that of the file under its center, by hand and as gdalwarp
 //! finds it.
 
-use std::process::Command;
-
 use skyshed_core::Result;
 use skyshed_core::city::{City, Ground, Solids};
-use skyshed_core::quantity::{VOID, meters};
+use skyshed_core::quantity::{VOID, height_steps, meters};
 use skyshed_core::raster::{Crs, GeoRef, Raster};
 use skyshed_io::Warning;
 use skyshed_io::crs;
@@ -13,26 +11,30 @@ use skyshed_io::crs::Transformation;
 use skyshed_io::formats::{Bands, GeoTiffImage, RasterFile, TiffLayout, encode_geotiff};
 use skyshed_io::read::{Projection, SurfaceOptions, read_surface};
 
+use crate::formats_write::image_of;
+use crate::mosaic::gdal;
 use crate::program::Folder;
 use crate::support::has_program;
 
+fn epsg(code: u32) -> Crs {
+    crs::from_epsg(code).unwrap()
+}
+
+/// The way from a grid's system to degrees.
+fn to_degrees(grid: &GeoRef) -> Transformation {
+    Transformation::new(grid.crs().unwrap(), &epsg(4326), grid.world_from_cell(0, 0)).unwrap()
+}
+
 /// A raster in degrees over Munich: 80 × 60 cells of about 2.2 m × 3.3 m, each with a height of its own.
 fn degrees() -> (GeoRef, Vec<f32>) {
-    let wgs84 = crs::from_epsg(4326).unwrap();
-    let georef = GeoRef::new((11.57, 48.14), (0.000_03, 0.000_03), (60, 80), Some(wgs84)).unwrap();
+    let georef = GeoRef::new((11.57, 48.14), (0.000_03, 0.000_03), (60, 80), Some(epsg(4326))).unwrap();
     let heights = (0_u16..4800).map(|cell| if cell == 4321 { -9999.0 } else { f32::from(cell) / 4.0 }).collect();
     (georef, heights)
 }
 
 fn write(folder: &Folder, name: &str, georef: &GeoRef, heights: &[f32]) {
-    let image = GeoTiffImage {
-        georef,
-        bands: Bands::Float(vec![("height".into(), heights)]),
-        nodata: Some(-9999.0),
-        palette: None,
-        metadata: &[],
-        layout: TiffLayout::Plain,
-    };
+    let bands = Bands::Float(vec![("height".into(), heights)]);
+    let image = GeoTiffImage { nodata: Some(-9999.0), layout: TiffLayout::Plain, ..image_of(georef, bands) };
     std::fs::write(folder.join(name), encode_geotiff(&image).unwrap()).unwrap();
 }
 
@@ -72,8 +74,7 @@ fn each_cell_takes_the_height_under_its_center() {
             }
         }
         assert_eq!(grid.cell_width().to_bits(), grid.cell_height().to_bits());
-        let way = Transformation::new(grid.crs().unwrap(), &crs::from_epsg(4326).unwrap(), grid.world_from_cell(0, 0))
-            .unwrap();
+        let way = to_degrees(grid);
         let (mut n_outside, mut n_void) = (0_u64, 0_u64);
         for row in 0..grid.n_rows() {
             for col in 0..grid.n_cols() {
@@ -94,11 +95,7 @@ fn each_cell_takes_the_height_under_its_center() {
         let told = |code: &str| warnings.iter().find(|w| w.code() == code).map(Warning::to_string).unwrap_or_default();
         let text = told("W339");
         // Half the diagonal of 2.233 m × 3.335 m.
-        for part in [
-            "from EPSG:4326 to EPSG:32632 (WGS 84 / UTM zone 32N)",
-            "at most 2.01 m away",
-            &format!("{n_outside} cells lie outside"),
-        ] {
+        for part in ["from EPSG:4326 to EPSG:32632", "2.01 m away", &format!("{n_outside} cells lie outside")] {
             assert!(text.contains(part), "{text}, wanted {part}");
         }
         assert!(told("W340").contains(&format!("{n_void} cells without a height")), "{warnings:?}");
@@ -116,22 +113,15 @@ fn gdalwarp_finds_the_same_cells() {
     let (scene, _) = projected(&folder, "degrees.tif", SurfaceOptions::default()).unwrap();
     let (surface, _) = surface(&scene);
     let grid = surface.georef();
-    let words = [grid.x_min(), grid.y_min(), grid.x_max(), grid.y_max()].map(|v| format!("{v:.9}"));
+    let extent = [grid.x_min(), grid.y_min(), grid.x_max(), grid.y_max()].map(|v| format!("{v:.9}"));
     let shape = [grid.n_cols(), grid.n_rows()].map(|n| n.to_string());
-    let done = Command::new("gdalwarp")
-        .args(["-q", "-t_srs", "EPSG:32632", "-r", "near", "-et", "0", "-te"])
-        .args(&words)
-        .arg("-ts")
-        .args(&shape)
-        .args([folder.word("degrees.tif"), folder.word("warped.tif")])
-        .output()
-        .unwrap();
-    assert!(done.status.success(), "{done:?}");
+    let (extent, shape) = (extent.join(" "), shape.join(" "));
+    let line = format!("gdalwarp -q -t_srs EPSG:32632 -r near -et 0 -te {extent} -ts {shape} degrees.tif warped.tif");
+    gdal(&folder, &line);
     let file = RasterFile::open(folder.join("warped.tif"), &mut Vec::new()).unwrap();
     assert_eq!((file.georef().n_rows(), file.georef().n_cols()), (grid.n_rows(), grid.n_cols()));
     let warped = file.read(file.georef().window(), &mut Vec::new(), |v| v).unwrap();
-    let way =
-        Transformation::new(grid.crs().unwrap(), &crs::from_epsg(4326).unwrap(), grid.world_from_cell(0, 0)).unwrap();
+    let way = to_degrees(grid);
     let (mut n_differing, mut n_near_edges) = (0, 0);
     for (cell, (found, of_gdal)) in surface.cells().iter().zip(warped.cells()).enumerate() {
         let center = way.apply(grid.world_from_cell(cell / grid.n_cols(), cell % grid.n_cols())).unwrap();
@@ -148,9 +138,8 @@ fn gdalwarp_finds_the_same_cells() {
     // A map of the one is a map of the other.
     if n_differing == 0 {
         let map = |line: &str| {
-            let document =
-                folder.type_in(&format!("map {line} --uav 691280.3,5334950.7,1400amsl --json")).done().json();
-            document["digest"].clone()
+            let line = format!("map {line} --uav 691280.3,5334950.7,1400amsl --json");
+            folder.type_in(&line).done().json()["digest"].clone()
         };
         assert_eq!(map("degrees.tif --project auto"), map("warped.tif"));
     }
@@ -162,41 +151,34 @@ fn a_terrain_in_degrees_is_looked_up_below_each_cell() {
     let (georef, heights) = degrees();
     write(&folder, "ground.tif", &georef, &heights);
     // A surface in UTM inside of it, and one in degrees on another grid.
-    let utm = crs::from_epsg(32632).unwrap();
-    let grid = GeoRef::new((691_230.0, 5_335_000.0), (2.0, 2.0), (40, 50), Some(utm)).unwrap();
+    let grid = GeoRef::new((691_230.0, 5_335_000.0), (2.0, 2.0), (40, 50), Some(epsg(32632))).unwrap();
     write(&folder, "utm.tif", &grid, &[1500.0; 2000]);
     let options = SurfaceOptions { terrain: Some(folder.join("ground.tif").into()), ..SurfaceOptions::default() };
     let (scene, warnings) = projected(&folder, "utm.tif", options.clone()).unwrap();
     let Ground::Terrain(terrain) = surface(&scene).1 else { panic!("no terrain") };
     assert_eq!(terrain.georef(), &grid);
-    let way = Transformation::new(grid.crs().unwrap(), georef.crs().unwrap(), (691_280.0, 5_334_960.0)).unwrap();
+    let way = to_degrees(&grid);
     for (cell, found) in terrain.cells().iter().enumerate() {
         let (east, south) = cells(&georef, way.apply(grid.world_from_cell(cell / 50, cell % 50)).unwrap());
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside by the choice of the grid")]
         let wanted = heights[south as usize * 80 + east as usize];
-        assert_eq!(
-            *found,
-            if wanted < 0.0 { VOID } else { skyshed_core::quantity::height_steps(f64::from(wanted)).unwrap() }
-        );
+        assert_eq!(*found, if wanted < 0.0 { VOID } else { height_steps(f64::from(wanted)).unwrap() });
     }
-    let text = warnings.iter().find(|w| w.code() == "W346").map(Warning::to_string).unwrap_or_default();
-    assert!(text.contains("in EPSG:4326") && text.contains("takes the terrain that holds its center"), "{warnings:?}");
+    let is_told = warnings.iter().any(|w| w.code() == "W346" && w.to_string().contains("in EPSG:4326"));
+    assert!(is_told, "{warnings:?}");
     // Without leave it is refused, and what would help is said first.
-    let answer = folder.type_in("info utm.tif --terrain ground.tif");
-    let lines = answer.refused(3);
-    assert!(
-        lines[0].starts_with("error[E310]") && lines[1].starts_with("hint: `--project auto`, or gdalwarp"),
-        "{lines:?}"
-    );
+    folder.refuses("info utm.tif --terrain ground.tif", "E310", &["hint: `--project auto`, or gdalwarp"]);
     // Footprints on it: the terrain is brought to their system, whose grid then is its own.
     let square =
         "[[[11.5710, 48.1390], [11.5712, 48.1390], [11.5712, 48.1392], [11.5710, 48.1392], [11.5710, 48.1390]]]";
-    folder.write("city.geojson", &format!(
-        r#"{{"type": "FeatureCollection", "features": [{{"type": "Feature", "properties": {{"height": 9}}, "geometry": {{"type": "Polygon", "coordinates": {square}}}}}]}}"#
-    ));
+    let geometry = format!(r#"{{"type": "Polygon", "coordinates": {square}}}"#);
+    folder.write(
+        "city.geojson",
+        &format!(r#"{{"type": "Feature", "properties": {{"height": 9}}, "geometry": {geometry}}}"#),
+    );
     let document = folder.type_in("info city.geojson --terrain ground.tif --project auto --json").done().json();
     assert_eq!(document["crs"], "EPSG:32632");
-    assert!(folder.type_in("info city.geojson --terrain ground.tif").refused(3)[0].starts_with("error[E310]"));
+    folder.refuses("info city.geojson --terrain ground.tif", "E310", &[]);
 }
 
 #[test]
@@ -204,9 +186,7 @@ fn the_program_projects_rasters_when_it_is_told_to() {
     let folder = Folder::new();
     let (georef, heights) = degrees();
     write(&folder, "degrees.tif", &georef, &heights);
-    let answer = folder.type_in("info degrees.tif");
-    let lines = answer.refused(3);
-    assert!(lines[1].starts_with("hint: `--project auto`, or gdalwarp -t_srs EPSG:32632"), "{lines:?}");
+    folder.refuses("info degrees.tif", "E310", &["hint: `--project auto`, or gdalwarp -t_srs EPSG:32632"]);
     folder.write("sites.csv", "lon,lat,h\n11.5712,48.1391,2000amsl\n");
     let line = "map degrees.tif --project auto --cell 2 --uavs sites.csv --json";
     let answer = folder.type_in(line).done();
@@ -216,30 +196,25 @@ fn the_program_projects_rasters_when_it_is_told_to() {
     // PROJ: longitude 11.5712, latitude 48.1391 in zone 32.
     let site = &document["sites"][0];
     let (x, y) = (site["x"].as_f64().unwrap(), site["y"].as_f64().unwrap());
-    let (wanted_x, wanted_y) =
-        skyshed_io::crs::transform(&crs::from_epsg(4326).unwrap(), &crs::from_epsg(32632).unwrap(), (11.5712, 48.1391))
-            .unwrap();
+    let (wanted_x, wanted_y) = crs::transform(&epsg(4326), &epsg(32632), (11.5712, 48.1391)).unwrap();
     assert!((x - wanted_x).abs() < 1e-6 && (y - wanted_y).abs() < 1e-6, "{site}");
-    for (line, exit, error) in [
-        ("info degrees.tif --cell 2", 2, "error[E116]: `--cell` has no meaning for a raster without `--project`"),
-        ("info degrees.tif --project auto --cell 0", 2, "error[E112]: `--cell` is `0`"),
-        ("info degrees.tif --project auto --cell 0.0001", 5, "error[E502]"),
-        ("info degrees.tif --project auto --cell 1000000", 3, "error[E305]"),
-        ("info degrees.tif --project EPSG:4258", 3, "error[E310]"),
-        ("info degrees.tif --project auto --extent 0,0,1,1", 2, "error[E116]: `--extent` has no meaning for a raster"),
-        ("info itu:urban --project auto", 2, "error[E116]: `--project` has no meaning for a generated city"),
+    for (line, code, part) in [
+        ("info degrees.tif --cell 2", "E116", "`--cell`"),
+        ("info degrees.tif --project auto --cell 0", "E112", "`0`"),
+        ("info degrees.tif --project auto --cell 0.0001", "E502", ""),
+        ("info degrees.tif --project auto --cell 1000000", "E305", ""),
+        ("info degrees.tif --project EPSG:4258", "E310", ""),
+        ("info degrees.tif --project auto --extent 0,0,1,1", "E116", "`--extent`"),
+        ("info itu:urban --project auto", "E116", "`--project`"),
     ] {
-        let answer = folder.type_in(line);
-        let lines = answer.refused(exit);
-        assert!(lines[0].starts_with(error), "{line}: {lines:?}");
+        folder.refuses(line, code, &[part]);
     }
     // What is in meters stays, and then a cell size would be lost.
-    let grid =
-        GeoRef::new((691_240.0, 5_334_830.0), (2.0, 2.0), (60, 80), Some(crs::from_epsg(25832).unwrap())).unwrap();
+    let grid = GeoRef::new((691_240.0, 5_334_830.0), (2.0, 2.0), (60, 80), Some(epsg(25832))).unwrap();
     write(&folder, "utm.tif", &grid, &heights);
     let stays = folder.type_in("info utm.tif --project auto --json").done().json();
     assert_eq!(stays["crs"], "EPSG:25832");
-    assert!(folder.type_in("info utm.tif --project auto --cell 1").refused(2)[0].starts_with("error[E116]"));
+    folder.refuses("info utm.tif --project auto --cell 1", "E116", &["`--cell`"]);
     // From one projection to another.
     let moved = folder.type_in("info utm.tif --project EPSG:32633 --json").done().json();
     assert_eq!(moved["crs"], "EPSG:32633");

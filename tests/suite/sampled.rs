@@ -1,19 +1,21 @@
 //! P_LoS by zone of the placement: from maps of generated cities against the product over the same disc, and
 //! `skyshed sample --zones` from outside.
 
-#![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+use std::collections::HashMap;
 
-use skyshed_core::city::{BuiltUp, BuiltUpCity, Site};
+use skyshed_core::city::{BuiltUp, Site};
 use skyshed_core::coverage::{MapOptions, Mapper, Uav};
 use skyshed_core::height_field::HeightField;
 use skyshed_core::quantity::Height;
 use skyshed_core::raster::CellBlocks;
 use skyshed_core::zones::{Zone, ZoneMap};
 use skyshed_study::los_probability::estimate::Estimate;
-use skyshed_study::los_probability::product::Product;
-use skyshed_study::los_probability::setting::{Placement, Setting, Users};
+use skyshed_study::los_probability::setting::{Placement, Setting};
 use skyshed_study::placement::{ReceiverParts, SampledCounts, middles_of, over_cities};
 
+use crate::cities::{built, generated};
+use crate::compare::{check_refusals, table_rows};
+use crate::los_probability::{at_height, number, product};
 use crate::program::Folder;
 use crate::support::slow;
 
@@ -26,6 +28,17 @@ const PLACEMENTS: [(Zone, Placement); 3] = [
     (Zone::Rooftop, Placement::RooftopCenter),
 ];
 
+/// Outdoor users at the height of maps within a radius of a UAV over a place, in the clear.
+pub(crate) fn within(city: &str, radius_m: f64, uav_height_m: f64, placement: Placement) -> Setting {
+    Setting {
+        rx_height_m: RX_HEIGHT_M,
+        reach: Setting::reach_within(radius_m, uav_height_m, RX_HEIGHT_M).unwrap(),
+        placement,
+        uav_clear_of_roof: true,
+        ..at_height(city, 90.0, uav_height_m)
+    }
+}
+
 /// UAVs over middles whose discs lie in the city, and which are not inside a building.
 fn uavs(field: &HeightField, middles: &[[f64; 2]], size_m: f64) -> Vec<Uav> {
     let reach = RADII_M[3];
@@ -36,14 +49,13 @@ fn uavs(field: &HeightField, middles: &[[f64; 2]], size_m: f64) -> Vec<Uav> {
 }
 
 /// P_LoS of outdoor users within each radius, `[placement][radius]`, over cities of 1 m cells.
-fn from_maps(built_up: BuiltUp, n_cities: u64) -> Vec<Vec<Estimate>> {
+fn from_maps(name: &str, n_cities: u64) -> Vec<Vec<Estimate>> {
+    let built_up = BuiltUp::named(name).unwrap();
     // Room for two periods of places.
     let size_m = (2.0 * RADII_M[3] + 2.0 * built_up.period()).ceil();
     let mut totals = vec![vec![Vec::new(); RADII_M.len()]; PLACEMENTS.len()];
     for seed in 1..=n_cities {
-        let city = BuiltUpCity { built_up, size_m, margin_m: 0.0, cell_m: 1.0, seed, ground_m: 0.0 };
-        let scene = city.city().unwrap();
-        let field = HeightField::build(&scene.grid, scene.solids).field;
+        let field = built(&generated(name, seed, size_m));
         let zones = ZoneMap::of(&field, Some(&built_up));
         let parts = ReceiverParts::new(&field.cells().open, &zones);
         let blocks = CellBlocks::new(field.grid(), 1.0, size_m);
@@ -65,25 +77,10 @@ fn from_maps(built_up: BuiltUp, n_cities: u64) -> Vec<Vec<Estimate>> {
 fn maps_around_uavs_over_middles_agree_with_the_product_over_the_disc() {
     let n_cities = if slow() { 400 } else { 30 };
     for name in ["suburban", "urban", "dense-urban", "high-rise"] {
-        let built_up = BuiltUp::named(name).unwrap();
-        let found = from_maps(built_up, n_cities);
+        let found = from_maps(name, n_cities);
         for ((zone, placement), of_placement) in PLACEMENTS.iter().zip(&found) {
             for (radius_m, estimate) in RADII_M.into_iter().zip(of_placement) {
-                let mut reference = Product::new(
-                    Setting {
-                        built_up,
-                        uav_height_m: HEIGHT_M,
-                        rx_height_m: RX_HEIGHT_M,
-                        reach: Setting::reach_within(radius_m, HEIGHT_M, RX_HEIGHT_M).unwrap(),
-                        phi_deg: None,
-                        users: Users::Outdoor,
-                        placement: *placement,
-                        uav_clear_of_roof: true,
-                    },
-                    7,
-                );
-                reference.add_points(1 << 10);
-                let reference = reference.estimate(0.95);
+                let reference = product(&within(name, radius_m, HEIGHT_M, *placement), 1 << 10);
                 let (p, wanted) = (estimate.p_los.unwrap(), reference.p_los.unwrap());
                 let error = estimate.std_error.unwrap().hypot(reference.std_error.unwrap());
                 assert!((p - wanted).abs() <= 4.0 * error, "{name}, {zone:?}, {radius_m} m: {p} ± {error}, {wanted}");
@@ -134,27 +131,26 @@ fn samples_have_intervals_and_do_not_depend_on_threads() {
     assert!(one.warnings().contains(&"W202"), "a generated city has no courtyard: {one:?}");
     folder.type_in(&format!("{line} --csv three.csv -j 3")).done();
     assert_eq!(folder.text("one.csv"), folder.text("three.csv"));
-    let mut table = csv::Reader::from_reader(folder.text("one.csv").leak().as_bytes());
-    let headers = table.headers().unwrap().clone();
-    for row in table.records().map(|row| row.unwrap()) {
-        let cell = |name: &str| row.get(headers.iter().position(|h| h == name).unwrap()).unwrap();
-        if cell("placement") == "courtyard" {
-            assert_eq!((cell("p_los"), cell("reason")), ("", "the scene has no courtyard place"));
+    let rows = table_rows(&folder.text("one.csv"));
+    for row in &rows {
+        if row["placement"] == "courtyard" {
+            assert_eq!((&row["p_los"][..], &row["reason"][..]), ("", "the scene has no courtyard place"));
             continue;
         }
-        let number = |name: &str| cell(name).parse::<f64>().unwrap();
-        let (low, p, high) = (number("ci_low"), number("p_los"), number("ci_high"));
+        let (low, p, high) = (number(row, "ci_low"), number(row, "p_los"), number(row, "ci_high"));
         assert!(0.0 < low && low < p && p < high && high < 1.0, "{row:?}");
-        assert_eq!((number("clusters"), number("placements") + number("inside_building")), (12.0, 144.0));
+        let n_places = number(row, "placements") + number(row, "inside_building");
+        assert_eq!((number(row, "clusters"), n_places), (12.0, 144.0));
     }
     // From 30 m a dense city has roofs in the way; from 80 m more is seen.
-    let text = folder.text("one.csv");
-    let p_los = |start: &str| {
-        let row = text.lines().find(|line| line.starts_with(start)).unwrap();
-        row.split(',').nth(8).unwrap().parse::<f64>().unwrap()
+    let p_los = |wanted: [&str; 3]| {
+        let is_it = |row: &&HashMap<String, String>| {
+            ["placement", "height_m", "receivers_zone"].map(|key| &row[key][..]) == wanted
+        };
+        number(rows.iter().find(is_it).unwrap(), "p_los")
     };
-    assert!(p_los("street,30,all") < p_los("street,80,all"));
-    assert!(p_los("street,30,street") > p_los("rooftop,30,street"), "roofs hide the street below them");
+    assert!(p_los(["street", "30", "all"]) < p_los(["street", "80", "all"]));
+    assert!(p_los(["street", "30", "street"]) > p_los(["rooftop", "30", "street"]), "roofs hide the street below them");
 }
 
 #[test]
@@ -162,27 +158,20 @@ fn samples_that_make_no_sense_are_refused() {
     let folder = Folder::new();
     folder.type_in("city itu:urban --size 100 -o city.geojson").done();
     folder.type_in("city itu:urban --size 100 -o dsm.asc").done();
-    for (line, wanted) in [
-        ("itu:urban --zones street --height 50", "wanted ZONE:N"),
-        ("itu:urban --zones park:5 --height 50", "wanted street, crossroad, courtyard or rooftop"),
-        ("itu:urban --zones street:0 --height 50", "wanted 1 to 100000"),
-        ("itu:urban --zones street:5,street:6 --height 50", "street is named twice"),
-        ("itu:urban --zones street:5 --height 30roof", "wanted heights above ground"),
-        ("itu:urban --zones street:5 --height 50 --ci 1", "wanted above 0 and below 1"),
-        ("itu:urban --zones street:5 --height 50 --block 0", "wanted above 0 m"),
-        ("itu:urban --zones street:5 --height 50 --goal p_los", "unexpected argument '--goal'"),
-        ("itu:urban --zones street:5 --height 50 -o a.tif", "hint: wanted .png .svg .pdf .csv .json, and `-`"),
-        ("itu:urban --height 50 --cities 5", "--zones"),
-        ("city.geojson --zones street:5 --height 50 --cities 5", "several cities have no meaning for a city in a file"),
-        (
-            "city.geojson --zones street:5 --height 50 --centers",
-            "centers of zones have no meaning for a city in a file",
-        ),
-        ("dsm.asc --zones street:5 --height 50", "no building is known, so no zone is"),
-    ] {
-        let answer = folder.type_in(&format!("sample {line}"));
-        let said = answer.refused(2).join(" ");
-        assert!(said.contains(wanted), "{line}: {said}");
-    }
-    assert_eq!(folder.files().len(), 3, "nothing is written: {:?}", folder.files());
+    let cases = [
+        ("itu:urban --zones street --height 50", "E101", "found `street`"),
+        ("itu:urban --zones park:5 --height 50", "E101", "found `park`"),
+        ("itu:urban --zones street:0 --height 50", "E101", "found `0`"),
+        ("itu:urban --zones street:5,street:6 --height 50", "E113", "street"),
+        ("itu:urban --zones street:5 --height 30roof", "E113", "`30roof`"),
+        ("itu:urban --zones street:5 --height 50 --ci 1", "E113", "`1`"),
+        ("itu:urban --zones street:5 --height 50 --block 0", "E113", "`0`"),
+        ("itu:urban --zones street:5 --height 50 --goal p_los", "E101", "'--goal'"),
+        ("itu:urban --zones street:5 --height 50 -o a.tif", "E105", "a.tif"),
+        ("itu:urban --height 50 --cities 5", "E101", "--zones"),
+        ("city.geojson --zones street:5 --height 50 --cities 5", "E116", "several cities"),
+        ("city.geojson --zones street:5 --height 50 --centers", "E116", "centers of zones"),
+        ("dsm.asc --zones street:5 --height 50", "E117", "zones"),
+    ];
+    check_refusals(&folder, "sample", &cases);
 }

@@ -12,9 +12,8 @@
 use std::path::Path;
 
 use rayon::ThreadPoolBuilder;
-use rayon::prelude::*;
-use skyshed_core::city::{BuiltUp, BuiltUpCity};
-use skyshed_core::height_field::{CellKind, HeightField, Prisms};
+use skyshed_core::city::BuiltUp;
+use skyshed_core::height_field::{CellKind, HeightField, Prisms, Station};
 use skyshed_core::los::{ShadowGrid, ShadowLos, ShadowScene, prisms_los, shadow_los, shadow_los_relief};
 use skyshed_core::quantity::{LatticePoint, VOID};
 use skyshed_core::raster::BitGrid;
@@ -22,8 +21,9 @@ use skyshed_core::simd::{SimdLevel, simd_levels};
 use skyshed_io::read::{FootprintOptions, MissingHeight, read_footprints};
 
 use crate::oracle::Prism;
-use crate::shapes::{M, block, catalogue, moved, prism, random_prisms, star};
-use crate::support::{Random, prisms_of, slow};
+use crate::referee::{Count, check_cells, over_seeds};
+use crate::shapes::{M, block, catalogue, moved, prism, random_prisms, star, turn};
+use crate::support::{ENVIRONMENTS, Random, cells_where, city, prisms_of, slow};
 
 /// Receivers of a scene: positions of columns and rows, and the height of each cell.
 pub(crate) struct Field {
@@ -33,24 +33,10 @@ pub(crate) struct Field {
     pub(crate) wanted: BitGrid,
 }
 
-/// What a comparison has seen, so that a test can tell that it tested something.
-#[derive(Debug, Clone, Copy, Default)]
-struct Seen {
-    wanted: u64,
-    hidden: u64,
-    asked: u64,
-}
-
-impl Seen {
-    fn plus(self, other: Seen) -> Seen {
-        Seen { wanted: self.wanted + other.wanted, hidden: self.hidden + other.hidden, asked: self.asked + other.asked }
-    }
-
-    /// Both answers are common; `ray` is asked about fewer than one in `rarely` cells, if about any.
-    fn check(self, rarely: u64) {
-        assert!(self.hidden > self.wanted / 20 && self.hidden < self.wanted - self.wanted / 20, "{self:?}");
-        assert!(self.asked * rarely < self.wanted, "{self:?}");
-    }
+/// Both answers are common; `ray` is asked about fewer than one in `rarely` cells, if about any.
+fn assert_decided(count: Count, rarely: u64) {
+    assert!(count.los > count.links / 20 && count.los < count.links - count.links / 20, "{count:?}");
+    assert!(count.asked * rarely < count.links, "{count:?}");
 }
 
 impl Field {
@@ -75,27 +61,17 @@ impl Field {
     }
 
     /// Asserts that `shadow` says of each wanted cell what `ray` says, and nothing of others.
-    fn compare(&self, prisms: &Prisms, uav: LatticePoint, context: &(impl Fn() -> String + Sync)) -> Seen {
+    fn compare(&self, prisms: &Prisms, uav: LatticePoint, context: &(impl Fn() -> String + Sync)) -> Count {
         let found = self.cast(prisms, uav, SimdLevel::new(), 1);
-        let hidden: u64 = (0..self.ys.len())
-            .into_par_iter()
-            .map(|row| {
-                let mut n_hidden = 0;
-                for col in 0..self.xs.len() {
-                    let is_wanted = self.wanted.contains(row, col);
-                    let z = i64::from(self.height(row, col));
-                    let receiver = LatticePoint { x: self.xs[col], y: self.ys[row], z };
-                    let is_los = is_wanted && prisms_los(prisms, uav, receiver);
-                    assert_eq!(found.los.contains(row, col), is_los, "{receiver:?} from {uav:?}: {}", context());
-                    n_hidden += u64::from(is_wanted && !is_los);
-                }
-                n_hidden
-            })
-            .sum();
-        let seen = Seen { wanted: self.wanted.count(), hidden, asked: found.asked };
-        assert_eq!(found.count, seen.wanted - hidden);
-        assert_eq!(found.count, found.los.count());
-        seen
+        let receiver = |row: usize, col: usize| LatticePoint {
+            x: self.xs[col],
+            y: self.ys[row],
+            z: i64::from(self.height(row, col)),
+        };
+        let ray = |row: usize, col: usize| prisms_los(prisms, uav, receiver(row, col));
+        let count = check_cells(&found.los, &self.wanted, ray, || format!("from {uav:?}: {}", context()));
+        assert_eq!(found.count, count.los);
+        Count { asked: found.asked, ..count }
     }
 }
 
@@ -103,13 +79,12 @@ impl Field {
 // Tiny scenes.
 
 /// Up to six footprints on the integers 0..=6: rectangles, triangles, stars, shapes with holes, rows of houses.
-pub(crate) fn tiny_scene(random: &mut Random) -> Vec<Prism> {
+fn tiny_scene(random: &mut Random) -> Vec<Prism> {
     match random.within(0, 9) {
         0..=3 => random_prisms(random),
         4 => {
             let scenes = catalogue();
-            let k = random.within(0, scenes.len() as i64 - 1) as usize;
-            scenes[k].1.clone()
+            scenes[random.below(scenes.len())].1.clone()
         }
         5 => {
             // Houses wall to wall, some of equal height.
@@ -128,7 +103,7 @@ pub(crate) fn tiny_scene(random: &mut Random) -> Vec<Prism> {
                 loop {
                     let mut corner = || [random.within(0, 6), random.within(0, 6)];
                     let [a, b, c] = [corner(), corner(), corner()];
-                    if (b[0] - a[0]) * (c[1] - a[1]) != (b[1] - a[1]) * (c[0] - a[0]) {
+                    if turn(a, b, c) != 0 {
                         break prism(&[a, b, c], random.within(1, 5));
                     }
                 }
@@ -150,13 +125,12 @@ pub(crate) fn tiny_scene(random: &mut Random) -> Vec<Prism> {
 /// A grid over such a scene, its cell centers on walls, half-way, or anywhere; sometimes with cells of odd size.
 pub(crate) fn tiny_field(random: &mut Random, prisms: &[Prism]) -> Field {
     let cell = random.choose(&[1024.0, 1024.0, 512.0, 256.0, 307.2, 716.8, 333.0]);
-    let n = (9.0 * 1024.0 / cell) as usize + usize::try_from(random.within(1, 3)).unwrap();
-    let n = n.min(30);
+    let n = ((9.0 * 1024.0 / cell) as usize + random.index(1, 3)).min(30);
     let offset = random.choose(&[-1024, -512, -1536, 0, 17]) as f64;
     let positions: Vec<i64> = (0..n).map(|k| (offset + k as f64 * cell + 0.5).floor() as i64).collect();
-    let (n_rows, n_cols) = (n - usize::try_from(random.within(0, 1)).unwrap(), n);
+    let (n_rows, n_cols) = (n - random.below(2), n);
     let height = |random: &mut Random| {
-        let top = prisms[random.within(0, prisms.len() as i64 - 1) as usize].top;
+        let top = prisms[random.below(prisms.len())].top;
         random.choose(&[0, 0, -1, 512, 1024, 1536, 2048, top, top - 1, top + 1, 7000]) as i32
     };
     let heights = match random.within(0, 3) {
@@ -171,21 +145,16 @@ pub(crate) fn tiny_field(random: &mut Random, prisms: &[Prism]) -> Field {
         }
         _ => vec![height(random); n_rows * n_cols],
     };
-    let mut wanted = BitGrid::new(n_rows, n_cols);
     let share = random.choose(&[100, 100, 60, 5]);
-    for row in 0..n_rows {
-        for col in (0..n_cols).filter(|_| random.chance(share)).collect::<Vec<_>>() {
-            wanted.insert(row, col);
-        }
-    }
+    let wanted = cells_where((n_rows, n_cols), |_, _| random.chance(share));
     Field { ys: positions[..n_rows].iter().rev().copied().collect(), xs: positions, heights, wanted }
 }
 
 /// A UAV where something coincides: on a vertex, along an edge, over a roof, at a roof's height, at a cell.
 pub(crate) fn tiny_uav(random: &mut Random, prisms: &[Prism], field: &Field) -> LatticePoint {
-    let of = &prisms[random.within(0, prisms.len() as i64 - 1) as usize];
-    let ring = &of.rings[random.within(0, of.rings.len() as i64 - 1) as usize];
-    let k = random.within(0, ring.len() as i64 - 1) as usize;
+    let of = &prisms[random.below(prisms.len())];
+    let ring = &of.rings[random.below(of.rings.len())];
+    let k = random.below(ring.len());
     let (a, b) = (ring[k], ring[(k + 1) % ring.len()]);
     let along = |n: i64, d: i64| [a[0] + (b[0] - a[0]) * n / d, a[1] + (b[1] - a[1]) * n / d];
     let [x, y] = match random.within(0, 6) {
@@ -207,29 +176,29 @@ pub(crate) fn tiny_uav(random: &mut Random, prisms: &[Prism], field: &Field) -> 
     LatticePoint { x, y, z }
 }
 
+/// A scene of [`tiny_scene`] in lattice units, in which a meter of the plane is not always a cell.
+pub(crate) fn scaled_scene(random: &mut Random) -> Vec<Prism> {
+    let scale = random.choose(&[1024, 1024, 1024, 1000, 512]);
+    moved(&tiny_scene(random), |[x, y]| [x * scale, y * scale], |top| top * 1024)
+}
+
 #[test]
 fn shadow_equals_ray_on_tiny_scenes_where_everything_coincides() {
-    let n_scenes = if slow() { 400_000_u64 } else { 48_000 };
-    let seen = (0..n_scenes)
-        .into_par_iter()
-        .map(|seed| {
-            let mut random = Random(seed);
-            let scale = random.choose(&[1024, 1024, 1024, 1000, 512]);
-            let scene = moved(&tiny_scene(&mut random), |[x, y]| [x * scale, y * scale], |top| top * 1024);
-            let prisms = prisms_of(&scene);
-            if prisms.pieces().is_empty() {
-                return Seen::default();
-            }
-            let field = tiny_field(&mut random, &scene);
-            (0..4).fold(Seen::default(), |seen, _| {
-                let uav = tiny_uav(&mut random, &scene, &field);
-                seen.plus(field.compare(&prisms, uav, &|| format!("seed {seed}, {scene:?}")))
-            })
-        })
-        .reduce(Seen::default, Seen::plus);
-    seen.check(2);
-    assert!(seen.wanted > 20_000_000, "{seen:?}");
-    assert!(seen.asked > seen.wanted / 1000, "scenes without ties: {seen:?}");
+    let count = over_seeds(if slow() { 400_000 } else { 48_000 }, 0, |seed, random, count| {
+        let scene = scaled_scene(random);
+        let prisms = prisms_of(&scene);
+        if prisms.pieces().is_empty() {
+            return;
+        }
+        let field = tiny_field(random, &scene);
+        for _ in 0..4 {
+            let uav = tiny_uav(random, &scene, &field);
+            *count += field.compare(&prisms, uav, &|| format!("seed {seed}, {scene:?}"));
+        }
+    });
+    assert_decided(count, 2);
+    assert!(count.links > 20_000_000, "{count:?}");
+    assert!(count.asked > count.links / 1000, "scenes without ties: {count:?}");
 }
 
 #[test]
@@ -237,19 +206,15 @@ fn a_wall_shared_by_equal_roofs_hides_what_looks_along_it_and_a_gap_of_one_step_
     // Two houses of equal height that share part of a wall at x = 2 m, so that they are no convex union; the UAV and a
     // column of receivers look along the wall.
     for (gap, sees) in [(0, false), (1, true)] {
-        let houses = [
-            Prism { rings: vec![vec![[0, 0], [2 * M, 0], [2 * M, 4 * M], [0, 4 * M]]], top: 3 * M },
-            Prism { rings: vec![vec![[2 * M + gap, M], [4 * M, M], [4 * M, 5 * M], [2 * M + gap, 5 * M]]], top: 3 * M },
-        ];
+        let houses = [block(0, 0, 2 * M, 4 * M, 3 * M), block(2 * M + gap, M, 4 * M, 5 * M, 3 * M)];
         let prisms = prisms_of(&houses);
         let ys: Vec<i64> = (0..8).map(|k| -k * M / 2 - 1).collect();
-        let mut wanted = BitGrid::new(ys.len(), 1);
-        (0..ys.len()).for_each(|row| wanted.insert(row, 0));
+        let wanted = BitGrid::full(ys.len(), 1);
         let field = Field { xs: vec![2 * M], heights: vec![0; ys.len()], ys, wanted };
         let uav = LatticePoint { x: 2 * M, y: 9 * M, z: 4 * M };
-        let seen = field.compare(&prisms, uav, &|| format!("gap {gap}"));
-        assert_eq!(seen.hidden == 0, sees, "gap {gap}: {seen:?}");
-        assert!(seen.asked > 0);
+        let count = field.compare(&prisms, uav, &|| format!("gap {gap}"));
+        assert_eq!(count.los == count.links, sees, "gap {gap}: {count:?}");
+        assert!(count.asked > 0);
     }
 }
 
@@ -287,11 +252,11 @@ fn receivers(field: &HeightField, rx: i32, with_roofs: bool, share: u64, hills: 
     found
 }
 
-pub(crate) fn city(name: &str, size_m: f64, cell_m: f64, seed: u64) -> HeightField {
-    let city =
-        BuiltUpCity { built_up: BuiltUp::named(name).unwrap(), size_m, margin_m: 0.0, cell_m, seed, ground_m: 0.0 };
-    let scene = city.city().unwrap();
-    HeightField::build(&scene.grid, scene.solids).field
+/// The lattice point of a UAV, lifted onto the roof below it where it is not above that.
+fn over_roofs(field: &HeightField, x: f64, y: f64, height_m: i64) -> LatticePoint {
+    let place = field.place(x, y);
+    let z = i64::from(field.roof_at(&place).unwrap_or(VOID)).max(height_m * 1024);
+    Station { place, z }.on_prisms()
 }
 
 /// UAVs over a street, a crossroad, a roof and beside the city, at heights from 2 to 500 m; not inside a building.
@@ -304,24 +269,15 @@ fn uavs_over(field: &HeightField, city: &BuiltUp) -> Vec<LatticePoint> {
         (middle + street + width / 2.0, middle + street + width / 3.0),
         (-20.0, 31.5),
     ];
-    let mut uavs = Vec::new();
-    for (x, y) in places {
-        let place = field.place(x, y);
-        let roof = field.roof_at(&place);
-        let on_prisms = skyshed_core::height_field::Station { place, z: 0 }.on_prisms();
-        for height in [2, 10, 30, 100, 500] {
-            uavs.push(LatticePoint { z: i64::from(roof.unwrap_or(0).max(height * 1024)), ..on_prisms });
-        }
-    }
-    uavs
+    places.iter().flat_map(|(x, y)| [2, 10, 30, 100, 500].map(|height| over_roofs(field, *x, *y, height))).collect()
 }
 
 #[test]
 fn shadow_equals_ray_on_generated_cities() {
     let (size, seeds) = if slow() { (400.0, 1..6) } else { (200.0, 1..3) };
-    let mut all = Seen::default();
+    let mut all = Count::default();
     for seed in seeds {
-        for name in ["suburban", "urban", "dense-urban", "high-rise"] {
+        for name in ENVIRONMENTS {
             let built_up = BuiltUp::named(name).unwrap();
             let field = city(name, size, 1.0, seed);
             let ground = receivers(&field, 1536, false, 100, 0.0);
@@ -330,27 +286,27 @@ fn shadow_equals_ray_on_generated_cities() {
             for uav in uavs_over(&field, &built_up) {
                 for (receivers, what) in [(&ground, "ground"), (&all_cells, "all"), (&hilly, "hills")] {
                     let context = || format!("{name}, seed {seed}, {what}");
-                    all = all.plus(receivers.compare(field.prisms().unwrap(), uav, &context));
+                    all += receivers.compare(field.prisms().unwrap(), uav, &context);
                 }
             }
         }
     }
-    all.check(200);
-    assert!(all.wanted > 8_000_000, "{all:?}");
+    assert_decided(all, 200);
+    assert!(all.links > 8_000_000, "{all:?}");
 }
 
 #[test]
 fn shadow_equals_ray_on_cells_of_odd_size() {
-    let mut all = Seen::default();
+    let mut all = Count::default();
     for (name, cell, size) in [("urban", 0.3, 60.0), ("high-rise", 0.7, 150.0), ("suburban", 2.3, 500.0)] {
         let built_up = BuiltUp::named(name).unwrap();
         let field = city(name, size, cell, 3);
         let receivers = receivers(&field, 1536, false, 100, 0.0);
         for uav in uavs_over(&field, &built_up) {
-            all = all.plus(receivers.compare(field.prisms().unwrap(), uav, &|| format!("{name} at {cell} m")));
+            all += receivers.compare(field.prisms().unwrap(), uav, &|| format!("{name} at {cell} m"));
         }
     }
-    all.check(20);
+    assert_decided(all, 20);
     assert!(all.asked > 0);
 }
 
@@ -370,7 +326,7 @@ fn munich(terrain: bool) -> HeightField {
 #[test]
 fn shadow_equals_ray_on_munich() {
     let share = if slow() { 100 } else { 4 };
-    let mut all = Seen::default();
+    let mut all = Count::default();
     for terrain in [false, true] {
         let field = munich(terrain);
         let grid = field.grid();
@@ -384,17 +340,14 @@ fn shadow_equals_ray_on_munich() {
         {
             let x = grid.x_min() + east * (grid.x_max() - grid.x_min());
             let y = grid.y_min() + north * (grid.y_max() - grid.y_min());
-            let place = field.place(x, y);
-            let roof = field.roof_at(&place).unwrap_or(VOID);
-            let z = i64::from(roof.max(height * 1024));
-            let uav = skyshed_core::height_field::Station { place, z }.on_prisms();
+            let uav = over_roofs(&field, x, y, height);
             for receivers in &fields {
-                all = all.plus(receivers.compare(prisms, uav, &|| format!("Munich, {height} m")));
+                all += receivers.compare(prisms, uav, &|| format!("Munich, {height} m"));
             }
         }
     }
-    all.check(1000);
-    assert!(all.wanted > 300_000, "{all:?}");
+    assert_decided(all, 1000);
+    assert!(all.links > 300_000, "{all:?}");
 }
 
 // ---------------------------------------------------------------------------------------------------------------------

@@ -5,8 +5,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use rayon::prelude::*;
-use skyshed_core::coverage::{Control, MapOptions, Mapper, Receivers, Uav};
+use skyshed_core::coverage::{Control, MapOptions, Mapper, Receivers, Uav, UavGrid};
 use skyshed_core::height_field::HeightField;
 use skyshed_core::los::{InView, MethodChoice, ReceiverTile, ShadowGrid, UavPositions, prisms_los};
 use skyshed_core::quantity::{Height, LatticePoint};
@@ -15,28 +14,10 @@ use skyshed_core::simd::simd_levels;
 use skyshed_study::placement::{CandidateRules, Candidates, PlaceGrid, Scorer, Weights, scores, scores_over_grid};
 
 use crate::invariants::{raster_town, vector_town};
-use crate::shadow::{city, tiny_field, tiny_scene, tiny_uav};
+use crate::referee::{Count, check_cells, over_seeds};
+use crate::shadow::{scaled_scene, tiny_field, tiny_uav};
 use crate::shapes::moved;
-use crate::support::{Random, prisms_of, slow};
-
-/// What comparisons have seen, so that a test can tell that it tested something.
-#[derive(Debug, Clone, Copy, Default)]
-struct Compared {
-    links: u64,
-    hidden: u64,
-    /// Of the hidden ones, those that a tile left out.
-    in_umbra: u64,
-}
-
-impl Compared {
-    fn plus(self, other: Compared) -> Compared {
-        Compared {
-            links: self.links + other.links,
-            hidden: self.hidden + other.hidden,
-            in_umbra: self.in_umbra + other.in_umbra,
-        }
-    }
-}
+use crate::support::{ENVIRONMENTS, Random, cells_where, city, prisms_of, slow};
 
 /// The box around some receivers, sometimes a little larger.
 fn tile_of(random: &mut Random, receivers: &[LatticePoint]) -> ReceiverTile {
@@ -49,96 +30,82 @@ fn tile_of(random: &mut Random, receivers: &[LatticePoint]) -> ReceiverTile {
     ReceiverTile { bounds: [west, south, east, north], heights: range(|r| r.z) }
 }
 
-/// Asserts that every receiver sees the positions that `ray` says it sees.
+/// Asserts that every receiver sees the positions that `ray` says it sees. Of the links that are counted `asked` are those
+/// whose position was not even in view.
 fn compare(
     positions: &UavPositions<'_>,
     (xs, ys): (&[i64], &[i64]),
     asked: &BitGrid,
     (in_view, receivers): (&InView, &[LatticePoint]),
-    context: &dyn Fn() -> String,
-) -> Compared {
-    let mut compared = Compared::default();
-    for receiver in receivers {
+    context: &(impl Fn() -> String + Sync),
+) -> Count {
+    let compare_one = |receiver: &LatticePoint| {
         let mut found = in_view.positions.clone();
         positions.los(in_view, *receiver, &mut found);
-        for (row, y) in ys.iter().enumerate() {
-            for (col, x) in xs.iter().enumerate() {
-                let uav = LatticePoint { x: *x, y: *y, z: positions.z };
-                // A link of no length is never blocked; of one inside of a building nobody asks.
-                let above = LatticePoint { z: uav.z + 1, ..uav };
-                if uav == *receiver && !prisms_los(positions.prisms, uav, above) {
-                    continue;
-                }
-                let is_los = asked.contains(row, col) && prisms_los(positions.prisms, uav, *receiver);
-                assert_eq!(found.contains(row, col), is_los, "{uav:?} from {receiver:?}: {}", context());
-                compared.links += u64::from(asked.contains(row, col));
-                compared.hidden += u64::from(asked.contains(row, col) && !is_los);
-            }
-        }
-        compared.in_umbra += asked.count() - in_view.positions.count();
-    }
-    compared
+        let ray = |row: usize, col: usize| {
+            let uav = LatticePoint { x: xs[col], y: ys[row], z: positions.z };
+            // A link of no length is never blocked; of one inside of a building nobody asks.
+            let above = LatticePoint { z: uav.z + 1, ..uav };
+            let is_inside = uav == *receiver && !prisms_los(positions.prisms, uav, above);
+            if is_inside { found.contains(row, col) } else { prisms_los(positions.prisms, uav, *receiver) }
+        };
+        let count = check_cells(&found, asked, ray, || format!("from {receiver:?}: {}", context()));
+        Count { asked: asked.count() - in_view.positions.count(), ..count }
+    };
+    receivers.iter().map(compare_one).sum()
 }
 
 #[test]
 fn what_a_receiver_sees_is_what_ray_says_where_everything_coincides() {
-    let n_scenes = if slow() { 300_000_u64 } else { 10_000 };
     let levels = simd_levels();
-    let compared = (0..n_scenes)
-        .into_par_iter()
-        .map(|seed| {
-            let mut random = Random(seed ^ 0xA11);
-            let scale = random.choose(&[1024, 1024, 1024, 1000, 512]);
-            let scene = moved(&tiny_scene(&mut random), |[x, y]| [x * scale, y * scale], |top| top * 1024);
-            if prisms_of(&scene).pieces().is_empty() {
-                return Compared::default();
+    let count = over_seeds(if slow() { 300_000 } else { 10_000 }, 0xA11, |seed, random, count| {
+        let scene = scaled_scene(random);
+        if prisms_of(&scene).pieces().is_empty() {
+            return;
+        }
+        let mut field = tiny_field(random, &scene);
+        if seed % 40 == 0 {
+            // More than a word of columns and than a tile of rows.
+            let (n_rows, n_cols) = (random.choose(&[3, 65, 70_usize]), random.choose(&[65, 127, 128, 140_usize]));
+            let cell = random.choose(&[64, 100, 128]);
+            field.xs = (0..n_cols).map(|k| k as i64 * cell - 512).collect();
+            field.ys = (0..n_rows).rev().map(|k| k as i64 * cell - 512).collect();
+            field.wanted = BitGrid::full(n_rows, n_cols);
+        }
+        let level = random.choose(&levels);
+        // Mostly above the roofs and the receivers, but anything goes.
+        let top = scene.iter().map(|prism| prism.top).max().unwrap();
+        let anywhere = random.within(0, 40) * 512;
+        let z = random.choose(&[top + 3000, top + 1, top, 6 * 1024, 20 * 1024, anywhere]);
+        let mut receivers: Vec<LatticePoint> = (0..6).map(|_| tiny_uav(random, &scene, &field)).collect();
+        if random.chance(60) {
+            // Neighbors, as the cells of a tile are.
+            let LatticePoint { x, y, z } = receivers[0];
+            let steps = random.choose(&[1, 256, 512, 1024]);
+            for (k, receiver) in receivers.iter_mut().enumerate() {
+                let k = k as i64;
+                *receiver = LatticePoint { x: x + k % 3 * steps, y: y + k / 3 * steps, z };
             }
-            let mut field = tiny_field(&mut random, &scene);
-            if seed % 40 == 0 {
-                // More than a word of columns and than a tile of rows.
-                let (n_rows, n_cols) = (random.choose(&[3, 65, 70_usize]), random.choose(&[65, 127, 128, 140_usize]));
-                let cell = random.choose(&[64, 100, 128]);
-                field.xs = (0..n_cols).map(|k| k as i64 * cell - 512).collect();
-                field.ys = (0..n_rows).rev().map(|k| k as i64 * cell - 512).collect();
-                field.wanted = BitGrid::full(n_rows, n_cols);
-            }
-            let level = random.choose(&levels);
-            // Mostly above the roofs and the receivers, but anything goes.
-            let top = scene.iter().map(|prism| prism.top).max().unwrap();
-            let anywhere = random.within(0, 40) * 512;
-            let z = random.choose(&[top + 3000, top + 1, top, 6 * 1024, 20 * 1024, anywhere]);
-            let mut receivers: Vec<LatticePoint> = (0..6).map(|_| tiny_uav(&mut random, &scene, &field)).collect();
-            if random.chance(60) {
-                // Neighbors, as the cells of a tile are.
-                let LatticePoint { x, y, z } = receivers[0];
-                let steps = random.choose(&[1, 256, 512, 1024]);
-                for (k, receiver) in receivers.iter_mut().enumerate() {
-                    let k = k as i64;
-                    *receiver = LatticePoint { x: x + k % 3 * steps, y: y + k / 3 * steps, z };
-                }
-            }
-            // As wide as a scene can be.
-            let stretch = if seed % 7 == 0 { random.choose(&[7919, 8192]) } else { 1 };
-            let scene = moved(&scene, |[x, y]| [x * stretch, y * stretch], |top| top);
-            receivers.iter_mut().for_each(|r| (r.x, r.y) = (r.x * stretch, r.y * stretch));
-            field.xs.iter_mut().chain(&mut field.ys).for_each(|v| *v *= stretch);
-            let prisms = prisms_of(&scene);
-            let grid = ShadowGrid::new(field.xs.clone(), field.ys.clone());
-            let positions = UavPositions { prisms: &prisms, casters: prisms.casters(), grid: &grid, z, level };
-            let context = || format!("seed {seed}, {scene:?}");
-            let whole = positions.anywhere(&field.wanted);
-            let large = positions.from_tile(&tile_of(&mut random, &receivers), &whole);
-            let small = positions.from_tile(&tile_of(&mut random, &receivers[..2]), &large);
-            let at = (field.xs.as_slice(), field.ys.as_slice());
-            let compare = |in_view: &InView, receivers: &[LatticePoint]| {
-                compare(&positions, at, &field.wanted, (in_view, receivers), &context)
-            };
-            compare(&whole, &receivers[..1]).plus(compare(&large, &receivers)).plus(compare(&small, &receivers[..2]))
-        })
-        .reduce(Compared::default, Compared::plus);
-    assert!(compared.links > 4_000_000, "{compared:?}");
-    assert!(compared.hidden > compared.links / 10 && compared.hidden < compared.links * 9 / 10, "{compared:?}");
-    assert!(compared.in_umbra > compared.hidden / 20, "tiles leave nothing out: {compared:?}");
+        }
+        // As wide as a scene can be.
+        let stretch = if seed % 7 == 0 { random.choose(&[7919, 8192]) } else { 1 };
+        let scene = moved(&scene, |[x, y]| [x * stretch, y * stretch], |top| top);
+        receivers.iter_mut().for_each(|r| (r.x, r.y) = (r.x * stretch, r.y * stretch));
+        field.xs.iter_mut().chain(&mut field.ys).for_each(|v| *v *= stretch);
+        let prisms = prisms_of(&scene);
+        let grid = ShadowGrid::new(field.xs.clone(), field.ys.clone());
+        let positions = UavPositions { prisms: &prisms, casters: prisms.casters(), grid: &grid, z, level };
+        let context = || format!("seed {seed}, {scene:?}");
+        let whole = positions.anywhere(&field.wanted);
+        let large = positions.from_tile(&tile_of(random, &receivers), &whole);
+        let small = positions.from_tile(&tile_of(random, &receivers[..2]), &large);
+        let at = (field.xs.as_slice(), field.ys.as_slice());
+        for (in_view, n) in [(&whole, 1), (&large, 6), (&small, 2)] {
+            *count += compare(&positions, at, &field.wanted, (in_view, &receivers[..n]), &context);
+        }
+    });
+    count.assert_both(4_000_000);
+    assert!(count.asked > (count.links - count.los) / 20, "tiles leave nothing out: {count:?}");
 }
 
 /// The UAVs of a grid of places, with the numbers of their places.
@@ -147,21 +114,23 @@ fn uavs_of(field: &HeightField, places: &PlaceGrid, height: Height) -> Vec<(usiz
     kept.into_iter().map(|candidate| (candidate.spot.place, candidate.uav)).collect()
 }
 
+/// The UAVs as a grid, where they are one.
+fn grid_of(mapper: &Mapper<'_>, places: &PlaceGrid, uavs: &[(usize, Uav)]) -> Option<UavGrid> {
+    mapper.uav_grid(&places.grid, uavs.iter().map(|(place, uav)| (*place, uav)))
+}
+
 /// Asserts that UAVs counted together see what each sees by rays.
 fn compare_counts(field: &HeightField, places: &PlaceGrid, height: Height, options: &MapOptions) -> u128 {
     let uavs = uavs_of(field, places, height);
     let mapper = Mapper::new(field, options).unwrap();
     let by_rays = MapOptions { method: MethodChoice::Ray, ..options.clone() };
     let by_rays = Mapper::new(field, &by_rays).unwrap();
-    let grid = mapper.uav_grid(&places.grid, uavs.iter().map(|(place, uav)| (*place, uav))).unwrap();
+    let grid = grid_of(&mapper, places, &uavs).unwrap();
     let n_cols = field.grid().n_cols();
     let weight = |cell: usize| (cell / n_cols * 3 + cell % 2) as u128;
     let alone = mapper.count_grid(&grid, &|_| 1, &Control::default()).unwrap().unwrap();
     let weighed = mapper.count_grid(&grid, &weight, &Control::default()).unwrap().unwrap();
-    let sum = |cells: &BitGrid| -> u128 {
-        let is_in = |cell: &usize| cells.contains(cell / n_cols, cell % n_cols);
-        (0..field.grid().n_cells()).filter(is_in).map(weight).sum()
-    };
+    let sum = |cells: &BitGrid| -> u128 { cells.cells().map(|(row, col)| weight(row * n_cols + col)).sum() };
     // All are compared with the count of each, some of them with rays.
     let every = uavs.len().div_ceil(150);
     let mut all = vec![0; places.grid.n_cells()];
@@ -169,11 +138,8 @@ fn compare_counts(field: &HeightField, places: &PlaceGrid, height: Height, optio
         all[*place] = u128::from(mapper.count(uav).1);
         if k % every == 0 {
             let seen = by_rays.seen(uav).los;
-            assert_eq!(
-                (alone[*place], weighed[*place]),
-                (seen.count().into(), sum(&seen)),
-                "place {place}, {height:?}, {options:?}"
-            );
+            let expected = (seen.count().into(), sum(&seen));
+            assert_eq!((alone[*place], weighed[*place]), expected, "place {place}, {height:?}, {options:?}");
         }
     }
     assert_eq!(alone, all, "{height:?}, {options:?}");
@@ -184,14 +150,11 @@ fn compare_counts(field: &HeightField, places: &PlaceGrid, height: Height, optio
 fn uavs_counted_together_see_what_each_sees_alone() {
     let mut random = Random(71);
     let mut fields: Vec<HeightField> = [21, 28, 70].map(|n| vector_town(&mut random, n)).into_iter().collect();
-    fields.extend(["suburban", "urban", "dense-urban", "high-rise"].map(|name| city(name, 150.0, 2.0, 5)));
+    fields.extend(ENVIRONMENTS.map(|name| city(name, 150.0, 2.0, 5)));
     let mut seen = 0;
     for field in &fields {
         let side = field.grid().x_max() - field.grid().x_min();
-        let mut within = BitGrid::new(field.grid().n_rows(), field.grid().n_cols());
-        (0..field.grid().n_cells())
-            .filter(|_| random.chance(40))
-            .for_each(|k| within.insert(k / within.n_cols(), k % within.n_cols()));
+        let within = cells_where((field.grid().n_rows(), field.grid().n_cols()), |_, _| random.chance(40));
         for (receivers, within, radius) in [
             (Receivers::Ground, None, None),
             (Receivers::All, None, Some(side / 4.0)),
@@ -216,7 +179,7 @@ fn more_places_than_a_word_and_a_tile_hold_are_told_apart() {
         let options = MapOptions { radius, ..MapOptions::default() };
         let mapper = Mapper::new(&field, &options).unwrap();
         let uavs = uavs_of(&field, &places, Height::AboveGround(40.0));
-        let grid = mapper.uav_grid(&places.grid, uavs.iter().map(|(place, uav)| (*place, uav))).unwrap();
+        let grid = grid_of(&mapper, &places, &uavs).unwrap();
         assert!(mapper.is_counted_sooner(&grid));
         assert!(compare_counts(&field, &places, Height::AboveGround(40.0), &options) > 1_000_000);
     }
@@ -263,17 +226,17 @@ fn a_grid_of_uavs_has_one_height_and_prisms_alone_below() {
     let places = PlaceGrid::over(vector.grid(), 3.0).unwrap();
     let mapper = Mapper::new(&vector, &options).unwrap();
     let mut uavs = uavs_of(&vector, &places, Height::AboveGround(20.0));
-    let lattice = |uavs: &[(usize, Uav)]| mapper.uav_grid(&places.grid, uavs.iter().map(|(k, uav)| (*k, uav)));
-    assert!(lattice(&uavs).is_some() && lattice(&[]).is_none());
+    let is_grid = |uavs: &[(usize, Uav)]| grid_of(&mapper, &places, uavs).is_some();
+    assert!(is_grid(&uavs) && !is_grid(&[]));
     uavs[1].1.station.z += 1;
-    assert!(lattice(&uavs).is_none(), "two heights");
+    assert!(!is_grid(&uavs), "two heights");
     uavs[1].1.station.z -= 1;
     uavs[1].0 += 1;
-    assert!(lattice(&uavs).is_none(), "a UAV over another place");
+    assert!(!is_grid(&uavs), "a UAV over another place");
 
     let on_raster = Mapper::new(&raster, &options).unwrap();
     let uavs = uavs_of(&raster, &places, Height::AboveDatum(40.0));
-    let grid = on_raster.uav_grid(&places.grid, uavs.iter().map(|(k, uav)| (*k, uav))).unwrap();
+    let grid = grid_of(&on_raster, &places, &uavs).unwrap();
     assert!(!on_raster.is_counted_sooner(&grid));
     assert_eq!(on_raster.count_grid(&grid, &|_| 1, &Control::default()).unwrap(), None);
 }
@@ -285,7 +248,7 @@ fn whoever_wants_to_stop_is_heard() {
     let options = MapOptions::default();
     let mapper = Mapper::new(&field, &options).unwrap();
     let uavs = uavs_of(&field, &places, Height::AboveGround(40.0));
-    let grid = mapper.uav_grid(&places.grid, uavs.iter().map(|(k, uav)| (*k, uav))).unwrap();
+    let grid = grid_of(&mapper, &places, &uavs).unwrap();
     let control = Control::default();
     let n_asked = AtomicU64::new(0);
     // The first receiver that is looked at stops the count; tiles that are begun look at no more than their own.

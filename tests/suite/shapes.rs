@@ -14,6 +14,11 @@ pub(crate) fn plan([x, y, _]: P3) -> [i64; 2] {
     [x, y]
 }
 
+/// A point raised by some lattice units.
+pub(crate) fn raised([x, y, z]: P3, units: i64) -> P3 {
+    [x, y, z + units]
+}
+
 pub(crate) fn at_height([x, y]: [i64; 2], z: i64) -> P3 {
     [x, y, z]
 }
@@ -104,16 +109,11 @@ pub(crate) fn catalogue() -> Vec<(&'static str, Vec<Prism>)> {
 
 /// Up to 6 × 6 cells with many equal heights and some nodata.
 pub(crate) fn random_columns(random: &mut Random) -> Columns {
-    let (n_cols, n_rows) = (size(random, 6), size(random, 6));
+    let (n_cols, n_rows) = (random.index(1, 6), random.index(1, 6));
     let heights = (0..n_cols * n_rows)
         .map(|_| if random.chance(10) { None } else { Some(random.within(0, 1) * random.within(0, 6) * M) })
         .collect();
     Columns { n_cols, n_rows, heights }
-}
-
-/// A number of cells in `1..=largest`.
-pub(crate) fn size(random: &mut Random, largest: i64) -> usize {
-    usize::try_from(random.within(1, largest)).unwrap()
 }
 
 /// A point in or near a raster: on a corner, an edge, a quarter line, or anywhere.
@@ -125,6 +125,30 @@ pub(crate) fn random_end(random: &mut Random, columns: &Columns) -> P3 {
     };
     let (x, y) = (coordinate(columns.n_cols), coordinate(columns.n_rows));
     [x, y, random.within(0, 16) * M / 2]
+}
+
+/// The raster with the receiver's own cells as nodata.
+pub(crate) fn without_own_cells(columns: &Columns, receiver: P3) -> Columns {
+    let mut open = columns.clone();
+    for (index, height) in open.heights.iter_mut().enumerate() {
+        let [west, south] = south_west(columns, index);
+        if (west..=west + M).contains(&receiver[0]) && (south..=south + M).contains(&receiver[1]) {
+            *height = None;
+        }
+    }
+    open
+}
+
+/// The south-western corner of a cell.
+pub(crate) fn south_west(columns: &Columns, index: usize) -> [i64; 2] {
+    let (row, col) = (index / columns.n_cols, index % columns.n_cols);
+    [col, columns.n_rows - 1 - row].map(|n| i64::try_from(n).unwrap() * M)
+}
+
+/// Moves both ends by up to one step along every axis, `n` times at random.
+pub(crate) fn around(uav: P3, receiver: P3, n: usize, random: &mut Random) -> Vec<(P3, P3)> {
+    let moved = |p: P3, k: i64| [p[0] + k % 3 - 1, p[1] + k / 3 % 3 - 1, p[2] + k / 9 - 1];
+    (0..n).map(|_| (moved(uav, random.within(0, 26)), moved(receiver, random.within(0, 26)))).collect()
 }
 
 /// Up to 5 valid polygons on the integers 0..=6, some with a hole, tops 1..=5.
@@ -151,6 +175,28 @@ fn random_prism(random: &mut Random) -> Prism {
 /// An end among such prisms: integers, also below and around them, or half-way between.
 pub(crate) fn random_prism_end(random: &mut Random) -> P3 {
     [random.within(-1, 7), random.within(-1, 7), random.within(0, 6)]
+}
+
+/// Up to 5 prisms with vertices on the integers 0..=4, tops 1..=5: boxes, and rings that may cross themselves. The
+/// oracle takes them as they are; for the engines the crossings are rounded.
+pub(crate) fn crossing_prisms(random: &mut Random) -> Vec<Prism> {
+    let ring = |random: &mut Random| match random.within(0, 2) {
+        0 => {
+            let (west, south) = (random.within(0, 3), random.within(0, 3));
+            rectangle(west, south, random.within(west + 1, 4), random.within(south + 1, 4))
+        }
+        kind => (0..random.within(3, 2 + 2 * kind)).map(|_| [random.within(0, 4), random.within(0, 4)]).collect(),
+    };
+    let prism = |random: &mut Random| {
+        let n_rings = random.index(1, 3).max(2) - 1;
+        Prism { rings: (0..n_rings).map(|_| ring(random)).collect(), top: random.within(1, 5) }
+    };
+    (0..random.index(1, 5)).map(|_| prism(random)).collect()
+}
+
+/// An end in or near such prisms.
+pub(crate) fn crossing_prism_end(random: &mut Random) -> P3 {
+    [random.within(-1, 5), random.within(-1, 5), random.within(0, 6)]
 }
 
 /// A polygon seen whole from one point: lattice points of `0..=largest` in order of their direction, no gap between
@@ -181,6 +227,11 @@ fn by_direction(a: [i64; 2], b: [i64; 2]) -> Ordering {
 /// Positive if `b` is to the left of `a`.
 pub(crate) fn cross(a: [i64; 2], b: [i64; 2]) -> i64 {
     a[0] * b[1] - a[1] * b[0]
+}
+
+/// Positive if `c` is to the left of the way from `a` to `b`.
+pub(crate) fn turn(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {
+    cross([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]])
 }
 
 /// Twice the signed area of a ring.

@@ -2,12 +2,11 @@
 //! not whole, and nothing hidden after the next run there.
 
 use std::collections::BTreeMap;
-use std::process::Command;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::program::{Folder, program, wait};
+use crate::program::{Folder, program, send, wait};
 use crate::support::{Random, slow};
 
 /// Files and folders, hidden ones too, with what they hold; of those that hold times, such as documents and pages, whether they
@@ -51,7 +50,6 @@ fn an_interrupt_at_any_moment_ends_a_run_and_leaves_whole_files() {
     ] {
         let folder = Folder::new();
         folder.type_in("city itu:urban --size 400 -o city.geojson -o city.tif -q").done();
-        std::fs::remove_file(folder.join("city.geojson.json")).ok();
         folder.write("sites.csv", "id,x,y,h\na,10,10,90\nb,200,10,90\nc,10,200,90\n");
         folder.write("walk.csv", "x,y\n10,10\n277,10\n277,277\n");
         let start = Instant::now();
@@ -59,20 +57,18 @@ fn an_interrupt_at_any_moment_ends_a_run_and_leaves_whole_files() {
         let whole_run = start.elapsed();
         let whole = contents(&folder, line);
         let written: Vec<String> = whole.keys().filter(|name| name.starts_with('a')).cloned().collect();
-        let remove = || written.iter().for_each(|name| drop(std::fs::remove_file(folder.join(name))));
         let words: Vec<&str> = line.split(' ').chain(["-q", "--overwrite"]).collect();
         let (mut n_ended, mut slowest) = (0, Duration::ZERO);
         for k in 0..n_moments {
             // Sometimes over files that are there, sometimes not.
             if random.chance(50) {
-                remove();
+                folder.remove(&written);
             }
             let child = program(folder.path(), &words).spawn().expect("the program starts");
             let moment = random.within(0, i64::try_from(whole_run.as_micros()).expect("short"));
             std::thread::sleep(Duration::from_micros(u64::try_from(moment).expect("not negative")));
-            let signal = ["-INT", "-TERM"][k % 2];
             let sent = Instant::now();
-            Command::new("kill").args([signal, &child.id().to_string()]).output().expect("`kill` runs");
+            send(["-INT", "-TERM"][k % 2], &child);
             let answer = wait(child);
             slowest = slowest.max(sent.elapsed());
             // In its first moments, before it listens, the signal itself ends it.

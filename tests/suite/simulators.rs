@@ -1,7 +1,5 @@
 //! Both simulators of generated cities: against the product, against each other link by link, and against rays.
 
-#![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
 use skyshed_core::city::BuiltUpCity;
 use skyshed_core::height_field::HeightField;
 use skyshed_core::los::prisms_los;
@@ -10,6 +8,7 @@ use skyshed_study::los_probability::estimate::{clustered, wilson};
 use skyshed_study::los_probability::geometry::GeometrySimulator;
 use skyshed_study::los_probability::setting::{Placement, Setting, Users};
 
+use crate::cities::{built, generated};
 use crate::los_probability::{CITIES, at_height, built_up, product, setting};
 use crate::support::slow;
 
@@ -58,33 +57,31 @@ fn compare_with_the_product(settings: &[Setting], n_cities: u64, points: u64) ->
     (n_compared, n_far)
 }
 
-#[test]
-fn the_city_and_the_geometry_simulator_agree_with_the_product() {
-    let (n_cities, points) = if slow() { (4000, 1 << 13) } else { (250, 1 << 10) };
-    let angles: Vec<f64> =
-        if slow() { (1..=17).map(|k| 5.0 * f64::from(k)).collect() } else { vec![5.0, 20.0, 45.0, 70.0, 85.0] };
-    let (mut n_far, mut n_compared) = (0, 0);
-    for city in CITIES {
-        let settings: Vec<Setting> = kinds()
-            .into_iter()
-            .flat_map(|(placement, users)| {
-                angles.iter().map(move |theta| Setting { placement, users, ..setting(city, *theta) })
-            })
-            .collect();
-        let (compared, far) = compare_with_the_product(&settings, n_cities, points);
-        n_compared += compared;
-        n_far += far;
-    }
-    assert!(n_compared >= 550, "{n_compared}");
+/// Compares the settings of every city, `least` values or more.
+fn agree_with_the_product(settings: impl Fn(&str) -> Vec<Setting>, n_cities: u64, points: u64, least: usize) {
+    let found = CITIES.map(|city| compare_with_the_product(&settings(city), n_cities, points));
+    let (n_compared, n_far) = found.iter().fold((0, 0), |sum, (compared, far)| (sum.0 + compared, sum.1 + far));
+    assert!(n_compared >= least, "{n_compared}");
     // One in twenty is expected beyond 2 standard errors; the rows of one city share their draws.
     assert!(n_far * 8 < n_compared, "{n_far} of {n_compared} are more than 2 standard errors off");
 }
 
 #[test]
+fn the_city_and_the_geometry_simulator_agree_with_the_product() {
+    let (n_cities, points) = if slow() { (4000, 1 << 13) } else { (250, 1 << 10) };
+    let angles: Vec<f64> =
+        if slow() { (1..=17).map(|k| 5.0 * f64::from(k)).collect() } else { vec![5.0, 20.0, 45.0, 70.0, 85.0] };
+    let settings = |city: &str| -> Vec<Setting> {
+        let of = |(placement, users), theta: &f64| Setting { placement, users, ..setting(city, *theta) };
+        kinds().into_iter().flat_map(|kind| angles.iter().map(move |theta| of(kind, theta))).collect()
+    };
+    agree_with_the_product(settings, n_cities, points, 550);
+}
+
+#[test]
 fn azimuths_areas_clear_uavs_and_raised_receivers_agree_with_the_product() {
     let (n_cities, points) = if slow() { (4000, 1 << 13) } else { (400, 1 << 10) };
-    let (mut n_far, mut n_compared) = (0, 0);
-    for city in CITIES {
+    let settings = |city: &str| -> Vec<Setting> {
         let base = setting(city, 30.0);
         let mut settings = Vec::new();
         for (placement, users) in kinds() {
@@ -93,20 +90,14 @@ fn azimuths_areas_clear_uavs_and_raised_receivers_agree_with_the_product() {
             settings.push(Setting { uav_clear_of_roof: true, placement, users, ..base });
         }
         for placement in Placement::ALL {
-            settings.extend([60.0, 200.0].map(|radius| Setting {
-                reach: Setting::reach_within(radius, 100.0, 0.0).unwrap(),
-                placement,
-                ..base
-            }));
+            let reach = |radius: f64| Setting::reach_within(radius, 100.0, 0.0).unwrap();
+            settings.extend([60.0, 200.0].map(|radius| Setting { reach: reach(radius), placement, ..base }));
         }
         let raised = Setting::reach_at_elevation(20.0, 80.0, 10.0).unwrap();
         settings.push(Setting { uav_height_m: 80.0, rx_height_m: 10.0, reach: raised, ..base });
-        let (compared, far) = compare_with_the_product(&settings, n_cities, points);
-        n_compared += compared;
-        n_far += far;
-    }
-    assert!(n_compared >= 600, "{n_compared}");
-    assert!(n_far * 8 < n_compared, "{n_far} of {n_compared} are more than 2 standard errors off");
+        settings
+    };
+    agree_with_the_product(settings, n_cities, points, 600);
 }
 
 /// Draws cities until at least `wanted` links were decided, and compares what the city simulator counts with what
@@ -164,22 +155,16 @@ fn the_simulators_agree_with_rays_through_the_city_as_built() {
         angles.into_iter().flat_map(|theta| [20.0, 100.0].map(|height| at_height(city, theta, height))).collect()
     };
     // One city serves all its settings.
-    let mut built: Option<(u64, HeightField)> = None;
+    let mut known: Option<(u64, HeightField)> = None;
     compare_link_by_link(settings, |simulator, draw, asked, links| {
         let key = draw.seed ^ asked.built_up.buildings_per_km2.to_bits() ^ asked.built_up.height_scale.to_bits();
-        if built.as_ref().is_none_or(|(known, _)| *known != key) {
-            let city = BuiltUpCity {
-                built_up: asked.built_up,
-                size_m: (simulator.n_buildings() as f64).sqrt() * asked.built_up.period(),
-                margin_m: 0.0,
-                cell_m: 50.0,
-                seed: draw.seed,
-                ground_m: 0.0,
-            };
-            let scene = city.city().unwrap();
-            built = Some((key, HeightField::build(&scene.grid, scene.solids).field));
+        if known.as_ref().is_none_or(|(of, _)| *of != key) {
+            let (built_up, cell_m) = (asked.built_up, 50.0);
+            let size_m = (simulator.n_buildings() as f64).sqrt() * built_up.period();
+            let city = BuiltUpCity { built_up, cell_m, ..generated("urban", draw.seed, size_m) };
+            known = Some((key, built(&city)));
         }
-        let prisms = built.as_ref().and_then(|(_, field)| field.prisms()).unwrap();
+        let prisms = known.as_ref().and_then(|(_, field)| field.prisms()).unwrap();
         links.iter().filter(|link| prisms_los(prisms, link.uav, link.receiver)).count() as u64
     });
 }

@@ -1,21 +1,20 @@
 //! Which answers turn when the UAV, or all roofs, move by one lattice step: by hand, by maps made anew at the moved places,
 //! and in files.
 
-#![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
 use serde_json::Value;
-use skyshed_core::city::{Ground, Site, Solids};
+use skyshed_core::city::{Ground, Site};
 use skyshed_core::coverage::{
     Control, HeightLayers, MapOptions, Mapper, Move, Receivers, SiteCoverage, Stability, Turned, Uav, class,
 };
-use skyshed_core::height_field::HeightField;
-use skyshed_core::los::MethodChoice;
+use skyshed_core::height_field::{CellKind, HeightField, Station};
+use skyshed_core::los::{MethodChoice, link_los};
 use skyshed_core::quantity::{Height, meters};
-use skyshed_core::raster::{GeoRef, Raster};
+use skyshed_core::raster::GeoRef;
 
 use crate::invariants::{raster_town, vector_town};
 use crate::program::Folder;
 use crate::support::Random;
+use crate::zones::surface_field;
 
 const STABILITY: HeightLayers =
     HeightLayers { margin: false, least_receiver_height: false, least_height: false, stability: true };
@@ -31,8 +30,7 @@ fn stability(field: &HeightField, uav: &Uav, options: &MapOptions) -> Stability 
 /// Columns of these tops \[1/1024 m\] in one row, a cell to the meter, over flat ground at 0 m or alone.
 fn row(tops: &[i32], ground: Ground) -> HeightField {
     let grid = GeoRef::new((0.0, 1.0), (1.0, 1.0), (1, tops.len()), None).unwrap();
-    let surface = Raster::new(grid.clone(), tops.to_vec());
-    HeightField::build(&grid, Solids::Raster { surface, ground, building_threshold: 256, voids: None }).field
+    surface_field(&grid, tops.to_vec(), ground)
 }
 
 fn uav_at(field: &HeightField, x: f64, y: f64, z: i32) -> Uav {
@@ -88,14 +86,15 @@ fn a_move_into_a_building_or_out_of_the_lattice_is_no_number() {
     let field = row(&[0, 2048, 0], Ground::Flat(0));
     // On the roof: down, and roofs up, put it inside.
     let found = stability(&field, &uav_at(&field, 1.5, 0.5, 2048), &MapOptions::default());
-    let none: Vec<Move> = found.moves.iter().filter(|(_, t)| t.is_err()).map(|(which, _)| *which).collect();
-    assert_eq!(none, [Move::Down, Move::RoofsUp]);
+    let none = |found: &Stability| -> Vec<Move> {
+        found.moves.iter().filter(|(_, t)| t.is_err()).map(|(which, _)| *which).collect()
+    };
+    assert_eq!(none(&found), [Move::Down, Move::RoofsUp]);
     assert!(found.moves[5].1.as_ref().unwrap_err().contains("inside a building"), "{found:?}");
     // At the top of the lattice there is no way up; nor is there for a roof.
     let field = row(&[0, 1 << 25, 0], Ground::Flat(0));
     let found = stability(&field, &uav_at(&field, 0.5, 0.5, 1 << 25), &MapOptions::default());
-    let none: Vec<Move> = found.moves.iter().filter(|(_, t)| t.is_err()).map(|(which, _)| *which).collect();
-    assert_eq!(none, [Move::Up, Move::RoofsUp]);
+    assert_eq!(none(&found), [Move::Up, Move::RoofsUp]);
 }
 
 #[test]
@@ -115,52 +114,43 @@ fn the_layer_counts_the_maps_that_differ() {
             let before = map(&field, &uav, &options);
             let found = stability(&field, &uav, &options);
             let mut counts = vec![0_u8; before.mask.len()];
-            let steps = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]];
-            for ((which, turned), steps) in found.moves.iter().zip(steps) {
-                // Everywhere, so that the radius does not matter, and cut to the receivers that were in range.
-                let Ok(moved) = uav.moved(&field, steps, None) else {
-                    assert!(
-                        turned.as_ref().is_err_and(|why| why.contains("inside a building")),
-                        "{which:?}: {turned:?}"
-                    );
-                    continue;
-                };
-                n_made += 1;
-                let after = map(&field, &moved, &MapOptions { radius: None, ..options.clone() });
+            // The receivers that were in range and turn when they are seen as `is_los_now` says.
+            let mut turned_by = |is_los_now: &dyn Fn(usize) -> bool| {
                 let mut sum = Turned::default();
-                for (cell, (a, b)) in before.mask.iter().zip(&after.mask).enumerate() {
-                    if matches!(*a, class::LOS | class::NLOS) && a != b {
-                        counts[cell] += 1;
-                        sum.gained += u64::from(*b == class::LOS);
-                        sum.lost += u64::from(*b == class::NLOS);
-                    }
-                }
-                assert_eq!(turned, &Ok(sum), "{which:?}");
-            }
-            for (step, turned) in [1, -1].into_iter().zip(&found.moves[6..]) {
-                let shifted = field.with_roofs_raised(step).unwrap();
-                let positions = field.positions();
-                let mut sum = Turned::default();
-                for (cell, class) in before.mask.iter().enumerate().filter(|(_, c)| **c <= class::LOS) {
-                    let n_cols = field.grid().n_cols();
-                    let place = positions.center(cell / n_cols, cell % n_cols);
-                    let base = match field.cell_kind(cell, &place) {
-                        skyshed_core::height_field::CellKind::Open(z)
-                        | skyshed_core::height_field::CellKind::Building(z) => z,
-                        skyshed_core::height_field::CellKind::Void => panic!("no receiver is there"),
-                    };
-                    let receiver = skyshed_core::height_field::Station {
-                        place,
-                        z: i64::from(base) + i64::from(options.rx_height),
-                    };
-                    let is_los = skyshed_core::los::link_los(&shifted, &uav.station, &receiver);
+                for (cell, class) in before.mask.iter().enumerate().filter(|(_, class)| **class <= class::LOS) {
+                    let is_los = is_los_now(cell);
                     if is_los != (*class == class::LOS) {
                         counts[cell] += 1;
                         sum.gained += u64::from(is_los);
                         sum.lost += u64::from(!is_los);
                     }
                 }
-                assert_eq!(turned.1, Ok(sum), "roofs by {step}");
+                sum
+            };
+            let steps = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]];
+            for ((which, turned), steps) in found.moves.iter().zip(steps) {
+                let Ok(moved) = uav.moved(&field, steps, None) else {
+                    assert!(turned.as_ref().is_err_and(|why| why.contains("inside a building")), "{turned:?}");
+                    continue;
+                };
+                n_made += 1;
+                // Everywhere, so that the radius does not matter.
+                let after = map(&field, &moved, &MapOptions { radius: None, ..options.clone() });
+                assert_eq!(turned, &Ok(turned_by(&|cell| after.mask[cell] == class::LOS)), "{which:?}");
+            }
+            for (step, turned) in [1, -1].into_iter().zip(&found.moves[6..]) {
+                let shifted = field.with_roofs_raised(step).unwrap();
+                let (positions, n_cols) = (field.positions(), field.grid().n_cols());
+                let is_los = |cell: usize| {
+                    let place = positions.center(cell / n_cols, cell % n_cols);
+                    let base = match field.cell_kind(cell, &place) {
+                        CellKind::Open(z) | CellKind::Building(z) => z,
+                        CellKind::Void => panic!("no receiver is there"),
+                    };
+                    let receiver = Station { place, z: i64::from(base) + i64::from(options.rx_height) };
+                    link_los(&shifted, &uav.station, &receiver)
+                };
+                assert_eq!(turned.1, Ok(turned_by(&is_los)), "roofs by {step}");
             }
             for (cell, turns) in found.turns.iter().enumerate() {
                 let expected = (before.mask[cell] <= class::LOS).then(|| f32::from(counts[cell]));
@@ -220,8 +210,7 @@ fn the_perturbation_test_of_a_scene_tells_moves_and_margins() {
     let margins = &document["margins"];
     assert_eq!((&margins["every"], &margins["sampled"]), (&Value::from(1), &Value::from(2)));
     // Cell 2 grazes with margin 0; cell 0, below the UAV, has nothing above it but its own ground, 1.5 m down.
-    let near: Vec<u64> =
-        margins["near_grazing"].as_array().unwrap().iter().map(|bin| bin["receivers"].as_u64().unwrap()).collect();
+    let near: Vec<&Value> = margins["near_grazing"].as_array().unwrap().iter().map(|bin| &bin["receivers"]).collect();
     assert_eq!(near, [1, 1, 1, 1, 2]);
     let table = folder.text("s.csv");
     assert!(table.contains("\nmove,uav_west,2,0,1,1,0.5,\n"), "{table}");

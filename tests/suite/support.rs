@@ -3,9 +3,11 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use skyshed_core::height_field::{Columns, ConvexPieces, Prisms, convex_pieces};
+use skyshed_core::city::{BuiltUp, BuiltUpCity, Ground, Solids};
+use skyshed_core::height_field::{Columns, ConvexPieces, HeightField, Prisms, convex_pieces};
 use skyshed_core::overlay::even_odd;
 use skyshed_core::quantity::{LatticePoint, VOID};
+use skyshed_core::raster::{BitGrid, Raster};
 
 use crate::oracle;
 
@@ -35,7 +37,7 @@ impl Random {
 
     /// An index in `low..=high`.
     pub(crate) fn index(&mut self, low: usize, high: usize) -> usize {
-        low + usize::try_from(self.next() % (high - low + 1) as u64).unwrap()
+        low + self.below(high - low + 1)
     }
 
     pub(crate) fn chance(&mut self, percent: u64) -> bool {
@@ -43,7 +45,7 @@ impl Random {
     }
 
     pub(crate) fn choose<T: Copy>(&mut self, from: &[T]) -> T {
-        from[usize::try_from(self.next()).unwrap_or(0) % from.len()]
+        from[self.below(from.len())]
     }
 }
 
@@ -62,6 +64,12 @@ pub(crate) fn columns_of(columns: &oracle::Columns) -> Columns {
     Columns::new(columns.n_rows, columns.n_cols, columns.heights.iter().map(top).collect::<Vec<_>>())
 }
 
+/// The oracle's columns of the crate's.
+pub(crate) fn oracle_of(columns: &Columns) -> oracle::Columns {
+    let heights = columns.tops().iter().map(|top| (*top != VOID).then_some(i64::from(*top))).collect();
+    oracle::Columns { n_cols: columns.n_cols(), n_rows: columns.n_rows(), heights }
+}
+
 /// The crate's prisms of the oracle's: repaired and cut into convex pieces, as files are.
 pub(crate) fn prisms_of(prisms: &[oracle::Prism]) -> Prisms {
     let narrow = |v: i64| i32::try_from(v).unwrap();
@@ -76,6 +84,42 @@ pub(crate) fn prisms_of(prisms: &[oracle::Prism]) -> Prisms {
         let (top, building) = (narrow(prism.top), u32::try_from(building).unwrap());
         pieces.map(move |ring| (ring, top, building)).collect::<Vec<_>>()
     }))
+}
+
+/// A point over cell centers, corners, edges and anywhere, in a raster and around it: by half its size, and at least by
+/// `beyond` cells.
+pub(crate) fn random_place(random: &mut Random, (n_rows, n_cols): (usize, usize), z: i64, beyond: i64) -> LatticePoint {
+    let mut along = |n: usize| {
+        let span = i64::try_from(n).unwrap();
+        let beyond = beyond.max(span / 2);
+        random.within(-beyond, span + beyond) * 1024 + random.choose(&[0, 512, 512, 1, 1023, 256, 700])
+    };
+    LatticePoint { x: along(n_cols), y: along(n_rows), z }
+}
+
+/// The cells of a grid that `is_in` names, asked row by row from the north-west.
+pub(crate) fn cells_where((n_rows, n_cols): (usize, usize), mut is_in: impl FnMut(usize, usize) -> bool) -> BitGrid {
+    let mut cells = BitGrid::new(n_rows, n_cols);
+    for (row, col) in (0..n_rows).flat_map(|row| (0..n_cols).map(move |col| (row, col))) {
+        cells.set(row, col, is_in(row, col));
+    }
+    cells
+}
+
+/// The environments that generated cities are like.
+pub(crate) const ENVIRONMENTS: [&str; 4] = ["suburban", "urban", "dense-urban", "high-rise"];
+
+/// A generated city of footprints without a margin, on ground of 0 m.
+pub(crate) fn city(name: &str, size_m: f64, cell_m: f64, seed: u64) -> HeightField {
+    let built_up = BuiltUp::named(name).unwrap();
+    let scene = BuiltUpCity { built_up, size_m, margin_m: 0.0, cell_m, seed, ground_m: 0.0 }.city().unwrap();
+    HeightField::build(&scene.grid, scene.solids).field
+}
+
+/// The scene of a surface; what stands 0.25 m above the ground is a building.
+pub(crate) fn raster_field(surface: Raster<i32>, ground: Ground) -> HeightField {
+    let grid = surface.georef().clone();
+    HeightField::build(&grid, Solids::Raster { surface, ground, building_threshold: 256, voids: None }).field
 }
 
 /// The folder of the shared test data; `None` (and a line that says so) where it is not at hand and was not asked for.

@@ -1,7 +1,6 @@
 //! The bracketed sweep equals `ray`, cell for cell, on every scene, at every width of vectors, with any threads; and
 //! so it does strip by strip, whatever the strips.
 
-use rayon::prelude::*;
 use skyshed_core::error::Result;
 use skyshed_core::height_field::{Columns, TileMaxima};
 use skyshed_core::los::{
@@ -12,41 +11,31 @@ use skyshed_core::quantity::{BLOCKS_ALL, LatticePoint, VOID};
 use skyshed_core::raster::{BitGrid, CellWindow};
 use skyshed_core::simd::{SimdLevel, simd_levels};
 
-use crate::support::{Random, slow};
-
-/// All cells of a shape.
-fn every_cell(n_rows: usize, n_cols: usize) -> BitGrid {
-    let mut all = BitGrid::new(n_rows, n_cols);
-    (0..n_rows).for_each(|row| (0..n_cols).for_each(|col| all.insert(row, col)));
-    all
-}
+use crate::referee::{Count, check_cells, over_seeds};
+use crate::support::{Random, cells_where, random_place, slow};
 
 fn whole(columns: &Columns) -> CellWindow {
     CellWindow { row: 0, col: 0, n_rows: columns.n_rows(), n_cols: columns.n_cols() }
 }
 
-/// What `ray` says of the wanted cells in a window.
-fn ray(
-    columns: &Columns,
-    uav: LatticePoint,
-    height: &(impl Fn(usize) -> i64 + Sync),
-    wanted: &BitGrid,
-    window: CellWindow,
-) -> BitGrid {
-    let mut los = BitGrid::new(columns.n_rows(), columns.n_cols());
-    for row in window.row..window.row + window.n_rows {
-        for col in window.col..window.col + window.n_cols {
-            let (x, y) = columns.center(row, col);
-            let z = height(row * columns.n_cols() + col);
-            if wanted.contains(row, col) && columns_los(columns, uav, LatticePoint { x, y, z }) {
-                los.insert(row, col);
-            }
-        }
-    }
-    los
+fn is_in(window: CellWindow, row: usize, col: usize) -> bool {
+    (window.row..window.row + window.n_rows).contains(&row) && (window.col..window.col + window.n_cols).contains(&col)
 }
 
-/// Compares one scene at one level; returns the number of receivers and of those left to `ray`.
+/// The cells of a window that somebody can stand on.
+fn standable(columns: &Columns, window: CellWindow) -> BitGrid {
+    let (n_rows, n_cols) = (columns.n_rows(), columns.n_cols());
+    let has_top = |row: usize, col: usize| ![VOID, BLOCKS_ALL].contains(&columns.tops()[row * n_cols + col]);
+    cells_where((n_rows, n_cols), |row, col| is_in(window, row, col) && has_top(row, col))
+}
+
+/// Receivers over each cell of a base.
+fn over<'a>(base: &'a [i32], above: i32, tiles: Option<&'a TileMaxima>) -> ReceiverHeights<'a> {
+    let lowest = base.iter().copied().filter(|z| *z != VOID).min().unwrap_or(0);
+    ReceiverHeights::Over { base, above, lowest, highest: *base.iter().max().unwrap(), tiles }
+}
+
+/// Compares one scene at one level with `ray`, in memory and strip by strip.
 fn compare(
     columns: &Columns,
     uav: LatticePoint,
@@ -54,33 +43,24 @@ fn compare(
     wanted: &BitGrid,
     window: CellWindow,
     level: SimdLevel,
-) -> (u64, u64) {
+) -> Count {
     let height = |cell: usize| match receivers {
         ReceiverHeights::Flat(z) => i64::from(z),
         ReceiverHeights::Over { base, above, .. } => i64::from(base[cell]) + i64::from(above),
     };
-    let expected = ray(columns, uav, &height, wanted, window);
     let found = sweep_los(columns, uav, receivers, wanted, window, level);
-    if found.los != expected {
-        let n_cols = columns.n_cols();
-        for cell in 0..columns.n_rows() * n_cols {
-            let (row, col) = (cell / n_cols, cell % n_cols);
-            let (f, e) = (found.los.contains(row, col), expected.contains(row, col));
-            assert_eq!(
-                f,
-                e,
-                "row {row}, column {col} of {}×{n_cols}, UAV {uav:?}, receivers {}, {level:?}, window {window:?}",
-                columns.n_rows(),
-                height(cell)
-            );
-        }
-    }
+    let ray = |row: usize, col: usize| {
+        let ((x, y), z) = (columns.center(row, col), height(row * columns.n_cols() + col));
+        columns_los(columns, uav, LatticePoint { x, y, z })
+    };
+    let what = || format!("{}×{}, UAV {uav:?}, {level:?}, window {window:?}", columns.n_rows(), columns.n_cols());
+    let count = check_cells(&found.los, wanted, ray, what);
     // Strips of every thickness, queues that are full at once and queues that never are.
     let kind = usize::try_from(uav.x.rem_euclid(5)).expect("below 5");
     let limits = StreamLimits { lines: [1, 3, 7, 64, 256][kind], waiting: [0, 5, 1 << 20][kind % 3] };
     let streamed = streamed(columns, (uav, receivers), wanted, (window, limits, level));
-    assert!(streamed == expected, "by {limits:?} of {}×{}, UAV {uav:?}", columns.n_rows(), columns.n_cols());
-    (wanted.count(), found.undecided)
+    assert!(streamed == found.los, "by {limits:?}: {}", what());
+    Count { asked: found.undecided, ..count }
 }
 
 /// Columns in memory that are handed out window by window, and what receivers stand on.
@@ -171,77 +151,32 @@ fn small_raster(random: &mut Random, n_rows: usize, n_cols: usize) -> (Columns, 
 fn small_random_rasters_with_heights_around_the_uav_agree_with_ray() {
     let n = if slow() { 200_000 } else { 6_000 };
     let levels = simd_levels();
-    let totals: Vec<(u64, u64)> = (0..n)
-        .into_par_iter()
-        .map(|seed| {
-            let mut random = Random(seed);
-            let (n_rows, n_cols) = (random.index(1, 48), random.index(1, 48));
-            let (columns, uav_z) = small_raster(&mut random, n_rows, n_cols);
-            // Over cell centers, corners, edges and anywhere, inside and outside.
-            let place = |random: &mut Random, n: usize| {
-                let span = i64::try_from(n).unwrap();
-                let cell = random.within(-40, span + 40);
-                cell * 1024 + random.choose(&[0, 512, 512, 1, 1023, 256, 700])
-            };
-            let uav = LatticePoint { x: place(&mut random, n_cols), y: place(&mut random, n_rows), z: uav_z };
-            let mut wanted = every_cell(n_rows, n_cols);
-            if random.chance(20) {
-                wanted = BitGrid::new(n_rows, n_cols);
-                for cell in 0..n_rows * n_cols {
-                    if random.chance(70) {
-                        wanted.insert(cell / n_cols, cell % n_cols);
-                    }
-                }
+    let count = over_seeds(n, 0, |_, random, count| {
+        let shape = (random.index(1, 48), random.index(1, 48));
+        let (columns, uav_z) = small_raster(random, shape.0, shape.1);
+        let uav = random_place(random, shape, uav_z, 40);
+        let share = if random.chance(20) { 70 } else { 100 };
+        let mut wanted = cells_where(shape, |_, _| random.chance(share));
+        let window = window_towards(random, uav, shape);
+        let level = random.choose(&levels);
+        let base: Vec<i32>;
+        let receivers = match random.within(0, 3) {
+            0 => ReceiverHeights::Flat(i32::try_from(uav_z + random.within(-30_000, 3000)).unwrap()),
+            1 => ReceiverHeights::Flat(-18 * 1024),
+            2 => over(columns.tops(), random.choose(&[0, 1, 1536]), None),
+            _ => {
+                base = columns.tops().iter().map(|t| if *t == VOID { VOID } else { *t / 2 - 5000 }).collect();
+                over(&base, 1536, None)
             }
-            let window = window_towards(&mut random, uav, (n_rows, n_cols));
-            let level = random.choose(&levels);
-            let base: Vec<i32>;
-            let receivers = match random.within(0, 3) {
-                0 => ReceiverHeights::Flat(i32::try_from(uav_z + random.within(-30_000, 3000)).unwrap()),
-                1 => ReceiverHeights::Flat(-18 * 1024),
-                2 => ReceiverHeights::Over {
-                    base: columns.tops(),
-                    above: random.choose(&[0, 1, 1536]),
-                    lowest: lowest_of(columns.tops()),
-                    highest: columns.max_top(),
-                    tiles: None,
-                },
-                _ => {
-                    base = columns.tops().iter().map(|t| if *t == VOID { VOID } else { *t / 2 - 5000 }).collect();
-                    ReceiverHeights::Over {
-                        base: &base,
-                        above: 1536,
-                        lowest: lowest_of(&base),
-                        highest: *base.iter().max().unwrap(),
-                        tiles: None,
-                    }
-                }
-            };
-            let mut known = wanted.clone();
-            if matches!(receivers, ReceiverHeights::Over { .. }) {
-                // Nobody stands on a void.
-                known = BitGrid::new(n_rows, n_cols);
-                for cell in 0..n_rows * n_cols {
-                    let (row, col) = (cell / n_cols, cell % n_cols);
-                    if wanted.contains(row, col) && ![VOID, BLOCKS_ALL].contains(&columns.tops()[cell]) {
-                        known.insert(row, col);
-                    }
-                }
-            }
-            for cell in 0..n_rows * n_cols {
-                let (row, col) = (cell / n_cols, cell % n_cols);
-                let rows = window.row..window.row + window.n_rows;
-                if !rows.contains(&row) || !(window.col..window.col + window.n_cols).contains(&col) {
-                    known.words_mut()[row * n_cols.div_ceil(64) + col / 64] &= !(1 << (col % 64));
-                }
-            }
-            compare(&columns, uav, receivers, &known, window, level)
-        })
-        .collect();
-    let receivers: u64 = totals.iter().map(|t| t.0).sum();
-    let undecided: u64 = totals.iter().map(|t| t.1).sum();
-    assert!(receivers > n * 100, "{receivers} receivers");
-    assert!(undecided * 4 < receivers, "{undecided} of {receivers} left to ray: the sweep decides nothing");
+        };
+        wanted = match receivers {
+            ReceiverHeights::Flat(_) => wanted.and(&cells_where(shape, |row, col| is_in(window, row, col))),
+            ReceiverHeights::Over { .. } => wanted.and(&standable(&columns, window)),
+        };
+        *count = compare(&columns, uav, receivers, &wanted, window, level);
+    });
+    assert!(count.links > n * 100, "{count:?}");
+    assert!(count.asked * 4 < count.links, "{count:?} left to ray: the sweep decides nothing");
 }
 
 /// All cells, or one time in five a window of them, which must hold what lies between its cells and the UAV.
@@ -256,80 +191,59 @@ fn window_towards(random: &mut Random, uav: LatticePoint, (n_rows, n_cols): (usi
     CellWindow { row: row0, col: col0, n_rows: row1 - row0 + 1, n_cols: col1 - col0 + 1 }
 }
 
-fn lowest_of(base: &[i32]) -> i32 {
-    base.iter().copied().filter(|z| *z != VOID).min().unwrap_or(0)
-}
-
 /// Low houses and yards with some towers, so that much lies in the dark of something; what receivers stand on may be
 /// far above or below the tops.
 #[test]
 fn towns_in_which_most_bins_sleep_agree_with_ray() {
     let n = if slow() { 4000 } else { 120 };
     let levels = simd_levels();
-    let totals: Vec<(u64, u64)> = (0..n)
-        .into_par_iter()
-        .map(|seed| {
-            let mut random = Random(seed ^ 0x70_17);
-            let (n_rows, n_cols) = (random.index(20, 260), random.index(20, 260));
-            let block = random.choose(&[3, 8, 11, 16]);
-            let towers = u64::try_from(random.choose(&[0, 1, 4, 20])).unwrap();
-            let town = random.next();
-            let height = |row: usize, col: usize, kind: u64| {
-                let at = u64::try_from((row / block) << 20 | (col / block)).unwrap() ^ kind << 50;
-                let mut own = Random(town ^ at.wrapping_mul(0x2545_F491_4F6C_DD1D));
-                if kind == 0 && own.within(0, 299) == 0 {
-                    return own.choose(&[VOID, VOID, BLOCKS_ALL]);
-                }
-                match own.chance(towers) {
-                    true => i32::try_from(own.within(0, 90 * 1024)).unwrap(),
-                    false => own.choose(&[0, 0, 0, 3000, 9000, 9000, 15_000]),
-                }
-            };
-            let cells = |kind: u64| (0..n_rows * n_cols).map(move |i| height(i / n_cols, i % n_cols, kind));
-            let columns = Columns::new(n_rows, n_cols, cells(0).collect::<Vec<_>>());
-            let place = |random: &mut Random, n: usize| {
-                let span = i64::try_from(n).unwrap();
-                random.within(-span, 2 * span) * 1024 + random.choose(&[0, 512, 512, 300])
-            };
-            let z = random.choose(&[2000, 20 * 1024, 60 * 1024, 100 * 1024, 300 * 1024]);
-            let uav = LatticePoint { x: place(&mut random, n_cols), y: place(&mut random, n_rows), z };
-            let (other, tiles): (Vec<i32>, TileMaxima);
-            let receivers = match random.within(0, 2) {
-                0 => ReceiverHeights::Flat(random.choose(&[0, 1536, 30 * 1024])),
-                1 => {
-                    let highest = columns.max_top();
-                    ReceiverHeights::Over { base: columns.tops(), above: 1536, lowest: 0, highest, tiles: None }
-                }
-                _ => {
-                    other = cells(1).collect();
-                    let highest = *other.iter().max().unwrap();
-                    tiles = TileMaxima::of(&other, n_cols);
-                    let tiles = random.choose(&[None, Some(&tiles)]);
-                    ReceiverHeights::Over { base: &other, above: 1536, lowest: 0, highest, tiles }
-                }
-            };
-            let window = window_towards(&mut random, uav, (n_rows, n_cols));
-            let is_wanted = random.choose(&[100, 100, 60]);
-            let mut wanted = BitGrid::new(n_rows, n_cols);
-            for row in window.row..window.row + window.n_rows {
-                for col in window.col..window.col + window.n_cols {
-                    if random.chance(is_wanted) && ![VOID, BLOCKS_ALL].contains(&columns.tops()[row * n_cols + col]) {
-                        wanted.insert(row, col);
-                    }
-                }
+    let count = over_seeds(n, 0x70_17, |_, random, count| {
+        let (n_rows, n_cols) = (random.index(20, 260), random.index(20, 260));
+        let block = random.choose(&[3, 8, 11, 16]);
+        let towers = u64::try_from(random.choose(&[0, 1, 4, 20])).unwrap();
+        let town = random.next();
+        let height = |row: usize, col: usize, kind: u64| {
+            let at = u64::try_from((row / block) << 20 | (col / block)).unwrap() ^ kind << 50;
+            let mut own = Random(town ^ at.wrapping_mul(0x2545_F491_4F6C_DD1D));
+            if kind == 0 && own.within(0, 299) == 0 {
+                return own.choose(&[VOID, VOID, BLOCKS_ALL]);
             }
-            compare(&columns, uav, receivers, &wanted, window, random.choose(&levels))
-        })
-        .collect();
-    let (receivers, undecided) = totals.iter().fold((0, 0), |sum, t| (sum.0 + t.0, sum.1 + t.1));
-    assert!(receivers > n * 10_000 && undecided * 10 < receivers, "{undecided} of {receivers} left to ray");
+            match own.chance(towers) {
+                true => i32::try_from(own.within(0, 90 * 1024)).unwrap(),
+                false => own.choose(&[0, 0, 0, 3000, 9000, 9000, 15_000]),
+            }
+        };
+        let cells = |kind: u64| (0..n_rows * n_cols).map(move |i| height(i / n_cols, i % n_cols, kind));
+        let columns = Columns::new(n_rows, n_cols, cells(0).collect::<Vec<_>>());
+        let place = |random: &mut Random, n: usize| {
+            let span = i64::try_from(n).unwrap();
+            random.within(-span, 2 * span) * 1024 + random.choose(&[0, 512, 512, 300])
+        };
+        let z = random.choose(&[2000, 20 * 1024, 60 * 1024, 100 * 1024, 300 * 1024]);
+        let uav = LatticePoint { x: place(random, n_cols), y: place(random, n_rows), z };
+        let (other, tiles): (Vec<i32>, TileMaxima);
+        let receivers = match random.within(0, 2) {
+            0 => ReceiverHeights::Flat(random.choose(&[0, 1536, 30 * 1024])),
+            1 => over(columns.tops(), 1536, None),
+            _ => {
+                other = cells(1).collect();
+                tiles = TileMaxima::of(&other, n_cols);
+                over(&other, 1536, random.choose(&[None, Some(&tiles)]))
+            }
+        };
+        let window = window_towards(random, uav, (n_rows, n_cols));
+        let share = random.choose(&[100, 100, 60]);
+        let wanted = standable(&columns, window).and(&cells_where((n_rows, n_cols), |_, _| random.chance(share)));
+        *count = compare(&columns, uav, receivers, &wanted, window, random.choose(&levels));
+    });
+    assert!(count.links > n * 10_000 && count.asked * 10 < count.links, "{count:?}");
 }
 
 #[test]
 fn uavs_at_the_ends_of_the_lattice_agree_with_ray() {
     let levels = simd_levels();
     let mut random = Random(99);
-    let mut total = (0, 0);
+    let mut count = Count::default();
     for (n_rows, n_cols) in [(60, 60), (1, 300), (300, 1), (7, 130)] {
         for _ in 0..if slow() { 200 } else { 12 } {
             let (columns, _) = small_raster(&mut random, n_rows, n_cols);
@@ -340,33 +254,20 @@ fn uavs_at_the_ends_of_the_lattice_agree_with_ray() {
                 (cell * 1024 + random.choose(&[0, 512, 333])).clamp(-reach * 1024, 65_536 * 1024)
             };
             let (x, y) = (far(&mut random, n_cols), far(&mut random, n_rows));
-            let z = random.choose(&[1 << 25, 30_000_000, 5 << 20, 60 << 10]);
-            let receivers = ReceiverHeights::Over {
-                base: columns.tops(),
-                above: 1536,
-                lowest: lowest_of(columns.tops()),
-                highest: columns.max_top(),
-                tiles: None,
-            };
-            let mut wanted = every_cell(n_rows, n_cols);
-            for cell in (0..n_rows * n_cols).filter(|c| [VOID, BLOCKS_ALL].contains(&columns.tops()[*c])) {
-                wanted.words_mut()[cell / n_cols * n_cols.div_ceil(64) + cell % n_cols / 64] &=
-                    !(1 << (cell % n_cols % 64));
-            }
-            let level = random.choose(&levels);
-            let (n, undecided) =
-                compare(&columns, LatticePoint { x, y, z }, receivers, &wanted, whole(&columns), level);
-            total = (total.0 + n, total.1 + undecided);
+            let uav = LatticePoint { x, y, z: random.choose(&[1 << 25, 30_000_000, 5 << 20, 60 << 10]) };
+            let (window, receivers) = (whole(&columns), over(columns.tops(), 1536, None));
+            let wanted = standable(&columns, window);
+            count += compare(&columns, uav, receivers, &wanted, window, random.choose(&levels));
         }
     }
-    assert!(total.0 > 20_000 && total.1 < total.0, "{total:?}");
+    assert!(count.links > 20_000 && count.asked < count.links, "{count:?}");
 }
 
 #[test]
 fn ranges_at_the_end_of_rasters_far_longer_than_any_map_agree_with_ray() {
     let levels = simd_levels();
     let mut random = Random(7);
-    let mut total = (0, 0);
+    let mut count = Count::default();
     for (n_rows, n_cols) in [(70, 300_000), (300_000, 70), (40, 70_000)] {
         for n_before in [0, 30, 900] {
             let (columns, z) = small_raster(&mut random, n_rows, n_cols);
@@ -378,25 +279,10 @@ fn ranges_at_the_end_of_rasters_far_longer_than_any_map_agree_with_ray() {
             let x = if n_cols > n_rows { at(n_cols) } else { 20 * 1024 };
             // The last rows are to the south, where y is 0.
             let y = if n_rows > n_cols { i64::try_from(n_before).unwrap() * 1024 } else { 30 * 1024 + 5 };
-            let receivers = ReceiverHeights::Over {
-                base: columns.tops(),
-                above: 1536,
-                lowest: lowest_of(columns.tops()),
-                highest: columns.max_top(),
-                tiles: None,
-            };
-            let mut wanted = BitGrid::new(n_rows, n_cols);
-            for row in window.row..window.row + window.n_rows {
-                for col in window.col..window.col + window.n_cols {
-                    if ![VOID, BLOCKS_ALL].contains(&columns.tops()[row * n_cols + col]) {
-                        wanted.insert(row, col);
-                    }
-                }
-            }
-            let level = random.choose(&levels);
-            let (n, undecided) = compare(&columns, LatticePoint { x, y, z }, receivers, &wanted, window, level);
-            total = (total.0 + n, total.1 + undecided);
+            let (uav, receivers) = (LatticePoint { x, y, z }, over(columns.tops(), 1536, None));
+            let wanted = standable(&columns, window);
+            count += compare(&columns, uav, receivers, &wanted, window, random.choose(&levels));
         }
     }
-    assert!(total.0 > 100_000 && total.1 > 100 && total.1 * 2 < total.0, "{total:?}");
+    assert!(count.links > 100_000 && count.asked > 100 && count.asked * 2 < count.links, "{count:?}");
 }

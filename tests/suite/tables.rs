@@ -25,38 +25,30 @@ fn bad_rows_are_told_together_and_left_out_on_request() {
     let rows = |n: usize| (0..n).map(|k| format!("u{k},{k},bad{k},30\n")).collect::<String>();
     folder.write("s.csv", &format!("id,x,y,h\n{}ok,40,20,30\nh,41,20,high\n", rows(2)));
     let map = "map city.geojson --uavs s.csv";
-    let answer = folder.type_in(map);
-    let lines = answer.refused(3);
-    assert_eq!(
-        lines[0],
-        "error[E302]: cannot read s.csv: 3 of 4 rows are bad: line 2: `y`: found `bad0`, which is not a number, wanted a \
-         number; line 3: `y`: found `bad1`, which is not a number, wanted a number; line 5: height `high`: found `high`, \
-         which is not a number, wanted \
-         meters, or feet (`400ft`), bare or with `agl`, `roof` or `amsl`"
-    );
-    assert!(lines[1].contains("--skip-bad"), "{lines:?}");
+    let told = [
+        "3 of 4 rows",
+        "line 2: `y`: found `bad0`",
+        "line 3: `y`: found `bad1`",
+        "line 5: height `high`",
+        "--skip-bad",
+    ];
+    folder.refuses(map, "E302", &told);
     let answer = folder.type_in(&format!("{map} --skip-bad --json")).done();
-    let told = "warning[W380]: s.csv: 3 of 4 rows were left out: line 2: ";
-    assert!(answer.err.matches(told).count() == 1 && answer.err.matches("W380").count() == 1, "{answer:?}");
+    assert_eq!(answer.warnings().iter().filter(|code| **code == "W380").count(), 1, "{answer:?}");
+    assert!(answer.err.contains("3 of 4 rows"), "{answer:?}");
     let document = answer.json();
     assert_eq!(document["sites"].as_array().map(Vec::len), Some(1));
     assert_eq!(document["sites"][0]["id"], "ok");
     assert!(document["warnings"].as_array().is_some_and(|all| all.iter().any(|w| w["code"] == "W380")), "{document}");
     // Many are counted; all of them are an error still.
     folder.write("s.csv", &format!("id,x,y,h\n{}ok,40,40,30\n", rows(30)));
-    let answer = folder.type_in(map);
-    let first = answer.refused(3)[0].to_string();
-    assert!(
-        first.contains("30 of 31 rows are bad: ")
-            && first.ends_with("`bad19`, which is not a number, wanted a number; and 10 more")
-    );
+    folder.refuses(map, "E302", &["30 of 31 rows", "`bad19`", "; and 10 more\n"]);
     folder.write("s.csv", &format!("id,x,y,h\n{}", rows(2)));
-    let answer = folder.type_in(&format!("{map} --skip-bad"));
-    assert!(answer.refused(3)[0].contains("2 of 2 rows are bad"), "{answer:?}");
+    folder.refuses(&format!("{map} --skip-bad"), "E302", &["2 of 2 rows"]);
     // Numbers are those of rows, whichever are left out.
     folder.write("s.csv", "x,y,h\n1,1,x\n40,40,30\n");
     assert_eq!(folder.type_in(&format!("{map} --skip-bad --json")).done().json()["sites"][0]["id"], "2");
-    assert!(folder.type_in("map city.geojson --uav 2,2,50 --skip-bad").refused(2)[0].contains("--uavs"));
+    folder.refuses("map city.geojson --uav 2,2,50 --skip-bad", "E101", &["--uavs"]);
 }
 
 #[test]
@@ -69,25 +61,15 @@ fn bad_rows_of_other_tables_are_told_alike() {
     folder.write("s.geojson", &format!(r#"{{"type":"FeatureCollection","features":[{points}]}}"#));
     folder.write("t.csv", "x,y\n2,2\n2,\n2,48\n4 8,48\n");
     folder.write("c.csv", "theta_deg,p_los\n10,0.5\n20,2\n30,0.75\n95,1\n");
-    for (line, bad, warned) in [
-        (
-            "map city.geojson --uavs s.geojson",
-            "2 of 3 rows are bad: feature 1: found no Point",
-            "feature 3: height `up`",
-        ),
-        ("compare city.geojson --uav 2,2,50 --uavs s.geojson", "feature 1: ", "feature 3: "),
-        ("chart city.geojson --time 0 --uavs s.geojson", "feature 1: ", "feature 3: "),
-        ("place city.geojson --candidates s.geojson", "feature 1: ", "feature 3: "),
-        (
-            "track city.geojson --uav 2,2,50 --track t.csv",
-            "2 of 4 rows are bad: line 3: `y`: ",
-            "line 5: `x`: found `4 8`",
-        ),
-        ("plos itu:urban --theta 20 --curve c=c.csv", "line 3: `p_los` is `2`, wanted 0 to 1; line 5: ", "is `95`"),
+    for (line, code, first, second) in [
+        ("map city.geojson --uavs s.geojson", "E302", "2 of 3 rows are bad: feature 1: ", "feature 3: height `up`"),
+        ("compare city.geojson --uav 2,2,50 --uavs s.geojson", "E302", "feature 1: ", "feature 3: "),
+        ("chart city.geojson --time 0 --uavs s.geojson", "E302", "feature 1: ", "feature 3: "),
+        ("place city.geojson --candidates s.geojson", "E302", "feature 1: ", "feature 3: "),
+        ("track city.geojson --uav 2,2,50 --track t.csv", "E302", "line 3: `y`: ", "line 5: `x`: found `4 8`"),
+        ("plos itu:urban --theta 20 --curve c=c.csv", "E313", "line 3: `p_los` is `2`, ", "; line 5: "),
     ] {
-        let answer = folder.type_in(line);
-        let first = answer.refused(3)[0].to_string();
-        assert!(first.contains(bad) && first.contains(warned), "{line}: {first}");
+        folder.refuses(line, code, &[first, second]);
         // Places far away are no candidates: what is left may be refused, but not for its rows.
         let answer = folder.type_in(&format!("{line} --skip-bad"));
         assert!(answer.code() == 0 || line.starts_with("place"), "{line}: {answer:?}");
@@ -115,8 +97,7 @@ fn heights_may_be_typed_in_feet() {
     assert_eq!(place["candidates"]["heights"], serde_json::json!(["30.48agl", "45.72agl", "60.96agl"]), "{place}");
     let plos = heights("plos itu:urban --theta 45 --height 200ft,100");
     assert!(plos.to_string().contains("60.96"), "{plos}");
-    folder.type_in("place city.geojson --height 100:400ft:50").refused(2);
-    folder.type_in("map city.geojson --uav 2,2,50yd").refused(2);
+    folder.refuses("place city.geojson --height 100:400ft:50", "E113", &[]);
 }
 
 #[test]
@@ -126,11 +107,13 @@ fn tables_may_have_semicolons_or_tabs_and_decimal_commas() {
         folder.write("s.csv", text);
         folder.type_in("map city.geojson --uavs s.csv")
     };
-    let wanted = answer("id,x,y,h\n1,40.5,40.25,30.5\n2,2,2.5,50roof\n3,2,3,9\n").refused(4).join("\n");
-    let commas = answer("id,x,y,h\n1,40.5,40.25,30.5\n2,25.5,25,20,5roof\n");
-    assert!(commas.refused(3)[0].contains("found 5 fields, wanted 4"), "{commas:?}");
-    assert!(commas.refused(3)[0].contains("decimal commas need semicolons"), "{commas:?}");
-    assert!(wanted.contains("no building is there"), "{wanted}");
+    let refused = |text: &str, code: &str, words: &[&str]| {
+        folder.write("s.csv", text);
+        folder.refuses("map city.geojson --uavs s.csv", code, words);
+    };
+    refused("id,x,y,h\n1,40.5,40.25,30.5\n2,2,2.5,50roof\n3,2,3,9\n", "E204", &["UAV `2`"]);
+    let commas = "id,x,y,h\n1,40.5,40.25,30.5\n2,25.5,25,20,5roof\n";
+    refused(commas, "E302", &["found 5 fields, wanted 4", "decimal commas need semicolons"]);
     let wanted = answer("id,x,y,h\n1,40.5,40.25,30.5\n2,25.5,25,20.5roof\n").done().out;
     for text in [
         "id;x;y;h\n1;40,5;40,25;30,5\n2;25,5;25;20,5roof\n",
@@ -142,32 +125,30 @@ fn tables_may_have_semicolons_or_tabs_and_decimal_commas() {
         assert!(folder.type_in("info s.csv").done().out.contains("places     2 places"), "{text}");
     }
     for (text, found) in [
-        ("id;x,y;h\n1;2,3;4\n", "line 1: found commas and semicolons between the column names, which is ambiguous"),
-        ("id;x;y;h\n1;40,5;40,25;30\n2;25.5;25;30\n", "on line 2 the decimal mark is `,`, wanted one in all rows"),
-        ("id;x;y;h\n1;1.040,5;40;30\n", "found `1.040,5`, wanted one decimal mark and none between thousands"),
+        ("id;x,y;h\n1;2,3;4\n", "line 1: found commas and semicolons"),
+        ("id;x;y;h\n1;40,5;40,25;30\n2;25.5;25;30\n", "on line 2 the decimal mark is `,`"),
+        ("id;x;y;h\n1;1.040,5;40;30\n", "found `1.040,5`"),
     ] {
-        assert!(answer(text).refused(3)[0].contains(found), "{text}");
+        refused(text, "E302", &[found]);
     }
     // A track would take its decimals for the next column.
     folder.write("t.csv", "x,y\n1,5,2,5\n3,5,4,5\n");
-    let answer = folder.type_in("track city.geojson --uav 2,2,50 --track t.csv");
-    assert!(answer.refused(3)[0].contains("found 4 fields, wanted 2"), "{answer:?}");
+    folder.refuses("track city.geojson --uav 2,2,50 --track t.csv", "E302", &["found 4 fields, wanted 2"]);
 }
 
 #[test]
 fn tables_may_come_from_standard_input() {
     let folder = folder();
     let sites = folder.text("sites.csv");
+    let walk =
+        r#"{"type":"Feature","properties":{},"geometry":{"type":"LineString","coordinates":[[1000,1],[1000,9]]}}"#;
     for (line, input) in [
         ("map city.geojson --uavs -", sites.as_str()),
         ("compare city.geojson --uav 2,2,50 --uavs -", &sites),
         ("chart city.geojson --time 0 --uavs -", &sites),
         ("place city.geojson --data-area all --candidates -", &sites),
         ("track city.geojson --uav 2,2,50 --track -", "x;y\n2,5;2\n2;48\n"),
-        (
-            "track city.geojson --uav 2,2,50 --track -",
-            "\n {\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[1000,1],[1000,9]]}}",
-        ),
+        ("track city.geojson --uav 2,2,50 --track -", &format!("\n {walk}")),
         ("plos itu:urban --theta 45 --curve own=-", "theta_deg,p_los\n0,0\n90,1\n"),
     ] {
         let document = with_input(&folder, &format!("{line} --json"), input).done().json();
@@ -186,11 +167,11 @@ fn tables_may_come_from_standard_input() {
     let all = "map city.geojson --uavs - -o all.json --resume";
     with_input(&folder, all, &sites).done();
     assert!(with_input(&folder, all, &sites).done().err.contains("nothing to do"));
-    with_input(&folder, all, &(sites.clone() + "b,41,41,30\n")).refused(2);
+    assert_eq!(with_input(&folder, all, &(sites.clone() + "b,41,41,30\n")).error(), "E106");
     let bad = with_input(&folder, "map city.geojson --uavs -", "x,y,h\n1,2,3\n4,five,6\n");
-    assert!(bad.refused(3)[0].contains("cannot read standard input: line 3: `y`"), "{bad:?}");
+    assert!(bad.error() == "E302" && bad.err.contains("standard input: line 3: `y`"), "{bad:?}");
     let twice = with_input(&folder, "plos itu:urban --curve a=- --curve b=-", "theta_deg,p_los\n0,0\n90,1\n");
-    assert!(twice.refused(2)[0].contains("`-` is given for two tables"), "{twice:?}");
+    assert!(twice.error() == "E101" && twice.err.contains("`-` is given for two tables"), "{twice:?}");
 }
 
 #[test]
@@ -212,10 +193,8 @@ fn names_that_mean_something_to_a_program_reach_none() {
     assert_eq!(told, ids);
     let outputs = "-o m.svg -o m.csv -o m.kmz -o m.tif --height-curve h.svg --height-curve h.csv";
     folder.type_in(&format!("{map} {outputs} -q")).done();
-    let zip = std::fs::File::open(folder.join("m.kmz")).unwrap();
-    let mut kml = String::new();
-    std::io::Read::read_to_string(&mut zip::ZipArchive::new(zip).unwrap().by_name("doc.kml").unwrap(), &mut kml)
-        .unwrap();
+    let mut zip = zip::ZipArchive::new(std::fs::File::open(folder.join("m.kmz")).unwrap()).unwrap();
+    let kml = std::io::read_to_string(zip.by_name("doc.kml").unwrap()).unwrap();
     for xml in [folder.text("m.svg"), folder.text("h.svg"), kml] {
         assert!(!xml.contains(is_odd), "{xml:.300}");
         roxmltree::Document::parse(&xml).unwrap();

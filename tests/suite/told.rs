@@ -6,7 +6,7 @@ use num_bigint::BigInt;
 use serde_json::Value;
 use skyshed_io::formats::RasterFile;
 
-use crate::cli_map::{MAP, channels, mask_of, npy, tif, town};
+use crate::cli_map::{MAP, channels, items, mask_of, npy, tif, town};
 use crate::program::Folder;
 
 /// Rows of a table by the names of its columns.
@@ -53,11 +53,8 @@ fn names_and_degrees_go_into_every_file() {
         of_object(&folder.json("c.json")["sites"][k], site);
         of_object(&folder.json("k.json")["placements"][k], site);
         for (file, key) in [("m.csv", "site"), ("k.csv", "first")] {
-            of_row(
-                rows(&folder, file).iter().find(|row| row[key] == site.0 && row["zone"] == "all").unwrap(),
-                key,
-                site,
-            );
+            let rows = rows(&folder, file);
+            of_row(rows.iter().find(|row| row[key] == site.0 && row["zone"] == "all").unwrap(), key, site);
         }
         let cells = format!("<td>{}</td><td>{}</td>", site.1, site.2);
         assert!(folder.text("k.html").contains(&cells), "the page tells the degrees of {}", site.0);
@@ -66,10 +63,7 @@ fn names_and_degrees_go_into_every_file() {
     folder.type_in(&format!("map {SQUARE} --uavs sites.csv --height-curve alone.json -q")).done();
     for file in ["c.json", "alone.json"] {
         let placement = |name: &str, k: usize| folder.json(name)["sites"][k]["placement"].clone();
-        assert!(
-            (0..2).all(|k| placement(file, k) == placement("m.json", k) && placement(file, k) == "street"),
-            "{file}"
-        );
+        assert!((0..2).all(|k| placement(file, k) == "street" && placement("m.json", k) == "street"), "{file}");
     }
     // Pictures tell degrees beside coordinates, and so do charts.
     folder.type_in(&format!("map {SQUARE} --uavs sites.csv -o degrees.svg --height-curve heights.svg -q")).done();
@@ -82,10 +76,8 @@ fn names_and_degrees_go_into_every_file() {
     // Saved maps know where their UAVs were.
     folder.type_in(&format!("map {SQUARE} --uavs sites.csv -o both.tif -q")).done();
     let saved = folder.type_in(&format!("compare {SQUARE} --mask both.tif --json -q")).done().json();
-    assert_eq!(
-        (&saved["placements"][1]["id"], &saved["placements"][1]["lon"]),
-        (&"both.old market".into(), &11.5734.into())
-    );
+    let second = &saved["placements"][1];
+    assert_eq!((&second["id"], &second["lon"]), (&"both.old market".into(), &11.5734.into()));
     // What was given in the scene's own coordinates has no others.
     folder.write("plain.csv", "id,x,y,h\na,691405,5334975,20\nb,691450,5335020,20\n");
     folder.type_in(&format!("map {SQUARE} --uavs plain.csv -o p.csv -o p.json -q")).done();
@@ -117,7 +109,7 @@ fn candidates_keep_their_names() {
         folder.json("all.json")["sites"].as_array().unwrap().iter().map(|site| site["id"].clone()).collect();
     assert_eq!(of_points[..2], chosen.iter().map(|id| Value::from(*id)).collect::<Vec<_>>());
     let band = |k: usize, id: &str| format!("sample=\"{k}\" role=\"description\">{id}.los<");
-    let items = tif(&folder, "w.tif").tiff().ifd(0).unwrap().tag(42112).unwrap().value.as_str().unwrap().to_string();
+    let items = items(&tif(&folder, "w.tif"));
     assert!(items.contains(&band(0, chosen[0])) && items.contains(&band(1, chosen[1])), "{items}");
     // Both shares are of all receivers of the goal, and both say so: 60 × 60 cells without the 10 × 12 of the block.
     let within = format!("place {SQUARE} --candidates sites.csv -k 2 --radius 30 --receivers street -o r.csv");
@@ -167,13 +159,12 @@ fn a_count_is_null_where_nobody_receives() {
     assert!(found.iter().zip(&wanted).all(is_it));
     let file = RasterFile::open(folder.join("c.asc"), &mut Vec::new()).unwrap();
     let of_asc = file.read(file.georef().window(), &mut Vec::new(), |v| v).unwrap().into_cells();
-    assert!(
-        of_asc.iter().zip(&wanted).all(|(v, wanted)| wanted.map_or(v.is_nan(), |n| v.total_cmp(&n.into()).is_eq()))
-    );
+    let is_it = |(v, wanted): (&f64, &Option<u32>)| wanted.map_or(v.is_nan(), |n| v.total_cmp(&n.into()).is_eq());
+    assert!(of_asc.iter().zip(&wanted).all(is_it));
     // The set of 32 UAVs is the nodata of counts.
     let many: String = (0..32).map(|k| format!(" --uav {},5334755,40", 691_601 + k)).collect();
     let line = format!("map town.geojson --extent 691600,5334750,691660,5334790{many} --layers count,which -o n.tif");
-    assert!(folder.type_in(&line).refused(2)[0].starts_with("error[E107]: cannot write n.tif: `count` beside `which`"));
+    folder.refuses(&line, "E107", &["n.tif", "`count` beside `which`"]);
 }
 
 #[test]
@@ -262,10 +253,8 @@ fn weighted_shares_are_those_of_exact_sums() {
             // No other double is nearer.
             let told: f64 = place["p_los"].parse().unwrap();
             let distance = |share: f64| (shifted(share) * &wanted - (&seen << SHIFT)).magnitude().clone();
-            assert!(
-                distance(told) <= distance(told.next_up()) && distance(told) <= distance(told.next_down()),
-                "{place:?}"
-            );
+            let neighbors = [told.next_up(), told.next_down()];
+            assert!(neighbors.iter().all(|other| distance(told) <= distance(*other)), "{place:?}");
             without_the_large_one += u32::from(mask[77] > 1);
         }
         assert!(radius.is_empty() || without_the_large_one > 3, "some places count tenths alone");

@@ -3,56 +3,40 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use skyshed_core::city::{BuiltUp, BuiltUpCity, City, Ground, NodataAs, Site, Solids};
+use skyshed_core::city::{City, Ground, Site};
 use skyshed_core::coverage::{MapOptions, Mapper, Uav};
 use skyshed_core::height_field::{HeightField, Pooling};
 use skyshed_core::quantity::Height;
-use skyshed_core::raster::{BitGrid, GeoRef, Raster};
+use skyshed_core::raster::{BitGrid, GeoRef};
 use skyshed_io::read::{FootprintOptions, SurfaceOptions, read_footprints, read_surface};
 use skyshed_study::accuracy::{Choice, Question, Simpler, coarse_answer, coarsest_within};
 
+use crate::cities::{built, generated};
+use crate::compare::check_refusals;
 use crate::program::Folder;
 use crate::support::{Random, slow, truth};
+use crate::zones::surface_field;
 
-fn built(scene: City) -> HeightField {
+fn field_of(scene: City) -> HeightField {
     HeightField::build(&scene.grid, scene.solids).field
 }
 
-fn generated(name: &str, seed: u64, size_m: f64) -> HeightField {
-    let city = BuiltUpCity {
-        built_up: BuiltUp::named(name).unwrap(),
-        size_m,
-        margin_m: 0.0,
-        cell_m: 1.0,
-        seed,
-        ground_m: 0.0,
-    };
-    built(city.city().unwrap())
-}
-
 fn raster(dsm: &Path, terrain: &Path) -> HeightField {
-    let options = SurfaceOptions {
-        terrain: Some(terrain.into()),
-        ground_m: None,
-        building_threshold_m: 0.5,
-        nodata_as: NodataAs::Clear,
-        crs: None,
-        always_hash: false,
-        ..SurfaceOptions::default()
-    };
-    built(read_surface(dsm, &options, &mut Vec::new()).unwrap())
+    let options =
+        SurfaceOptions { terrain: Some(terrain.into()), building_threshold_m: 0.5, ..SurfaceOptions::default() };
+    field_of(read_surface(dsm, &options, &mut Vec::new()).unwrap())
 }
 
 fn footprints(buildings: &Path, terrain: &Path) -> HeightField {
     let options = FootprintOptions { terrain: Some(terrain.into()), ..FootprintOptions::default() };
-    built(read_footprints(buildings, &options, &mut Vec::new()).unwrap())
+    field_of(read_footprints(buildings, &options, &mut Vec::new()).unwrap())
 }
 
 /// Scenes of every kind: generated ones as footprints and as rasters, Munich, and the real cities that are there.
 fn scenes() -> Vec<(String, HeightField)> {
     let mut scenes = Vec::new();
     for name in ["suburban", "urban", "dense-urban", "high-rise"] {
-        let city = generated(name, 5, 500.0);
+        let city = built(&generated(name, 5, 500.0));
         scenes.push((format!("{name} as a raster"), city.rasterized().unwrap()));
         scenes.push((name.to_string(), city));
     }
@@ -86,7 +70,6 @@ fn random_uav(field: &HeightField, random: &mut Random) -> Uav {
     loop {
         let (row, col) = (random.below(grid.n_rows()), random.below(grid.n_cols()));
         let (x, y) = grid.world_from_cell(row, col);
-        #[expect(clippy::cast_precision_loss, reason = "a few hundred meters")]
         let height = random.within(10, 300) as f64;
         let site = Site { id: "1".into(), x, y, height: Height::AboveGround(height) };
         if let Ok(uav) = Uav::place(&site, field, None) {
@@ -98,7 +81,6 @@ fn random_uav(field: &HeightField, random: &mut Random) -> Uav {
 fn p_los(field: &HeightField, uav: &Uav) -> Option<f64> {
     let options = MapOptions::default();
     let (receivers, los) = Mapper::new(field, &options).unwrap().count(uav);
-    #[expect(clippy::cast_precision_loss, reason = "counts of cells")]
     (receivers > 0).then(|| los as f64 / receivers as f64)
 }
 
@@ -148,13 +130,7 @@ fn a_difference_is_counted_by_hand() {
     // 32 × 16 cells, open but for a wall 1 cell wide in column 16, 20 m high; the UAV 10 m high at the west end.
     let grid = GeoRef::new((0.0, 16.0), (1.0, 1.0), (16, 32), None).unwrap();
     let tops = (0..16 * 32).map(|i| if i % 32 == 16 { 20 * 1024 } else { 0 }).collect::<Vec<_>>();
-    let solids = Solids::Raster {
-        surface: Raster::new(grid.clone(), tops),
-        ground: Ground::Flat(0),
-        building_threshold: 256,
-        voids: None,
-    };
-    let field = HeightField::build(&grid, solids).field;
+    let field = surface_field(&grid, tops, Ground::Flat(0));
     let uav =
         Uav::place(&Site { id: "1".into(), x: 1.5, y: 8.5, height: Height::AboveGround(10.0) }, &field, None).unwrap();
     // Exact: 16 columns in front are LoS, 15 behind are not: P = 256/496. Pooled by 2: the wall takes columns 16 and 17, so
@@ -218,26 +194,20 @@ fn a_tolerance_that_nothing_meets_leaves_the_scene_as_it_is() {
 #[test]
 fn senseless_tolerances_are_refused() {
     let folder = Folder::new();
-    for (more, code) in [
-        ("--tolerance 0", "E113"),
-        ("--tolerance -0.1", "E113"),
-        ("--tolerance 1", "E113"),
-        ("--tolerance nan", "E101"),
-        ("--tolerance 0.1 --method xdraw", "E116"),
-    ] {
-        let answer = folder.type_in(&format!("map itu:urban --uav 500,500,100 --json {more}"));
-        let lines = answer.refused(2);
-        assert!(lines[0].starts_with(&format!("error[{code}]")), "{more}: {lines:?}");
-    }
-    for (more, code) in [
-        ("--tolerance 0", "E113"),
-        ("--tolerance 0.01 --until 0.01", "E101"),
-        ("--tolerance 0.01 --method itu", "E116"),
-    ] {
-        let answer = folder.type_in(&format!("plos itu:urban --json {more}"));
-        let lines = answer.refused(2);
-        assert!(lines[0].starts_with(&format!("error[{code}]")), "{more}: {lines:?}");
-    }
+    let of_map = [
+        ("--tolerance 0", "E113", "`0`"),
+        ("--tolerance -0.1", "E113", "`-0.1`"),
+        ("--tolerance 1", "E113", "`1`"),
+        ("--tolerance nan", "E101", "'nan'"),
+        ("--tolerance 0.1 --method xdraw", "E116", "tolerance"),
+    ];
+    check_refusals(&folder, "map itu:urban --uav 500,500,100 --json", &of_map);
+    let of_plos = [
+        ("--tolerance 0", "E113", "`0`"),
+        ("--tolerance 0.01 --until 0.01", "E101", "'--until"),
+        ("--tolerance 0.01 --method itu", "E116", "tolerance"),
+    ];
+    check_refusals(&folder, "plos itu:urban --json", &of_plos);
 }
 
 /// The values of P_LoS of a study, row by row.

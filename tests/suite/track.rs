@@ -1,7 +1,8 @@
 //! Line of sight along a user's track: against hand-computed stretches, against links, and from outside.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
+use crate::compare::check_refusals;
 use crate::program::Folder;
 
 /// A wall of 20 m from x = 40 to 50, and a courtyard wall beside the track.
@@ -14,6 +15,15 @@ fn folder() -> Folder {
     folder.write("wall.geojson", WALL);
     folder.write("walk.csv", "x,y,note\n100,0,start\n60,0,near\n5,0,end\n");
     folder
+}
+
+/// Lines of GeoJSON in ETRS89 / UTM zone 32N with these coordinates.
+fn lines(coordinates: &[Value]) -> String {
+    let geometry = |at: &Value| json!({"type": "LineString", "coordinates": at});
+    let feature = |at: &Value| json!({"type": "Feature", "properties": {}, "geometry": geometry(at)});
+    let features: Vec<Value> = coordinates.iter().map(feature).collect();
+    let crs = json!({"type": "name", "properties": {"name": "EPSG:25832"}});
+    json!({"type": "FeatureCollection", "crs": crs, "features": features}).to_string()
 }
 
 const LINE: &str = "track wall.geojson --extent=-100,-100,300,100 --uav 0,0,60 --rx-height 0 --track walk.csv";
@@ -62,7 +72,7 @@ fn every_place_says_what_its_link_says() {
             "link wall.geojson --extent=-100,-100,300,100 --uav 0,0,60 --rx-height 0 --rx {rx} --json"
         ));
         if point["state"] == "no_receiver" {
-            assert!(answer.refused(4)[0].contains("inside a building"), "{point}");
+            assert_eq!(answer.error(), "E201", "{point}");
             assert!(point["margin_m"].is_null() && point["distance_m"].is_null());
         } else {
             let link = answer.done().json();
@@ -92,10 +102,7 @@ fn tables_pictures_and_words_agree() {
         assert!(svg.contains(words), "{words}");
     }
     // A line of GeoJSON is the same track.
-    let line = r#"{"type": "Feature", "properties": {}, "geometry": {"type": "LineString",
-                   "coordinates": [[100,0],[60,0],[60,0],[5,0]]}}"#;
-    let local = r#"{"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "EPSG:25832"}}, "features": [F]}"#;
-    folder.write("walk.geojson", &local.replace("[F]", &format!("[{line}]")));
+    folder.write("walk.geojson", &lines(&[json!([[100, 0], [60, 0], [60, 0], [5, 0]])]));
     let same = folder.type_in(&format!("{} --crs EPSG:25832 -q", LINE.replace("walk.csv", "walk.geojson"))).done();
     assert_eq!(same.out, answer.out);
 }
@@ -103,35 +110,29 @@ fn tables_pictures_and_words_agree() {
 #[test]
 fn bad_tracks_are_refused() {
     let folder = folder();
-    let line = |file: &str| folder.type_in(&LINE.replace("walk.csv", file));
     folder.write("one.csv", "x,y\n1,2\n1,2\n");
     folder.write("bad.csv", "x,y\n# a comment\n\n1,2\n3,far\n");
     folder.write("cols.csv", "a,b\n1,2\n");
     folder.write("far.csv", "x,y\n1,2\n1e9,2\n");
-    folder.write(
-        "two.geojson",
-        r#"{"type": "FeatureCollection", "features": [
-        {"type": "Feature", "properties": {}, "geometry": {"type": "LineString", "coordinates": [[0,0],[1,1]]}},
-        {"type": "Feature", "properties": {}, "geometry": {"type": "LineString", "coordinates": [[0,0],[1,1]]}}]}"#,
-    );
-    assert!(line("one.csv").refused(3)[0].contains("found 1 different places, wanted at least 2"));
-    assert!(line("bad.csv").refused(3)[0].contains("line 5: `y`: found `far`"));
-    assert!(line("cols.csv").refused(3)[0].contains("found columns `a,b`"));
-    assert!(line("none.csv").refused(3)[0].contains("none.csv"));
-    assert!(line("two.geojson").code() != 0);
-    assert!(line("far.csv").code() == 5);
-    assert!(folder.type_in(&format!("{LINE} --every 0")).refused(2)[0].contains("above 0 m"));
-    assert!(folder.type_in(&format!("{LINE} --radius 5")).refused(2)[0].contains("unexpected argument"));
-    let both = folder.type_in(&format!("{LINE} --rx 1,1"));
-    assert!(both.refused(2)[0].contains("unexpected argument"), "{both:?}");
-    assert!(folder.type_in("link wall.geojson --uav 0,0,60").refused(2)[0].contains("--rx"));
-}
-
-#[test]
-fn a_bad_line_after_comments_is_named_by_its_number() {
+    folder.write("two.geojson", &lines(&[json!([[0, 0], [1, 1]]), json!([[0, 0], [1, 1]])]));
     // The reader of sites counted from the record before the comments.
-    let folder = folder();
     folder.write("sites.csv", "x,y,h\n# two\n\n1,2,high\n");
-    let answer = folder.type_in("map wall.geojson --uavs sites.csv -o a.png");
-    assert!(answer.refused(3)[0].contains("line 4: "), "{answer:?}");
+    let tracks = [
+        ("one.csv", "E308", "found 1 different places"),
+        ("bad.csv", "E302", "line 5: `y`: found `far`"),
+        ("cols.csv", "E302", "`a,b`"),
+        ("none.csv", "E301", "none.csv"),
+        ("two.geojson", "E206", "EPSG:25832"),
+        ("two.geojson --crs EPSG:25832", "E302", "feature 2"),
+        ("far.csv", "E502", "999999999 m"),
+        ("walk.csv --every 0", "E113", "`0`"),
+        ("walk.csv --radius 5", "E101", "'--radius'"),
+        ("walk.csv --rx 1,1", "E101", "'--rx'"),
+    ];
+    check_refusals(&folder, &LINE.replace("walk.csv", ""), &tracks);
+    let others = [
+        ("link wall.geojson --uav 0,0,60", "E101", "--rx"),
+        ("map wall.geojson --uavs sites.csv -o a.png", "E302", "line 4: "),
+    ];
+    check_refusals(&folder, "", &others);
 }

@@ -10,28 +10,18 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use skyshed_core::city::{City, Footprint, NodataAs, Site, Solids};
-use skyshed_core::coverage::{Control, MapOptions, SiteCoverage, Uav, class, map_site};
+use skyshed_core::coverage::{MapOptions, SiteCoverage, Uav, class};
 use skyshed_core::height_field::{HeightField, Station};
-use skyshed_core::los::MethodChoice;
-use skyshed_core::los::link_los;
-use skyshed_core::quantity::{Height, LatticePoint, VOID, height_steps};
+use skyshed_core::los::{MethodChoice, link_los};
+use skyshed_core::quantity::{Height, LatticePoint, height_steps};
 use skyshed_io::formats::GeoTiff;
 use skyshed_io::read::{
     DataAreaChoice, FootprintOptions, MissingHeight, SurfaceOptions, read_footprints, read_surface,
 };
 
+use crate::invariants::map;
 use crate::oracle;
-use crate::support::Random;
-
-/// A city with the masks of an independent engine.
-struct Comparison {
-    scene: City,
-    truth: PathBuf,
-    mask: &'static str,
-    /// Least share of agreeing cells for UAVs placed on a street, and for all others.
-    street: f64,
-    others: f64,
-}
+use crate::support::{Random, class_of, oracle_of, slow, truth};
 
 fn maps() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("maps")
@@ -40,11 +30,8 @@ fn maps() -> PathBuf {
 fn surface_scene(dsm: &Path, terrain: &Path, building_threshold_m: f64) -> City {
     let options = SurfaceOptions {
         terrain: Some(terrain.into()),
-        ground_m: None,
         building_threshold_m,
         nodata_as: NodataAs::Clear,
-        crs: None,
-        always_hash: false,
         ..SurfaceOptions::default()
     };
     read_surface(dsm, &options, &mut Vec::new()).unwrap()
@@ -64,9 +51,7 @@ fn footprint_scene(buildings: &Path, terrain: &Path) -> City {
 fn read_mask(path: &Path, band: usize) -> Vec<u8> {
     let mut warnings = Vec::new();
     let file = GeoTiff::open(path, &mut warnings).unwrap();
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "classes 0, 1 and 255")]
-    let value = |v: f64| if v.is_nan() { 255 } else { v as u8 };
-    file.read_band(band, file.georef().window(), &mut warnings, value).unwrap().into_cells().into_vec()
+    file.read_band(band, file.georef().window(), &mut warnings, class_of).unwrap().into_cells().into_vec()
 }
 
 /// The oracle on the solids of a scene.
@@ -76,13 +61,15 @@ struct Referee {
 }
 
 impl Referee {
-    fn new(field: &HeightField, footprints: Vec<Footprint>) -> Self {
-        let columns = field.columns().map(|c| oracle::Columns {
-            n_cols: c.n_cols(),
-            n_rows: c.n_rows(),
-            heights: c.tops().iter().map(|t| (*t != VOID).then(|| i64::from(*t))).collect(),
-        });
-        Referee { columns, footprints }
+    /// The height field of a scene, and the oracle on the same solids.
+    fn of(scene: City) -> (HeightField, Self) {
+        let footprints = match &scene.solids {
+            Solids::Vector { footprints, .. } => footprints.clone(),
+            Solids::Raster { .. } => Vec::new(),
+        };
+        let field = HeightField::build(&scene.grid, scene.solids).field;
+        let columns = field.columns().map(oracle_of);
+        (field, Referee { columns, footprints })
     }
 
     fn los(&self, uav: &Station, receiver: &Station) -> bool {
@@ -97,22 +84,14 @@ impl Referee {
             })
         };
         let wide = |p: &[i32; 2]| [i64::from(p[0]), i64::from(p[1])];
-        let prisms: Vec<oracle::Prism> = self
-            .footprints
-            .iter()
-            .filter(near)
-            .flat_map(|f| {
-                f.polygons.iter().map(|polygon| oracle::Prism {
-                    rings: polygon.iter().map(|ring| ring.iter().map(wide).collect()).collect(),
-                    top: i64::from(f.top),
-                })
-            })
-            .collect();
-        oracle::prisms_los(&prisms, u, r)
-            && self
-                .columns
-                .as_ref()
-                .is_none_or(|c| oracle::columns_los(c, p3(uav.on_columns()), p3(receiver.on_columns())))
+        let prism = |polygon: &Vec<Vec<[i32; 2]>>, top: i32| oracle::Prism {
+            rings: polygon.iter().map(|ring| ring.iter().map(wide).collect()).collect(),
+            top: i64::from(top),
+        };
+        let near = self.footprints.iter().filter(near);
+        let prisms: Vec<_> = near.flat_map(|f| f.polygons.iter().map(|polygon| prism(polygon, f.top))).collect();
+        let columns_los = |c: &_| oracle::columns_los(c, p3(uav.on_columns()), p3(receiver.on_columns()));
+        oracle::prisms_los(&prisms, u, r) && self.columns.as_ref().is_none_or(columns_los)
     }
 }
 
@@ -136,15 +115,10 @@ fn is_tie(field: &HeightField, uav: &Station, receiver: &Station, ours: bool) ->
         place: field.place(s.place.x + dx * step_x, s.place.y + dy * step_y),
         z: s.z + dz,
     };
-    let steps = [-2_i32, -1, 0, 1, 2];
-    steps.iter().any(|&dx| {
-        steps.iter().any(|&dy| {
-            steps.iter().any(|&dz| {
-                let (x, y, z) = (f64::from(dx), f64::from(dy), i64::from(dz));
-                link_los(field, &moved(uav, x, y, z), receiver) != ours
-                    || link_los(field, uav, &moved(receiver, x, y, z)) != ours
-            })
-        })
+    (0..125).any(|k: i32| {
+        let (dx, dy, dz) = (f64::from(k % 5 - 2), f64::from(k / 5 % 5 - 2), i64::from(k / 25 - 2));
+        link_los(field, &moved(uav, dx, dy, dz), receiver) != ours
+            || link_los(field, uav, &moved(receiver, dx, dy, dz)) != ours
     })
 }
 
@@ -162,43 +136,28 @@ fn meets_a_corner(uav: &Station, receiver: &Station) -> bool {
     })
 }
 
-/// Compares all UAVs of a city and returns the number of evaluated cells.
-fn compare(comparison: Comparison) -> usize {
-    let Comparison { scene, truth, mask, street, others } = comparison;
-    let footprints = match &scene.solids {
-        Solids::Vector { footprints, .. } => footprints.clone(),
-        Solids::Raster { .. } => Vec::new(),
-    };
-    let field = HeightField::build(&scene.grid, scene.solids).field;
-    let referee = Referee::new(&field, footprints);
+/// Compares all UAVs of a city with the masks of an independent engine, of which at least these shares of cells must agree
+/// for UAVs placed on a street and for all others; returns the number of evaluated cells.
+fn compare(scene: City, truth: &Path, mask: &str, [street, others]: [f64; 2]) -> usize {
+    let (field, referee) = Referee::of(scene);
     let facts: Value = serde_json::from_str(&std::fs::read_to_string(truth.join("truth.json")).unwrap()).unwrap();
     let mut n_evaluated = 0;
     for (band, uav) in facts["uavs"].as_array().unwrap().iter().enumerate() {
         let number = |v: &Value| v.as_f64().unwrap();
-        let id = uav["id"].as_str().unwrap();
-        let site = Site {
-            id: id.into(),
-            x: number(&uav["xy"][0]),
-            y: number(&uav["xy"][1]),
-            height: Height::AboveDatum(number(&uav["z"])),
-        };
+        let (id, height) = (uav["id"].as_str().unwrap(), Height::AboveDatum(number(&uav["z"])));
+        let site = Site { id: id.into(), x: number(&uav["xy"][0]), y: number(&uav["xy"][1]), height };
         let placed = Uav::place(&site, &field, None).unwrap();
-        let map = |options: &MapOptions| map_site(&field, &placed, options, &Control::default()).unwrap();
-        let SiteCoverage { mask: ours, tally, .. } = map(&options());
+        let SiteCoverage { mask: ours, tally, .. } = map(&field, &placed, &options());
         // The engine for this kind of scene gives what a ray for each receiver gives.
-        let by_rays = map(&MapOptions { method: MethodChoice::Ray, ..options() });
+        let by_rays = map(&field, &placed, &MapOptions { method: MethodChoice::Ray, ..options() });
         assert!(ours == by_rays.mask && tally == by_rays.tally, "the engines differ");
         let theirs = read_mask(&truth.join(mask), band);
         let both: Vec<usize> = (0..ours.len()).filter(|&i| ours[i] <= class::LOS && theirs[i] != 255).collect();
         let differing: Vec<usize> = both.iter().copied().filter(|&i| ours[i] != theirs[i]).collect();
         let agreement = 1.0 - differing.len() as f64 / both.len() as f64;
         let wanted = if uav["place"] == "street" { street } else { others };
-        let city = truth.display();
-        assert!(
-            agreement >= wanted,
-            "{city} {mask} {id}: {agreement:.6} of {} cells agree, wanted {wanted}",
-            both.len()
-        );
+        let (city, n) = (truth.display(), both.len());
+        assert!(agreement >= wanted, "{city} {mask} {id}: {agreement:.6} of {n} cells agree, wanted {wanted}");
         for &i in &differing {
             let receiver = receiver_at(&field, i);
             let is_los = ours[i] == class::LOS;
@@ -207,109 +166,71 @@ fn compare(comparison: Comparison) -> usize {
             let explained = corner || is_tie(&field, &placed.station, &receiver, is_los);
             assert!(explained, "{city} {mask} {id}: cell {i} is neither a tie nor a corner");
         }
-        n_evaluated += both.len();
+        n_evaluated += n;
     }
     n_evaluated
 }
 
-/// Files of a city: footprints, surface, terrain.
-struct CityFiles {
-    buildings: PathBuf,
-    dsm: PathBuf,
-    terrain: PathBuf,
+/// A city of footprints, surface and terrain, as one of the two; with the name of its masks.
+fn city([buildings, dsm, terrain]: &[PathBuf; 3], footprints: bool) -> (City, &'static str) {
+    if footprints {
+        (footprint_scene(buildings, terrain), "lod1_los.tif")
+    } else {
+        (surface_scene(dsm, terrain, 0.25), "block_los.tif")
+    }
 }
 
-impl CityFiles {
-    fn munich() -> CityFiles {
-        let maps = maps();
-        CityFiles {
-            buildings: maps.join("munich.geojson"),
-            dsm: maps.join("munich_dsm.tif"),
-            terrain: maps.join("munich_terrain.tif"),
-        }
-    }
-
-    fn scene(&self, footprints: bool) -> City {
-        if footprints {
-            footprint_scene(&self.buildings, &self.terrain)
-        } else {
-            surface_scene(&self.dsm, &self.terrain, 0.25)
-        }
-    }
-
-    fn comparison(&self, truth: PathBuf, footprints: bool) -> Comparison {
-        let mask = if footprints { "lod1_los.tif" } else { "block_los.tif" };
-        Comparison { scene: self.scene(footprints), truth, mask, street: 0.9999, others: 0.999 }
-    }
+fn munich(footprints: bool) -> (City, &'static str) {
+    let files = ["munich.geojson", "munich_dsm.tif", "munich_terrain.tif"];
+    city(&files.map(|file| maps().join(file)), footprints)
 }
 
 #[test]
-fn the_raster_of_munich_agrees_with_an_independent_engine() {
-    let asked = CityFiles::munich().comparison(maps().join("munich_truth"), false);
-    // The README's figure.
-    assert_eq!(compare(Comparison { street: 0.99997, others: 0.99997, ..asked }), 6 * 1_232_980);
-}
-
-#[test]
-fn the_footprints_of_munich_agree_with_an_independent_engine() {
-    let asked = CityFiles::munich().comparison(maps().join("munich_truth"), true);
-    assert_eq!(compare(Comparison { street: 0.99997, others: 0.99997, ..asked }), 6 * 1_232_974);
+fn the_raster_and_the_footprints_of_munich_agree_with_an_independent_engine() {
+    for (footprints, n_cells) in [(false, 1_232_980), (true, 1_232_974)] {
+        let (scene, mask) = munich(footprints);
+        // The README's figure.
+        assert_eq!(compare(scene, &maps().join("munich_truth"), mask, [0.99997; 2]), 6 * n_cells);
+    }
 }
 
 #[test]
 fn rasters_and_footprints_of_the_other_cities_agree_with_an_independent_engine() {
-    let Some(shared) = crate::support::truth() else { return };
-    for city in ["etoile", "simple_street_canyon"] {
-        let folder = shared.join("cities").join(city);
-        let files = CityFiles {
-            buildings: folder.join("buildings.geojson"),
-            dsm: folder.join("dsm_1m.tif"),
-            terrain: folder.join("terrain_1m.tif"),
-        };
+    let Some(shared) = truth() else { return };
+    for name in ["etoile", "simple_street_canyon"] {
+        let files = ["buildings.geojson", "dsm_1m.tif", "terrain_1m.tif"];
+        let files = files.map(|file| shared.join("cities").join(name).join(file));
         for footprints in [false, true] {
-            let comparison = files.comparison(shared.join("truth").join(city), footprints);
-            assert!(compare(comparison) > 200_000, "{city}");
+            let (scene, mask) = city(&files, footprints);
+            assert!(compare(scene, &shared.join("truth").join(name), mask, [0.9999, 0.999]) > 200_000, "{name}");
         }
     }
 }
 
 #[test]
 fn lidar_rasters_agree_with_an_independent_engine() {
-    let Some(shared) = crate::support::truth() else { return };
+    let Some(shared) = truth() else { return };
     for (city, dsm, terrain, n_cells) in [
         ("bilbao", "dsm_2.5m.tif", "terrain_2.5m.tif", 6 * 521_908),
         ("delft", "dsm_1m.tif", "terrain_1m.tif", 6 * 34_868),
     ] {
         let folder = shared.join("lidar").join(city);
         let scene = surface_scene(&folder.join(dsm), &folder.join(terrain), 0.5);
-        let comparison = Comparison {
-            scene,
-            truth: shared.join("truth").join(city),
-            mask: "block_los.tif",
-            street: 0.999,
-            others: 0.999,
-        };
-        assert_eq!(compare(comparison), n_cells, "{city}");
+        let truth = shared.join("truth").join(city);
+        assert_eq!(compare(scene, &truth, "block_los.tif", [0.999; 2]), n_cells, "{city}");
     }
 }
 
 #[test]
 fn uavs_over_roofs_of_munich_agree_with_the_oracle() {
     for footprints in [false, true] {
-        let scene = CityFiles::munich().scene(footprints);
-        let prisms = match &scene.solids {
-            Solids::Vector { footprints, .. } => footprints.clone(),
-            Solids::Raster { .. } => Vec::new(),
-        };
-        let field = HeightField::build(&scene.grid, scene.solids).field;
-        let referee = Referee::new(&field, prisms);
-        let n_links = if crate::support::slow() { 6_000 } else { 600 };
+        let (field, referee) = Referee::of(munich(footprints).0);
+        let n_links = if slow() { 6_000 } else { 600 };
         let mut random = Random(11);
         let (mut n, mut n_los) = (0, 0);
         while n < n_links {
-            let mut index = || usize::try_from(random.next() % field.grid().n_cells() as u64).unwrap();
-            let n_cols = field.grid().n_cols();
-            let (above, below) = (index(), index());
+            let (n_cells, n_cols) = (field.grid().n_cells(), field.grid().n_cols());
+            let (above, below) = (random.below(n_cells), random.below(n_cells));
             let over = field.positions().center(above / n_cols, above % n_cols);
             let Some(roof) = field.roof_at(&over) else { continue };
             // Exactly on the roof, a step above it, and hovering.

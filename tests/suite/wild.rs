@@ -24,9 +24,8 @@ fn footprints(crs: &str, features: &str) -> String {
 }
 
 fn building(properties: &str, rings: &str) -> String {
-    format!(
-        r#"{{"type": "Feature", "properties": {{{properties}}}, "geometry": {{"type": "Polygon", "coordinates": [{rings}]}}}}"#
-    )
+    let polygon = format!(r#"{{"type": "Polygon", "coordinates": [{rings}]}}"#);
+    format!(r#"{{"type": "Feature", "properties": {{{properties}}}, "geometry": {polygon}}}"#)
 }
 
 const SQUARE: &str = "[[10, 10], [14, 10], [14, 14], [10, 14], [10, 10]]";
@@ -38,13 +37,6 @@ fn folder() -> Folder {
     folder.write("wall.asc", &grid(|_, c| if c == 10 { "10" } else { "0" }));
     folder.write("city.geojson", &footprints("EPSG:25832", &building(r#""height": 10"#, SQUARE)));
     folder
-}
-
-fn refused(folder: &Folder, line: &str, (exit, code): (i32, &str)) -> String {
-    let answer = folder.type_in(line);
-    let lines = answer.refused(exit);
-    assert!(lines[0].starts_with(&format!("error[{code}]")), "{line}: {lines:?}");
-    lines.join("\n")
 }
 
 fn mapped(folder: &Folder, line: &str) -> (Value, Answer) {
@@ -75,14 +67,12 @@ fn rows_1_to_5_of_rasters_with_holes_and_odd_sizes() {
     folder.write("inf.asc", &grid(|_, c| if c == 10 { "-inf" } else { "0" }));
     assert!(mapped(&folder, "inf.asc --ground 0 --uav 0.5,0.5,30").1.warnings().contains(&"W320"));
     folder.write("void.asc", &grid(|_, _| "nan"));
-    refused(&folder, "map void.asc --ground 0 --uav 0.5,0.5,30 --json", (3, "E305"));
+    folder.refuses("map void.asc --ground 0 --uav 0.5,0.5,30 --json", "E305", &[]);
     folder.write("one.asc", "ncols 1\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n0\n");
     folder.write("row.asc", "ncols 3\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n0 5 0\n");
     assert_eq!(count(&mapped(&folder, "one.asc --ground 0 --uav 0.5,0.5,3").0, "/sites/0/los"), 1);
     assert_eq!(count(&mapped(&folder, "row.asc --ground 0 --uav 0.5,0.5,3").0, "/sites/0/los"), 1);
-    // 5: what does not fit is refused before it starts, with the memory that it needs.
-    let said = refused(&folder, "map itu:urban --size 60000 --uav 5,5,100 --json --max-memory 100M", (5, "E501"));
-    assert!(said.contains("of memory"), "{said}");
+    // 5: what does not fit in memory is in `cli` and `memory_limits`.
 }
 
 #[test]
@@ -91,8 +81,7 @@ fn rows_6_to_9_of_reference_systems() {
     // 6: degrees are refused with the command that helps, or brought to UTM. 0.0001° of latitude are 11.1 m.
     let square = "[[11.5, 48.1], [11.5002, 48.1], [11.5002, 48.1001], [11.5, 48.1001], [11.5, 48.1]]";
     folder.write("degrees.geojson", &footprints("", &building(r#""height": 10"#, square)));
-    let said = refused(&folder, "info degrees.geojson", (3, "E310"));
-    assert!(said.contains("--project auto") && said.contains("-t_srs EPSG:32632"), "{said}");
+    folder.refuses("info degrees.geojson", "E310", &["--project auto", "-t_srs EPSG:32632"]);
     let projected = folder.type_in("info degrees.geojson --project auto --cell 0.1 --json").done().json();
     assert_eq!(projected["crs"], "EPSG:32632");
     // PROJ puts the corners at x 686 121.39 to 686 136.64 and y 5 330 438.13 to 5 330 449.73; the grid is in cells of 0.1 m.
@@ -101,9 +90,9 @@ fn rows_6_to_9_of_reference_systems() {
         assert!((found - corner).abs() < 0.21, "{projected}");
     }
     let west = extent[0];
-    refused(&folder, "info city.geojson --project EPSG:999999", (2, "E101"));
+    folder.refuses("info city.geojson --project EPSG:999999", "E101", &[]);
     // What names no system cannot be brought into another one.
-    refused(&folder, "map wall.asc --ground 0 --project auto --uav 1,1,30 --json", (3, "E310"));
+    folder.refuses("map wall.asc --ground 0 --project auto --uav 1,1,30 --json", "E310", &[]);
     // 7: without a reference system meters are assumed, and that is said.
     assert!(mapped(&folder, "wall.asc --ground 0 --uav 0.5,0.5,30").1.warnings().contains(&"W325"));
     // 8: sites in degrees are brought into the scene's system; where it has none that is said.
@@ -111,11 +100,14 @@ fn rows_6_to_9_of_reference_systems() {
     let (map, _) = mapped(&folder, "degrees.geojson --project auto --uavs sites.csv");
     let x = map["sites"][0]["x"].as_f64().unwrap();
     assert!(x > west && x < west + 17.0, "{x}");
-    refused(&folder, "map wall.asc --ground 0 --uavs sites.csv --json", (4, "E206"));
+    folder.refuses("map wall.asc --ground 0 --uavs sites.csv --json", "E206", &[]);
     // 9: longitude and latitude exchanged.
     folder.write("swapped.csv", "lon,lat,h\n48.10005,11.5001,30\n");
-    let said = refused(&folder, "map degrees.geojson --project auto --uavs swapped.csv --json", (4, "E206"));
-    assert!(said.contains("exchanged, they lie in it"), "{said}");
+    folder.refuses(
+        "map degrees.geojson --project auto --uavs swapped.csv --json",
+        "E206",
+        &["exchanged, they lie in it"],
+    );
 }
 
 #[test]
@@ -129,18 +121,16 @@ fn rows_10_to_13_of_heights() {
     assert!((top("city.geojson --height-unit ft") - 3.048).abs() < 1.0 / 1024.0);
     // 11: what a height is above is said by its suffix.
     let of = |height: &str| mapped(&folder, &format!("wall.asc --ground 0 --uav 10.5,5.5,{height}")).0;
-    let z = |map: Value| map["sites"][0]["height_amsl_m"].as_f64().unwrap();
-    assert!(
-        (z(of("30")) - 30.0).abs() < 1e-9
-            && (z(of("30roof")) - 40.0).abs() < 1e-9
-            && (z(of("30amsl")) - 30.0).abs() < 1e-9
-    );
+    for (height, z) in [("30", 30.0), ("30roof", 40.0), ("30amsl", 30.0)] {
+        let found = of(height)["sites"][0]["height_amsl_m"].as_f64().unwrap();
+        assert!((found - z).abs() < 1e-9, "{height}: {found}");
+    }
     // 12, 13: negative and missing heights are left out, counted; or refused, or guessed, as asked.
     let bad = [building(r#""height": -3"#, SQUARE), building(r#""building:levels": 2"#, SQUARE)].join(",");
     folder.write("bad.geojson", &footprints("EPSG:25832", &[bad, building(r#""height": 10"#, SQUARE)].join(",")));
     let faults = folder.type_in("info bad.geojson --json").done().json()["faults"].clone();
     assert_eq!((&faults["negative_height"], &faults["missing_height"]), (&Value::from(1), &Value::from(1)));
-    refused(&folder, "info bad.geojson --missing fail", (3, "E309"));
+    folder.refuses("info bad.geojson --missing fail", "E309", &[]);
 }
 
 #[test]
@@ -178,8 +168,8 @@ fn rows_14_to_19_of_shapes() {
         ];
         folder.write("far.geojson", &footprints("EPSG:25832", &both.join(",")));
         let (e, n) = (x + 40.0, y + 40.0);
-        mapped(&folder, &format!("far.geojson --extent {x},{y},{e},{n} --uav {},{},25", x + 5.0, y + 5.0)).0["digest"]
-            .clone()
+        let line = format!("far.geojson --extent {x},{y},{e},{n} --uav {},{},25", x + 5.0, y + 5.0);
+        mapped(&folder, &line).0["digest"].clone()
     };
     assert_eq!(at(0.0, 0.0), at(691_000.0, 5_334_000.0));
 }
@@ -189,15 +179,16 @@ fn rows_20_to_25_of_uavs_and_receivers() {
     let folder = folder();
     // 20: outside the raster nothing is known and nothing lies: only a height above the datum places a UAV there, unless the
     // ground was typed, which holds everywhere.
-    let said = refused(&folder, "map wall.asc --uav 50,10,30 --json", (4, "E204"));
-    assert!(said.contains("30amsl"), "{said}");
+    folder.refuses("map wall.asc --uav 50,10,30 --json", "E204", &["30amsl"]);
     mapped(&folder, "wall.asc --uav 50,10,30amsl");
     mapped(&folder, "wall.asc --ground 0 --uav 50,10,30");
-    let said = refused(&folder, "map wall.asc --ground 4 --uav 50,10,3amsl --json", (4, "E202"));
-    assert!(said.contains("the lowest height in the clear is `0agl`"), "{said}");
-    // 21: inside a building, with what to ask instead.
-    let said = refused(&folder, "map wall.asc --ground 0 --uav 10.5,10.5,5 --json", (4, "E201"));
-    assert!(said.contains("roof at 10 m") && said.contains("`5roof`"), "{said}");
+    folder.refuses(
+        "map wall.asc --ground 4 --uav 50,10,3amsl --json",
+        "E202",
+        &["the lowest height in the clear is `0agl`"],
+    );
+    // 21: inside a building, with what to ask instead: of footprints in `cli`, of a raster here.
+    folder.refuses("map wall.asc --ground 0 --uav 10.5,10.5,5 --json", "E201", &["roof at 10 m", "`5roof`"]);
     // 22: a cell under a building is no receiver.
     let (map, _) = mapped(&folder, "wall.asc --ground 0 --uav 1.5,10.5,30");
     assert_eq!(count(&map, "/sites/0/receivers"), 380);
@@ -206,22 +197,17 @@ fn rows_20_to_25_of_uavs_and_receivers() {
     for place in ["10,10", "11,10", "0,0", "20,20"] {
         for height in ["10", "10.0009765625", "30"] {
             let of = |method: &str| {
-                mapped(&folder, &format!("wall.asc --ground 0 --uav {place},{height}amsl --method {method}")).0["digest"].clone()
+                let line = format!("wall.asc --ground 0 --uav {place},{height}amsl --method {method}");
+                mapped(&folder, &line).0["digest"].clone()
             };
             assert_eq!(of("sweep"), of("ray"), "{place} {height}");
         }
     }
-    // 24: straight above a receiver is LoS; below the ground is refused.
+    // 24: straight above a receiver is LoS; below the ground is refused, in `cli`.
     let link = folder.type_in("link wall.asc --ground 0 --uav 5.5,5.5,30 --rx 5.5,5.5,1.5 --json").done().json();
     assert_eq!(link["los"], true);
-    refused(&folder, "map wall.asc --ground 0 --uav 5.5,5.5,-5 --json", (4, "E202"));
-    // 25: numbers that are none.
-    for (flag, code) in
-        [("--rx-height nan", "E101"), ("--rx-height -1", "E113"), ("--radius inf", "E101"), ("--radius 0", "E113")]
-    {
-        refused(&folder, &format!("map wall.asc --ground 0 --uav 5.5,5.5,30 --json {flag}"), (2, code));
-    }
-    refused(&folder, "map wall.asc --ground 0 --uav 5.5,5.5,nan --json", (2, "E102"));
+    // 25: numbers that are none are in `cli`, but for infinities.
+    folder.refuses("map wall.asc --ground 0 --uav 5.5,5.5,30 --json --radius inf", "E101", &["'inf' for '--radius"]);
 }
 
 #[test]
@@ -231,22 +217,11 @@ fn rows_26_to_32_of_grids_limits_and_results() {
     folder.write("wide.asc", "ncols 4\nnrows 2\nxllcorner 0\nyllcorner 0\ndx 2\ndy 5\n0 0 9 0\n0 0 9 0\n");
     let wide = folder.type_in("info wide.asc --ground 0 --json").done().json();
     assert_eq!(wide["cell_m"], serde_json::json!([2.0, 5.0]));
-    // 28: heights beyond what is proven are refused, those within see what they must.
-    refused(&folder, "map wall.asc --ground 0 --uav 5.5,5.5,36000000 --json", (4, "E205"));
+    // 28: heights beyond what is proven are refused, in `cli`; those within see what they must.
     let los = |height: &str| {
         count(&mapped(&folder, &format!("wall.asc --ground 0 --uav 5.5,5.5,{height}")).0, "/sites/0/los")
     };
     assert!(los("30") <= los("300") && los("300") <= los("30000") && los("30000") == 380);
-    // 29: an existing file stays.
-    folder.write("out.json", "mine");
-    refused(&folder, "map wall.asc --ground 0 --uav 5.5,5.5,30 -o out.json", (2, "E106"));
-    assert_eq!(folder.text("out.json"), "mine");
-    // 30: interrupts are in `cli` and `cli_chart`. 31: a zone without a cell is null with a reason.
-    let (map, _) = mapped(&folder, "city.geojson --extent 0,0,30,30 --uav 2,2,30");
-    let zone = &map["sites"][0]["zones"]["courtyard"];
-    assert!(zone["p_los"].is_null() && zone["reason"].is_string(), "{zone}");
-    // 32: too few clusters have no interval.
-    let plos = folder.type_in("plos itu:urban --theta 45 --method city --cities 5 --json").done();
-    assert!(plos.json()["rows"][0]["ci_low"].is_null());
-    assert!(plos.warnings().contains(&"W213"), "{}", plos.err);
+    // 29: that an existing file stays is in `cli`. 30: interrupts are in `cli`, `cli_chart` and `signals`.
+    // 31: zones without a cell are in `cli_zones`. 32: too few clusters for an interval are in `cli_plos`.
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use skyshed_core::city::{BuiltUp, BuiltUpCity, City, DataArea, Footprint, FootprintFaults, Ground, NodataAs, Solids};
+use skyshed_core::city::{BuiltUp, BuiltUpCity, City, DataArea, Footprint, FootprintFaults, Ground, Solids};
 use skyshed_core::height_field::HeightField;
 use skyshed_core::overlay::even_odd;
 use skyshed_core::quantity::Frame;
@@ -10,18 +10,24 @@ use skyshed_core::raster::{GeoRef, Raster};
 use skyshed_core::zones::{NONE, Zone, ZoneBasis, ZoneMap};
 use skyshed_io::read::{FootprintOptions, SurfaceOptions, read_footprints, read_surface};
 
+use crate::cities::{built, generated};
 use crate::support::{Random, truth};
 
 /// Lattice steps per meter.
 const STEPS: i32 = 1024;
 
-/// A scene of footprints on a grid of 1 m cells, `width` × `height` cells from the origin.
+/// Footprints of 10 m on a grid of 1 m cells, `width` × `height` cells from the origin.
 fn vector_scene(rings: Vec<Vec<[i32; 2]>>, width: usize, height: usize) -> HeightField {
+    footprints(rings.into_iter().map(|ring| (ring, 10 * STEPS)).collect(), width, height)
+}
+
+/// Footprints of these rings and heights, in lattice steps, on such a grid.
+pub(crate) fn footprints(buildings: Vec<(Vec<[i32; 2]>, i32)>, width: usize, height: usize) -> HeightField {
     let grid = GeoRef::new((0.0, height as f64), (1.0, 1.0), (height, width), None).unwrap();
-    let footprints = rings
+    let footprints = buildings
         .into_iter()
         .enumerate()
-        .map(|(k, ring)| Footprint { id: k.to_string(), polygons: even_odd(&[ring]), top: 10 * STEPS, base: Some(0) })
+        .map(|(k, (ring, top))| Footprint { id: k.to_string(), polygons: even_odd(&[ring]), top, base: Some(0) })
         .collect();
     let frame = Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 };
     let solids = Solids::Vector {
@@ -34,6 +40,10 @@ fn vector_scene(rings: Vec<Vec<[i32; 2]>>, width: usize, height: usize) -> Heigh
     HeightField::build(&grid, solids).field
 }
 
+pub(crate) fn rectangle([west, south, east, north]: [i32; 4]) -> Vec<[i32; 2]> {
+    vec![[west, south], [east, south], [east, north], [west, north]]
+}
+
 /// A drawing whose letters are squares of 5 m: `#` is built; all else is open.
 fn drawn(rows: &[&str]) -> HeightField {
     let (n_rows, n_cols) = (rows.len(), rows[0].len());
@@ -41,8 +51,7 @@ fn drawn(rows: &[&str]) -> HeightField {
     let mut rings = Vec::new();
     for (row, letters) in rows.iter().enumerate() {
         for (col, _) in letters.bytes().enumerate().filter(|(_, letter)| *letter == b'#') {
-            let (west, east, south, north) = (at(col), at(col + 1), at(n_rows - 1 - row), at(n_rows - row));
-            rings.push(vec![[west, south], [east, south], [east, north], [west, north]]);
+            rings.push(rectangle([at(col), at(n_rows - 1 - row), at(col + 1), at(n_rows - row)]));
         }
     }
     vector_scene(rings, 5 * n_cols, 5 * n_rows)
@@ -211,21 +220,15 @@ fn a_square_where_streets_meet_is_one_crossroad_but_a_park_is_not() {
 
 #[test]
 fn a_kiosk_in_a_street_does_not_divide_it() {
-    let ring = |west: i32, south: i32, east: i32, north: i32| {
-        vec![[west, south], [east, south], [east, north], [west, north]]
-            .into_iter()
-            .map(|p| p.map(|v| v * STEPS))
-            .collect()
-    };
-    let field = vector_scene(vec![ring(0, 0, 100, 30), ring(0, 50, 100, 80), ring(48, 38, 52, 42)], 100, 80);
+    let houses = [[0, 0, 100, 30], [0, 50, 100, 80], [48, 38, 52, 42]];
+    let field = vector_scene(houses.map(|sides| rectangle(sides.map(|v| v * STEPS))).to_vec(), 100, 80);
     let map = ZoneMap::of(&field, None);
     assert_eq!((map.count(Zone::Crossroad), map.count(Zone::Courtyard)), (0, 0));
     assert_eq!(map.at(50.0, 40.0), Some(Zone::Rooftop));
 }
 
 fn city(built_up: BuiltUp, size_m: f64) -> HeightField {
-    let scene = BuiltUpCity { built_up, size_m, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.city().unwrap();
-    HeightField::build(&scene.grid, scene.solids).field
+    built(&BuiltUpCity { built_up, ..generated("urban", 1, size_m) })
 }
 
 /// Shares of open cells with the same zone: of all, and of those a period or more from the frame.
@@ -279,18 +282,19 @@ fn crossroads_of_a_generated_city_have_their_share_of_the_open_ground() {
     assert_eq!(map.at(-1.0, 1.0), None);
 }
 
+/// The field of a surface model; what is more than a quarter of a meter above the ground is a building.
+pub(crate) fn surface_field(grid: &GeoRef, tops: Vec<i32>, ground: Ground) -> HeightField {
+    let surface = Raster::new(grid.clone(), tops);
+    HeightField::build(grid, Solids::Raster { surface, ground, building_threshold: STEPS / 4, voids: None }).field
+}
+
 /// The building cells of a scene as a raster of its own, with cells of another size.
 fn as_raster(field: &HeightField, cell: (f64, f64)) -> HeightField {
     let (n_rows, n_cols) = (field.grid().n_rows(), field.grid().n_cols());
     let grid = GeoRef::new((0.0, cell.1 * n_rows as f64), cell, (n_rows, n_cols), None).unwrap();
     let is_building = |k: usize| field.cells().building.contains(k / n_cols, k % n_cols);
     let tops = (0..n_rows * n_cols).map(|k| i32::from(is_building(k)) * 10 * STEPS).collect::<Vec<_>>();
-    let surface = Raster::new(grid.clone(), tops);
-    HeightField::build(
-        &grid,
-        Solids::Raster { surface, ground: Ground::Flat(0), building_threshold: STEPS, voids: None },
-    )
-    .field
+    surface_field(&grid, tops, Ground::Flat(0))
 }
 
 #[test]
@@ -350,15 +354,8 @@ fn zones_do_not_depend_on_odd_sizes_of_cells() {
 fn a_laser_scan_of_a_city_has_crossroads_and_courtyards() {
     let Some(folder) = truth() else { return };
     let path = |name: &str| folder.join("lidar/bilbao").join(name);
-    let options = SurfaceOptions {
-        terrain: Some(path("terrain_2.5m.tif").into()),
-        ground_m: None,
-        building_threshold_m: 2.0,
-        nodata_as: NodataAs::Clear,
-        crs: None,
-        always_hash: false,
-        ..SurfaceOptions::default()
-    };
+    let terrain = Some(path("terrain_2.5m.tif").into());
+    let options = SurfaceOptions { terrain, building_threshold_m: 2.0, ..SurfaceOptions::default() };
     let scene = read_surface(path("dsm_2.5m.tif"), &options, &mut Vec::new()).unwrap();
     let field = build(&scene);
     let map = ZoneMap::of(&field, None);
@@ -442,9 +439,7 @@ fn a_mirrored_or_turned_city_has_mirrored_or_turned_zones() {
     assert!(mirrored > 0.995, "{mirrored}");
     let half_turn = symmetry(&scene, |[x, y]| [x_sum - x, y_sum - y], |row, col| (n_rows - 1 - row, n_cols - 1 - col));
     assert!(half_turn > 0.995, "{half_turn}");
-    let built_up = BuiltUp::named("urban").unwrap();
-    let mut city =
-        BuiltUpCity { built_up, size_m: 300.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.city().unwrap();
+    let mut city = generated("urban", 1, 300.0).city().unwrap();
     city.built_up = None;
     let quarter_turn = symmetry(&city, |[x, y]| [300 * i64::from(STEPS) - y, x], |row, col| (299 - col, row));
     assert!(quarter_turn > 0.995, "{quarter_turn}");
@@ -488,10 +483,7 @@ fn no_surface_model_makes_it_stumble_and_one_alone_has_no_zones() {
             .collect();
         for ground in [Ground::Flat(0), Ground::Surface] {
             let is_known = matches!(ground, Ground::Flat(_));
-            let surface = Raster::new(grid.clone(), heights.clone());
-            let field =
-                HeightField::build(&grid, Solids::Raster { surface, ground, building_threshold: STEPS, voids: None })
-                    .field;
+            let field = surface_field(&grid, heights.clone(), ground);
             let map = ZoneMap::of(&field, None);
             assert_eq!(ZoneMap::if_known(&field, None), is_known.then(|| map.clone()));
             if is_known {

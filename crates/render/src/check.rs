@@ -10,3 +10,43 @@ pub(crate) fn shape(name: &str, length: usize, [n_cols, n_rows]: [usize; 2]) -> 
     }
     Ok(())
 }
+
+/// Refuses an axis whose ends are not finite or do not ascend.
+pub(crate) fn ends(name: &str, [low, high]: [f64; 2]) -> Result<(), String> {
+    match low < high && (high - low).is_finite() {
+        true => Ok(()),
+        false => Err(format!("cannot draw `{name}` from {low} to {high}: the ends must be finite and ascend")),
+    }
+}
+
+/// Refuses the first thing that is not as `wanted`, by its name.
+pub(crate) fn each<'a, T>(
+    things: &'a [T],
+    is_good: impl Fn(&T) -> bool,
+    name: impl Fn(&'a T) -> &'a str,
+    wanted: &str,
+) -> Result<(), String> {
+    match things.iter().find(|thing| !is_good(thing)) {
+        Some(bad) => Err(format!("cannot draw `{}`: wanted {wanted}", name(bad))),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_drawn_is_refused() {
+        assert!(shape("mask", 6, [3, 2]).is_ok());
+        assert!(shape("mask", 5, [3, 2]).is_err_and(|e| e.contains("mask has 5")));
+        assert!(shape("mask", 0, [0, 2]).is_err_and(|e| e.contains("it is empty")));
+        assert!(ends("x", [0.0, 1e-9]).is_ok());
+        for [low, high] in [[1.0, 1.0], [1.0, 0.0], [f64::NAN, 1.0], [0.0, f64::INFINITY], [-f64::MAX, f64::MAX]] {
+            assert!(ends("x", [low, high]).is_err(), "{low} {high}");
+        }
+        assert!(
+            each(&["a", "bc"], |word| word.len() == 1, |word| word, "one letter").is_err_and(|e| e.contains("`bc`"))
+        );
+    }
+}

@@ -7,7 +7,8 @@ use glam::{DVec2, DVec3};
 
 use super::city_solids::Solids;
 use super::colors;
-use super::z_buffer::{Projection, View, ZBuffer};
+use super::paint::narrow;
+use super::z_buffer::{Projection, View, ZBuffer, samples};
 
 /// Towards the sun: west-south-west, 40° high.
 const SUN: DVec3 = DVec3::new(-0.72, -0.25, 0.64);
@@ -37,19 +38,13 @@ impl Atmosphere {
         let eye = 0.5 * solids.size + sun * reach;
         let mut shadow_view = View::new(Projection::Parallel, eye, -sun, DVec3::Z);
         let used = solids.fit(&mut shadow_view, DVec2::splat(SHADOW_SIDE), 2.0);
-        let shadow_size = [used.x, used.y].map(|side| colors::index(side.ceil(), 4000).max(1));
-        let shadow = solids.buffer(&shadow_view, shadow_size);
+        let shadow = solids.buffer(&shadow_view, samples(used));
 
         let longer = solids.size.x.max(solids.size.y).max(1e-9);
-        let gloom_size =
-            [solids.size.x, solids.size.y].map(|side| colors::index((side / longer * GLOOM_SIDE).ceil(), 4000).max(1));
+        let gloom_size = samples(solids.size.truncate() / longer * GLOOM_SIDE);
         let gloom_step = DVec2::new(solids.size.x / gloom_size[0] as f64, solids.size.y / gloom_size[1] as f64);
-        let above = DVec3::new(0.0, 0.0, solids.size.z + 1.0);
-        let mut plan = View::new(Projection::Parallel, above, DVec3::NEG_Z, DVec3::Y);
-        let corners = [DVec3::ZERO, DVec3::new(solids.size.x, solids.size.y, 0.0)];
-        plan.fit(corners.into_iter(), DVec2::new(gloom_size[0] as f64, gloom_size[1] as f64), 0.0);
-        let roofs = solids.buffer(&plan, gloom_size);
-        let top = super::paint::narrow(above.z);
+        let roofs = solids.buffer(&solids.view_from_above(gloom_size), gloom_size);
+        let top = narrow(solids.size.z + 1.0);
         let mut gloom: Vec<f32> = roofs.depth.iter().map(|d| if d.is_finite() { top + d } else { 0.0 }).collect();
         for _ in 0..2 {
             blur_rows(&mut gloom, gloom_size[0], 4);
@@ -121,20 +116,4 @@ fn blur_rows(values: &mut [f32], n_cols: usize, reach: usize) {
 fn transposed(values: &[f32], n_cols: usize) -> Vec<f32> {
     let n_rows = values.len() / n_cols;
     (0..values.len()).map(|k| values[k % n_rows * n_cols + k / n_rows]).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::city_solids::{CityModel, block};
-
-    #[test]
-    fn shadows_fall_away_from_the_sun() {
-        let prisms = [block(40.0, 40.0, 20.0, 30.0)];
-        let solids = Solids::new(&CityModel::Prisms(&prisms), [0.0, 0.0, 100.0, 100.0]);
-        let atmosphere = Atmosphere::new(&solids);
-        let shadow = atmosphere.light(DVec3::new(70.0, 52.0, 0.0), DVec3::Z);
-        let sunny = atmosphere.light(DVec3::new(20.0, 20.0, 0.0), DVec3::Z);
-        assert!(shadow < 0.7 && sunny > 0.85, "{shadow} and {sunny}");
-    }
 }

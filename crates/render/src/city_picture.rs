@@ -3,12 +3,13 @@
 use glam::DVec3;
 
 use super::check;
-use super::city_solids::{CityModel, CityPrism, Solids};
+use super::city_solids::{CityHeights, CityModel, CityPrism, Solids};
 use super::city_view;
-use super::colors::{INK, Ramp};
+use super::colors::Ramp;
 use super::furniture::{self, DETAIL, NAME, Scale};
 use super::lettering::{Anchor, Type};
 use super::page::{MARGIN, Page};
+use super::plot::{self, Axis, Direction, Span};
 use super::sheet::{self, Drawing, Sheet};
 use super::z_buffer::View;
 
@@ -90,52 +91,39 @@ fn check(picture: &CityPicture<'_>) -> Result<(), String> {
         return Err(format!("cannot draw a city of {} × {} m: both sides must be above 0 m", sides[0], sides[1]));
     }
     if sides[0] > 50.0 * sides[1] || sides[1] > 50.0 * sides[0] {
-        return Err(format!(
-            "cannot draw a city of {} × {} m: one side is over 50 times the other",
-            sides[0], sides[1]
-        ));
+        let [width, height] = sides;
+        return Err(format!("cannot draw a city of {width} × {height} m: one side is over 50 times the other"));
     }
     match picture.model {
-        CityModel::Prisms(prisms) => {
-            if prisms.len() >= (1 << 24) - 2 {
-                return Err(format!("cannot draw {} buildings: at most 16777213", prisms.len()));
-            }
-            let bad = |p: &CityPrism| {
-                let corners = p.rings.iter().flatten().chain(p.roof_triangles.iter().flatten());
-                !(p.base_m.is_finite() && p.top_m.is_finite() && corners.flatten().all(|c| c.is_finite()))
-            };
-            if let Some(i) = prisms.iter().position(bad) {
-                return Err(format!("cannot draw building {i}: a coordinate or height is not finite"));
-            }
+        CityModel::Prisms(prisms) if prisms.len() >= (1 << 24) - 2 => {
+            Err(format!("cannot draw {} buildings: at most 16777213", prisms.len()))
         }
-        CityModel::Heights(heights) => {
-            let n_cells = [heights.n_cols, heights.n_rows];
-            check::shape("surface", heights.surface_m.len(), n_cells)?;
-            check::shape("ground", heights.ground_m.len(), n_cells)?;
+        CityModel::Prisms(prisms) => {
+            let is_good = |p: &CityPrism| {
+                let mut corners = p.rings.iter().flatten().chain(p.roof_triangles.iter().flatten());
+                p.base_m.is_finite() && p.top_m.is_finite() && corners.all(|c| c.iter().all(|m| m.is_finite()))
+            };
+            check::each(prisms, is_good, |_| "a building", "finite coordinates and heights")
+        }
+        CityModel::Heights(CityHeights { n_cols, n_rows, surface_m, ground_m }) => {
+            check::shape("surface", surface_m.len(), [n_cols, n_rows])?;
+            check::shape("ground", ground_m.len(), [n_cols, n_rows])
         }
     }
-    Ok(())
 }
 
 /// Frame, ticks and names of the plan's axes, the origin at the plan's top left corner.
-fn plan_axes([west, south, east, north]: [f64; 4], [w, h]: [f64; 2]) -> Drawing {
+fn plan_axes([west, south, east, north]: [f64; 4], size: [f64; 2]) -> Drawing {
+    let axis = |name: &str, low: f64, high: f64, direction: Direction, length: f64| {
+        let ticks = furniture::ticks(low, high, (length / 170.0).clamp(2.0, 6.0));
+        Axis { has_grid: false, ..Span::linear(low, high).axis_at(name, direction, length, ticks) }
+    };
+    let x = Axis { name_at: 66.0, ..axis("x, east [m]", west, east, Direction::Across, size[0]) };
+    let y = Axis { name_at: 82.0, ..axis("y, north [m]", south, north, Direction::Up, size[1]) };
     let mut drawing = Drawing::default();
-    drawing.rect([-0.8, -0.8, w + 1.6, h + 1.6], &furniture::frame());
-    let tick = format!("stroke=\"{INK}\" stroke-width=\"1.6\"");
-    let number = Type { anchor: Anchor::Middle, ..DETAIL };
-    let wanted = |px: f64| (px / 170.0).clamp(2.0, 6.0);
-    for (value, text) in furniture::ticks(west, east, wanted(w)) {
-        let x = w * (value - west) / (east - west);
-        drawing.line([x, h], [x, h + 8.0], &tick);
-        drawing.text(x, h + 32.0, number, &text);
-    }
-    for (value, text) in furniture::ticks(south, north, wanted(h)) {
-        let y = h * (north - value) / (north - south);
-        drawing.line([-8.0, y], [0.0, y], &tick);
-        drawing.text(-14.0, y + 8.0, Type { anchor: Anchor::End, ..DETAIL }, &text);
-    }
-    drawing.text(w / 2.0, h + 66.0, Type { color: INK, ..number }, "x, east [m]");
-    drawing.text_upward(-82.0, h / 2.0, Type { color: INK, ..number }, "y, north [m]");
+    furniture::frame(&mut drawing, [0.0; 2], size);
+    drawing.add(&plot::axes(size, &x, &Axis::default()));
+    drawing.add(&plot::axes(size, &Axis::default(), &y));
     drawing
 }
 
@@ -144,32 +132,8 @@ fn view_north(view: &View) -> Drawing {
     let [east, north] = [DVec3::X, DVec3::Y].map(|direction| view.direction(direction));
     let at = |x: f64, y: f64| (east * x * 46.0 + north * y * 46.0).to_array();
     let mut drawing = Drawing::default();
-    drawing.polygon(&[at(0.0, 1.0), at(0.34, -0.7), at(0.0, -0.4)], &format!("fill=\"{INK}\""));
-    let light = format!("fill=\"#FFFFFF\" stroke=\"{INK}\" stroke-width=\"1.6\" stroke-linejoin=\"round\"");
-    drawing.polygon(&[at(0.0, 1.0), at(-0.34, -0.7), at(0.0, -0.4)], &light);
+    furniture::north_halves(&mut drawing, at(0.0, 1.0), at(0.34, -0.7), at(-0.34, -0.7), at(0.0, -0.4));
     let tip = at(0.0, 1.0);
     drawing.text(tip[0], tip[1] - 9.0, Type { anchor: Anchor::Middle, size: 22.0, ..NAME }, "N");
     drawing
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::city_solids::{CityHeights, block};
-
-    #[test]
-    fn what_cannot_be_drawn_is_refused() {
-        let whole = [block(0.0, 0.0, 9.0, 9.0)];
-        let bent = [block(0.0, 0.0, 9.0, f64::NAN)];
-        let raster = CityHeights { n_cols: 2, n_rows: 2, surface_m: &[0.0; 3], ground_m: &[0.0; 4] };
-        for (extent_m, model, words) in [
-            ([0.0, 0.0, 0.0, 10.0], CityModel::Prisms(&whole), "above 0 m"),
-            ([0.0, 0.0, 10.0, 501.0], CityModel::Prisms(&whole), "over 50 times"),
-            ([0.0, 0.0, 10.0, 10.0], CityModel::Prisms(&bent), "building 0"),
-            ([0.0, 0.0, 10.0, 10.0], CityModel::Heights(raster), "surface has 3"),
-        ] {
-            let drawn = draw_city(&CityPicture { title: "", caption: &[], extent_m, model });
-            assert!(drawn.is_err_and(|e| e.contains(words)), "{words}");
-        }
-    }
 }

@@ -5,8 +5,8 @@
 use glam::{DVec2, DVec3};
 
 use super::colors;
-use super::paint::quantiles;
-use super::z_buffer::{View, ZBuffer};
+use super::paint::{narrow, quantiles};
+use super::z_buffer::{Projection, View, ZBuffer};
 
 /// A column rises above its ground by more than this \[m\] if it is a building.
 const BUILDING_THRESHOLD_M: f64 = 0.25;
@@ -55,12 +55,6 @@ pub(crate) const OWNER: u32 = (1 << OWNER_BITS) - 1;
 pub(crate) const GROUND: u32 = OWNER;
 pub(crate) const PLATE: u32 = OWNER - 1;
 
-/// A face: three or four corners.
-struct Face<'a> {
-    corners: &'a [DVec3],
-    tag: u32,
-}
-
 /// The solids of a city around a local origin, ready to be drawn from any side.
 #[derive(Debug)]
 pub(crate) struct Solids<'a> {
@@ -102,22 +96,16 @@ impl<'a> Solids<'a> {
         }
     }
 
-    /// Returns the heights of all buildings above their ground \[m\].
-    pub(crate) fn building_heights(&self) -> Vec<f32> {
-        match &self.model {
-            Columns::Prisms(prisms) => prisms.iter().map(|p| super::paint::narrow(p.top_m - p.base_m)).collect(),
+    /// Returns the heights that the color scale spans, and whether some buildings are taller.
+    pub(crate) fn height_scale(&self) -> (f64, bool) {
+        let heights: Vec<f32> = match &self.model {
+            Columns::Prisms(prisms) => prisms.iter().map(|p| narrow(p.top_m - p.base_m)).collect(),
             Columns::Raster { tops, .. } => {
                 let heights = tops.iter().map(|[_, height]| *height);
                 heights.filter(|&h| f64::from(h) > BUILDING_THRESHOLD_M).collect()
             }
-        }
-    }
-
-    /// Returns the heights that the color scale spans, and whether some buildings are taller.
-    pub(crate) fn height_scale(&self) -> (f64, bool) {
-        let heights = self.building_heights();
-        let (_, most) = quantiles(heights.clone(), 0.0, 1.0).unwrap_or((0.0, 1.0));
-        let (_, usual) = quantiles(heights, 0.0, 0.985).unwrap_or((0.0, 1.0));
+        };
+        let [usual, most] = quantiles(heights, [0.985, 1.0]).unwrap_or([1.0; 2]);
         if most <= 1.35 * usual { (most.max(1.0), false) } else { (usual.max(1.0), true) }
     }
 
@@ -136,24 +124,30 @@ impl<'a> Solids<'a> {
         }
     }
 
-    fn plate_thickness(&self) -> f64 {
-        0.012 * self.size.x.max(self.size.y)
+    /// Corners of the plate that the city stands on, counterclockwise from the south-west, and the height of its foot.
+    fn plate(&self) -> ([DVec2; 4], f64) {
+        let DVec3 { x: w, y: d, .. } = self.size;
+        ([[0.0, 0.0], [w, 0.0], [w, d], [0.0, d]].map(DVec2::from), -0.012 * w.max(d))
     }
 
-    /// Calls `draw` with each face that `view` may see, in local coordinates.
-    fn faces(&self, view: &View, mut draw: impl FnMut(Face<'_>)) {
-        let DVec3 { x: w, y: d, .. } = self.size;
-        let floor = -self.plate_thickness();
-        let corners = [[0.0, 0.0], [w, 0.0], [w, d], [0.0, d]].map(DVec2::from);
-        let outward = [DVec2::NEG_Y, DVec2::X, DVec2::Y, DVec2::NEG_X];
-        for k in 0..4 {
-            let (from, to) = (corners[k], corners[(k + 1) % 4]);
-            let wall = [from.extend(0.0), to.extend(0.0), to.extend(floor), from.extend(floor)];
-            draw(Face { corners: &wall, tag: wall_tag(outward[k], PLATE) });
+    /// Looks straight down, north up, so that the extent fills `size` \[px\].
+    pub(crate) fn view_from_above(&self, size: [usize; 2]) -> View {
+        let above = DVec3::new(0.0, 0.0, self.size.z + 1.0);
+        let mut view = View::new(Projection::Parallel, above, DVec3::NEG_Z, DVec3::Y);
+        let corners = [DVec3::ZERO, DVec3::new(self.size.x, self.size.y, 0.0)];
+        view.fit(corners.into_iter(), DVec2::new(size[0] as f64, size[1] as f64), 0.0);
+        view
+    }
+
+    /// Calls `draw` with the corners and the tag of each face that `view` may see, in local coordinates.
+    fn faces(&self, view: &View, mut draw: impl FnMut(&[DVec3], u32)) {
+        let (corners, floor) = self.plate();
+        for (k, outward) in SIDES.into_iter().enumerate() {
+            draw(&wall(corners[k], corners[(k + 1) % 4], [0.0, floor]), wall_tag(outward, PLATE));
         }
         match &self.model {
             Columns::Prisms(prisms) => {
-                draw(Face { corners: &corners.map(|c| c.extend(0.0)), tag: GROUND });
+                draw(&corners.map(|c| c.extend(0.0)), GROUND);
                 for (i, prism) in prisms.iter().enumerate() {
                     let owner = u32::try_from(i + 1).unwrap_or(OWNER).min(PLATE - 1);
                     self.prism_faces(prism, owner, &mut draw);
@@ -163,21 +157,19 @@ impl<'a> Solids<'a> {
         }
     }
 
-    fn prism_faces(&self, prism: &CityPrism, owner: u32, draw: &mut impl FnMut(Face<'_>)) {
+    fn prism_faces(&self, prism: &CityPrism, owner: u32, draw: &mut impl FnMut(&[DVec3], u32)) {
         let (base, top) = (prism.base_m - self.origin.z, prism.top_m - self.origin.z);
         let local = |p: [f64; 2]| DVec2::from(p) - self.origin.truncate();
         for triangle in &prism.roof_triangles {
-            draw(Face { corners: &triangle.map(|p| local(p).extend(top)), tag: owner });
+            draw(&triangle.map(|p| local(p).extend(top)), owner);
         }
         for ring in &prism.rings {
             for (i, &from) in ring.iter().enumerate() {
                 let (from, to) = (local(from), local(ring[(i + 1) % ring.len()]));
                 let outward = (to - from).perp();
-                if outward == DVec2::ZERO {
-                    continue;
+                if outward != DVec2::ZERO {
+                    draw(&wall(from, to, [top, base]), wall_tag(outward, owner));
                 }
-                let wall = [from.extend(top), to.extend(top), to.extend(base), from.extend(base)];
-                draw(Face { corners: &wall, tag: wall_tag(outward, owner) });
             }
         }
     }
@@ -188,7 +180,7 @@ impl<'a> Solids<'a> {
         n_cols: usize,
         n_rows: usize,
         view: &View,
-        draw: &mut impl FnMut(Face<'_>),
+        draw: &mut impl FnMut(&[DVec3], u32),
     ) {
         let step = DVec2::new(self.size.x / n_cols as f64, self.size.y / n_rows as f64);
         let top_of = |row: usize, col: usize| f64::from(tops[row * n_cols + col][0]) - self.origin.z;
@@ -199,10 +191,10 @@ impl<'a> Solids<'a> {
         };
         for row in 0..n_rows {
             // Neighbors of equal height share one roof.
+            let bits = |col: usize| tops[row * n_cols + col].map(f32::to_bits);
             let mut run = 0;
             for col in 0..n_cols {
-                let same = |k: usize| tops[row * n_cols + col][k].to_bits() == tops[row * n_cols + run][k].to_bits();
-                if !(same(0) && same(1)) {
+                if bits(col) != bits(run) {
                     run = col;
                 }
                 let top = top_of(row, col);
@@ -210,26 +202,20 @@ impl<'a> Solids<'a> {
                     continue;
                 }
                 let owner = u32::try_from(row * n_cols + col + 1).unwrap_or(OWNER).min(PLATE - 1);
-                let is_last = col + 1 == n_cols
-                    || (0..2)
-                        .any(|k| tops[row * n_cols + col + 1][k].to_bits() != tops[row * n_cols + col][k].to_bits());
-                if is_last {
-                    draw(Face { corners: &box_of(row, run, col + 1).map(|c| c.extend(top)), tag: owner });
+                if col + 1 == n_cols || bits(col + 1) != bits(col) {
+                    draw(&box_of(row, run, col + 1).map(|c| c.extend(top)), owner);
                 }
                 let corners = box_of(row, col, col + 1);
-                let low = corners[0];
                 let neighbors = [
-                    (DVec2::NEG_Y, (row + 1 < n_rows).then(|| top_of(row + 1, col))),
-                    (DVec2::X, (col + 1 < n_cols).then(|| top_of(row, col + 1))),
-                    (DVec2::Y, (row > 0).then(|| top_of(row - 1, col))),
-                    (DVec2::NEG_X, (col > 0).then(|| top_of(row, col - 1))),
+                    (row + 1 < n_rows).then(|| top_of(row + 1, col)),
+                    (col + 1 < n_cols).then(|| top_of(row, col + 1)),
+                    (row > 0).then(|| top_of(row - 1, col)),
+                    (col > 0).then(|| top_of(row, col - 1)),
                 ];
-                for (k, (outward, neighbor)) in neighbors.into_iter().enumerate() {
+                for (k, (outward, neighbor)) in SIDES.into_iter().zip(neighbors).enumerate() {
                     let foot = neighbor.filter(|z| z.is_finite()).unwrap_or(0.0);
-                    if foot < top && view.sees(low.extend(top), outward.extend(0.0)) {
-                        let (from, to) = (corners[k], corners[(k + 1) % 4]);
-                        let wall = [from.extend(top), to.extend(top), to.extend(foot), from.extend(foot)];
-                        draw(Face { corners: &wall, tag: wall_tag(outward, owner) });
+                    if foot < top && view.sees(corners[0].extend(top), outward.extend(0.0)) {
+                        draw(&wall(corners[k], corners[(k + 1) % 4], [top, foot]), wall_tag(outward, owner));
                     }
                 }
             }
@@ -239,14 +225,10 @@ impl<'a> Solids<'a> {
     /// Draws all faces into a buffer of `size` \[px\].
     pub(crate) fn buffer(&self, view: &View, size: [usize; 2]) -> ZBuffer {
         let mut buffer = ZBuffer::new(size[0], size[1]);
-        self.faces(view, |face| {
-            let at = |k: usize| view.project(face.corners[k]);
-            let first = at(0);
-            let mut previous = at(1);
-            for k in 2..face.corners.len() {
-                let next = at(k);
-                buffer.triangle([first, previous, next], face.tag);
-                previous = next;
+        self.faces(view, |corners, tag| {
+            let first = view.project(corners[0]);
+            for pair in corners[1..].windows(2) {
+                buffer.triangle([first, view.project(pair[0]), view.project(pair[1])], tag);
             }
         });
         buffer
@@ -255,8 +237,7 @@ impl<'a> Solids<'a> {
     /// Fits a view to the plate and to the roofs, of a raster to every fourth.
     pub(crate) fn fit(&self, view: &mut View, size: DVec2, margin: f64) -> DVec2 {
         let DVec3 { x: w, y: d, .. } = self.size;
-        let floor = -self.plate_thickness();
-        let plate = [[0.0, 0.0], [w, 0.0], [w, d], [0.0, d]].map(DVec2::from);
+        let (plate, floor) = self.plate();
         let mut points: Vec<DVec3> = plate.iter().flat_map(|c| [c.extend(0.0), c.extend(floor)]).collect();
         match &self.model {
             Columns::Prisms(prisms) => {
@@ -300,6 +281,14 @@ fn thin<'a>(heights: &CityHeights<'_>) -> (Columns<'a>, f64, f64) {
         }
     }
     (Columns::Raster { tops, n_cols, n_rows }, low, high)
+}
+
+/// Which way the walls of a box look, the first one to the south.
+const SIDES: [DVec2; 4] = [DVec2::NEG_Y, DVec2::X, DVec2::Y, DVec2::NEG_X];
+
+/// The corners of a wall between two heights.
+fn wall(from: DVec2, to: DVec2, [top, foot]: [f64; 2]) -> [DVec3; 4] {
+    [from.extend(top), to.extend(top), to.extend(foot), from.extend(foot)]
 }
 
 /// Tags a wall: the direction of its normal in 254 steps around a square, which needs no angle.

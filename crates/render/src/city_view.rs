@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::city_light::Atmosphere;
 use super::city_solids::{GROUND, OWNER, OWNER_BITS, PLATE, Solids, normal_of};
 use super::colors::{self, Light, Ramp, Rgb};
-use super::z_buffer::{Projection, View, ZBuffer};
+use super::z_buffer::{Projection, View, ZBuffer, samples};
 
 /// Samples per pixel along one side.
 const SAMPLES: usize = 2;
@@ -19,11 +19,8 @@ const EYE: DVec3 = DVec3::new(-0.40, -0.80, 0.62);
 
 /// Draws the city from above, north up, filling `size` \[px\] without a margin.
 pub(crate) fn draw_plan(solids: &Solids<'_>, size: [usize; 2], tallest_m: f64) -> RgbaImage {
-    let above = DVec3::new(0.0, 0.0, solids.size.z + 1.0);
-    let mut view = View::new(Projection::Parallel, above, DVec3::NEG_Z, DVec3::Y);
-    let corners = [DVec3::ZERO, DVec3::new(solids.size.x, solids.size.y, 0.0)];
-    view.fit(corners.into_iter(), DVec2::new(size[0] as f64, size[1] as f64), 0.0);
-    let buffer = solids.buffer(&view.magnified(SAMPLES as f64), size.map(|n| n * SAMPLES));
+    let view = solids.view_from_above(size).magnified(SAMPLES as f64);
+    let buffer = solids.buffer(&view, size.map(|n| n * SAMPLES));
     let outlined = !solids.is_raster();
     resolve(&buffer, size, |tag, x, y| {
         let factor = if outlined && is_outline(&buffer, tag, x, y) { 0.55 } else { 1.0 };
@@ -38,7 +35,7 @@ pub(crate) fn draw_view(solids: &Solids<'_>, size: [usize; 2], tallest_m: f64) -
     let eye = center + EYE.normalize() * reach * 1.9;
     let mut view = View::new(Projection::Perspective, eye, center - eye, DVec3::Z);
     let used = solids.fit(&mut view, DVec2::new(size[0] as f64, size[1] as f64), 6.0);
-    let size = [used.x, used.y].map(|side| colors::index(side.ceil(), 4000).max(1));
+    let size = samples(used);
     let fine = view.magnified(SAMPLES as f64);
     let buffer = solids.buffer(&fine, size.map(|n| n * SAMPLES));
     let atmosphere = Atmosphere::new(solids);

@@ -49,47 +49,28 @@ pub(crate) const HAIRLINE: &str = "#AEB6BF";
 const BUILDING_TONES: [Rgb; 2] = [[0xDE, 0xE0, 0xE2], [0x7D, 0x81, 0x86]];
 
 /// Viridis (Smith, van der Walt, 2015; CC0) at seventeen equal steps.
-const VIRIDIS: [Rgb; 17] = [
-    [68, 1, 84],
-    [72, 24, 106],
-    [71, 45, 123],
-    [66, 64, 134],
-    [59, 82, 139],
-    [51, 99, 141],
-    [44, 114, 142],
-    [38, 130, 142],
-    [33, 145, 140],
-    [31, 160, 136],
-    [40, 174, 128],
-    [63, 188, 115],
-    [94, 201, 98],
-    [132, 212, 75],
-    [173, 220, 48],
-    [216, 226, 25],
-    [253, 231, 37],
-];
+const VIRIDIS: [Rgb; 17] = colors([
+    0x440154, 0x48186A, 0x472D7B, 0x424086, 0x3B528B, 0x33638D, 0x2C728E, 0x26828E, 0x21918C, 0x1FA088, 0x28AE80,
+    0x3FBC73, 0x5EC962, 0x84D44B, 0xADDC30, 0xD8E219, 0xFDE725,
+]);
 /// How many of eight moves turn an answer: cream for none, then Inferno (Smith, van der Walt, 2015; CC0) from light to dark.
-pub(crate) const TURNS: [Rgb; 9] = [
-    [0xF6, 0xF1, 0xE0],
-    [249, 201, 50],
-    [249, 142, 9],
-    [229, 92, 48],
-    [187, 55, 84],
-    [137, 34, 106],
-    [87, 16, 110],
-    [45, 11, 89],
-    [8, 5, 29],
-];
+pub(crate) const TURNS: [Rgb; 9] =
+    colors([0xF6F1E0, 0xF9C932, 0xF98E09, 0xE55C30, 0xBB3754, 0x89226A, 0x57106E, 0x2D0B59, 0x08051D]);
 const DIVERGING: [Rgb; 5] = [[0x7F, 0x4A, 0x00], NLOS, [0xF6, 0xF4, 0xEF], LOS, [0x00, 0x2F, 0x4C]];
 const SEEN: [Rgb; 4] = [[0xB4, 0xDB, 0xF2], [0x5A, 0xA9, 0xDB], LOS, [0x00, 0x3A, 0x5E]];
-const HEIGHT: [Rgb; 6] = [
-    [0xD3, 0xEE, 0xCD],
-    [0x94, 0xD9, 0xBE],
-    [0x4F, 0xB9, 0xBE],
-    [0x3B, 0x8D, 0xB8],
-    [0x45, 0x5C, 0xA0],
-    [0x32, 0x1D, 0x4F],
-];
+const HEIGHT: [Rgb; 6] = colors([0xD3EECD, 0x94D9BE, 0x4FB9BE, 0x3B8DB8, 0x455CA0, 0x321D4F]);
+
+/// Colors written as one number each, 0xRRGGBB.
+const fn colors<const N: usize>(numbers: [u32; N]) -> [Rgb; N] {
+    let mut colors = [[0; 3]; N];
+    let mut k = 0;
+    while k < N {
+        let [_, rgb @ ..] = numbers[k].to_be_bytes();
+        colors[k] = rgb;
+        k += 1;
+    }
+    colors
+}
 
 /// A continuous color scale over 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -128,13 +109,15 @@ impl Ramp {
     }
 }
 
-/// Returns the color of `seen` out of `n_sites` UAVs: orange for none, blue for one of one, else a pale to deep blue.
-pub(crate) fn count_color(seen: u32, n_sites: u32) -> Rgb {
-    match (seen, n_sites) {
+/// Returns the colors of cells that none, one, two … all of `n_sites` UAVs see: orange for none, blue for one of one, else
+/// pale to deep blue.
+pub(crate) fn count_colors(n_sites: u32) -> Vec<Rgb> {
+    let color = |seen| match (seen, n_sites) {
         (0, _) => NLOS,
-        (_, 0 | 1) => LOS,
+        (_, 1) => LOS,
         _ => Ramp::Seen.at(f64::from(seen - 1) / f64::from(n_sites - 1)),
-    }
+    };
+    (0..=n_sites).map(color).collect()
 }
 
 /// Mixes `a` and `b` in the sRGB space; `t` = 0 gives `a`.
@@ -150,6 +133,11 @@ pub(crate) fn shade(color: Rgb, factor: f64) -> Rgb {
 /// Writes a color as SVG wants it, `#RRGGBB`.
 pub(crate) fn hex(color: Rgb) -> String {
     format!("#{:02X}{:02X}{:02X}", color[0], color[1], color[2])
+}
+
+/// The attribute of what is filled with a color.
+pub(crate) fn fill(color: Rgb) -> String {
+    format!("fill=\"{}\"", hex(color))
 }
 
 /// Returns the text color that contrasts more with a color, white or ink.
@@ -265,36 +253,18 @@ mod tests {
     }
 
     #[test]
-    fn the_more_moves_turn_an_answer_the_darker_it_is() {
-        assert!(TURNS.map(lightness).windows(2).all(|pair| pair[0] > pair[1]));
-    }
-
-    #[test]
-    fn the_colors_of_a_pair_differ_in_lightness() {
-        let mut of_pair = PAIR.map(lightness);
-        of_pair.sort_by(f64::total_cmp);
+    fn the_classes_of_a_picture_differ_in_lightness() {
         // WCAG's contrast of neighbors; buildings are gray, so hue tells them apart.
-        for pair in of_pair.windows(2) {
-            assert!((pair[1] + 0.05) / (pair[0] + 0.05) > 1.4, "{of_pair:?}");
-        }
-    }
-
-    #[test]
-    fn the_classes_of_a_map_differ_in_lightness() {
-        for colors in [&ONLY_COLORS[..], &ALONE_COLORS, &LEAST_HEIGHT_COLORS] {
+        let classes = [&ONLY_COLORS[..], &ALONE_COLORS, &LEAST_HEIGHT_COLORS];
+        for (colors, least) in classes.map(|colors| (colors, 1.2)).into_iter().chain([(&PAIR[..], 1.4), (&TURNS, 1.0)])
+        {
             let mut of_all: Vec<f64> = colors.iter().map(|color| lightness(*color)).collect();
             of_all.sort_by(f64::total_cmp);
             for pair in of_all.windows(2) {
-                assert!((pair[1] + 0.05) / (pair[0] + 0.05) > 1.2, "{of_all:?}");
+                assert!((pair[1] + 0.05) / (pair[0] + 0.05) > least, "{of_all:?}");
             }
         }
-    }
-
-    #[test]
-    fn counts_start_at_orange_and_one_site_is_plain_line_of_sight() {
-        assert_eq!(count_color(0, 3), NLOS);
-        assert_eq!(count_color(1, 1), LOS);
-        assert!(lightness(count_color(1, 3)) > lightness(count_color(3, 3)));
+        assert!(TURNS.map(lightness).is_sorted_by(|a, b| a > b), "the more moves turn an answer the darker it is");
     }
 
     #[test]

@@ -38,14 +38,10 @@ impl Field<'_> {
         while let Some(start) = joined.keys().next().copied() {
             let mut line = VecDeque::from([start]);
             // From the start in one direction, then in the other.
-            for forward in [true, false] {
+            for push in [VecDeque::push_back, VecDeque::push_front] {
                 let mut at = start;
                 while let Some(next) = take(&mut joined, at) {
-                    if forward {
-                        line.push_back(next)
-                    } else {
-                        line.push_front(next)
-                    }
+                    push(&mut line, next);
                     at = next;
                 }
             }
@@ -63,13 +59,10 @@ impl Field<'_> {
         // Around the square; edge k is between corners k and k + 1.
         let corners = [(row, col), (row, col + 1), (row + 1, col + 1), (row + 1, col)];
         let edges: [Edge; 4] = [(row, col, false), (row, col + 1, true), (row + 1, col, false), (row, col, true)];
-        let mut values = [0.0; 4];
-        for (value, (row, col)) in values.iter_mut().zip(corners) {
-            match self.value(row, col) {
-                Some(known) => *value = known,
-                None => return Vec::new(),
-            }
-        }
+        let [Some(a), Some(b), Some(c), Some(d)] = corners.map(|(row, col)| self.value(row, col)) else {
+            return Vec::new();
+        };
+        let values = [a, b, c, d];
         let above = values.map(|v| v >= level);
         let crossed: Vec<usize> = (0..4).filter(|k| above[*k] != above[(k + 1) % 4]).collect();
         match crossed[..] {

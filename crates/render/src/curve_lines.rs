@@ -1,13 +1,11 @@
 //! The lines of a panel of curves: bands, strokes, error bars and markers, cut off at the frame.
 
-use super::line_look::{LineLook, LineStyle};
-use super::plot_axis::Span;
+use super::line_look::{LineLook, LineStyle, MARKER};
+use super::plot::{SLACK, Window};
 use super::sheet::Drawing;
 
 /// Between the markers of one solid line along the horizontal axis \[px\].
 const MARKER_STEP: f64 = 26.0;
-/// A point so little outside the frame lies on it \[px\].
-const SLACK: f64 = 0.5;
 
 /// A line of a plot. Lines with the same label in several panels share one entry of the legend.
 #[derive(Clone, Copy, Debug)]
@@ -35,30 +33,12 @@ pub struct CurvePoint {
     pub low_high: Option<(f64, f64)>,
 }
 
-/// How values map to a plot.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Window {
-    /// Width and height \[px\].
-    pub(crate) size: [f64; 2],
-    /// Values from left to right.
-    pub(crate) x: Span,
-    /// Values from the bottom up.
-    pub(crate) y: Span,
-}
-
-impl Window {
-    /// Place of a value from the top left of the frame \[px\].
-    pub(crate) fn at(&self, x: f64, y: f64) -> [f64; 2] {
-        [self.x.share(x) * self.size[0], (1.0 - self.y.share(y)) * self.size[1]]
-    }
-
-    fn shows(&self, [x, y]: [f64; 2]) -> bool {
-        let within = |value: f64, length: f64| (-SLACK..=length + SLACK).contains(&value);
-        within(x, self.size[0]) && within(y, self.size[1])
-    }
-}
-
 impl CurveLine<'_> {
+    /// How it looks.
+    pub(crate) fn style(&self) -> LineStyle {
+        LineStyle::new(self.look, self.color_index)
+    }
+
     /// What its stroke goes through.
     fn stroked(&self) -> &[CurvePoint] {
         if self.through.is_empty() { self.points } else { self.through }
@@ -66,59 +46,73 @@ impl CurveLine<'_> {
 }
 
 /// Draws lines, the first of them on top: behind all bands, then strokes, then error bars and hollow markers.
-pub(crate) fn lines(lines: &[CurveLine<'_>], styles: &[LineStyle], window: &Window) -> Drawing {
+pub(crate) fn lines(lines: &[CurveLine<'_>], window: &Window) -> Drawing {
     let mut drawing = Drawing::default();
-    let both = || lines.iter().zip(styles).rev();
-    for (line, style) in both().filter(|(_, style)| style.has_line()) {
-        for run in runs(line.stroked(), |p| p.y.and(p.low_high)) {
-            let upper = run.iter().map(|(x, (_, high))| window.at(*x, *high));
-            let lower = run.iter().rev().map(|(x, (low, _))| window.at(*x, *low));
-            let area = clip_area(upper.chain(lower).collect(), window.size);
-            if area.len() > 2 {
-                drawing.polygon(&area, &style.band());
-            }
-        }
+    let styled = lines.iter().rev().map(|line| (line, line.style()));
+    let (joined, mut apart): (Vec<_>, Vec<_>) = styled.partition(|(_, style)| style.has_line());
+    for (line, style) in &joined {
+        bands(&mut drawing, line, style, window);
     }
-    for (line, style) in both().filter(|(_, style)| style.has_line()) {
-        for run in runs(line.stroked(), |p| p.y) {
-            let points: Vec<[f64; 2]> = run.iter().map(|(x, y)| window.at(*x, *y)).collect();
-            match points[..] {
-                // Between two gaps there is nothing to join.
-                [at] if window.shows(at) && !style.has_markers() => {
-                    drawing.circle(at, 3.0, &format!("fill=\"{}\"", style.color));
-                }
-                _ => {
-                    for piece in clip_line(&points, window.size) {
-                        drawing.polyline(&piece, &style.stroke());
-                    }
-                }
-            }
-        }
+    for (line, style) in &joined {
+        strokes(&mut drawing, line, style, window);
         if style.has_markers() {
-            let mut last = f64::NEG_INFINITY;
-            for at in line.points.iter().filter_map(|p| p.y.map(|y| window.at(p.x, y))) {
-                if window.shows(at) && at[0] - last >= MARKER_STEP {
-                    style.draw_marker(&mut drawing, at);
-                    last = at[0];
-                }
-            }
+            markers(&mut drawing, line, style, window);
         }
     }
     // Estimates, and over them what was measured.
-    let mut marked: Vec<_> = both().filter(|(_, style)| !style.has_line()).collect();
-    marked.sort_by_key(|(_, style)| style.marker_gap() > 0.0);
-    for (line, style) in marked {
-        let mut last = [f64::NEG_INFINITY; 2];
-        for (point, y) in line.points.iter().filter_map(|p| p.y.map(|y| (p, y))) {
-            error_bar(&mut drawing, point, style, window);
-            let at = window.at(point.x, y);
-            if window.shows(at) && (at[0] - last[0]).hypot(at[1] - last[1]) >= style.marker_gap() {
-                style.draw_marker(&mut drawing, at);
-                last = at;
+    apart.sort_by_key(|(line, _)| line.look == LineLook::Points);
+    for (line, style) in &apart {
+        markers(&mut drawing, line, style, window);
+    }
+    drawing
+}
+
+fn bands(drawing: &mut Drawing, line: &CurveLine<'_>, style: &LineStyle, window: &Window) {
+    for run in runs(line.stroked(), |p| p.y.and(p.low_high)) {
+        let upper = run.iter().map(|(x, (_, high))| window.at(*x, *high));
+        let lower = run.iter().rev().map(|(x, (low, _))| window.at(*x, *low));
+        let area = clip_area(upper.chain(lower).collect(), window.size);
+        if area.len() > 2 {
+            drawing.polygon(&area, &style.band());
+        }
+    }
+}
+
+fn strokes(drawing: &mut Drawing, line: &CurveLine<'_>, style: &LineStyle, window: &Window) {
+    for run in runs(line.stroked(), |p| p.y) {
+        let points: Vec<[f64; 2]> = run.iter().map(|(x, y)| window.at(*x, *y)).collect();
+        match points[..] {
+            // Between two gaps there is nothing to join.
+            [at] if window.shows(at) && !style.has_markers() => {
+                drawing.circle(at, 3.0, &format!("fill=\"{}\"", style.color));
+            }
+            _ => {
+                let pieces = clip_line(&points, window.size);
+                pieces.iter().for_each(|piece| drawing.polyline(piece, &style.stroke()));
             }
         }
     }
-    drawing
+}
+
+/// Draws the points of a line, as far as they keep apart, and their intervals where no line has a band of them.
+fn markers(drawing: &mut Drawing, line: &CurveLine<'_>, style: &LineStyle, window: &Window) {
+    let mut last = [f64::NEG_INFINITY; 2];
+    for (point, y) in line.points.iter().filter_map(|p| p.y.map(|y| (p, y))) {
+        if !style.has_line() {
+            error_bar(drawing, point, style, window);
+        }
+        let at = window.at(point.x, y);
+        let [dx, dy] = [at[0] - last[0], at[1] - last[1]];
+        let is_apart = match line.look {
+            LineLook::Solid | LineLook::Dashed => dx >= MARKER_STEP,
+            LineLook::Points => dx.hypot(dy) >= 1.5 * MARKER,
+            LineLook::Markers => true,
+        };
+        if window.shows(at) && is_apart {
+            style.draw_marker(drawing, at);
+            last = at;
+        }
+    }
 }
 
 /// Draws the interval of a point; an end outside the frame has no cap.
@@ -135,20 +129,10 @@ fn error_bar(drawing: &mut Drawing, point: &CurvePoint, style: &LineStyle, windo
 }
 
 /// Stretches of points without a gap, each point with its abscissa.
-fn runs<T>(points: &[CurvePoint], value: impl Fn(&CurvePoint) -> Option<T>) -> Vec<Vec<(f64, T)>> {
-    let mut runs = vec![Vec::new()];
-    for point in points {
-        match value(point) {
-            Some(value) => {
-                if let Some(run) = runs.last_mut() {
-                    run.push((point.x, value));
-                }
-            }
-            None => runs.push(Vec::new()),
-        }
-    }
-    runs.retain(|run| !run.is_empty());
-    runs
+fn runs<T: Copy>(points: &[CurvePoint], value: impl Fn(&CurvePoint) -> Option<T>) -> Vec<Vec<(f64, T)>> {
+    let values: Vec<Option<(f64, T)>> = points.iter().map(|point| Some((point.x, value(point)?))).collect();
+    let runs = values.split(Option::is_none).map(|run| run.iter().flatten().copied().collect::<Vec<_>>());
+    runs.filter(|run| !run.is_empty()).collect()
 }
 
 /// The pieces of an open path inside a plot of this size (Liang & Barsky 1984, for each segment).
@@ -210,10 +194,10 @@ fn clip_area(mut area: Vec<[f64; 2]>, size: [f64; 2]) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plot::Span;
 
     fn window() -> Window {
-        let span = |low, high| Span { ends: [low, high], is_log: false };
-        Window { size: [100.0, 100.0], x: span(0.0, 10.0), y: span(0.0, 1.0) }
+        Window { size: [100.0, 100.0], x: Span::linear(0.0, 10.0), y: Span::linear(0.0, 1.0) }
     }
 
     fn point(x: f64, y: f64) -> CurvePoint {
@@ -222,7 +206,7 @@ mod tests {
 
     fn draw(look: LineLook, points: &[CurvePoint]) -> String {
         let line = CurveLine { label: "a", color_index: 0, look, points, through: &[] };
-        lines(&[line], &[LineStyle::new(look, 0)], &window()).svg
+        lines(&[line], &window()).svg
     }
 
     #[test]
@@ -235,16 +219,6 @@ mod tests {
         // A point between gaps is a dot, unless it has a marker.
         let svg = draw(LineLook::Dashed, &[gap, point(5.0, 0.5), CurvePoint { x: 6.0, ..gap }]);
         assert!(svg.contains("<circle") && !svg.contains("<polyline"), "{svg}");
-    }
-
-    #[test]
-    fn a_band_runs_along_the_upper_ends_and_back_along_the_lower_ones() {
-        let within = |x, low, high| CurvePoint { x, y: Some(0.5), low_high: Some((low, high)) };
-        let points = [within(0.0, 0.4, 0.6), within(5.0, 0.3, 0.8), within(10.0, 0.5, 0.5)];
-        let svg = draw(LineLook::Solid, &points);
-        assert!(svg.contains("<polygon points=\"0,40 50,20 100,50 100,50 50,70 0,60\""), "{svg}");
-        assert!(svg.find("<polygon") < svg.find("<polyline"), "the band lies behind the line");
-        assert!(!draw(LineLook::Solid, &[point(0.0, 0.1), point(1.0, 0.2)]).contains("<polygon"));
     }
 
     #[test]
@@ -263,31 +237,10 @@ mod tests {
     }
 
     #[test]
-    fn estimates_have_error_bars_with_caps_and_no_line() {
-        let estimate = CurvePoint { x: 5.0, y: Some(0.5), low_high: Some((0.4, 0.6)) };
-        let svg = draw(LineLook::Markers, &[estimate]);
-        assert_eq!((svg.matches("<line").count(), svg.matches("<circle").count()), (3, 1), "{svg}");
-        assert!(svg.contains("x1=\"50\" y1=\"60\" x2=\"50\" y2=\"40\"") && !svg.contains("<poly"), "{svg}");
-        // An end beyond the frame has no cap, a point beyond it no marker.
-        let svg = draw(LineLook::Markers, &[CurvePoint { low_high: Some((0.4, 1.2)), y: Some(1.1), ..estimate }]);
-        assert_eq!((svg.matches("<line").count(), svg.matches("<circle").count()), (2, 0), "{svg}");
-    }
-
-    #[test]
-    fn points_are_filled_markers_without_a_line_and_some_are_left_out_where_they_would_be_a_line() {
-        let points: Vec<CurvePoint> = (0..=2).map(|k| point(f64::from(k) * 5.0, 0.5)).collect();
-        let svg = draw(LineLook::Points, &points);
-        assert_eq!((svg.matches("<circle").count(), svg.matches("<polyline").count()), (3, 0), "{svg}");
-        assert!(!svg.contains("fill=\"none\""));
-        let dense: Vec<CurvePoint> = (0..=100).map(|k| point(f64::from(k) / 10.0, 0.5)).collect();
-        let n = draw(LineLook::Points, &dense).matches("<circle").count();
-        assert!((5..=9).contains(&n), "{n}");
-    }
-
-    #[test]
-    fn markers_of_a_solid_line_keep_apart() {
+    fn filled_markers_keep_apart_and_estimates_have_all() {
         let points: Vec<CurvePoint> = (0..=100).map(|k| point(f64::from(k) / 10.0, 0.5)).collect();
-        assert_eq!(draw(LineLook::Solid, &points).matches("<circle").count(), 4);
-        assert_eq!(draw(LineLook::Markers, &points).matches("<circle").count(), 101);
+        for (look, n) in [(LineLook::Points, 9), (LineLook::Solid, 4), (LineLook::Markers, 101)] {
+            assert_eq!(draw(look, &points).matches("<circle").count(), n, "{look:?}");
+        }
     }
 }

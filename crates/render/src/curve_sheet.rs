@@ -1,11 +1,11 @@
 //! Curves with confidence bands, estimates with error bars and models over them, in one plot or in small multiples.
 
-use super::curve_lines::{self, CurveLine, CurvePoint, Window};
+use super::check;
+use super::curve_lines::{self, CurveLine, CurvePoint};
 use super::legend;
-use super::line_look::LineStyle;
 use super::page::page;
 use super::panel_grid::{self, Panel};
-use super::plot_axis::{Direction, Span};
+use super::plot::{Direction, Span, Window};
 use super::sheet::Sheet;
 
 /// Most labels in a legend, and most lines in a panel.
@@ -55,8 +55,7 @@ fn frame_size(columns: usize) -> [f64; 2] {
 ///
 /// # Errors
 /// No panel or more than twelve, no column, more than 24 lines in a panel or labels in the legend, one label with two
-/// looks, ends of an axis that are not finite or not ascending, or a point that is not finite or not in ascending
-/// order.
+/// looks, or ends of an axis or points that are not finite or do not ascend.
 pub fn draw_curve_sheet(sheet: &CurveSheet<'_>) -> Result<Sheet, String> {
     panel_grid::check(sheet.panels.len(), sheet.columns)?;
     for panel in sheet.panels {
@@ -67,19 +66,14 @@ pub fn draw_curve_sheet(sheet: &CurveSheet<'_>) -> Result<Sheet, String> {
         return Err(format!("cannot draw a legend of {} lines: there may be up to {MOST_LINES}", entries.len()));
     }
     let size = frame_size(sheet.columns.min(sheet.panels.len()));
-    let style = |line: &CurveLine<'_>| {
-        let entry = entries.iter().find(|entry| entry.label() == line.label);
-        entry.map_or_else(|| LineStyle::new(line.look, line.color_index), |entry| entry.style)
-    };
     let panels = sheet.panels.iter().map(|panel| {
-        let span = |ends| Span { ends, is_log: false };
-        let window = Window { size, x: span(panel.x_ends), y: span(panel.y_ends) };
-        let styles: Vec<LineStyle> = panel.lines.iter().map(style).collect();
+        let [x, y] = [panel.x_ends, panel.y_ends].map(|[low, high]| Span::linear(low, high));
+        let window = Window { size, x, y };
         Panel {
             title: panel.title,
             x: window.x.axis(panel.x_name, Direction::Across, size[0]),
             y: window.y.axis(panel.y_name, Direction::Up, size[1]),
-            content: curve_lines::lines(panel.lines, &styles, &window),
+            content: curve_lines::lines(panel.lines, &window),
         }
     });
     let body = legend::with_legend(panel_grid::grid(panels.collect(), sheet.columns, size), &entries);
@@ -87,32 +81,17 @@ pub fn draw_curve_sheet(sheet: &CurveSheet<'_>) -> Result<Sheet, String> {
 }
 
 fn check(panel: &CurvePanel<'_>) -> Result<(), String> {
-    for (name, [low, high]) in [(panel.x_name, panel.x_ends), (panel.y_name, panel.y_ends)] {
-        if !(low.is_finite() && high.is_finite() && low < high && (high - low).is_finite()) {
-            return Err(format!("cannot draw `{name}` from {low} to {high}: the ends must be finite and ascend"));
-        }
-    }
+    check::ends(panel.x_name, panel.x_ends)?;
+    check::ends(panel.y_name, panel.y_ends)?;
     if panel.lines.len() > MOST_LINES {
         return Err(format!("cannot draw {} lines in one panel: there may be up to {MOST_LINES}", panel.lines.len()));
     }
-    panel.lines.iter().try_for_each(|line| {
-        let bad = |what: &str| Err(format!("cannot draw the line `{}`: {what}", line.label));
-        if !line.points.iter().all(is_finite) {
-            return bad("its points must be finite");
-        }
-        if !line.points.iter().all(|p| p.low_high.is_none_or(|(low, high)| low <= high)) {
-            return bad("the ends of its intervals must ascend");
-        }
-        if !line.points.windows(2).all(|pair| pair[0].x <= pair[1].x) {
-            return bad("its abscissas must not descend");
-        }
-        Ok(())
-    })
-}
-
-fn is_finite(point: &CurvePoint) -> bool {
-    let (low, high) = point.low_high.unwrap_or_default();
-    [point.x, point.y.unwrap_or_default(), low, high].iter().all(|v| v.is_finite())
+    let is_good = |point: &CurvePoint| {
+        let (low, high) = point.low_high.unwrap_or_default();
+        low <= high && [point.x, point.y.unwrap_or_default(), low, high].iter().all(|v| v.is_finite())
+    };
+    let are_good = |line: &CurveLine<'_>| line.points.iter().all(is_good) && line.points.is_sorted_by_key(|p| p.x);
+    check::each(panel.lines, are_good, |line| line.label, "finite points in ascending order with ascending intervals")
 }
 
 #[cfg(test)]
@@ -134,35 +113,23 @@ mod tests {
         CurvePanel { title: "(a) Urban", x_name, x_ends: [0.0, 90.0], y_name: "P_LoS", y_ends: [0.0, 1.0], lines }
     }
 
-    fn svg(panels: &[CurvePanel<'_>], columns: usize) -> Result<String, String> {
-        let sheet = CurveSheet { title: "P_LoS < 1 & more", caption: &[], panels, columns };
-        draw_curve_sheet(&sheet).map(|sheet| sheet.furniture.svg)
-    }
-
-    #[test]
-    fn panels_have_their_words_and_one_legend() {
-        let lines = [line("Exact", &POINTS), line("City", &POINTS)];
-        let svg = svg(&[panel(&lines), panel(&lines[..1])], 3).expect("the sheet is valid");
-        for (words, n) in [(">Exact<", 1), (">City<", 1), ("θ [°]", 2), (">(a) Urban<", 2), ("&lt; 1 &amp; more", 1)]
-        {
-            assert_eq!(svg.matches(words).count(), n, "{words}: {svg}");
-        }
+    fn draw(panel: CurvePanel<'_>) -> Result<Sheet, String> {
+        draw_curve_sheet(&CurveSheet { title: "", caption: &[], panels: &[panel], columns: 1 })
     }
 
     #[test]
     fn what_cannot_be_drawn_is_refused_and_beyond_an_axis_is_cut_off() {
         let [first, last] = POINTS;
-        let drawn = |points: &[CurvePoint]| svg(&[panel(&[line("a", points)])], 1);
-        for (points, words) in [
-            ([last, first], "must not descend"),
-            ([first, CurvePoint { y: Some(f64::NAN), ..last }], "`a`"),
-            ([first, CurvePoint { low_high: Some((0.5, 0.4)), ..last }], "must ascend"),
+        let drawn = |points: &[CurvePoint]| draw(panel(&[line("a", points)]));
+        for points in [
+            [last, first],
+            [first, CurvePoint { y: Some(f64::NAN), ..last }],
+            [first, CurvePoint { low_high: Some((0.5, 0.4)), ..last }],
         ] {
-            assert!(drawn(&points).is_err_and(|e| e.contains(words)), "{words}");
+            assert!(drawn(&points).is_err_and(|e| e.contains("`a`")), "{points:?}");
         }
         assert!(drawn(&[first, CurvePoint { x: 200.0, y: Some(3.0), low_high: None }]).is_ok());
-        let flat = CurvePanel { y_ends: [1.0, 1.0], ..panel(&[]) };
-        assert!(svg(&[flat], 1).is_err_and(|e| e.contains("`P_LoS` from 1 to 1")));
-        assert!(svg(&[panel(&[line("", &POINTS); 25])], 1).is_err_and(|e| e.contains("up to 24")));
+        assert!(draw(CurvePanel { y_ends: [1.0, 1.0], ..panel(&[]) }).is_err());
+        assert!(draw(panel(&[line("", &POINTS); 25])).is_err_and(|e| e.contains("up to 24")));
     }
 }

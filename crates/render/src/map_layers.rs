@@ -149,7 +149,7 @@ pub(crate) fn range_of(layers: &[Layer<'_>]) -> Option<ValueRange> {
 pub(crate) fn palette(layer: Layer<'_>, range: Option<&ValueRange>) -> Vec<Rgb> {
     match layer {
         Layer::Los(_) => vec![colors::NLOS, colors::LOS],
-        Layer::Count { n_sites, .. } => (0..=n_sites).map(|k| colors::count_color(k, n_sites)).collect(),
+        Layer::Count { n_sites, .. } => colors::count_colors(n_sites),
         Layer::Classes { palette, .. } => palette.iter().map(|class| class.color).collect(),
         Layer::Stability { .. } => colors::TURNS.to_vec(),
         Layer::Field { .. } => range.map_or(Vec::new(), |range| (0..=255).map(|k| range.color(k)).collect()),

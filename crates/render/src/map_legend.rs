@@ -1,11 +1,14 @@
 //! The entries of the legend of a map: classes that occur, color bars, and what is no receiver.
 
 use super::colors::{self, Ramp, Rgb};
-use super::furniture::{self, Block, Scale, Swatch};
+use super::furniture::{self, Block, DETAIL, Scale, Swatch};
 use super::lettering::{grouped, percent};
 use super::map_layers::{self, HEAT, Layer, MapClass};
+use super::sheet::{Drawing, Sheet};
 use super::value_range::ValueRange;
 
+/// Space around and between the entries of the legend of an overlay \[px\].
+const PADDING: f64 = 18.0;
 /// More UAVs than this share a color bar instead of legend entries.
 const MOST_COUNT_ENTRIES: u32 = 6;
 
@@ -22,6 +25,20 @@ pub(crate) struct LegendWords<'a> {
     pub(crate) has_rings: bool,
 }
 
+/// Draws the legend that lies over a globe beside coverage overlays: `uavs` are those that see, `receivers` those that are
+/// seen.
+pub fn draw_overlay_legend(uavs: &str, receivers: &str) -> Sheet {
+    let entries = [
+        furniture::legend_entry(Swatch::Flat(colors::LOS), "Line of sight", uavs),
+        furniture::legend_entry(Swatch::Flat(colors::NLOS), "No line of sight", receivers),
+        furniture::paragraph("No color: no receiver there, out of range, or no data", DETAIL, 640.0),
+    ];
+    let block = furniture::stack(&entries, PADDING);
+    let mut furniture = Drawing::default();
+    furniture.place(&block.drawing, PADDING, PADDING);
+    Sheet { width: block.width + 2.0 * PADDING, height: block.height + 2.0 * PADDING, images: Vec::new(), furniture }
+}
+
 /// The entries of the legend of a layer of which so many cells have each color.
 pub(crate) fn entries(
     layer: Layer<'_>,
@@ -33,10 +50,11 @@ pub(crate) fn entries(
     let colors = map_layers::palette(layer, range);
     let (of_colors, of_special) = histogram.split_at(colors.len());
     let receivers: u64 = of_colors.iter().sum();
-    let share = |n: u64| format!("{} · {}", percent(n, receivers), grouped(n));
+    let share = |n: u64| share(n, receivers);
     let flat = |color: Rgb, name: &str, detail: String| {
         furniture::legend_entry(Swatch::Flat(color), name, if words.has_counts { &detail } else { "" })
     };
+    let bar_range = range.filter(|_| receivers > 0);
     let mut legend: Vec<Block> = match layer {
         Layer::Los(_) => {
             let entry = |(k, name): (usize, &str)| {
@@ -69,23 +87,16 @@ pub(crate) fn entries(
             };
             (0..colors.len()).filter(|k| of_colors[*k] > 0).map(entry).collect()
         }
-        Layer::Field { name, unit, .. } => {
-            let mut entries = Vec::new();
-            if let Some(range) = range.filter(|_| receivers > 0) {
-                let mut along = &colors[..];
-                if range.flat_above_zero {
-                    let detail = format!("{} · 0 {unit} or more", percent(of_colors[255], receivers));
-                    entries.push(flat(colors::LOS, "Line of sight", detail));
-                    along = &colors[..255];
-                }
-                let along: Vec<Rgb> = along.iter().step_by(2).copied().collect();
-                entries.push(color_bar(name, unit, range, &along));
-            }
-            entries
-        }
+        Layer::Field { name, unit, .. } => bar_range.map_or(Vec::new(), |range| {
+            let n_along = if range.flat_above_zero { 255 } else { 256 };
+            let along: Vec<Rgb> = colors[..n_along].iter().step_by(2).copied().collect();
+            let bar = color_bar(name, unit, range, &along);
+            let detail = format!("{} · 0 {unit} or more", percent(of_colors[255], receivers));
+            let los = range.flat_above_zero.then(|| flat(colors::LOS, "Line of sight", detail));
+            los.into_iter().chain([bar]).collect()
+        }),
         Layer::Heat { name, unit, .. } => {
-            let range = range.filter(|_| receivers > 0);
-            range.map(|range| color_bar(name, unit, range, &colors[..HEAT.into()])).into_iter().collect()
+            bar_range.map(|range| color_bar(name, unit, range, &colors[..HEAT.into()])).into_iter().collect()
         }
     };
     for (swatch, name, n) in special_legend(of_special, words.others_name, has_surface) {
@@ -98,6 +109,10 @@ pub(crate) fn entries(
         legend.push(furniture::legend_entry(swatch, name, &detail));
     }
     legend
+}
+
+fn share(n: u64, of: u64) -> String {
+    format!("{} · {}", percent(n, of), grouped(n))
 }
 
 fn cells(n: u64) -> String {
@@ -128,8 +143,8 @@ pub(crate) fn count_legend(n_sites: u32, palette: &[Rgb], histogram: &[u64]) -> 
     let receivers: u64 = histogram[..palette.len()].iter().sum();
     let entry = |k: u32, name: &str| {
         let n = histogram[k as usize];
-        let detail = format!("{} · {}", percent(n, receivers), grouped(n));
-        (n > 0).then(|| furniture::legend_entry(Swatch::Flat(palette[k as usize]), name, &detail))
+        let swatch = Swatch::Flat(palette[k as usize]);
+        (n > 0).then(|| furniture::legend_entry(swatch, name, &share(n, receivers)))
     };
     let none = entry(0, "Seen by none");
     if n_sites <= MOST_COUNT_ENTRIES {

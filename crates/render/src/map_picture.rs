@@ -72,7 +72,7 @@ pub fn draw_map(picture: &MapPicture<'_>) -> Result<Sheet, String> {
     let [left, top] = [MARGIN, (page.bottom - 6.0).round()];
 
     let furniture = &mut page.furniture;
-    furniture.rect([left - 0.8, top - 0.8, map_w + 1.6, map_h + 1.6], &furniture::frame());
+    furniture::frame(furniture, [left, top], size);
     furniture.place(&cell_borders([n_cols, n_rows], size), left, top);
     furniture.place(&layer.rings(n_cols, px_per_cell), left, top);
     furniture.place(&marks, left, top);
@@ -142,8 +142,6 @@ fn cell_borders([n_cols, n_rows]: [usize; 2], [w, h]: [f64; 2]) -> Drawing {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::colors;
-    use crate::paint::OPEN_GROUND;
 
     fn picture<'a>(layer: Layer<'a>, n_cols: usize, n_rows: usize) -> MapPicture<'a> {
         MapPicture {
@@ -158,18 +156,6 @@ mod tests {
             receivers_name: "street cells",
             others_name: "Buildings",
             counts: None,
-        }
-    }
-
-    #[test]
-    fn the_pixel_of_a_cell_has_its_class_color() {
-        let mask = [0, 1, OPEN_GROUND, 3, 255, 1];
-        let sheet = draw_map(&picture(Layer::Los(&mask), 3, 2)).expect("the picture is valid");
-        let map = &sheet.images[0].2;
-        assert_eq!(map.dimensions(), (960, 640));
-        let of_classes = [(100, 100, colors::NLOS), (480, 100, colors::LOS), (800, 100, colors::WHITE)];
-        for (x, y, color) in of_classes.into_iter().chain([(800, 500, colors::LOS)]) {
-            assert_eq!(map.get_pixel(x, y).0[..3], color);
         }
     }
 
@@ -199,20 +185,6 @@ mod tests {
             let picture = MapPicture { title: &title, caption: &caption, ..picture(Layer::Los(&mask), n_cols, n_rows) };
             let sheet = draw_map(&picture).expect("the picture is valid");
             assert!(sheet.width >= 980.0 && sheet.width < 2200.0 && sheet.height < 3600.0);
-        }
-    }
-
-    #[test]
-    fn what_cannot_be_drawn_is_refused() {
-        let good = picture(Layer::Los(&[0]), 1, 1);
-        for (bad, words) in [
-            (picture(Layer::Los(&[0; 5]), 3, 2), "mask has 5"),
-            (picture(Layer::Los(&[]), 0, 2), "it is empty"),
-            (picture(Layer::Classes { index: &[0], palette: &[], mask: &[1] }, 1, 1), "beyond the palette"),
-            (MapPicture { cell_m: (1.0, 0.0), ..good }, "above 0 m"),
-            (MapPicture { surface_m: Some(&[1.0; 3]), ..good }, "surface has 3"),
-        ] {
-            assert!(draw_map(&bad).is_err_and(|e| e.contains(words)), "{words}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! UAV marks on a map, and labels that keep out of each other's way.
 
 use super::furniture::{self, NAME};
-use super::lettering::{self, Anchor, Type, Weight};
+use super::lettering::{self, Type, Weight};
 use super::sheet::Drawing;
 
 /// A UAV on a map.
@@ -93,42 +93,50 @@ fn draw_labels(drawing: &mut Drawing, placed: &[Placed], radius: f64, size: [f64
     let is_crowd = placed.len() > MOST_WITH_HEIGHTS;
     for mark in placed {
         let font_size = if radius > 20.0 { 25.0 } else { (radius + 7.0).min(20.0) };
-        // Where the whole label finds no place, the id alone may, or its beginning.
-        let beginning = |most: usize| {
-            let id = &mark.words[0];
-            if id.chars().count() <= most { id.clone() } else { id.chars().take(most - 1).chain(['…']).collect() }
-        };
-        let ids = [mark.words[0].clone(), beginning(20), beginning(12), beginning(6)].map(|id| [id, String::new()]);
-        let whole = std::iter::once(mark.words.clone()).chain(ids);
-        for words in whole.skip(usize::from(is_crowd)).take(if is_crowd { 1 } else { 5 }) {
-            let label = Label::new(&words, font_size);
-            // In a crowd a label that is not beside its mark would be taken for that of another.
-            let spots =
-                candidates(mark, radius, [label.width, label.height]).take(if is_crowd { 8 } else { usize::MAX });
-            let bounds = spots.map(|[x, y]| {
+        // In a crowd a label that is not beside its mark would be taken for that of another.
+        let (choices, n_spots) =
+            if is_crowd { (vec![id_of(mark, usize::MAX)], 8) } else { (choices(mark), usize::MAX) };
+        let spot = choices.iter().find_map(|words| {
+            let label = Label::new(words, font_size);
+            let bounds = |[x, y]: [f64; 2]| {
                 let x = x.min(map[2] - label.width).max(map[0]);
                 let y = y.min(map[3] - label.height).max(map[1]);
                 [x, y, x + label.width, y + label.height]
-            });
+            };
             let is_free = |b: &Bounds| within(b, &map) && !taken.iter().any(|other| overlap(b, other));
-            if let Some(bounds) = bounds.into_iter().find(is_free) {
-                taken.push(bounds);
-                label.draw(drawing, bounds[0], bounds[1]);
-                break;
-            }
+            let mut spots = candidates(mark, radius, [label.width, label.height]).take(n_spots).map(bounds);
+            spots.find(is_free).map(|bounds| (label, bounds))
+        });
+        if let Some((label, bounds)) = spot {
+            label.draw(drawing, bounds[0], bounds[1]);
+            taken.push(bounds);
         }
     }
     taken.len() - placed.len()
 }
 
+/// The words of a label, best first: where the whole finds no place, the id alone may, or its beginning.
+fn choices(mark: &Placed) -> Vec<[String; 2]> {
+    let ids = [usize::MAX, 20, 12, 6].map(|most| id_of(mark, most));
+    std::iter::once(mark.words.clone()).chain(ids).collect()
+}
+
+/// The id of a mark, or so much of its beginning.
+fn id_of(mark: &Placed, most: usize) -> [String; 2] {
+    let id = &mark.words[0];
+    let is_whole = id.chars().count() <= most;
+    [if is_whole { id.clone() } else { id.chars().take(most - 1).chain(['…']).collect() }, String::new()]
+}
+
 fn place(uav: &Mark<'_>, size: [f64; 2], px_per_cell: [f64; 2], cell_m: (f64, f64)) -> Placed {
     let wanted = [uav.col * px_per_cell[0], uav.row * px_per_cell[1]];
     let at = [wanted[0].clamp(0.0, size[0]), wanted[1].clamp(0.0, size[1])];
-    let beyond_m = [(wanted[0] - at[0]) / px_per_cell[0] * cell_m.0, (wanted[1] - at[1]) / px_per_cell[1] * cell_m.1];
+    let cell_m = <[f64; 2]>::from(cell_m);
+    let beyond_m = [0, 1].map(|k| (wanted[k] - at[k]) / px_per_cell[k] * cell_m[k]);
     let distance_m = (beyond_m[0] * beyond_m[0] + beyond_m[1] * beyond_m[1]).sqrt();
     let outward = (distance_m > 0.0).then(|| beyond_m.map(|d| d / distance_m));
     let beyond = outward.map(|_| format!("{} outside", lettering::length(distance_m)));
-    let height = (!uav.height.is_empty()).then(|| uav.height.to_string());
+    let height = Some(uav.height.to_string()).filter(|words| !words.is_empty());
     let details: Vec<String> = height.into_iter().chain(beyond).collect();
     Placed { at, outward, moved_from: None, words: [uav.label.to_string(), details.join(" · ")] }
 }
@@ -217,18 +225,11 @@ impl Label {
     /// Measures a label of a name and a detail, either of which may be empty.
     pub(crate) fn new(words: &[String; 2], size: f64) -> Self {
         let styles = [NAME, Type { weight: Weight::Regular, ..NAME }].map(|style| Type { size, ..style });
-        let words = &[0, 1].map(|k| styles[k].shortened(&words[k], WIDEST * size));
-        let name_width = styles[0].width(&words[0]);
-        let detail_width = styles[1].width(&words[1]);
+        let words = [0, 1].map(|k| styles[k].shortened(&words[k], WIDEST * size));
+        let [name, detail] = [0, 1].map(|k| styles[k].width(&words[k]));
         let gap = if words.iter().any(String::is_empty) { 0.0 } else { 0.36 * size };
-        let name_width = name_width + gap;
-        Self {
-            width: name_width + detail_width + 0.8 * size,
-            height: 1.44 * size,
-            size,
-            name_width,
-            words: words.clone(),
-        }
+        let name_width = name + gap;
+        Self { width: name_width + detail + 0.8 * size, height: 1.44 * size, size, name_width, words }
     }
 
     /// Draws the label with its top left corner at (`x`, `y`).
@@ -238,14 +239,10 @@ impl Label {
             "rx=\"5\" fill=\"#FFFFFF\" fill-opacity=\"0.93\" stroke=\"#1B1F24\" stroke-opacity=\"0.55\" stroke-width=\"1.1\"",
         );
         let baseline = y + self.height / 2.0 + 0.36 * self.size;
-        let style = Type { size: self.size, anchor: Anchor::Start, ..NAME };
+        let style = Type { size: self.size, ..NAME };
         let left = x + 0.4 * self.size;
-        if !self.words[0].is_empty() {
-            drawing.text(left, baseline, style, &self.words[0]);
-        }
-        if !self.words[1].is_empty() {
-            drawing.text(left + self.name_width, baseline, Type { weight: Weight::Regular, ..style }, &self.words[1]);
-        }
+        drawing.text(left, baseline, style, &self.words[0]);
+        drawing.text(left + self.name_width, baseline, Type { weight: Weight::Regular, ..style }, &self.words[1]);
     }
 }
 

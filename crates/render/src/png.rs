@@ -14,24 +14,15 @@ use super::colors::{self, Rgb};
 /// # Errors
 /// A keyword of `provenance` that PNG does not allow.
 pub(crate) fn encode_picture(image: &RgbaImage, dpi: u32, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
-    let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, image.width(), image.height());
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Balanced);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
     // An inch is 25.4 mm.
     let per_m = (dpi * 5000 + 63) / 127;
-    encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: per_m, yppu: per_m, unit: png::Unit::Meter }));
-    add_provenance(&mut encoder, provenance)?;
-    let mut rgb = Vec::with_capacity(image.as_raw().len() / 4 * 3);
-    for pixel in image.pixels() {
-        rgb.extend_from_slice(&pixel.0[..3]);
-    }
-    let mut writer = encoder.write_header().map_err(|e| cannot(&e))?;
-    writer.write_image_data(&rgb).map_err(|e| cannot(&e))?;
-    writer.finish().map_err(|e| cannot(&e))?;
-    Ok(file)
+    let rgb: Vec<u8> = image.pixels().flat_map(|pixel| [pixel.0[0], pixel.0[1], pixel.0[2]]).collect();
+    let look = |encoder: &mut Encoder<'_, '_>| {
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
+        encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: per_m, yppu: per_m, unit: png::Unit::Meter }));
+    };
+    encode([image.width(), image.height()], look, provenance, |writer| writer.write_image_data(&rgb))
 }
 
 /// Draws a mask with one pixel per cell and nothing else: no frame, no words.
@@ -87,7 +78,7 @@ pub fn draw_bare_count(
     const MOST: u32 = 252;
     let shown = n_sites.min(MOST);
     let (other, nothing) = (shown + 1, shown + 2);
-    let mut palette: Vec<Rgb> = (0..=shown).map(|k| colors::count_color(k, shown)).collect();
+    let mut palette = colors::count_colors(shown);
     palette.extend([colors::BUILDING, colors::WHITE]);
     let mut opacity = vec![255; palette.len()];
     opacity[nothing as usize] = 0;
@@ -138,84 +129,45 @@ fn encode_palette(
     let side = |n: usize| u32::try_from(n).ok().filter(|&n| n <= i32::MAX.unsigned_abs());
     let too_large = || format!("cannot draw {n_cols} × {n_rows} cells as PNG: at most 2147483647 a side");
     let (width, height) = side(n_cols).zip(side(n_rows)).ok_or_else(too_large)?;
-    let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, width, height);
-    encoder.set_color(png::ColorType::Indexed);
-    encoder.set_depth(depth);
-    encoder.set_palette(colors.concat());
-    if !opacities.is_empty() {
-        encoder.set_trns(opacities.to_vec());
-    }
-    encoder.set_compression(png::Compression::Balanced);
-    encoder.set_filter(png::Filter::NoFilter);
-    add_provenance(&mut encoder, provenance)?;
-    let mut writer = encoder.write_header().map_err(|e| cannot(&e))?;
-    write(&mut writer).map_err(|e| cannot(&e))?;
-    writer.finish().map_err(|e| cannot(&e))?;
-    Ok(file)
+    let look = |encoder: &mut Encoder<'_, '_>| {
+        encoder.set_color(png::ColorType::Indexed);
+        encoder.set_depth(depth);
+        encoder.set_palette(colors.concat());
+        if !opacities.is_empty() {
+            encoder.set_trns(opacities.to_vec());
+        }
+        encoder.set_filter(png::Filter::NoFilter);
+    };
+    encode([width, height], look, provenance, write)
 }
 
-fn add_provenance<W: Write>(encoder: &mut png::Encoder<'_, W>, provenance: &[(String, String)]) -> Result<(), String> {
+type Encoder<'a, 'b> = png::Encoder<'a, &'b mut Vec<u8>>;
+
+/// Encodes a file of this size: `look` says what its pixels mean, `write` hands them over.
+fn encode(
+    [width, height]: [u32; 2],
+    look: impl FnOnce(&mut Encoder<'_, '_>),
+    provenance: &[(String, String)],
+    write: impl FnOnce(&mut png::Writer<&mut Vec<u8>>) -> Result<(), png::EncodingError>,
+) -> Result<Vec<u8>, String> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Balanced);
+    look(&mut encoder);
     for (keyword, text) in provenance {
         let latin_1 = keyword.chars().all(|c| matches!(c, ' '..='~' | '\u{A1}'..='\u{FF}'));
         if !(1..=79).contains(&keyword.chars().count()) || !latin_1 || keyword.trim() != keyword {
             return Err(format!("cannot store `{keyword}` in PNG: a keyword is 1 to 79 printable Latin-1 characters"));
         }
-        let text = text.replace('\0', " ");
-        encoder.add_itxt_chunk(keyword.clone(), text).map_err(|e| cannot(&e))?;
+        encoder.add_itxt_chunk(keyword.clone(), text.replace('\0', " ")).map_err(cannot)?;
     }
-    Ok(())
+    let mut writer = encoder.write_header().map_err(cannot)?;
+    write(&mut writer).map_err(cannot)?;
+    writer.finish().map_err(cannot)?;
+    Ok(file)
 }
 
-fn cannot(error: &dyn std::fmt::Display) -> String {
+fn cannot(error: png::EncodingError) -> String {
     format!("cannot encode PNG: {error}")
-}
-
-#[cfg(test)]
-/// The pixels of a PNG.
-pub(crate) fn read_png(file: &[u8]) -> image::DynamicImage {
-    let mut decoder = png::Decoder::new(std::io::Cursor::new(file));
-    decoder.set_transformations(
-        png::Transformations::EXPAND | png::Transformations::STRIP_16 | png::Transformations::ALPHA,
-    );
-    let mut reader = decoder.read_info().expect("it is a PNG");
-    let mut pixels = vec![0; reader.output_buffer_size().expect("it fits in memory")];
-    let frame = reader.next_frame(&mut pixels).expect("it is a whole PNG");
-    // Gray becomes gray with opacity.
-    let rgba = match frame.color_type {
-        png::ColorType::Rgba => pixels,
-        _ => pixels.chunks_exact(2).flat_map(|p| [p[0], p[0], p[0], p[1]]).collect(),
-    };
-    image::DynamicImage::ImageRgba8(image::RgbaImage::from_raw(frame.width, frame.height, rgba).expect("all pixels"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_bare_picture_has_one_pixel_per_cell_in_the_palette() {
-        let mask = [0, 1, 2, 3, 255, 1, 0, 0, 1, 2];
-        let file = draw_bare(5, 2, &mask, &[]).expect("the mask has the right length");
-        let image = read_png(&file).to_rgba8();
-        assert_eq!(image.dimensions(), (5, 2));
-        let colors = [[0xE6, 0x9F, 0x00, 255], [0x00, 0x72, 0xB2, 255], [0xC3, 0xC6, 0xC9, 255]];
-        for (x, y, color) in [(0, 0, colors[0]), (1, 0, colors[1]), (2, 0, colors[2]), (4, 1, colors[2])] {
-            assert_eq!(image.get_pixel(x, y).0, color);
-        }
-        assert_eq!((image.get_pixel(3, 0).0[3], image.get_pixel(4, 0).0[3]), (0, 0));
-        assert!(draw_bare(2, 2, &[1; 3], &[]).is_err() && draw_bare(0, 2, &[], &[]).is_err());
-    }
-
-    #[test]
-    fn provenance_is_read_back_and_bad_keywords_are_refused() {
-        let provenance = [("Software".to_string(), "skyshed 1 — Ångström, θ".to_string())];
-        let file = draw_bare(1, 1, &[1], &provenance).expect("the keyword is valid");
-        let reader = png::Decoder::new(std::io::Cursor::new(&file)).read_info().expect("it is a PNG");
-        let text = &reader.info().utf8_text[0];
-        assert_eq!((text.keyword.as_str(), text.get_text().expect("text")), ("Software", provenance[0].1.clone()));
-        for keyword in ["", " padded", "λ", &"k".repeat(80)] {
-            assert!(draw_bare(1, 1, &[1], &[(keyword.to_string(), String::new())]).is_err(), "{keyword:?}");
-        }
-    }
 }

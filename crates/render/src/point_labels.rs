@@ -1,6 +1,6 @@
 //! Numbers beside the points of a plot: near them, apart from each other and from whatever else is in the plot.
 
-use super::furniture::NAME;
+use super::furniture::{NAME, stroke};
 use super::lettering::Type;
 use super::line_look::MARKER;
 use super::marks::{Bounds, overlap, spots_around, within};
@@ -95,7 +95,7 @@ pub(crate) fn along(from: [f64; 2], to: [f64; 2]) -> impl Iterator<Item = Bounds
 pub(crate) fn leaders(drawing: &mut Drawing, labels: &[Label]) {
     for Label { point, bounds } in labels {
         if let Some(end) = leader_end(point.at, bounds) {
-            drawing.line(point.at, end, &format!("stroke=\"{}\" stroke-width=\"1.2\"", point.color));
+            drawing.line(point.at, end, &stroke(point.color, 1.2, ""));
         }
     }
 }

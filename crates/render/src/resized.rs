@@ -70,13 +70,4 @@ mod tests {
         assert_eq!((larger.get_pixel(1, 0).0[0], larger.get_pixel(3, 0).0[0]), (255, 0));
         assert_eq!(resized(&image, 4, 4), image);
     }
-
-    #[test]
-    fn the_shares_of_a_pixel_sum_to_one() {
-        for (from, to) in [(1, 7), (7, 1), (1400, 999), (3, 3), (999, 1400)] {
-            let parts = covered(from, to);
-            assert_eq!(parts.len(), to);
-            assert!(parts.iter().all(|p| (p.iter().map(|(_, share)| share).sum::<f64>() - 1.0).abs() < 1e-9));
-        }
-    }
 }

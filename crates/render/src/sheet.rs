@@ -10,10 +10,64 @@ use resvg::{tiny_skia, usvg};
 use super::colors::{self, Rgb};
 use super::lettering::{self, Anchor, Type, Weight};
 use super::paint::narrow;
-use super::pdf::{self, PdfPage};
-use super::picture_form::{PictureForm, PictureFormat};
+use super::pdf;
 use super::png;
 use super::resized::resized;
+
+/// A format of pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// Pixels.
+    Png,
+    /// Words and marks as vectors, maps as embedded pixels.
+    Svg,
+    /// As SVG, on one page; letters are outlines, so that no viewer needs the font.
+    Pdf,
+}
+
+/// How a picture is written. It is laid out once, and scaled as one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PictureForm {
+    /// The format.
+    pub format: PictureFormat,
+    /// Width \[px\], above 0; the height follows. `None`: as the picture is laid out.
+    pub width_px: Option<u32>,
+    /// Pixels per inch, above 0; with the width the size on paper. `None`: 200.
+    pub dpi: Option<u32>,
+}
+
+/// At 200 dpi a large map is printed about 20 cm wide.
+const DPI: u32 = 200;
+const MM_PER_INCH: f64 = 25.4;
+
+impl PictureForm {
+    /// PNG as wide as it is laid out.
+    pub const PNG: PictureForm = PictureForm { format: PictureFormat::Png, width_px: None, dpi: None };
+
+    /// Factor from a picture laid out `width` \[px\] wide to the width that is wanted.
+    pub(crate) fn scale(&self, width: u32) -> f64 {
+        f64::from(self.width_px.unwrap_or(width)) / f64::from(width)
+    }
+
+    /// Pixels per inch.
+    pub(crate) fn dpi(&self) -> u32 {
+        self.dpi.unwrap_or(DPI)
+    }
+
+    /// Inches of so many pixels of the layout.
+    pub(crate) fn inches(&self, width: u32, length: u32) -> f64 {
+        f64::from(length) * self.scale(width) / f64::from(self.dpi())
+    }
+
+    /// Width and height in an SVG document: those of the layout, or the size on paper where one was asked for.
+    pub(crate) fn svg_size(&self, width: u32, height: u32) -> [String; 2] {
+        let on_paper = self.width_px.is_some() || self.dpi.is_some();
+        [width, height].map(|length| match on_paper {
+            true => format!("{:.3}mm", MM_PER_INCH * self.inches(width, length)),
+            false => length.to_string(),
+        })
+    }
+}
 
 /// A drawn picture, which can be written in any format.
 #[derive(Debug)]
@@ -65,13 +119,8 @@ impl Sheet {
 
     fn to_pdf(&self, form: &PictureForm, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
         let size = self.size();
-        let page = PdfPage {
-            size,
-            inches: size.map(|length| form.inches(size[0], length)),
-            images: &self.images,
-            tree: &self.tree()?,
-        };
-        pdf::encode(&page, provenance)
+        let inches = size.map(|length| form.inches(size[0], length));
+        pdf::encode([size.map(f64::from), inches], &self.images, &self.tree()?, provenance)
     }
 
     /// Width and height of the layout in whole pixels.
@@ -141,6 +190,9 @@ impl Drawing {
     }
 
     fn set(&mut self, place: &str, style: Type, text: &str) {
+        if text.is_empty() {
+            return;
+        }
         let anchor = match style.anchor {
             Anchor::Start => "start",
             Anchor::Middle => "middle",
@@ -159,26 +211,14 @@ impl Drawing {
 
     /// Draws a box; `attributes` are SVG's, such as `fill="none" stroke="#000000"`.
     pub(crate) fn rect(&mut self, [x, y, w, h]: [f64; 4], attributes: &str) {
-        let _ = writeln!(
-            self.svg,
-            "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" {attributes}/>",
-            px(x),
-            px(y),
-            px(w),
-            px(h)
-        );
+        let [x, y, w, h] = [x, y, w, h].map(px);
+        let _ = writeln!(self.svg, "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" {attributes}/>");
     }
 
     /// Draws a straight line.
     pub(crate) fn line(&mut self, from: [f64; 2], to: [f64; 2], attributes: &str) {
-        let _ = writeln!(
-            self.svg,
-            "<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\" {attributes}/>",
-            px(from[0]),
-            px(from[1]),
-            px(to[0]),
-            px(to[1])
-        );
+        let [[x1, y1], [x2, y2]] = [from, to].map(|end| end.map(px));
+        let _ = writeln!(self.svg, "<line x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\" {attributes}/>");
     }
 
     /// Draws a circle.
@@ -188,14 +228,17 @@ impl Drawing {
 
     /// Draws a closed polygon.
     pub(crate) fn polygon(&mut self, points: &[[f64; 2]], attributes: &str) {
-        let points: Vec<String> = points.iter().map(|p| format!("{},{}", px(p[0]), px(p[1]))).collect();
-        let _ = writeln!(self.svg, "<polygon points=\"{}\" {attributes}/>", points.join(" "));
+        let _ = writeln!(self.svg, "<polygon points=\"{}\" {attributes}/>", path(points));
     }
 
     /// Draws an open path through points.
     pub(crate) fn polyline(&mut self, points: &[[f64; 2]], attributes: &str) {
-        let points: Vec<String> = points.iter().map(|p| format!("{},{}", px(p[0]), px(p[1]))).collect();
-        let _ = writeln!(self.svg, "<polyline points=\"{}\" fill=\"none\" {attributes}/>", points.join(" "));
+        let _ = writeln!(self.svg, "<polyline points=\"{}\" fill=\"none\" {attributes}/>", path(points));
+    }
+
+    /// Appends another drawing at its place.
+    pub(crate) fn add(&mut self, drawing: &Self) {
+        self.svg.push_str(&drawing.svg);
     }
 
     /// Appends another drawing, moved by (`dx`, `dy`).
@@ -209,9 +252,14 @@ impl Drawing {
         for (i, &color) in colors.iter().enumerate() {
             let left = x + step * i as f64;
             let overlap = if i + 1 < colors.len() { 1.0 } else { 0.0 };
-            self.rect([left, y, step + overlap, h], &format!("fill=\"{}\"", colors::hex(color)));
+            self.rect([left, y, step + overlap, h], &colors::fill(color));
         }
     }
+}
+
+/// Writes the points of a path.
+fn path(points: &[[f64; 2]]) -> String {
+    points.iter().map(|[x, y]| format!("{},{}", px(*x), px(*y))).collect::<Vec<_>>().join(" ")
 }
 
 /// Escapes a text and sets the index of each `P_LoS` below the line.
@@ -258,28 +306,6 @@ mod tests {
         for (plain, coded) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
             assert_eq!(base64(plain.as_bytes()), coded);
         }
-    }
-
-    #[test]
-    fn a_sheet_puts_its_images_under_its_furniture() {
-        let mut furniture = Drawing::default();
-        furniture.rect([4.0, 0.0, 4.0, 8.0], "fill=\"#0072B2\"");
-        let red = RgbaImage::from_pixel(8, 8, image::Rgba([200, 0, 0, 255]));
-        let sheet = Sheet { width: 10.0, height: 8.0, images: vec![(0, 0, red)], furniture };
-        let file = sheet.write(&PictureForm::PNG, &[]).expect("the sheet is small");
-        let image = crate::png::read_png(&file).to_rgb8();
-        assert_eq!(image.dimensions(), (10, 8));
-        assert_eq!(image.get_pixel(1, 3).0, [200, 0, 0]);
-        assert_eq!(image.get_pixel(5, 3).0, [0x00, 0x72, 0xB2]);
-        assert_eq!(image.get_pixel(9, 3).0, [255; 3]);
-        let svg = sheet.to_svg(&PictureForm::PNG, &[]).expect("the sheet is small");
-        assert!(svg.contains("data:image/png;base64,iVBOR"));
-        // Twice as wide, everything is twice as large.
-        let form = PictureForm { width_px: Some(20), dpi: Some(50), ..PictureForm::PNG };
-        let image = crate::png::read_png(&sheet.write(&form, &[]).expect("the sheet is small"));
-        assert_eq!((image.width(), image.height()), (20, 16));
-        assert_eq!(image.to_rgb8().get_pixel(3, 9).0, [200, 0, 0]);
-        assert_eq!(image.to_rgb8().get_pixel(13, 9).0, [0x00, 0x72, 0xB2]);
     }
 
     #[test]

@@ -18,14 +18,15 @@ pub(crate) struct SideLabel {
     pub(crate) stroke: String,
 }
 
+/// How the name and the detail are set.
+const STYLES: [Type; 2] = [NAME, DETAIL];
 /// Labels wider than this are shortened \[px\].
 const WIDEST: f64 = 380.0;
 
 impl SideLabel {
     /// A label of a name and maybe a detail below it.
     pub(crate) fn new(y: f64, words: Vec<String>, stroke: String) -> Self {
-        let style = |k: usize| if k == 0 { NAME } else { DETAIL };
-        let words = words.iter().enumerate().map(|(k, words)| style(k).shortened(words, WIDEST)).collect();
+        let words = words.iter().zip(STYLES).map(|(words, style)| style.shortened(words, WIDEST)).collect();
         SideLabel { y, words, stroke }
     }
 
@@ -34,7 +35,7 @@ impl SideLabel {
     }
 
     fn lines(&self) -> impl Iterator<Item = (Type, &String)> {
-        self.words.iter().enumerate().map(|(k, words)| (if k == 0 { NAME } else { DETAIL }, words))
+        STYLES.into_iter().zip(&self.words)
     }
 
     /// Width of the words \[px\].

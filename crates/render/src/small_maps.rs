@@ -76,7 +76,7 @@ impl<'a> Maps<'a> {
             for (col, panel) in row.into_iter().enumerate() {
                 let left = (MARGIN + (self.width() + GAPS[0]) * col as f64).round();
                 page.furniture.place(&panel.words.drawing, left, page.bottom);
-                page.furniture.rect([left - 0.8, top - 0.8, width + 1.6, height + 1.6], &furniture::frame());
+                furniture::frame(&mut page.furniture, [left, top], [width, height]);
                 page.furniture.place(&panel.over, left, top);
                 page.image([left, top], panel.image);
             }

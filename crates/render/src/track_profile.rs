@@ -3,14 +3,13 @@
 
 use super::check;
 use super::colors::{self, INK, Rgb};
-use super::furniture::{self, Block, DETAIL, Swatch};
+use super::furniture::{self, Block, DETAIL, Swatch, stroke};
 use super::lettering::length as length_words;
 use super::lettering::{Anchor, Type};
 use super::marks::{Mark, draw_marks};
 use super::page::{MARGIN, Page};
 use super::paint::Canvas;
-use super::plot_axis::{Axis, Direction, Span};
-use super::plot_frame;
+use super::plot::{self, Axis, Direction, Span, Window};
 use super::sheet::{Drawing, Sheet};
 
 const WIDTH: f64 = 1500.0;
@@ -91,7 +90,7 @@ pub fn draw_track_profile(track: &TrackProfile<'_>) -> Result<Sheet, String> {
     let mut page = Page::new(track.title, AXIS + WIDTH + 30.0, 24.0);
     let [left, top] = [MARGIN + AXIS, page.bottom.round()];
     page.image([left, top], canvas.paint_receivers(&[], mask, |_| 0).image);
-    page.furniture.rect([left, top, width, height], &furniture::frame());
+    page.furniture.rect([left, top, width, height], &format!("fill=\"none\" {}", furniture::ink(1.6)));
     page.furniture.place(&walked(track, px_per_cell), left, top);
     let (mark, _) = draw_marks(&[track.plan.uav], [width, height], px_per_cell, cell_m);
     page.furniture.place(&mark, left, top);
@@ -99,7 +98,7 @@ pub fn draw_track_profile(track: &TrackProfile<'_>) -> Result<Sheet, String> {
     page.furniture.place(&beside.drawing, left + width + 44.0, top);
     let top = top + height.max(beside.height) + 34.0;
 
-    let along = Span { ends: [0.0, track.length_m], is_log: false };
+    let along = Span::linear(0.0, track.length_m);
     let x_axis = along.axis("Distance along the track [m]", Direction::Across, WIDTH);
     page.furniture.place(&heights(track, along, &x_axis), left, top);
     page.furniture.place(&strip(track, along, x_axis), left, top + HEIGHT + GAP);
@@ -122,13 +121,12 @@ fn walked(track: &TrackProfile<'_>, px_per_cell: [f64; 2]) -> Drawing {
     let px = |place: &[f64; 2]| [0, 1].map(|k| place[k] * px_per_cell[k]);
     for is_core in [false, true] {
         for stretch in track.stretches {
-            let (ink, width) = if is_core { (colors::hex(color(stretch.los)), 7) } else { (INK.to_string(), 11) };
-            let stroke = format!("stroke=\"{ink}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"");
-            drawing.polyline(&stretch.path.iter().map(px).collect::<Vec<_>>(), &stroke);
+            let look = if is_core { stroke(&colors::hex(color(stretch.los)), 7.0, "") } else { stroke(INK, 11.0, "") };
+            drawing.polyline(&stretch.path.iter().map(px).collect::<Vec<_>>(), &look);
         }
     }
     if let Some(start) = track.stretches.first().and_then(|stretch| stretch.path.first()) {
-        drawing.circle(px(start), 9.0, &format!("fill=\"#FFFFFF\" stroke=\"{INK}\" stroke-width=\"3\""));
+        drawing.circle(px(start), 9.0, &format!("fill=\"#FFFFFF\" {}", furniture::ink(3.0)));
     }
     drawing
 }
@@ -136,31 +134,28 @@ fn walked(track: &TrackProfile<'_>, px_per_cell: [f64; 2]) -> Drawing {
 /// The heights that would be enough, above the height of the user.
 fn heights(track: &TrackProfile<'_>, along: Span, x_axis: &Axis) -> Drawing {
     let highest = track.enough.iter().filter_map(|p| p.1).fold(track.user_m, f64::max);
-    let heights = Span { ends: [0.0, 1.05 * highest.max(1.0)], is_log: false };
-    let x = |m: f64| along.share(m).clamp(0.0, 1.0) * WIDTH;
-    let y = |m: f64| (1.0 - heights.share(m)) * HEIGHT;
-    // The names of the axis along stand below the strip.
-    let ticks = x_axis.ticks.iter().map(|tick| (tick.0, String::new())).collect();
-    let empty = Axis { name: String::new(), ticks, ..x_axis.clone() };
-    let y_axis = heights.axis("Height above ground [m]", Direction::Up, HEIGHT);
-    let mut framed = plot_frame::axes([WIDTH, HEIGHT], &empty, &Axis { name_at: 72.0, ..y_axis });
+    let heights = Span::linear(0.0, 1.05 * highest.max(1.0));
+    let window = Window { size: [WIDTH, HEIGHT], x: along, y: heights };
+    let mut content = Drawing::default();
     for piece in track.enough.chunk_by(|a, b| a.1.is_some() == b.1.is_some()) {
-        let points: Vec<[f64; 2]> = piece.iter().filter_map(|(at, h)| Some([x(*at), y((*h)?)])).collect();
+        let points: Vec<[f64; 2]> = piece.iter().filter_map(|(at, h)| Some(window.at(*at, (*h)?))).collect();
         let (Some(first), Some(last)) = (points.first(), points.last()) else { continue };
         let mut area = points.clone();
         area.extend([[last[0], HEIGHT], [first[0], HEIGHT]]);
-        framed.polygon(&area, &format!("fill=\"{}\" fill-opacity=\"0.28\"", colors::hex(colors::NLOS)));
+        content.polygon(&area, &format!("{} fill-opacity=\"0.28\"", colors::fill(colors::NLOS)));
         // A single place is a short line.
         let line = if points.len() > 1 { points } else { vec![[first[0] - 1.5, first[1]], [first[0] + 1.5, first[1]]] };
-        framed.polyline(&line, "stroke=\"#9A5B00\" stroke-width=\"3.4\" stroke-linejoin=\"round\"");
+        content.polyline(&line, &stroke("#9A5B00", 3.4, ""));
     }
-    let user = y(track.user_m);
-    let dashed = format!("stroke=\"{INK}\" stroke-width=\"2.4\" stroke-dasharray=\"10 7\"");
-    framed.line([0.0, user], [WIDTH, user], &dashed);
+    let [_, user] = window.at(0.0, track.user_m);
+    content.line([0.0, user], [WIDTH, user], &stroke(INK, 2.4, "10 7"));
     let words = format!("user at {}", length_words(track.user_m));
-    framed.text(WIDTH - 10.0, user - 10.0, Type { anchor: Anchor::End, color: INK, ..DETAIL }, &words);
-    plot_frame::frame(&mut framed, [WIDTH, HEIGHT]);
-    framed
+    content.text(WIDTH - 10.0, user - 10.0, Type { anchor: Anchor::End, color: INK, ..DETAIL }, &words);
+    // The names of the axis along stand below the strip.
+    let ticks = x_axis.ticks.iter().map(|tick| (tick.0, String::new())).collect();
+    let empty = Axis { ticks, ..Axis::default() };
+    let y_axis = heights.axis("Height above ground [m]", Direction::Up, HEIGHT);
+    plot::framed(window.size, &empty, &Axis { name_at: 72.0, ..y_axis }, &content)
 }
 
 /// The stretches side by side.
@@ -168,12 +163,11 @@ fn strip(track: &TrackProfile<'_>, along: Span, x_axis: Axis) -> Drawing {
     let mut strip = Drawing::default();
     for stretch in track.stretches {
         let [from, to] = stretch.along_m.map(|m| along.share(m).clamp(0.0, 1.0) * WIDTH);
-        let fill = format!("fill=\"{}\"", colors::hex(color(stretch.los)));
-        strip.rect([from, 0.0, (to - from).max(0.5), STRIP], &fill);
+        strip.rect([from, 0.0, (to - from).max(0.5), STRIP], &colors::fill(color(stretch.los)));
     }
-    let below = Axis { has_grid: false, ..x_axis };
-    strip.place(&plot_frame::axes([WIDTH, STRIP], &below, &no_axis()), 0.0, 0.0);
-    plot_frame::frame(&mut strip, [WIDTH, STRIP]);
+    let axis = Axis { has_grid: false, ..x_axis };
+    strip.add(&plot::axes([WIDTH, STRIP], &axis, &Axis::default()));
+    furniture::frame(&mut strip, [0.0; 2], [WIDTH, STRIP]);
     strip
 }
 
@@ -190,47 +184,4 @@ fn legend(track: &TrackProfile<'_>) -> Block {
     keys.push(furniture::legend_entry(pale, "Least height in line of sight", "a user up there would see the UAV"));
     keys.push(furniture::legend_entry(Swatch::Uav, "UAV", "the track begins at the white dot"));
     furniture::stack(&keys, 14.0)
-}
-
-/// An axis without ticks and name.
-fn no_axis() -> Axis {
-    Axis { name: String::new(), ticks: Vec::new(), has_grid: false, name_at: 0.0 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const PLAN: TrackPlan<'_> = TrackPlan {
-        n_cols: 2,
-        n_rows: 1,
-        cell_m: (50.0, 50.0),
-        mask: &[4, 2],
-        surface_m: &[0.0, 9.0],
-        uav: Mark { label: "UAV", height: "60 m", col: 0.5, row: 0.5 },
-    };
-
-    #[test]
-    fn the_strip_shows_every_stretch_at_its_place_and_bad_numbers_are_refused() {
-        let path = &[[0.5, 0.5], [1.0, 0.5]];
-        let stretch = |from, to, los| TrackStretch { along_m: [from, to], los, path };
-        let track = TrackProfile {
-            title: "A walk",
-            caption: &[],
-            length_m: 100.0,
-            stretches: &[stretch(0.0, 25.0, Some(true)), stretch(25.0, 50.0, Some(false)), stretch(50.0, 100.0, None)],
-            enough: &[(0.0, Some(0.5)), (25.0, Some(2.0)), (49.0, Some(9.0)), (60.0, None)],
-            user_m: 1.5,
-            plan: PLAN,
-        };
-        let svg = draw_track_profile(&track).expect("the track is valid").furniture.svg;
-        // 25 m of 100 are a quarter of the width.
-        for words in ["No receiver", "50 m", "25 m", "user at 1.5 m", "width=\"375\" height=\"40\" fill=\"#E69F00\""] {
-            assert!(svg.contains(words), "{words}: {svg}");
-        }
-        // On the plan too, over cells of 320 px.
-        assert!(svg.contains("<polyline points=\"160,160 320,160\" fill=\"none\" stroke=\"#E69F00\""), "{svg}");
-        assert!(draw_track_profile(&TrackProfile { length_m: 0.0, ..track }).is_err());
-        assert!(draw_track_profile(&TrackProfile { enough: &[(f64::NAN, None)], ..track }).is_err());
-    }
 }

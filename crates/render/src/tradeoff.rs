@@ -4,14 +4,13 @@
 //!
 //! An error of 0 has no place on a logarithmic axis. It has a band of its own at the foot, and the axis is broken there.
 
+use super::check;
 use super::colors::{INK, MUTED};
-use super::furniture::{Block, DETAIL, NAME};
+use super::furniture::{Block, DETAIL, NAME, stroke};
 use super::lettering::{Anchor, Type};
-use super::line_look::stroke;
 use super::marks::Bounds;
 use super::page::page;
-use super::plot_axis::{Axis, Direction, Span};
-use super::plot_frame;
+use super::plot::{self, Axis, Direction, Span};
 use super::point_labels::{self, LabeledPoint};
 use super::sheet::{Drawing, Sheet};
 use super::tradeoff_rows::{self, TradeoffPoint, mark};
@@ -60,9 +59,7 @@ pub fn draw_tradeoff(plot: &Tradeoff<'_>) -> Result<Sheet, String> {
     let y = window.y_axis(plot.error_name);
     let x = window.x.axis(plot.cost_name, Direction::Across, SIZE[0]);
     let left = (y.name_at + 24.0).ceil();
-    let mut framed = plot_frame::axes(SIZE, &x, &y);
-    framed.svg.push_str(&content(plot, &window).svg);
-    plot_frame::frame(&mut framed, SIZE);
+    let mut framed = plot::framed(SIZE, &x, &y, &content(plot, &window));
     if window.band > 0.0 {
         break_marks(&mut framed, SIZE[1] - window.band);
     }
@@ -81,21 +78,19 @@ pub fn draw_tradeoff(plot: &Tradeoff<'_>) -> Result<Sheet, String> {
 }
 
 fn check(plot: &Tradeoff<'_>) -> Result<(), String> {
-    let is_bad = |point: &&TradeoffPoint<'_>| {
-        let placed =
-            point.place.is_none_or(|(cost, error)| cost.is_finite() && cost > 0.0 && error.is_finite() && error >= 0.0);
-        !placed || point.bias.is_some_and(|bias| !bias.is_finite())
+    let is_cost = |cost: f64| cost.is_finite() && cost > 0.0;
+    let is_good = |point: &TradeoffPoint<'_>| {
+        point.place.is_none_or(|(cost, error)| is_cost(cost) && error.is_finite() && error >= 0.0)
+            && point.bias.is_none_or(f64::is_finite)
     };
-    if let Some(point) = plot.points.iter().find(is_bad) {
-        return Err(format!("cannot draw `{}`: wanted a finite cost above 0, error and bias", point.label));
-    }
-    if plot.floor.is_some_and(|(cost, _)| !(cost.is_finite() && cost > 0.0)) {
+    check::each(plot.points, is_good, |point| point.label, "a finite cost above 0, error and bias")?;
+    if plot.floor.is_some_and(|(cost, _)| !is_cost(cost)) {
         return Err("cannot draw the least cost: wanted it finite and above 0".into());
     }
-    if plot.front.iter().any(|k| plot.points.get(*k).is_none_or(|point| point.place.is_none())) {
-        return Err("cannot draw the front: wanted points that have a place".into());
+    match plot.front.iter().all(|k| plot.points.get(*k).is_some_and(|point| point.place.is_some())) {
+        true => Ok(()),
+        false => Err("cannot draw the front: wanted points that have a place".into()),
     }
-    Ok(())
 }
 
 /// How costs and errors map to the plot.
@@ -153,8 +148,7 @@ fn content(plot: &Tradeoff<'_>, window: &Window) -> Drawing {
     let top_of_band = SIZE[1] - window.band;
     if window.band > 0.0 {
         drawing.rect([0.0, top_of_band, SIZE[0], window.band], "fill=\"#0072B2\" fill-opacity=\"0.07\"");
-        let dashed = format!("stroke=\"{MUTED}\" stroke-width=\"1.6\" stroke-dasharray=\"2 6\"");
-        drawing.line([0.0, top_of_band], [SIZE[0], top_of_band], &dashed);
+        drawing.line([0.0, top_of_band], [SIZE[0], top_of_band], &stroke(MUTED, 1.6, "2 6"));
         let name = Type { color: INK, anchor: Anchor::End, ..DETAIL };
         drawing.text(SIZE[0] - 14.0, SIZE[1] - 14.0, name, plot.zero_name);
         let width = name.width(plot.zero_name);
@@ -171,27 +165,19 @@ fn content(plot: &Tradeoff<'_>, window: &Window) -> Drawing {
         drawing.polyline(&front, &format!("{} stroke-opacity=\"0.55\"", stroke(MUTED, 3.0, "")));
         taken.extend(front.windows(2).flat_map(|ends| point_labels::along(ends[0], ends[1])));
     }
-    let placed = plot.points.iter().enumerate();
-    let labeled: Vec<LabeledPoint> = placed
-        .filter_map(|(k, point)| {
-            Some(LabeledPoint { at: window.at(point.place?), number: k + 1, color: mark(point.look).color })
-        })
-        .collect();
-    let labels = point_labels::place(&labeled, SIZE, taken);
+    let placed = || plot.points.iter().enumerate().filter_map(|(k, point)| Some((k, point, window.at(point.place?))));
+    let labeled = placed().map(|(k, point, at)| LabeledPoint { at, number: k + 1, color: mark(point.look).color });
+    let labels = point_labels::place(&labeled.collect::<Vec<_>>(), SIZE, taken);
     point_labels::leaders(&mut drawing, &labels);
-    for point in plot.points.iter().rev() {
-        if let Some(place) = point.place {
-            mark(point.look).draw_marker(&mut drawing, window.at(place));
-        }
-    }
+    let marks: Vec<_> = placed().collect();
+    marks.iter().rev().for_each(|(_, point, at)| mark(point.look).draw_marker(&mut drawing, *at));
     point_labels::numbers(&mut drawing, &labels);
     drawing
 }
 
 /// Draws the least cost as a dashed line, with its name over the frame, where no mark is.
 fn floor(drawing: &mut Drawing, x: f64, name: &str) {
-    let style = format!("stroke=\"{INK}\" stroke-width=\"2.2\" stroke-dasharray=\"10 7\"");
-    drawing.line([x, -5.0], [x, SIZE[1]], &style);
+    drawing.line([x, -5.0], [x, SIZE[1]], &stroke(INK, 2.2, "10 7"));
     let half = DETAIL.width(name) / 2.0;
     let middle = x.min(SIZE[0] - half).max(half);
     drawing.text(middle, -15.0, Type { color: INK, anchor: Anchor::Middle, ..DETAIL }, name);
@@ -204,7 +190,7 @@ fn break_marks(drawing: &mut Drawing, y: f64) {
         let [low, high] = [line(-5.0), line(5.0)];
         drawing.polygon(&[low[0], low[1], high[1], high[0]], "fill=\"#FFFFFF\"");
         for [from, to] in [low, high] {
-            drawing.line(from, to, &format!("stroke=\"{INK}\" stroke-width=\"1.8\""));
+            drawing.line(from, to, &stroke(INK, 1.8, ""));
         }
     }
 }
@@ -257,10 +243,15 @@ mod tests {
 
     #[test]
     fn impossible_points_are_refused() {
-        for bad in [(0.0, 0.1), (f64::NAN, 0.1), (1.0, -0.1), (1.0, f64::INFINITY)] {
-            assert!(draw_tradeoff(&plot(&[point(bad, 0.0)], &[])).is_err(), "{bad:?}");
+        for (place, bias, front) in [
+            ((0.0, 0.1), 0.0, 0),
+            ((f64::NAN, 0.1), 0.0, 0),
+            ((1.0, -0.1), 0.0, 0),
+            ((1.0, f64::INFINITY), 0.0, 0),
+            ((1.0, 1.0), f64::NAN, 0),
+            ((1.0, 1.0), 0.0, 1),
+        ] {
+            assert!(check(&plot(&[point(place, bias)], &[front])).is_err(), "{place:?} {bias} {front}");
         }
-        assert!(draw_tradeoff(&plot(&[point((1.0, 1.0), f64::NAN)], &[])).is_err());
-        assert!(draw_tradeoff(&plot(&[point((1.0, 1.0), 0.0)], &[1])).is_err());
     }
 }

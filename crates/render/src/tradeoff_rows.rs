@@ -1,11 +1,10 @@
 //! The signed bias of each contestant in a row of its own, which is the legend of their marks and numbers, too.
 
 use super::colors::{INK, MUTED};
-use super::furniture::{self, Block, DETAIL};
+use super::furniture::{self, Block, DETAIL, stroke};
 use super::lettering::{Anchor, Type, Weight, number};
 use super::line_look::{LineLook, LineStyle};
-use super::plot_axis::{Direction, Span};
-use super::plot_frame;
+use super::plot::{self, Axis, Direction, Span};
 use super::sheet::Drawing;
 
 /// Width of the plot of biases \[px\].
@@ -64,42 +63,40 @@ pub(crate) fn rows(points: &[TradeoffPoint<'_>], bias_name: &str, height: f64) -
     };
     let left = (rows.iter().map(width_of).fold(0.0, f64::max) + 22.0).ceil();
     let reach = points.iter().filter_map(|p| p.bias).map(f64::abs).fold(0.0, f64::max).max(1e-3) * 1.12;
-    let span = Span { ends: [-reach, reach], is_log: false };
+    let span = Span::linear(-reach, reach);
     let frame = [WIDTH, step * rows.len() as f64];
     let x = span.axis(bias_name, Direction::Across, WIDTH);
-    let y = Span { ends: [0.0, 1.0], is_log: false }.axis_at("", Direction::Up, frame[1], Vec::new());
-
-    let mut framed = plot_frame::axes(frame, &x, &y);
+    let mut content = Drawing::default();
     let zero = WIDTH / 2.0;
-    framed.line([zero, 0.0], [zero, frame[1]], &format!("stroke=\"{INK}\" stroke-width=\"1.6\""));
+    content.line([zero, 0.0], [zero, frame[1]], &furniture::ink(1.6));
     for (k, row) in rows.iter().enumerate() {
         let middle = step * (k as f64 + 0.5);
         let baseline = middle + 0.36 * size;
         match row {
             Row::Family(name) => {
-                framed.text(-left, baseline, heading, name);
-                framed.line([-left, middle + step / 2.0], [0.0, middle + step / 2.0], &furniture::hairline());
+                content.text(-left, baseline, heading, name);
+                content.line([-left, middle + step / 2.0], [0.0, middle + step / 2.0], &furniture::hairline());
             }
             Row::Point(number, point) => {
                 let style = mark(point.look);
                 let number_type = Type { anchor: Anchor::End, ..words };
                 let of_mark = Type { color: style.color, weight: Weight::SemiBold, ..number_type };
-                framed.text(-left + 34.0, baseline, of_mark, &number.to_string());
-                style.draw_marker(&mut framed, [-left + 56.0, middle]);
-                framed.text(-left + 76.0, baseline, words, point.label);
+                content.text(-left + 34.0, baseline, of_mark, &number.to_string());
+                style.draw_marker(&mut content, [-left + 56.0, middle]);
+                content.text(-left + 76.0, baseline, words, point.label);
                 let right = WIDTH + NUMBERS - 4.0;
                 let Some(bias) = point.bias else {
-                    framed.text(right, baseline, Type { color: MUTED, ..number_type }, "no answer");
+                    content.text(right, baseline, Type { color: MUTED, ..number_type }, "no answer");
                     continue;
                 };
                 let at = [WIDTH * span.share(bias), middle];
-                framed.line([zero, middle], at, &format!("stroke=\"{}\" stroke-width=\"5\"", style.color));
-                style.draw_marker(&mut framed, at);
-                framed.text(right, baseline, number_type, &signed(bias));
+                content.line([zero, middle], at, &stroke(style.color, 5.0, ""));
+                style.draw_marker(&mut content, at);
+                content.text(right, baseline, number_type, &signed(bias));
             }
         }
     }
-    plot_frame::frame(&mut framed, frame);
+    let framed = plot::framed(frame, &x, &Axis::default(), &content);
     let mut drawing = Drawing::default();
     drawing.place(&framed, left, 0.0);
     Block { width: left + WIDTH + NUMBERS, height: frame[1] + x.name_at + 8.0, drawing }

@@ -2,7 +2,7 @@
 
 use super::colors::{self, Ramp, Rgb};
 use super::furniture::Scale;
-use super::paint;
+use super::paint::quantiles;
 
 /// How values become colors.
 #[derive(Debug)]
@@ -21,10 +21,13 @@ impl ValueRange {
     pub(crate) fn of_receivers(maps: &[(&[f32], &[u8])]) -> Self {
         let n: usize = maps.iter().map(|(values, _)| values.len()).sum();
         let step = (n / 1_000_000).max(1) | 1;
-        let sample = values_of(maps, step);
+        let of_map = |(values, mask): &(&[f32], &[u8])| -> Vec<f32> {
+            (0..values.len()).step_by(step).filter(|&cell| mask[cell] <= 1).map(|cell| values[cell]).collect()
+        };
+        let sample: Vec<f32> = maps.iter().flat_map(of_map).collect();
         let infinite = [f32::NEG_INFINITY, f32::INFINITY].map(|end| sample.iter().any(|v| v.total_cmp(&end).is_eq()));
-        let (least, most) = paint::quantiles(sample.clone(), 0.0, 1.0).unwrap_or((0.0, 1.0));
-        let (mut low, mut high) = paint::quantiles(sample, 0.01, 0.99).unwrap_or((0.0, 1.0));
+        let [least, mut low, most_are_below, mut high, most] =
+            quantiles(sample, [0.0, 0.01, 0.9, 0.99, 1.0]).unwrap_or([0.0, 0.0, 1.0, 1.0, 1.0]);
         let signed = least < 0.0 && most > 0.0;
         let flat_above_zero = signed && high <= -low * SMALL_SIDE;
         if flat_above_zero {
@@ -32,9 +35,9 @@ impl ValueRange {
         } else if signed {
             high = low.abs().max(high.abs());
             low = -high;
-        } else if let Some((_, most_are_below)) = paint::quantiles(values_of(maps, step), 0.0, 0.9) {
+        } else if high > 3.0 * most_are_below.abs() {
             // A few cells beside walls ask for heights that would leave the others one color.
-            high = if high > 3.0 * most_are_below.abs() { most_are_below } else { high };
+            high = most_are_below;
         }
         (low, high) = widened(low, high);
         let slack = 1e-9 * (high - low);
@@ -49,7 +52,7 @@ impl ValueRange {
 
     /// The whole range of some values.
     pub(crate) fn whole(values: &[f32]) -> Self {
-        let (low, high) = paint::quantiles(values.to_vec(), 0.0, 1.0).unwrap_or((0.0, 1.0));
+        let [low, high] = quantiles(values.to_vec(), [0.0, 1.0]).unwrap_or([0.0, 1.0]);
         let (low, high) = widened(low, high);
         let scale = Scale { low, high, open_low: false, open_high: false };
         Self { ramp: Ramp::Sequential, scale, flat_above_zero: false }
@@ -80,14 +83,6 @@ impl ValueRange {
 /// Two ends that differ.
 fn widened(low: f64, high: f64) -> (f64, f64) {
     if high - low < 1e-6 * (1.0 + high.abs()) { (low - 0.5, high + 0.5) } else { (low, high) }
-}
-
-/// The receivers' values, every `step`th cell of each map.
-fn values_of(maps: &[(&[f32], &[u8])], step: usize) -> Vec<f32> {
-    let of_map = |(values, mask): &(&[f32], &[u8])| -> Vec<f32> {
-        (0..values.len()).step_by(step).filter(|&cell| mask[cell] <= 1).map(|cell| values[cell]).collect()
-    };
-    maps.iter().flat_map(of_map).collect()
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::colors;
 use super::paint::narrow;
 
 /// How a view projects.
@@ -96,6 +97,11 @@ impl View {
     }
 }
 
+/// Whole samples of a buffer of this size, from 1 to 4000 a side.
+pub(crate) fn samples(size: DVec2) -> [usize; 2] {
+    [size.x, size.y].map(|side| colors::index(side.ceil(), 4000).max(1))
+}
+
 /// Nearest face and its depth per sample.
 #[derive(Debug)]
 pub(crate) struct ZBuffer {
@@ -121,7 +127,6 @@ impl ZBuffer {
         if area.abs() < 1e-12 || !area.is_finite() {
             return;
         }
-        // Sample centers lie at half pixels.
         let (Some(columns), Some(rows)) = (span(low.x, high.x, self.width), span(low.y, high.y, self.height)) else {
             return;
         };
@@ -131,16 +136,13 @@ impl ZBuffer {
             ((c.z - a.z) * (b.x - a.x) - (b.z - a.z) * (c.x - a.x)) / area,
         );
         let sign = area.signum();
-        let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| {
-            let along = (to - from).truncate() * sign;
-            (from.truncate(), along)
-        });
+        let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| (from.truncate(), (to - from).truncate() * sign));
         for row in rows {
-            let y = row as f64 + 0.5;
+            let y = center(row);
             // The samples of a row inside the triangle form one interval.
             let (mut left, mut right) = (columns.start as f64, columns.end as f64 - 1.0);
             for (from, along) in edges {
-                let at_left = along.x * (y - from.y) - along.y * (left_center(columns.start) - from.x);
+                let at_left = along.x * (y - from.y) - along.y * (center(columns.start) - from.x);
                 // Inside: at_left - along.y * steps >= 0.
                 if along.y > 0.0 {
                     right = right.min(columns.start as f64 + (at_left / along.y).floor());
@@ -153,11 +155,10 @@ impl ZBuffer {
             if left > right {
                 continue;
             }
-            let (first, last) = (super::colors::index(left, self.width), super::colors::index(right, self.width));
-            let depth_at_first = a.z + depth_step.x * (left_center(first) - a.x) + depth_step.y * (y - a.y);
-            let start = row * self.width;
-            let depths = &mut self.depth[start + first..=start + last];
-            let tags = &mut self.tag[start + first..=start + last];
+            let (first, last) = (colors::index(left, self.width), colors::index(right, self.width));
+            let depth_at_first = a.z + depth_step.x * (center(first) - a.x) + depth_step.y * (y - a.y);
+            let samples = row * self.width + first..=row * self.width + last;
+            let (depths, tags) = (&mut self.depth[samples.clone()], &mut self.tag[samples]);
             for (k, (old_depth, old_tag)) in depths.iter_mut().zip(tags).enumerate() {
                 let depth = narrow(depth_at_first + depth_step.x * k as f64);
                 if depth > *old_depth {
@@ -168,44 +169,21 @@ impl ZBuffer {
     }
 }
 
-fn left_center(column: usize) -> f64 {
-    column as f64 + 0.5
+/// Place of the center of a sample along a row or a column.
+fn center(sample: usize) -> f64 {
+    sample as f64 + 0.5
 }
 
 /// Samples whose centers lie between two positions, or nothing.
 fn span(low: f64, high: f64, n: usize) -> Option<std::ops::Range<usize>> {
     let first = (low - 0.5).ceil().max(0.0);
     let last = (high - 0.5).floor().min(n as f64 - 1.0);
-    (first <= last).then(|| super::colors::index(first, n)..super::colors::index(last, n) + 1)
+    (first <= last).then(|| colors::index(first, n)..colors::index(last, n) + 1)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_nearer_of_two_triangles_wins_whatever_the_order() {
-        let far = [[0.0, 0.0, 1.0], [8.0, 0.0, 1.0], [0.0, 8.0, 1.0]].map(DVec3::from);
-        let near = far.map(|p| p + DVec3::Z);
-        for order in [[(far, 1), (near, 2)], [(near, 2), (far, 1)]] {
-            let mut buffer = ZBuffer::new(8, 8);
-            order.into_iter().for_each(|(triangle, tag)| buffer.triangle(triangle, tag));
-            assert_eq!((buffer.tag[0], buffer.tag[63]), (2, 0));
-        }
-    }
-
-    #[test]
-    fn two_triangles_cover_their_square_without_gaps() {
-        let corners = [[1.3, 0.7, 0.0], [6.9, 1.9, 0.0], [7.6, 7.1, 0.0], [0.4, 6.2, 0.0]].map(DVec3::from);
-        let mut both = ZBuffer::new(9, 9);
-        both.triangle([corners[0], corners[1], corners[2]], 1);
-        both.triangle([corners[0], corners[2], corners[3]], 1);
-        for row in 2..6 {
-            for col in 2..6 {
-                assert_eq!(both.tag[row * 9 + col], 1, "row {row}, column {col}");
-            }
-        }
-    }
 
     #[test]
     fn depth_is_interpolated_in_the_plane() {

@@ -306,9 +306,5 @@ mod tests {
             of_degrees("maps/old town.tif", InputKind::Raster, (9.18, 48.78)),
             "`--project auto`, or gdalwarp -t_srs EPSG:32632 -r near 'maps/old town.tif' 'maps/old town_32632.tif'"
         );
-        assert_eq!(
-            of_degrees("b.shp", InputKind::Vector, (-70.0, -33.0)),
-            "`--project auto`, or ogr2ogr -t_srs EPSG:32719 b_32719.geojson b.shp"
-        );
     }
 }

@@ -340,7 +340,7 @@ mod tests {
     #[test]
     fn notations_of_one_system_are_equal() {
         let wanted = from_epsg(25832).unwrap();
-        assert_eq!(wanted.name(), "ETRS89 / UTM zone 32N");
+        assert_eq!((wanted.label().as_str(), wanted.name().as_str()), ("EPSG:25832", "ETRS89 / UTM zone 32N"));
         assert_eq!(wanted.kind(), CrsKind::Projected { meters_per_unit: 1.0 });
         for text in [
             "EPSG:25832",
@@ -357,6 +357,7 @@ mod tests {
         assert_eq!(parse("urn:ogc:def:crs:OGC:1.3:CRS84").unwrap().epsg(), Some(4326));
         assert_eq!(parse("urn:ogc:def:crs:EPSG::4326").unwrap(), from_epsg(4326).unwrap());
         assert_eq!(parse("+proj=utm +zone=33 +datum=WGS84").unwrap().epsg(), Some(32633));
+        assert!(is_web_mercator(&parse("EPSG:900913").unwrap()) && !is_web_mercator(&wanted));
     }
 
     #[test]

@@ -189,8 +189,8 @@ mod tests {
     fn unusable_channels_are_refused() {
         let georef = GeoRef::new((0.0, 0.0), (1.0, 1.0), (1, 1), None).unwrap();
         let twice = [("a".to_string(), ExrChannel::UInt(&[1])), ("a".to_string(), ExrChannel::UInt(&[2]))];
-        let error = write_exr(&mut Vec::new(), &georef, &twice, &[]).unwrap_err();
-        assert_eq!(error.to_string(), "cannot encode an OpenEXR file: two channels are called `a`");
-        assert_eq!(write_exr(&mut Vec::new(), &georef, &[], &[]).unwrap_err().code(), "E402");
+        for channels in [&twice[..], &[]] {
+            assert_eq!(write_exr(&mut Vec::new(), &georef, channels, &[]).unwrap_err().code(), "E402");
+        }
     }
 }

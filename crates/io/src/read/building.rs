@@ -290,11 +290,9 @@ mod tests {
     #[test]
     fn heights_are_read_with_their_units_and_nonsense_is_missing() {
         let read = |text: &str| found_height(&Property::Text(text.into()), HeightUnit::Meters);
-        assert_eq!(read("12 m"), FoundHeight::Meters(12.0));
-        assert_eq!(read("12.5m"), FoundHeight::Meters(12.5));
-        assert_eq!(read("12.5"), FoundHeight::Meters(12.5));
-        assert_eq!(read("100 ft"), FoundHeight::Meters(30.48));
-        assert_eq!(read("100'"), FoundHeight::Meters(30.48));
+        for (text, meters) in [("12 m", 12.0), ("12.5m", 12.5), ("12.5", 12.5), ("100 ft", 30.48), ("100'", 30.48)] {
+            assert_eq!(read(text), FoundHeight::Meters(meters), "{text}");
+        }
         // 39 feet and 4 inches are 472 inches of 25.4 mm.
         let FoundHeight::Meters(mixed) = read("39'4\"") else { panic!("no height") };
         assert!((mixed - 472.0 * 0.0254).abs() < 1e-12, "{mixed}");

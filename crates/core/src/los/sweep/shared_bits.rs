@@ -103,21 +103,3 @@ pub(super) fn transpose(block: &mut [u64; 64]) {
         mask ^= mask << width;
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_transposed_block_has_rows_for_columns() {
-        let mut block: [u64; 64] =
-            std::array::from_fn(|r| (r as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(7));
-        let before = block;
-        transpose(&mut block);
-        for (r, row) in before.iter().enumerate() {
-            for (c, column) in block.iter().enumerate() {
-                assert_eq!(row >> c & 1, column >> r & 1);
-            }
-        }
-    }
-}

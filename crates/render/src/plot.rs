@@ -1,15 +1,17 @@
-//! The axes of plots: how values map to pixels, and which of them have a tick.
+//! What every plot has: how values map to pixels, which of them have a tick, and axes around a frame.
 
+use super::colors::INK;
 use super::furniture::{self, DETAIL};
-use super::lettering::number;
+use super::lettering::{Anchor, Type, number};
+use super::sheet::Drawing;
 
 /// Between the texts of neighboring ticks \[px\].
 const TEXT_GAP: f64 = 22.0;
 /// Steps between ticks on an axis of angles \[°\].
 const ANGLE_STEPS: [f64; 5] = [10.0, 15.0, 30.0, 45.0, 90.0];
 
-/// An axis with its ticks, ready to be drawn.
-#[derive(Clone, Debug)]
+/// An axis with its ticks, ready to be drawn; the default has neither ticks nor a name.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Axis {
     /// Name with unit.
     pub(crate) name: String,
@@ -59,10 +61,21 @@ pub(crate) struct Span {
 }
 
 impl Span {
+    /// Values from `low` to `high`, equal differences of equal length.
+    pub(crate) const fn linear(low: f64, high: f64) -> Self {
+        Span { ends: [low, high], is_log: false }
+    }
+
     /// Where a value lies: 0 at the first end, 1 at the other, beyond that outside.
     pub(crate) fn share(&self, value: f64) -> f64 {
         let [low, high] = self.ends;
         if self.is_log { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) }
+    }
+
+    /// How far a value lies from the left or from the top end of an axis of `length` \[px\].
+    pub(crate) fn along(&self, value: f64, direction: Direction, length: f64) -> f64 {
+        let share = self.share(value);
+        length * if direction == Direction::Across { share } else { 1.0 - share }
     }
 
     /// Makes an axis of `length` \[px\] with round ticks whose texts keep apart.
@@ -78,11 +91,7 @@ impl Span {
 
     /// Makes an axis of `length` \[px\] with ticks at these values.
     pub(crate) fn axis_at(&self, name: &str, direction: Direction, length: f64, ticks: Vec<(f64, String)>) -> Axis {
-        let along = |value: f64| {
-            let share = self.share(value);
-            length * if direction == Direction::Across { share } else { 1.0 - share }
-        };
-        let ticks = ticks.into_iter().map(|(value, text)| (along(value), text)).collect();
+        let ticks = ticks.into_iter().map(|(value, text)| (self.along(value, direction, length), text)).collect();
         let axis = Axis { name: name.to_string(), ticks, has_grid: true, name_at: 68.0 };
         match direction {
             Direction::Across => axis,
@@ -166,6 +175,68 @@ fn whole(value: f64) -> i32 {
     value.clamp(-400.0, 400.0) as i32
 }
 
+/// A point so little outside the frame lies on it \[px\].
+pub(crate) const SLACK: f64 = 0.5;
+
+/// How values map to a plot.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Window {
+    /// Width and height \[px\].
+    pub(crate) size: [f64; 2],
+    /// Values from left to right.
+    pub(crate) x: Span,
+    /// Values from the bottom up.
+    pub(crate) y: Span,
+}
+
+impl Window {
+    /// Place of a value from the top left of the frame \[px\].
+    pub(crate) fn at(&self, x: f64, y: f64) -> [f64; 2] {
+        [self.x.along(x, Direction::Across, self.size[0]), self.y.along(y, Direction::Up, self.size[1])]
+    }
+
+    /// Whether a place is in the frame.
+    pub(crate) fn shows(&self, place: [f64; 2]) -> bool {
+        place.iter().zip(self.size).all(|(at, length)| (-SLACK..=length + SLACK).contains(at))
+    }
+}
+
+/// Draws a plot of this size \[px\], its origin at the top left of the frame: axes, content, and the frame over both.
+pub(crate) fn framed(size: [f64; 2], x: &Axis, y: &Axis, content: &Drawing) -> Drawing {
+    let mut drawing = axes(size, x, y);
+    drawing.add(content);
+    furniture::frame(&mut drawing, [0.0; 2], size);
+    drawing
+}
+
+/// Draws ticks, grid and names around a plot of this size \[px\].
+pub(crate) fn axes([width, height]: [f64; 2], x: &Axis, y: &Axis) -> Drawing {
+    let mut drawing = Drawing::default();
+    let tick = furniture::ink(1.6);
+    let grid = "stroke=\"#E3E7EB\" stroke-width=\"1.4\"";
+    let middle = Type { anchor: Anchor::Middle, ..DETAIL };
+    // A tick without a text is short, and has no line across the plot.
+    let tick_length = |text: &str| if text.is_empty() { 5.0 } else { 8.0 };
+    for (at, text) in &y.ticks {
+        if y.has_grid && !text.is_empty() {
+            drawing.line([0.0, *at], [width, *at], grid);
+        }
+        drawing.line([-tick_length(text), *at], [0.0, *at], &tick);
+        drawing.text(-14.0, at + 8.0, Type { anchor: Anchor::End, ..DETAIL }, text);
+    }
+    for (at, text) in &x.ticks {
+        if x.has_grid && !text.is_empty() {
+            drawing.line([*at, 0.0], [*at, height], grid);
+        }
+        drawing.line([*at, height], [*at, height + tick_length(text)], &tick);
+        drawing.text(*at, height + 32.0, middle, text);
+    }
+    let name = Type { color: INK, ..middle };
+    drawing.text(width / 2.0, height + x.name_at, name, &x.name);
+    drawing.text_upward(-y.name_at, height / 2.0, name, &y.name);
+    drawing
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -174,21 +245,20 @@ mod tests {
         span.axis(name, direction, length).ticks.into_iter().map(|(_, text)| text).filter(|t| !t.is_empty()).collect()
     }
 
-    const fn linear(low: f64, high: f64) -> Span {
-        Span { ends: [low, high], is_log: false }
-    }
-
     #[test]
     fn angles_that_end_at_90_have_ticks_at_multiples_of_10_or_15() {
         let name = "Elevation angle θ [°]";
         let tens = ["10", "20", "30", "40", "50", "60", "70", "80", "90"];
-        assert_eq!(texts(linear(5.0, 90.0), name, Direction::Across, 760.0), tens);
+        assert_eq!(texts(Span::linear(5.0, 90.0), name, Direction::Across, 760.0), tens);
         let wide = ["0", "15", "30", "45", "60", "75", "90"];
-        assert_eq!(texts(linear(0.0, 90.0), name, Direction::Across, 400.0), wide);
-        assert_eq!(texts(linear(0.0, 90.0), name, Direction::Across, 200.0), ["0", "30", "60", "90"]);
-        assert_eq!(texts(linear(0.0, 360.0), "φ [°]", Direction::Across, 420.0), ["0", "90", "180", "270", "360"]);
+        assert_eq!(texts(Span::linear(0.0, 90.0), name, Direction::Across, 400.0), wide);
+        assert_eq!(texts(Span::linear(0.0, 90.0), name, Direction::Across, 200.0), ["0", "30", "60", "90"]);
+        assert_eq!(
+            texts(Span::linear(0.0, 360.0), "φ [°]", Direction::Across, 420.0),
+            ["0", "90", "180", "270", "360"]
+        );
         // Elsewhere any round value will do.
-        assert_eq!(texts(linear(0.0, 1.0), "α", Direction::Up, 240.0), ["0", "0.2", "0.4", "0.6", "0.8", "1"]);
+        assert_eq!(texts(Span::linear(0.0, 1.0), "α", Direction::Up, 240.0), ["0", "0.2", "0.4", "0.6", "0.8", "1"]);
     }
 
     #[test]
