@@ -33,6 +33,7 @@ pub mod error;
 mod expected;
 mod limits;
 mod link;
+mod live;
 mod map;
 mod memory;
 mod method_looks;

@@ -7,6 +7,7 @@ use serde_json::{Map, Value};
 use crate::conversion::CityDocument;
 use crate::limits::{LimitRow, LimitsDocument};
 use crate::link::LinkDocument;
+use crate::live::LiveDocument;
 use crate::repairs::{RepairRow, RepairsDocument};
 use crate::track::{PointRow, TrackDocument};
 use crate::zone_files::ZonesDocument;
@@ -42,6 +43,7 @@ pub fn documents() -> Vec<(&'static str, Value)> {
         document::<ZonesDocument>("zones"),
         document::<LimitsDocument>("limits"),
         document::<CityDocument>("city"),
+        document::<LiveDocument>("live"),
         document::<RepairsDocument>("repairs"),
     ]
 }

@@ -9,8 +9,8 @@ use super::args::output::OutputArgs;
 use super::args::scene::ReadingArgs;
 use super::args::words::is_standard_input;
 use super::commands::{
-    ChartArgs, CityArgs, CompareArgs, CompletionsArgs, InfoArgs, LimitsArgs, LinkArgs, MapArgs, PlaceArgs, PlosArgs,
-    SampleArgs, StressArgs, TrackArgs, ZonesArgs,
+    ChartArgs, CityArgs, CompareArgs, CompletionsArgs, InfoArgs, LimitsArgs, LinkArgs, LiveArgs, MapArgs, PlaceArgs,
+    PlosArgs, SampleArgs, StressArgs, TrackArgs, ZonesArgs,
 };
 use super::run::Run;
 use super::typed::Typed;
@@ -62,6 +62,8 @@ enum Command {
     Sample(Box<SampleArgs>),
     /// Placements side by side: maps, differences, a page to swipe over
     Compare(Box<CompareArgs>),
+    /// One page in which a UAV is dragged over the city, and the exact coverage follows
+    Live(Box<LiveArgs>),
     /// Speed against accuracy of every method on a scene
     Chart(Box<ChartArgs>),
     /// Where methods fail, on small scenes full of ties; what in a scene hangs by a step
@@ -106,6 +108,7 @@ impl Cli {
             Command::Place(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
             Command::Sample(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
             Command::Compare(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
+            Command::Live(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
             Command::Chart(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
             Command::Stress(a) => (a.scene.iter().collect(), &a.reading, &a.out),
             Command::Completions(_) => return None,
@@ -134,6 +137,7 @@ impl Cli {
             Command::Place(args) => args.run(run),
             Command::Sample(args) => args.run(run),
             Command::Compare(args) => args.run(run),
+            Command::Live(args) => args.run(run),
             Command::Chart(args) => args.run(run),
             Command::Stress(args) => args.run(run),
             Command::Completions(args) => args.run(Cli::command()),

@@ -14,6 +14,8 @@ pub(super) struct Typed {
     names: Vec<String>,
     /// The files that they name, other than the scene and that of repairs.
     pub(super) files: Vec<PathBuf>,
+    /// The words of each, in the order of the names.
+    words: Vec<Vec<String>>,
 }
 
 impl Typed {
@@ -21,8 +23,13 @@ impl Typed {
         let ids = || matches.ids().map(|id| id.as_str());
         let is_typed = |id: &&str| matches.value_source(id) == Some(ValueSource::CommandLine);
         let files_of = |id| matches.try_get_many::<PathBuf>(id).ok().flatten();
+        let words_of = |id| {
+            let raw = matches.get_raw(id).into_iter().flatten();
+            raw.map(|word| word.to_string_lossy().into_owned()).collect()
+        };
         Typed {
             names: ids().filter(is_typed).map(str::to_string).collect(),
+            words: ids().filter(is_typed).map(words_of).collect(),
             files: ids().filter(|id| *id != "repairs").filter_map(files_of).flatten().cloned().collect(),
         }
     }
@@ -30,6 +37,13 @@ impl Typed {
     /// Whether an argument was typed.
     pub(super) fn has(&self, name: &str) -> bool {
         self.names.iter().any(|typed| typed == name)
+    }
+
+    /// The flags of some names that were typed, with their words, as they may be typed again.
+    pub(super) fn flags(&self, names: &[String]) -> Vec<String> {
+        let typed = self.names.iter().zip(&self.words).filter(|(name, _)| names.contains(name));
+        let flag = |name: &str| format!("--{}", name.replace('_', "-"));
+        typed.flat_map(|(name, words)| std::iter::once(flag(name)).chain(words.iter().cloned())).collect()
     }
 
     /// Refuses those of some arguments that were typed.

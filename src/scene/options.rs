@@ -43,6 +43,8 @@ pub struct SceneOptions {
     pub(crate) seed: Option<u64>,
     pub(crate) nodata_as: Option<NodataAs>,
     pub(crate) hash: bool,
+    /// The box of a raster that is read: west, south, east, north \[CRS units\]; all of it without one.
+    pub(crate) around: Option<[f64; 4]>,
     /// Whether what is wrong with footprints is told where the program would refuse them.
     pub(crate) tells_faults: bool,
     /// Where what was mended or left out is listed.
@@ -274,7 +276,7 @@ impl SceneOptions {
     /// tile.
     pub(crate) fn size_of_raster(&self, word: &OsStr) -> Option<(GeoRef, u64)> {
         // What is brought into another system is put together in memory.
-        if !is_raster_scene(word) || self.project.is_some() {
+        if !is_raster_scene(word) || self.project.is_some() || self.around.is_some() {
             return None;
         }
         let file = RasterFile::open(Path::new(word), &mut Vec::new()).ok()?;
@@ -300,7 +302,12 @@ impl SceneOptions {
         if self.project.is_none() {
             self.refuse("a raster without `project`", &[("cell_m", self.cell_m.is_some())])?;
         }
-        Ok(SurfaceOptions { project: self.project.clone(), cell_m: self.cell_m, ..self.of_surface()? })
+        Ok(SurfaceOptions {
+            project: self.project.clone(),
+            cell_m: self.cell_m,
+            around: self.around,
+            ..self.of_surface()?
+        })
     }
 
     /// How any surface is read.

@@ -67,6 +67,7 @@ mod cli_plos; // P_LoS studies as tables, documents and plots
 mod sampled; // P_LoS by zone of the placement, from maps, against the product
 mod compare; // placements side by side: counts by hand, saved masks, intervals, sheets, refusals
 mod compare_page; // their page: pictures, words of users, a browser
+mod live; // the live page: digests, sizes, hostile words, a browser
 mod economy; // footprints that hide nobody, what a map needs and what limits it, against maps of the changed scenes
 mod tolerance; // the coarsest cells within a tolerance: its bound holds, on generated and on real cities
 mod track; // line of sight along a track: stretches, links, files
@@ -86,6 +87,7 @@ mod regressions; // one test per bug
 mod program; // runs the program from outside
 mod plain_tiff; // writes simple GeoTIFFs
 mod polygons; // triangulation and repair of footprints
+mod codes; // the page of codes, from the sources
 mod schemas; // documents against their JSON Schemas, columns and their meanings
 mod recorder; // digests of all masks, for two builds side by side
 mod referee; // links and whole maps by an engine, by the oracle and by ray

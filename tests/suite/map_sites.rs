@@ -231,7 +231,8 @@ fn killed_at_any_moment_it_leaves_whole_files_and_goes_on() {
             for name in finals() {
                 match names.iter().position(|n| *n == name) {
                     Some(k) => assert_eq!(digest(&folder, &name), expected[k], "{name} is whole"),
-                    None => drop(folder.json(&name)),
+                    None if name.ends_with(".json") => drop(folder.json(&name)),
+                    None => {}
                 }
             }
         }

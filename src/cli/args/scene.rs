@@ -168,6 +168,7 @@ impl ReadingArgs {
             seed: Some(self.seed),
             nodata_as: self.nodata_as,
             hash: self.hash,
+            around: None,
             tells_faults: false,
             repairs: self.repairs.is_some().then(|| Arc::clone(&self.found_repairs)),
         })

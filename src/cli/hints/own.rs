@@ -92,6 +92,15 @@ pub(super) fn of_limit(error: &LimitError) -> Option<String> {
         L::Track { .. } => "choose longer steps: `--every M`",
         L::Tiles { .. } => "choose a larger `--tile`",
         L::Extent { .. } => "choose a part of it with `--extent`",
+        L::PageCells { cell, extent, is_raster: false, .. } => {
+            return Some(format!("`--cell {cell}`, or a part of it: `--extent {extent}`"));
+        }
+        L::PageCells { .. } => {
+            "the part in range of UAVs: `--radius M` with `--uav X,Y,H`; or coarser cells: `--project` with `--cell M`"
+        }
+        L::PageFootprints { extent, .. } => return Some(format!("a part of it, such as `--extent {extent}`")),
+        L::PageBytes { .. } => "choose larger cells or a smaller extent",
+        L::PageUavs { .. } => "`skyshed map` takes any number",
         L::Threads { .. } => "fewer with `-j N`, or allow this user more processes (`ulimit -u`)",
     };
     Some(hint.to_string())

@@ -1,0 +1,126 @@
+// @ts-check
+// The state in the fragment of the address: copying the address restores the view. What it does not say stays as it is;
+// what it says wrongly is left out.
+
+/**
+ * A UAV as x,y,height,name.
+ * @param {Uav} uav
+ */
+const uavWord = (uav) => [uav.x, uav.y, heightTyped(uav.height), encodeURIComponent(uav.id)].join(",");
+
+/** Several UAVs, separated by semicolons. @param {Uav[]} uavs */
+const uavsWord = (uavs) => uavs.map(uavWord).join(";");
+
+/** A sight as height,where,range; the range may be empty. @param {Sight} sight */
+const sightWord = (sight) => [sight.rx_height_m, sight.receivers, sight.radius_m ?? ""].join(",");
+
+/** The fragment of the state, without its #. */
+function addressOf() {
+  const words = [`uavs=${uavsWord(state.uavs)}`, `sight=${sightWord(state.sight)}`, `layer=${state.layer}`];
+  if (state.selected > 0) words.push(`selected=${state.selected + 1}`);
+  if (state.view) {
+    const { x, y, scale } = state.view;
+    words.push(`view=${roundedPosition(x)},${roundedPosition(y)},${Number(scale.toPrecision(5))}`);
+  }
+  for (const kept of state.kept) words.push(`kept=${encodeURIComponent(kept.name)}:${sightWord(kept.sight)}:${uavsWord(kept.uavs)}`);
+  if (state.base > 0) words.push(`base=${state.base + 1}`);
+  return words.join("&");
+}
+
+/** Text of a percent-encoded word; null if it is not one. @param {string} word */
+function decoded(word) {
+  try {
+    return decodeURIComponent(word);
+  } catch {
+    return null;
+  }
+}
+
+/** A finite number, or null. @param {string | undefined} word */
+function finite(word) {
+  const value = word ? Number(word) : NaN;
+  return Number.isFinite(value) ? value : null;
+}
+
+/** @param {string} word @returns {Uav | null} */
+function uavOf(word) {
+  const [xWord, yWord, heightWord = "", idWord = ""] = word.split(",");
+  const [x, y, id] = [finite(xWord), finite(yWord), decoded(idWord)];
+  const height = /^(-?[\d.e+-]+)(agl|roof|amsl)$/.exec(heightWord);
+  const m = finite(height?.[1]);
+  if (x === null || y === null || m === null || !height || !id) return null;
+  if (x < grid.x_min || x > X_MAX || y < Y_MIN || y > grid.y_max || Math.abs(m) > HIGHEST) return null;
+  return { id: id.slice(0, 200), x, y, height: { kind: /** @type {HeightKind} */ (height[2]), m } };
+}
+
+/** Some UAVs of different names, or null. @param {string} word @returns {Uav[] | null} */
+function uavsOf(word) {
+  const uavs = word.split(";").slice(0, MOST_UAVS).map(uavOf);
+  const known = uavs.filter((uav) => uav !== null);
+  const names = new Set(known.map((uav) => uav.id));
+  return known.length === uavs.length && names.size === known.length && known.length > 0 ? known : null;
+}
+
+/** @type {Receivers[]} */
+const RECEIVERS = ["ground", "street", "crossroad", "courtyard", "roof", "all"];
+
+/** @param {string} word @returns {Sight | null} */
+function sightOf(word) {
+  const [heightWord, where, radiusWord] = word.split(",");
+  const rx_height_m = finite(heightWord);
+  const receivers = RECEIVERS.find((name) => name === where);
+  const radius_m = radiusWord ? finite(radiusWord) : null;
+  if (rx_height_m === null || rx_height_m < 0 || !receivers || (radiusWord && !(radius_m && radius_m > 0))) return null;
+  return { rx_height_m, receivers, radius_m };
+}
+
+/** @param {string} word @returns {Kept | null} */
+function keptOf(word) {
+  const [nameWord, sight, ...uavs] = word.split(":");
+  const found = { name: decoded(nameWord), uavs: uavsOf(uavs.join(":")), sight: sightOf(sight ?? "") };
+  return found.name && found.uavs && found.sight ? { name: found.name, uavs: found.uavs, sight: found.sight } : null;
+}
+
+/** Takes over what a fragment says. @param {string} fragment without its # */
+function readAddress(fragment) {
+  // Kept placements are not in every address; one that names any names all.
+  /** @type {Kept[]} */
+  const kept = [];
+  let base = 0;
+  for (const part of fragment.split("&")) {
+    const [key, ...rest] = part.split("=");
+    const word = rest.join("=");
+    const uavs = key === "uavs" ? uavsOf(word) : null;
+    if (uavs) Object.assign(state, { uavs, selected: 0, alone: null });
+    const sight = key === "sight" ? sightOf(word) : null;
+    if (sight) state.sight = sight;
+    const layer = key === "layer" ? /** @type {Layer[]} */ (["one", "union", "count", "who"]).find((name) => name === word) : undefined;
+    if (layer) state.layer = layer;
+    const place = finite(word);
+    if (key === "selected" && place !== null && state.uavs[place - 1]) state.selected = place - 1;
+    if (key === "base" && place !== null) base = place - 1;
+    const one = key === "kept" ? keptOf(word) : null;
+    if (one) kept.push(one);
+    if (key === "view") {
+      const [x, y, scale] = word.split(",").map(finite);
+      if (x !== null && y !== null && scale && scale > 0) state.view = { x, y, scale };
+    }
+  }
+  if (state.uavs.length > MOST_WHO && state.layer === "who") state.layer = "count";
+  if (kept.length > 0) state.kept = kept;
+  if (state.kept[base]) state.base = base;
+}
+
+/** Writes the state into the address. A page without an address of its own (srcdoc) may be refused, which does no harm. */
+function writeAddress() {
+  const fragment = addressOf();
+  if (location.hash.slice(1) === fragment) return;
+  try {
+    history.replaceState(null, "", `#${fragment}`);
+  } catch {
+    // Nothing to restore from then.
+  }
+}
+
+/** The address that restores the view. */
+const addressToCopy = () => `${location.href.replace(/#.*$/, "")}#${addressOf()}`;

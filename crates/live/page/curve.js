@@ -1,0 +1,89 @@
+// @ts-check
+// The share of receivers in sight against the height of the selected UAV over its place.
+
+const curveBox = byId("curve", HTMLDetailsElement);
+const curveStatus = htmlById("curve-status");
+
+/** Shares whose least heights are told. */
+const LEAST_SHARES = [0.5, 0.9];
+
+/** The newest curve and the UAV it is of. @type {{answer: CurveAnswer, which: number} | null} */
+let lastCurve = null;
+/** What the newest curve was asked for, so that none is asked for twice. */
+let curveKey = "";
+
+/** What a curve depends on: the place, not the height. */
+const keyOfCurve = () => JSON.stringify([state.selected, selectedUav().x, selectedUav().y, state.sight]);
+
+/** Asks for the curve of the resting UAV, while its panel is open. */
+async function refreshCurve() {
+  const key = keyOfCurve();
+  if (!curveBox.open || !engine.opened || key === curveKey) {
+    if (key === curveKey) drawCurve();
+    return;
+  }
+  curveKey = key;
+  const which = state.selected;
+  const progress = (/** @type {{share: number}} */ part) => setText(curveStatus, say().working(percent(Math.round(100 * part.share), 100)));
+  progress({ share: 0 });
+  /** @type {CurveAnswer} */
+  let answer;
+  try {
+    answer = await ask({ do: "curve", which }, progress);
+  } catch (error) {
+    setText(curveStatus, wordsOf(error));
+    return;
+  }
+  if (answer.stopped) {
+    // Another question came between, or something moved: then the next rest asks first.
+    if (curveKey === key) curveKey = "";
+    setTimeout(() => {
+      if (!coverage.isAsking) void refreshCurve();
+    }, 2 * REST);
+    return;
+  }
+  if (curveKey !== key) return;
+  lastCurve = { answer, which };
+  drawCurve();
+}
+
+/** Draws the newest curve with the height of now. */
+function drawCurve() {
+  if (!lastCurve || !curveBox.open || curveKey !== keyOfCurve()) return;
+  const { answer } = lastCurve;
+  const words = say();
+  const seen = coverage.answer?.uavs[lastCurve.which];
+  const base = answer.ground_m ?? 0;
+  const above = answer.heights_m.map((h) => h - base);
+  const shares = answer.los.map((los) => (answer.receivers > 0 ? los / answer.receivers : 0));
+  const now = seen?.ok ? seen.amsl_m - base : null;
+  const last = above[above.length - 1] ?? 1;
+  const enough = above[shares.findIndex((share) => share >= 0.99)] ?? last;
+  const xMax = Math.max(1, Math.min(last, Math.max(enough, now === null ? 0 : 1.15 * now)));
+  const xMin = Math.min(answer.ground_m === null ? answer.lowest_m : 0, above[0] ?? 0);
+  const chart = makeChart({
+    width: 320, height: 210, xRange: [xMin, xMax], yRange: [0, 1],
+    yTicks: [0, 0.25, 0.5, 0.75, 1].map((v) => [v, `${100 * v}${THIN}%`]),
+    xName: words.heightAxis(answer.ground_m !== null), yName: words.share, label: words.curve,
+  });
+  const points = above.map((h, k) => [h, shares[k]]).filter(([h]) => h <= xMax);
+  const next = above.findIndex((h) => h > xMax);
+  // The line reaches the frame.
+  if (next > 0) {
+    const t = (xMax - above[next - 1]) / (above[next] - above[next - 1]);
+    points.push([xMax, shares[next - 1] + t * (shares[next] - shares[next - 1])]);
+  }
+  chart.plot.append(draw("polyline", { class: "curve", points: points.map(([h, s]) => `${chart.x(h).toFixed(1)},${chart.y(s).toFixed(1)}`).join(" ") }));
+  if (seen?.ok && now !== null && now <= xMax && seen.p_los !== null) {
+    const [px, py] = [chart.x(now), chart.y(seen.p_los)];
+    chart.plot.append(draw("path", { class: "guide", d: `M${chart.left} ${py}H${px}V${chart.bottom}` }), draw("circle", { class: "now", cx: px, cy: py, r: 5 }));
+    chartLabel(chart, px, py < chart.top + 50 ? py + 10 : py - 28, `${meters(now)}: ${percent(seen.los, seen.receivers)}`);
+  }
+  htmlById("curve-chart").replaceChildren(chart.svg);
+  const least = LEAST_SHARES.map((share) => {
+    const k = answer.los.findIndex((los) => los >= share * answer.receivers);
+    const part = `${100 * share}${THIN}%`;
+    return k < 0 ? words.curveNever(part) : words.curveSays(part, meters(above[k], 0));
+  });
+  setText(curveStatus, answer.receivers > 0 ? `${words.leastHeights} ${least.join(" · ")}` : words.noReceivers);
+}

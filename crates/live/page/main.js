@@ -1,0 +1,168 @@
+// @ts-check
+// Starts the page: shows what is there at once, opens the scene in the worker, and ties changes to what follows them.
+
+/** The address is written this long after the last change [ms]; browsers refuse writing it at every move. */
+const ADDRESS_AFTER = 250;
+/** @type {ReturnType<typeof setTimeout> | undefined} */
+let addressTimer;
+
+/** Changes that need another map. @type {Set<Change>} */
+const ASKS_MAP = new Set(["place", "uavs", "sight", "layer", "alone"]);
+
+/** @param {Change} change @param {number} since */
+function follow(change, since) {
+  if (ASKS_MAP.has(change)) wantMap(since);
+  if (change === "selected" && state.layer === "one" && state.uavs.length > 1) wantMap(since);
+  if (change === "uavs") {
+    makeMarks();
+    makeUavList();
+  }
+  if (change === "look") showLook();
+  if (change === "view") {
+    placeOverlay();
+    frame.drawSoon();
+  } else if (change === "place" || change === "selected" || change === "uavs" || change === "sight") {
+    describeMarks();
+    describeUavs();
+    showHeight();
+    showSight();
+    placeOverlay();
+    forgetSearch();
+  } else if (change === "layer") showSight();
+  else if (change === "kept") {
+    showKeptRows();
+    askCompare();
+  }
+  if (change === "selected") {
+    if (coverage.answer) showResults(coverage.answer);
+    if (linkPlace) askLink();
+    void refreshCurve();
+  }
+  if (saveDialog.open) showSave();
+  clearTimeout(addressTimer);
+  addressTimer = setTimeout(writeAddress, ADDRESS_AFTER);
+}
+
+/** Everything that language and theme change. */
+function showLook() {
+  showTexts();
+  showTheme();
+  makeMarks();
+  makeUavList();
+  showHeight();
+  showSight();
+  showKeptRows();
+  showSearchButtons();
+  drawCurve();
+  if (coverage.answer) showResults(coverage.answer);
+  if (lastLink && linkPlace) showLink(lastLink);
+  showCursorHint();
+  showAbout();
+  placeOverlay();
+  frame.drawSoon();
+}
+
+/** What limits the picture's truth, whose data it is, what made it. */
+function showAbout() {
+  const crs = facts.crs ? [`${facts.crs.label} · ${facts.crs.name}`] : [say().localCoordinates];
+  const lines = [...facts.limits, ...(facts.attribution ? [facts.attribution] : []), ...crs, facts.program];
+  htmlById("about").replaceChildren(...lines.map((line) => make("p", {}, line)));
+  setText(htmlById("attribution"), facts.attribution ?? "");
+}
+
+/** @param {'engine' | 'unpack' | 'build'} step @param {number | null} share */
+function showProgress(step, share) {
+  const words = say();
+  setText(htmlById("progress-words"), { engine: words.starting, unpack: words.unpacking, build: words.building }[step]);
+  const bar = byId("progress-bar", HTMLProgressElement);
+  if (share === null) bar.removeAttribute("value");
+  else bar.value = share;
+}
+
+/** @param {unknown} error */
+function showFailed(error) {
+  htmlById("progress").classList.add("failed");
+  htmlById("progress").hidden = false;
+  byId("progress-bar", HTMLProgressElement).hidden = true;
+  setText(htmlById("progress-words"), `${say().failed}: ${wordsOf(error)}`);
+}
+
+/** What a test or a bench may look at. */
+const ready = start();
+Object.assign(window, { skyshed: { state, facts, ready, idle }, skyshedTimes: times });
+
+async function start() {
+  readAddress(location.hash.slice(1));
+  listeners.push(follow);
+  new ResizeObserver(() => {
+    measure();
+    if (lastLink && linkPlace) showLink(lastLink);
+  }).observe(mapBox);
+  measure();
+  showLook();
+  listenToMap();
+  listenToPanel();
+  listenToSheet();
+  listenToBest();
+  listenToKept();
+  listenToSave();
+  listenToRest();
+  showProgress("engine", null);
+  try {
+    // The first picture of the page comes before the engine's work.
+    await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
+    const opened = await openScene(showProgress);
+    painter.hand.setTone(new Uint8Array(opened.tone));
+    showOpened(opened);
+    wantMap(performance.now());
+    await idle();
+  } catch (error) {
+    showFailed(error);
+  }
+}
+
+/** @param {Opened} opened */
+function showOpened(opened) {
+  htmlById("progress").hidden = true;
+  document.documentElement.dataset.ready = "true";
+  htmlById("slower").hidden = opened.simd;
+  coverage.hasZones = opened.has_zones;
+  // What the scene does not have cannot be chosen.
+  for (const option of selectById("height-kind").options) option.disabled = option.value === "agl" && opened.surface_only;
+  for (const option of selectById("receivers").options) option.disabled = !opened.has_buildings && option.value !== "ground" && option.value !== "all";
+  showKeptRows();
+  askCompare();
+  placeOverlay();
+  frame.drawSoon();
+}
+
+/** The buttons over the map, the panels that open, and what follows the answers. */
+function listenToRest() {
+  buttonById("zoom-in").addEventListener("click", () => glideZoom(1.6));
+  buttonById("zoom-out").addEventListener("click", () => glideZoom(1 / 1.6));
+  buttonById("zoom-fit").addEventListener("click", glideToWhole);
+  buttonById("link-close").addEventListener("click", closeLink);
+  curveBox.addEventListener("toggle", () => void refreshCurve());
+  window.addEventListener("hashchange", () => {
+    if (location.hash.slice(1) === addressOf()) return;
+    readAddress(location.hash.slice(1));
+    changed("uavs");
+    changed("kept");
+    setView(currentView());
+  });
+  onCoverage.push((answer) => {
+    showResults(answer);
+    describeMarks();
+    describeUavs();
+    if (linkPlace) askLink();
+    askCell();
+  });
+  onRest.push(() => {
+    showHeight();
+    speakResult();
+    // The curve comes last: it makes way for any other question.
+    if (state.kept.length > 0) askCompare();
+    void refreshCurve();
+    if (saveDialog.open) showSave();
+  });
+}

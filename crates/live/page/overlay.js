@@ -1,0 +1,134 @@
+// @ts-check
+// What lies over the map: UAVs, range circles, the link and its obstruction, scale bar, the hint for newcomers.
+
+const marksBox = htmlById("marks");
+const lines = byId("lines", SVGSVGElement);
+const hint = htmlById("hint");
+
+/** Marks in the order of the UAVs. @type {HTMLButtonElement[]} */
+const marks = [];
+
+/** What else is drawn over the map, and by whom: places in units of the scene. */
+const overlay = {
+  /** @type {LinkSeen | null} */ link: null,
+  /** The circle that is searched. @type {{x: number, y: number, radius_m: number} | null} */ search: null,
+  /** The best place so far. @type {Candidate | null} */ best: null,
+  /** Whether somebody has dragged a UAV. */ hasDragged: false,
+};
+
+/** Makes the marks anew when UAVs, their names or the language changed. */
+function makeMarks() {
+  const focused = marks.findIndex((mark) => mark === document.activeElement);
+  for (const mark of marks.splice(0)) mark.remove();
+  state.uavs.forEach((uav, k) => {
+    const color = uavColor(k);
+    const badge = make("b", { class: "badge", style: `background:${hex(color)};color:${inkOn(color)}` }, String(k + 1));
+    const words = /^\d+$/.test(uav.id) ? [] : [make("span", { class: "name" }, uav.id)];
+    const tag = make("span", { class: "tag" }, badge, ...words, make("span", { class: "height" }));
+    const mark = make("button", { class: "mark", type: "button", id: `mark-${k + 1}`, "data-k": k }, quadcopter(hex(color)), tag);
+    marks.push(mark);
+  });
+  marksBox.append(...marks);
+  if (focused >= 0) marks[Math.min(focused, marks.length - 1)].focus({ preventScroll: true });
+  describeMarks();
+}
+
+/** Brings heights, selection and failures of the marks up to date. */
+function describeMarks() {
+  const seen = coverage.answer?.uavs ?? [];
+  marks.forEach((mark, k) => {
+    const uav = state.uavs[k];
+    const answer = seen[k];
+    const height = mark.querySelector(".height");
+    if (height) setText(height, heightShort(uav.height));
+    mark.classList.toggle("selected", k === state.selected && state.uavs.length > 1);
+    mark.classList.toggle("failed", answer?.ok === false);
+    mark.setAttribute("aria-pressed", String(k === state.selected));
+    const share = answer?.ok ? percent(answer.los, answer.receivers) : "";
+    mark.setAttribute("aria-label", say().markLabel(uavName(uav), heightWords(uav.height), share));
+    mark.title = answer?.ok === false ? `${say().cannotHover}: ${answer.words}` : "";
+  });
+}
+
+/** Puts everything where the view has it. */
+function placeOverlay() {
+  marks.forEach((mark, k) => {
+    const { x, y } = state.uavs[k];
+    mark.style.transform = `translate(${pxOfX(x).toFixed(1)}px, ${pxOfY(y).toFixed(1)}px)`;
+    mark.style.zIndex = String(k === state.selected ? 100 : k);
+    mark.classList.toggle("tag-left", pxOfX(x) > screenSize.width - (/^\d+$/.test(state.uavs[k].id) ? 130 : 290));
+  });
+  placeHint();
+  placeLines();
+  placeScale();
+}
+
+/** The hint stands above the selected UAV until one is dragged. */
+function placeHint() {
+  hint.hidden = overlay.hasDragged || !engine.opened;
+  if (hint.hidden) return;
+  const { x, y } = selectedUav();
+  const below = pxOfY(y) < 110;
+  hint.classList.toggle("below", below);
+  hint.style.transform = `translate(${within(pxOfX(x), 80, Math.max(80, screenSize.width - 80)).toFixed(1)}px, ${pxOfY(y).toFixed(1)}px)`;
+}
+
+const lineParts = {
+  frame: draw("rect", { class: "map-frame" }),
+  circles: draw("g", { class: "range" }),
+  search: draw("circle", { class: "search" }),
+  best: draw("path", { class: "best", d: "M0 -15L4.2 -5.2L14.6 -4.3L6.7 2.6L9.1 12.7L0 7.3L-9.1 12.7L-6.7 2.6L-14.6 -4.3L-4.2 -5.2Z" }),
+  casing: draw("line", { class: "casing" }),
+  clear: draw("line", { class: "clear" }),
+  blocked: draw("line", { class: "blocked" }),
+  receiver: draw("circle", { class: "receiver", r: 6 }),
+  obstruction: draw("path", { class: "obstruction", id: "obstruction", d: "M0 -10L10 0L0 10L-10 0Z" }),
+};
+lines.append(...Object.values(lineParts));
+
+/** Sets attributes of a part, or hides it. @param {SVGElement} part @param {Record<string, number | string> | null} attributes */
+function place(part, attributes) {
+  part.style.display = attributes ? "" : "none";
+  for (const [name, value] of Object.entries(attributes ?? {})) part.setAttribute(name, String(value));
+}
+
+function placeLines() {
+  const { link, search, best } = overlay;
+  const px = currentView().scale / grid.meters_per_unit;
+  const at = (/** @type {{x: number, y: number}} */ p) => ({ x: pxOfX(p.x), y: pxOfY(p.y) });
+  const corner = at({ x: grid.x_min, y: grid.y_max });
+  place(lineParts.frame, { ...corner, width: pxOfX(X_MAX) - corner.x, height: pxOfY(Y_MIN) - corner.y });
+
+  const radius = state.sight.radius_m;
+  const { circles } = lineParts;
+  const wanted = radius === null ? 0 : state.uavs.length;
+  while (circles.childElementCount > wanted) circles.lastElementChild?.remove();
+  while (circles.childElementCount < wanted) circles.append(draw("circle"));
+  state.uavs.slice(0, wanted).forEach((uav, k) => {
+    const { x: cx, y: cy } = at(uav);
+    place(/** @type {SVGElement} */ (circles.children[k]), { cx, cy, r: (radius ?? 0) * px });
+  });
+
+  const center = search && at(search);
+  place(lineParts.search, search && center && { cx: center.x, cy: center.y, r: search.radius_m * px });
+  const star = best && at(best);
+  place(lineParts.best, star && { transform: `translate(${star.x} ${star.y})` });
+
+  const from = link && at(link.uav);
+  const to = link && at(link.receiver);
+  const stop = link?.obstruction ? at(link.obstruction) : to;
+  const between = (/** @type {{x: number, y: number} | null} */ a, /** @type {{x: number, y: number} | null} */ b) => a && b && { x1: a.x, y1: a.y, x2: b.x, y2: b.y };
+  place(lineParts.casing, between(from, to));
+  place(lineParts.clear, between(from, stop));
+  place(lineParts.blocked, link?.los ? null : between(stop, to));
+  place(lineParts.receiver, to && { cx: to.x, cy: to.y });
+  place(lineParts.obstruction, link?.obstruction && stop ? { transform: `translate(${stop.x} ${stop.y})` } : null);
+}
+
+/** A scale bar of a round length of at most 120 pixels. */
+function placeScale() {
+  const perMeter = currentView().scale / grid.meters_per_unit;
+  const long = roundLength(120 / perMeter);
+  htmlById("scale-bar").style.width = `${(long * perMeter).toFixed(1)}px`;
+  setText(htmlById("scale-length"), long >= 1000 ? `${number(long / 1000, 3)} km` : `${number(long, 3)} m`);
+}

@@ -1,0 +1,215 @@
+// @ts-check
+// The controls: UAVs, height, layers, receivers; language and theme.
+
+const heightInput = inputById("height");
+const heightSlider = inputById("height-slider");
+const heightKind = selectById("height-kind");
+
+/** Makes the list of UAVs anew when they, their names or the language changed. */
+function makeUavList() {
+  const words = say();
+  const rows = state.uavs.map((uav, k) => {
+    const color = uavColor(k);
+    const badge = make("button", { type: "button", class: "badge", style: `background:${hex(color)};color:${inkOn(color)}`, "aria-label": uavName(uav) }, String(k + 1));
+    badge.addEventListener("click", () => {
+      select(k);
+      bringIntoView(state.uavs[k].x, state.uavs[k].y);
+    });
+    const name = make("input", {
+      type: "text", id: `name-${k + 1}`, "aria-label": words.rename(uavName(uav)), placeholder: `${words.uav} ${uav.id}`, maxlength: 80, autocomplete: "off", spellcheck: "false",
+    });
+    name.value = /^\d+$/.test(uav.id) ? "" : uav.id;
+    name.addEventListener("focus", () => select(k));
+    name.addEventListener("change", () => renameUav(k, name.value));
+    const remove = make("button", { type: "button", class: "icon small", "aria-label": words.remove(uavName(uav)), title: words.remove(uavName(uav)) }, "×");
+    remove.hidden = state.uavs.length === 1;
+    remove.addEventListener("click", () => removeUav(k));
+    const row = make("li", { id: `uav-${k + 1}` }, badge, name, make("span", { class: "height" }), make("span", { class: "share" }), remove);
+    row.addEventListener("pointerenter", (event) => {
+      if (event.pointerType !== "touch") showAloneSoon(k);
+    });
+    row.addEventListener("pointerleave", () => showAloneSoon(null));
+    return row;
+  });
+  htmlById("uav-list").replaceChildren(...rows);
+  htmlById("show").hidden = state.uavs.length === 1;
+  buttonById("add").disabled = buttonById("add-here").disabled = state.uavs.length >= MOST_UAVS;
+  inputById("layer-who").disabled = state.uavs.length > MOST_WHO;
+  describeUavs();
+}
+
+/** Brings heights and shares in the list up to date. */
+function describeUavs() {
+  [...htmlById("uav-list").children].forEach((row, k) => {
+    const uav = state.uavs[k];
+    const seen = coverage.answer?.uavs[k];
+    row.classList.toggle("selected", k === state.selected);
+    if (row.firstElementChild) row.firstElementChild.setAttribute("aria-pressed", String(k === state.selected));
+    const [height, share] = [row.querySelector(".height"), row.querySelector(".share")];
+    if (height) setText(height, heightShort(uav.height));
+    if (share) setText(share, !seen ? "" : seen.ok ? percent(seen.los, seen.receivers) : "!");
+  });
+}
+
+/** The end of the slider, so that it stands still while it is used. */
+const slider = { low: 0, high: 300, kind: "" };
+
+/** Shows the height of the selected UAV. */
+function showHeight() {
+  const uav = selectedUav();
+  const { kind, m } = uav.height;
+  setText(htmlById("height-of"), state.uavs.length > 1 ? say().heightOf(uavName(uav)) : say().height);
+  setValue(heightInput, String(m));
+  setValue(heightKind, kind);
+  const seen = coverage.answer?.uavs[state.selected];
+  const ground = kind === "amsl" && seen?.ok && seen.agl_m !== null ? Math.floor(seen.amsl_m - seen.agl_m) : 0;
+  if (slider.kind !== kind || m > slider.high || m < slider.low) {
+    slider.low = Math.min(ground, Math.floor(m));
+    slider.high = Math.max(ground + 300, Math.ceil((1.3 * (m - slider.low)) / 100) * 100 + slider.low);
+    slider.kind = kind;
+  }
+  heightSlider.min = String(slider.low);
+  heightSlider.max = String(slider.high);
+  heightSlider.step = "1";
+  setValue(heightSlider, String(m));
+  heightSlider.style.setProperty("--part", `${(100 * (m - slider.low)) / (slider.high - slider.low)}%`);
+  heightSlider.setAttribute("aria-valuetext", heightWords(uav.height));
+  const { x, y } = uav;
+  setText(htmlById("position"), `x ${coordinate(x)}, y ${coordinate(y)}`);
+}
+
+/**
+ * The height above something else at which the selected UAV stays where it is, as far as the city is known.
+ * @param {HeightKind} kind
+ * @param {number} amsl
+ */
+async function heightAbove(kind, amsl) {
+  const { x, y } = selectedUav();
+  const seen = coverage.answer?.uavs[state.selected];
+  if (kind === "agl" && seen?.ok && seen.agl_m !== null) return { kind, m: Math.ceil(1000 * (seen.agl_m + amsl - seen.amsl_m) - 1e-6) / 1000 };
+  /** @type {CellAnswer} */
+  const cell = await ask({ do: "cell", x, y, which: state.selected });
+  const below = kind === "amsl" ? 0 : kind === "agl" ? cell.ground_m : cell.roof_m ?? cell.ground_m;
+  return below === null || below === undefined ? null : { kind, m: Math.ceil(1000 * (amsl - below) - 1e-6) / 1000 };
+}
+
+/** Measures the height from something else; the UAV stays where it is, to a decimeter. @param {HeightKind} kind */
+async function changeKind(kind) {
+  const k = state.selected;
+  const seen = coverage.answer?.uavs[k];
+  const found = engine.opened && seen?.ok ? await heightAbove(kind, seen.amsl_m) : null;
+  if (found && (kind === "amsl" || found.m >= 0)) setHeight(k, { kind, m: Math.round(10 * found.m) / 10 });
+  // Where it is not known how high that would be, only a number can be typed: it stays as it was.
+  else if (seen && !seen.ok) setHeight(k, { kind, m: state.uavs[k].height.m });
+  showHeight();
+}
+
+/** Lifts the selected UAV to where it can hover. */
+async function liftSelected() {
+  const k = state.selected;
+  const seen = coverage.answer?.uavs[k];
+  if (!seen || seen.ok || seen.lowest_amsl_m === null) return;
+  const { kind } = state.uavs[k].height;
+  const found = await heightAbove(kind, seen.lowest_amsl_m);
+  setHeight(k, found ? { kind, m: Math.ceil(10 * found.m) / 10 } : { kind: "amsl", m: Math.ceil(10 * seen.lowest_amsl_m) / 10 });
+}
+
+/** The end of the slider of the range: half of the map's diagonal. */
+const LONGEST_RANGE = Math.ceil((Math.hypot(X_MAX - grid.x_min, grid.y_max - Y_MIN) * grid.meters_per_unit) / 20) * 10;
+
+function showSight() {
+  const { receivers, rx_height_m, radius_m } = state.sight;
+  setValue(selectById("receivers"), receivers);
+  setValue(inputById("rx-height"), String(rx_height_m));
+  inputById("radius-limited").checked = radius_m === null;
+  const radius = inputById("radius-slider");
+  radius.max = String(Math.max(LONGEST_RANGE, radius_m ?? 0));
+  setValue(radius, String(radius_m ?? radius.max));
+  radius.setAttribute("aria-valuetext", radius_m === null ? say().unlimited : meters(radius_m));
+  radius.style.setProperty("--part", `${(100 * Number(radius.value)) / Number(radius.max)}%`);
+  setValue(inputById("radius"), radius_m === null ? "" : String(radius_m));
+  const range = radius_m === null ? say().unlimited : lengthWords(radius_m);
+  setText(htmlById("sight-says"), [say().receiversNames[receivers], meters(rx_height_m, 2), range].join(" · "));
+  for (const input of document.querySelectorAll('input[name="layer"]')) {
+    if (input instanceof HTMLInputElement) input.checked = input.value === state.layer;
+  }
+}
+
+/** Puts the texts of the language on everything that carries the name of one. */
+function showTexts() {
+  /** @type {Record<string, any>} */
+  const words = say();
+  document.documentElement.lang = state.language;
+  for (const element of document.querySelectorAll("[data-t]")) setText(element, words[element.getAttribute("data-t") ?? ""]);
+  for (const [from, to] of [["data-label", "aria-label"], ["data-title", "title"]]) {
+    for (const element of document.querySelectorAll(`[${from}]`)) element.setAttribute(to, words[element.getAttribute(from) ?? ""]);
+  }
+  for (const [select, texts] of /** @type {[string, Record<string, string>][]} */ ([
+    ["receivers", words.receiversNames], ["height-kind", words.kinds],
+  ])) {
+    for (const option of selectById(select).options) option.text = texts[option.value];
+  }
+  for (const label of document.querySelectorAll("[data-layer]")) setText(label, words.layers[label.getAttribute("data-layer") ?? ""]);
+  const title = say().title(facts.name, facts.title);
+  setText(htmlById("title"), title);
+  document.title = title;
+  setText(buttonById("language"), state.language === "de" ? "EN" : "DE");
+  htmlById("keys").replaceChildren(...say().keysList.flatMap(([what, does]) => [make("dt", {}, what), make("dd", {}, does)]));
+}
+
+function showTheme() {
+  document.documentElement.dataset.theme = state.theme;
+  painter.useTheme(state.theme);
+}
+
+/** A place for a new UAV: in the middle of the screen, away from the others. @returns {[number, number]} */
+function freePlace() {
+  const { width, height } = screenSize;
+  const far = Math.min(width, height) / 4;
+  const places = [[0, 0], [far, 0], [-far, 0], [0, far], [0, -far], [far, far], [-far, -far]].map(([dx, dy]) => [width / 2 + dx, height / 2 + dy]);
+  const room = (/** @type {number[]} */ [px, py]) => Math.min(...state.uavs.map(({ x, y }) => Math.hypot(pxOfX(x) - px, pxOfY(y) - py)));
+  const free = places.find((place) => room(place) > 80) ?? places[0];
+  return [placeX(free[0]), placeY(free[1])];
+}
+
+/** A number that was typed, if it is one. @param {HTMLInputElement} input @param {number} least */
+const typed = (input, least) => (input.value !== "" && Number.isFinite(input.valueAsNumber) && input.valueAsNumber >= least ? input.valueAsNumber : null);
+
+function listenToPanel() {
+  const add = () => addUav(...freePlace());
+  buttonById("add").addEventListener("click", add);
+  buttonById("add-here").addEventListener("click", add);
+  heightSlider.addEventListener("input", () => setHeight(state.selected, { kind: selectedUav().height.kind, m: Number(heightSlider.value) }, performance.now()));
+  heightInput.addEventListener("input", () => {
+    const m = typed(heightInput, -HIGHEST);
+    if (m !== null) setHeight(state.selected, { kind: selectedUav().height.kind, m }, performance.now());
+  });
+  heightInput.addEventListener("blur", showHeight);
+  heightKind.addEventListener("change", () => void changeKind(/** @type {HeightKind} */ (heightKind.value)));
+  buttonById("lift").addEventListener("click", () => void liftSelected());
+  for (const input of document.querySelectorAll('input[name="layer"]')) {
+    if (input instanceof HTMLInputElement) input.addEventListener("change", () => setLayer(/** @type {Layer} */ (input.value)));
+  }
+  selectById("receivers").addEventListener("change", () => setSight({ receivers: /** @type {Receivers} */ (selectById("receivers").value) }));
+  inputById("rx-height").addEventListener("input", () => {
+    const rx_height_m = typed(inputById("rx-height"), 0);
+    if (rx_height_m !== null) setSight({ rx_height_m });
+  });
+  inputById("radius-slider").addEventListener("input", () => setSight({ radius_m: Number(inputById("radius-slider").value) }));
+  inputById("radius").addEventListener("change", () => setSight({ radius_m: typed(inputById("radius"), 1e-9) }));
+  inputById("radius-limited").addEventListener("change", () => setSight({ radius_m: inputById("radius-limited").checked ? null : Number(inputById("radius-slider").value) }));
+  for (const id of ["rx-height", "radius"]) inputById(id).addEventListener("blur", showSight);
+  buttonById("language").addEventListener("click", () => {
+    state.language = state.language === "de" ? "en" : "de";
+    changed("look");
+  });
+  buttonById("theme").addEventListener("click", () => {
+    Object.assign(state, { theme: state.theme === "dark" ? "light" : "dark", themeChosen: true });
+    changed("look");
+  });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (event) => {
+    if (state.themeChosen) return;
+    state.theme = event.matches ? "dark" : "light";
+    changed("look");
+  });
+}

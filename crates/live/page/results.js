@@ -1,0 +1,148 @@
+// @ts-check
+// The answer in numbers: the share in sight, its legend, and the zones.
+
+/**
+ * A row of a legend: what it is, its color (or how its swatch is filled), and how many cells it has, if known.
+ * @typedef {{name: string, color?: Rgb, fill?: 'buildings' | 'ground' | 'hatched' | 'away', cells: number | null, isReceiver: boolean}} LegendRow
+ */
+
+/** What the map's numbers are about: one UAV, or all. @param {MapAnswer} answer @returns {Share | null} null if it cannot hover */
+function shownShare(answer) {
+  const { layer, which } = shown();
+  if (layer !== "one") return answer.uavs.some((uav) => uav.ok) ? answer.all : null;
+  const seen = answer.uavs[which];
+  return seen?.ok ? seen : null;
+}
+
+/** The classes of receivers that the map shows. @param {MapAnswer} answer @returns {LegendRow[]} */
+function receiverRows(answer) {
+  const words = say();
+  const { layer } = shown();
+  const { all } = answer;
+  const row = (/** @type {string} */ name, /** @type {Rgb} */ color, /** @type {number} */ cells) => ({ name, color, cells, isReceiver: true });
+  if (layer === "count") {
+    const n = answer.uavs.length;
+    return all.seen_by.map((cells, k) => row(k === 0 ? words.seenByNone : words.seenBy(k, n), countColor(k, n), cells));
+  }
+  if (layer === "who") {
+    const names = [words.seenByNone, ...state.uavs.slice(0, MOST_WHO).map((uav) => words.onlySeenBy(uavName(uav)))];
+    const rows = names.map((name, k) => row(name, ONLY[k], all.who?.[k] ?? 0));
+    return [...rows, row(words.seenBySeveral, ONLY[5], all.who?.[5] ?? 0)];
+  }
+  const share = shownShare(answer);
+  if (!share) return [];
+  return [row(words.los, LOS, share.los), row(words.nlos, NLOS, share.receivers - share.los)];
+}
+
+/** What the map shows beside receivers. @returns {LegendRow[]} */
+function otherRows() {
+  const words = say();
+  /** @type {LegendRow[]} */
+  const rows = [];
+  if (engine.opened?.has_buildings && !["roof", "all"].includes(state.sight.receivers)) rows.push({ name: words.buildings, fill: "buildings", cells: null, isReceiver: false });
+  if (!["ground", "all"].includes(state.sight.receivers)) rows.push({ name: words.others, fill: "ground", cells: null, isReceiver: false });
+  if (state.sight.radius_m !== null) rows.push({ name: words.outOfRange, fill: "away", cells: null, isReceiver: false });
+  return [...rows, { name: words.noData, fill: "hatched", cells: null, isReceiver: false }];
+}
+
+/** Elements of the legend, reused from answer to answer. @type {{row: HTMLElement, name: HTMLElement, detail: HTMLElement, swatch: HTMLElement}[]} */
+const legendItems = [];
+
+/** @param {LegendRow[]} rows */
+function showLegend(rows) {
+  const list = htmlById("legend");
+  while (legendItems.length < rows.length) {
+    const [swatch, name, detail] = [make("i"), make("span", { class: "name" }), make("span", { class: "detail" })];
+    const item = make("li", {}, swatch, name, detail);
+    list.append(item);
+    legendItems.push({ row: item, name, detail, swatch });
+  }
+  const receivers = rows.reduce((sum, row) => sum + (row.isReceiver ? row.cells ?? 0 : 0), 0);
+  legendItems.forEach((item, k) => {
+    const row = rows[k];
+    item.row.hidden = !row;
+    if (!row) return;
+    item.row.classList.toggle("other", !row.isReceiver);
+    setText(item.name, row.name);
+    setText(item.detail, row.cells === null ? "" : percent(row.cells, receivers));
+    item.swatch.className = row.fill ?? "";
+    item.swatch.style.backgroundColor = row.color ? hex(row.color) : "";
+  });
+}
+
+/** A bar of the shares of the legend. @param {LegendRow[]} rows */
+function showBar(rows) {
+  const bar = htmlById("share-bar");
+  while (bar.childElementCount < rows.length) bar.append(make("i"));
+  [...bar.children].forEach((part, k) => {
+    if (!(part instanceof HTMLElement)) return;
+    const row = rows[k];
+    part.hidden = !row;
+    if (!row) return;
+    part.style.flexGrow = String(row.cells ?? 0);
+    part.style.backgroundColor = row.color ? hex(row.color) : "";
+  });
+}
+
+/** Brings the numbers up to date with an answer. @param {MapAnswer} answer */
+function showResults(answer) {
+  const words = say();
+  const { layer, which } = shown();
+  const share = shownShare(answer);
+  const rows = receiverRows(answer);
+  const of = layer === "one" ? uavName(state.uavs[which]) : words.layersLong[layer];
+  setText(htmlById("result-of"), state.alone !== null ? words.alone(of) : state.uavs.length > 1 ? of : "");
+  setText(htmlById("share"), share ? percent(share.los, share.receivers) : "–");
+  setText(htmlById("share-of"), share?.receivers === 0 ? words.noReceivers : words.ofReceivers(words.receiversNames[state.sight.receivers]));
+  setText(htmlById("p-los"), share && share.receivers > 0 ? `= ${fixed(share.los / share.receivers, 4)}` : "= –");
+  setText(htmlById("cells"), share ? ` · ${words.cellsOf(grouped(share.los), grouped(share.receivers))}` : "");
+  showBar(rows);
+  showLegend([...rows, ...otherRows()]);
+  showFailure(answer.uavs[state.selected]);
+  showZones(answer.uavs[state.selected]);
+}
+
+/** Says why the selected UAV cannot hover, and how high it could. @param {Seen | undefined} seen */
+function showFailure(seen) {
+  const box = htmlById("failure");
+  box.hidden = !seen || seen.ok;
+  if (!seen || seen.ok) return;
+  setText(htmlById("failure-words"), `${say().cannotHover}: ${seen.words}`);
+  const lift = buttonById("lift");
+  lift.hidden = seen.lowest_amsl_m === null;
+  if (seen.lowest_amsl_m !== null) setText(lift, say().lift(`${meters(Math.ceil(10 * seen.lowest_amsl_m) / 10)} ${say().kinds.amsl}`));
+}
+
+/** The selected UAV's share of each zone. @param {Seen | undefined} seen */
+function showZones(seen) {
+  const zones = seen?.ok ? seen.zones : null;
+  const box = htmlById("zones");
+  box.hidden = !zones;
+  if (!zones) return;
+  setText(htmlById("zones-of"), state.uavs.length > 1 ? `: ${uavName(selectedUav())}` : "");
+  const list = htmlById("zone-rows");
+  const names = /** @type {(keyof ZoneShares)[]} */ (["street", "crossroad", "courtyard", "rooftop"]);
+  while (list.childElementCount < names.length) {
+    list.append(make("li", {}, make("span", { class: "name" }), make("span", { class: "meter" }, make("i")), make("span", { class: "detail" })));
+  }
+  names.forEach((zone, k) => {
+    const { receivers, los } = zones[zone];
+    const item = /** @type {HTMLElement} */ (list.children[k]);
+    item.hidden = receivers === 0;
+    const [name, meter, detail] = item.children;
+    setText(name, say().zoneNames[zone]);
+    setText(detail, percent(los, receivers));
+    /** @type {HTMLElement} */ (meter.firstElementChild).style.width = `${receivers > 0 ? (100 * los) / receivers : 0}%`;
+  });
+}
+
+/** Says the result to screen readers, once the map rests. */
+function speakResult() {
+  const { answer } = coverage;
+  const share = answer && shownShare(answer);
+  const { layer, which } = shown();
+  const of = layer === "one" ? `${uavName(state.uavs[which])}, ${heightWords(state.uavs[which].height)}` : say().layersLong[layer];
+  const failed = answer?.uavs[which];
+  if (share) setText(htmlById("spoken"), say().said(percent(share.los, share.receivers), of));
+  else if (failed && !failed.ok) setText(htmlById("spoken"), `${say().cannotHover}: ${failed.words}`);
+}

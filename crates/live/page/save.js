@@ -1,0 +1,144 @@
+// @ts-check
+// Saving and sharing: the address, a picture, the mask, the command line, the digest.
+
+const saveDialog = byId("save-dialog", HTMLDialogElement);
+const toast = htmlById("toast");
+/** @type {ReturnType<typeof setTimeout> | undefined} */
+let toastTimer;
+
+/** Shows a word for two seconds. @param {string} text */
+function notify(text) {
+  setText(toast, text);
+  toast.classList.add("shown");
+  clearTimeout(toastTimer);
+  toastTimer = setTimeout(() => toast.classList.remove("shown"), 2000);
+}
+
+/** Copies a text; where the browser refuses, it stands selected in the dialog. @param {string} text */
+async function copyText(text) {
+  try {
+    await navigator.clipboard.writeText(text);
+    notify(say().copied);
+    return;
+  } catch {
+    // Refused, or not there: try the old way.
+  }
+  const field = make("textarea", { class: "offscreen", "aria-hidden": "true" });
+  field.value = text;
+  (saveDialog.open ? saveDialog : document.body).append(field);
+  field.select();
+  const isCopied = document.execCommand("copy");
+  field.remove();
+  if (isCopied) {
+    notify(say().copied);
+    return;
+  }
+  openSave();
+  inputById("address").select();
+  notify(say().notCopied);
+}
+
+/** Brings what the dialog shows up to date. */
+function showSave() {
+  inputById("address").value = addressToCopy();
+  setText(htmlById("link-note"), location.protocol === "file:" ? say().linkLocal : say().linkSays);
+  setText(htmlById("command"), commandLine());
+  setText(htmlById("digest"), coverage.digest ?? say().digestLater);
+  const select = selectById("mask-of");
+  const options = state.uavs.map((uav, k) => new Option(uavName(uav), String(k)));
+  if (state.uavs.length > 1) options.unshift(new Option(say().maskAny, ""));
+  const { value } = select;
+  select.replaceChildren(...options);
+  if (options.some((option) => option.value === value)) select.value = value;
+  else if (state.uavs.length > 1 && state.layer === "one") select.value = String(state.selected);
+}
+
+function openSave() {
+  showSave();
+  if (!saveDialog.open) saveDialog.showModal();
+}
+
+/** The mask of a UAV, or of all. @param {number | null} which @returns {Promise<Uint8Array<ArrayBuffer>>} */
+async function askMask(which) {
+  const { mask } = await ask({ do: "mask", which });
+  return new Uint8Array(mask);
+}
+
+/** The mask that the dialog names. */
+function chosenMask() {
+  const { value } = selectById("mask-of");
+  return askMask(value === "" ? null : Number(value));
+}
+
+/** Counts the cells of the rows that are no receivers. @param {LegendRow[]} rows @param {Uint8Array} mask @returns {LegendRow[]} */
+function withCells(rows, mask) {
+  const tone = engine.opened ? new Uint8Array(engine.opened.tone) : mask;
+  let [buildings, ground, away, none] = [0, 0, 0, 0];
+  for (let i = 0; i < mask.length; i += 1) {
+    if (mask[i] === 2 && tone[i] >= 128) buildings += 1;
+    else if (mask[i] === 2) ground += 1;
+    else if (mask[i] === 3) away += 1;
+    else if (mask[i] === 255) none += 1;
+  }
+  const cells = { buildings, ground, away, hatched: none };
+  return rows.map((row) => (row.fill ? { ...row, cells: cells[row.fill] } : row)).filter((row) => row.cells !== 0);
+}
+
+async function savePicture() {
+  await idle();
+  const { answer } = coverage;
+  if (!answer) return;
+  const { layer, which } = shown();
+  const mask = await askMask(layer === "one" ? which : null);
+  const part = inputById("picture-view").checked ? "view" : "whole";
+  const rows = withCells([...receiverRows(answer), ...otherRows()], mask);
+  const canvas = drawPicture(part, answer, rows);
+  frame.drawSoon();
+  saveFile(`${fileStem()}.png`, "image/png", [await canvasBlob(canvas)]);
+}
+
+async function saveTiff() {
+  await idle();
+  saveFile(`${fileStem()}-mask.tif`, "image/tiff", await geotiff(await chosenMask()));
+}
+
+async function saveWorld() {
+  await idle();
+  const png = await maskPng(await chosenMask());
+  const text = (/** @type {string} */ words) => new TextEncoder().encode(words);
+  const stem = `${fileStem()}-mask`;
+  /** @type {[string, Uint8Array<ArrayBuffer>][]} */
+  const files = [[`${stem}.png`, png], [`${stem}.pgw`, text(worldFile())]];
+  if (facts.crs?.wkt) files.push([`${stem}.prj`, text(facts.crs.wkt)]);
+  saveFile(`${stem}.zip`, "application/zip", zip(files));
+}
+
+/** Runs something that takes a while from a button, and says if it fails. @param {string} id @param {() => Promise<void>} work */
+function onClick(id, work) {
+  const button = buttonById(id);
+  button.addEventListener("click", async () => {
+    button.setAttribute("aria-busy", "true");
+    try {
+      await work();
+    } catch (error) {
+      notify(wordsOf(error));
+    }
+    button.removeAttribute("aria-busy");
+  });
+}
+
+function listenToSave() {
+  buttonById("save").addEventListener("click", openSave);
+  buttonById("copy-link").addEventListener("click", () => void copyText(addressToCopy()));
+  buttonById("save-close").addEventListener("click", () => saveDialog.close());
+  // A click beside the dialog is on its backdrop.
+  saveDialog.addEventListener("click", (event) => {
+    if (event.target === saveDialog) saveDialog.close();
+  });
+  onClick("copy-address", () => copyText(addressToCopy()));
+  onClick("copy-command", () => copyText(commandLine()));
+  onClick("copy-digest", () => copyText(coverage.digest ?? ""));
+  onClick("save-picture", savePicture);
+  onClick("save-tiff", saveTiff);
+  onClick("save-world", saveWorld);
+}

@@ -1,0 +1,124 @@
+// @ts-check
+// The link from the selected UAV to a receiver: on the map as a line, and from the side with what blocks it.
+
+const drawer = htmlById("drawer");
+
+/** The receiver of the open link. @type {{x: number, y: number} | null} */
+let linkPlace = null;
+
+const askLink = newestOnly(
+  () => linkPlace && { do: "link", which: shown().which, x: linkPlace.x, y: linkPlace.y },
+  (/** @type {LinkAnswer} */ answer) => {
+    if (linkPlace) showLink(answer);
+  },
+);
+
+/** Opens the link to the receiver at a place. @param {number} x @param {number} y */
+function openLink(x, y) {
+  if (!engine.opened || x < grid.x_min || x > X_MAX || y < Y_MIN || y > grid.y_max) {
+    closeLink();
+    return;
+  }
+  linkPlace = { x, y };
+  askLink();
+}
+
+function closeLink() {
+  linkPlace = null;
+  overlay.link = null;
+  drawer.hidden = true;
+  placeLines();
+}
+
+/** The newest answer, drawn anew when the language or the size changes. @type {LinkAnswer | null} */
+let lastLink = null;
+
+/** @param {LinkAnswer} link */
+function showLink(link) {
+  lastLink = link;
+  overlay.link = link.ok ? link : null;
+  drawer.hidden = false;
+  placeLines();
+  const verdict = htmlById("link-verdict");
+  const details = htmlById("link-details");
+  verdict.classList.toggle("los", link.ok && link.los);
+  verdict.classList.toggle("nlos", link.ok && !link.los);
+  if (!link.ok) {
+    setText(verdict, link.words);
+    setText(details, "");
+    htmlById("link-chart").replaceChildren();
+    return;
+  }
+  setText(verdict, link.los ? say().linkSees : blockedWords(link.obstruction));
+  const words = say();
+  const parts = [
+    `${words.distance} ${lengthWords(link.distance_m)}`,
+    `${words.elevation} ${number(link.elevation_deg, 1)}°`,
+    ...(link.margin_m === null ? [] : [`${words.margin} ${meters(link.margin_m, 2)}`]),
+  ];
+  setText(details, parts.join(" · "));
+  htmlById("link-chart").replaceChildren(sideView(link));
+}
+
+/** @param {Obstruction | null} obstruction */
+function blockedWords(obstruction) {
+  const words = say();
+  if (!obstruction) return words.linkBlocked;
+  if (obstruction.kind === "building" && obstruction.name) return words.blockedByNamed(obstruction.name);
+  return words.blockedBy[obstruction.kind];
+}
+
+/**
+ * Draws a link from the side.
+ * @param {LinkSeen} link
+ * @returns {SVGSVGElement}
+ */
+function sideView(link) {
+  const words = say();
+  const width = Math.max(300, htmlById("link-chart").clientWidth);
+  const height = width < 480 ? 190 : 220;
+  const long = Math.max(link.distance_m, 0.01);
+  const heights = [link.uav.amsl_m, link.receiver.amsl_m, ...link.steps.map((step) => step.height_m)];
+  const [low, high] = [Math.min(...heights), Math.max(...heights)];
+  const span = Math.max(high - low, 1);
+  const chart = makeChart({
+    width, height,
+    xRange: [-0.06 * long, 1.06 * long],
+    yRange: [low - 0.1 * span, high + 0.16 * span],
+    xTicks: ticks(0, long, width / 90),
+    xName: words.distanceAxis,
+    yName: words.heightAboveDatum,
+    label: `${words.link}: ${link.los ? words.linkSees : blockedWords(link.obstruction)}`,
+  });
+  const { plot, x, y, bottom } = chart;
+  for (const kind of ["terrain", "building"]) {
+    for (const step of link.steps.filter((each) => each.kind === kind)) {
+      const [x0, x1, y0] = [x(step.from_m), x(step.to_m), y(step.height_m)];
+      if (!(x1 > x0)) continue;
+      plot.append(draw("rect", { class: kind, x: x0, y: y0, width: x1 - x0, height: Math.max(0, bottom - y0) }));
+      plot.append(draw("path", { class: `${kind}-top`, d: kind === "terrain" ? `M${x0} ${y0}H${x1}` : `M${x0} ${bottom}V${y0}H${x1}V${bottom}` }));
+    }
+  }
+  const [uav, receiver] = [[x(0), y(link.uav.amsl_m)], [x(long), y(link.receiver.amsl_m)]];
+  const ray = (/** @type {number[]} */ from, /** @type {number[]} */ to, /** @type {string} */ kind) =>
+    plot.append(draw("line", { class: kind, x1: from[0], y1: from[1], x2: to[0], y2: to[1] }));
+  const stop = link.obstruction;
+  // How far along the link the obstructing point lies, from its position.
+  const along = stop ? (Math.hypot(stop.x - link.uav.x, stop.y - link.uav.y) * grid.meters_per_unit) / long : 1;
+  const onRay = stop ? [x(along * long), y(stop.ray_height_m)] : receiver;
+  ray(uav, receiver, "casing");
+  ray(uav, onRay, "clear");
+  if (!link.los) ray(onRay, receiver, "blocked");
+  plot.append(draw("circle", { class: "receiver", cx: receiver[0], cy: receiver[1], r: 5 }));
+  if (stop) {
+    const roof = stop.roof_height_m;
+    if (roof !== null) ray(onRay, [onRay[0], y(roof)], "obstruction-line");
+    plot.append(draw("path", { class: "obstruction", transform: `translate(${onRay[0]} ${roof === null ? onRay[1] : y(roof)})`, d: "M0 -7L7 0L0 7L-7 0Z" }));
+    plot.append(draw("circle", { class: "on-ray", cx: onRay[0], cy: onRay[1], r: 4 }));
+    if (roof !== null) chartLabel(chart, onRay[0], y(roof) - 28, `${words.roof} ${meters(roof)}, ${words.ray} ${meters(stop.ray_height_m)}`);
+  }
+  const symbol = quadcopter(hex(uavColor(shown().which)));
+  for (const [name, value] of Object.entries({ x: uav[0] - 13, y: uav[1] - 13, width: 26, height: 26 })) symbol.setAttribute(name, String(value));
+  plot.append(symbol);
+  return chart.svg;
+}

@@ -1,0 +1,114 @@
+// @ts-check
+// Numbers and names as people read them, in the language of the page; files and command lines write numbers with points.
+
+/** A narrow space that does not break: it stands between thousands and before units. */
+const THIN = "\u202f";
+
+/** The decimal mark of the language. @param {string} text */
+const withMark = (text) => (state.language === "de" ? text.replace(".", ",") : text).replace("-", "−");
+
+/**
+ * A number with at most so many decimals and no needless zeros.
+ * @param {number} value
+ * @param {number} [decimals]
+ */
+function number(value, decimals = 1) {
+  const text = value.toFixed(decimals);
+  const tidy = text.includes(".") ? text.replace(/\.?0+$/, "") : text;
+  return withMark(tidy === "-0" ? "0" : tidy);
+}
+
+/** A number with exactly so many decimals. @param {number} value @param {number} decimals */
+const fixed = (value, decimals) => withMark(value.toFixed(decimals));
+
+/** A whole number with spaces between its thousands. @param {number} n */
+function grouped(n) {
+  const text = String(Math.round(n));
+  return text.length > 4 ? text.replace(/\B(?=(\d{3})+$)/g, THIN) : text;
+}
+
+/**
+ * A share in percent with one decimal, never rounding a remainder away.
+ * @param {number} part
+ * @param {number} whole
+ */
+function percent(part, whole) {
+  if (whole === 0) return "–";
+  const value = (100 * part) / whole;
+  if (part === 0) return `0${THIN}%`;
+  if (part === whole) return `100${THIN}%`;
+  if (value < 0.05) return withMark(`<${THIN}0.1${THIN}%`);
+  if (value >= 99.95) return withMark(`>${THIN}99.9${THIN}%`);
+  return withMark(`${value.toFixed(1)}${THIN}%`);
+}
+
+/** A length in meters, or in kilometers from 1 km on. @param {number} m */
+const lengthWords = (m) => (m >= 1000 ? `${number(m / 1000, 2)}${THIN}km` : `${number(m, m < 10 ? 1 : 0)}${THIN}m`);
+
+const meters = (/** @type {number} */ m, decimals = 1) => `${number(m, decimals)}${THIN}m`;
+
+/** A height with what it is measured from. @param {Height} height */
+const heightWords = (height) => `${meters(height.m)} ${say().kinds[height.kind]}`;
+
+/** The shorter form on the map: a height above the ground is a bare number. @param {Height} height */
+const heightShort = (height) => `${meters(height.m)} ${say().kindsShort[height.kind]}`.trimEnd();
+
+/** A name for reading: a mere number is that of a UAV. @param {Uav} uav */
+const uavName = (uav) => (/^\d+$/.test(uav.id) ? `${say().uav} ${uav.id}` : uav.id);
+
+/** A coordinate for reading, to a tenth of a cell at most. @param {number} v */
+const coordinate = (v) => fixed(v, Math.max(0, Math.min(POSITION_DIGITS - 1, 8)));
+
+/**
+ * The longest of 1, 2 and 5 times powers of ten that is not longer.
+ * @param {number} longest
+ */
+function roundLength(longest) {
+  const power = 10 ** Math.floor(Math.log10(longest));
+  return ([5, 2, 1].find((digit) => digit * power <= longest) ?? 1) * power;
+}
+
+/**
+ * About so many round values between two, with their texts.
+ * @param {number} low
+ * @param {number} high
+ * @param {number} wanted
+ * @returns {[number, string][]}
+ */
+function ticks(low, high, wanted) {
+  const rough = (high - low) / wanted;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * (rough / power < 1.5 ? 1 : rough / power < 3.5 ? 2 : rough / power < 7.5 ? 5 : 10);
+  const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  const first = Math.ceil(low / step - 1e-9);
+  /** @type {[number, string][]} */
+  const found = [];
+  for (let k = first; k * step <= high + 1e-9 * (high - low); k += 1) found.push([k * step, number(k * step, decimals)]);
+  return found;
+}
+
+// For machines.
+
+/** A height as the command line takes it. @param {Height} height */
+const heightTyped = (height) => `${height.m}${height.kind}`;
+
+/** A word as a shell takes it. @param {string} word */
+const shellWord = (word) => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
+
+/** The options of a placement and a sight, with values that are not the default. @param {Uav[]} uavs @param {Sight} sight */
+function optionWords(uavs, sight) {
+  const words = uavs.flatMap((uav) => ["--uav", `${uav.x},${uav.y},${heightTyped(uav.height)}`]);
+  if (sight.rx_height_m !== 1.5) words.push("--rx-height", String(sight.rx_height_m));
+  if (sight.receivers !== "ground") words.push("--receivers", sight.receivers);
+  if (sight.radius_m !== null) words.push("--radius", String(sight.radius_m));
+  return words;
+}
+
+/** The command line that gives the map on screen. */
+const commandLine = () => ["skyshed", "map", ...facts.command, ...optionWords(state.uavs, state.sight), "-o", `${fileStem()}.png`].map(shellWord).join(" ");
+
+/** The beginning of the names of files that are saved: letters and digits of the scene's name. */
+function fileStem() {
+  const stem = facts.name.normalize("NFKD").toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-+|-+$/g, "");
+  return stem.slice(0, 40) || "skyshed";
+}

@@ -1,0 +1,85 @@
+//! `skyshed live`: a page in which a UAV is dragged over the city.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use clap::{ArgAction, Args, Command};
+
+use crate::cli::args::output::{OutputArgs, PictureArgs};
+use crate::cli::args::scene::{ReadingArgs, SceneArgs};
+use crate::cli::args::sight::{SightArgs, UavsArgs};
+use crate::cli::failure::{Result, refusal};
+use crate::cli::run::Run;
+use crate::cli::say;
+use crate::export::Format;
+use crate::live::{FORMATS, LivePage, LivePlan};
+
+#[derive(Debug, Args)]
+#[command(mut_arg("output", |a| a.help("File to write: .html .json; without any the page is opened").long_help("Page to write (.html), what it holds (.json), `-` for JSON on standard output; repeat for \
+more. Without any the page is written to the folder for temporary files, and opened")))]
+#[command(after_help = "Example: skyshed live maps/munich.geojson -o munich.html")]
+pub(in crate::cli) struct LiveArgs {
+    #[command(flatten)]
+    pub(in crate::cli) scene: SceneArgs,
+    #[command(flatten, next_help_heading = "Start")]
+    uavs: UavsArgs,
+    #[command(flatten, next_help_heading = "Start")]
+    sight: SightArgs,
+    #[command(flatten)]
+    pub(in crate::cli) out: OutputArgs,
+    #[command(flatten)]
+    picture: PictureArgs,
+}
+
+impl LiveArgs {
+    pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
+        run.typed.refuse(&["method"], "for a page: it uses the fastest exact engine")?;
+        run.typed.refuse(&["width", "dpi"], "for a page, which is as wide as its window")?;
+        let mut outputs = self.out.checked(&FORMATS, &self.scene.files())?;
+        let opens = outputs.is_empty() && !self.out.json;
+        if opens {
+            outputs.push((temporary(&self.scene.scene)?, Format::Html));
+        }
+        let look = self.picture.look(&self.out, &outputs)?;
+        let plan = LivePlan {
+            uavs: self.uavs.asked(self.scene.reading.hash)?,
+            sight: self.sight.checked()?,
+            scene_words: self.scene_words(run),
+            command: run.words(),
+        };
+        let page = LivePage::of(&self.scene.reading.options()?, &self.scene.scene, plan)?;
+        if !opens {
+            return run.emit(&page, &outputs, (&self.out, &look));
+        }
+        run.emit(&page, &outputs, (&self.out, &look))?;
+        if let Err(error) = open::that_detached(&outputs[0].0) {
+            say::note(&format!("no browser could be started ({error}): open the file in one"));
+        }
+        Ok(())
+    }
+
+    /// The scene and how it is read, as words of any command line.
+    fn scene_words(&self, run: &Run) -> Vec<String> {
+        let reading = ReadingArgs::augment_args(Command::new("scene"));
+        // Where repairs are listed, and whether inputs are hashed, does not change the scene.
+        let takes_words =
+            |arg: &&clap::Arg| !matches!(arg.get_action(), ArgAction::SetTrue) && arg.get_id() != "repairs";
+        let names: Vec<String> =
+            reading.get_arguments().filter(takes_words).map(|arg| arg.get_id().to_string()).collect();
+        let mut words = vec![self.scene.scene.display().to_string()];
+        words.extend(run.typed.flags(&names));
+        words
+    }
+}
+
+/// The page of a scene in a new folder for temporary files, which stays.
+///
+/// # Errors
+/// E401.
+fn temporary(scene: &OsStr) -> Result<PathBuf> {
+    let stem = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let name: String = stem.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
+    let folder = tempfile::Builder::new().prefix("skyshed-").tempdir();
+    let folder = folder.map_err(|e| refusal(401, format!("cannot make a folder for the page: {e}")))?;
+    Ok(folder.keep().join(format!("{name}.html")))
+}

@@ -1,0 +1,265 @@
+//! The live page: its engine gives the program's digests, its file holds all it needs, and what is too large is refused.
+
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use serde_json::{Value, json};
+
+use crate::program::Folder;
+use crate::support::{Random, has_program, slow, truth};
+
+/// Placements over each scene.
+const N_PLACES: usize = 20;
+
+/// A tool beside the tests.
+fn tool(name: &str) -> String {
+    format!("{}/tests/tools/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// What the engine of a page says of its scene, and its answers to questions.
+fn ask(page: &str, plain: bool, questions: &[Value]) -> Vec<Value> {
+    let mut node = Command::new("node");
+    node.args(["--no-warnings", &tool("live.mjs"), page]).args(plain.then_some("plain"));
+    let mut node = node.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let lines: String = questions.iter().map(|question| format!("{question}\n")).collect();
+    node.stdin.take().unwrap().write_all(lines.as_bytes()).unwrap();
+    let answer = node.wait_with_output().unwrap();
+    assert!(answer.status.success(), "{page}");
+    let said = String::from_utf8(answer.stdout).unwrap();
+    said.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// A question for the map of UAVs at x, y and a height above the ground.
+fn map(uavs: &[(f64, f64, f64)]) -> Value {
+    let uav = |(k, (x, y, m)): (usize, &(f64, f64, f64))| json!({"id": (k + 1).to_string(), "x": x, "y": y, "height": {"kind": "agl", "m": m}});
+    let uavs: Vec<Value> = uavs.iter().enumerate().map(uav).collect();
+    let sight = json!({"rx_height_m": 1.5, "receivers": "ground", "radius_m": null});
+    json!({"do": "map", "uavs": uavs, "sight": sight, "shown": {"layer": "one", "which": 0}, "picture": false})
+}
+
+/// Holds the digests and counts of a page against those of maps of its scene.
+fn check_scene(scene: &str, seed: u64) {
+    let folder = Folder::new();
+    folder.type_in(&format!("live {scene} -o page.html -o page.json -q")).done();
+    let extent: Vec<f64> = serde_json::from_value(folder.json("page.json")["scene"]["extent"].clone()).unwrap();
+    let mut random = Random(seed);
+    let mut between = |low: f64, high: f64| low + (high - low) * random.below(100_000) as f64 / 100_000.0;
+    let places: Vec<(f64, f64, f64)> = (0..N_PLACES)
+        .map(|_| (between(extent[0], extent[2]), between(extent[1], extent[3]), between(60.0, 200.0)))
+        .collect();
+    let rows: String = places.iter().map(|(x, y, h)| format!("{x},{y},{h}\n")).collect();
+    folder.write("uavs.csv", &format!("x,y,h\n{rows}"));
+    folder.type_in(&format!("map {scene} --uavs uavs.csv -o m-{{site}}.json -q")).done();
+    let wanted: Vec<Value> = (1..=N_PLACES).map(|k| folder.json(&format!("m-{k}.json"))).collect();
+
+    let questions: Vec<Value> = places.iter().flat_map(|place| [map(&[*place]), json!({"do": "digest"})]).collect();
+    for plain in [false, true] {
+        let answers = ask(&folder.word("page.html"), plain, &questions);
+        assert_eq!(answers[0]["simd"], !plain, "{scene}");
+        for (pair, wanted) in answers[1..].chunks(2).zip(&wanted) {
+            let (seen, site) = (&pair[0]["uavs"][0], &wanted["sites"][0]);
+            assert_eq!((&seen["receivers"], &seen["los"]), (&site["receivers"], &site["los"]), "{scene}: {seen}");
+            assert_eq!(pair[1]["digest"], wanted["digest"], "{scene}: {site}");
+        }
+    }
+}
+
+#[test]
+fn the_engine_of_a_page_gives_the_digests_of_the_program() {
+    if !has_program("node") {
+        return;
+    }
+    let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps");
+    let map = |name: &str| maps.join(name).to_str().unwrap().to_string();
+    check_scene(&map("munich.geojson"), 1);
+    check_scene(&format!("{} --terrain {}", map("munich_dsm.tif"), map("munich_terrain.tif")), 2);
+    check_scene("itu:urban", 3);
+    check_scene("itu:high-rise --size 700", 4);
+    let Some(truth) = truth() else { return };
+    let delft = |name: &str| truth.join("lidar/delft").join(name).to_str().unwrap().to_string();
+    check_scene(&format!("{} --terrain {}", delft("dsm_1m.tif"), delft("terrain_1m.tif")), 5);
+    check_scene(&format!("{} --terrain {}", delft("buildings.geojson"), delft("terrain_1m.tif")), 6);
+    check_scene(&delft("dsm_with_vegetation_1m.tif"), 7);
+}
+
+#[test]
+fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
+    if !has_program("node") {
+        return;
+    }
+    let folder = Folder::new();
+    folder.type_in("live itu:urban --size 300 -o page.html -q").done();
+    let places = [(150.0, 150.0, 100.0), (40.0, 220.0, 60.0), (30.0, 30.0, 1.0)];
+    let mut radius = map(&places[..2]);
+    radius["sight"] = json!({"rx_height_m": 2.0, "receivers": "street", "radius_m": 90.0});
+    let questions = [
+        json!({"do": "zones"}),
+        map(&places[..2]),
+        json!({"do": "digest"}),
+        json!({"do": "link", "which": 0, "x": 20.5, "y": 12.5}),
+        json!({"do": "cell", "which": 0, "x": 20.5, "y": 12.5}),
+        json!({"do": "curve", "which": 0}),
+        radius,
+        json!({"do": "digest"}),
+        map(&places),
+        json!({"do": "digest"}),
+        json!({"do": "best", "which": 0, "radius_m": 60.0}),
+        json!({"do": "link", "which": 2, "x": 1.0, "y": 1.0}),
+    ];
+    let answers = ask(&folder.word("page.html"), false, &questions);
+    let said = |line: &str| folder.type_in(&format!("{line} --json -q")).done().json();
+
+    let two = said("map itu:urban --size 300 --uav 150,150,100 --uav 40,220,60");
+    assert_eq!(answers[3]["digest"], two["digest"]);
+    for (seen, site) in answers[2]["uavs"].as_array().unwrap().iter().zip(two["sites"].as_array().unwrap()) {
+        for zone in ["street", "crossroad", "courtyard", "rooftop"] {
+            let counts = |facts: &Value| [&facts["receivers"], &facts["los"]].map(|n| n.as_u64().unwrap_or(0));
+            assert_eq!(counts(&seen["zones"][zone]), counts(&site["zones"][zone]), "{zone}");
+        }
+    }
+    assert_eq!(
+        (&answers[2]["all"]["los"], &answers[2]["all"]["receivers"]),
+        (&two["union"]["los"], &two["union"]["receivers"])
+    );
+
+    let link = said("link itu:urban --size 300 --uav 150,150,100 --rx 20.5,12.5");
+    assert_eq!((&answers[4]["los"], &answers[4]["margin_m"]), (&link["los"], &link["margin_m"]));
+    for key in ["distance_m", "elevation_deg"] {
+        // Roots and angles of libraries differ in the last bit.
+        assert!((answers[4][key].as_f64().unwrap() - link[key].as_f64().unwrap()).abs() < 1e-9, "{key}");
+    }
+    assert_eq!(answers[4]["obstruction"]["x"], link["obstruction"]["x"]);
+    assert_eq!((&answers[5]["sees"][0], &answers[5]["margin_m"]), (&link["los"], &link["margin_m"]));
+
+    // The curve counts at its UAV's height what the map counts.
+    let (heights, los) = (answers[6]["heights_m"].as_array().unwrap(), answers[6]["los"].as_array().unwrap());
+    let below = heights.iter().filter(|height| height.as_f64().unwrap() <= 100.0).count();
+    assert_eq!(los[below - 1], two["sites"][0]["los"]);
+    let all = los.last().unwrap();
+    assert!(all.as_u64() <= answers[6]["receivers"].as_u64());
+
+    let near =
+        said("map itu:urban --size 300 --uav 150,150,100 --uav 40,220,60 --receivers street --radius 90 --rx-height 2");
+    assert_eq!(answers[8]["digest"], near["digest"]);
+
+    // Inside a building nothing can hover: the others are mapped, and it says from where on it could.
+    let refused = &answers[9]["uavs"][2];
+    assert_eq!((&refused["ok"], &refused["code"]), (&json!(false), &json!("E201")));
+    assert!(refused["lowest_amsl_m"].as_f64().unwrap() > 1.0 && answers[9]["uavs"][0]["ok"] == json!(true));
+    assert_eq!(answers[10]["digest"], Value::Null);
+    // The place where it is was tried first.
+    let best = answers[11]["best"]["los"].as_u64().unwrap();
+    assert!(best >= two["sites"][0]["los"].as_u64().unwrap() && answers[11]["tried"].as_u64().unwrap() > 300);
+    assert_eq!(answers[12]["ok"], json!(false));
+}
+
+#[test]
+fn a_page_is_one_small_file_and_says_what_it_begins_with() {
+    let folder = Folder::new();
+    let munich = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
+    let uavs = "--uav 691600,5334700,120 --uav 691549.7,5334762.2,60amsl --rx-height 2 --radius 400";
+    folder.type_in(&format!("live {} {uavs} -o page.html -o page.json -q", munich.display())).done();
+    assert!(folder.read("page.html").len() <= 700_000, "{}", folder.read("page.html").len());
+    let document = folder.json("page.json");
+    assert_eq!(document["schema"], "skyshed/live/1");
+    assert_eq!((&document["uavs"][1]["id"], &document["uavs"][1]["height"]), (&json!("2"), &json!("60amsl")));
+    assert_eq!((&document["rx_height_m"], &document["radius_m"]), (&json!(2.0), &json!(400.0)));
+    // Nothing is fetched: no address of a host stands in it but those that are words.
+    let page = folder.text("page.html");
+    assert!(page.contains("default-src 'none'"));
+    for tag in ["<link", "<img", "<iframe", "src=", "@import", "url(http"] {
+        assert!(!page.contains(tag), "{tag}");
+    }
+    let Some(truth) = truth() else { return };
+    let delft = truth.join("lidar/delft/dsm_1m.tif");
+    folder.type_in(&format!("live {} -o delft.html -q", delft.display())).done();
+    let most = std::fs::metadata(&delft).unwrap().len() * 3 / 2 + 600_000;
+    assert!(folder.read("delft.html").len() as u64 <= most, "{} {most}", folder.read("delft.html").len());
+}
+
+#[test]
+fn words_of_the_data_are_text() {
+    let folder = Folder::new();
+    let hostile = "</script><script>window.hacked=1</script><img src=x onerror=window.hacked=1>{{engine}}";
+    let square = json!([[[0, 0], [9, 0], [9, 9], [0, 9], [0, 0]]]);
+    let features = json!([{"type": "Feature", "id": hostile, "properties": {"height": 9},
+                           "geometry": {"type": "Polygon", "coordinates": square}}]);
+    let city = json!({"type": "FeatureCollection", "attribution": hostile, "features": features});
+    folder.write("city.geojson", &city.to_string());
+    folder.run(&["live", "city.geojson", "--uav", "4,4,50", "--title", hostile, "-o", "page.html", "-q"]).done();
+    let page = folder.text("page.html");
+    assert!(!page.contains("<script>window") && !page.contains("<img"));
+    // A mark in words stays a word: the engine stands there once.
+    let engine = page.split_once("id=\"engine\">").unwrap().1;
+    assert!(page.contains("{{engine}}") && page.matches(&engine[..200]).count() == 1);
+}
+
+#[test]
+fn what_a_page_cannot_hold_is_refused_with_what_would_fit() {
+    let folder = Folder::new();
+    let hint = |line: &str| {
+        let answer = folder.type_in(&format!("live {line} -o page.html"));
+        assert_eq!((answer.code(), answer.error()), (5, "E504"), "{answer:?}");
+        answer.err.lines().find_map(|line| line.strip_prefix("hint: ").map(str::to_string)).unwrap_or_default()
+    };
+    let cells = hint("itu:urban --size 5000");
+    assert!(cells.contains("--cell 1.3") && cells.contains("--extent"), "{cells}");
+    let rows: String = (0..33).map(|k| format!("{k},5,90\n")).collect();
+    folder.write("uavs.csv", &format!("x,y,h\n{rows}"));
+    hint("itu:urban --size 100 --uavs uavs.csv");
+    if slow() {
+        hint("itu:0.3,5000,15 --size 8000 --cell 4");
+    }
+    assert!(!folder.files().iter().any(|name| name.ends_with(".html")));
+}
+
+/// The folder of what drives a browser, from the registry; `None` (and a line that says so) without it or a browser.
+fn driver() -> Option<String> {
+    if !has_program("chromium") || !has_program("npm") {
+        return None;
+    }
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("browser-driver");
+    if !folder.join("node_modules/playwright-core").is_dir() {
+        std::fs::create_dir_all(&folder).unwrap();
+        let install = ["install", "--silent", "--no-save", "--prefix", ".", "playwright-core@1.65"];
+        let done = Command::new("npm").args(install).current_dir(&folder).output();
+        if !done.is_ok_and(|done| done.status.success()) {
+            let _ = writeln!(std::io::stderr(), "SKIPPED: playwright-core cannot be had from the registry");
+            return None;
+        }
+    }
+    folder.to_str().map(str::to_string)
+}
+
+#[test]
+fn a_browser_drags_types_adds_clicks_keeps_exports_and_reloads() {
+    let Some(driver) = driver() else { return };
+    let folder = Folder::new();
+    let munich = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
+    folder.type_in(&format!("live {} --uav 691549.7,5334762.2,120 -o page.html -q", munich.display())).done();
+    let pictures = std::env::var_os("SKYSHED_PICTURES").unwrap_or_else(|| folder.path().into());
+    let done = Command::new("node")
+        .args([&tool("live_browser.mjs"), &folder.word("page.html")])
+        .arg(&pictures)
+        .env("NODE_PATH", format!("{driver}/node_modules"))
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&done.stdout);
+    assert!(done.status.success(), "{said}\n{}", String::from_utf8_lossy(&done.stderr));
+    // What the page exported is what the program reads, and its digest that of the program.
+    let facts: Value = serde_json::from_str(said.lines().last().unwrap()).unwrap();
+    let place = &facts["uav"];
+    let uav = format!("{},{},{}", place["x"], place["y"], place["height"]["m"]);
+    let map = folder.type_in(&format!("map {} --uav {uav} --json -q", munich.display())).done().json();
+    assert_eq!(facts["digest"], map["digest"]);
+    folder.write("kept.csv", facts["csv"].as_str().unwrap());
+    folder.write("kept.geojson", facts["geojson"].as_str().unwrap());
+    for table in ["kept.csv", "kept.geojson"] {
+        let compared = folder.type_in(&format!("compare {} --uavs {table} --json -q", munich.display())).done().json();
+        assert_eq!(compared["placements"].as_array().map(Vec::len), Some(2), "{table}");
+    }
+    // And so is the command line that gives the same.
+    let words: Vec<&str> = facts["command"].as_str().unwrap().split_whitespace().skip(1).collect();
+    assert_eq!(words[0], "map", "{words:?}");
+}
