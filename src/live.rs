@@ -7,7 +7,7 @@ use std::time::Instant;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value, json};
-use skyshed_live::pack::pack;
+use skyshed_live::pack::{PackedZones, pack};
 use skyshed_live::page::Page;
 use skyshed_live::questions;
 
@@ -102,8 +102,11 @@ impl LivePage {
         let options = &SceneOptions { around: part_in_range(options, word, &plan)?, ..options.clone() };
         let city = options.read(word, &mut warnings)?;
         check_size(word, &city.grid, &city.solids)?;
-        let packed = pack(&city.grid, &city.solids, city.built_up.as_ref());
+        let (grid, solids) = (city.grid.clone(), city.solids.clone());
         let mut scene = Scene::built(options, (word, city), warnings, start)?;
+        let zones = scene.zones().map(|zones| PackedZones::of(zones.codes(), &scene.field.cells().open));
+        let packed = pack(&grid, &solids, zones.as_ref());
+        drop(solids);
         let found = plan.uavs.read(scene.grid())?;
         scene.place(&found, None, &plan.sight)?;
         if found.sites.len() > MOST_UAVS {

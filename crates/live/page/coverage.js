@@ -14,7 +14,6 @@ const coverage = {
   /** Whether a map is under way. */ isAsking: false,
   /** Whether the state has changed since the last request. */ isStale: false,
   /** When the newest change happened. */ since: 0,
-  /** Whether zones of the scene are known. */ hasZones: false,
   /** @type {string | null} */ digest: null,
   /** @type {ReturnType<typeof setTimeout> | undefined} */ restTimer: undefined,
   /** Counts changes, so that a late answer is told from the newest. */ version: 0,
@@ -61,7 +60,7 @@ async function sendMap() {
   painter.setMask(answer.picture && new Uint8Array(answer.picture), layer, answer.uavs.length);
   if (answer.picture) engine.worker?.postMessage({ do: "give_back", picture: answer.picture }, [answer.picture]);
   answer.picture = null;
-  frame.drawSoon(() => {
+  frame.drawMask(() => {
     if (times.length >= MOST_TIMES) times.shift();
     times.push(performance.now() - since);
     if (!coverage.isAsking) settle();
@@ -77,19 +76,13 @@ function countWho(picture) {
   return [...counts.subarray(16, 22)];
 }
 
-/** Asks for what only a resting map needs; zones once, since they are found once for a scene. */
+/** Asks for what only a resting map needs. */
 async function rest() {
   const { version } = coverage;
   const isNewest = () => version === coverage.version;
   try {
     const { digest } = await ask({ do: "digest" });
     if (isNewest()) coverage.digest = digest;
-    if (isNewest() && !coverage.hasZones && engine.opened?.has_buildings) {
-      coverage.hasZones = true;
-      const { has_zones } = await ask({ do: "zones" });
-      // The next answer has them, and rests in its turn.
-      if (has_zones && isNewest()) wantMap(performance.now());
-    }
   } catch (error) {
     notify(wordsOf(error));
   }

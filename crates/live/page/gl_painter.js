@@ -14,7 +14,7 @@ const TEXTURE_WIDTH = 4096;
 
 /**
  * @typedef {{setTone: (tone: Uint8Array) => void, setMask: (mask: Uint8Array | null) => void,
- *   setLooks: (looks: Uint8Array, backdrop: Backdrop) => void, paint: (window: MapWindow) => void,
+ *   setLooks: (looks: Uint8Array, backdrop: Backdrop) => void, paint: (window: MapWindow, isDraft?: boolean) => void,
  *   pixels: (window: MapWindow) => ImageData}} Painter
  */
 

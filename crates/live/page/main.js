@@ -126,7 +126,6 @@ function showOpened(opened) {
   htmlById("progress").hidden = true;
   document.documentElement.dataset.ready = "true";
   htmlById("slower").hidden = opened.simd;
-  coverage.hasZones = opened.has_zones;
   // What the scene does not have cannot be chosen.
   for (const option of selectById("height-kind").options) option.disabled = option.value === "agl" && opened.surface_only;
   for (const option of selectById("receivers").options) option.disabled = !opened.has_buildings && option.value !== "ground" && option.value !== "all";

@@ -205,7 +205,7 @@ const GERMAN = {
 
   ofReceivers: (what) => `von ${what} in Sicht`,
   receiversNames: {
-    ground: "offenem Boden", street: "Straßen", crossroad: "Kreuzungen", courtyard: "Höfen", roof: "Dächern", all: "Boden und Dächern",
+    ground: "offener Boden", street: "Straßen", crossroad: "Kreuzungen", courtyard: "Höfen", roof: "Dächern", all: "Boden und Dächern",
   },
   cellsOf: (los, all) => `${los} von ${all} Zellen`,
   noReceivers: "Hier gibt es keine Empfänger.",

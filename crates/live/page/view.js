@@ -170,10 +170,16 @@ function startPainter() {
   return canvasPainter(mapCanvas);
 }
 
+/** Masks that come faster than this follow each other [ms]. */
+const DRAFT_MS = 120;
+
 /** Draws at most once in each frame of the screen: at once if this one has no drawing yet, with the next otherwise. */
 const frame = {
   isWaiting: false,
   hasDrawn: false,
+  /** Whether what is shown was painted with fewer samples. */ isDraft: false,
+  /** When the last mask came. */ lastMask: -Infinity,
+  /** @type {ReturnType<typeof setTimeout> | undefined} */ finishTimer: undefined,
   /** @type {(() => void)[]} */ after: [],
 
   /** @param {() => void} [after] called when it is drawn */
@@ -181,6 +187,20 @@ const frame = {
     if (after) this.after.push(after);
     this.isWaiting = true;
     if (!this.hasDrawn) this.draw();
+  },
+  /** A mask has come: of masks that follow each other each is a draft, and the last one is painted in full. */
+  drawMask(/** @type {() => void} */ after) {
+    const now = performance.now();
+    this.isDraft = now - this.lastMask < DRAFT_MS;
+    this.lastMask = now;
+    clearTimeout(this.finishTimer);
+    if (this.isDraft) {
+      this.finishTimer = setTimeout(() => {
+        this.isDraft = false;
+        this.drawSoon();
+      }, DRAFT_MS);
+    }
+    this.drawSoon(after);
   },
   draw() {
     this.isWaiting = false;
@@ -190,7 +210,7 @@ const frame = {
       if (this.isWaiting) this.draw();
     });
     const { width, height, pxPerPoint } = screenSize;
-    if (width > 0 && height > 0) painter.hand.paint(windowOf(currentView(), mapCanvas.width, mapCanvas.height, pxPerPoint));
+    if (width > 0 && height > 0) painter.hand.paint(windowOf(currentView(), mapCanvas.width, mapCanvas.height, pxPerPoint), this.isDraft);
     if (this.after.length > 0) for (const after of this.after.splice(0)) after();
   },
 };

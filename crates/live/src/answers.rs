@@ -6,7 +6,7 @@ use serde::Serialize;
 /// What is said of a scene once it is built.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Opened {
-    /// Whether zones can be found.
+    /// Whether it has zones.
     pub has_zones: bool,
     /// Whether there are buildings.
     pub has_buildings: bool,

@@ -1,18 +1,17 @@
-//! The engine of a page: one scene for its life, the UAVs of the last question, and their masks.
+//! The engine of a page: one scene for its life, the UAVs of the last question, and what they see.
 
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use skyshed_core::city::{BuiltUp, Site};
+use skyshed_core::city::Site;
 use skyshed_core::coverage::{
-    self, Control, LeastHeights, MapOptions, Mapper, ObstacleKind, Overlay, SiteCoverage, StepKind, Tally, class,
-    explain_link, link_profile, place_receiver, surface_under, which_layer,
+    self, Control, LeastHeights, MapOptions, Mapper, ObstacleKind, Seen as SeenCells, StepKind, explain_link,
+    link_profile, place_receiver, surface_under,
 };
 use skyshed_core::error::Error;
-use skyshed_core::height_field::{CellKind, HeightField, Station};
-use skyshed_core::los::MethodChoice;
-use skyshed_core::quantity::{Height, VOID, height_steps, meters, share};
+use skyshed_core::height_field::{CellKind, CellSets, HeightField, Station};
+use skyshed_core::quantity::{BLOCKS_ALL, Height, VOID, height_steps, meters, share};
 use skyshed_core::raster::BitGrid;
-use skyshed_core::zones::{N_CODES, Zone, ZoneMap};
+use skyshed_core::zones::{Zone, ZoneBasis, ZoneMap};
 
 use crate::answers::{
     ByZone, CellFacts, ComparedFacts, Counts, CurveFacts, End, False, LinkFacts, Mapped, Obstruction, Opened, Seen,
@@ -20,11 +19,10 @@ use crate::answers::{
 };
 use crate::backdrop::backdrop;
 use crate::best_place::Search;
+use crate::cell_picture::{CellPicture, seen_by};
 use crate::pack::{NotPacked, PackedCity, unpack};
 use crate::questions::{Kept, Layer, Question, Receivers, Shown, Sight, Uav};
 
-/// Pictures of counts and of who sees a cell begin here; classes are below.
-const FIRST_COUNT: u8 = 16;
 /// As many UAVs as a picture of counts tells apart.
 const MOST_UAVS: usize = 32;
 /// As many UAVs as a picture of who sees a cell tells apart.
@@ -35,16 +33,23 @@ const MOST_WHO: usize = 4;
 pub struct Engine {
     /// PERF: kept for the life of the page, so that what is made ready for it can be kept, too.
     field: &'static HeightField,
-    built_up: Option<BuiltUp>,
-    zones: Option<ZoneMap>,
+    zones: Option<Zones>,
     sight: Sight,
     mapper: Mapper<'static>,
+    /// The cells that hold receivers, in range or not.
+    receivers: BitGrid,
+    cells: CellPicture,
     maps: Vec<Map>,
-    /// All masks together, where there are several.
-    overlay: Option<Overlay>,
     picture: Vec<u8>,
     curve: Option<Curve>,
     search: Option<Search>,
+}
+
+/// The zones of the scene, and the cells of each.
+#[derive(Debug)]
+struct Zones {
+    map: ZoneMap,
+    cells: [(Zone, BitGrid); 4],
 }
 
 /// A UAV of the last question.
@@ -55,9 +60,13 @@ struct Map {
     found: Result<Found, Seen>,
 }
 
+/// What a UAV sees.
 #[derive(Debug)]
 struct Found {
-    coverage: SiteCoverage,
+    uav: coverage::Uav,
+    /// All cells in range; `None` without a limit.
+    in_range: Option<BitGrid>,
+    seen: SeenCells,
     zones: Option<ByZone>,
 }
 
@@ -75,17 +84,25 @@ impl Engine {
     /// # Errors
     /// If they are damaged.
     pub fn open(bytes: &[u8]) -> Result<Engine, NotPacked> {
-        let PackedCity { grid, solids, built_up } = unpack(bytes)?;
+        let PackedCity { grid, solids, zones } = unpack(bytes)?;
         let field: &'static HeightField = Box::leak(Box::new(HeightField::build(&grid, solids).field));
         let sight = Sight { rx_height_m: 1.5, receivers: Receivers::Ground, radius_m: None };
+        let zones = zones.and_then(|zones| {
+            let CellSets { open, building } = field.cells();
+            let mut codes = zones.codes(open);
+            building.cells().for_each(|(row, col)| codes[row * open.n_cols() + col] = Zone::Rooftop.code());
+            ZoneMap::of_codes(field, codes, ZoneBasis::OpenGround).map(Zones::of)
+        });
+        let mapper = mapper(field, &sight, zones.as_ref()).map_err(|_| NotPacked)?;
+        let receivers = mapper.receiver_cells();
         Ok(Engine {
             field,
-            built_up,
-            zones: None,
+            zones,
             sight,
-            mapper: mapper(field, &sight, None).map_err(|_| NotPacked)?,
+            mapper,
+            cells: CellPicture::new(field, &receivers),
+            receivers,
             maps: Vec::new(),
-            overlay: None,
             picture: Vec::new(),
             curve: None,
             search: None,
@@ -95,8 +112,9 @@ impl Engine {
     /// What is said of the scene.
     pub fn opened(&self) -> Opened {
         let surface_only = self.field.is_surface_only();
+        let has_zones = self.zones.is_some();
         let has_buildings = self.field.cells().building.count() > 0;
-        Opened { has_zones: !surface_only, has_buildings, surface_only }
+        Opened { has_zones, has_buildings, surface_only }
     }
 
     /// Columns and rows of the grid.
@@ -124,12 +142,6 @@ impl Engine {
                 let mapped = self.map(uavs, sight, shown)?;
                 Ok(json!(mapped))
             }
-            Question::Zones => {
-                self.find_zones();
-                let zones = self.zones.as_ref();
-                self.maps.iter_mut().for_each(|map| map.count_by(zones));
-                Ok(json!({ "has_zones": self.zones.is_some() }))
-            }
             Question::Digest => Ok(json!({ "digest": self.digest() })),
             Question::Cell { x, y, which } => Ok(json!(self.cell(x, y, which))),
             Question::Link { which, x, y } => Ok(json!(self.link(which, x, y))),
@@ -143,23 +155,17 @@ impl Engine {
             }
             Question::Compare { kept, base } => Ok(json!({ "rows": self.compare(&kept, base) })),
             Question::Mask { which } => {
-                self.picture.clear();
-                match (which, &self.overlay) {
-                    (None, Some(overlay)) => self.picture.extend_from_slice(overlay.union()),
-                    (which, _) => {
-                        let found = self.found(which.unwrap_or(0))?;
-                        let mask = found.coverage.mask.to_vec();
-                        self.picture = mask;
+                let which = which.filter(|_| self.maps.len() > 1).or((self.maps.len() == 1).then_some(0));
+                let (los, in_range) = match which {
+                    Some(which) => {
+                        let found = self.found(which)?;
+                        (found.seen.los.clone(), found.in_range.clone())
                     }
-                }
+                    None => self.together(),
+                };
+                self.cells.mask(&mut self.picture, &los, in_range.as_ref());
                 Ok(json!({}))
             }
-        }
-    }
-
-    fn find_zones(&mut self) {
-        if self.zones.is_none() {
-            self.zones = ZoneMap::if_known(self.field, self.built_up.as_ref());
         }
     }
 
@@ -173,40 +179,35 @@ impl Engine {
             return Err(format!("{} UAVs; a page has at most {MOST_UAVS}", uavs.len()));
         }
         if sight != self.sight {
-            if zone_of(sight.receivers).is_some() {
-                self.find_zones();
-            }
             self.mapper = mapper(self.field, &sight, self.zones.as_ref())?;
+            self.receivers = self.mapper.receiver_cells();
+            self.cells = CellPicture::new(self.field, &self.receivers);
             self.sight = sight;
             self.maps.clear();
         }
         let mut known = std::mem::take(&mut self.maps);
         for asked in uavs {
-            // The mask of a UAV that stays is there already.
+            // What a UAV sees that stays is there already.
             let map = match known.iter().position(|map| map.asked == asked) {
                 Some(k) => known.swap_remove(k),
-                None => self.map_one(asked)?,
+                None => self.map_one(asked),
             };
             self.maps.push(map);
         }
-        drop(known);
-        let all = self.lay_over();
         self.draw(shown);
-        let uavs = self.maps.iter().map(Map::seen).collect();
-        Ok(Mapped { uavs, all })
+        Ok(Mapped { uavs: self.maps.iter().map(Map::seen).collect(), all: self.count_together() })
     }
 
-    fn map_one(&self, asked: Uav) -> Result<Map, String> {
+    fn map_one(&self, asked: Uav) -> Map {
         let found = match coverage::Uav::place(&site_of(&asked), self.field, self.mapper_radius()) {
             Ok(uav) => {
-                let coverage = self.mapper.map(&uav, &Control::default()).map_err(|e| e.to_string())?;
-                let mut map = Map { asked, found: Ok(Found { coverage, zones: None }) };
-                map.count_by(self.zones.as_ref());
-                return Ok(map);
+                let (seen, in_range) = (self.mapper.seen(&uav), self.mapper.cells_in_range(&uav));
+                let zones = self.zones.as_ref().map(|zones| zones.count(&seen));
+                Ok(Found { uav, in_range, seen, zones })
             }
             Err(error) => Err(self.refused(&asked, &error)),
         };
-        Ok(Map { asked, found })
+        Map { asked, found }
     }
 
     /// Why a UAV cannot hover somewhere.
@@ -216,64 +217,67 @@ impl Engine {
             error => error.to_string(),
         };
         let lowest = surface_under(self.field, &self.field.place(asked.x, asked.y));
-        let lowest_amsl_m = (lowest != VOID && lowest < skyshed_core::quantity::BLOCKS_ALL).then(|| meters(lowest));
+        let lowest_amsl_m = (lowest != VOID && lowest < BLOCKS_ALL).then(|| meters(lowest));
         Seen::Refused { ok: False, code: error.code(), words, lowest_amsl_m }
     }
 
-    /// Lays all masks over each other, and counts.
-    fn lay_over(&mut self) -> Together {
-        let coverages: Vec<&SiteCoverage> =
-            self.maps.iter().filter_map(|map| map.found.as_ref().ok()).map(|found| &found.coverage).collect();
-        self.overlay = None;
-        match coverages.as_slice() {
-            [] => Together::default(),
-            [one] => {
-                let Tally { receivers, los, .. } = one.tally;
+    /// The UAVs that hover.
+    fn hovering(&self) -> impl Iterator<Item = &Found> {
+        self.maps.iter().filter_map(|map| map.found.as_ref().ok())
+    }
+
+    /// What any UAV sees, and the cells in range of any; `None` if all are.
+    fn together(&self) -> (BitGrid, Option<BitGrid>) {
+        let (n_cols, n_rows) = self.shape();
+        let none = || BitGrid::new(n_rows, n_cols);
+        let los = self.hovering().fold(none(), |sum, found| sum.or(&found.seen.los));
+        let has_limit = self.hovering().all(|found| found.in_range.is_some());
+        let in_range =
+            || self.hovering().filter_map(|found| found.in_range.as_ref()).fold(none(), |sum, set| sum.or(set));
+        (los, has_limit.then(in_range))
+    }
+
+    fn count_together(&self) -> Together {
+        let mut hovering = self.hovering();
+        match (hovering.next(), hovering.next()) {
+            (None, _) => Together::default(),
+            (Some(one), None) => {
+                let (receivers, los) = (one.seen.receivers.count(), one.seen.los.count());
                 Together { receivers, los, seen_by: vec![receivers - los, los] }
             }
-            several => {
-                let mut overlay = Overlay::new(self.field.grid().n_cells());
-                several.iter().for_each(|coverage| overlay.add(&coverage.mask));
-                let seen_by = overlay.seen_by(several.len());
-                self.overlay = Some(overlay);
+            (Some(one), Some(_)) => {
+                let receivers =
+                    self.hovering().fold(one.seen.receivers.clone(), |sum, found| sum.or(&found.seen.receivers));
+                let sets: Vec<&BitGrid> = self.hovering().map(|found| &found.seen.los).collect();
+                let seen_by = seen_by(&receivers, &sets);
                 Together { receivers: seen_by.iter().sum(), los: seen_by.iter().skip(1).sum(), seen_by }
             }
         }
     }
 
-    /// Fills the picture.
+    /// Fills the picture; without a UAV that hovers there is none.
     fn draw(&mut self, shown: Shown) {
-        self.picture.clear();
-        let of_one = |k: usize| self.maps.get(k).and_then(|map| map.found.as_ref().ok()).map(|f| &f.coverage.mask);
-        let first = self.maps.iter().position(|map| map.found.is_ok());
-        match (shown.layer, &self.overlay) {
-            (Layer::Union, Some(overlay)) => self.picture.extend_from_slice(overlay.union()),
-            (Layer::Count, Some(overlay)) => {
-                let cells = overlay.union().iter().zip(overlay.count());
-                self.picture.extend(cells.map(|(class, n)| of_receiver(*class, *n)));
+        let mut picture = std::mem::take(&mut self.picture);
+        picture.clear();
+        let one = self.maps.get(shown.which).and_then(|map| map.found.as_ref().ok());
+        match (shown.layer, one) {
+            _ if self.hovering().next().is_none() => {}
+            (Layer::One, Some(found)) => self.cells.mask(&mut picture, &found.seen.los, found.in_range.as_ref()),
+            // A UAV that cannot hover leaves the picture of the others.
+            (Layer::One | Layer::Union, _) => {
+                let (los, in_range) = self.together();
+                self.cells.mask(&mut picture, &los, in_range.as_ref());
             }
-            (Layer::Who, Some(overlay)) => {
-                let masks: Vec<&[u8]> =
-                    (0..self.maps.len()).filter_map(of_one).take(MOST_WHO).map(|m| &m[..]).collect();
-                let who = which_layer(&masks);
-                let cells = overlay.union().iter().zip(&who[0]);
-                self.picture.extend(cells.map(|(class, bits)| {
-                    let who = match bits.count_ones() {
-                        0 => 0,
-                        1 => bits.trailing_zeros() + 1,
-                        _ => 5,
-                    };
-                    of_receiver(*class, who)
-                }));
+            (Layer::Count, _) => {
+                let sets = self.hovering().map(|found| &found.seen.los);
+                self.cells.counts(&mut picture, &self.receivers, sets, self.together().1.as_ref());
             }
-            // A UAV that cannot hover leaves the picture of another.
-            (_, overlay) => match (of_one(shown.which), overlay, first.and_then(of_one)) {
-                (Some(mask), ..) => self.picture.extend_from_slice(mask),
-                (None, Some(overlay), _) => self.picture.extend_from_slice(overlay.union()),
-                (None, None, Some(mask)) => self.picture.extend_from_slice(mask),
-                (None, None, None) => {}
-            },
+            (Layer::Who, _) => {
+                let sets: Vec<&BitGrid> = self.hovering().map(|found| &found.seen.los).take(MOST_WHO).collect();
+                self.cells.who(&mut picture, &self.receivers, &sets, self.together().1.as_ref());
+            }
         }
+        self.picture = picture;
     }
 
     /// The digest of all masks, as the program makes it; none while a UAV cannot hover.
@@ -281,8 +285,11 @@ impl Engine {
         let (n_cols, n_rows) = self.shape();
         let mut hasher = Sha256::new();
         [n_cols, n_rows].into_iter().for_each(|n| hasher.update((n as u64).to_le_bytes()));
+        let mut mask = Vec::new();
         for map in &self.maps {
-            hasher.update(&map.found.as_ref().ok()?.coverage.mask[..]);
+            let found = map.found.as_ref().ok()?;
+            self.cells.mask(&mut mask, &found.seen.los, found.in_range.as_ref());
+            hasher.update(&mask);
         }
         let hex: String = hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
         (!self.maps.is_empty()).then(|| format!("sha256:{hex}"))
@@ -309,14 +316,14 @@ impl Engine {
             CellKind::Void => ("void", None),
         };
         let sees = self.maps.iter().map(|map| {
-            let mask = &map.found.as_ref().ok()?.coverage.mask;
-            matches!(mask[index], class::LOS | class::NLOS).then(|| mask[index] == class::LOS)
+            let seen = &map.found.as_ref().ok()?.seen;
+            seen.receivers.contains(row, col).then(|| seen.los.contains(row, col))
         });
         let sees: Vec<Option<bool>> = sees.collect();
         let is_asked = sees.get(which).is_some_and(Option::is_some);
         let margin = || {
             let receiver = self.receiver_at(row, col).ok()?;
-            explain_link(self.field, &self.found(which).ok()?.coverage.uav, &receiver).margin_m
+            explain_link(self.field, &self.found(which).ok()?.uav, &receiver).margin_m
         };
         CellFacts {
             inside: true,
@@ -325,7 +332,7 @@ impl Engine {
             ground_m: (ground != VOID).then(|| meters(ground)),
             roof_m,
             kind,
-            zone: self.zones.as_ref().and_then(|zones| zones.of_cell(row, col)).map(Zone::name),
+            zone: self.zones.as_ref().and_then(|zones| zones.map.of_cell(row, col)).map(Zone::name),
             sees,
             margin_m: if is_asked { margin() } else { None },
         }
@@ -343,7 +350,7 @@ impl Engine {
     fn link(&self, which: usize, x: f64, y: f64) -> LinkFacts {
         let ends = || {
             let (row, col) = self.field.grid().cell_at(x, y).ok_or("outside of the scene")?;
-            Ok((&self.found(which)?.coverage.uav, self.receiver_at(row, col)?))
+            Ok((&self.found(which)?.uav, self.receiver_at(row, col)?))
         };
         let (uav, receiver) = match ends() {
             Ok(ends) => ends,
@@ -388,9 +395,11 @@ impl Engine {
 
     fn begin_curve(&mut self, which: usize) -> Result<(), String> {
         let rx_height = rx_height(&self.sight)?;
-        let coverage = &self.found(which)?.coverage;
-        let least = LeastHeights::of(self.field, &coverage.uav, rx_height);
-        self.curve = Some(Curve { least, mask: coverage.mask.to_vec(), next_row: 0 });
+        let found = self.found(which)?;
+        let least = LeastHeights::of(self.field, &found.uav, rx_height);
+        let mut mask = Vec::new();
+        self.cells.mask(&mut mask, &found.seen.los, found.in_range.as_ref());
+        self.curve = Some(Curve { least, mask, next_row: 0 });
         Ok(())
     }
 
@@ -427,10 +436,7 @@ impl Engine {
     }
 
     /// What each set of UAVs sees, held against one of the sets.
-    fn compare(&mut self, kept: &[Kept], base: usize) -> Vec<ComparedFacts> {
-        if kept.iter().any(|kept| zone_of(kept.sight.receivers).is_some()) {
-            self.find_zones();
-        }
+    fn compare(&self, kept: &[Kept], base: usize) -> Vec<ComparedFacts> {
         let seen: Vec<Result<(BitGrid, BitGrid), String>> = kept.iter().map(|kept| self.seen_by(kept)).collect();
         let reference = seen.get(base).and_then(|seen| seen.as_ref().ok()).map(|(_, los)| los);
         let facts = seen.iter().map(|seen| match seen {
@@ -472,36 +478,52 @@ impl Engine {
     }
 }
 
-impl Map {
-    /// Counts the mask by zone, where there are zones.
-    fn count_by(&mut self, zones: Option<&ZoneMap>) {
-        let (Ok(found), Some(zones)) = (&mut self.found, zones) else { return };
-        let by_code: [Tally; N_CODES] = Tally::by_group(&found.coverage.mask, zones.codes());
-        let of = |zone: Zone| {
-            let tally = by_code[usize::from(zone.code())];
-            Counts { receivers: tally.receivers, los: tally.los }
+impl Zones {
+    fn of(map: ZoneMap) -> Self {
+        let cells = Zone::ALL.map(|zone| (zone, map.cells(zone)));
+        Zones { map, cells }
+    }
+
+    /// The cells of a zone.
+    fn cells(&self, wanted: Zone) -> Option<BitGrid> {
+        self.cells.iter().find(|(zone, _)| *zone == wanted).map(|(_, cells)| cells.clone())
+    }
+
+    /// What is seen, zone by zone.
+    fn count(&self, seen: &SeenCells) -> ByZone {
+        let of = |wanted: Zone| {
+            let cells = self.cells.iter().find(|(zone, _)| *zone == wanted).map(|(_, cells)| cells);
+            cells.map_or(Counts::default(), |cells| Counts {
+                receivers: seen.receivers.count_in(cells),
+                los: seen.los.count_in(cells),
+            })
         };
-        found.zones = Some(ByZone {
+        ByZone {
             street: of(Zone::Street),
             crossroad: of(Zone::Crossroad),
             courtyard: of(Zone::Courtyard),
             rooftop: of(Zone::Rooftop),
-        });
+        }
     }
+}
 
+impl Map {
     fn seen(&self) -> Seen {
         match &self.found {
             Err(refused) => refused.clone(),
-            Ok(Found { coverage, zones }) => Seen::Found {
-                ok: True,
-                amsl_m: coverage.uav.height_amsl_m(),
-                agl_m: coverage.uav.height_agl_m,
-                over: coverage.uav.placement.name(),
-                receivers: coverage.tally.receivers,
-                los: coverage.tally.los,
-                p_los: coverage.tally.p_los(),
-                zones: *zones,
-            },
+            Ok(Found { uav, seen, zones, .. }) => {
+                let (receivers, los) = (seen.receivers.count(), seen.los.count());
+                Seen::Found {
+                    ok: True,
+                    amsl_m: uav.height_amsl_m(),
+                    agl_m: uav.height_agl_m,
+                    over: uav.placement.name(),
+                    receivers,
+                    los,
+                    p_los: share(los, receivers),
+                    zones: *zones,
+                }
+            }
         }
     }
 }
@@ -509,14 +531,6 @@ impl Map {
 /// A UAV of the page as a site.
 pub(crate) fn site_of(uav: &Uav) -> Site {
     Site { id: uav.id.clone(), x: uav.x, y: uav.y, height: uav.height.into() }
-}
-
-/// The byte of a cell whose receiver has a number; other cells keep their class.
-fn of_receiver(class: u8, number: u32) -> u8 {
-    match class {
-        class::LOS | class::NLOS => u8::try_from(number).map_or(u8::MAX, |n| FIRST_COUNT + n),
-        class => class,
-    }
 }
 
 fn zone_of(receivers: Receivers) -> Option<Zone> {
@@ -533,7 +547,7 @@ fn rx_height(sight: &Sight) -> Result<i32, String> {
 }
 
 /// What makes maps for some receivers.
-fn mapper(field: &'static HeightField, sight: &Sight, zones: Option<&ZoneMap>) -> Result<Mapper<'static>, String> {
+fn mapper(field: &'static HeightField, sight: &Sight, zones: Option<&Zones>) -> Result<Mapper<'static>, String> {
     let meters_per_unit = field.grid().meters_per_unit();
     if sight.radius_m.is_some_and(|r| !(r > 0.0 && r.is_finite())) {
         return Err("the radius must be above 0 m".into());
@@ -545,10 +559,9 @@ fn mapper(field: &'static HeightField, sight: &Sight, zones: Option<&ZoneMap>) -
             Receivers::All => coverage::Receivers::All,
             _ => coverage::Receivers::Ground,
         },
-        within: zone_of(sight.receivers).and_then(|zone| zones.map(|zones| zones.cells(zone))),
+        within: zone_of(sight.receivers).and_then(|zone| zones.and_then(|zones| zones.cells(zone))),
         radius: sight.radius_m.map(|r| r / meters_per_unit),
         meters_per_unit,
-        method: MethodChoice::Auto,
         ..MapOptions::default()
     };
     Mapper::new(field, &options).map_err(|e| e.to_string())

@@ -7,6 +7,7 @@
 pub mod answers;
 mod backdrop;
 mod best_place;
+mod cell_picture;
 mod engine;
 #[cfg(target_family = "wasm")]
 pub mod exports;

@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-use skyshed_core::city::{Area, BuiltUp, DataArea, Footprint, FootprintFaults, Ground, Solids};
+use skyshed_core::city::{Area, DataArea, Footprint, FootprintFaults, Ground, Solids};
 use skyshed_core::quantity::Frame;
 use skyshed_core::raster::{BitGrid, Crs, CrsDefinition, CrsKind, GeoRef, Raster};
 
@@ -20,8 +20,68 @@ pub struct PackedCity {
     pub grid: GeoRef,
     /// What stands in the way.
     pub solids: Solids,
-    /// The parameters of a generated city.
-    pub built_up: Option<BuiltUp>,
+    /// The zones of its open ground, where it has any: found by the program, since that takes longer than building all else.
+    pub zones: Option<PackedZones>,
+}
+
+/// The zones of a scene whose open cells are known.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PackedZones {
+    /// Runs of cells whose zone is as expected, each with the code of the cell after it.
+    runs: Vec<(u64, u8)>,
+}
+
+impl PackedZones {
+    /// Packs the codes of all cells of a scene.
+    pub fn of(codes: &[u8], open: &BitGrid) -> Self {
+        let mut packed = PackedZones { runs: Vec::new() };
+        let mut as_expected = 0;
+        for_each_open(&mut codes.to_vec(), open, |code, expected| {
+            if *code == expected {
+                as_expected += 1;
+            } else {
+                packed.runs.push((std::mem::take(&mut as_expected), *code));
+            }
+        });
+        packed
+    }
+
+    /// The codes of the open cells; other cells have 0.
+    pub fn codes(&self, open: &BitGrid) -> Vec<u8> {
+        let mut codes = vec![0; open.n_rows() * open.n_cols()];
+        let mut runs = self.runs.iter().copied();
+        let mut next = runs.next();
+        for_each_open(&mut codes, open, |code, expected| {
+            *code = match &mut next {
+                Some((0, other)) => {
+                    let other = *other;
+                    next = runs.next();
+                    other
+                }
+                Some((left, _)) => {
+                    *left -= 1;
+                    expected
+                }
+                None => expected,
+            };
+        });
+        codes
+    }
+}
+
+/// Goes through open cells row by row with the zone that each is expected to be of: that to the north, else that to the west.
+fn for_each_open(codes: &mut [u8], open: &BitGrid, mut each: impl FnMut(&mut u8, u8)) {
+    let n_cols = open.n_cols();
+    for (row, col) in open.cells() {
+        let cell = row * n_cols + col;
+        let is_open = |row: usize, col: usize| open.contains(row, col);
+        let expected = match (row, col) {
+            (1.., _) if is_open(row - 1, col) => codes[cell - n_cols],
+            (_, 1..) if is_open(row, col - 1) => codes[cell - 1],
+            _ => 0,
+        };
+        each(&mut codes[cell], expected);
+    }
 }
 
 /// Bytes that are no packed city.
@@ -35,11 +95,14 @@ impl fmt::Display for NotPacked {
 }
 
 /// Packs a city.
-pub fn pack(grid: &GeoRef, solids: &Solids, built_up: Option<&BuiltUp>) -> Vec<u8> {
+pub fn pack(grid: &GeoRef, solids: &Solids, zones: Option<&PackedZones>) -> Vec<u8> {
     let mut out = Out(MAGIC.to_vec());
     out.grid(grid);
-    out.option(built_up, |out, b| {
-        [b.built_up_ratio, b.buildings_per_km2, b.height_scale].into_iter().for_each(|v| out.real(v));
+    out.option(zones, |out, zones| {
+        out.list(&zones.runs, |out, (n, code)| {
+            out.count(*n);
+            out.0.push(*code);
+        });
     });
     match solids {
         Solids::Raster { surface, ground, building_threshold, voids } => {
@@ -78,9 +141,9 @@ pub fn pack(grid: &GeoRef, solids: &Solids, built_up: Option<&BuiltUp>) -> Vec<u
 pub fn unpack(bytes: &[u8]) -> Result<PackedCity, NotPacked> {
     let mut read = In(bytes.strip_prefix(MAGIC).ok_or(NotPacked)?);
     let grid = read.grid()?;
-    let built_up = read.option(|read| {
-        let [a, b, c] = [read.real()?, read.real()?, read.real()?];
-        BuiltUp::new(a, b, c).map_err(|_| NotPacked)
+    let zones = read.option(|read| {
+        let runs = read.list(|read| Ok((read.count()?, read.byte()?)))?;
+        Ok(PackedZones { runs })
     })?;
     let solids = match read.byte()? {
         0 => Solids::Raster {
@@ -113,7 +176,7 @@ pub fn unpack(bytes: &[u8]) -> Result<PackedCity, NotPacked> {
         }
         _ => return Err(NotPacked),
     };
-    Ok(PackedCity { grid, solids, built_up })
+    Ok(PackedCity { grid, solids, zones })
 }
 
 /// What the height of a cell is expected to be from those west, north and north-west of it: the middle one of west, north
@@ -397,12 +460,16 @@ mod tests {
             vector(DataArea::Within(area)),
         ];
         for solids in scenes {
-            let built_up = BuiltUp::new(0.3, 500.0, 15.0).ok();
-            let bytes = pack(&grid, &solids, built_up.as_ref());
+            let open = BitGrid::from_words(70, vec![0x00FF_F0F0_FFFF_0F1F, 0x3F, u64::MAX, 0x1F, 0xF0F0, 0]);
+            let codes: Vec<u8> =
+                (0..210).map(|i| if open.contains(i / 70, i % 70) { (i / 13 % 5) as u8 } else { 0 }).collect();
+            let zones = PackedZones::of(&codes, &open);
+            assert_eq!(zones.codes(&open), codes);
+            let bytes = pack(&grid, &solids, Some(&zones));
             let found = unpack(&bytes).expect("it is packed");
-            assert!(found.grid.same_grid(&grid) && found.built_up == built_up);
+            assert!(found.grid.same_grid(&grid) && found.zones.as_ref() == Some(&zones));
             // Reference systems are not kept but for the length of their unit.
-            assert_eq!(pack(&found.grid, &found.solids, found.built_up.as_ref()), bytes);
+            assert_eq!(pack(&found.grid, &found.solids, found.zones.as_ref()), bytes);
             let words = |solids: &Solids| match solids {
                 Solids::Raster { surface, ground, building_threshold, voids } => {
                     format!(

@@ -16,8 +16,6 @@ pub enum Question {
         /// What the picture shows.
         shown: Shown,
     },
-    /// Finds zones; masks are counted by them from then on.
-    Zones,
     /// The digest of the masks of the last map.
     Digest,
     /// What is at a position.

@@ -172,6 +172,13 @@ impl<'a> Mapper<'a> {
         self.range_of(uav).cut(&self.receiver_cells())
     }
 
+    /// The cells in range of a UAV, whether they hold receivers or not; `None` if all are.
+    pub fn cells_in_range(&self, uav: &Uav) -> Option<BitGrid> {
+        let range = self.range_of(uav);
+        let grid = self.field.grid();
+        (!range.is_everywhere()).then(|| range.cut(&BitGrid::full(grid.n_rows(), grid.n_cols())))
+    }
+
     /// Whether the receiver of a row and column is in line of sight, in range or not, by one exact ray; `None` without a
     /// receiver there.
     pub fn is_los(&self, uav: &Uav, (row, col): (usize, usize)) -> Option<bool> {

@@ -140,6 +140,13 @@ impl ZoneMap {
         ZoneMap::new(field, open_space::codes(field), ZoneBasis::OpenGround)
     }
 
+    /// Zones that were found before: the code of every cell of a scene, as [`ZoneMap::codes`] gives them. `None` if they are
+    /// of another number of cells, or no codes.
+    pub fn of_codes(field: &HeightField, codes: Vec<u8>, basis: ZoneBasis) -> Option<Self> {
+        let are_codes = codes.len() == field.grid().n_cells() && codes.iter().all(|code| usize::from(*code) < N_CODES);
+        are_codes.then(|| ZoneMap::new(field, codes, basis))
+    }
+
     fn new(field: &HeightField, codes: Vec<u8>, basis: ZoneBasis) -> Self {
         let mut histogram = [0_u64; N_CODES];
         codes.iter().for_each(|code| histogram[usize::from(*code)] += 1);
