@@ -15,7 +15,7 @@ use crate::answer::{Answer, Head, RunFacts, Spent, WarningFacts, document_of, wa
 use crate::city::{Site, Solids};
 use crate::coverage;
 use crate::crs::wkt_of;
-use crate::error::{LimitError, Result, Warning};
+use crate::error::{Error, LimitError, Result, Warning};
 use crate::export::{Batch, Format};
 use crate::picture::{Look, program};
 use crate::quantity::{Height, counted, meters, tidy};
@@ -96,28 +96,39 @@ impl LivePage {
     ///
     /// # Errors
     /// Those of the scene and of its UAVs; E504 of what is too large for a page.
-    pub(crate) fn of(options: &SceneOptions, word: &OsStr, plan: LivePlan) -> Result<LivePage> {
+    pub(crate) fn open(options: &SceneOptions, word: &OsStr, plan: LivePlan) -> Result<LivePage> {
         let start = Instant::now();
         let mut warnings = Vec::new();
-        let options = &SceneOptions { around: part_in_range(options, word, &plan)?, ..options.clone() };
+        let around = part_in_range(options, word, &plan)?;
+        let options = &SceneOptions { around, keeps_solids: true, ..options.clone() };
         let city = options.read(word, &mut warnings)?;
-        check_size(word, &city.grid, &city.solids)?;
-        let (grid, solids) = (city.grid.clone(), city.solids.clone());
+        check_size(&word.display().to_string(), &city.grid, &city.solids)?;
         let mut scene = Scene::built(options, (word, city), warnings, start)?;
-        let zones = scene.zones().map(|zones| PackedZones::of(zones.codes(), &scene.field.cells().open));
-        let packed = pack(&grid, &solids, zones.as_ref());
-        drop(solids);
         let found = plan.uavs.read(scene.grid())?;
         scene.place(&found, None, &plan.sight)?;
         if found.sites.len() > MOST_UAVS {
             return Err(LimitError::PageUavs { n: found.sites.len(), most: MOST_UAVS }.into());
         }
-        let mut uavs: Vec<questions::Uav> = found.sites.iter().map(|given| asked(&given.site)).collect();
-        if uavs.is_empty() {
-            uavs.push(asked(&in_the_middle(&scene)));
+        let mut sites: Vec<Site> = found.sites.into_iter().map(|given| given.site).collect();
+        if sites.is_empty() {
+            sites.push(in_the_middle(&scene));
         }
-        let facts = RunFacts { command: plan.command, ..scene.facts(None) };
-        Ok(LivePage { facts, scene, packed, uavs, sight: plan.sight, scene_words: plan.scene_words })
+        let page = LivePage::of(&scene, &sites, plan.sight, plan.scene_words)?;
+        Ok(LivePage { facts: RunFacts { command: plan.command, ..page.facts }, ..page })
+    }
+
+    /// The page of a scene whose solids were kept, with UAVs that can be where they are.
+    ///
+    /// # Errors
+    /// E504 of what is too large for a page.
+    pub(crate) fn of(scene: &Scene, uavs: &[Site], sight: Sight, scene_words: Vec<String>) -> Result<LivePage> {
+        let solids = scene.solids.clone().ok_or(Error::Fault("a live page needs the solids of its scene"))?;
+        check_size(&scene.word, scene.grid(), &solids)?;
+        let zones = scene.zones().map(|zones| PackedZones::of(zones.codes(), &scene.field.cells().open));
+        let packed = pack(scene.grid(), &solids, zones.as_ref());
+        let scene = Scene { solids: None, ..scene.clone() };
+        let uavs = uavs.iter().map(asked).collect();
+        Ok(LivePage { facts: scene.facts(None), scene, packed, uavs, sight, scene_words })
     }
 
     /// The page.
@@ -245,8 +256,8 @@ fn part_in_range(options: &SceneOptions, word: &OsStr, plan: &LivePlan) -> Resul
 ///
 /// # Errors
 /// E504.
-fn check_size(word: &OsStr, grid: &GeoRef, solids: &Solids) -> Result<()> {
-    let name = word.display().to_string();
+fn check_size(word: &str, grid: &GeoRef, solids: &Solids) -> Result<()> {
+    let name = word.to_string();
     let footprints = match solids {
         Solids::Vector { footprints, .. } => footprints.len(),
         Solids::Raster { .. } => 0,

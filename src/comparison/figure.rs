@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::facts::{Origin, PairFacts, PlacementFacts, group_names};
+use super::live_door::LivePacked;
 use super::outcome::Comparison;
 use super::report::{CompareReport, signed};
 use crate::city_statistics::bootstrap::{RESAMPLINGS, RatioEstimate};
@@ -11,7 +12,7 @@ use crate::picture::{Look, crop, mark, shown_classes};
 use crate::quantity::tidy;
 use crate::raster::{CellWindow, GeoRef};
 use crate::render::{
-    self, CompareMap, ComparePage, ComparePair, CompareSheet, Mark, PagePlacement, PageTable, grouped,
+    self, CompareMap, ComparePage, ComparePair, CompareSheet, LiveDoor, Mark, PagePlacement, PageTable, grouped,
 };
 use crate::words::unbreakable;
 
@@ -119,7 +120,7 @@ impl<'a> Figure<'a> {
     }
 
     /// Writes the page, which holds the document.
-    pub(super) fn page(&self, document: &Value) -> Result<String, String> {
+    pub(super) fn page(&self, document: &Value, live: Option<&LivePacked>) -> Result<String, String> {
         let Comparison { scene, report, masks, .. } = self.of;
         let grid = scene.field.grid();
         let placements: Vec<PagePlacement<'_>> = report
@@ -150,6 +151,7 @@ impl<'a> Figure<'a> {
             sentences: &sentences,
             tables: &[placements_table(report), shares_table(report), differences_table(report), margins_table(report)],
             document,
+            live: live.map(|live| LiveDoor { page: &live.page, sight: &live.sight, uavs: &live.uavs }),
         })
     }
 }

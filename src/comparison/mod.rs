@@ -3,6 +3,7 @@
 mod document;
 mod facts;
 mod figure;
+mod live_door;
 mod masks;
 mod outcome;
 mod report;
@@ -69,6 +70,8 @@ pub(crate) struct ComparisonPlan {
     pub(crate) seed: u64,
     /// Whether a raster of all pairs is written.
     pub(crate) draws_pairs: bool,
+    /// Words of the scene and how it is read, for the live page of a scene whose solids were kept.
+    pub(crate) scene_words: Vec<String>,
 }
 
 /// A mask, and where it comes from.
@@ -139,7 +142,8 @@ impl ComparisonPlan {
         }
         let facts = RunFacts { command, ..scene.facts(method) };
         let (overlay, report) = self.report(facts, &placed, &blocks, zones.as_ref());
-        Ok(Comparison { scene, masks: placed.into_iter().map(|p| p.mask).collect(), overlay, report })
+        let masks = placed.into_iter().map(|p| p.mask).collect();
+        Ok(Comparison { scene, masks, overlay, report, scene_words: self.scene_words.clone() })
     }
 
     fn report(
@@ -275,7 +279,8 @@ impl Answer for Comparison {
                 Ok(add_comparison(batch, &comparison, path)?)
             }
             Format::Html => {
-                let page = Figure::new(self, look).page(&provenance);
+                let live = self.live(look);
+                let page = Figure::new(self, look).page(&provenance, live.as_ref());
                 Ok(batch.add(path, &drawn(page.map(String::into_bytes))?)?)
             }
             _ => {

@@ -14,4 +14,6 @@ pub(crate) struct Comparison {
     /// All masks together.
     pub(super) overlay: Overlay,
     pub(super) report: CompareReport,
+    /// Words of the scene and how it is read.
+    pub(super) scene_words: Vec<String>,
 }

@@ -42,6 +42,8 @@ pub struct Scene {
     pub(crate) word: String,
     pub(crate) name: String,
     pub(crate) field: Arc<HeightField>,
+    /// What it was built from, if that was to be kept.
+    pub(crate) solids: Option<Arc<Solids>>,
     pub(crate) sources: Vec<Source>,
     /// Whom pictures must credit.
     pub(crate) attribution: Option<String>,
@@ -81,6 +83,7 @@ impl Scene {
         if matches!(solids, Solids::Vector { .. }) {
             check_memory(&word.display(), &grid, FIELD_BYTES_PER_CELL)?;
         }
+        let kept = options.keeps_solids.then(|| Arc::new(solids.clone()));
         let Built { field, warnings: odd } = HeightField::build(&grid, solids);
         warnings.extend(odd.into_iter().map(Warning::Core));
         let build = start.elapsed().as_secs_f64() - read_s;
@@ -88,6 +91,7 @@ impl Scene {
             word: word.display().to_string(),
             name,
             field: Arc::new(field),
+            solids: kept,
             sources,
             attribution,
             height_gap,
@@ -104,6 +108,7 @@ impl Scene {
             word: name.clone(),
             name,
             field: Arc::new(field),
+            solids: None,
             sources: Vec::new(),
             attribution: None,
             height_gap: None,

@@ -43,6 +43,8 @@ pub struct SceneOptions {
     pub(crate) seed: Option<u64>,
     pub(crate) nodata_as: Option<NodataAs>,
     pub(crate) hash: bool,
+    /// Whether the solids are kept as they were read, for a live page.
+    pub(crate) keeps_solids: bool,
     /// The box of a raster that is read: west, south, east, north \[CRS units\]; all of it without one.
     pub(crate) around: Option<[f64; 4]>,
     /// Whether what is wrong with footprints is told where the program would refuse them.

@@ -42,7 +42,7 @@ fn meanings() -> BTreeMap<String, Vec<String>> {
             let is_code = |code: &&str| {
                 code.len() == 4 && code.starts_with(['E', 'W']) && code[1..].bytes().all(|c| c.is_ascii_digit())
             };
-            if !codes.iter().all(|code| is_code(&code)) {
+            if !codes.iter().all(is_code) {
                 continue;
             }
             let mut words = words.to_string();

@@ -114,7 +114,7 @@ fn words_of_the_user_are_words() {
     let rest = ["--uavs", "sites.geojson", "-o", "c.html", "--title", "<i>T</i>", "--attribution", "<u>\"A\"</u>"];
     folder.run(&[&["compare"], &scene[..], &rest[..]].concat()).done();
     let page = folder.text("c.html");
-    assert_eq!(page.matches("<script").count(), 3, "two of data, one of the page");
+    assert_eq!(page.matches("<script").count(), 4, "three of data, one of the page");
     assert_eq!(page.matches("</script>").count(), 3);
     for markup in ["<i>T", "<u>", "<b x"] {
         assert!(!page.contains(markup), "{markup}");

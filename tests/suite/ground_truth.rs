@@ -121,7 +121,7 @@ fn outline(random: &mut Random, cell: i128, n_cells: i128) -> Vec<Vec<[i128; 2]>
         let reach: i128 = random.within(1, 12).into();
         [x + way[0] * reach, y + way[1] * reach]
     };
-    vec![WAYS.iter().filter_map(|way| (random.within(0, 3) > 0).then(|| corner(way, random))).collect()]
+    vec![WAYS.iter().filter_map(|way| if random.within(0, 3) > 0 { Some(corner(way, random)) } else { None }).collect()]
 }
 
 #[test]

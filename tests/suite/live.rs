@@ -213,6 +213,38 @@ fn what_a_page_cannot_hold_is_refused_with_what_would_fit() {
     assert!(!folder.files().iter().any(|name| name.ends_with(".html")));
 }
 
+/// The demonstration in the manual is what the program writes.
+#[test]
+#[cfg(unix)]
+fn the_page_in_docs_is_that_of_the_program() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = Folder::new();
+    std::os::unix::fs::symlink(root.join("maps"), folder.join("maps")).unwrap();
+    folder.type_in("live maps/munich.geojson --uav 691549.7,5334762.2,120 -o live.html -q").done();
+    let (path, wanted) = (root.join("docs/live.html"), folder.read("live.html"));
+    if std::env::var_os("SKYSHED_WRITE_DOCS").is_some() {
+        std::fs::write(&path, &wanted).unwrap();
+    }
+    assert!(std::fs::read(&path).unwrap_or_default() == wanted, "docs/live.html: run with SKYSHED_WRITE_DOCS=1");
+}
+
+/// Scripts are checked by the types that stand in their comments.
+#[test]
+fn the_scripts_of_the_page_are_of_their_types() {
+    if !has_program("npx") {
+        return;
+    }
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/live/page");
+    let check = ["--yes", "-p", "typescript@5.9", "tsc", "-p"];
+    let done = Command::new("npx").args(check).arg(page).output().unwrap();
+    let said = String::from_utf8_lossy(&done.stdout);
+    if !done.status.success() && !said.contains("error TS") {
+        let _ = writeln!(std::io::stderr(), "SKIPPED: TypeScript cannot be had from the registry");
+        return;
+    }
+    assert!(done.status.success(), "{said}");
+}
+
 /// The folder of what drives a browser, from the registry; `None` (and a line that says so) without it or a browser.
 fn driver() -> Option<String> {
     if !has_program("chromium") || !has_program("npm") {
@@ -237,10 +269,13 @@ fn a_browser_drags_types_adds_clicks_keeps_exports_and_reloads() {
     let folder = Folder::new();
     let munich = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
     folder.type_in(&format!("live {} --uav 691549.7,5334762.2,120 -o page.html -q", munich.display())).done();
+    let uavs = "--uav 691549.7,5334762.2,120 --uav 691600,5334700,80";
+    folder.type_in(&format!("compare {} {uavs} -o compare.html -q", munich.display())).done();
     let pictures = std::env::var_os("SKYSHED_PICTURES").unwrap_or_else(|| folder.path().into());
     let done = Command::new("node")
         .args([&tool("live_browser.mjs"), &folder.word("page.html")])
         .arg(&pictures)
+        .arg(folder.word("compare.html"))
         .env("NODE_PATH", format!("{driver}/node_modules"))
         .output()
         .unwrap();

@@ -1,13 +1,13 @@
 // A person at a live page: drags, types a height, adds a second UAV, clicks a receiver, keeps two placements, exports, saves,
 // reloads by address; at the size of a desk and of a phone. Any word on the console and any request is a failure.
-// node live_browser.mjs PAGE.html FOLDER > facts, one JSON on the last line
+// node live_browser.mjs PAGE.html FOLDER COMPARISON.html > facts, one JSON on the last line
 import { createRequire } from 'node:module';
 import { readFileSync } from 'node:fs';
 import assert from 'node:assert/strict';
 
 const require = createRequire(`${process.env.NODE_PATH}/`);
 const { chromium } = require('playwright-core');
-const [file, folder] = process.argv.slice(2);
+const [file, folder, comparison] = process.argv.slice(2);
 const browser = await chromium.launch({ channel: undefined, executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox'] });
 
 const SIZES = [
@@ -142,5 +142,21 @@ for (const size of SIZES) {
   const found = await use(size);
   facts ??= found;
 }
+
+// The page of a comparison opens the same place live, with both placements kept.
+const context = await browser.newContext({ viewport: { width: 1280, height: 800 } });
+const compare = await context.newPage();
+const said = [];
+context.on('console', (message) => said.push(message.text()));
+context.on('weberror', (error) => said.push(error.error().message));
+await compare.goto(`file://${comparison}`);
+const [live] = await Promise.all([context.waitForEvent('page'), compare.locator('#live').click()]);
+await live.waitForLoadState();
+await live.evaluate('skyshed.ready.then(() => skyshed.idle())');
+assert.deepEqual(await live.evaluate('skyshed.state.kept.map(({ name }) => name)'), ['1', '2']);
+assert.equal(await live.evaluate('skyshed.state.uavs[0].id'), '2');
+await live.waitForTimeout(800);
+await live.screenshot({ path: `${folder}/live-of-compare.png` });
+assert.deepEqual(said, [], 'the page of a comparison and its live page');
 await browser.close();
 console.log(JSON.stringify(facts));

@@ -129,7 +129,7 @@ function showSight() {
   radius.style.setProperty("--part", `${(100 * Number(radius.value)) / Number(radius.max)}%`);
   setValue(inputById("radius"), radius_m === null ? "" : String(radius_m));
   const range = radius_m === null ? say().unlimited : lengthWords(radius_m);
-  setText(htmlById("sight-says"), [say().receiversNames[receivers], meters(rx_height_m, 2), range].join(" · "));
+  setText(htmlById("sight-says"), [say().receiversChoice[receivers], meters(rx_height_m, 2), range].join(" · "));
   for (const input of document.querySelectorAll('input[name="layer"]')) {
     if (input instanceof HTMLInputElement) input.checked = input.value === state.layer;
   }
@@ -145,7 +145,7 @@ function showTexts() {
     for (const element of document.querySelectorAll(`[${from}]`)) element.setAttribute(to, words[element.getAttribute(from) ?? ""]);
   }
   for (const [select, texts] of /** @type {[string, Record<string, string>][]} */ ([
-    ["receivers", words.receiversNames], ["height-kind", words.kinds],
+    ["receivers", words.receiversChoice], ["height-kind", words.kinds],
   ])) {
     for (const option of selectById(select).options) option.text = texts[option.value];
   }

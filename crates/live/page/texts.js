@@ -19,6 +19,9 @@ const ENGLISH = {
   slower: "This browser has no SIMD: answers take longer.",
 
   ofReceivers: (/** @type {string} */ what) => `of ${what} in line of sight`,
+  receiversChoice: {
+    ground: "open ground", street: "streets", crossroad: "crossroads", courtyard: "courtyards", roof: "roofs", all: "ground and roofs",
+  },
   receiversNames: {
     ground: "open ground", street: "streets", crossroad: "crossroads", courtyard: "courtyards", roof: "roofs", all: "ground and roofs",
   },
@@ -204,8 +207,11 @@ const GERMAN = {
   slower: "Dieser Browser kann kein SIMD: Antworten dauern länger.",
 
   ofReceivers: (what) => `von ${what} in Sicht`,
+  receiversChoice: {
+    ground: "offener Boden", street: "Straßen", crossroad: "Kreuzungen", courtyard: "Höfe", roof: "Dächer", all: "Boden und Dächer",
+  },
   receiversNames: {
-    ground: "offener Boden", street: "Straßen", crossroad: "Kreuzungen", courtyard: "Höfen", roof: "Dächern", all: "Boden und Dächern",
+    ground: "offenem Boden", street: "Straßen", crossroad: "Kreuzungen", courtyard: "Höfen", roof: "Dächern", all: "Boden und Dächern",
   },
   cellsOf: (los, all) => `${los} von ${all} Zellen`,
   noReceivers: "Hier gibt es keine Empfänger.",

@@ -109,7 +109,7 @@ impl CellPicture {
 
     /// Sets the cells of a set to a class.
     fn set(&self, out: &mut [u8], set: &BitGrid, class: u8) {
-        let fill = |eight: u64, ones: u64| eight & !(ones * 255) | ones * u64::from(class);
+        let fill = |eight: u64, ones: u64| (eight & !(ones * 255)) | (ones * u64::from(class));
         self.each_eight(out, set, fill, |cell| *cell = class);
     }
 

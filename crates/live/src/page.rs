@@ -82,7 +82,7 @@ impl Page<'_> {
             ("worker", &WORKER.map(without_comments).concat()),
             // In a script element nothing ends but by `</`.
             ("facts", &self.facts.to_string().replace('<', "\\u003c")),
-            ("scene", &STANDARD.encode(compressed(self.scene))),
+            ("scene", &STANDARD.encode(gzip(self.scene))),
             ("engine", &format!("{ENGINE_LENGTHS} {}", STANDARD.encode(ENGINE))),
         ])
     }
@@ -111,7 +111,7 @@ fn without_comments(source: &str) -> String {
 }
 
 /// Bytes as gzip packs them best.
-fn compressed(bytes: &[u8]) -> Vec<u8> {
+pub fn gzip(bytes: &[u8]) -> Vec<u8> {
     let mut gzip = GzBuilder::new().write(Vec::new(), Compression::best());
     // A vector takes all.
     gzip.write_all(bytes).and_then(|()| gzip.finish()).unwrap_or_default()

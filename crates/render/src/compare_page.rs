@@ -25,6 +25,9 @@ const TEMPLATE: &str = include_str!("compare_page/page.html");
 const STYLE: &str = include_str!("compare_page/page.css");
 const SCRIPT: &str = include_str!("compare_page/page.js");
 
+/// What opens the live page.
+const LIVE_BUTTON: &str = "<button type=\"button\" id=\"live\">Open live: drag A and B</button>\n";
+
 /// Pixels that one picture may have …
 const MOST_PIXELS: usize = 4_000_000;
 /// … and that all masks together may have: two bits each, they stay below 8 MB in base 64 even if nothing compresses.
@@ -61,6 +64,19 @@ pub struct ComparePage<'a> {
     pub tables: &'a [PageTable],
     /// The document of the run, kept in the page.
     pub document: &'a Value,
+    /// The live page of the same place, if there is one.
+    pub live: Option<LiveDoor<'a>>,
+}
+
+/// The way to a live page.
+#[derive(Clone, Copy, Debug)]
+pub struct LiveDoor<'a> {
+    /// The page, packed by gzip.
+    pub page: &'a [u8],
+    /// What its address says of receivers: height, where, range.
+    pub sight: &'a str,
+    /// What its address says of each placement's UAV: x, y and height; nothing of a mask alone.
+    pub uavs: &'a [Option<String>],
 }
 
 /// A placement.
@@ -116,7 +132,7 @@ pub fn compare_page(page: &ComparePage<'_>) -> Result<String, String> {
     let mut symbol = Drawing::default();
     furniture::uav_symbol(&mut symbol, [20.0, 20.0], 18.0);
     let symbol = format!("<svg viewBox=\"0 0 40 40\" aria-hidden=\"true\">{}</svg>", symbol.svg.replace('\n', ""));
-    let parts: [(&str, String); 25] = [
+    let parts: [(&str, String); 27] = [
         ("generator", format!("skyshed {}", env!("CARGO_PKG_VERSION"))),
         ("css", STYLE.to_string()),
         ("js", SCRIPT.to_string()),
@@ -142,6 +158,8 @@ pub fn compare_page(page: &ComparePage<'_>) -> Result<String, String> {
         ("masks", thinned.masks()?),
         ("view", in_script(&view(page, &thinned))),
         ("document", in_script(page.document)),
+        ("live", page.live.map_or(String::new(), |_| LIVE_BUTTON.to_string())),
+        ("live_page", page.live.map_or(String::new(), |live| base64(live.page))),
     ];
     Ok(filled(&parts))
 }
@@ -255,6 +273,7 @@ fn view(page: &ComparePage<'_>, thinned: &Thinned<'_>) -> Value {
         "cell_width": page.cell.0,
         "cell_height": page.cell.1,
         "width_m": page.n_cols as f64 * page.cell.0 * page.meters_per_unit,
+        "live": page.live.map(|live| json!({ "sight": live.sight, "uavs": live.uavs })),
         "colors": {
             "los": [hex(colors::NLOS), hex(colors::LOS)],
             "pair": colors::PAIR.map(hex),

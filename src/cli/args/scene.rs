@@ -4,11 +4,12 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-use clap::Args;
+use clap::{Arg, ArgAction, Args, Command};
 
 use super::words::{Words, extent, number, one_of, projection};
 use crate::city::NodataAs;
 use crate::cli::failure::{Result, refusal};
+use crate::cli::typed::Typed;
 use crate::crs;
 use crate::read::{BaseRule, DataAreaChoice, HeightUnit, MissingHeight, Projection};
 use crate::scene::{FoundRepairs, Scene, SceneOptions};
@@ -49,6 +50,18 @@ impl SceneArgs {
     /// Reads the scene and makes it ready.
     pub(crate) fn open(&self) -> Result<Scene> {
         Ok(self.reading.options()?.open(&self.scene)?)
+    }
+
+    /// The scene and how it is read, as words of any command line.
+    pub(crate) fn words(&self, typed: &Typed) -> Vec<String> {
+        let reading = ReadingArgs::augment_args(Command::new("scene"));
+        // Where repairs are listed, and whether inputs are hashed, does not change the scene.
+        let takes_words = |arg: &&Arg| !matches!(arg.get_action(), ArgAction::SetTrue) && arg.get_id() != "repairs";
+        let names: Vec<String> =
+            reading.get_arguments().filter(takes_words).map(|arg| arg.get_id().to_string()).collect();
+        let mut words = vec![self.scene.display().to_string()];
+        words.extend(typed.flags(&names));
+        words
     }
 
     /// The files that it names.
@@ -168,6 +181,7 @@ impl ReadingArgs {
             seed: Some(self.seed),
             nodata_as: self.nodata_as,
             hash: self.hash,
+            keeps_solids: false,
             around: None,
             tells_faults: false,
             repairs: self.repairs.is_some().then(|| Arc::clone(&self.found_repairs)),

@@ -12,6 +12,7 @@ use crate::cli::failure::Result;
 use crate::cli::run::Run;
 use crate::comparison::{ComparisonPlan, FORMATS, check_number};
 use crate::export::Format;
+use crate::scene::SceneOptions;
 
 #[derive(Debug, Args)]
 #[command(mut_arg("output", |a| a.help("File to write: .html .png .svg .pdf .tif .csv .json; repeat for more").long_help("File to write, by extension: .html (a page to swipe over, in one file), .png .svg .pdf \
@@ -54,6 +55,7 @@ impl CompareArgs {
             hash: reading.hash,
             block_m: self.block,
             seed: reading.seed,
+            scene_words: self.scene.words(&run.typed),
             draws_pairs: outputs.iter().any(|(_, format)| *format == Format::GeoTiff),
         };
         plan.check()?;
@@ -61,7 +63,10 @@ impl CompareArgs {
         if asked.table.is_none() && self.mask.is_empty() {
             check_number(asked.typed.len())?;
         }
-        let scene = self.scene.open()?;
+        // The page has a door to the live page of the same place.
+        let keeps_solids = outputs.iter().any(|(_, format)| *format == Format::Html);
+        let options = SceneOptions { keeps_solids, ..reading.options()? };
+        let scene = options.open(&self.scene.scene)?;
         let found = asked.read(scene.grid())?;
         let comparison = plan.compare(scene, &found, run.words(), &run.progress)?;
         run.emit(&comparison, &outputs, (&self.out, &look))

@@ -3,10 +3,10 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use clap::{ArgAction, Args, Command};
+use clap::Args;
 
 use crate::cli::args::output::{OutputArgs, PictureArgs};
-use crate::cli::args::scene::{ReadingArgs, SceneArgs};
+use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::sight::{SightArgs, UavsArgs};
 use crate::cli::failure::{Result, refusal};
 use crate::cli::run::Run;
@@ -44,10 +44,10 @@ impl LiveArgs {
         let plan = LivePlan {
             uavs: self.uavs.asked(self.scene.reading.hash)?,
             sight: self.sight.checked()?,
-            scene_words: self.scene_words(run),
+            scene_words: self.scene.words(&run.typed),
             command: run.words(),
         };
-        let page = LivePage::of(&self.scene.reading.options()?, &self.scene.scene, plan)?;
+        let page = LivePage::open(&self.scene.reading.options()?, &self.scene.scene, plan)?;
         if !opens {
             return run.emit(&page, &outputs, (&self.out, &look));
         }
@@ -56,19 +56,6 @@ impl LiveArgs {
             say::note(&format!("no browser could be started ({error}): open the file in one"));
         }
         Ok(())
-    }
-
-    /// The scene and how it is read, as words of any command line.
-    fn scene_words(&self, run: &Run) -> Vec<String> {
-        let reading = ReadingArgs::augment_args(Command::new("scene"));
-        // Where repairs are listed, and whether inputs are hashed, does not change the scene.
-        let takes_words =
-            |arg: &&clap::Arg| !matches!(arg.get_action(), ArgAction::SetTrue) && arg.get_id() != "repairs";
-        let names: Vec<String> =
-            reading.get_arguments().filter(takes_words).map(|arg| arg.get_id().to_string()).collect();
-        let mut words = vec![self.scene.scene.display().to_string()];
-        words.extend(run.typed.flags(&names));
-        words
     }
 }
 

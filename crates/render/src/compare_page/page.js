@@ -255,4 +255,24 @@
     listen();
     document.documentElement.dataset.ready = "true";
   });
+
+  // The live page is packed in this one; its address tells where the UAVs of A and B are, and for whom.
+  async function openLive() {
+    const bytes = Uint8Array.from(atob(byId("live-page").textContent), (c) => c.charCodeAt(0));
+    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+    const page = await new Response(stream).blob();
+    const { sight, uavs } = view.live;
+    const word = (k) => uavs[k] && `${uavs[k]},${encodeURIComponent(view.ids[k])}`;
+    const shown = [state.a, state.b].filter((k) => uavs[k]);
+    const kept = shown.map((k) => `kept=${encodeURIComponent(view.ids[k])}:${sight}:${word(k)}`);
+    const address = [`uavs=${word(shown[shown.length - 1])}`, `sight=${sight}`, ...kept].join("&");
+    window.open(`${URL.createObjectURL(new Blob([page], { type: "text/html" }))}#${address}`);
+  }
+  const live = byId("live");
+  if (live) {
+    const allow = () => { live.disabled = !view.live.uavs[state.a] && !view.live.uavs[state.b]; };
+    live.addEventListener("click", openLive);
+    byId("controls").addEventListener("change", allow);
+    allow();
+  }
 })();

@@ -1,0 +1,40 @@
+//! The way from the page of a comparison to the live page of the same place.
+
+use skyshed_live::page::gzip;
+
+use super::facts::{Origin, PlacementFacts};
+use super::outcome::Comparison;
+use crate::city::Site;
+use crate::live::LivePage;
+use crate::picture::Look;
+use crate::quantity::Height;
+
+/// The live page of a comparison, packed, and what its address says.
+pub(super) struct LivePacked {
+    pub(super) page: Vec<u8>,
+    pub(super) sight: String,
+    pub(super) uavs: Vec<Option<String>>,
+}
+
+impl Comparison {
+    /// The live page of the same place, where the UAVs are known and a page can hold the scene.
+    pub(super) fn live(&self, look: &Look) -> Option<LivePacked> {
+        let uav = |placement: &PlacementFacts| match &placement.origin {
+            Origin::Uav(uav) => {
+                Some(Site { id: placement.id.clone(), x: uav.x, y: uav.y, height: Height::amsl(uav.height_amsl_m) })
+            }
+            Origin::File { .. } => None,
+        };
+        let sites: Vec<Option<Site>> = self.report.placements.iter().map(uav).collect();
+        let first = sites.iter().flatten().next()?.clone();
+        let (scene, sight) = (&self.scene, self.report.sight);
+        let page =
+            LivePage::of(scene, &[first], sight, self.scene_words.clone()).and_then(|page| page.html(look)).ok()?;
+        let range = sight.radius_m().map(|r| r.to_string()).unwrap_or_default();
+        Some(LivePacked {
+            page: gzip(page.as_bytes()),
+            sight: format!("{},{},{range}", sight.rx_height_m(), sight.receivers().name()),
+            uavs: sites.iter().map(|site| site.as_ref().map(|s| format!("{},{},{}", s.x, s.y, s.height))).collect(),
+        })
+    }
+}
