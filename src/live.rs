@@ -95,7 +95,7 @@ impl LivePage {
     /// Reads a scene, and makes it ready for a page.
     ///
     /// # Errors
-    /// Those of the scene and of its UAVs; E504 of what is too large for a page.
+    /// Those of the scene and of its UAVs; E505 of what is too large for a page.
     pub(crate) fn open(options: &SceneOptions, word: &OsStr, plan: LivePlan) -> Result<LivePage> {
         let start = Instant::now();
         let mut warnings = Vec::new();
@@ -120,7 +120,7 @@ impl LivePage {
     /// The page of a scene whose solids were kept, with UAVs that can be where they are.
     ///
     /// # Errors
-    /// E504 of what is too large for a page.
+    /// E505 of what is too large for a page.
     pub(crate) fn of(scene: &Scene, uavs: &[Site], sight: Sight, scene_words: Vec<String>) -> Result<LivePage> {
         let solids = scene.solids.clone().ok_or(Error::Fault("a live page needs the solids of its scene"))?;
         check_size(&scene.word, scene.grid(), &solids)?;
@@ -134,7 +134,7 @@ impl LivePage {
     /// The page.
     ///
     /// # Errors
-    /// E504 if it is too long.
+    /// E505 if it is too long.
     pub(crate) fn html(&self, look: &Look) -> Result<String> {
         let title = look.title_or(|| title_of(&format!("What a UAV sees of {}", self.scene.name)));
         let page = Page {
@@ -255,7 +255,7 @@ fn part_in_range(options: &SceneOptions, word: &OsStr, plan: &LivePlan) -> Resul
 /// Refuses what a page cannot hold, and says what would fit.
 ///
 /// # Errors
-/// E504.
+/// E505.
 fn check_size(word: &str, grid: &GeoRef, solids: &Solids) -> Result<()> {
     let name = word.to_string();
     let footprints = match solids {

@@ -5,7 +5,21 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::coverage::Control;
 
-/// Watches a run, and can stop it from another thread. Made by `Arc::new(Progress::default())`, and given to a request.
+/// Watches a run, and can stop it from another thread.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use skyshed::{ErrorClass, Height, Progress, Scene, Uav};
+///
+/// let city = Scene::options().size_m(100.0).open("itu:urban")?;
+/// let progress = Arc::new(Progress::default());
+/// // Another thread may ask for `share()`, or stop the run; here it is stopped before it begins.
+/// progress.stop();
+/// let stopped = city.coverage(Uav::new(50.0, 50.0, Height::agl(100.0))).progress(&progress).run();
+/// assert_eq!(stopped.unwrap_err().class(), ErrorClass::Interrupted);
+/// # Ok::<(), skyshed::Error>(())
+/// ```
 pub struct Progress {
     pub(crate) control: Control,
     pub(crate) total: AtomicU64,

@@ -48,16 +48,16 @@ pub enum LimitError {
     /// E502: a city wider than the lattice \[units\].
     #[error("cannot map {word}: it spans {span:.0} units, wanted at most {MAX_EXTENT_UNITS}")]
     Extent { word: String, span: f64 },
-    /// E504: more cells than a live page holds; the cell size, and the extent in the middle, that fit.
+    /// E505: more cells than a live page holds; the cell size, and the extent in the middle, that fit.
     #[error("cannot make a page of {name}: {n} cells, wanted at most {most}")]
     PageCells { name: String, n: usize, most: usize, cell: String, extent: String, is_raster: bool },
-    /// E504: more footprints than a live page holds; the extent in the middle that fits where they are evenly spread.
+    /// E505: more footprints than a live page holds; the extent in the middle that fits where they are evenly spread.
     #[error("cannot make a page of {name}: {n} footprints, wanted at most {most}")]
     PageFootprints { name: String, n: usize, most: usize, extent: String },
-    /// E504: a live page that is too long \[MB\].
+    /// E505: a live page that is too long \[MB\].
     #[error("cannot make a page of {name}: it would have {mb} MB, wanted at most {most_mb}")]
     PageBytes { name: String, mb: usize, most_mb: usize },
-    /// E504: more UAVs than a live page holds.
+    /// E505: more UAVs than a live page holds.
     #[error("cannot make a page with {n} UAVs, wanted at most {most}")]
     PageUavs { n: usize, most: usize },
     /// E503: threads that the system does not give.
@@ -83,7 +83,7 @@ impl LimitError {
             | L::Tiles { .. }
             | L::Extent { .. } => 502,
             L::Threads { .. } => 503,
-            L::PageCells { .. } | L::PageFootprints { .. } | L::PageBytes { .. } | L::PageUavs { .. } => 504,
+            L::PageCells { .. } | L::PageFootprints { .. } | L::PageBytes { .. } | L::PageUavs { .. } => 505,
         }
     }
 }

@@ -17,7 +17,8 @@ pub use warning::{Caution, OddRun, Warning};
 
 /// The error of every fallible function of this crate.
 ///
-/// It has a class, which fixes the exit code of the command line, a stable code, and one line of text.
+/// It has a class, which fixes the exit code of the command line, a stable code, and one line of text. `docs/codes.md` in the
+/// repository says what each code is for.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -75,10 +75,10 @@ pub enum OddRun {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
 pub enum Caution {
-    /// W210: it is left out, and why.
+    /// W210: a method is left out, and why.
     #[error(" is left out: {0}")]
     LeftOut(String),
-    /// W211: it has no value for some settings.
+    /// W211: a method has no value for some settings.
     #[error(" has no value for {n} of {of}: {why}")]
     NoValue { n: usize, of: usize, why: String },
     /// W212: how far it holds, and how many more such words there are.

@@ -34,6 +34,17 @@ impl PolygonClasses {
 }
 
 /// In which form a map is written, where the extension of a file leaves that open.
+///
+/// ```
+/// use skyshed::{Height, SaveOptions, Scene, Uav};
+///
+/// let city = Scene::options().size_m(100.0).open("itu:urban")?;
+/// let seen = city.coverage(Uav::new(50.0, 50.0, Height::agl(100.0))).run()?;
+/// let folder = std::env::temp_dir();
+/// // A pixel for each cell, where a file of that name may stand already.
+/// seen.save_with(folder.join("skyshed-doc.png"), &SaveOptions::default().bare().overwrite())?;
+/// # Ok::<(), skyshed::Error>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct SaveOptions {
     pub(crate) overwrite: bool,

@@ -199,7 +199,7 @@ fn what_a_page_cannot_hold_is_refused_with_what_would_fit() {
     let folder = Folder::new();
     let hint = |line: &str| {
         let answer = folder.type_in(&format!("live {line} -o page.html"));
-        assert_eq!((answer.code(), answer.error()), (5, "E504"), "{answer:?}");
+        assert_eq!((answer.code(), answer.error()), (5, "E505"), "{answer:?}");
         answer.err.lines().find_map(|line| line.strip_prefix("hint: ").map(str::to_string)).unwrap_or_default()
     };
     let cells = hint("itu:urban --size 5000");

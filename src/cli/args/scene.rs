@@ -189,6 +189,8 @@ impl ReadingArgs {
     }
 
     /// The reference system that was typed.
+    ///
+    /// E115: a text that is no reference system.
     pub(crate) fn crs(&self) -> Result<Option<crate::raster::Crs>> {
         self.crs.as_deref().map(crs::parse).transpose().map_err(|e| refusal(115, format!("`--crs`: {e}")))
     }

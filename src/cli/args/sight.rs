@@ -49,6 +49,8 @@ impl UavsArgs {
 }
 
 /// A UAV as typed: `X,Y,H`.
+///
+/// E102: a text that is no UAV.
 pub(crate) fn parse_uav(text: &str, id: String) -> Result<Site> {
     let wrong = |found: String| {
         refusal_with(
@@ -65,6 +67,8 @@ pub(crate) fn parse_uav(text: &str, id: String) -> Result<Site> {
 }
 
 /// A receiver as typed: `X,Y[,H]`.
+///
+/// E103: a text that is no receiver.
 pub(crate) fn parse_receiver(text: &str, rx_height_m: f64) -> Result<((f64, f64), Height)> {
     let wrong = |found: String| {
         refusal_with(

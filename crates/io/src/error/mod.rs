@@ -121,13 +121,13 @@ pub enum CrsError {
 #[derive(Debug, Clone, PartialEq, Words)]
 #[non_exhaustive]
 pub enum OptionError {
-    /// E112: a size of cells.
+    /// E112: a size of cells that is not above 0.
     #[error("`cell_m` is `{0}`, wanted above 0 m")]
     Cell(f64),
     /// E113: a number out of range; its option, and what is wanted.
     #[error("`{0}` is `{1}`, wanted {2}")]
     Number(&'static str, f64, &'static str),
-    /// E114: an extent.
+    /// E114: an extent without area.
     #[error("`extent` is `{},{},{},{}`, wanted west < east and south < north", .0[0], .0[1], .0[2], .0[3])]
     Extent([f64; 4]),
     /// E116: a size of cells for a file that keeps its own.

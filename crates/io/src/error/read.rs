@@ -39,19 +39,19 @@ pub enum ReadFault {
     /// E301: the system refuses it.
     #[error("{0}")]
     CannotOpen(String),
-    /// E301: it can be read once, from its beginning.
+    /// E301: a stream that can be read once, from its beginning.
     #[error("it is a pipe or a device, wanted a file: it is read in any order")]
     NoFile,
     /// E301: a file beside it is missing; its path, and what it would hold.
     #[error("{0} is missing, {1}")]
     NoSidecar(String, &'static str),
-    /// E302: it is not what it should be.
+    /// E302: a file whose content is wrong.
     #[error("{0}")]
     Malformed(String),
     /// E302: rows or features of a file of places, which was to hold sites or a track; others may be good.
     #[error("{what}")]
     Rows { what: String, of: PlacesIn, some_are_good: bool },
-    /// E303: it ends before it should.
+    /// E303: a file that ends before it should.
     #[error("{0}")]
     Truncated(String),
     /// E304: what the format allows but is not read.
@@ -63,13 +63,13 @@ pub enum ReadFault {
     /// E305: no cell holds a height, of so many, which are said.
     #[error("none of the {0} cells {1} a height, wanted at least one")]
     AllVoid(u64, String),
-    /// E306: it is not north-up.
+    /// E306: a raster that is not north-up.
     #[error("{0}")]
     Rotated(String),
-    /// E307: its cells are no regular grid.
+    /// E307: a raster whose cells are no regular grid.
     #[error("{0}")]
     Irregular(String),
-    /// E308: it holds nothing of what is wanted.
+    /// E308: a file that holds nothing of what is wanted.
     #[error("{0}")]
     Nothing(Wanted),
     /// E309: a footprint has no height; its id, and the property that was looked at.
@@ -78,19 +78,19 @@ pub enum ReadFault {
     /// E309: too many footprints have no height.
     #[error("{0}")]
     HeightsMissing(HeightsMissing),
-    /// E310: it names a reference system that cannot be used; how, and what is wrong with that.
+    /// E310: a file whose reference system cannot be used; how, and what is wrong with that.
     #[error("{0}: {1}")]
     Crs(String, String),
-    /// E310: it names a reference system in a way that is not read.
+    /// E310: a reference system that is named in a way that is not read.
     #[error("its `crs` is of type `{0}`, wanted a name")]
     CrsMember(String),
     /// E310: what it says of its reference system is not understood.
     #[error("{0}")]
     CrsNotUnderstood(String),
-    /// E310: it names no reference system.
+    /// E310: a file that names no reference system.
     #[error("it names no coordinate reference system")]
     NoCrs,
-    /// E310: it is in degrees; its reference system, its kind, and longitude and latitude of its middle \[deg\].
+    /// E310: a file in degrees; its reference system, its kind, and longitude and latitude of its middle \[deg\].
     #[error("it is in degrees ({crs})")]
     Degrees { crs: String, kind: InputKind, center: (f64, f64) },
     /// E312: a mesh has no face over the grid, which is described.
@@ -99,10 +99,10 @@ pub enum ReadFault {
     /// E365: no feature has the property of heights; others that may hold heights, count storeys, or do neither.
     #[error("no feature has the property `{wanted}`, wanted one that holds heights")]
     NoHeightProperty { wanted: String, like_heights: Vec<String>, like_storeys: Vec<String>, others: Vec<String> },
-    /// E108: it has no such table; what was asked for, and what there is.
+    /// E108: a file that has no such table; what was asked for, and what there is.
     #[error("it has no layer `{0}`, wanted one of {names}", names = quoted(.1))]
     NoLayer(String, Vec<String>),
-    /// E108: it has several tables, and none was asked for.
+    /// E108: a file that has several tables, and none was asked for.
     #[error("it has the layers {names}, wanted one", names = quoted(.0))]
     Layers(Vec<String>),
     /// E205: something has a height beyond the lattice \[m above the datum\].

@@ -130,7 +130,7 @@ impl CellsFound {
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
 pub enum OddFile {
-    /// W325: it names no reference system.
+    /// W325: a file names no reference system.
     #[error("no coordinate reference system; local meters are assumed")]
     NoCrs,
     /// W335: footprints were brought from one system into another, which has a name.

@@ -17,31 +17,31 @@ pub enum WriteFault {
     /// E105: a format of other commands; what may be written.
     #[error("this command does not write that format")]
     NotThisFormat(Vec<Format>),
-    /// E105: named twice.
+    /// E105: an output that is named twice.
     #[error("it is named twice")]
     Twice,
-    /// E105: two outputs have it beside them.
+    /// E105: a file that would stand beside two outputs.
     #[error("two outputs of this run need it")]
     Needed,
-    /// E105: a folder.
+    /// E105: an output that is a folder.
     #[error("it is a folder")]
     Folder,
-    /// E105: no file that can be replaced.
+    /// E105: an output that is there and no file that can be replaced.
     #[error("it is a folder, a pipe or a device, wanted a file")]
     NoFile,
-    /// E105: what the run reads.
+    /// E105: an output that is what the run reads.
     #[error("it is an input of this run")]
     Input,
-    /// E105: the file beside it is what the run reads.
+    /// E105: an output whose file beside it is what the run reads.
     #[error("its sidecar {0} is an input of this run")]
     SidecarIsInput(String),
-    /// E105: it would become a tile of what the run reads.
+    /// E105: an output that would become a tile of what the run reads.
     #[error("it would be a tile of the folder that this run reads")]
     Tile,
-    /// E106: it is there.
+    /// E106: an output that is there.
     #[error("it exists")]
     Exists,
-    /// E106: it is there, and was not when the run began.
+    /// E106: an output that was not there when the run began.
     #[error("it exists, made while this run worked")]
     ExistsMeanwhile,
     /// E107: a format of one layer, and how many were asked for.
