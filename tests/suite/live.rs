@@ -17,10 +17,12 @@ fn tool(name: &str) -> String {
     format!("{}/tests/tools/{name}", env!("CARGO_MANIFEST_DIR"))
 }
 
-/// What the engine of a page says of its scene, and its answers to questions.
-fn ask(page: &str, plain: bool, questions: &[Value]) -> Vec<Value> {
+/// What the engine of a page says of its scene, and its answers to questions, in Node or, with what drives one, a browser.
+fn ask(page: &str, plain: bool, driver: Option<&str>, questions: &[Value]) -> Vec<Value> {
     let mut node = Command::new("node");
-    node.args(["--no-warnings", &tool("live.mjs"), page]).args(plain.then_some("plain"));
+    let script = if driver.is_some() { "live_chromium.mjs" } else { "live.mjs" };
+    node.args(["--no-warnings", &tool(script), page]).args(plain.then_some("plain"));
+    node.env("NODE_PATH", format!("{}/node_modules", driver.unwrap_or_default()));
     let mut node = node.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
     let lines: String = questions.iter().map(|question| format!("{question}\n")).collect();
     node.stdin.take().unwrap().write_all(lines.as_bytes()).unwrap();
@@ -39,7 +41,7 @@ fn map(uavs: &[(f64, f64, f64)]) -> Value {
 }
 
 /// Holds the digests and counts of a page against those of maps of its scene.
-fn check_scene(scene: &str, seed: u64) {
+fn check_scene(scene: &str, seed: u64, driver: Option<&str>) {
     let folder = Folder::new();
     folder.type_in(&format!("live {scene} -o page.html -o page.json -q")).done();
     let extent: Vec<f64> = serde_json::from_value(folder.json("page.json")["scene"]["extent"].clone()).unwrap();
@@ -54,8 +56,8 @@ fn check_scene(scene: &str, seed: u64) {
     let wanted: Vec<Value> = (1..=N_PLACES).map(|k| folder.json(&format!("m-{k}.json"))).collect();
 
     let questions: Vec<Value> = places.iter().flat_map(|place| [map(&[*place]), json!({"do": "digest"})]).collect();
-    for plain in [false, true] {
-        let answers = ask(&folder.word("page.html"), plain, &questions);
+    for (plain, driver) in [(false, None), (true, None), (false, driver), (true, driver)] {
+        let answers = ask(&folder.word("page.html"), plain, driver, &questions);
         assert_eq!(answers[0]["simd"], !plain, "{scene}");
         for (pair, wanted) in answers[1..].chunks(2).zip(&wanted) {
             let (seen, site) = (&pair[0]["uavs"][0], &wanted["sites"][0]);
@@ -70,17 +72,19 @@ fn the_engine_of_a_page_gives_the_digests_of_the_program() {
     if !has_program("node") {
         return;
     }
+    let driver = driver();
+    let driver = driver.as_deref();
     let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps");
     let map = |name: &str| maps.join(name).to_str().unwrap().to_string();
-    check_scene(&map("munich.geojson"), 1);
-    check_scene(&format!("{} --terrain {}", map("munich_dsm.tif"), map("munich_terrain.tif")), 2);
-    check_scene("itu:urban", 3);
-    check_scene("itu:high-rise --size 700", 4);
+    check_scene(&map("munich.geojson"), 1, driver);
+    check_scene(&format!("{} --terrain {}", map("munich_dsm.tif"), map("munich_terrain.tif")), 2, driver);
+    check_scene("itu:urban", 3, driver);
+    check_scene("itu:high-rise --size 700", 4, driver);
     let Some(truth) = truth() else { return };
     let delft = |name: &str| truth.join("lidar/delft").join(name).to_str().unwrap().to_string();
-    check_scene(&format!("{} --terrain {}", delft("dsm_1m.tif"), delft("terrain_1m.tif")), 5);
-    check_scene(&format!("{} --terrain {}", delft("buildings.geojson"), delft("terrain_1m.tif")), 6);
-    check_scene(&delft("dsm_with_vegetation_1m.tif"), 7);
+    check_scene(&format!("{} --terrain {}", delft("dsm_1m.tif"), delft("terrain_1m.tif")), 5, driver);
+    check_scene(&format!("{} --terrain {}", delft("buildings.geojson"), delft("terrain_1m.tif")), 6, driver);
+    check_scene(&delft("dsm_with_vegetation_1m.tif"), 7, driver);
 }
 
 #[test]
@@ -106,7 +110,7 @@ fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
         json!({"do": "best", "which": 0, "radius_m": 60.0}),
         json!({"do": "link", "which": 2, "x": 1.0, "y": 1.0}),
     ];
-    let answers = ask(&folder.word("page.html"), false, &questions);
+    let answers = ask(&folder.word("page.html"), false, None, &questions);
     let said = |line: &str| folder.type_in(&format!("{line} --json -q")).done().json();
 
     let two = said("map itu:urban --size 300 --uav 150,150,100 --uav 40,220,60");

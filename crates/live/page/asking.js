@@ -42,7 +42,9 @@ function openScene(onProgress) {
         resolve(data);
       } else answered(data);
     };
-    worker.postMessage({ do: "open", scene: text("scene"), engine: text("engine") });
+    // `?engine=plain` is that of browsers without vectors, for tests.
+    const is_plain = new URLSearchParams(location.search).get("engine") === "plain";
+    worker.postMessage({ do: "open", scene: text("scene"), engine: text("engine"), is_plain });
     // The worker has its copies; the page needs the texts no more.
     for (const id of ["scene", "engine", "worker"]) document.getElementById(id)?.remove();
   });
