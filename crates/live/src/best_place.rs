@@ -37,7 +37,7 @@ impl Search {
     pub(crate) fn step(&mut self, field: &HeightField, mapper: &Mapper<'_>, radius: Option<f64>) -> BestFacts {
         if let Some((x, y)) = self.places.get(self.next).copied() {
             self.next += 1;
-            let site = crate::engine::site_of(&Uav { x, y, ..self.uav.clone() });
+            let site = Uav { x, y, ..self.uav.clone() }.site();
             let is_over_grid = field.grid().cell_at(x, y).is_some();
             if let Some(uav) = coverage::Uav::place(&site, field, radius).ok().filter(|_| is_over_grid) {
                 self.tried += 1;

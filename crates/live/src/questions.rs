@@ -1,6 +1,7 @@
 //! What the page asks. Positions are in units of the scene's reference system, names that end in `_m` in meters.
 
 use serde::{Deserialize, Serialize};
+use skyshed_core::city::Site;
 use skyshed_core::quantity::Height;
 
 /// A question of the page.
@@ -80,6 +81,13 @@ pub struct Uav {
     pub y: f64,
     /// Its height.
     pub height: AskedHeight,
+}
+
+impl Uav {
+    /// As the engines know it.
+    pub(crate) fn site(&self) -> Site {
+        Site { id: self.id.clone(), x: self.x, y: self.y, height: self.height.into() }
+    }
 }
 
 /// A height, and what it is above.

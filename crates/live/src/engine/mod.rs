@@ -1,27 +1,23 @@
 //! The engine of a page: one scene for its life, the UAVs of the last question, and what they see.
 
+mod places;
+mod studies;
+
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use skyshed_core::city::Site;
-use skyshed_core::coverage::{
-    self, Control, LeastHeights, MapOptions, Mapper, ObstacleKind, Seen as SeenCells, StepKind, explain_link,
-    link_profile, place_receiver, surface_under,
-};
+use skyshed_core::coverage::{self, MapOptions, Mapper, Seen as SeenCells, surface_under};
 use skyshed_core::error::Error;
-use skyshed_core::height_field::{CellKind, CellSets, HeightField, Station};
-use skyshed_core::quantity::{BLOCKS_ALL, Height, VOID, height_steps, meters, share};
+use skyshed_core::height_field::{CellSets, HeightField};
+use skyshed_core::quantity::{BLOCKS_ALL, VOID, height_steps, meters, share};
 use skyshed_core::raster::BitGrid;
 use skyshed_core::zones::{Zone, ZoneBasis, ZoneMap};
 
-use crate::answers::{
-    ByZone, CellFacts, ComparedFacts, Counts, CurveFacts, End, False, LinkFacts, Mapped, Obstruction, Opened, Seen,
-    Step, Together, True,
-};
+use crate::answers::{ByZone, Counts, False, Mapped, Opened, Seen, Together, True};
 use crate::backdrop::backdrop;
 use crate::best_place::Search;
 use crate::cell_picture::{CellPicture, seen_by};
 use crate::pack::{NotPacked, PackedCity, unpack};
-use crate::questions::{Kept, Layer, Question, Receivers, Shown, Sight, Uav};
+use crate::questions::{Layer, Question, Receivers, Shown, Sight, Uav};
 
 /// As many UAVs as a picture of counts tells apart.
 const MOST_UAVS: usize = 32;
@@ -41,7 +37,7 @@ pub struct Engine {
     cells: CellPicture,
     maps: Vec<Map>,
     picture: Vec<u8>,
-    curve: Option<Curve>,
+    curve: Option<studies::Curve>,
     search: Option<Search>,
 }
 
@@ -68,14 +64,6 @@ struct Found {
     in_range: Option<BitGrid>,
     seen: SeenCells,
     zones: Option<ByZone>,
-}
-
-/// A curve that is being made.
-#[derive(Debug)]
-struct Curve {
-    least: LeastHeights<'static>,
-    mask: Vec<u8>,
-    next_row: usize,
 }
 
 impl Engine {
@@ -199,7 +187,7 @@ impl Engine {
     }
 
     fn map_one(&self, asked: Uav) -> Map {
-        let found = match coverage::Uav::place(&site_of(&asked), self.field, self.mapper_radius()) {
+        let found = match coverage::Uav::place(&asked.site(), self.field, self.mapper_radius()) {
             Ok(uav) => {
                 let (seen, in_range) = (self.mapper.seen(&uav), self.mapper.cells_in_range(&uav));
                 let zones = self.zones.as_ref().map(|zones| zones.count(&seen));
@@ -299,183 +287,6 @@ impl Engine {
         let map = self.maps.get(which).ok_or("there is no such UAV")?;
         map.found.as_ref().map_err(|_| "the UAV cannot hover there".to_string())
     }
-
-    fn cell(&self, x: f64, y: f64, which: usize) -> CellFacts {
-        let grid = self.field.grid();
-        let Some((row, col)) = grid.cell_at(x, y) else {
-            let (ground_m, roof_m, zone, margin_m) = (None, None, None, None);
-            let sees = Vec::new();
-            return CellFacts { inside: false, row: 0, col: 0, ground_m, roof_m, kind: "void", zone, sees, margin_m };
-        };
-        let index = row * grid.n_cols() + col;
-        let place = self.field.positions().center(row, col);
-        let ground = self.field.ground_at(&place);
-        let (kind, roof_m) = match self.field.cell_kind(index, &place) {
-            CellKind::Open(_) => ("open", None),
-            CellKind::Building(roof) => ("building", Some(meters(roof))),
-            CellKind::Void => ("void", None),
-        };
-        let sees = self.maps.iter().map(|map| {
-            let seen = &map.found.as_ref().ok()?.seen;
-            seen.receivers.contains(row, col).then(|| seen.los.contains(row, col))
-        });
-        let sees: Vec<Option<bool>> = sees.collect();
-        let is_asked = sees.get(which).is_some_and(Option::is_some);
-        let margin = || {
-            let receiver = self.receiver_at(row, col).ok()?;
-            explain_link(self.field, &self.found(which).ok()?.uav, &receiver).margin_m
-        };
-        CellFacts {
-            inside: true,
-            row,
-            col,
-            ground_m: (ground != VOID).then(|| meters(ground)),
-            roof_m,
-            kind,
-            zone: self.zones.as_ref().and_then(|zones| zones.map.of_cell(row, col)).map(Zone::name),
-            sees,
-            margin_m: if is_asked { margin() } else { None },
-        }
-    }
-
-    /// The receiver of a cell, on the roof of a building.
-    fn receiver_at(&self, row: usize, col: usize) -> Result<Station, String> {
-        let (x, y) = self.field.grid().world_from_cell(row, col);
-        let height_m = self.sight.rx_height_m;
-        let is_building = self.field.cells().building.contains(row, col);
-        let height = if is_building { Height::roof(height_m) } else { Height::agl(height_m) };
-        place_receiver(self.field, (x, y), height).map_err(|why| why.to_string())
-    }
-
-    fn link(&self, which: usize, x: f64, y: f64) -> LinkFacts {
-        let ends = || {
-            let (row, col) = self.field.grid().cell_at(x, y).ok_or("outside of the scene")?;
-            Ok((&self.found(which)?.uav, self.receiver_at(row, col)?))
-        };
-        let (uav, receiver) = match ends() {
-            Ok(ends) => ends,
-            Err(words) => return LinkFacts::Refused { ok: False, words },
-        };
-        let found = explain_link(self.field, uav, &receiver);
-        let steps = link_profile(self.field, uav, &receiver, found.distance_m);
-        let end = |at: &Station| {
-            let amsl_m = i32::try_from(at.z).map_or(f64::NAN, meters);
-            End { x: at.place.x, y: at.place.y, amsl_m }
-        };
-        LinkFacts::Found {
-            ok: True,
-            los: found.los,
-            margin_m: found.margin_m,
-            distance_m: found.distance_m,
-            elevation_deg: found.elevation_deg,
-            uav: end(&uav.station),
-            receiver: end(&receiver),
-            obstruction: found.obstruction.map(|obstacle| {
-                let of_cell = |(row, col): (usize, usize)| Some(format!("{row}, {col}"));
-                let (kind, name) = match obstacle.kind {
-                    ObstacleKind::Building(k) => ("building", Some(self.field.building_id(k).to_string())),
-                    ObstacleKind::Terrain(cell) => ("terrain", of_cell(cell)),
-                    ObstacleKind::Cell(cell) => ("cell", of_cell(cell)),
-                    ObstacleKind::Nodata(cell) => ("nodata", of_cell(cell)),
-                };
-                let (x, y, ray_height_m) = (obstacle.x, obstacle.y, obstacle.ray_height_m);
-                Obstruction { kind, name, x, y, ray_height_m, roof_height_m: obstacle.top_m }
-            }),
-            steps: steps
-                .into_iter()
-                .map(|step| Step {
-                    from_m: step.from_m,
-                    to_m: step.to_m,
-                    height_m: step.height_m,
-                    kind: if step.kind == StepKind::Terrain { "terrain" } else { "building" },
-                })
-                .collect(),
-        }
-    }
-
-    fn begin_curve(&mut self, which: usize) -> Result<(), String> {
-        let rx_height = rx_height(&self.sight)?;
-        let found = self.found(which)?;
-        let least = LeastHeights::of(self.field, &found.uav, rx_height);
-        let mut mask = Vec::new();
-        self.cells.mask(&mut mask, &found.seen.los, found.in_range.as_ref());
-        self.curve = Some(Curve { least, mask, next_row: 0 });
-        Ok(())
-    }
-
-    fn curve_rows(&mut self, rows: usize) -> Result<CurveFacts, String> {
-        let (n_cols, n_rows) = self.shape();
-        let curve = self.curve.as_mut().ok_or("no curve was begun")?;
-        let end = n_rows.min(curve.next_row + rows.max(1));
-        let cells = curve.next_row * n_cols..end * n_cols;
-        curve.least.add(&curve.mask[cells], curve.next_row, &Control::default());
-        curve.next_row = end;
-        if end < n_rows {
-            return Ok(CurveFacts::Going { share: end as f64 / n_rows as f64 });
-        }
-        let curve = self.curve.take().ok_or("no curve was begun")?.least.curve();
-        Ok(CurveFacts::Done {
-            done: True,
-            receivers: curve.receivers(),
-            ground_m: curve.ground().map(meters),
-            lowest_m: meters(curve.lowest_height()),
-            heights_m: curve.steps().iter().map(|step| meters(step.0)).collect(),
-            los: curve.steps().iter().map(|step| step.1).collect(),
-        })
-    }
-
-    fn begin_search(&mut self, which: usize, radius_m: f64) -> Result<(), String> {
-        let grid = self.field.grid();
-        let asked = &self.maps.get(which).ok_or("there is no such UAV")?.asked;
-        if !(radius_m > 0.0 && radius_m.is_finite()) {
-            return Err(format!("{radius_m} m is no radius"));
-        }
-        let cell = grid.cell_width().max(grid.cell_height());
-        self.search = Some(Search::around(asked, radius_m / grid.meters_per_unit(), cell));
-        Ok(())
-    }
-
-    /// What each set of UAVs sees, held against one of the sets.
-    fn compare(&self, kept: &[Kept], base: usize) -> Vec<ComparedFacts> {
-        let seen: Vec<Result<(BitGrid, BitGrid), String>> = kept.iter().map(|kept| self.seen_by(kept)).collect();
-        let reference = seen.get(base).and_then(|seen| seen.as_ref().ok()).map(|(_, los)| los);
-        let facts = seen.iter().map(|seen| match seen {
-            Ok((receivers, los)) => {
-                let (n_receivers, n_los) = (receivers.count(), los.count());
-                let both = reference.map_or(n_los, |base| los.count_in(base));
-                ComparedFacts::Found {
-                    ok: True,
-                    receivers: n_receivers,
-                    los: n_los,
-                    p_los: share(n_los, n_receivers),
-                    gained: n_los - both,
-                    lost: reference.map_or(0, |base| base.count() - both),
-                }
-            }
-            Err(words) => ComparedFacts::Refused { ok: False, words: words.clone() },
-        });
-        facts.collect()
-    }
-
-    /// The receivers of a set of UAVs, and those that any of them sees.
-    fn seen_by(&self, kept: &Kept) -> Result<(BitGrid, BitGrid), String> {
-        let own;
-        let mapper = if kept.sight == self.sight {
-            &self.mapper
-        } else {
-            own = mapper(self.field, &kept.sight, self.zones.as_ref())?;
-            &own
-        };
-        let (n_cols, n_rows) = self.shape();
-        let mut sum = (BitGrid::new(n_rows, n_cols), BitGrid::new(n_rows, n_cols));
-        let radius = kept.sight.radius_m.map(|r| r / self.field.grid().meters_per_unit());
-        for asked in &kept.uavs {
-            let uav = coverage::Uav::place(&site_of(asked), self.field, radius).map_err(|e| e.to_string())?;
-            let seen = mapper.seen(&uav);
-            sum = (sum.0.or(&seen.receivers), sum.1.or(&seen.los));
-        }
-        Ok(sum)
-    }
 }
 
 impl Zones {
@@ -526,11 +337,6 @@ impl Map {
             }
         }
     }
-}
-
-/// A UAV of the page as a site.
-pub(crate) fn site_of(uav: &Uav) -> Site {
-    Site { id: uav.id.clone(), x: uav.x, y: uav.y, height: uav.height.into() }
 }
 
 fn zone_of(receivers: Receivers) -> Option<Zone> {

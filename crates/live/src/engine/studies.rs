@@ -1,0 +1,104 @@
+//! What takes longer than a map: P_LoS against height, the best place near, sets of UAVs side by side.
+
+use skyshed_core::coverage::{self, Control, LeastHeights};
+use skyshed_core::quantity::{meters, share};
+use skyshed_core::raster::BitGrid;
+
+use super::{Engine, mapper, rx_height};
+use crate::answers::{ComparedFacts, CurveFacts, False, True};
+use crate::best_place::Search;
+use crate::questions::Kept;
+
+/// A curve that is being made.
+#[derive(Debug)]
+pub(super) struct Curve {
+    least: LeastHeights<'static>,
+    mask: Vec<u8>,
+    next_row: usize,
+}
+
+impl Engine {
+    pub(super) fn begin_curve(&mut self, which: usize) -> Result<(), String> {
+        let rx_height = rx_height(&self.sight)?;
+        let found = self.found(which)?;
+        let least = LeastHeights::of(self.field, &found.uav, rx_height);
+        let mut mask = Vec::new();
+        self.cells.mask(&mut mask, &found.seen.los, found.in_range.as_ref());
+        self.curve = Some(Curve { least, mask, next_row: 0 });
+        Ok(())
+    }
+
+    pub(super) fn curve_rows(&mut self, rows: usize) -> Result<CurveFacts, String> {
+        let (n_cols, n_rows) = self.shape();
+        let curve = self.curve.as_mut().ok_or("no curve was begun")?;
+        let end = n_rows.min(curve.next_row + rows.max(1));
+        let cells = curve.next_row * n_cols..end * n_cols;
+        curve.least.add(&curve.mask[cells], curve.next_row, &Control::default());
+        curve.next_row = end;
+        if end < n_rows {
+            return Ok(CurveFacts::Going { share: end as f64 / n_rows as f64 });
+        }
+        let curve = self.curve.take().ok_or("no curve was begun")?.least.curve();
+        Ok(CurveFacts::Done {
+            done: True,
+            receivers: curve.receivers(),
+            ground_m: curve.ground().map(meters),
+            lowest_m: meters(curve.lowest_height()),
+            heights_m: curve.steps().iter().map(|step| meters(step.0)).collect(),
+            los: curve.steps().iter().map(|step| step.1).collect(),
+        })
+    }
+
+    pub(super) fn begin_search(&mut self, which: usize, radius_m: f64) -> Result<(), String> {
+        let grid = self.field.grid();
+        let asked = &self.maps.get(which).ok_or("there is no such UAV")?.asked;
+        if !(radius_m > 0.0 && radius_m.is_finite()) {
+            return Err(format!("{radius_m} m is no radius"));
+        }
+        let cell = grid.cell_width().max(grid.cell_height());
+        self.search = Some(Search::around(asked, radius_m / grid.meters_per_unit(), cell));
+        Ok(())
+    }
+
+    /// What each set of UAVs sees, held against one of the sets.
+    pub(super) fn compare(&self, kept: &[Kept], base: usize) -> Vec<ComparedFacts> {
+        let seen: Vec<Result<(BitGrid, BitGrid), String>> = kept.iter().map(|kept| self.seen_by(kept)).collect();
+        let reference = seen.get(base).and_then(|seen| seen.as_ref().ok()).map(|(_, los)| los);
+        let facts = seen.iter().map(|seen| match seen {
+            Ok((receivers, los)) => {
+                let (n_receivers, n_los) = (receivers.count(), los.count());
+                let both = reference.map_or(n_los, |base| los.count_in(base));
+                ComparedFacts::Found {
+                    ok: True,
+                    receivers: n_receivers,
+                    los: n_los,
+                    p_los: share(n_los, n_receivers),
+                    gained: n_los - both,
+                    lost: reference.map_or(0, |base| base.count() - both),
+                }
+            }
+            Err(words) => ComparedFacts::Refused { ok: False, words: words.clone() },
+        });
+        facts.collect()
+    }
+
+    /// The receivers of a set of UAVs, and those that any of them sees.
+    fn seen_by(&self, kept: &Kept) -> Result<(BitGrid, BitGrid), String> {
+        let own;
+        let mapper = if kept.sight == self.sight {
+            &self.mapper
+        } else {
+            own = mapper(self.field, &kept.sight, self.zones.as_ref())?;
+            &own
+        };
+        let (n_cols, n_rows) = self.shape();
+        let mut sum = (BitGrid::new(n_rows, n_cols), BitGrid::new(n_rows, n_cols));
+        let radius = kept.sight.radius_m.map(|r| r / self.field.grid().meters_per_unit());
+        for asked in &kept.uavs {
+            let uav = coverage::Uav::place(&asked.site(), self.field, radius).map_err(|e| e.to_string())?;
+            let seen = mapper.seen(&uav);
+            sum = (sum.0.or(&seen.receivers), sum.1.or(&seen.los));
+        }
+        Ok(sum)
+    }
+}
