@@ -115,7 +115,7 @@ fn words_of_the_user_are_words() {
     folder.run(&[&["compare"], &scene[..], &rest[..]].concat()).done();
     let page = folder.text("c.html");
     assert_eq!(page.matches("<script").count(), 4, "three of data, one of the page");
-    assert_eq!(page.matches("</script>").count(), 3);
+    assert_eq!(page.matches("</script>").count(), 4);
     for markup in ["<i>T", "<u>", "<b x"] {
         assert!(!page.contains(markup), "{markup}");
     }

@@ -11,6 +11,13 @@ const LEAST_SHARES = [0.5, 0.9];
 let lastCurve = null;
 /** What the newest curve was asked for, so that none is asked for twice. */
 let curveKey = "";
+/** What the curve on screen was drawn for. */
+let drawnKey = "";
+
+/** Grays the curve that is shown once it is that of another place. */
+function markStaleCurve() {
+  htmlById("curve-chart").classList.toggle("stale", curveBox.open && drawnKey !== keyOfCurve());
+}
 
 /** What a curve depends on: the place, not the height. */
 const keyOfCurve = () => JSON.stringify([state.selected, selectedUav().x, selectedUav().y, state.sight]);
@@ -25,6 +32,7 @@ async function refreshCurve() {
   curveKey = key;
   const which = state.selected;
   const progress = (/** @type {{share: number}} */ part) => setText(curveStatus, say().working(percent(Math.round(100 * part.share), 100)));
+  markStaleCurve();
   progress({ share: 0 });
   /** @type {CurveAnswer} */
   let answer;
@@ -47,6 +55,16 @@ async function refreshCurve() {
   drawCurve();
 }
 
+/** Where the axis of heights ends: what the slider reaches, and room above the height of now. @param {number | null} now [m above the curve's base] */
+function curveEnd(now) {
+  const { kind, m } = selectedUav().height;
+  // The slider may measure from something else.
+  const reach = kind === "agl" || now === null ? slider.high : now + slider.high - m;
+  const longest = Math.max(1, reach, 1.5 * (now ?? 0));
+  const step = 10 ** Math.floor(Math.log10(longest)) / 2;
+  return Math.ceil(longest / step - 1e-6) * step;
+}
+
 /** Draws the newest curve with the height of now. */
 function drawCurve() {
   if (!lastCurve || !curveBox.open || curveKey !== keyOfCurve()) return;
@@ -57,9 +75,7 @@ function drawCurve() {
   const above = answer.heights_m.map((h) => h - base);
   const shares = answer.los.map((los) => (answer.receivers > 0 ? los / answer.receivers : 0));
   const now = seen?.ok ? seen.amsl_m - base : null;
-  const last = above[above.length - 1] ?? 1;
-  const enough = above[shares.findIndex((share) => share >= 0.99)] ?? last;
-  const xMax = Math.max(1, Math.min(last, Math.max(enough, now === null ? 0 : 1.15 * now)));
+  const xMax = curveEnd(now);
   const xMin = Math.min(answer.ground_m === null ? answer.lowest_m : 0, above[0] ?? 0);
   const chart = makeChart({
     width: 320, height: 210, xRange: [xMin, xMax], yRange: [0, 1],
@@ -68,11 +84,11 @@ function drawCurve() {
   });
   const points = above.map((h, k) => [h, shares[k]]).filter(([h]) => h <= xMax);
   const next = above.findIndex((h) => h > xMax);
-  // The line reaches the frame.
+  // The line reaches the frame; above its last height the share stays.
   if (next > 0) {
     const t = (xMax - above[next - 1]) / (above[next] - above[next - 1]);
     points.push([xMax, shares[next - 1] + t * (shares[next] - shares[next - 1])]);
-  }
+  } else if (next < 0 && points.length > 0) points.push([xMax, points[points.length - 1][1]]);
   chart.plot.append(draw("polyline", { class: "curve", points: points.map(([h, s]) => `${chart.x(h).toFixed(1)},${chart.y(s).toFixed(1)}`).join(" ") }));
   if (seen?.ok && now !== null && now <= xMax && seen.p_los !== null) {
     const [px, py] = [chart.x(now), chart.y(seen.p_los)];
@@ -80,6 +96,8 @@ function drawCurve() {
     chartLabel(chart, px, py < chart.top + 50 ? py + 10 : py - 28, `${meters(now)}: ${percent(seen.los, seen.receivers)}`);
   }
   htmlById("curve-chart").replaceChildren(chart.svg);
+  drawnKey = keyOfCurve();
+  markStaleCurve();
   const least = LEAST_SHARES.map((share) => {
     const k = answer.los.findIndex((los) => los >= share * answer.receivers);
     const part = `${100 * share}${THIN}%`;

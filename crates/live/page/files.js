@@ -14,6 +14,7 @@ function saveFile(name, type, parts) {
   link.click();
   link.remove();
   setTimeout(() => URL.revokeObjectURL(url), 60_000);
+  notify(say().saved(name));
 }
 
 /** Deflates bytes as zlib does; null where the browser cannot. @param {Uint8Array<ArrayBuffer>} bytes @returns {Promise<Uint8Array<ArrayBuffer> | null>} */

@@ -36,8 +36,9 @@ function press(event) {
   const slop = event.pointerType === "mouse" ? CLICK_SLOP.mouse : event.pointerType === "pen" ? CLICK_SLOP.pen : CLICK_SLOP.touch;
   presses.set(event.pointerId, { id: event.pointerId, startX: x, startY: y, x, y, hasMoved: false, slop, drags });
   mapBox.setPointerCapture(event.pointerId);
+  hold(k);
+  forgetHint();
   if (k !== null) {
-    showAloneSoon(null);
     select(k);
     marks[k].focus({ preventScroll: true });
     // The browser would move the focus to the map.
@@ -51,7 +52,9 @@ function drag(event) {
   const [x, y] = onMap(event);
   const held = presses.get(event.pointerId);
   if (!held) {
-    if (event.pointerType !== "touch") pointAt(x, y);
+    if (event.pointerType === "touch") return;
+    pointAt(x, y);
+    hover(markOf(event));
     return;
   }
   if (!held.hasMoved && Math.hypot(x - held.startX, y - held.startY) < held.slop) return;
@@ -60,8 +63,9 @@ function drag(event) {
   if (held.drags) {
     const { k, dx, dy } = held.drags;
     mapBox.classList.add("dragging");
-    forgetHint();
-    if (state.uavs[k]) moveUav(k, placeX(x - dx), placeY(y - dy), since);
+    if (!state.uavs[k]) return;
+    moveUav(k, placeX(x - dx), placeY(y - dy), since);
+    readUav(state.uavs[k]);
   } else {
     const other = [...presses.values()].find((press) => press !== held && !press.drags);
     if (other) pinch(other, [fromX, fromY], [x, y]);
@@ -85,6 +89,9 @@ function release(event) {
   if (!held) return;
   presses.delete(event.pointerId);
   if (presses.size === 0) mapBox.classList.remove("dragging", "panning");
+  // What is under the pointer now, which a finger that went away has not.
+  if (event.pointerType !== "touch") pointAt(...onMap(event));
+  else if (held.hasMoved || held.drags) pointAway();
   if (event.type === "pointercancel" || held.hasMoved || held.drags) return;
   const now = performance.now();
   const isDouble = now - lastClick.at < DOUBLE_CLICK.ms && Math.hypot(held.x - lastClick.x, held.y - lastClick.y) < DOUBLE_CLICK.px;
@@ -109,6 +116,7 @@ let wheelRest = 0;
 function turnWheel(event) {
   const since = performance.now();
   event.preventDefault();
+  forgetHint();
   const px = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : event.deltaMode === WheelEvent.DOM_DELTA_PAGE ? 400 : 1);
   const k = markOf(event);
   if (k === null || event.ctrlKey) {
@@ -116,6 +124,7 @@ function turnWheel(event) {
     zoomAbout(x, y, Math.exp(-within(px, -300, 300) * (event.ctrlKey ? 0.01 : 0.0016)));
     return;
   }
+  hold(k);
   select(k);
   wheelRest -= px;
   const steps = Math.trunc(wheelRest / WHEEL_STEP);
@@ -140,7 +149,6 @@ function pressKey(event) {
   if (way && k !== null) {
     const { x, y } = state.uavs[k];
     select(k);
-    forgetHint();
     moveUav(k, x + way[0] * far * grid.cell_width, y + way[1] * far * grid.cell_height, since);
     bringIntoView(state.uavs[k].x, state.uavs[k].y);
   } else if (way) {
@@ -157,24 +165,43 @@ function pressKey(event) {
   else if (event.key === "Escape") closeLink();
   else if (event.key === "Enter" && event.target === mapBox) openLink(currentView().x, currentView().y);
   else return;
+  forgetHint();
   event.preventDefault();
 }
 
 /** How long the pointer rests on a UAV before it is shown alone [ms]: whoever grabs it wants to see all. */
-const ALONE_AFTER = 250;
-/** @type {ReturnType<typeof setTimeout> | undefined} */
-let aloneTimer;
+const ALONE_AFTER = 600;
+/** The UAV under the pointer, and the one that was pressed or turned and whose mark the pointer has not left since. */
+const hovering = {
+  /** @type {number | null} */ k: null,
+  /** @type {number | null} */ held: null,
+  /** @type {ReturnType<typeof setTimeout> | undefined} */ timer: undefined,
+};
 
-/** Shows a UAV alone while the pointer rests on it, unless that would end a search. @param {number | null} k */
-function showAloneSoon(k) {
-  clearTimeout(aloneTimer);
-  if (k === null) showAlone(null);
-  else if (presses.size === 0 && engine.long.size === 0) aloneTimer = setTimeout(() => showAlone(k), ALONE_AFTER);
+/** The pointer is on the mark of a UAV, or on none: if it rests there, the UAV is shown alone. @param {number | null} k */
+function hover(k) {
+  if (k !== hovering.held) hovering.held = null;
+  if (k === hovering.k) return;
+  hovering.k = k;
+  clearTimeout(hovering.timer);
+  showAlone(null);
+  if (k === null || hovering.held !== null) return;
+  hovering.timer = setTimeout(() => {
+    // It would end a search.
+    if (presses.size === 0 && engine.long.size === 0) showAlone(k);
+  }, ALONE_AFTER);
+}
+
+/** A UAV is acted upon: it is not shown alone before the pointer has left it. @param {number | null} k */
+function hold(k) {
+  clearTimeout(hovering.timer);
+  Object.assign(hovering, { k, held: k });
+  showAlone(null);
 }
 
 /** Nobody needs the hint any more. */
 function forgetHint() {
-  overlay.hasDragged = true;
+  overlay.isUsed = true;
   hint.hidden = true;
 }
 
@@ -184,20 +211,20 @@ function listenToMap() {
   mapBox.addEventListener("pointerup", release);
   mapBox.addEventListener("pointercancel", release);
   mapBox.addEventListener("pointerleave", (event) => {
-    if (event.pointerType !== "touch") pointAway();
+    if (event.pointerType === "touch") return;
+    pointAway();
+    hover(null);
   });
   mapBox.addEventListener("wheel", turnWheel, { passive: false });
   mapBox.addEventListener("keydown", pressKey);
-  mapBox.addEventListener("focus", () => pointAt(screenSize.width / 2, screenSize.height / 2));
+  mapBox.addEventListener("focus", () => {
+    if (mapBox.matches(":focus-visible")) pointAt(screenSize.width / 2, screenSize.height / 2);
+  });
   mapBox.addEventListener("click", (event) => {
     // A key on a mark; pointers have selected already.
     const k = markOf(event);
     if (k !== null) select(k);
   });
-  marksBox.addEventListener("pointerover", (event) => {
-    if (event.pointerType !== "touch") showAloneSoon(markOf(event));
-  });
-  marksBox.addEventListener("pointerout", () => showAloneSoon(null));
   // Safari pinches on a trackpad by events of its own.
   let lastScale = 1;
   mapBox.addEventListener("gesturestart", (event) => {

@@ -46,7 +46,10 @@ function keptRow(kept, k, row) {
   });
   const detail = kept.uavs.length === 1 ? heightShort(kept.uavs[0].height) : `${kept.uavs.length} ${words.uavs}`;
   const show = make("button", { type: "button", class: "plain", id: `kept-show-${k + 1}`, title: words.showKept(kept.name) }, make("b", {}, kept.name), ` ${detail}`);
-  show.addEventListener("click", () => showKept(k));
+  show.addEventListener("click", () => {
+    const undo = showKept(k);
+    notify(words.restored(kept.name), { action: words.undo, does: undo });
+  });
   const remove = make("button", { type: "button", class: "icon small", "aria-label": words.keptRemove(kept.name), title: words.keptRemove(kept.name) }, "×");
   remove.addEventListener("click", () => removeKept(k));
   return make("tr", {}, make("td", {}, radio), make("th", { scope: "row" }, show), ...numbersOf(row, k === state.base), make("td", {}, remove));
@@ -57,7 +60,9 @@ function numbersOf(row, isBase) {
   if (row && !row.ok) return [make("td", { colspan: 3, class: "refused" }, row.words)];
   const texts = !row ? ["…", "", ""]
     : [percent(row.los, row.receivers), ...(isBase ? ["–", "–"] : [`+${grouped(row.gained)}`, `−${grouped(row.lost)}`])];
-  return texts.map((text) => make("td", { class: "number" }, text));
+  const points = (/** @type {number} */ cells) => (row ? say().points(fixed((100 * cells) / Math.max(1, row.receivers), 1)) : "");
+  const below = row && !isBase ? ["", points(row.gained), points(row.lost)] : [];
+  return texts.map((text, k) => make("td", { class: "number" }, text, ...(below[k] ? [make("small", {}, below[k])] : [])));
 }
 
 /** The kept placements as single UAVs with names that differ; the one of now where none is kept. @returns {Uav[]} */
@@ -92,9 +97,22 @@ function keptGeojson() {
   return `${JSON.stringify({ type: "FeatureCollection", ...crs, features }, null, 1)}\n`;
 }
 
+/** Keeps the placement, and says where it is found. */
+function keep() {
+  notify(say().keptAs(keepPlacement()), { action: say().showList, does: openKept });
+}
+
+/** Brings the list of kept placements on screen. */
+function openKept() {
+  const box = byId("kept", HTMLDetailsElement);
+  box.open = true;
+  openSheet(true);
+  box.scrollIntoView({ block: "nearest" });
+}
+
 function listenToKept() {
-  buttonById("keep").addEventListener("click", () => notify(say().keptAs(keepPlacement())));
-  buttonById("keep-here").addEventListener("click", () => notify(say().keptAs(keepPlacement())));
+  buttonById("keep").addEventListener("click", keep);
+  buttonById("keep-here").addEventListener("click", keep);
   buttonById("export-csv").addEventListener("click", () => saveFile(`${fileStem()}-uavs.csv`, "text/csv", [keptCsv()]));
   buttonById("export-geojson").addEventListener("click", () => saveFile(`${fileStem()}-uavs.geojson`, "application/geo+json", [keptGeojson()]));
 }

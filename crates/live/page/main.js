@@ -20,6 +20,7 @@ function follow(change, since) {
   if (change === "look") showLook();
   if (change === "view") {
     placeOverlay();
+    askCell();
     frame.drawSoon();
   } else if (change === "place" || change === "selected" || change === "uavs" || change === "sight") {
     describeMarks();
@@ -28,14 +29,15 @@ function follow(change, since) {
     showSight();
     placeOverlay();
     forgetSearch();
-  } else if (change === "layer") showSight();
+    markStaleCurve();
+  } else if (change === "layer" || change === "alone") showSight();
   else if (change === "kept") {
     showKeptRows();
     askCompare();
   }
   if (change === "selected") {
     if (coverage.answer) showResults(coverage.answer);
-    if (linkPlace) askLink();
+    refreshLink();
     void refreshCurve();
   }
   if (saveDialog.open) showSave();
@@ -153,12 +155,15 @@ function listenToRest() {
     showResults(answer);
     describeMarks();
     describeUavs();
-    if (linkPlace) askLink();
+    settleNewcomer(answer);
+    if (answer.uavs[state.selected]?.ok === false) askBelow();
+    refreshLink();
     askCell();
   });
   onRest.push(() => {
     showHeight();
     speakResult();
+    askBelow();
     // The curve comes last: it makes way for any other question.
     if (state.kept.length > 0) askCompare();
     void refreshCurve();

@@ -13,7 +13,7 @@ const overlay = {
   /** @type {LinkSeen | null} */ link: null,
   /** The circle that is searched. @type {{x: number, y: number, radius_m: number} | null} */ search: null,
   /** The best place so far. @type {Candidate | null} */ best: null,
-  /** Whether somebody has dragged a UAV. */ hasDragged: false,
+  /** Whether somebody has done anything on the map. */ isUsed: false,
 };
 
 /** Makes the marks anew when UAVs, their names or the language changed. */
@@ -56,16 +56,50 @@ function placeOverlay() {
     const { x, y } = state.uavs[k];
     mark.style.transform = `translate(${pxOfX(x).toFixed(1)}px, ${pxOfY(y).toFixed(1)}px)`;
     mark.style.zIndex = String(k === state.selected ? 100 : k);
-    mark.classList.toggle("tag-left", pxOfX(x) > screenSize.width - (/^\d+$/.test(state.uavs[k].id) ? 130 : 290));
   });
+  placeTags();
   placeHint();
   placeLines();
   placeScale();
 }
 
-/** The hint stands above the selected UAV until one is dragged. */
+/** Where a tag can stand, best first: its corner from the middle of the mark [px] by the tag's width. */
+const TAG_SIDES = /** @type {[string, (width: number) => [number, number]][]} */ ([
+  ["", () => [22, -13]], ["tag-left", (width) => [-22 - width, -13]], ["tag-above", (width) => [-width / 2, -50]], ["tag-below", (width) => [-width / 2, 24]],
+]);
+const TAG_HEIGHT = 26;
+/** Half of a mark as it is kept free of tags [px]. */
+const MARK_ROOM = 21;
+
+/** Puts each tag where it lies on no other mark or tag; without such a place it is left out. The selected UAV chooses first. */
+function placeTags() {
+  const centers = state.uavs.map(({ x, y }) => [pxOfX(x), pxOfY(y)]);
+  /** Rectangles that are taken: left, top, right, bottom. @type {number[][]} */
+  const taken = centers.map(([x, y]) => [x - MARK_ROOM, y - MARK_ROOM, x + MARK_ROOM, y + MARK_ROOM]);
+  const order = [state.selected, ...state.uavs.keys()].filter((k, j) => marks[k] && (j === 0 || k !== state.selected));
+  for (const k of order) {
+    const { id, height } = state.uavs[k];
+    const [x, y] = centers[k];
+    // Measured before it is shown: system fonts are about this wide.
+    const width = 44 + 7.2 * heightShort(height).length + (/^\d+$/.test(id) ? 0 : Math.min(170, 8 * id.length));
+    const boxes = TAG_SIDES.map(([, corner]) => {
+      const [dx, dy] = corner(width);
+      return [x + dx, y + dy, x + dx + width, y + dy + TAG_HEIGHT];
+    });
+    const isFree = (/** @type {number[]} */ [left, top, right, bottom], /** @type {boolean} */ mustFit) =>
+      (!mustFit || (left > 0 && top > 0 && right < screenSize.width && bottom < screenSize.height)) &&
+      taken.every(([l, t, r, b], j) => j === k || right <= l || left >= r || bottom <= t || top >= b);
+    let side = boxes.findIndex((box) => isFree(box, true));
+    if (side < 0) side = boxes.findIndex((box) => isFree(box, false));
+    marks[k].classList.toggle("tag-none", side < 0);
+    TAG_SIDES.forEach(([name], j) => name && marks[k].classList.toggle(name, j === side));
+    if (side >= 0) taken.push(boxes[side]);
+  }
+}
+
+/** The hint stands above the selected UAV until something is done on the map. */
 function placeHint() {
-  hint.hidden = overlay.hasDragged || !engine.opened;
+  hint.hidden = overlay.isUsed || !engine.opened;
   if (hint.hidden) return;
   const { x, y } = selectedUav();
   const below = pxOfY(y) < 110;
@@ -73,9 +107,11 @@ function placeHint() {
   hint.style.transform = `translate(${within(pxOfX(x), 80, Math.max(80, screenSize.width - 80)).toFixed(1)}px, ${pxOfY(y).toFixed(1)}px)`;
 }
 
+const mapClip = draw("rect");
+lines.append(draw("clipPath", { id: "map-clip" }, mapClip));
 const lineParts = {
   frame: draw("rect", { class: "map-frame" }),
-  circles: draw("g", { class: "range" }),
+  circles: draw("g", { class: "range", "clip-path": "url(#map-clip)" }),
   search: draw("circle", { class: "search" }),
   best: draw("path", { class: "best", d: "M0 -15L4.2 -5.2L14.6 -4.3L6.7 2.6L9.1 12.7L0 7.3L-9.1 12.7L-6.7 2.6L-14.6 -4.3L-4.2 -5.2Z" }),
   casing: draw("line", { class: "casing" }),
@@ -88,8 +124,11 @@ lines.append(...Object.values(lineParts));
 
 /** Sets attributes of a part, or hides it. @param {SVGElement} part @param {Record<string, number | string> | null} attributes */
 function place(part, attributes) {
-  part.style.display = attributes ? "" : "none";
-  for (const [name, value] of Object.entries(attributes ?? {})) part.setAttribute(name, String(value));
+  const display = attributes ? "" : "none";
+  if (part.style.display !== display) part.style.display = display;
+  for (const [name, value] of Object.entries(attributes ?? {})) {
+    if (part.getAttribute(name) !== String(value)) part.setAttribute(name, String(value));
+  }
 }
 
 function placeLines() {
@@ -97,7 +136,9 @@ function placeLines() {
   const px = currentView().scale / grid.meters_per_unit;
   const at = (/** @type {{x: number, y: number}} */ p) => ({ x: pxOfX(p.x), y: pxOfY(p.y) });
   const corner = at({ x: grid.x_min, y: grid.y_max });
-  place(lineParts.frame, { ...corner, width: pxOfX(X_MAX) - corner.x, height: pxOfY(Y_MIN) - corner.y });
+  const mapFrame = { ...corner, width: pxOfX(X_MAX) - corner.x, height: pxOfY(Y_MIN) - corner.y };
+  place(lineParts.frame, mapFrame);
+  place(mapClip, mapFrame);
 
   const radius = state.sight.radius_m;
   const { circles } = lineParts;
@@ -116,13 +157,15 @@ function placeLines() {
 
   const from = link && at(link.uav);
   const to = link && at(link.receiver);
-  const stop = link?.obstruction ? at(link.obstruction) : to;
+  const clear = link ? clearPart(link) : 1;
+  const met = from && to && { x: from.x + clear * (to.x - from.x), y: from.y + clear * (to.y - from.y) };
+  const stop = link?.obstruction ? at(link.obstruction) : null;
   const between = (/** @type {{x: number, y: number} | null} */ a, /** @type {{x: number, y: number} | null} */ b) => a && b && { x1: a.x, y1: a.y, x2: b.x, y2: b.y };
   place(lineParts.casing, between(from, to));
-  place(lineParts.clear, between(from, stop));
-  place(lineParts.blocked, link?.los ? null : between(stop, to));
+  place(lineParts.clear, between(from, met));
+  place(lineParts.blocked, link?.los ? null : between(met, to));
   place(lineParts.receiver, to && { cx: to.x, cy: to.y });
-  place(lineParts.obstruction, link?.obstruction && stop ? { transform: `translate(${stop.x} ${stop.y})` } : null);
+  place(lineParts.obstruction, stop ? { transform: `translate(${stop.x} ${stop.y})` } : null);
 }
 
 /** A scale bar of a round length of at most 120 pixels. */

@@ -24,11 +24,10 @@ function makeUavList() {
     const remove = make("button", { type: "button", class: "icon small", "aria-label": words.remove(uavName(uav)), title: words.remove(uavName(uav)) }, "×");
     remove.hidden = state.uavs.length === 1;
     remove.addEventListener("click", () => removeUav(k));
-    const row = make("li", { id: `uav-${k + 1}` }, badge, name, make("span", { class: "height" }), make("span", { class: "share" }), remove);
-    row.addEventListener("pointerenter", (event) => {
-      if (event.pointerType !== "touch") showAloneSoon(k);
+    const row = make("li", { id: `uav-${k + 1}` }, badge, name, make("span", { class: "height" }), make("span", { class: "share" }), remove, make("span", { class: "place note" }));
+    row.addEventListener("click", (event) => {
+      if (event.target instanceof Node && !remove.contains(event.target)) select(k);
     });
-    row.addEventListener("pointerleave", () => showAloneSoon(null));
     return row;
   });
   htmlById("uav-list").replaceChildren(...rows);
@@ -45,9 +44,11 @@ function describeUavs() {
     const seen = coverage.answer?.uavs[k];
     row.classList.toggle("selected", k === state.selected);
     if (row.firstElementChild) row.firstElementChild.setAttribute("aria-pressed", String(k === state.selected));
-    const [height, share] = [row.querySelector(".height"), row.querySelector(".share")];
+    const [height, share, place] = [row.querySelector(".height"), row.querySelector(".share"), row.querySelector(".place")];
     if (height) setText(height, heightShort(uav.height));
     if (share) setText(share, !seen ? "" : seen.ok ? percent(seen.los, seen.receivers) : "!");
+    const isBeyond = k === state.selected && below?.uav === uav && isBelow(uav) && below.cell.kind === "void";
+    if (place) setText(place, isBeyond ? `${placeWords(uav)} · ${say().beyond}` : `${say().position}: ${placeWords(uav)}`);
   });
 }
 
@@ -74,8 +75,6 @@ function showHeight() {
   setValue(heightSlider, String(m));
   heightSlider.style.setProperty("--part", `${(100 * (m - slider.low)) / (slider.high - slider.low)}%`);
   heightSlider.setAttribute("aria-valuetext", heightWords(uav.height));
-  const { x, y } = uav;
-  setText(htmlById("position"), `x ${coordinate(x)}, y ${coordinate(y)}`);
 }
 
 /**
@@ -104,14 +103,81 @@ async function changeKind(kind) {
   showHeight();
 }
 
+/** The cell below the selected UAV as it was last asked for. @type {{uav: Uav, x: number, y: number, cell: CellAnswer} | null} */
+let below = null;
+/** Whether that cell is still below a UAV. @param {Uav} uav */
+const isBelow = (uav) => below !== null && below.x === uav.x && below.y === uav.y;
+
+/** @type {{uav: Uav, x: number, y: number} | null} */
+let askedBelow = null;
+const askBelow = newestOnly(
+  () => {
+    const uav = selectedUav();
+    // The answer is kept with the place that was asked for.
+    askedBelow = { uav, x: uav.x, y: uav.y };
+    return { do: "cell", x: uav.x, y: uav.y, which: state.selected };
+  },
+  (/** @type {CellAnswer} */ cell) => {
+    if (askedBelow) below = { ...askedBelow, cell };
+    showFailure();
+    describeUavs();
+  },
+);
+
+/** What a height is measured from below a UAV [m above the datum]; null if it is not known. @param {Uav} uav @param {HeightKind} kind */
+function zeroOf(uav, kind) {
+  if (kind === "amsl") return 0;
+  if (!below || below.uav !== uav) return null;
+  return kind === "agl" ? below.cell.ground_m : below.cell.roof_m;
+}
+
+/** Whether a height above a roof is asked for where there is no building. @param {Uav} uav @param {SeenNot} seen */
+const isRoofMissing = (uav, seen) => seen.code === "E204" && uav.height.kind === "roof" && !engine.opened?.surface_only;
+
+/** How far a UAV is lifted above the lowest height at which it can hover [m]. */
+const CLEARANCE = 5;
+
+/** A height at which a UAV can hover, in the reference of its own if that is possible. @param {Uav} uav @param {SeenNot} seen @returns {Height | null} */
+function heightToHover(uav, seen) {
+  if (isRoofMissing(uav, seen)) return { kind: "agl", m: uav.height.m };
+  if (seen.lowest_amsl_m === null) return null;
+  const zero = zeroOf(uav, uav.height.kind);
+  const m = Math.ceil(10 * (seen.lowest_amsl_m + CLEARANCE - (zero ?? 0)) - 1e-6) / 10;
+  return { kind: zero === null ? "amsl" : uav.height.kind, m };
+}
+
+/** Why a UAV cannot hover, in the reference in which its height is given. @param {Uav} uav @param {SeenNot} seen */
+function failureWords(uav, seen) {
+  const words = say();
+  if (isRoofMissing(uav, seen)) return words.noRoof;
+  if (seen.code === "E204" && seen.lowest_amsl_m === null) return words.beyondData;
+  const lowest = seen.lowest_amsl_m;
+  if (lowest === null || (seen.code !== "E201" && seen.code !== "E202")) return `${words.cannotHover}: ${seen.words}`;
+  const zero = zeroOf(uav, uav.height.kind);
+  const top = { kind: zero === null ? /** @type {const} */ ("amsl") : uav.height.kind, m: lowest - (zero ?? 0) };
+  return (seen.code === "E201" ? words.insideBuilding : words.belowGround)(heightWords(uav.height), heightWords(top));
+}
+
 /** Lifts the selected UAV to where it can hover. */
-async function liftSelected() {
-  const k = state.selected;
-  const seen = coverage.answer?.uavs[k];
-  if (!seen || seen.ok || seen.lowest_amsl_m === null) return;
-  const { kind } = state.uavs[k].height;
-  const found = await heightAbove(kind, seen.lowest_amsl_m);
-  setHeight(k, found ? { kind, m: Math.ceil(10 * found.m) / 10 } : { kind: "amsl", m: Math.ceil(10 * seen.lowest_amsl_m) / 10 });
+function liftSelected() {
+  const seen = coverage.answer?.uavs[state.selected];
+  const height = seen && !seen.ok ? heightToHover(selectedUav(), seen) : null;
+  if (height) setHeight(state.selected, height);
+}
+
+/** A UAV that was just added, until its first answer. @type {Uav | null} */
+let newcomer = null;
+/** The height of a new UAV that cannot hover at that of the selected one. @type {Height} */
+const FIRST_HEIGHT = { kind: "agl", m: 120 };
+
+/** Lifts a new UAV that cannot hover. @param {MapAnswer} answer */
+function settleNewcomer(answer) {
+  const k = newcomer ? state.uavs.indexOf(newcomer) : -1;
+  const seen = answer.uavs[k];
+  if (!seen) return;
+  newcomer = null;
+  if (seen.ok) return;
+  setHeight(k, engine.opened?.surface_only && seen.lowest_amsl_m !== null ? { kind: "amsl", m: Math.ceil(seen.lowest_amsl_m + FIRST_HEIGHT.m) } : FIRST_HEIGHT);
 }
 
 /** The end of the slider of the range: half of the map's diagonal. */
@@ -131,8 +197,9 @@ function showSight() {
   const range = radius_m === null ? say().unlimited : lengthWords(radius_m);
   setText(htmlById("sight-says"), [say().receiversChoice[receivers], meters(rx_height_m, 2), range].join(" · "));
   for (const input of document.querySelectorAll('input[name="layer"]')) {
-    if (input instanceof HTMLInputElement) input.checked = input.value === state.layer;
+    if (input instanceof HTMLInputElement) input.checked = input.value === shown().layer;
   }
+  setText(htmlById("rx-height-of"), say().receiverHeight(receiversAbove()));
 }
 
 /** Puts the texts of the language on everything that carries the name of one. */
@@ -176,7 +243,11 @@ function freePlace() {
 const typed = (input, least) => (input.value !== "" && Number.isFinite(input.valueAsNumber) && input.valueAsNumber >= least ? input.valueAsNumber : null);
 
 function listenToPanel() {
-  const add = () => addUav(...freePlace());
+  const add = () => {
+    addUav(...freePlace());
+    newcomer = selectedUav();
+    forgetHint();
+  };
   buttonById("add").addEventListener("click", add);
   buttonById("add-here").addEventListener("click", add);
   heightSlider.addEventListener("input", () => setHeight(state.selected, { kind: selectedUav().height.kind, m: Number(heightSlider.value) }, performance.now()));
@@ -186,7 +257,7 @@ function listenToPanel() {
   });
   heightInput.addEventListener("blur", showHeight);
   heightKind.addEventListener("change", () => void changeKind(/** @type {HeightKind} */ (heightKind.value)));
-  buttonById("lift").addEventListener("click", () => void liftSelected());
+  buttonById("lift").addEventListener("click", liftSelected);
   for (const input of document.querySelectorAll('input[name="layer"]')) {
     if (input instanceof HTMLInputElement) input.addEventListener("change", () => setLayer(/** @type {Layer} */ (input.value)));
   }

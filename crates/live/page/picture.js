@@ -64,11 +64,12 @@ function drawPicture(part, answer, rows) {
   context.strokeStyle = INK;
   context.lineWidth = 1.6;
   context.strokeRect(PAGE_MARGIN, mapTop, width, height);
-  for (const { row, x, y } of legend.items) legendItem(context, row, PAGE_MARGIN + x, legendTop + y, rows);
+  const shares = percents(rows.map((row) => (row.isReceiver ? row.cells ?? 0 : 0)));
+  legend.items.forEach(({ row, x, y }, k) => legendItem(context, row, shares[k], PAGE_MARGIN + x, legendTop + y));
   drawOrientation(context, pageWidth - PAGE_MARGIN, legendTop, view.scale / grid.meters_per_unit);
   context.strokeStyle = HAIRLINE;
   context.strokeRect(PAGE_MARGIN, captionTop - 10, room, 0);
-  caption.flat().forEach((line, k) => richText(context, line, PAGE_MARGIN, captionTop + 26 + 36 * k, font(23), k < caption[0].length ? INK : MUTED));
+  caption.flat().forEach((line, k) => richText(context, line, PAGE_MARGIN, captionTop + 26 + 36 * k, font(23), INK));
   return canvas;
 }
 
@@ -126,12 +127,13 @@ function pictureMarks(context, view, width, height) {
   const { link } = overlay;
   if (link) {
     const [from, to] = [link.uav, link.receiver].map((p) => [x(p.x), y(p.y)]);
-    const stop = link.obstruction ? [x(link.obstruction.x), y(link.obstruction.y)] : to;
+    const clear = clearPart(link);
+    const met = [from[0] + clear * (to[0] - from[0]), from[1] + clear * (to[1] - from[1])];
     line(from, to, "#ffffff", 11);
-    line(from, stop, hex(LOS), 5);
-    if (!link.los) line(stop, to, hex(NLOS), 5, [12, 8]);
+    line(from, met, hex(LOS), 5);
+    if (!link.los) line(met, to, hex(NLOS), 5, [12, 8]);
     disc(context, to[0], to[1], 10, INK, "#ffffff");
-    if (link.obstruction) diamond(context, stop[0], stop[1], 12);
+    if (link.obstruction) diamond(context, x(link.obstruction.x), y(link.obstruction.y), 12);
   }
   state.uavs.forEach((uav, k) => pictureUav(context, uav, k, x(uav.x), y(uav.y), width));
 }
@@ -213,8 +215,8 @@ function placeLegend(context, rows, width) {
   return { items, height: 72 * Math.ceil(rows.length / perLine) };
 }
 
-/** @param {CanvasRenderingContext2D} context @param {LegendRow} row @param {number} x @param {number} y @param {LegendRow[]} rows */
-function legendItem(context, row, x, y, rows) {
+/** @param {CanvasRenderingContext2D} context @param {LegendRow} row @param {string} share @param {number} x @param {number} y */
+function legendItem(context, row, share, x, y) {
   const { buildings: [low, high], away, ground, paper } = BACKDROPS.light;
   /** @type {[Rgb, Rgb]} */
   const colors = row.color ? [row.color, row.color] : row.fill === "buildings" ? [low, high] : row.fill === "away" ? [away, away] : row.fill === "ground" ? [ground, ground] : [paper, paper];
@@ -242,8 +244,7 @@ function legendItem(context, row, x, y, rows) {
   context.strokeStyle = "rgba(27, 31, 36, 0.45)";
   context.lineWidth = 1;
   context.stroke();
-  const receivers = rows.reduce((sum, each) => sum + (each.isReceiver ? each.cells ?? 0 : 0), 0);
-  const cells = row.cells === null ? "" : row.isReceiver ? `${percent(row.cells, receivers)} · ${grouped(row.cells)}` : grouped(row.cells);
+  const cells = row.cells === null ? "" : row.isReceiver ? `${share} · ${grouped(row.cells)}` : grouped(row.cells);
   richText(context, row.name, x + 65, y + (cells ? 21 : 34), font(25, 600), INK);
   richText(context, cells, x + 65, y + 48, font(23), MUTED);
 }
@@ -289,7 +290,7 @@ function captionLines(answer) {
   const cell = number(grid.cell_width * grid.meters_per_unit, 3);
   const { rx_height_m, radius_m } = state.sight;
   const how = [
-    words.captionCells(cell, number(rx_height_m, 3)) + (radius_m === null ? "" : `, ${words.captionRadius(number(radius_m, 3))}`),
+    words.captionCells(cell, number(rx_height_m, 3), receiversAbove()) + (radius_m === null ? "" : `, ${words.captionRadius(number(radius_m, 3))}`),
     facts.crs ? facts.crs.label : words.localCoordinates,
     facts.program,
   ];

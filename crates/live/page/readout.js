@@ -3,19 +3,29 @@
 
 const readout = htmlById("cursor");
 
-/** The place that is pointed at. @type {{x: number, y: number} | null} */
+/** The pixel that is pointed at; its place follows from the view. @type {{px: number, py: number} | null} */
 let pointed = null;
+/** The place of the newest question. */
+let askedPlace = { x: 0, y: 0 };
 
 const askCell = newestOnly(
-  // A question would end a search or a curve, which make way for anything else.
-  () => pointed && presses.size === 0 && engine.long.size === 0 ? { do: "cell", x: pointed.x, y: pointed.y, which: shown().which } : null,
+  () => {
+    if (!pointed || presses.size > 0) return null;
+    askedPlace = { x: placeX(pointed.px), y: placeY(pointed.py) };
+    return { do: "cell", ...askedPlace, which: shown().which };
+  },
   (/** @type {CellAnswer} */ answer) => showCell(answer),
 );
 
 /** Points at a pixel of the map. @param {number} px @param {number} py */
 function pointAt(px, py) {
-  pointed = { x: placeX(px), y: placeY(py) };
+  pointed = { px, py };
   askCell();
+}
+
+/** While a UAV is dragged, its place is read. @param {Uav} uav */
+function readUav(uav) {
+  setText(readout, `${uavName(uav)}: ${placeWords(uav)}`);
 }
 
 /** Says how a cell is read. */
@@ -25,18 +35,19 @@ function showCursorHint() {
 
 function pointAway() {
   pointed = null;
-  if (document.activeElement !== mapBox) showCursorHint();
+  if (!mapBox.matches(":focus-visible")) showCursorHint();
 }
 
 /** @param {CellAnswer} cell */
 function showCell(cell) {
-  if (!pointed) return;
+  // Whatever is pressed now is not what was asked about.
+  if (!pointed || presses.size > 0) return;
   const words = say();
   if (!cell.inside) {
     setText(readout, words.outside);
     return;
   }
-  const parts = [`x ${coordinate(pointed.x)}, y ${coordinate(pointed.y)}`];
+  const parts = [placeWords(askedPlace)];
   if (cell.kind === "void") parts.push(words.cellVoid);
   if (cell.ground_m !== null) parts.push(`${words.groundWord} ${meters(cell.ground_m)}`);
   if (cell.roof_m !== null) parts.push(`${words.roof} ${meters(cell.roof_m)}`);
@@ -52,10 +63,10 @@ function sightOfCell({ sees, margin_m }) {
   const words = say();
   const { which } = shown();
   const one = sees[which];
-  const margin = margin_m !== null && one !== null ? `, ${words.margin} ${meters(margin_m)}` : "";
+  const margin = margin_m !== null && one !== null ? marginWords(margin_m, state.sight.rx_height_m) : "";
   if (one === null || one === undefined) return words.cellNone;
-  const short = `${one ? words.cellSees : words.cellBlocked}${margin}`;
+  const short = `${one ? words.cellSees : words.cellBlocked}${margin && `, ${margin}`}`;
   if (state.uavs.length === 1) return short;
-  const others = sees.flatMap((seen, k) => (seen ? [uavName(state.uavs[k])] : []));
+  const others = sees.flatMap((seen, k) => (seen && k !== which ? [uavName(state.uavs[k])] : []));
   return `${uavName(state.uavs[which])}: ${short}${others.length > 0 ? ` · ${words.los}: ${others.join(", ")}` : ""}`;
 }

@@ -29,9 +29,9 @@ function receiverRows(answer) {
     const rows = names.map((name, k) => row(name, ONLY[k], all.who?.[k] ?? 0));
     return [...rows, row(words.seenBySeveral, ONLY[5], all.who?.[5] ?? 0)];
   }
-  const share = shownShare(answer);
-  if (!share) return [];
-  return [row(words.los, LOS, share.los), row(words.nlos, NLOS, share.receivers - share.los)];
+  // A UAV that cannot hover sees nobody; the rows stay, so that what is below them stays in its place.
+  const { receivers, los } = shownShare(answer) ?? { receivers: 0, los: 0 };
+  return [row(words.los, LOS, los), row(words.nlos, NLOS, receivers - los)];
 }
 
 /** What the map shows beside receivers. @returns {LegendRow[]} */
@@ -57,14 +57,14 @@ function showLegend(rows) {
     list.append(item);
     legendItems.push({ row: item, name, detail, swatch });
   }
-  const receivers = rows.reduce((sum, row) => sum + (row.isReceiver ? row.cells ?? 0 : 0), 0);
+  const shares = percents(rows.map((row) => (row.isReceiver ? row.cells ?? 0 : 0)));
   legendItems.forEach((item, k) => {
     const row = rows[k];
     item.row.hidden = !row;
     if (!row) return;
     item.row.classList.toggle("other", !row.isReceiver);
     setText(item.name, row.name);
-    setText(item.detail, row.cells === null ? "" : percent(row.cells, receivers));
+    setText(item.detail, row.isReceiver ? shares[k] : "");
     item.swatch.className = row.fill ?? "";
     item.swatch.style.backgroundColor = row.color ? hex(row.color) : "";
   });
@@ -93,33 +93,39 @@ function showResults(answer) {
   const of = layer === "one" ? uavName(state.uavs[which]) : words.layersLong[layer];
   setText(htmlById("result-of"), state.alone !== null ? words.alone(of) : state.uavs.length > 1 ? of : "");
   setText(htmlById("share"), share ? percent(share.los, share.receivers) : "–");
-  setText(htmlById("share-of"), share?.receivers === 0 ? words.noReceivers : words.ofReceivers(words.receiversNames[state.sight.receivers]));
+  setText(htmlById("share-of"), share?.receivers === 0 ? words.noReceivers : words.ofReceivers(words.receiversNames[state.sight.receivers] + withinRange()));
   setText(htmlById("p-los"), share && share.receivers > 0 ? `= ${fixed(share.los / share.receivers, 4)}` : "= –");
   setText(htmlById("cells"), share ? ` · ${words.cellsOf(grouped(share.los), grouped(share.receivers))}` : "");
   showBar(rows);
   showLegend([...rows, ...otherRows()]);
-  showFailure(answer.uavs[state.selected]);
+  showFailure();
   showZones(answer.uavs[state.selected]);
+  for (const of of document.querySelectorAll(".of")) setText(of, ofSelected());
 }
 
-/** Says why the selected UAV cannot hover, and how high it could. @param {Seen | undefined} seen */
-function showFailure(seen) {
+/** Says why the selected UAV cannot hover, and how high it could; it lies over the map, where it moves nothing. */
+function showFailure() {
+  const seen = coverage.answer?.uavs[state.selected];
   const box = htmlById("failure");
   box.hidden = !seen || seen.ok;
   if (!seen || seen.ok) return;
-  setText(htmlById("failure-words"), `${say().cannotHover}: ${seen.words}`);
+  setText(htmlById("failure-words"), failureWords(selectedUav(), seen));
+  const height = heightToHover(selectedUav(), seen);
   const lift = buttonById("lift");
-  lift.hidden = seen.lowest_amsl_m === null;
-  if (seen.lowest_amsl_m !== null) setText(lift, say().lift(`${meters(Math.ceil(10 * seen.lowest_amsl_m) / 10)} ${say().kinds.amsl}`));
+  lift.hidden = !height;
+  if (height) setText(lift, (isRoofMissing(selectedUav(), seen) ? say().useHeight : say().lift)(heightWords(height)));
 }
+
+/** The newest zones, which keep their room while the UAV cannot hover. @type {ZoneShares | null} */
+let lastZones = null;
 
 /** The selected UAV's share of each zone. @param {Seen | undefined} seen */
 function showZones(seen) {
-  const zones = seen?.ok ? seen.zones : null;
+  if (seen?.ok) lastZones = seen.zones;
   const box = htmlById("zones");
-  box.hidden = !zones;
-  if (!zones) return;
-  setText(htmlById("zones-of"), state.uavs.length > 1 ? `: ${uavName(selectedUav())}` : "");
+  box.hidden = !lastZones;
+  if (!lastZones) return;
+  const zones = lastZones;
   const list = htmlById("zone-rows");
   const names = /** @type {(keyof ZoneShares)[]} */ (["street", "crossroad", "courtyard", "rooftop"]);
   while (list.childElementCount < names.length) {
@@ -129,10 +135,11 @@ function showZones(seen) {
     const { receivers, los } = zones[zone];
     const item = /** @type {HTMLElement} */ (list.children[k]);
     item.hidden = receivers === 0;
+    item.classList.toggle("none", !seen?.ok);
     const [name, meter, detail] = item.children;
     setText(name, say().zoneNames[zone]);
-    setText(detail, percent(los, receivers));
-    /** @type {HTMLElement} */ (meter.firstElementChild).style.width = `${receivers > 0 ? (100 * los) / receivers : 0}%`;
+    setText(detail, seen?.ok ? percent(los, receivers) : "–");
+    /** @type {HTMLElement} */ (meter.firstElementChild).style.width = `${receivers > 0 && seen?.ok ? (100 * los) / receivers : 0}%`;
   });
 }
 
@@ -144,5 +151,5 @@ function speakResult() {
   const of = layer === "one" ? `${uavName(state.uavs[which])}, ${heightWords(state.uavs[which].height)}` : say().layersLong[layer];
   const failed = answer?.uavs[which];
   if (share) setText(htmlById("spoken"), say().said(percent(share.los, share.receivers), of));
-  else if (failed && !failed.ok) setText(htmlById("spoken"), `${say().cannotHover}: ${failed.words}`);
+  else if (failed && !failed.ok) setText(htmlById("spoken"), failureWords(state.uavs[which], failed));
 }

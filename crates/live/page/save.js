@@ -6,19 +6,47 @@ const toast = htmlById("toast");
 /** @type {ReturnType<typeof setTimeout> | undefined} */
 let toastTimer;
 
-/** Shows a word for two seconds. @param {string} text */
-function notify(text) {
-  setText(toast, text);
+/** How long a word is shown, and one that is long or offers something to do [ms]. */
+const TOAST = { short: 2000, long: 5000 };
+/** Words that take longer to read than `TOAST.short`. */
+const LONG_WORDS = 30;
+
+/**
+ * Shows a word for a while, with something to do about it.
+ * @param {string} text
+ * @param {{action: string, does: () => void} | null} [offer]
+ */
+function notify(text, offer = null) {
+  // An open dialog covers all that is not in it.
+  const home = saveDialog.open ? saveDialog : document.body;
+  if (toast.parentElement !== home) home.append(toast);
+  setText(htmlById("toast-words"), text);
+  const action = buttonById("toast-action");
+  action.hidden = !offer;
+  setText(action, offer?.action ?? "");
+  action.onclick = () => {
+    hideToast();
+    offer?.does();
+  };
   toast.classList.add("shown");
   clearTimeout(toastTimer);
-  toastTimer = setTimeout(() => toast.classList.remove("shown"), 2000);
+  toastTimer = setTimeout(hideToast, offer || text.length > LONG_WORDS ? TOAST.long : TOAST.short);
 }
 
-/** Copies a text; where the browser refuses, it stands selected in the dialog. @param {string} text */
-async function copyText(text) {
+function hideToast() {
+  clearTimeout(toastTimer);
+  toast.classList.remove("shown");
+}
+
+/**
+ * Copies a text; where the browser refuses, it stands selected in the dialog.
+ * @param {string} text
+ * @param {string} [done] what is said then
+ */
+async function copyText(text, done = say().copied) {
   try {
     await navigator.clipboard.writeText(text);
-    notify(say().copied);
+    notify(done);
     return;
   } catch {
     // Refused, or not there: try the old way.
@@ -30,7 +58,7 @@ async function copyText(text) {
   const isCopied = document.execCommand("copy");
   field.remove();
   if (isCopied) {
-    notify(say().copied);
+    notify(done);
     return;
   }
   openSave();
@@ -38,11 +66,16 @@ async function copyText(text) {
   notify(say().notCopied);
 }
 
+/** Copies the address, and says that one of a file is of use only where the file is. */
+const copyAddress = () => copyText(addressToCopy(), location.protocol === "file:" ? say().copiedLocal : say().copied);
+
 /** Brings what the dialog shows up to date. */
 function showSave() {
   inputById("address").value = addressToCopy();
   setText(htmlById("link-note"), location.protocol === "file:" ? say().linkLocal : say().linkSays);
-  setText(htmlById("command"), commandLine());
+  // Lines break before options, not at their hyphens.
+  const parts = commandWords().join(" ").split(/ (?=-)/);
+  htmlById("command").replaceChildren(...parts.flatMap((part, k) => [...(k > 0 ? [" "] : []), make("span", {}, part)]));
   setText(htmlById("digest"), coverage.digest ?? say().digestLater);
   const select = selectById("mask-of");
   const options = state.uavs.map((uav, k) => new Option(uavName(uav), String(k)));
@@ -94,7 +127,7 @@ async function savePicture() {
   const rows = withCells([...receiverRows(answer), ...otherRows()], mask);
   const canvas = drawPicture(part, answer, rows);
   frame.drawSoon();
-  saveFile(`${fileStem()}.png`, "image/png", [await canvasBlob(canvas)]);
+  saveFile(`${fileStem()}-${part === "whole" ? "coverage" : "view"}.png`, "image/png", [await canvasBlob(canvas)]);
 }
 
 async function saveTiff() {
@@ -129,14 +162,14 @@ function onClick(id, work) {
 
 function listenToSave() {
   buttonById("save").addEventListener("click", openSave);
-  buttonById("copy-link").addEventListener("click", () => void copyText(addressToCopy()));
+  buttonById("copy-link").addEventListener("click", () => void copyAddress());
   buttonById("save-close").addEventListener("click", () => saveDialog.close());
   // A click beside the dialog is on its backdrop.
   saveDialog.addEventListener("click", (event) => {
     if (event.target === saveDialog) saveDialog.close();
   });
-  onClick("copy-address", () => copyText(addressToCopy()));
-  onClick("copy-command", () => copyText(commandLine()));
+  onClick("copy-address", copyAddress);
+  onClick("copy-command", () => copyText(commandWords().join(" ")));
   onClick("copy-digest", () => copyText(coverage.digest ?? ""));
   onClick("save-picture", savePicture);
   onClick("save-tiff", saveTiff);

@@ -13,19 +13,50 @@ const askLink = newestOnly(
   },
 );
 
-/** Opens the link to the receiver at a place. @param {number} x @param {number} y */
-function openLink(x, y) {
-  if (!engine.opened || x < grid.x_min || x > X_MAX || y < Y_MIN || y > grid.y_max) {
-    closeLink();
-    return;
-  }
-  linkPlace = { x, y };
+/** The cell of the open link, which says whether it holds a receiver. @type {CellAnswer | null} */
+let linkCell = null;
+
+const askLinkCell = newestOnly(
+  () => linkPlace && { do: "cell", which: shown().which, x: linkPlace.x, y: linkPlace.y },
+  (/** @type {CellAnswer} */ cell) => {
+    linkCell = cell;
+    if (linkPlace && lastLink) describeLink(lastLink);
+  },
+);
+
+/** Asks for the open link anew. */
+function refreshLink() {
+  if (!linkPlace) return;
+  askLinkCell();
   askLink();
 }
 
+/** @type {ReturnType<typeof setTimeout> | undefined} */
+let roomTimer;
+
+/** Opens the link to the receiver at a place. @param {number} x @param {number} y */
+function openLink(x, y) {
+  closeLink();
+  if (!engine.opened || x < grid.x_min || x > X_MAX || y < Y_MIN || y > grid.y_max) return;
+  linkPlace = { x, y };
+  refreshLink();
+  // The map moves after a second click would have come, which zooms about its place.
+  roomTimer = setTimeout(makeRoomForLink, DOUBLE_CLICK.ms + 30);
+}
+
+/** Moves the map so that the side view covers neither end of the link. */
+function makeRoomForLink() {
+  const { link } = overlay;
+  if (!link || drawer.hidden || presses.size > 0) return;
+  const edge = (/** @type {HTMLElement} */ box) => box.getBoundingClientRect();
+  const { top } = edge(mapBox);
+  const room = { left: 40, right: screenSize.width - 40, top: edge(htmlById("actions")).bottom - top + 32, bottom: edge(drawer).top - top - 32 };
+  glideToPlaces([link.uav, link.receiver], room);
+}
+
 function closeLink() {
-  linkPlace = null;
-  overlay.link = null;
+  clearTimeout(roomTimer);
+  linkPlace = linkCell = lastLink = overlay.link = null;
   drawer.hidden = true;
   placeLines();
 }
@@ -39,25 +70,43 @@ function showLink(link) {
   overlay.link = link.ok ? link : null;
   drawer.hidden = false;
   placeLines();
+  describeLink(link);
+  htmlById("link-chart").replaceChildren(...(link.ok ? [sideView(link)] : []));
+}
+
+/** Says what the link is, and what is wanted of its receiver. @param {LinkAnswer} link */
+function describeLink(link) {
+  const words = say();
   const verdict = htmlById("link-verdict");
-  const details = htmlById("link-details");
   verdict.classList.toggle("los", link.ok && link.los);
   verdict.classList.toggle("nlos", link.ok && !link.los);
-  if (!link.ok) {
-    setText(verdict, link.words);
-    setText(details, "");
-    htmlById("link-chart").replaceChildren();
-    return;
-  }
-  setText(verdict, link.los ? say().linkSees : blockedWords(link.obstruction));
-  const words = say();
-  const parts = [
+  const { which } = shown();
+  setText(verdict, `${uavName(state.uavs[which])}: ${!link.ok ? link.words : link.los ? words.linkSees : blockedWords(link.obstruction)}`);
+  const isEmpty = linkCell?.inside && linkCell.kind !== "void" && linkCell.sees[which] === null;
+  const parts = !link.ok ? [] : [
+    ...(isEmpty ? [linkCell?.kind === "building" ? words.shownOnRoof : words.shownOnGround] : []),
+    link.margin_m === null ? "" : marginWords(link.margin_m, state.sight.rx_height_m),
     `${words.distance} ${lengthWords(link.distance_m)}`,
     `${words.elevation} ${number(link.elevation_deg, 1)}°`,
-    ...(link.margin_m === null ? [] : [`${words.margin} ${meters(link.margin_m, 2)}`]),
   ];
-  setText(details, parts.join(" · "));
-  htmlById("link-chart").replaceChildren(sideView(link));
+  setText(htmlById("link-details"), parts.filter(Boolean).join(" · "));
+}
+
+/** How far along a link its obstruction lies, 0 to 1 from the UAV. @param {LinkSeen} link @param {Obstruction} at */
+const partOf = ({ uav, distance_m }, at) => (Math.hypot(at.x - uav.x, at.y - uav.y) * grid.meters_per_unit) / Math.max(distance_m, 0.01);
+
+/** How far along a link its ray first meets a roof or the ground, 0 to 1 from the UAV; 1 in sight. @param {LinkSeen} link */
+function clearPart(link) {
+  if (link.los) return 1;
+  const { uav, receiver, obstruction, distance_m, steps } = link;
+  const heightAt = (/** @type {number} */ d) => uav.amsl_m + ((receiver.amsl_m - uav.amsl_m) * d) / Math.max(distance_m, 0.01);
+  const met = steps.flatMap(({ from_m, to_m, height_m }) => {
+    const [start, end] = [heightAt(from_m), heightAt(to_m)];
+    // What only touches the ray does not end it.
+    if (Math.min(start, end) > height_m - 0.01) return [];
+    return start <= height_m ? [from_m] : [from_m + ((to_m - from_m) * (start - height_m)) / (start - end)];
+  });
+  return Math.min(obstruction ? partOf(link, obstruction) : 1, ...met.map((d) => d / Math.max(distance_m, 0.01)));
 }
 
 /** @param {Obstruction | null} obstruction */
@@ -102,16 +151,16 @@ function sideView(link) {
   const [uav, receiver] = [[x(0), y(link.uav.amsl_m)], [x(long), y(link.receiver.amsl_m)]];
   const ray = (/** @type {number[]} */ from, /** @type {number[]} */ to, /** @type {string} */ kind) =>
     plot.append(draw("line", { class: kind, x1: from[0], y1: from[1], x2: to[0], y2: to[1] }));
-  const stop = link.obstruction;
-  // How far along the link the obstructing point lies, from its position.
-  const along = stop ? (Math.hypot(stop.x - link.uav.x, stop.y - link.uav.y) * grid.meters_per_unit) / long : 1;
-  const onRay = stop ? [x(along * long), y(stop.ray_height_m)] : receiver;
+  const clear = clearPart(link);
+  const met = [x(clear * long), uav[1] + clear * (receiver[1] - uav[1])];
   ray(uav, receiver, "casing");
-  ray(uav, onRay, "clear");
-  if (!link.los) ray(onRay, receiver, "blocked");
+  ray(uav, met, "clear");
+  if (!link.los) ray(met, receiver, "blocked");
   plot.append(draw("circle", { class: "receiver", cx: receiver[0], cy: receiver[1], r: 5 }));
+  const stop = link.obstruction;
   if (stop) {
     const roof = stop.roof_height_m;
+    const onRay = [x(partOf(link, stop) * long), y(stop.ray_height_m)];
     if (roof !== null) ray(onRay, [onRay[0], y(roof)], "obstruction-line");
     plot.append(draw("path", { class: "obstruction", transform: `translate(${onRay[0]} ${roof === null ? onRay[1] : y(roof)})`, d: "M0 -7L7 0L0 7L-7 0Z" }));
     plot.append(draw("circle", { class: "on-ray", cx: onRay[0], cy: onRay[1], r: 4 }));

@@ -114,7 +114,7 @@ function addUav(x, y) {
   const height = { ...selectedUav().height };
   state.uavs.push({ id: freeName(), ...overMap(x, y), height });
   state.selected = state.uavs.length - 1;
-  // The second UAV shows what both see; who wants one alone points at it.
+  // The second UAV shows what both see; who wants one alone rests on it.
   if (state.uavs.length === 2 && state.layer === "one") state.layer = "union";
   if (state.uavs.length > MOST_WHO && state.layer === "who") state.layer = "count";
   changed("uavs");
@@ -184,12 +184,18 @@ function removeKept(k) {
   changed("kept");
 }
 
-/** Shows a kept placement again. @param {number} k */
+/** Shows a kept placement again. @param {number} k @returns {() => void} shows what was there before */
 function showKept(k) {
   const { uavs, sight } = structuredClone(state.kept[k]);
+  const before = structuredClone({ uavs: state.uavs, sight: state.sight, selected: state.selected, layer: state.layer });
   Object.assign(state, { uavs, sight, selected: 0, alone: null });
   if (uavs.length === 1) state.layer = "one";
   else if (state.layer === "one" || (state.layer === "who" && uavs.length > MOST_WHO)) state.layer = "union";
   changed("sight");
   changed("uavs");
+  return () => {
+    Object.assign(state, before, { alone: null });
+    changed("sight");
+    changed("uavs");
+  };
 }

@@ -37,14 +37,19 @@ const pxOfY = (y) => screenSize.height / 2 - (y - currentView().y) * currentView
 const placeX = (/** @type {number} */ px) => currentView().x + (px - screenSize.width / 2) / currentView().scale;
 const placeY = (/** @type {number} */ py) => currentView().y - (py - screenSize.height / 2) / currentView().scale;
 
-/** Shows another part; its middle stays over the map, its scale within reason. @param {View} view */
+/** How far the middle of the screen may be from the map, in parts of the screen: what lies over the map leaves it less room. */
+const BEYOND = 0.4;
+
+/** Shows another part; the map stays on screen, its scale within reason. @param {View} view */
 function setView(view) {
   const largest = LARGEST_CELL / Math.min(grid.cell_width, grid.cell_height);
   const smallest = fittingScale() / 2;
+  const scale = within(view.scale, smallest, Math.max(largest, smallest));
+  const [beyondX, beyondY] = [screenSize.width, screenSize.height].map((size) => (BEYOND * size) / scale);
   state.view = {
-    x: within(view.x, grid.x_min, X_MAX),
-    y: within(view.y, Y_MIN, grid.y_max),
-    scale: within(view.scale, smallest, Math.max(largest, smallest)),
+    x: within(view.x, grid.x_min - beyondX, X_MAX + beyondX),
+    y: within(view.y, Y_MIN - beyondY, grid.y_max + beyondY),
+    scale,
   };
   changed("view");
 }
@@ -78,6 +83,24 @@ function bringIntoView(x, y) {
   if (dx !== 0 || dy !== 0) panBy(dx, dy);
 }
 
+/**
+ * Moves the map, and zooms out if there is no other way, so that two places are within a part of the screen.
+ * @param {{x: number, y: number}[]} places
+ * @param {{left: number, right: number, top: number, bottom: number}} room [px]
+ */
+function glideToPlaces(places, { left, right, top, bottom }) {
+  const view = currentView();
+  const [xs, ys] = [places.map(({ x }) => x), places.map(({ y }) => y)];
+  const span = (/** @type {number[]} */ values) => (Math.max(...values) - Math.min(...values)) * view.scale;
+  const scale = view.scale * Math.min(1, Math.max(1, right - left) / span(xs), Math.max(1, bottom - top) / span(ys));
+  // How far pixels have to move to be between two others.
+  const shift = (/** @type {number[]} */ at, /** @type {number} */ low, /** @type {number} */ high) =>
+    Math.max(0, low - Math.min(...at)) + Math.min(0, high - Math.max(...at));
+  const dx = shift(xs.map((x) => screenSize.width / 2 + (x - view.x) * scale), left, right);
+  const dy = shift(ys.map((y) => screenSize.height / 2 - (y - view.y) * scale), top, bottom);
+  if (scale < view.scale || dx !== 0 || dy !== 0) glideTo({ x: view.x - dx / scale, y: view.y + dy / scale, scale });
+}
+
 /** @type {number | undefined} */
 let glide;
 
@@ -107,8 +130,11 @@ function glideZoom(factor, px = screenSize.width / 2, py = screenSize.height / 2
   });
 }
 
-function glideToWhole() {
-  const [from, to] = [currentView(), wholeView()];
+const glideToWhole = () => glideTo(wholeView());
+
+/** @param {View} to */
+function glideTo(to) {
+  const from = currentView();
   const between = (/** @type {number} */ a, /** @type {number} */ b, /** @type {number} */ t) => a + (b - a) * t;
   glideOver((t) => setView({ x: between(from.x, to.x, t), y: between(from.y, to.y, t), scale: from.scale * (to.scale / from.scale) ** t }));
 }

@@ -31,15 +31,26 @@ function grouped(n) {
  * A share in percent with one decimal, never rounding a remainder away.
  * @param {number} part
  * @param {number} whole
+ * @param {number} [tenths] of a percent, if they were rounded elsewhere
  */
-function percent(part, whole) {
+function percent(part, whole, tenths = Math.round((1000 * part) / whole)) {
   if (whole === 0) return "–";
-  const value = (100 * part) / whole;
   if (part === 0) return `0${THIN}%`;
   if (part === whole) return `100${THIN}%`;
-  if (value < 0.05) return withMark(`<${THIN}0.1${THIN}%`);
-  if (value >= 99.95) return withMark(`>${THIN}99.9${THIN}%`);
-  return withMark(`${value.toFixed(1)}${THIN}%`);
+  if (tenths < 1) return withMark(`<${THIN}0.1${THIN}%`);
+  if (tenths > 999) return withMark(`>${THIN}99.9${THIN}%`);
+  return withMark(`${(tenths / 10).toFixed(1)}${THIN}%`);
+}
+
+/** Shares of a whole in percent, rounded so that they sum to 100 %: the largest remainders are rounded up. @param {number[]} parts */
+function percents(parts) {
+  const whole = parts.reduce((sum, part) => sum + part, 0);
+  const exact = parts.map((part) => (whole > 0 ? (1000 * part) / whole : 0));
+  const tenths = exact.map(Math.floor);
+  const missing = whole > 0 ? 1000 - tenths.reduce((sum, part) => sum + part, 0) : 0;
+  const byRemainder = exact.map((_, k) => k).sort((a, b) => (exact[b] % 1) - (exact[a] % 1));
+  for (const k of byRemainder.slice(0, missing)) tenths[k] += 1;
+  return parts.map((part, k) => percent(part, whole, tenths[k]));
 }
 
 /** A length in meters, or in kilometers from 1 km on. @param {number} m */
@@ -55,6 +66,28 @@ const heightShort = (height) => `${meters(height.m)} ${say().kindsShort[height.k
 
 /** A name for reading: a mere number is that of a UAV. @param {Uav} uav */
 const uavName = (uav) => (/^\d+$/.test(uav.id) ? `${say().uav} ${uav.id}` : uav.id);
+
+/** A place for reading. @param {{x: number, y: number}} at */
+const placeWords = ({ x, y }) => `x ${coordinate(x)}, y ${coordinate(y)}`;
+
+/**
+ * What the margin of a link means for its receiver; empty where only the ground or roof that it stands on limits it.
+ * @param {number} margin_m
+ * @param {number} standing_m height of the receiver above what it stands on
+ */
+function marginWords(margin_m, standing_m) {
+  if (margin_m < 0) return say().higher(margin_m > -1000 ? meters(Math.ceil(-10 * margin_m) / 10) : lengthWords(-margin_m));
+  return margin_m < standing_m - 0.05 ? say().lower(meters(Math.floor(10 * margin_m) / 10)) : "";
+}
+
+/** The name of the UAV that something is about, where there are several. */
+const ofSelected = () => (state.uavs.length > 1 ? `: ${uavName(selectedUav())}` : "");
+
+/** The range as a part of a sentence: empty where it is unlimited. */
+const withinRange = () => (state.sight.radius_m === null ? "" : ` ${say().within(lengthWords(state.sight.radius_m))}`);
+
+/** What the height of receivers is measured from. */
+const receiversAbove = () => say().above[state.sight.receivers === "all" ? "all" : state.sight.receivers === "roof" ? "roof" : "ground"];
 
 /** A coordinate for reading, to a tenth of a cell at most. @param {number} v */
 const coordinate = (v) => fixed(v, Math.max(0, Math.min(POSITION_DIGITS - 1, 8)));
@@ -104,8 +137,8 @@ function optionWords(uavs, sight) {
   return words;
 }
 
-/** The command line that gives the map on screen. */
-const commandLine = () => ["skyshed", "map", ...facts.command, ...optionWords(state.uavs, state.sight), "-o", `${fileStem()}.png`].map(shellWord).join(" ");
+/** The command line that gives the map on screen, word by word. */
+const commandWords = () => ["skyshed", "map", ...facts.command, ...optionWords(state.uavs, state.sight), "-o", `${fileStem()}.png`].map(shellWord);
 
 /** The beginning of the names of files that are saved: letters and digits of the scene's name. */
 function fileStem() {
