@@ -7,37 +7,30 @@ use std::time::Instant;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value, json};
-use skyshed_live::pack::{PackedZones, pack};
-use skyshed_live::page::Page;
-use skyshed_live::questions;
+use skyshed_live::pack::{MOST_CELLS, MOST_FOOTPRINTS, PackedZones, is_small_enough, pack};
+use skyshed_live::{MOST_UAVS, questions};
 
 use crate::answer::{Answer, Head, RunFacts, Spent, WarningFacts, document_of, warnings_of};
-use crate::city::{Site, Solids};
+use crate::city::{GivenSite, Site, Solids};
 use crate::coverage;
 use crate::crs::wkt_of;
-use crate::error::{Error, LimitError, Result, Warning};
+use crate::error::{Error, FitsPage, LimitError, Result, Warning};
 use crate::export::{Batch, Format};
 use crate::picture::{Look, program};
-use crate::quantity::{Height, counted, meters, tidy};
+use crate::quantity::{Height, counted, meters};
 use crate::raster::GeoRef;
 use crate::read::surface_grid;
-use crate::scene::{Scene, SceneOptions, is_raster_scene};
-use crate::sight::{Receivers, Sight, SightFacts};
+use crate::render;
+use crate::scene::{Scene, SceneOptions, built_up, is_raster_scene};
+use crate::sight::{Sight, SightFacts};
 use crate::uav::UavsAsked;
 use crate::words::title_of;
 
 /// Formats of a page.
 pub(crate) const FORMATS: [Format; 3] = [Format::Html, Format::Json, Format::Stdout];
 
-/// The most cells that a page holds: 16 million, of 4096 × 4096.
-const MOST_CELLS: usize = 1 << 24;
-/// The most footprints.
-const MOST_FOOTPRINTS: usize = 300_000;
 /// The longest page \[bytes\].
 const MOST_BYTES: usize = 25_000_000;
-/// The most UAVs.
-const MOST_UAVS: usize = 32;
-
 /// How high the UAV hovers where none was named \[m\].
 const START_HEIGHT_M: f64 = 120.0;
 
@@ -59,6 +52,8 @@ pub(crate) struct LivePlan {
 pub(crate) struct LivePage {
     facts: RunFacts,
     scene: Scene,
+    /// Whether it is a part of what its words name.
+    is_part: bool,
     packed: Vec<u8>,
     uavs: Vec<questions::Uav>,
     sight: Sight,
@@ -99,10 +94,12 @@ impl LivePage {
     pub(crate) fn open(options: &SceneOptions, word: &OsStr, plan: LivePlan) -> Result<LivePage> {
         let start = Instant::now();
         let mut warnings = Vec::new();
-        let around = part_in_range(options, word, &plan)?;
-        let options = &SceneOptions { around, keeps_solids: true, ..options.clone() };
+        let part = part_in_range(options, word, &plan)?;
+        let options = &SceneOptions { around: part, keeps_solids: true, ..options.clone() };
         let city = options.read(word, &mut warnings)?;
-        check_size(&word.display().to_string(), &city.grid, &city.solids)?;
+        if !is_small_enough(&city.grid, &city.solids) {
+            return Err(too_large(options, word, &city.grid, &city.solids));
+        }
         let mut scene = Scene::built(options, (word, city), warnings, start)?;
         let found = plan.uavs.read(scene.grid())?;
         scene.place(&found, None, &plan.sight)?;
@@ -114,21 +111,20 @@ impl LivePage {
             sites.push(in_the_middle(&scene));
         }
         let page = LivePage::of(&scene, &sites, plan.sight, plan.scene_words)?;
-        Ok(LivePage { facts: RunFacts { command: plan.command, ..page.facts }, ..page })
+        Ok(LivePage { facts: RunFacts { command: plan.command, ..page.facts }, is_part: part.is_some(), ..page })
     }
 
     /// The page of a scene whose solids were kept, with UAVs that can be where they are.
     ///
     /// # Errors
-    /// E505 of what is too large for a page.
+    /// E902 if they were not.
     pub(crate) fn of(scene: &Scene, uavs: &[Site], sight: Sight, scene_words: Vec<String>) -> Result<LivePage> {
         let solids = scene.solids.clone().ok_or(Error::Fault("a live page needs the solids of its scene"))?;
-        check_size(&scene.word, scene.grid(), &solids)?;
         let zones = scene.zones().map(|zones| PackedZones::of(zones.codes(), &scene.field.cells().open));
         let packed = pack(scene.grid(), &solids, zones.as_ref());
         let scene = Scene { solids: None, ..scene.clone() };
         let uavs = uavs.iter().map(asked).collect();
-        Ok(LivePage { facts: scene.facts(None), scene, packed, uavs, sight, scene_words })
+        Ok(LivePage { facts: scene.facts(None), scene, is_part: false, packed, uavs, sight, scene_words })
     }
 
     /// The page.
@@ -137,13 +133,12 @@ impl LivePage {
     /// E505 if it is too long.
     pub(crate) fn html(&self, look: &Look) -> Result<String> {
         let title = look.title_or(|| title_of(&format!("What a UAV sees of {}", self.scene.name)));
-        let page = Page {
+        let html = render::live_page(&render::LivePage {
             title: &title,
             generator: &program(),
             facts: &self.facts_of_page(&title, look),
             scene: &self.packed,
-        };
-        let html = page.html();
+        });
         if html.len() > MOST_BYTES {
             let name = self.scene.word.clone();
             return Err(
@@ -159,18 +154,6 @@ impl LivePage {
         let crs = grid
             .crs()
             .map(|crs| json!({"label": crs.label(), "name": crs.name(), "epsg": crs.epsg(), "wkt": wkt_of(crs)}));
-        let sight = questions::Sight {
-            rx_height_m: self.sight.rx_height_m(),
-            receivers: match self.sight.receivers() {
-                Receivers::Ground => questions::Receivers::Ground,
-                Receivers::Street => questions::Receivers::Street,
-                Receivers::Crossroad => questions::Receivers::Crossroad,
-                Receivers::Courtyard => questions::Receivers::Courtyard,
-                Receivers::Roof => questions::Receivers::Roof,
-                Receivers::All => questions::Receivers::All,
-            },
-            radius_m: self.sight.radius_m(),
-        };
         let layer = if self.uavs.len() > 1 { questions::Layer::Count } else { questions::Layer::One };
         json!({
             "name": self.scene.name,
@@ -187,7 +170,9 @@ impl LivePage {
             "crs": crs,
             "limits": self.scene.limits_in_words().into_iter().collect::<Vec<_>>(),
             "attribution": look.credit(self.scene.attribution.as_ref()),
-            "start": {"uavs": self.uavs, "sight": sight, "layer": layer},
+            "is_part": self.is_part,
+            "most_uavs": MOST_UAVS,
+            "start": {"uavs": self.uavs, "sight": self.sight.facts(), "layer": layer},
         })
     }
 }
@@ -241,56 +226,67 @@ fn in_the_middle(scene: &Scene) -> Site {
 }
 
 /// The box of a raster that is in range of UAVs, west, south, east, north, where a page cannot hold all of it.
+///
+/// # Errors
+/// E505 without UAVs or a range; those of the file and of the UAVs.
 fn part_in_range(options: &SceneOptions, word: &OsStr, plan: &LivePlan) -> Result<Option<[f64; 4]>> {
+    // What is brought into another system is read as a whole.
     if !is_raster_scene(word) || options.project.is_some() {
         return Ok(None);
     }
     let grid = surface_grid(Path::new(word), &options.of_raster()?)?;
-    let Some(radius) = plan.sight.radius_on(&grid).filter(|_| grid.n_cells() > MOST_CELLS) else { return Ok(None) };
+    if grid.n_cells() <= MOST_CELLS {
+        return Ok(None);
+    }
+    let reach = plan.sight.radius_on(&grid);
     let found = plan.uavs.read(&grid)?;
-    let boxes = found.sites.iter().map(|s| [s.x - radius, s.y - radius, s.x + radius, s.y + radius]);
-    Ok(boxes.reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]))
+    let around = |s: &GivenSite| reach.map(|r| [s.x - r, s.y - r, s.x + r, s.y + r]);
+    let boxes = found.sites.iter().filter_map(around);
+    let part = boxes.reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]);
+    let most_cells_a_side = (MOST_CELLS as f64).sqrt();
+    // The window in range has a cell or two more.
+    let radius_m = ((most_cells_a_side / 2.0 - 2.0) * meters_per_cell(&grid)).floor();
+    let name = word.display().to_string();
+    let fits = FitsPage::Range { radius_m };
+    let (n, what, most) = (grid.n_cells(), "cells", MOST_CELLS);
+    part.map(Some).ok_or_else(|| LimitError::PageCity { name, n, what, most, fits }.into())
 }
 
-/// Refuses what a page cannot hold, and says what would fit.
-///
-/// # Errors
-/// E505.
-fn check_size(word: &str, grid: &GeoRef, solids: &Solids) -> Result<()> {
-    let name = word.to_string();
-    let footprints = match solids {
+/// E505: a city that a page cannot hold, with what would fit.
+fn too_large(options: &SceneOptions, word: &OsStr, grid: &GeoRef, solids: &Solids) -> Error {
+    let n_footprints = match solids {
         Solids::Vector { footprints, .. } => footprints.len(),
         Solids::Raster { .. } => 0,
     };
-    if footprints > MOST_FOOTPRINTS {
-        let part = (MOST_FOOTPRINTS as f64 / footprints as f64).sqrt();
-        return Err(LimitError::PageFootprints {
-            name,
-            n: footprints,
-            most: MOST_FOOTPRINTS,
-            extent: middle(grid, part),
-        }
-        .into());
-    }
-    let n = grid.n_cells();
-    if n > MOST_CELLS {
-        let part = (MOST_CELLS as f64 / n as f64).sqrt();
-        let cell_m = grid.cell_width().max(grid.cell_height()) * grid.meters_per_unit() / part;
-        let is_raster = matches!(solids, Solids::Raster { .. });
-        let cell = tidy((cell_m * 10.0).ceil() / 10.0);
-        return Err(
-            LimitError::PageCells { name, n, most: MOST_CELLS, cell, extent: middle(grid, part), is_raster }.into()
-        );
-    }
-    Ok(())
+    let (n, what, most) = match n_footprints {
+        n if n > MOST_FOOTPRINTS => (n, "footprints", MOST_FOOTPRINTS),
+        _ => (grid.n_cells(), "cells", MOST_CELLS),
+    };
+    // Evenly spread, so much of each side.
+    let part = (most as f64 / n as f64).sqrt();
+    let larger_m = (10.0 * meters_per_cell(grid) / part).ceil() / 10.0;
+    let cell_m = (what == "cells").then_some(larger_m);
+    let fits = if built_up(word).is_some() {
+        FitsPage::Size { size_m: (options.city_edge_m() * part).floor(), cell_m }
+    } else if is_raster_scene(word) {
+        FitsPage::Cells { cell_m: larger_m }
+    } else {
+        FitsPage::Extent { extent: middle(grid, part), cell_m }
+    };
+    LimitError::PageCity { name: word.display().to_string(), n, what, most, fits }.into()
+}
+
+/// The longer side of a cell \[m\].
+fn meters_per_cell(grid: &GeoRef) -> f64 {
+    grid.cell_width().max(grid.cell_height()) * grid.meters_per_unit()
 }
 
 /// The middle of a grid, of so much of each side: west, south, east, north, in whole units.
-fn middle(grid: &GeoRef, part: f64) -> String {
+fn middle(grid: &GeoRef, part: f64) -> [f64; 4] {
     let span = |low: f64, high: f64| {
         let (center, half) = ((low + high) / 2.0, (high - low) / 2.0 * part);
         ((center - half).ceil(), (center + half).floor())
     };
     let ((west, east), (south, north)) = (span(grid.x_min(), grid.x_max()), span(grid.y_min(), grid.y_max()));
-    format!("{west},{south},{east},{north}")
+    [west, south, east, north]
 }

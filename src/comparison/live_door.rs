@@ -1,13 +1,12 @@
 //! The way from the page of a comparison to the live page of the same place.
 
-use skyshed_live::page::gzip;
-
 use super::facts::{Origin, PlacementFacts};
 use super::outcome::Comparison;
 use crate::city::Site;
 use crate::live::LivePage;
 use crate::picture::Look;
 use crate::quantity::Height;
+use crate::render::gzip;
 
 /// The live page of a comparison, packed, and what its address says.
 pub(super) struct LivePacked {

@@ -48,12 +48,9 @@ pub enum LimitError {
     /// E502: a city wider than the lattice \[units\].
     #[error("cannot map {word}: it spans {span:.0} units, wanted at most {MAX_EXTENT_UNITS}")]
     Extent { word: String, span: f64 },
-    /// E505: more cells than a live page holds; the cell size, and the extent in the middle, that fit.
-    #[error("cannot make a page of {name}: {n} cells, wanted at most {most}")]
-    PageCells { name: String, n: usize, most: usize, cell: String, extent: String, is_raster: bool },
-    /// E505: more footprints than a live page holds; the extent in the middle that fits where they are evenly spread.
-    #[error("cannot make a page of {name}: {n} footprints, wanted at most {most}")]
-    PageFootprints { name: String, n: usize, most: usize, extent: String },
+    /// E505: more cells or footprints than a live page holds; how many of which, and what would fit.
+    #[error("cannot make a page of {name}: {n} {what}, wanted at most {most}")]
+    PageCity { name: String, n: usize, what: &'static str, most: usize, fits: FitsPage },
     /// E505: a live page that is too long \[MB\].
     #[error("cannot make a page of {name}: it would have {mb} MB, wanted at most {most_mb}")]
     PageBytes { name: String, mb: usize, most_mb: usize },
@@ -63,6 +60,21 @@ pub enum LimitError {
     /// E503: threads that the system does not give.
     #[error("cannot start {n} threads: {why}")]
     Threads { n: usize, why: String },
+}
+
+/// What of a city that is too large a live page could hold. Cells have their size \[m\], where larger ones would help.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum FitsPage {
+    /// A part of footprints or of a mesh: west, south, east, north \[CRS units\].
+    Extent { extent: [f64; 4], cell_m: Option<f64> },
+    /// A smaller generated city: its edge \[m\].
+    Size { size_m: f64, cell_m: Option<f64> },
+    /// Of a raster what is within this of a UAV \[m\].
+    Range { radius_m: f64 },
+    /// A raster that is brought into another system, in larger cells.
+    Cells { cell_m: f64 },
 }
 
 impl LimitError {
@@ -83,7 +95,7 @@ impl LimitError {
             | L::Tiles { .. }
             | L::Extent { .. } => 502,
             L::Threads { .. } => 503,
-            L::PageCells { .. } | L::PageFootprints { .. } | L::PageBytes { .. } | L::PageUavs { .. } => 505,
+            L::PageCity { .. } | L::PageBytes { .. } | L::PageUavs { .. } => 505,
         }
     }
 }

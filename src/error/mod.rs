@@ -7,7 +7,7 @@ mod request;
 mod warning;
 
 pub use input::InputError;
-pub use limit::LimitError;
+pub use limit::{FitsPage, LimitError};
 pub use places::PlacesError;
 pub use request::{OfGenerated, RequestError};
 pub use skyshed_core::error::ErrorClass;

@@ -21,6 +21,7 @@ use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::picture::Look;
 use crate::raster::GeoRef;
 use crate::zones::ZoneMap;
+use skyshed_live::pack::is_small_enough;
 
 /// A city ready for rays: footprints, a surface model, a mesh or a generated city, over a grid of cells.
 ///
@@ -83,7 +84,8 @@ impl Scene {
         if matches!(solids, Solids::Vector { .. }) {
             check_memory(&word.display(), &grid, FIELD_BYTES_PER_CELL)?;
         }
-        let kept = options.keeps_solids.then(|| Arc::new(solids.clone()));
+        let is_kept = options.keeps_solids && is_small_enough(&grid, &solids);
+        let kept = is_kept.then(|| Arc::new(solids.clone()));
         let Built { field, warnings: odd } = HeightField::build(&grid, solids);
         warnings.extend(odd.into_iter().map(Warning::Core));
         let build = start.elapsed().as_secs_f64() - read_s;

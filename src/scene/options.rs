@@ -43,7 +43,7 @@ pub struct SceneOptions {
     pub(crate) seed: Option<u64>,
     pub(crate) nodata_as: Option<NodataAs>,
     pub(crate) hash: bool,
-    /// Whether the solids are kept as they were read, for a live page.
+    /// Whether the solids are kept as they were read, for a live page, if that can hold them.
     pub(crate) keeps_solids: bool,
     /// The box of a raster that is read: west, south, east, north \[CRS units\]; all of it without one.
     pub(crate) around: Option<[f64; 4]>,
@@ -219,12 +219,17 @@ impl SceneOptions {
     pub(crate) fn city(&self, built_up: BuiltUp) -> BuiltUpCity {
         BuiltUpCity {
             built_up,
-            size_m: self.size_m.unwrap_or(1000.0),
+            size_m: self.city_edge_m(),
             margin_m: self.margin_m,
             cell_m: self.cell_m.unwrap_or(1.0),
             seed: self.seed_of_all(),
             ground_m: self.ground_m.unwrap_or(0.0),
         }
+    }
+
+    /// The edge of a generated city \[m\].
+    pub(crate) fn city_edge_m(&self) -> f64 {
+        self.size_m.unwrap_or(1000.0)
     }
 
     /// The seed of everything random.

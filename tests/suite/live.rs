@@ -6,8 +6,10 @@ use std::process::{Command, Stdio};
 
 use serde_json::{Value, json};
 
+use crate::plain_tiff::{Cells, PlainTiff};
 use crate::program::Folder;
 use crate::support::{Random, has_program, slow, truth};
+use crate::tiles::squares;
 
 /// Placements over each scene.
 const N_PLACES: usize = 20;
@@ -85,6 +87,40 @@ fn the_engine_of_a_page_gives_the_digests_of_the_program() {
     check_scene(&format!("{} --terrain {}", delft("dsm_1m.tif"), delft("terrain_1m.tif")), 5, driver);
     check_scene(&format!("{} --terrain {}", delft("buildings.geojson"), delft("terrain_1m.tif")), 6, driver);
     check_scene(&delft("dsm_with_vegetation_1m.tif"), 7, driver);
+}
+
+/// Cells without data, roofs, ranges and zones are those of the program.
+#[test]
+fn masks_of_all_receivers_and_ranges_are_those_of_the_program() {
+    if !has_program("node") {
+        return;
+    }
+    let folder = Folder::new();
+    let munich = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
+    let munich = munich.display();
+    folder.type_in(&format!("live {munich} -o page.html -q")).done();
+    let receivers = ["ground", "street", "crossroad", "courtyard", "roof", "all"];
+    let sights: Vec<(&str, f64, Option<f64>)> =
+        receivers.iter().flat_map(|which| [(*which, 1.5, None), (*which, 20.0, Some(333.3))]).collect();
+    let questions: Vec<Value> = sights
+        .iter()
+        .flat_map(|(receivers, rx_height_m, radius_m)| {
+            // The second is near the border, where much of what is in range holds no data.
+            let mut map = map(&[(691_549.7, 5_334_762.2, 60.0), (690_950.0, 5_334_900.0, 90.0)]);
+            map["sight"] = json!({"rx_height_m": rx_height_m, "receivers": receivers, "radius_m": radius_m});
+            [map, json!({"do": "digest"})]
+        })
+        .collect();
+    let answers = ask(&folder.word("page.html"), false, None, &questions);
+    for (pair, (receivers, rx_height_m, radius_m)) in answers[1..].chunks(2).zip(&sights) {
+        let radius = radius_m.map_or(String::new(), |radius| format!("--radius {radius}"));
+        let uavs = "--uav 691549.7,5334762.2,60 --uav 690950,5334900,90";
+        let line = format!("map {munich} {uavs} --receivers {receivers} --rx-height {rx_height_m} {radius} --json -q");
+        let wanted = folder.type_in(&line).done().json();
+        assert_eq!(pair[1]["digest"], wanted["digest"], "{line}");
+        let union = [&pair[0]["all"]["receivers"], &pair[0]["all"]["los"]];
+        assert_eq!(union, [&wanted["union"]["receivers"], &wanted["union"]["los"]], "{line}");
+    }
 }
 
 #[test]
@@ -201,20 +237,55 @@ fn words_of_the_data_are_text() {
 #[test]
 fn what_a_page_cannot_hold_is_refused_with_what_would_fit() {
     let folder = Folder::new();
-    let hint = |line: &str| {
-        let answer = folder.type_in(&format!("live {line} -o page.html"));
-        assert_eq!((answer.code(), answer.error()), (5, "E505"), "{answer:?}");
+    let hint = |line: &str, code: i32| {
+        let answer = folder.type_in(&format!("live {line} -o none.html"));
+        assert_eq!((answer.code(), answer.error()), (code, "E505"), "{answer:?}");
         answer.err.lines().find_map(|line| line.strip_prefix("hint: ").map(str::to_string)).unwrap_or_default()
     };
-    let cells = hint("itu:urban --size 5000");
-    assert!(cells.contains("--cell 1.3") && cells.contains("--extent"), "{cells}");
+    // What is between backticks after a flag, as it may be typed.
+    let flag = |hint: &str, name: &str| {
+        let rest = hint.split_once(&format!("`{name} ")).unwrap_or_else(|| panic!("{hint}: no {name}")).1;
+        format!("{name} {}", rest.split('`').next().unwrap())
+    };
+    let fits = |line: &str| {
+        folder.type_in(&format!("live {line} -o page.html --overwrite -q")).done();
+    };
+    let generated = hint("itu:urban --size 5000", 5);
+    fits(&format!("itu:urban --size 5000 {}", flag(&generated, "--cell")));
+    fits(&format!("itu:urban {}", flag(&generated, "--size")));
+
+    folder.write("house.geojson", &squares(&[[0.0, 0.0, 50.0, 9.0]]));
+    let wide = "house.geojson --crs EPSG:25832 --extent 0,0,9000,3000";
+    let footprints = hint(wide, 5);
+    fits(&format!("{wide} {}", flag(&footprints, "--cell")));
+    fits(&format!("house.geojson --crs EPSG:25832 {}", flag(&footprints, "--extent")));
+
+    // A raster of 4500 × 4000 cells: of it a page takes what is in range of its UAVs, which is a map of that part.
+    let values = (0..4500 * 4000).map(|k| f64::from(k / 700 % 7 * 3)).collect();
+    let raster =
+        PlainTiff { cells: Cells::Int16, rows_per_strip: 500, ..PlainTiff::floats((0.0, 4000.0), 1.0, 4500, values) };
+    std::fs::write(folder.join("large.tif"), raster.bytes()).unwrap();
+    let most: f64 = hint("large.tif", 5).rsplit_once(' ').unwrap().1.parse().unwrap();
+    assert!((2000.0..2048.0).contains(&most), "{most}");
+    fits(&format!("large.tif --uav 2100,2000,90 --radius {most}"));
+    let uav = "large.tif --uav 700,900,90 --radius 150";
+    fits(uav);
+    assert!(folder.text("page.html").contains("\"is_part\":true"));
+    folder.type_in(&format!("map {uav} -o m-{{site}}.json -q")).done();
+    if has_program("node") {
+        let mut part = map(&[(700.0, 900.0, 90.0)]);
+        part["sight"]["radius_m"] = json!(150.0);
+        let answers = ask(&folder.word("page.html"), false, None, &[part, json!({"do": "digest"})]);
+        assert_eq!(answers[2]["digest"], folder.json("m-1.json")["digest"]);
+    }
     let rows: String = (0..33).map(|k| format!("{k},5,90\n")).collect();
     folder.write("uavs.csv", &format!("x,y,h\n{rows}"));
-    hint("itu:urban --size 100 --uavs uavs.csv");
+    hint("itu:urban --size 100 --uavs uavs.csv", 5);
     if slow() {
-        hint("itu:0.3,5000,15 --size 8000 --cell 4");
+        let many = hint("itu:0.3,5000,15 --size 8000 --cell 4", 5);
+        fits(&format!("itu:0.3,5000,15 --cell 4 {}", flag(&many, "--size")));
     }
-    assert!(!folder.files().iter().any(|name| name.ends_with(".html")));
+    assert!(!folder.join("none.html").exists());
 }
 
 /// The demonstration in the manual is what the program writes.
@@ -238,7 +309,7 @@ fn the_scripts_of_the_page_are_of_their_types() {
     if !has_program("npx") {
         return;
     }
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/live/page");
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/render/src/live_page");
     let check = ["--yes", "-p", "typescript@5.9", "tsc", "-p"];
     let done = Command::new("npx").args(check).arg(page).output().unwrap();
     let said = String::from_utf8_lossy(&done.stdout);

@@ -1,8 +1,9 @@
-//! The live page: a city that follows the pointer, in one file that asks nobody.
+//! The engine of the live page: a city in one file of bytes, and answers about it while a UAV is dragged.
 //!
-//! The program packs a city ([`pack`]) and writes it, the engine and the page into one file ([`page`]). In the page a worker
-//! hands the city to the engine, which is this very crate as WebAssembly (`exports`): it unpacks and builds it, and
-//! answers questions ([`answers`]) in JSON and in bytes of cells. So the page and the program share all code that decides.
+//! The program packs a city ([`pack`]); `skyshed-render` puts it into a page, with this crate as WebAssembly beside it
+//! (`scripts/engine` makes that). In the page a worker hands the bytes to the engine (`exports`), which unpacks and builds the
+//! city, and answers [`questions`] with [`answers`] in JSON and with a byte for each cell. So the page and the program share all
+//! code that decides.
 
 pub mod answers;
 mod backdrop;
@@ -12,8 +13,6 @@ mod engine;
 #[cfg(target_family = "wasm")]
 pub mod exports;
 pub mod pack;
-#[cfg(not(target_family = "wasm"))]
-pub mod page;
 pub mod questions;
 
-pub use engine::Engine;
+pub use engine::{Engine, MOST_UAVS};

@@ -13,6 +13,20 @@ use skyshed_core::raster::{BitGrid, Crs, CrsDefinition, CrsKind, GeoRef, Raster}
 /// The first bytes; the number grows whenever the others change.
 const MAGIC: &[u8] = b"skyshed scene 1\n";
 
+/// The most cells that a page holds: 16 million, of 4096 × 4096.
+pub const MOST_CELLS: usize = 1 << 24;
+/// The most footprints.
+pub const MOST_FOOTPRINTS: usize = 300_000;
+
+/// Whether a page can hold a city.
+pub fn is_small_enough(grid: &GeoRef, solids: &Solids) -> bool {
+    let n_footprints = match solids {
+        Solids::Vector { footprints, .. } => footprints.len(),
+        Solids::Raster { .. } => 0,
+    };
+    grid.n_cells() <= MOST_CELLS && n_footprints <= MOST_FOOTPRINTS
+}
+
 /// A city of a page: what engines need of it.
 #[derive(Debug, Clone)]
 pub struct PackedCity {

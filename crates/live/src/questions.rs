@@ -133,7 +133,7 @@ impl From<Height> for AskedHeight {
 }
 
 /// For whom a map is made.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct Sight {
     /// Height of the receivers above what they stand on.
     pub rx_height_m: f64,
@@ -144,7 +144,7 @@ pub struct Sight {
 }
 
 /// Which cells hold receivers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[expect(missing_docs, reason = "as the program calls them")]
 pub enum Receivers {

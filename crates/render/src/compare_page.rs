@@ -9,6 +9,8 @@
 
 use std::fmt::Write as _;
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use skyshed_core::coverage::class;
 
@@ -19,7 +21,8 @@ use super::lettering::escape;
 use super::marks::Mark;
 use super::paint::{self, Canvas};
 use super::png;
-use super::sheet::{Drawing, base64};
+use super::sheet::Drawing;
+use super::web_page::{filled, in_script};
 
 const TEMPLATE: &str = include_str!("compare_page/page.html");
 const STYLE: &str = include_str!("compare_page/page.css");
@@ -159,32 +162,14 @@ pub fn compare_page(page: &ComparePage<'_>) -> Result<String, String> {
         ("view", in_script(&view(page, &thinned))),
         ("document", in_script(page.document)),
         ("live", page.live.map_or(String::new(), |_| LIVE_BUTTON.to_string())),
-        ("live_page", page.live.map_or(String::new(), |live| base64(live.page))),
+        ("live_page", page.live.map_or(String::new(), |live| STANDARD.encode(live.page))),
     ];
-    Ok(filled(&parts))
-}
-
-/// The template with its marks replaced, in one pass, so that words of the user are never taken for a mark.
-fn filled(parts: &[(&str, String)]) -> String {
-    let mut out = String::new();
-    let mut rest = TEMPLATE;
-    while let Some((before, (name, after))) = rest.split_once("{{").and_then(|(b, a)| Some((b, a.split_once("}}")?))) {
-        let part = parts.iter().find(|(part, _)| *part == name);
-        out += before;
-        out += part.map(|(_, text)| text.as_str()).expect("the template has no other marks");
-        rest = after;
-    }
-    out + rest
+    Ok(filled(TEMPLATE, &parts))
 }
 
 /// Words of the page, escaped, the index of each `P_LoS` below the line, and no break before a percent sign.
 fn words(text: &str) -> String {
     escape(text).replace("P_LoS", "P<sub>LoS</sub>").replace(" %", "\u{a0}%")
-}
-
-/// JSON that no parser of HTML takes for the end of its script.
-fn in_script(value: &Value) -> String {
-    value.to_string().replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
 }
 
 fn options(page: &ComparePage<'_>) -> String {
@@ -254,7 +239,7 @@ fn table(table: &PageTable) -> String {
 
 /// A picture that is part of the page.
 fn picture(attributes: &str, file: &[u8]) -> String {
-    format!("<img {attributes} src=\"data:image/png;base64,{}\">\n", base64(file))
+    format!("<img {attributes} src=\"data:image/png;base64,{}\">\n", STANDARD.encode(file))
 }
 
 /// What the script needs to know of the map.

@@ -12,6 +12,7 @@
 //! * [`draw_height_curve`]: P_LoS against the UAV's height.
 //! * [`draw_curve_sheet`]: estimates, bands and models against an angle or whatever was varied.
 //! * [`draw_compare_sheet`]: placements side by side, and what changes between them; [`compare_page`] as a web page.
+//! * [`live_page`]: a city in which a UAV is dragged, as a web page.
 //! * [`draw_heat_sheet`]: P_LoS against two quantities.
 //! * [`draw_rate_sheet`]: failure rates of methods on families of scenes.
 //! * [`draw_tradeoff`]: what accuracy costs, and the bias of what costs less.
@@ -38,6 +39,7 @@ mod legend;
 mod lettering;
 mod line_look;
 mod link_profile;
+mod live_page;
 mod map_layers;
 mod map_legend;
 mod map_panels;
@@ -59,6 +61,7 @@ mod track_profile;
 mod tradeoff;
 mod tradeoff_rows;
 mod value_range;
+mod web_page;
 mod z_buffer;
 
 pub use city_picture::{CityPicture, draw_city};
@@ -73,6 +76,7 @@ pub use height_curve::{HeightCurveLine, HeightCurvePlot, draw_height_curve};
 pub use lettering::{grouped, percent};
 pub use line_look::LineLook;
 pub use link_profile::{LinkProfile, Obstruction, draw_link_profile};
+pub use live_page::{LivePage, live_page};
 pub use map_layers::{Layer, MapClass};
 pub use map_legend::draw_overlay_legend;
 pub use map_panels::{MOST_MAP_PANELS, MapPanel, MapPanels, draw_map_panels};
@@ -85,3 +89,4 @@ pub use sheet::{PictureForm, PictureFormat, Sheet};
 pub use track_profile::{TrackPlan, TrackProfile, TrackStretch, draw_track_profile};
 pub use tradeoff::{Tradeoff, draw_tradeoff};
 pub use tradeoff_rows::TradeoffPoint;
+pub use web_page::gzip;

@@ -2,6 +2,8 @@
 //!
 //! All furniture is SVG text first, whatever the output, so that a test can read what a picture says.
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write as _;
 
 use image::RgbaImage;
@@ -143,7 +145,7 @@ impl Sheet {
         }
         let _ = writeln!(back, "<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>");
         for (x, y, image) in &self.images {
-            let data = base64(&png::encode_picture(image, form.dpi(), &[])?);
+            let data = STANDARD.encode(png::encode_picture(image, form.dpi(), &[])?);
             let (w, h) = image.dimensions();
             let _ = writeln!(
                 back,
@@ -283,30 +285,9 @@ pub(crate) fn px(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
-/// Encodes bytes in base 64 (RFC 4648).
-pub(crate) fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut out = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for chunk in bytes.chunks(3) {
-        let word = (0..3).fold(0_usize, |word, k| word << 8 | usize::from(chunk.get(k).copied().unwrap_or(0)));
-        for k in 0..4 {
-            let digit = char::from(DIGITS[word >> (18 - 6 * k) & 63]);
-            out.push(if k <= chunk.len() { digit } else { '=' });
-        }
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn base_64_matches_the_published_examples() {
-        for (plain, coded) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
-            assert_eq!(base64(plain.as_bytes()), coded);
-        }
-    }
 
     #[test]
     fn the_index_of_p_los_is_a_subscript() {

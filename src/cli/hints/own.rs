@@ -1,6 +1,6 @@
 //! Remedies for the errors of `src/error/`: requests, places, inputs, limits.
 
-use crate::error::{InputError, LimitError, OfGenerated, PlacesError, RequestError};
+use crate::error::{FitsPage, InputError, LimitError, OfGenerated, PlacesError, RequestError};
 use crate::los_probability::models::Model;
 
 pub(super) fn of_request(error: &RequestError) -> Option<String> {
@@ -92,16 +92,28 @@ pub(super) fn of_limit(error: &LimitError) -> Option<String> {
         L::Track { .. } => "choose longer steps: `--every M`",
         L::Tiles { .. } => "choose a larger `--tile`",
         L::Extent { .. } => "choose a part of it with `--extent`",
-        L::PageCells { cell, extent, is_raster: false, .. } => {
-            return Some(format!("`--cell {cell}`, or a part of it: `--extent {extent}`"));
-        }
-        L::PageCells { .. } => {
-            "the part in range of UAVs: `--radius M` with `--uav X,Y,H`; or coarser cells: `--project` with `--cell M`"
-        }
-        L::PageFootprints { extent, .. } => return Some(format!("a part of it, such as `--extent {extent}`")),
+        L::PageCity { fits, .. } => return Some(what_fits(fits)),
         L::PageBytes { .. } => "choose larger cells or a smaller extent",
         L::PageUavs { .. } => "`skyshed map` takes any number",
         L::Threads { .. } => "fewer with `-j N`, or allow this user more processes (`ulimit -u`)",
     };
     Some(hint.to_string())
+}
+
+/// What of a city a page could hold, as flags.
+fn what_fits(fits: &FitsPage) -> String {
+    let with_cells = |flag: String, cell_m: &Option<f64>| match cell_m {
+        Some(cell_m) => format!("`--cell {cell_m}`, or a part: `{flag}`"),
+        None => format!("a part: `{flag}`"),
+    };
+    match fits {
+        FitsPage::Extent { extent: [west, south, east, north], cell_m } => {
+            with_cells(format!("--extent {west},{south},{east},{north}"), cell_m)
+        }
+        FitsPage::Size { size_m, cell_m } => with_cells(format!("--size {size_m}"), cell_m),
+        FitsPage::Range { radius_m } => {
+            format!("the part in range of a UAV: `--uav X,Y,H --radius M`, M at most {radius_m}")
+        }
+        FitsPage::Cells { cell_m } => format!("`--cell {cell_m}`"),
+    }
 }

@@ -19,8 +19,8 @@ use crate::cell_picture::{CellPicture, seen_by};
 use crate::pack::{NotPacked, PackedCity, unpack};
 use crate::questions::{Layer, Question, Receivers, Shown, Sight, Uav};
 
-/// As many UAVs as a picture of counts tells apart.
-const MOST_UAVS: usize = 32;
+/// The most UAVs of a page: as many as a picture of counts tells apart.
+pub const MOST_UAVS: usize = 32;
 /// As many UAVs as a picture of who sees a cell tells apart.
 const MOST_WHO: usize = 4;
 
@@ -126,10 +126,7 @@ impl Engine {
     /// What cannot be answered, in words.
     pub fn answer(&mut self, question: Question) -> Result<Value, String> {
         match question {
-            Question::Map { uavs, sight, shown } => {
-                let mapped = self.map(uavs, sight, shown)?;
-                Ok(json!(mapped))
-            }
+            Question::Map { uavs, sight, shown } => self.map(uavs, sight, shown).map(|mapped| json!(mapped)),
             Question::Digest => Ok(json!({ "digest": self.digest() })),
             Question::Cell { x, y, which } => Ok(json!(self.cell(x, y, which))),
             Question::Link { which, x, y } => Ok(json!(self.link(which, x, y))),
@@ -142,19 +139,21 @@ impl Engine {
                 Ok(json!(search.step(self.field, &self.mapper, radius)))
             }
             Question::Compare { kept, base } => Ok(json!({ "rows": self.compare(&kept, base) })),
-            Question::Mask { which } => {
-                let which = which.filter(|_| self.maps.len() > 1).or((self.maps.len() == 1).then_some(0));
-                let (los, in_range) = match which {
-                    Some(which) => {
-                        let found = self.found(which)?;
-                        (found.seen.los.clone(), found.in_range.clone())
-                    }
-                    None => self.together(),
-                };
-                self.cells.mask(&mut self.picture, &los, in_range.as_ref());
-                Ok(json!({}))
-            }
+            Question::Mask { which } => self.mask(which).map(|()| json!({})),
         }
+    }
+
+    /// Makes the picture the mask of a UAV, or of all together.
+    fn mask(&mut self, which: Option<usize>) -> Result<(), String> {
+        let (los, in_range) = match which {
+            None => self.together(),
+            Some(which) => {
+                let found = self.found(which)?;
+                (found.seen.los.clone(), found.in_range.clone())
+            }
+        };
+        self.cells.mask(&mut self.picture, &los, in_range.as_ref());
+        Ok(())
     }
 
     /// The range in units of the grid.

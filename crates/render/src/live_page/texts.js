@@ -145,6 +145,7 @@ const ENGLISH = {
   commandSays: "It gives the same map.",
   copy: "Copy",
   digest: "Digest",
+  partSays: "This page holds the part of the raster in range of its first UAVs. The command maps all of it, so its digest is another.",
   digestSays: "Equal to that of skyshed map --json.",
   digestLater: "comes when the map rests",
 
@@ -316,6 +317,7 @@ const GERMAN = {
   commandSays: "Sie ergibt dieselbe Karte.",
   copy: "Kopieren",
   digest: "Prüfsumme",
+  partSays: "Diese Seite enthält den Teil des Rasters in Reichweite ihrer ersten Drohnen. Der Befehl kartiert alles, seine Prüfsumme ist also eine andere.",
   digestSays: "Gleich der von skyshed map --json.",
   digestLater: "kommt, wenn die Karte ruht",
 

@@ -44,7 +44,7 @@
  *   meters_per_unit: number}} Grid
  * @typedef {{label: string, name: string, epsg: number | null, wkt: string | null, geographic: boolean}} Crs
  * @typedef {{name: string, word: string, title: string, program: string, command: string[], grid: Grid, crs: Crs | null,
- *   limits: string[], attribution: string | null, start: {uavs: Uav[], sight: Sight, layer: Layer}}} Facts
+ *   limits: string[], is_part: boolean, most_uavs: number, attribution: string | null, start: {uavs: Uav[], sight: Sight, layer: Layer}}} Facts
  *
  * @typedef {{name: string, uavs: Uav[], sight: Sight}} Kept a placement that is kept
  * @typedef {{x: number, y: number, scale: number}} View the place in the middle, and CSS pixels per unit

@@ -71,6 +71,8 @@ const copyAddress = () => copyText(addressToCopy(), location.protocol === "file:
 
 /** Brings what the dialog shows up to date. */
 function showSave() {
+  // What is a part of a raster is not what the command maps.
+  if (facts.is_part) for (const id of ["command-says", "digest-says"]) setText(htmlById(id), say().partSays);
   inputById("address").value = addressToCopy();
   setText(htmlById("link-note"), location.protocol === "file:" ? say().linkLocal : say().linkSays);
   // Lines break before options, not at their hyphens.

@@ -6,7 +6,7 @@ const facts = JSON.parse(htmlById("facts").textContent ?? "");
 const { grid } = facts;
 
 /** More UAVs than this have no class of their own in a picture of counts. */
-const MOST_UAVS = 32;
+const MOST_UAVS = facts.most_uavs;
 /** More UAVs than this cannot be told apart in layer "who". */
 const MOST_WHO = 4;
 

@@ -1,0 +1,121 @@
+//! The live page as one file: markup, style and script, the engine, and a packed city.
+//!
+//! A policy in its head forbids the browser to fetch anything, and to run any script but the one whose digest it names: so
+//! words of the data cannot become one.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+
+use super::lettering::escape;
+use super::web_page::{filled, gzip, in_script};
+
+const TEMPLATE: &str = include_str!("live_page/page.html");
+const STYLE: &str = include_str!("live_page/page.css");
+/// The script is in parts, of which each uses those before it.
+const SCRIPTS: [&str; 27] = [
+    include_str!("live_page/types.js"),
+    include_str!("live_page/texts.js"),
+    include_str!("live_page/elements.js"),
+    include_str!("live_page/colors.js"),
+    include_str!("live_page/state.js"),
+    include_str!("live_page/words.js"),
+    include_str!("live_page/address.js"),
+    include_str!("live_page/asking.js"),
+    include_str!("live_page/coverage.js"),
+    include_str!("live_page/gl_painter.js"),
+    include_str!("live_page/canvas_painter.js"),
+    include_str!("live_page/view.js"),
+    include_str!("live_page/overlay.js"),
+    include_str!("live_page/gestures.js"),
+    include_str!("live_page/readout.js"),
+    include_str!("live_page/chart.js"),
+    include_str!("live_page/side_view.js"),
+    include_str!("live_page/curve.js"),
+    include_str!("live_page/best.js"),
+    include_str!("live_page/results.js"),
+    include_str!("live_page/panel.js"),
+    include_str!("live_page/sheet.js"),
+    include_str!("live_page/kept.js"),
+    include_str!("live_page/files.js"),
+    include_str!("live_page/picture.js"),
+    include_str!("live_page/save.js"),
+    include_str!("live_page/main.js"),
+];
+/// What unpacks the engine, and what asks it.
+const WORKER: [&str; 2] = [include_str!("live_page/lzma.js"), include_str!("live_page/worker.js")];
+/// The engine as WebAssembly, with and without vectors of 128 bits, packed together: made by `scripts/engine`, which also says
+/// how to see that it is what the sources give.
+const ENGINE: &[u8] = include_bytes!("live_page/engine.lzma");
+/// Lengths of both before they were packed.
+const ENGINE_LENGTHS: &str = include_str!("live_page/engine.lengths");
+
+/// What a live page is made of.
+#[derive(Debug, Clone, Copy)]
+pub struct LivePage<'a> {
+    /// The title of its window.
+    pub title: &'a str,
+    /// The program and its version.
+    pub generator: &'a str,
+    /// What the script is told.
+    pub facts: &'a Value,
+    /// The city, packed for the engine.
+    pub scene: &'a [u8],
+}
+
+/// Writes the page.
+pub fn live_page(page: &LivePage<'_>) -> String {
+    let script: String = SCRIPTS.iter().map(|script| without_comments(script)).collect();
+    let digest = STANDARD.encode(Sha256::digest(&script));
+    let policy = format!(
+        "default-src 'none'; script-src 'sha256-{digest}' 'wasm-unsafe-eval'; worker-src blob:; style-src 'unsafe-inline'; \
+         img-src data: blob:; base-uri 'none'; form-action 'none'"
+    );
+    let parts = [
+        ("policy", policy),
+        ("generator", page.generator.to_string()),
+        ("title", escape(page.title)),
+        ("css", without_comments(STYLE)),
+        ("js", script),
+        ("worker", WORKER.map(without_comments).concat()),
+        ("facts", in_script(page.facts)),
+        ("scene", STANDARD.encode(gzip(page.scene))),
+        ("engine", format!("{ENGINE_LENGTHS} {}", STANDARD.encode(ENGINE))),
+    ];
+    filled(TEMPLATE, &parts)
+}
+
+/// A script or a style without comments at the beginnings of lines and without indents, which are a third of it. Texts that
+/// span lines are shaders, which lose theirs, too.
+fn without_comments(source: &str) -> String {
+    let mut out = String::with_capacity(source.len());
+    let mut is_comment = false;
+    for mut line in source.lines().map(str::trim) {
+        while is_comment || line.starts_with("/*") {
+            let rest = line.split_once("*/").map(|(_, rest)| rest.trim());
+            is_comment = rest.is_none();
+            line = rest.unwrap_or_default();
+            if is_comment {
+                break;
+            }
+        }
+        if !line.is_empty() && !line.starts_with("//") {
+            out += line;
+            out.push('\n');
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn comments_go_and_code_stays() {
+        let source =
+            "// A word.\n/** @type {x} */ let a = 1; // kept\n/**\n * More.\n */\n/* 1 */ /* 2 */\n  b(); /* c */\n";
+        assert_eq!(without_comments(source), "let a = 1; // kept\nb(); /* c */\n");
+    }
+}

@@ -1,0 +1,34 @@
+//! What all web pages have in common: a template with marks, and data in scripts.
+
+use std::io::Write as _;
+
+use flate2::{Compression, GzBuilder};
+use serde_json::Value;
+
+/// A template with its marks `{{name}}` replaced, in one pass, so that words of the user are never taken for a mark.
+///
+/// # Panics
+/// If it has a mark without a part.
+pub(crate) fn filled(template: &str, parts: &[(&str, String)]) -> String {
+    let mut out = String::new();
+    let mut rest = template;
+    while let Some((before, (name, after))) = rest.split_once("{{").and_then(|(b, a)| Some((b, a.split_once("}}")?))) {
+        let part = parts.iter().find(|(part, _)| *part == name);
+        out += before;
+        out += part.map(|(_, text)| text.as_str()).expect("the template has no other marks");
+        rest = after;
+    }
+    out + rest
+}
+
+/// JSON that no parser of HTML takes for the end of its script.
+pub(crate) fn in_script(value: &Value) -> String {
+    value.to_string().replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
+}
+
+/// Bytes as gzip packs them best, which browsers unpack.
+pub fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut gzip = GzBuilder::new().write(Vec::new(), Compression::best());
+    // A vector takes all.
+    gzip.write_all(bytes).and_then(|()| gzip.finish()).unwrap_or_default()
+}
