@@ -171,6 +171,7 @@ impl LivePage {
             "limits": self.scene.limits_in_words().into_iter().collect::<Vec<_>>(),
             "attribution": look.credit(self.scene.attribution.as_ref()),
             "is_part": self.is_part,
+            "surface_only": self.scene.field.is_surface_only(),
             "most_uavs": MOST_UAVS,
             "start": {"uavs": self.uavs, "sight": self.sight.facts(), "layer": layer},
         })

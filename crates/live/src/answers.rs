@@ -10,8 +10,6 @@ pub struct Opened {
     pub has_zones: bool,
     /// Whether there are buildings.
     pub has_buildings: bool,
-    /// Whether a surface model is all that is known.
-    pub surface_only: bool,
 }
 
 /// What was found of a map.

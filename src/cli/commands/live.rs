@@ -52,8 +52,8 @@ impl LiveArgs {
             return run.emit(&page, &outputs, (&self.out, &look));
         }
         run.emit(&page, &outputs, (&self.out, &look))?;
-        if let Err(error) = open::that_detached(&outputs[0].0) {
-            say::note(&format!("no browser could be started ({error}): open the file in one"));
+        if open::that_detached(&outputs[0].0).is_err() {
+            say::note("no browser could be started: open the file in one");
         }
         Ok(())
     }

@@ -99,10 +99,7 @@ impl Engine {
 
     /// What is said of the scene.
     pub fn opened(&self) -> Opened {
-        let surface_only = self.field.is_surface_only();
-        let has_zones = self.zones.is_some();
-        let has_buildings = self.field.cells().building.count() > 0;
-        Opened { has_zones, has_buildings, surface_only }
+        Opened { has_zones: self.zones.is_some(), has_buildings: self.field.cells().building.count() > 0 }
     }
 
     /// Columns and rows of the grid.

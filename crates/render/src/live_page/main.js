@@ -129,7 +129,7 @@ function showOpened(opened) {
   document.documentElement.dataset.ready = "true";
   htmlById("slower").hidden = opened.simd;
   // What the scene does not have cannot be chosen.
-  for (const option of selectById("height-kind").options) option.disabled = option.value === "agl" && opened.surface_only;
+  for (const option of selectById("height-kind").options) option.disabled = option.value === "roof" && facts.surface_only;
   for (const option of selectById("receivers").options) option.disabled = !opened.has_buildings && option.value !== "ground" && option.value !== "all";
   showKeptRows();
   askCompare();

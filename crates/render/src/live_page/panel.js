@@ -132,7 +132,7 @@ function zeroOf(uav, kind) {
 }
 
 /** Whether a height above a roof is asked for where there is no building. @param {Uav} uav @param {SeenNot} seen */
-const isRoofMissing = (uav, seen) => seen.code === "E204" && uav.height.kind === "roof" && !engine.opened?.surface_only;
+const isRoofMissing = (uav, seen) => seen.code === "E204" && uav.height.kind === "roof" && !facts.surface_only;
 
 /** How far a UAV is lifted above the lowest height at which it can hover [m]. */
 const CLEARANCE = 5;
@@ -177,7 +177,7 @@ function settleNewcomer(answer) {
   if (!seen) return;
   newcomer = null;
   if (seen.ok) return;
-  setHeight(k, engine.opened?.surface_only && seen.lowest_amsl_m !== null ? { kind: "amsl", m: Math.ceil(seen.lowest_amsl_m + FIRST_HEIGHT.m) } : FIRST_HEIGHT);
+  setHeight(k, FIRST_HEIGHT);
 }
 
 /** The end of the slider of the range: half of the map's diagonal. */

@@ -24,6 +24,20 @@ const state = {
   /** Whether a person chose the theme; otherwise the system does. */ themeChosen: false,
 };
 
+// A surface model alone tells no ground and no building: what others call ground is its surface.
+if (facts.surface_only) {
+  for (const words of Object.values(TEXTS)) {
+    const { name, of, above, axis } = words.surface;
+    words.receiversChoice.ground = name;
+    words.receiversNames.ground = of;
+    words.zoneName.ground = name;
+    words.kinds.agl = above;
+    words.above.ground = above;
+    const { heightAxis } = words;
+    words.heightAxis = (aboveGround) => (aboveGround ? axis : heightAxis(aboveGround));
+  }
+}
+
 /** The texts in the language of the page. */
 const say = () => TEXTS[state.language];
 

@@ -18,6 +18,8 @@ const ENGLISH = {
 
   ofReceivers: (/** @type {string} */ what) => `of ${what} in line of sight`,
   within: (/** @type {string} */ range) => `within ${range}`,
+  /** Of a surface model alone, which tells no ground: what stands there, in a sentence, and above it. */
+  surface: { name: "surface", of: "the surface", above: "above the surface", axis: "UAV height above the surface [m]" },
   receiversChoice: {
     ground: "open ground", street: "streets", crossroad: "crossroads", courtyard: "courtyards", roof: "roofs", all: "ground and roofs",
   },
@@ -191,6 +193,7 @@ const GERMAN = {
 
   ofReceivers: (what) => `von ${what} in Sicht`,
   within: (range) => `im Umkreis von ${range}`,
+  surface: { name: "Oberfläche", of: "der Oberfläche", above: "über der Oberfläche", axis: "Höhe der Drohne über der Oberfläche [m]" },
   receiversChoice: {
     ground: "offener Boden", street: "Straßen", crossroad: "Kreuzungen", courtyard: "Höfe", roof: "Dächer", all: "Boden und Dächer",
   },

@@ -21,7 +21,7 @@
  *   seen_by: cells seen by no UAV, by one …; who: cells of classes 16 to 21 in layer 'who'
  * @typedef {{uavs: Seen[], all: AllSeen, picture: ArrayBuffer | null, ms: number}} MapAnswer
  *
- * @typedef {{simd: boolean, has_zones: boolean, has_buildings: boolean, surface_only: boolean, tone: ArrayBuffer,
+ * @typedef {{simd: boolean, has_zones: boolean, has_buildings: boolean, tone: ArrayBuffer,
  *   ms: number}} Opened
  * @typedef {{inside: boolean, row: number, col: number, ground_m: number | null, roof_m: number | null,
  *   kind: 'open' | 'building' | 'void', zone: string | null, sees: (boolean | null)[], margin_m: number | null}} CellAnswer
@@ -44,7 +44,7 @@
  *   meters_per_unit: number}} Grid
  * @typedef {{label: string, name: string, epsg: number | null, wkt: string | null, geographic: boolean}} Crs
  * @typedef {{name: string, word: string, title: string, program: string, command: string[], grid: Grid, crs: Crs | null,
- *   limits: string[], is_part: boolean, most_uavs: number, attribution: string | null, start: {uavs: Uav[], sight: Sight, layer: Layer}}} Facts
+ *   limits: string[], is_part: boolean, surface_only: boolean, most_uavs: number, attribution: string | null, start: {uavs: Uav[], sight: Sight, layer: Layer}}} Facts
  *
  * @typedef {{name: string, uavs: Uav[], sight: Sight}} Kept a placement that is kept
  * @typedef {{x: number, y: number, scale: number}} View the place in the middle, and CSS pixels per unit
