@@ -233,7 +233,12 @@ impl Seen {
 
 #[cfg(test)]
 mod tests {
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
     use super::*;
+    use crate::height_field::Prisms;
+    use crate::los::prisms_los;
 
     const M: i32 = 1024;
 
@@ -285,5 +290,80 @@ mod tests {
         let around = [-50, -50, 50, 50];
         assert_eq!(begins(&[(around, 60), ([60, -5, 70, 5], 10), (around, 10)]), [Some(1.0); 3]);
         assert_eq!(begins(&[]), []);
+    }
+
+    /// Whole numbers below `n`.
+    fn below(random: &mut ChaCha8Rng, n: u32) -> i32 {
+        i32::try_from(random.next_u32() % n).unwrap_or(0)
+    }
+
+    #[test]
+    fn in_random_towns_what_is_said_of_groups_holds_and_what_is_left_hides_the_same() {
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let (mut n_all, mut n_none, mut n_behind, mut n_seen, mut n_farther) = (0, 0, 0, 0, 0);
+        for _ in 0..300 {
+            // On a jittered grid: no two overlap, some share walls.
+            let pitch = 12 + below(&mut random, 20);
+            let mut blocks = Vec::new();
+            for k in 0..400 {
+                let (west, south) = ((k % 20 - 10) * pitch, (k / 20 - 10) * pitch);
+                let mut size = || 1 + below(&mut random, 2) * (pitch - 2) + below(&mut random, 2);
+                let (east, north) = (west + size(), south + size());
+                blocks.push(([west, south, east, north], 5 + below(&mut random, 60)));
+            }
+            let height = 20 + below(&mut random, 100);
+            let uav = LatticePoint {
+                x: i64::from(below(&mut random, 400) - 200) * 512,
+                y: i64::from(below(&mut random, 400) - 200) * 512,
+                z: i64::from(height * M),
+            };
+            let rings: Vec<_> = blocks.iter().map(|(bounds, _)| rectangle(*bounds)).collect();
+            let tops: Vec<i32> = blocks.iter().map(|(_, top)| top * M).collect();
+            let prisms = || rings.iter().zip(&tops).map(|(ring, top)| (ring, i64::from(*top)));
+            let groups = || rings.iter().zip(&tops).map(|(ring, top)| (ring, i64::from(top + 3 * M / 2)));
+            let sorted = sort_by_horizon(uav, 0, prisms(), groups());
+            let solids = |keep: &dyn Fn(usize) -> bool| {
+                let kept = (0..rings.len()).filter(|k| keep(*k)).zip(0..);
+                Prisms::new(kept.map(|(k, number)| (rings[k], tops[k], number)))
+            };
+            let (all, left) = (solids(&|_| true), solids(&|k| sorted.prisms[k].is_some()));
+            for ((ring, z), sight) in groups().zip(&sorted.groups) {
+                let [[west, south], _, [east, north], _] = *ring;
+                let ends = |low: i32, high: i32| [low + 1, low + (high - low) / 2, high - 1].map(i64::from);
+                for (x, y) in ends(west, east).into_iter().flat_map(|x| ends(south, north).map(|y| (x, y))) {
+                    let is_los = prisms_los(&all, uav, LatticePoint { x, y, z });
+                    assert!(*sight != Sight::All || is_los, "{uav:?} {ring:?} {z}");
+                    assert!(*sight != Sight::None || !is_los, "{uav:?} {ring:?} {z}");
+                }
+                n_all += u32::from(*sight == Sight::All);
+                n_none += u32::from(*sight == Sight::None);
+            }
+            n_behind += 400 - left.pieces().len();
+            // The ground all over the place, on the lattice of the walls as well.
+            let begins = &sorted.prisms;
+            for _ in 0..400 {
+                let mut at = || i64::from(below(&mut random, 1600) - 800) * 256;
+                let ground = LatticePoint { x: at(), y: at(), z: 0 };
+                let is_los = prisms_los(&all, uav, ground);
+                assert_eq!(is_los, prisms_los(&left, uav, ground), "{uav:?} {ground:?}");
+                n_seen += u32::from(is_los);
+            }
+            // Up to where a shadow begins, others hide what it does.
+            let farther = (0..rings.len()).filter_map(|k| Some((k, begins[k]?))).filter(|(_, begin)| *begin > 1.1);
+            for (k, begin) in farther.take(3) {
+                let others = solids(&|other| other != k);
+                let [[west, south], _, [east, north], _] = rings[k];
+                for part in 1..10 {
+                    let scale = 1.0 + (begin - 1.0) * f64::from(part) / 10.0;
+                    #[expect(clippy::cast_possible_truncation, reason = "a place there")]
+                    let at = |a: i32, b: i32, uav: i64| uav + (as_f64(i64::from(a.midpoint(b)) - uav) * scale) as i64;
+                    let ground = LatticePoint { x: at(west, east, uav.x), y: at(south, north, uav.y), z: 0 };
+                    assert!(!prisms_los(&others, uav, ground), "{uav:?} {ground:?} {:?}", rings[k]);
+                }
+                n_farther += 1;
+            }
+        }
+        let found = (n_all, n_none, n_behind, n_seen, n_farther);
+        assert!(n_all > 1000 && n_none > 1000 && n_behind > 1000 && n_seen > 1000 && n_farther > 100, "{found:?}");
     }
 }
