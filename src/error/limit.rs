@@ -62,7 +62,7 @@ pub enum LimitError {
     Threads { n: usize, why: String },
 }
 
-/// What of a city that is too large a live page could hold. Cells have their size \[m\], where larger ones would help.
+/// What a live page could hold of a city that is too large; with the size of cells \[m\] where larger ones would help.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]

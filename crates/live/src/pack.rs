@@ -1,8 +1,8 @@
 //! A city as bytes: what a page carries, and its engine builds again.
 //!
 //! A city is packed as it was read, on the lattice, before it is made ready for rays: so the page and the program build the
-//! same height field. Numbers are laid out for a compressor that knows nothing of them: heights are differences from what
-//! their neighbors lead to expect, and all first bytes stand together, then all second ones.
+//! same height field. Numbers are laid out for a compressor that knows nothing of them: a height is its difference from what
+//! its neighbors predict, and the first bytes of all heights stand together, then the second ones.
 
 use std::fmt;
 
