@@ -70,11 +70,6 @@ pub(crate) fn lacking(more: u64) -> Option<(u64, String)> {
     (needed > LIMIT.load(Ordering::Acquire)).then(|| (needed, limit_words()))
 }
 
-/// Bytes that are left below the limit.
-pub(crate) fn left() -> u64 {
-    LIMIT.load(Ordering::Acquire).saturating_sub(resident().unwrap_or(0))
-}
-
 /// Refuses work on a grid that does not fit in memory, before anything of its size is made.
 ///
 /// # Errors

@@ -84,6 +84,9 @@ impl MapPlan {
 /// What all masks laid over each other take for each cell.
 const OVERLAY_BYTES_PER_CELL: usize = 5;
 
+/// Least heights of receivers on the ground and on roofs, while a map is made.
+const LEAST_HEIGHTS_BYTES_PER_CELL: usize = 16;
+
 /// A map that is ready to be made.
 #[derive(Debug)]
 pub(crate) struct Prepared {
@@ -123,6 +126,7 @@ impl Prepared {
             .saturating_mul(1 + 4 * n_measures)
             .saturating_add(if uavs.len() > 1 { OVERLAY_BYTES_PER_CELL } else { 0 })
             .saturating_add(held.bytes_per_cell)
+            .saturating_add(if n_measures > 0 { n_held.max(1).saturating_mul(LEAST_HEIGHTS_BYTES_PER_CELL) } else { 0 })
             .saturating_add(if options.layers.stability { 2 * FIELD_BYTES_PER_CELL } else { 0 });
         check_memory(&scene.word, scene.grid(), bytes_per_cell)?;
         let field = std::sync::Arc::clone(&scene.field);

@@ -14,8 +14,8 @@ use crate::error::{LimitError, RequestError, Result, Warning, warned};
 use crate::export::{Batch, Format, Layer, add_mask_geotiff};
 use crate::formats::{ClassPyramid, RasterFile, TiffLayout};
 use crate::height_field::HeightField;
-use crate::los::{Method, StreamLimits};
-use crate::memory::{ANY_WORK, cells_of, check_bytes, lacking, left, memory_words};
+use crate::los::Method;
+use crate::memory::{ANY_WORK, cells_of, check_bytes, lacking, memory_words};
 use crate::picture::{Look, picture_provenance};
 use crate::progress::Progress;
 use crate::quantity::MAX_EXTENT_UNITS;
@@ -160,14 +160,6 @@ fn terrain_file(job: &MapJob) -> Result<Option<RasterFile>> {
     Ok(job.scene.terrain.as_deref().map(|path| RasterFile::open(path, &mut Vec::new())).transpose()?)
 }
 
-/// How many receivers may wait: as many as there is room for beside the strips, held twice while their lists grow.
-fn limits(job: &MapJob) -> Result<StreamLimits> {
-    let all = StreamLimits::default();
-    let left = left().saturating_sub(strip_memory(job)?);
-    let waiting = usize::try_from(left / 32).unwrap_or(all.waiting);
-    Ok(StreamLimits { waiting: waiting.clamp(1 << 16, all.waiting), ..all })
-}
-
 /// What was asked for, checked.
 pub(crate) struct StripsRun<'a> {
     pub(crate) job: &'a MapJob,
@@ -214,8 +206,7 @@ impl StripsRun<'_> {
         let mut pyramid = ClassPyramid::new((grid.n_rows(), grid.n_cols()));
         let mut digest = MaskDigest::new(grid);
         let mut shown = self.has_picture().then(|| Shown::new(grid));
-        let mut mapper = StreamedMapper::new(scene, &options, progress.control())?;
-        mapper.limits = limits(self.job)?;
+        let mapper = StreamedMapper::new(scene, &options, progress.control())?;
         let coverage = mapper.map(&uav, progress.control(), |_, mask| {
             digest.add(mask);
             if let Some(shown) = &mut shown {

@@ -4,8 +4,8 @@
 use skyshed_core::error::Result;
 use skyshed_core::height_field::{Columns, TileMaxima};
 use skyshed_core::los::{
-    ColumnsReader, ReceiverHeights, StreamLimits, StreamedHeights, StreamedScene, columns_los, streamed_sweep_los,
-    sweep_los,
+    ColumnsReader, ReceiverHeights, StreamLimits, StreamedHeights, StreamedScene, Swept, columns_least_receiver_height,
+    columns_los, streamed_sweep_los, sweep_los,
 };
 use skyshed_core::quantity::{BLOCKS_ALL, LatticePoint, VOID};
 use skyshed_core::raster::{BitGrid, CellWindow};
@@ -48,18 +48,36 @@ fn compare(
         ReceiverHeights::Flat(z) => i64::from(z),
         ReceiverHeights::Over { base, above, .. } => i64::from(base[cell]) + i64::from(above),
     };
-    let found = sweep_los(columns, uav, receivers, wanted, window, level);
+    let found = sweep_los(columns, uav, receivers, wanted, window, None, level);
     let ray = |row: usize, col: usize| {
         let ((x, y), z) = (columns.center(row, col), height(row * columns.n_cols() + col));
         columns_los(columns, uav, LatticePoint { x, y, z })
     };
     let what = || format!("{}×{}, UAV {uav:?}, {level:?}, window {window:?}", columns.n_rows(), columns.n_cols());
     let count = check_cells(&found.los, wanted, ray, what);
-    // Strips of every thickness, queues that are full at once and queues that never are.
+    // Strips of every thickness.
     let kind = usize::try_from(uav.x.rem_euclid(5)).expect("below 5");
-    let limits = StreamLimits { lines: [1, 3, 7, 64, 256][kind], waiting: [0, 5, 1 << 20][kind % 3] };
-    let streamed = streamed(columns, (uav, receivers), wanted, (window, limits, level));
-    assert!(streamed == found.los, "by {limits:?}: {}", what());
+    let limits = StreamLimits { lines: [1, 3, 7, 64, 256][kind] };
+    let streamed = |heights_from| streamed(columns, (uav, receivers), wanted, (window, limits, level), heights_from);
+    assert!(streamed(None).los == found.los, "by {limits:?}: {}", what());
+
+    // Least heights from some height on, those of the walk to the last bit.
+    let from = [-(1 << 25), -20 * 1024, uav.z - 2000, uav.z][usize::try_from(uav.y.rem_euclid(4)).expect("below 4")];
+    let with_heights = sweep_los(columns, uav, receivers, wanted, window, Some(from), level);
+    assert!(with_heights.los == found.los, "with heights: {}", what());
+    let heights = [with_heights, streamed(Some(from))].map(|swept| swept.least_heights.expect("asked for"));
+    for (row, col) in wanted.cells() {
+        let ((x, y), cell) = (columns.center(row, col), row * columns.n_cols() + col);
+        let receiver = LatticePoint { x, y, z: height(cell) };
+        let wanted = columns_least_receiver_height(columns, uav, receiver).height_steps();
+        #[expect(clippy::cast_precision_loss, reason = "below 2^53")]
+        let from = from as f64;
+        for (heights, how) in heights.iter().zip(["in memory", "by strips"]) {
+            let is_it = heights[cell].to_bits() == wanted.to_bits() || heights[cell].max(wanted) <= from;
+            let found = heights[cell];
+            assert!(is_it, "({row}, {col}): {found} for {wanted} from {from}, {how} of {limits:?}: {}", what());
+        }
+    }
     Count { asked: found.undecided, ..count }
 }
 
@@ -102,7 +120,8 @@ fn streamed(
     (uav, receivers): (LatticePoint, ReceiverHeights<'_>),
     wanted: &BitGrid,
     (window, limits, level): (CellWindow, StreamLimits, SimdLevel),
-) -> BitGrid {
+    heights_from: Option<i64>,
+) -> Swept {
     let (heights, base) = match receivers {
         ReceiverHeights::Flat(z) => (StreamedHeights::Flat(z), &[][..]),
         ReceiverHeights::Over { base, above, lowest, highest, .. } => {
@@ -117,10 +136,11 @@ fn streamed(
         receivers: heights,
         wanted,
         window,
+        heights_from,
         limits,
         level,
     };
-    streamed_sweep_los(&scene, &|_| true).expect("memory can be read").los
+    streamed_sweep_los(&scene, &|_| true).expect("memory can be read")
 }
 
 /// A small raster with heights around the UAV's, few distinct values so that ties are frequent.

@@ -21,7 +21,8 @@ impl<'a> CellHeights<'a> {
         CellHeights { field, uav, layers, surface_under_uav: surface_under(field, &uav.station.place) }
     }
 
-    /// Fills the layers of a row for some receivers, of which those in `los` are in line of sight.
+    /// Fills the layers of a row for some receivers, of which those in `los` are in line of sight; `least` are the least heights of all
+    /// receivers of the row that are, if they are known.
     pub(super) fn fill(
         &self,
         out: &mut Row<'_>,
@@ -29,6 +30,7 @@ impl<'a> CellHeights<'a> {
         receivers: &GridReceivers<'_>,
         row: usize,
         (wanted, los): (&[u64], &[u64]),
+        least: Option<&[f64]>,
     ) {
         if !self.layers.has_heights() {
             return;
@@ -39,7 +41,10 @@ impl<'a> CellHeights<'a> {
             let is_los = los[col / 64] >> (col % 64) & 1 == 1;
             if self.layers.margin || self.layers.least_receiver_height {
                 let base = receivers.base(first + col);
-                let (least, margin) = least_height_and_margin(self.field, self.uav, &receiver, base);
+                let (least, margin) = match least {
+                    Some(least) => with_margin(least[col], receiver.z, base, is_los),
+                    None => least_height_and_margin(self.field, self.uav, &receiver, base),
+                };
                 debug_assert_eq!(is_los, margin >= 0.0);
                 if let Some(v) = out.least_receiver_height.get_mut(col) {
                     *v = narrow(least);
@@ -66,9 +71,14 @@ impl<'a> CellHeights<'a> {
 pub(super) fn least_height_and_margin(field: &HeightField, uav: &Uav, receiver: &Station, base: i32) -> (f64, f32) {
     let (b, t) = link_least_receiver_heights(field, &uav.station, receiver);
     let is_los = b.is_met_by(receiver.z) && t.is_met_by(receiver.z);
-    let least = b.height_steps().max(t.height_steps()).max(f64::from(base)) / f64::from(STEPS_PER_UNIT);
+    with_margin(b.height_steps().max(t.height_steps()), receiver.z, base, is_los)
+}
+
+/// A least visible height \[m\] and the margin of a receiver at height `z` on `base`, in line of sight or not, from a least height \[1/1024 m\].
+fn with_margin(least: f64, z: i64, base: i32, is_los: bool) -> (f64, f32) {
+    let least = least.max(f64::from(base)) / f64::from(STEPS_PER_UNIT);
     #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
-    let height = receiver.z as f64 / f64::from(STEPS_PER_UNIT);
+    let height = z as f64 / f64::from(STEPS_PER_UNIT);
     // The sign is decided exactly; rounding to f32 must not turn it.
     let margin = narrow(height - least);
     (least, if is_los { margin.max(0.0) + 0.0 } else { margin.min(-f32::MIN_POSITIVE) })

@@ -245,7 +245,7 @@ impl<'a> Mapper<'a> {
             control.check()?;
             return Ok(SiteCoverage::of_tally(uav, tally));
         }
-        let decided = map.decide(0..n_rows);
+        let (decided, least_heights) = map.decide_with_heights(layers);
         let n_cells = n_rows * n_cols;
         let layer = |wanted: bool| if wanted { vec![f32::NAN; n_cells] } else { Vec::new() };
         let mut mask = LargeVec::<u8>::zeroed(n_cells);
@@ -263,7 +263,7 @@ impl<'a> Mapper<'a> {
                 least_height,
             })
             .enumerate();
-        let tally = in_bands(rows, n_at_once, |row, out| map.fill(&decided, row, out), &mut hand_over);
+        let tally = in_bands(rows, n_at_once, |row, out| map.fill(&decided, &least_heights, row, out), &mut hand_over);
         control.check()?;
         let answers = Answers {
             field: self.field,
@@ -370,8 +370,26 @@ impl OneMap<'_, '_> {
         receivers.iter().map(of_kind).collect()
     }
 
+    /// What all receivers come to, kind by kind; and the least heights of those in line of sight, if those are asked for and the
+    /// engine finds them at once.
+    fn decide_with_heights(&self, layers: HeightLayers) -> (Vec<Decided>, Vec<Option<Vec<f64>>>) {
+        let Mapper { field, engine, receivers, .. } = self.mapper;
+        if !layers.margin && !layers.least_receiver_height || self.is_stopped() {
+            return (self.decide(0..field.grid().n_rows()), vec![None; receivers.len()]);
+        }
+        let of_kind = |receivers: &GridReceivers<'_>| {
+            let wanted = (!self.range.is_everywhere()).then(|| self.range.cut(&receivers.cells));
+            let cells = wanted.as_ref().unwrap_or(&receivers.cells);
+            match engine.los_and_least_heights(&self.uav.station, receivers, cells, self.range.window()) {
+                Some((los, heights)) => ((wanted, los), Some(heights)),
+                None => (self.mapper.decide_wanted(engine, self.uav, (receivers, self.range), wanted), None),
+            }
+        };
+        receivers.iter().map(of_kind).unzip()
+    }
+
     /// Fills one row of every output.
-    fn fill(&self, decided: &[Decided], row: usize, out: &mut Row<'_>) -> Tally {
+    fn fill(&self, decided: &[Decided], least_heights: &[Option<Vec<f64>>], row: usize, out: &mut Row<'_>) -> Tally {
         let mut tally = Tally::default();
         if self.is_stopped() {
             return tally;
@@ -379,11 +397,12 @@ impl OneMap<'_, '_> {
         let mapper = self.mapper;
         let n_cols = mapper.field.grid().n_cols();
         let mut sets = RowSets::new(mapper.field.cells(), row, self.range.cols(row));
-        for (receivers, (wanted, los)) in mapper.receivers.iter().zip(decided) {
+        for (k, (receivers, (wanted, los))) in mapper.receivers.iter().zip(decided).enumerate() {
             let wanted = wanted.as_ref().unwrap_or(&receivers.cells).row(row);
             sets.add(wanted, los.row(row));
             tally.add_receivers(&mapper.elevations(self.uav, receivers, row), wanted, los.row(row));
-            self.heights.fill(out, mapper.engine.positions(), receivers, row, (wanted, los.row(row)));
+            let least = least_heights.get(k).and_then(Option::as_ref).map(|heights| &heights[row * n_cols..][..n_cols]);
+            self.heights.fill(out, mapper.engine.positions(), receivers, row, (wanted, los.row(row)), least);
         }
         tally.add_others(&sets, n_cols);
         write_classes(&sets, out.mask);
@@ -407,7 +426,7 @@ impl OneMap<'_, '_> {
             let rows = rows_from(first);
             let fill = |row: usize, mask: &mut [u8]| {
                 let (margin, least_height, least_receiver_height) = (&mut [][..], &mut [][..], &mut [][..]);
-                self.fill(&decided, row, &mut Row { mask, margin, least_receiver_height, least_height })
+                self.fill(&decided, &[], row, &mut Row { mask, margin, least_receiver_height, least_height })
             };
             let (next, of_strip) = rayon::join(
                 || if rows.end < n_rows { self.decide(rows_from(rows.end)) } else { Vec::new() },

@@ -212,6 +212,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             receivers: receivers.heights,
             wanted: wanted.as_ref().unwrap_or(&receivers.cells),
             window: range.window(),
+            heights_from: None,
             limits: self.limits,
             level: SimdLevel::new(),
         };

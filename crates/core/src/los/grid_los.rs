@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::shadow::{PlateauView, plateaus_los_in_view};
 use super::{
-    GridReceivers, Method, OnPlateaus, PlateauScene, ReceiverHeights, ShadowGrid, ShadowScene, StepLength,
+    GridReceivers, Method, OnPlateaus, PlateauScene, ReceiverHeights, ShadowGrid, ShadowScene, StepLength, Swept,
     UavPositions, WrongMethod, link_los, r2_los, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
 use crate::height_field::{Casters, Columns, GridPositions, HeightField, Plateaus, Prisms, Station};
@@ -209,6 +209,21 @@ impl<'a> GridLos<'a> {
         los
     }
 
+    /// The receivers of `wanted` that are in line of sight, and the least height of a receiver over each wanted cell that is
+    /// \[1/1024 m above the datum\], wherever that is above what receivers stand on; `None` if the engine knows no faster way than
+    /// [`link_least_receiver_heights`](super::link_least_receiver_heights) for each.
+    pub fn los_and_least_heights(
+        &self,
+        uav: &Station,
+        receivers: &GridReceivers<'_>,
+        wanted: &BitGrid,
+        window: CellWindow,
+    ) -> Option<(BitGrid, Vec<f64>)> {
+        let (Engine::Sweep(columns) | Engine::Plateaus(columns, ..)) = &self.engine else { return None };
+        let swept = self.sweep(columns, uav, receivers, (wanted, window), Some(i64::from(receivers.range.0)));
+        Some((swept.los, swept.least_heights?))
+    }
+
     fn by_sweep(
         &self,
         columns: &Columns,
@@ -217,6 +232,17 @@ impl<'a> GridLos<'a> {
         wanted: &BitGrid,
         window: CellWindow,
     ) -> BitGrid {
+        self.sweep(columns, uav, receivers, (wanted, window), None).los
+    }
+
+    fn sweep(
+        &self,
+        columns: &Columns,
+        uav: &Station,
+        receivers: &GridReceivers<'_>,
+        (wanted, window): (&BitGrid, CellWindow),
+        heights_from: Option<i64>,
+    ) -> Swept {
         let (lowest, highest) = receivers.range;
         let above = receivers.above;
         let heights = match receivers.bases() {
@@ -226,7 +252,7 @@ impl<'a> GridLos<'a> {
             }
             _ => ReceiverHeights::Flat(lowest + above),
         };
-        sweep_los(columns, uav.on_columns(), heights, wanted, window, self.level).los
+        sweep_los(columns, uav.on_columns(), heights, wanted, window, heights_from, self.level)
     }
 
     /// What a UAV has in view of plateaus.

@@ -11,14 +11,12 @@ use crate::raster::{BitGrid, CellWindow};
 pub struct StreamLimits {
     /// Lines of a strip; strips lie between its multiples, as tiles of that size do.
     pub lines: usize,
-    /// Receivers that may wait \[12 bytes each\].
-    pub waiting: usize,
 }
 
 impl Default for StreamLimits {
-    /// Strips as thick as a tile of 256 cells, and 16 million receivers.
+    /// Strips as thick as a tile of 256 cells.
     fn default() -> Self {
-        StreamLimits { lines: 256, waiting: 16 << 20 }
+        StreamLimits { lines: 256 }
     }
 }
 
@@ -84,6 +82,8 @@ pub struct StreamedScene<'a> {
     pub wanted: &'a BitGrid,
     /// A window that holds them, together with all cells between them and the UAV.
     pub window: CellWindow,
+    /// The height from which on least heights are asked for, if they are, at least −2^25 \[1/1024 m above the datum\].
+    pub heights_from: Option<i64>,
     /// What may be held in memory.
     pub limits: StreamLimits,
     /// The vector instructions to use: no result depends on them.

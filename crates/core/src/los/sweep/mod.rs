@@ -1,35 +1,51 @@
-//! `sweep` over columns: bounds on what hides a receiver, carried outward from the UAV line by line.
+//! `sweep` over columns: bounds on what hides a receiver, carried outward from the UAV row by row.
 //!
-//! # Method
+//! # Words
 //!
-//! The plane around the UAV is cut into four quadrants: in the one to the north all cells with |dx| ≤ dy, and so on. Within
-//! a quadrant the sweep goes outward over *lines* of cells (rows to the north and south, columns to the east and west).
-//! Positions are (lateral, distance): distance y > 0 across the lines, t = lateral/y the azimuth, |t| ≤ 1. Slopes are
-//! (z − h_U)/y, so that one slope holds along a whole ray.
+//! | word | meaning |
+//! |---|---|
+//! | row | a line of cells across the way out: of the raster to the north and south, a column of it to the east and west |
+//! | azimuth bin | the rays between two azimuths t = b/2^k and (b+1)/2^k, both included |
+//! | slope | height above the UAV over the distance across rows, so that one slope holds along a whole ray |
+//! | bound | a slope that no ray of a bin is obstructed above (`upper`), or that every ray of it is obstructed up to (`lower`) |
+//! | undecided | said of a receiver whose slope is between the bounds of its bin |
+//! | candidate row | a row that may obstruct a ray of a bin more than all others do |
+//! | obstructing point | where a ray meets the part of a cell that obstructs it the most: the end nearest the lower terminal |
+//! | wedge | some bins next to each other, which one thread takes outward |
+//!
+//! # Algorithm
+//!
+//! 1. Cut the plane around the UAV into four quadrants; number the rows of each outward ([`frame`]). Cut the quadrant into wedges.
+//! 2. Get one row after another, from memory or from a reader ([`row_source`]).
+//! 3. For each bin, look up the cells under both its edges where rays enter the row and where they leave it; these four tops give
+//!    bounds of the row, which raise those of the bin ([`bounds`]).
+//! 4. Compare each receiver of the next row with the bounds of its bin, which are of the rows before its own: above `upper` it is
+//!    LoS, below `lower` NLoS, both proven ([`receivers`]).
+//! 5. Settle those between exactly, by the few rows that may hide them ([`undecided`]).
+//! 6. Where least heights are asked for, find the steepest obstruction of each link among the candidate rows of its bin
+//!    ([`least_heights`]).
+//!
+//! [`wedge`] is the loop over rows, [`run`] that over quadrants and wedges, [`output`] takes the answers. Cells near the UAV are left
+//! to `ray`, since their bins would be many to a cell.
 //!
 //! ```text
-//!   distance e ──┬─────┬──x──┬─────┬──   a line spans distances a to e; a bin is what lies
-//!                │     │ / \ │     │     between two azimuths, closed, and narrower than a
-//!   distance a ──┴─────┴x───x┴─────┴──   cell at e
-//!                      /     \           UAV at distance 0, below
+//!   distance e ──┬─────┬──x──┬─────┬──   a row spans distances a to e; the bin between both rays is
+//!                │     │ / \ │     │     narrower than a cell at e. It is over the two middle cells at e,
+//!   distance a ──┴─────┴x───x┴─────┴──   and over the left one of them at a: with tops of −8 and −2 m at a = 40
+//!                      /     \           and e = 41 m, a UAV at 0, `upper` is −2/41, `lower` is −8/41
 //! ```
 //!
-//! Azimuth is cut into closed *bins* at t = b/2^k, and each bin holds two bounds over the lines passed so far that may hide
-//! a receiver:
-//! * `upper`: none of these lines obstructs a ray of the bin above this slope. A line raises it to the largest height among
-//!   the cells under both edges of the bin at a and at e. Sorted by position these four points are at most a cell apart
-//!   (|t| ≤ 1 moves a ray by at most a cell per line, and a bin is narrower than a cell), so no cell that a ray of the bin
-//!   touches is missed.
-//!   A height d = z − h_U obstructs with slope d/e at most if d ≤ 0, with d/a at most if d > 0: the larger of both.
-//! * `lower`: every ray of the bin is obstructed at least up to this slope. Each ray leaves the line at e through one of
-//!   the two cells under the edges there (or on the border between), so the lower of these two, at e, obstructs it. It enters
-//!   the line through one of the two cells under the edges at a, so the lower of those, at a, obstructs it as well: on rough
-//!   surfaces this proves a fifth of what would be in doubt, since half of all cells that rays touch are left sideways.
+//! # Why the bounds hold
 //!
-//! A receiver is compared with the lines *before* its own: from a cell center, |t| ≤ 1 crosses no other cell of the own
-//! line. If its slope is above `upper` it is LoS, below `lower` NLoS, both proven; the few between are settled by the lines
-//! that may hide them, the last of them by a walk along their ray ([`line_walk`]), in exact integers. So the
-//! outcome is that of `ray`, cell for cell.
+//! Positions are (lateral, distance): distance y > 0 across rows, t = lateral/y the azimuth, |t| ≤ 1.
+//!
+//! * `upper` is that of the highest of the four tops. Sorted by position the four points are at most a cell apart (|t| ≤ 1 moves a
+//!   ray by at most a cell per row, and a bin is narrower than a cell), so no cell that a ray of the bin touches is missed. A top d
+//!   above the UAV obstructs with slope d/e at most if d ≤ 0, with d/a at most if d > 0: the larger of both.
+//! * `lower`: each ray leaves the row at e through one of the two cells under the edges there, or on the border between them, so the
+//!   lower of these two, at e, obstructs it; and the lower of those under the edges at a, at a. On rough surfaces the second
+//!   proves a fifth of what would be in doubt, since half of all cells that rays touch are left sideways.
+//! * From a cell center, |t| ≤ 1 crosses no other cell of the own row: so rows before it are all that can hide a receiver.
 //!
 //! **On the edge of a bin.** A ray exactly on edge t_b is in two closed bins. `upper` holds for it in both. `lower` is the
 //! problem: where the ray meets a or e exactly on a border between cells, a look-up takes one of them, and the ray is in the
@@ -43,63 +59,54 @@
 //!
 //! Which cell is under an edge is decided in integers: an edge is at (u·2^k + b·y)/2^(k+10) cells. Which bin a receiver is in
 //! is decided in fixed point: where it is among the bins, dx·2^k/y, is a multiple of 1/y, so half of that is room enough for
-//! rounding once none of them is on an edge any more ([`receivers`]). In a vector of lanes only a remainder below 2^31 is left to
+//! rounding once none of them is on an edge any more. In a vector of lanes only a remainder below 2^31 is left to
 //! add to: of edges it is exact, of receivers it is rounded down by less than 2^-31 of a bin, for which there is room as well.
 //! Slopes are 32-bit floats. A height difference is rounded once (2^-24 of itself), the inverse distance twice, its product
-//! with what puts a bound off once, the product once: a slope is off by less than 2^-21 of itself, and maxima and minima round nothing. So
-//! two slopes compare as they would exactly wherever they differ by more than 2^-20 of either. Both bounds are put off by
-//! 2^-19 of themselves, `upper` up and `lower` down, and what lies between is left undecided ([`kernels`]). No distance is
-//! below half a lattice cell but a = 0 in the UAV's own line, where 1/a is 10^25: every height above the UAV is then too
+//! with what puts a bound off once, the product once: a slope is off by less than 2^-21 of itself, and maxima and minima round
+//! nothing. So two slopes compare as they would exactly wherever they differ by more than 2^-20 of either. Both bounds are put off
+//! by 2^-19 of themselves, `upper` up and `lower` down, and what lies between is left undecided. No distance is
+//! below half a lattice cell but a = 0 in the UAV's own row, where 1/a is 10^25: every height above the UAV is then too
 //! steep for any receiver, as it must be.
 //!
 //! # What makes it fast
 //!
 //! * Cells under edges are looked up with a permutation of one vector, since neighbors are less than a cell apart, and the
-//!   bounds of receivers with one of two. All instruction sets do the same operations in the same order: the bits are the
-//!   same.
-//! * Rays exit a line where they enter the next one, so a line raises the bounds when the next one is entered, and cells are
+//!   bounds of receivers with one of two. All instruction sets do the same operations in the same order: the bits are the same.
+//! * Rays leave a row where they enter the next one, so a row raises the bounds when the next one is entered, and cells are
 //!   looked up in both by one reckoning of places.
-//! * A line that is below every receiver still to come, wherever it may be, can hide none and raises nothing: so do the streets
-//!   between blocks on flat ground (two of five lines of an urban city).
-//! * Near lines need few bins: a bin splits in two, which inherit its bounds, when the next line asks for narrower ones.
-//!   Bins twice as fine leave fewer receivers undecided, by a sixth to a quarter, but cost as much as these walks do.
-//! * Bins in which no later receiver can be LoS retire, 32 at a time; in dense cities nearly all do.
+//! * A row that is below all that is asked for beyond it, wherever that may be, hides nothing and raises nothing: so do the streets
+//!   between blocks on flat ground (two of five rows of an urban city).
+//! * Near rows need few bins: a bin splits in two, which inherit what it knows, when the next row asks for narrower ones.
+//! * Bins that no later row can change retire, 32 at a time; in dense cities nearly all do.
 //! * Bins sleep through what lies in the dark. The highest top and receiver of each tile of 8 × 8 cells are known
-//!   ([`crate::height_field::TileMaxima`]). Where those of all tiles that 32 bins pass in the next eight lines are less steep than the least
-//!   `lower` of these bins, nothing there can raise a bound, be suspected or be seen: not `lower`; not `upper`, which is never
-//!   below it; nor is a receiver LoS. So neither cells nor receivers are looked at. This comparison leaves more slack than
-//!   any bound is put off by. About half of all bins sleep in an urban city of 4096² cells, fewer in suburbs, more among
-//!   high-rises. Gaps of less than 96 bins between others stay awake, which is harmless and costs less than to leave them out.
-//! * An undecided receiver need only be asked about the lines that can matter ([`suspects`]). Each bin knows its steepest line
-//!   and how steep the second is. Looked at where the ray, in fixed point, enters and leaves it, the steepest line hides four
-//!   of ten, and three of ten are seen because no other is as steep as they are. For the rest each bin knows the steepest of
-//!   the present group of up to eight lines, the two steepest groups before it, and the first and the last of all other groups
-//!   that are as steep as any receiver in doubt can be, that is neither below the lowest possible receiver nor below `lower`.
-//!   Over laser scans a half to three quarters of the rest need one group, and one in forty needs other groups; over
-//!   these a walk skips eight lines at a time where the tiles are below it.
-//! * To the east and west, strips of 64 columns are turned into lines first; memory is read in rows throughout. Rows of rasters
-//!   in memory are asked for while those before them are turned or passed: what a wedge reads of a row is too short for a core to
-//!   read ahead by itself.
+//!   ([`crate::height_field::TileMaxima`]). Where those of all tiles that 32 bins pass in the next eight rows are less steep than
+//!   the least `lower` of these bins, nothing there can raise a bound, be a candidate or be seen. This comparison leaves more slack
+//!   than any bound is put off by. Gaps of less than 96 bins between others stay awake, which costs less than to leave them out.
+//! * To the east and west, strips of 64 columns are turned into rows first; memory is read in rows throughout.
 //!
-//! Cost: two to three look-ups per cell that is not in the dark, and a look at one line or a walk for each undecided receiver
-//! (0.02 to 3 % of all).
+//! Cost: two to three look-ups per cell that is not in the dark, and a look at a row or a walk for each undecided receiver (0.02 to 3 %
+//! of all); with least heights, two candidate rows for each receiver.
+//!
+//! # Where what comes next belongs
+//!
+//! Heights that depend on the UAV (the earth's curvature) are lowered where tops become heights above the UAV, in
+//! [`wedge`]'s `above_uav` and in [`receivers`], tiles where they are asked for their highest. A top that is a plane over its cell has
+//! two heights at a and two at e instead of one: those under each edge there; a candidate row then keeps the plane.
 
-mod bins;
+mod bounds;
+mod candidates;
 mod columns_reader;
-mod in_memory;
-mod kernels;
-mod line_order;
-mod line_walk;
-mod quadrant_pass;
-mod quadrants;
+mod frame;
+mod least_heights;
+mod output;
 mod receivers;
-mod shared_bits;
-mod streamed;
+mod row_source;
+mod row_walk;
+mod run;
+mod simd;
 mod suspects;
-mod verdicts;
+mod undecided;
 mod wedge;
 
 pub use columns_reader::{ColumnsReader, StreamLimits, StreamedHeights, StreamedScene};
-pub use in_memory::{ReceiverHeights, sweep_los};
-pub use quadrants::Swept;
-pub use streamed::streamed_sweep_los;
+pub use run::{ReceiverHeights, Swept, streamed_sweep_los, sweep_los};

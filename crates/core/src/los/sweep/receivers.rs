@@ -1,11 +1,11 @@
-//! Where the receivers of a line are among its bins, and what the bounds of these say of them, in vectors as in [`kernels`].
-//!
-//! [`kernels`]: super::kernels
+//! Step 4: the receivers of a row among its bins, and what the bounds of these say of them.
 
 use fearless_simd::prelude::*;
 
-use super::kernels::{CELL_BITS, PAD_I64, tables};
-use super::quadrants::{CELL, as_i64};
+use super::bounds::PAD_I64;
+use super::frame::{CELL, CELL_BITS, Frame, as_i64};
+use super::row_source::{Rows, Stand};
+use super::simd::tables;
 
 /// Bits of an azimuth in fixed point.
 pub(super) const AZIMUTH_BITS: u32 = 36;
@@ -23,7 +23,7 @@ const PLACE_BITS: u32 = 44;
 /// Bits below the bin that are left in 32 bits, beside a carry.
 const LANE_BITS: u32 = 31;
 
-/// Where the receivers of one line are among its bins.
+/// Where the receivers of one row are among its bins.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ReceiverMap {
     level: u32,
@@ -32,7 +32,7 @@ pub(super) struct ReceiverMap {
     /// Of its center from the UAV, times 2^level \[lattice steps\]; less 1 where a receiver on an edge belongs to the bin
     /// before it.
     offset: i64,
-    /// Of the line's cell centers from the UAV \[lattice steps\].
+    /// Of the row's cell centers from the UAV \[lattice steps\].
     distance: i64,
     /// The place of the first cell, and how far the places of neighbors are apart \[2^-44 bins\].
     origin: i64,
@@ -82,22 +82,34 @@ impl ReceiverMap {
     }
 }
 
-/// How high the receivers of a line are above the UAV.
+/// How high the receivers of a row are above the UAV.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum LineReceivers<'a> {
+pub(super) enum RowReceivers<'a> {
     /// All alike \[1/1024 m\].
     Flat(i32),
     /// `base[c − first] + above`.
     Over { base: &'a [i32], first: i64, above: i32 },
 }
 
-impl LineReceivers<'_> {
+impl<'a> RowReceivers<'a> {
+    /// Those of a row.
+    pub(super) fn new(frame: &Frame, rows: &Rows<'a>, row: usize, stand: Stand) -> Self {
+        match stand {
+            Stand::Flat(z) => RowReceivers::Flat(z.wrapping_sub(frame.uav_z)),
+            Stand::OnTops(above) | Stand::OnBases(above) => RowReceivers::Over {
+                base: rows.bases(row, stand),
+                first: rows.first(),
+                above: above.wrapping_sub(frame.uav_z),
+            },
+        }
+    }
+
     /// How high the receiver of lateral cell `c` is above the UAV \[1/1024 m\].
     #[inline]
     pub(super) fn height(&self, c: usize) -> i64 {
         match self {
-            LineReceivers::Flat(z) => i64::from(*z),
-            LineReceivers::Over { base, first, above } => {
+            RowReceivers::Flat(z) => i64::from(*z),
+            RowReceivers::Over { base, first, above } => {
                 i64::from(base[c - usize::try_from(*first).unwrap_or(0)]) + i64::from(*above)
             }
         }
@@ -109,9 +121,11 @@ impl LineReceivers<'_> {
 pub(super) struct Decided {
     pub(super) los: u64,
     pub(super) undecided: u64,
+    /// Those that were compared with bounds.
+    pub(super) all: u64,
 }
 
-/// How receivers of a line lie over its bins, and how high they are, lane by lane.
+/// How receivers of a row lie over its bins, and how high they are, lane by lane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ReceiverLanes<S: Simd> {
     map: ReceiverMap,
@@ -124,10 +138,10 @@ pub(super) struct ReceiverLanes<S: Simd> {
 }
 
 impl<S: Simd> ReceiverLanes<S> {
-    /// For the receivers of one line.
+    /// For the receivers of one row.
     #[inline(always)]
-    pub(super) fn new(simd: S, map: ReceiverMap, receivers: &LineReceivers<'_>) -> Self {
-        // At most 2^level = 2·far bins lie over the distance of a line's centers, which is half a cell less, so from as many
+    pub(super) fn new(simd: S, map: ReceiverMap, receivers: &RowReceivers<'_>) -> Self {
+        // At most 2^level = 2·far bins lie over the distance of a row's centers, which is half a cell less, so from as many
         // cells on as a vector has lanes, a vector of receivers lies over two vectors of bins.
         debug_assert!((map.step * (as_i64(S::f32s::LEN) - 1)) >> PLACE_BITS < 2 * as_i64(S::f32s::LEN) - 1);
         let of_lanes = |part: fn(i64) -> u32| {
@@ -138,8 +152,8 @@ impl<S: Simd> ReceiverLanes<S> {
         let per_distance = S::f32s::splat(simd, 1.0 / map.distance as f32);
         #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
         let flat = match receivers {
-            LineReceivers::Flat(above_uav) => S::f32s::splat(simd, *above_uav as f32) * per_distance,
-            LineReceivers::Over { .. } => S::f32s::splat(simd, 0.0),
+            RowReceivers::Flat(above_uav) => S::f32s::splat(simd, *above_uav as f32) * per_distance,
+            RowReceivers::Over { .. } => S::f32s::splat(simd, 0.0),
         };
         ReceiverLanes { map, wholes: of_lanes(whole), rests: of_lanes(rest), per_distance, flat }
     }
@@ -167,26 +181,26 @@ impl<S: Simd> ReceiverLanes<S> {
     }
 }
 
-/// Decides the receivers `cells` of a line, calling `word(index, decided)` for each run of 64 that holds one.
+/// Decides the receivers `cells` of a row, calling `word(index, decided)` for each run of 64 that holds one.
 #[inline(always)]
-pub(super) fn decide_line<S: Simd>(
+pub(super) fn decide_row<S: Simd>(
     simd: S,
     bounds: &Bounds<'_>,
     lanes_of: &ReceiverLanes<S>,
-    receivers: &LineReceivers<'_>,
+    receivers: &RowReceivers<'_>,
     cells: std::ops::Range<usize>,
     word: &mut impl FnMut(usize, Decided),
 ) {
     // PERF: a loop for each, not a choice in every vector.
     match receivers {
-        LineReceivers::Flat(_) => decide_words::<S, true>(simd, bounds, lanes_of, (&[], 0, 0), cells, word),
-        LineReceivers::Over { base, first, above } => {
+        RowReceivers::Flat(_) => decide_words::<S, true>(simd, bounds, lanes_of, (&[], 0, 0), cells, word),
+        RowReceivers::Over { base, first, above } => {
             decide_words::<S, false>(simd, bounds, lanes_of, (base, *first, *above), cells, word);
         }
     }
 }
 
-/// Decides receivers that are all alike, or those of [`LineReceivers::Over`].
+/// Decides receivers that are all alike, or those of [`RowReceivers::Over`].
 #[inline(always)]
 fn decide_words<S: Simd, const IS_FLAT: bool>(
     simd: S,
@@ -223,7 +237,7 @@ fn decide_words<S: Simd, const IS_FLAT: bool>(
             place += step;
         }
         let within = (u64::MAX << from) & (u64::MAX >> (64 - to));
-        word(index, Decided { los: los & within, undecided: within & !los & !nlos });
+        word(index, Decided { los: los & within, undecided: within & !los & !nlos, all: within });
     }
 }
 

@@ -1,113 +1,303 @@
-//! The lines that may hide a receiver which the bounds leave undecided.
+//! Step 5, where all rows are in memory: the few rows that may hide a receiver in doubt are looked up, or walked over.
+//!
+//! Rows come in *groups*: those of one row of tiles. Each bin knows its steepest row, how steep the second is, and which groups
+//! hold the others that may hide a receiver: the present one, the two steepest ones before it, and the first and the last of the rest.
+//! Looked at where the ray enters and leaves it, the steepest row hides four of ten receivers in doubt, and three of ten are seen
+//! because no other is as steep as they are. Over laser scans a half to three quarters of the rest need one group.
 
-use super::bins::Bins;
-use super::kernels::PAD;
-use super::quadrants::{CELL, as_i64};
-use super::receivers::ReceiverMap;
-use crate::height_field::TILE;
+use std::ops::Range;
 
-/// What the bins of a wedge suspect of hiding the receivers of one line. Lines are counted back from that line.
-#[derive(Debug, Clone, Copy)]
+use fearless_simd::prelude::*;
+
+use super::bounds::{PAD, split};
+use super::frame::{CELL, as_i64};
+use super::receivers::AZIMUTH_BITS;
+use super::row_walk::{LinkLength, LinkOverRows, RowCells, RowTiles};
+use super::undecided::{Open, Passed, Recall, Settling};
+use crate::height_field::{Columns, TILE};
+
+/// Below every slope that counts.
+const NO_SLOPE: f32 = f32::NEG_INFINITY;
+
+/// What the bins of a wedge know of the rows that may hide a receiver: values of bin `i` are at `i + PAD`.
+#[derive(Debug)]
 pub(super) struct Suspects<'a> {
-    pub(super) bins: &'a Bins,
-    /// The first bin, and the last one that a receiver may be given.
-    pub(super) first_bin: i64,
-    pub(super) last_bin: i64,
-    pub(super) map: ReceiverMap,
-    /// One over the distance of the receivers.
-    pub(super) per_distance: f32,
-    /// The numbers of the receivers' line and of the first line of the present group.
-    pub(super) number: i32,
-    pub(super) group_start: i32,
-    /// The words of the first and of the last receiver of the wedge in the line.
-    pub(super) ends: (i64, i64),
-}
-
-/// Some lines, from the farthest back to the nearest.
-pub(super) type Lines = (i64, i64);
-
-/// What is known of a receiver.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Suspected<'a> {
-    suspects: &'a Suspects<'a>,
-    /// Its azimuth \[2^-36\], where the values of its bin are, and its slope.
-    azimuth: i64,
-    bin: usize,
-    slope: f32,
+    columns: &'a Columns,
+    /// The steepest row, and the upper bound by all others.
+    steepest_row: Vec<i32>,
+    second: Vec<f32>,
+    /// The upper bound by the rows of the present group, and its first row.
+    present: Vec<f32>,
+    present_start: i32,
+    /// The upper bound by the steepest group before it, and its first row; and of the steepest one of the rest.
+    steepest: Vec<f32>,
+    steepest_start: Vec<i32>,
+    next_steepest: Vec<f32>,
+    next_start: Vec<i32>,
+    /// The upper bound by all other groups, and the first rows of the first and of the last of these that may hide a receiver from
+    /// here on.
+    others: Vec<f32>,
+    first_other: Vec<i32>,
+    last_other: Vec<i32>,
 }
 
 impl<'a> Suspects<'a> {
-    /// Whether a word of 64 receivers may hold some of another wedge.
-    #[inline(always)]
-    pub(super) fn is_shared(&self, word: usize) -> bool {
-        as_i64(word) <= self.ends.0 || as_i64(word) >= self.ends.1
+    /// Of no rows yet.
+    pub(super) fn new(columns: &'a Columns, len: usize) -> Self {
+        let slopes = || vec![NO_SLOPE; len + 2 * PAD];
+        let rows = || vec![0; len + 2 * PAD];
+        Suspects {
+            columns,
+            steepest_row: rows(),
+            second: slopes(),
+            present: slopes(),
+            present_start: 0,
+            steepest: slopes(),
+            steepest_start: rows(),
+            next_steepest: slopes(),
+            next_start: rows(),
+            others: slopes(),
+            first_other: rows(),
+            last_other: rows(),
+        }
     }
 
-    /// What is known of the receiver of lateral cell `c`, which is `z` above the UAV \[1/1024 m\].
+    /// The rows that may hide a receiver of slope `slope`: groups, the steepest of them foremost, and from the first to the last of
+    /// all others.
     #[inline(always)]
-    pub(super) fn of(&'a self, c: i64, z: i64) -> Suspected<'a> {
-        let bin = self.map.bin(c).min(self.last_bin) - self.first_bin;
-        #[expect(clippy::cast_precision_loss, reason = "rounded as where it was compared with the bounds")]
-        let slope = z as f32 * self.per_distance;
-        Suspected { suspects: self, azimuth: self.map.azimuth(c), bin: usize::try_from(bin).unwrap_or(0) + PAD, slope }
-    }
-
-    /// A line by its number.
-    #[inline(always)]
-    fn back(&self, number: i32) -> i64 {
-        i64::from(self.number) - i64::from(number)
-    }
-
-    /// The lines of some groups, given the numbers of the first lines of the first and of the last one.
-    #[inline(always)]
-    fn groups(&self, first: i32, last: i32) -> Lines {
-        // A group has no more lines than a tile, all of them before the receivers' own.
-        (self.back(first), (self.back(last) - as_i64(TILE) + 1).max(1))
+    fn rows(&self, i: usize, slope: f32) -> ([Option<Rows>; 3], Option<Rows>) {
+        let group = |steepest: f32, start: i32| (steepest >= slope).then_some((start, start));
+        let present = group(self.present[i], self.present_start);
+        let before = group(self.steepest[i], self.steepest_start[i]);
+        let next = group(self.next_steepest[i], self.next_start[i]);
+        let groups = if self.present[i] > self.steepest[i] { [present, before, next] } else { [before, present, next] };
+        (groups, (self.others[i] >= slope).then(|| (self.first_other[i], self.last_other[i])))
     }
 }
 
-impl Suspected<'_> {
-    /// The azimuth of its ray \[2^-36\], off by less than a lattice step at its distance.
-    #[inline(always)]
-    pub(super) fn azimuth(&self) -> i64 {
-        self.azimuth
+/// The first rows of the first and of the last of some groups.
+type Rows = (i32, i32);
+
+impl Recall for Suspects<'_> {
+    const WITH_HEIGHTS: bool = false;
+
+    fn split(&mut self, len: usize) {
+        for slopes in
+            [&mut self.second, &mut self.present, &mut self.steepest, &mut self.next_steepest, &mut self.others]
+        {
+            split(slopes, len);
+        }
+        let rows = [&mut self.steepest_row, &mut self.steepest_start, &mut self.next_start];
+        for rows in rows.into_iter().chain([&mut self.first_other, &mut self.last_other]) {
+            split(rows, len);
+        }
     }
 
-    /// The steepest line.
     #[inline(always)]
-    pub(super) fn steepest_line(&self) -> i64 {
-        self.suspects.back(self.suspects.bins.steepest_line[self.bin])
+    fn add<S: Simd>(
+        &mut self,
+        passed: &Passed,
+        bin: usize,
+        _: (&[i32], &[i32]),
+        (is_one, _): (S::mask32s, S::mask32s),
+        (upper, before): (S::f32s, S::f32s),
+    ) {
+        let (simd, n) = (upper.token(), S::f32s::LEN);
+        let at = bin + PAD..bin + PAD + n;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "fewer than 2^17 rows")]
+        let row = S::i32s::splat(simd, passed.row as i32);
+        let upper = is_one.select(upper, S::f32s::splat(simd, NO_SLOPE));
+        let (second, steepest) = (&mut self.second[at.clone()], &mut self.steepest_row[at.clone()]);
+        S::f32s::from_slice(simd, second).max(before.min(upper)).store_slice(second);
+        upper.simd_gt(before).select(row, S::i32s::from_slice(simd, steepest)).store_slice(steepest);
+        let present = &mut self.present[at];
+        S::f32s::from_slice(simd, present).max(upper).store_slice(present);
     }
 
-    /// Whether no other line can hide the receiver.
     #[inline(always)]
-    pub(super) fn is_steepest_alone(&self) -> bool {
-        self.slope > self.suspects.bins.second[self.bin]
+    fn end_group<S: Simd>(&mut self, simd: S, (lower, lowest): (&[f32], f32), bins: Range<usize>) {
+        // Vectors run over the end.
+        let at = bins.start + PAD..bins.end + 2 * PAD;
+        let n_bins = bins.len();
+        let lower = &lower[at.clone()];
+        let [present, steepest, next_steepest, others] =
+            [&mut self.present, &mut self.steepest, &mut self.next_steepest, &mut self.others]
+                .map(|slopes| &mut slopes[at.clone()]);
+        let [steepest_start, next_start, first_other, last_other] =
+            [&mut self.steepest_start, &mut self.next_start, &mut self.first_other, &mut self.last_other]
+                .map(|rows| &mut rows[at.clone()]);
+        let start = self.present_start;
+        let n = S::f32s::LEN;
+        let (start, lowest) = (S::i32s::splat(simd, start), S::f32s::splat(simd, lowest));
+        for i in (0..n_bins).step_by(n) {
+            let load = |values: &[f32]| S::f32s::from_slice(simd, &values[i..i + n]);
+            let load_start = |values: &[i32]| S::i32s::from_slice(simd, &values[i..i + n]);
+            let (new, before, before_start) = (load(present), load(steepest), load_start(steepest_start));
+            S::f32s::splat(simd, NO_SLOPE).store_slice(&mut present[i..i + n]);
+            let is_steepest = new.simd_gt(before);
+            is_steepest.select(new, before).store_slice(&mut steepest[i..i + n]);
+            is_steepest.select(start, before_start).store_slice(&mut steepest_start[i..i + n]);
+            let (rest, rest_start) = (is_steepest.select(before, new), is_steepest.select(before_start, start));
+            let (next, next_group) = (load(next_steepest), load_start(next_start));
+            let is_next = rest.simd_gt(next);
+            is_next.select(rest, next).store_slice(&mut next_steepest[i..i + n]);
+            is_next.select(rest_start, next_group).store_slice(&mut next_start[i..i + n]);
+            let (other, other_start) = (is_next.select(next, rest), is_next.select(next_group, rest_start));
+            // A receiver in doubt is neither below the lowest slope nor below what is proven hidden, so the group may hide it only
+            // if it is as steep as both, and no other group can any more if none was.
+            let bar = lowest.max(load(lower));
+            let (may_hide, is_first) = (other.simd_ge(bar), load(others).simd_lt(bar));
+            let (first, last) = (load_start(first_other), load_start(last_other));
+            let earlier = is_first.select(other_start, first.min(other_start));
+            let later = is_first.select(other_start, last.max(other_start));
+            may_hide.select(earlier, first).store_slice(&mut first_other[i..i + n]);
+            may_hide.select(later, last).store_slice(&mut last_other[i..i + n]);
+            load(others).max(other).store_slice(&mut others[i..i + n]);
+        }
     }
 
-    /// All lines that may hide the receiver: those of the present group and of the two steepest ones before it, the steepest of
-    /// the three foremost, and those of other groups with all between.
-    #[inline(always)]
-    pub(super) fn lines(&self) -> ([Option<Lines>; 3], Option<Lines>) {
-        let (Suspects { bins, .. }, i) = (self.suspects, self.bin);
-        let group = |steepest: f32, start: i32| (steepest >= self.slope).then(|| self.suspects.groups(start, start));
-        let present = group(bins.present[i], self.suspects.group_start);
-        let before = group(bins.steepest[i], bins.steepest_start[i]);
-        let next = group(bins.next_steepest[i], bins.next_start[i]);
-        let groups = if bins.present[i] > bins.steepest[i] { [present, before, next] } else { [before, present, next] };
-        let is_suspect = bins.others[i] >= self.slope;
-        (groups, is_suspect.then(|| self.suspects.groups(bins.first_other[i], bins.last_other[i])))
+    fn begin_group(&mut self, row: usize, _: &[f32], _: (i64, u32)) {
+        self.present_start = i32::try_from(row).unwrap_or(i32::MAX);
     }
 
-    /// From the first to the last of all lines that may hide the receiver.
-    pub(super) fn range(&self) -> Option<Lines> {
-        let (groups, others) = self.lines();
-        groups.into_iter().chain([others]).flatten().reduce(|a, b| (a.0.max(b.0), a.1.min(b.1)))
+    fn settle(&self, of: &Settling<'_>, open: &mut [Open], seen: &mut [u32]) -> usize {
+        let rows = RasterRows::new(self.columns, of);
+        // PERF: first, for all and without branches, what the steepest row tells. The others are few enough for branches that
+        // nobody can predict.
+        let (mut n_left, mut n_seen) = (0, 0);
+        for k in 0..open.len() {
+            let Open { cell } = open[k];
+            let above_uav = of.receivers.height(cell as usize);
+            let i = of.bin(cell as usize) + PAD;
+            let back = rows.row - i64::from(self.steepest_row[i]);
+            let met = rows.meet(of.map.azimuth(i64::from(cell)), above_uav, back);
+            let is_seen = met.is_clear & (of.slope(above_uav) > self.second[i]);
+            seen[n_seen] = cell;
+            n_seen += usize::from(is_seen);
+            open[n_left] = Open { cell };
+            n_left += usize::from(!met.is_hidden & !is_seen);
+        }
+        for Open { cell } in &open[..n_left] {
+            let above_uav = of.receivers.height(*cell as usize);
+            let suspects = self.rows(of.bin(*cell as usize) + PAD, of.slope(above_uav));
+            if rows.is_los(i64::from(*cell), above_uav, suspects) {
+                seen[n_seen] = *cell;
+                n_seen += 1;
+            }
+        }
+        n_seen
     }
 }
 
-/// How far some lines are, counted back from the one whose farther edge is at `far` \[lattice steps from the UAV\].
-#[inline(always)]
-pub(super) fn edges_of(far: i64, (first, last): Lines) -> (i64, i64) {
-    ((far - (first + 1) * CELL).max(0), far - last * CELL)
+/// The rows before that of some receivers, in the raster.
+struct RasterRows<'a> {
+    columns: &'a Columns,
+    uav_z: i64,
+    uav_lateral: i64,
+    n_lateral: i64,
+    /// The number of the receivers' row, also in the raster, and how numbers there change on the way out, by 1.
+    row: i64,
+    line: i64,
+    outward: i64,
+    /// The first cell of the receivers' row, and the steps to that of the next row outward and along a row.
+    start: i64,
+    strides: (i64, i64),
+    /// Steps to the tile of the next rows, and to the next tile of the same rows, as numbers in the raster rise.
+    tile_strides: (i64, i64),
+    /// Distances of the farther edge of the receivers' row and of its centers \[lattice steps\].
+    far: i64,
+    length: LinkLength,
+}
+
+/// What a row does to a link, where that is sure.
+struct Met {
+    is_hidden: bool,
+    is_clear: bool,
+}
+
+impl<'a> RasterRows<'a> {
+    fn new(columns: &'a Columns, of: &Settling<'_>) -> Self {
+        let frame = of.frame;
+        let (n_cols, line) = (as_i64(columns.n_cols()), as_i64(frame.line(of.row)));
+        let per_row = as_i64(columns.tiles().per_row());
+        let outward = if frame.counts_up() { 1 } else { -1 };
+        let (start, strides, tile_strides) = if frame.quadrant.has_raster_rows() {
+            (line * n_cols, (outward * n_cols, 1), (per_row, 1))
+        } else {
+            (line, (outward, n_cols), (1, per_row))
+        };
+        RasterRows {
+            columns,
+            uav_z: i64::from(frame.uav_z),
+            uav_lateral: frame.uav_lateral,
+            n_lateral: frame.n_lateral,
+            row: as_i64(of.row),
+            line,
+            outward,
+            start,
+            strides,
+            tile_strides,
+            far: frame.far(of.row),
+            length: LinkLength::new(frame.center(of.row)),
+        }
+    }
+
+    /// Whether none of the suspected rows hides the receiver of a lateral cell, `above_uav` above the UAV \[1/1024 m\].
+    fn is_los(&self, lateral: i64, above_uav: i64, (groups, others): ([Option<Rows>; 3], Option<Rows>)) -> bool {
+        let RasterRows { columns, strides, .. } = *self;
+        let heights = (self.uav_z + above_uav, -above_uav);
+        let link = LinkOverRows::new(self.length, (lateral, self.n_lateral), self.uav_lateral, heights);
+        let own = usize::try_from(self.start + lateral * strides.1).unwrap_or(0);
+        let cells = RowCells { tops: columns.tops(), own, strides: (-strides.0, strides.1), tiles: None };
+        // A group is too few rows for tiles to spare any.
+        let tiles = || RowTiles {
+            tiles: columns.tiles(),
+            line: self.line,
+            lateral,
+            step: -self.outward,
+            strides: self.tile_strides,
+        };
+        groups.iter().flatten().all(|rows| link.is_clear(&cells, self.edges_of(*rows)))
+            && others.is_none_or(|rows| link.is_clear(&RowCells { tiles: Some(tiles()), ..cells }, self.edges_of(rows)))
+    }
+
+    /// Distances of some groups, given the first rows of the first and of the last one.
+    #[inline(always)]
+    fn edges_of(&self, (first, last): Rows) -> (i64, i64) {
+        // A group has no more rows than a tile, all of them before the receivers' own.
+        let last = (self.row - i64::from(last) - as_i64(TILE) + 1).max(1);
+        self.edges(self.row - i64::from(first), last)
+    }
+
+    /// Distances of the nearer edge of the row `first` before the receivers' and of the farther edge of the one `last` before it.
+    #[inline(always)]
+    fn edges(&self, first: i64, last: i64) -> (i64, i64) {
+        ((self.far - (first + 1) * CELL).max(0), self.far - last * CELL)
+    }
+
+    /// What the row `back` before the receivers' does to the link to a receiver: the ray is looked at where it enters and where it exits
+    /// the row, unless that is next to a border of cells.
+    #[inline(always)]
+    fn meet(&self, azimuth: i64, above_uav: i64, back: i64) -> Met {
+        let tops = self.columns.tops();
+        let (near, far) = self.edges(back, back);
+        // Heights are compared times the distance of the receiver: how far the top of the cell that the ray is in is above
+        // the UAV, the same of the ray, and whether the cell is certain.
+        let look = |distance: i64| {
+            // EXACT: an azimuth is off by less than a lattice step at the receiver, the product rounded down by one at most.
+            let at = self.uav_lateral + ((azimuth * distance) >> AZIMUTH_BITS);
+            let (cell, within) = (at.div_euclid(CELL), at.rem_euclid(CELL));
+            let is_certain = (0..self.n_lateral).contains(&cell) & (2..CELL - 2).contains(&within);
+            let index = if is_certain { self.start - back * self.strides.0 + cell * self.strides.1 } else { 0 };
+            let top = usize::try_from(index).map_or(0, |index| i64::from(tops[index]) - self.uav_z);
+            // EXACT: heights are below 2^31, distances at most 2^26.
+            (top * self.length.steps(), above_uav * distance, is_certain)
+        };
+        let ((top, height, is_certain), (far_top, far_height, is_far_certain)) = (look(near), look(far));
+        Met {
+            is_hidden: is_certain & (top > height) | is_far_certain & (far_top > far_height),
+            // Between both the ray is in these two cells alone.
+            is_clear: is_certain & is_far_certain & (top.max(far_top) <= height.min(far_height)),
+        }
+    }
 }

@@ -1,20 +1,17 @@
-//! The bins of one wedge of a quadrant, and how a line of cells passes over them.
+//! The row loop: how one row after another passes over the bins of a wedge.
 
 use fearless_simd::prelude::*;
 
-use super::bins::Bins;
-use super::kernels::{
-    CELL_BITS, EdgeMap, EdgeSteps, LineSlopes, NOTHING, PAD, PAD_I64, SLACK, end_group, heights_above_uav,
-    look_up_edges, raise_bounds,
-};
-use super::line_order::read_ahead;
-use super::quadrants::{CELL, FIRST_LEVEL, NEAR, as_i64};
-use super::receivers::{Bounds, Decided, LineReceivers, ReceiverLanes, ReceiverMap, decide_line};
-use super::suspects::Suspects;
-use crate::height_field::TILE_BITS;
-
-/// One over no distance: so much that any height is too steep for all receivers, and any height's slope finite.
-const PER_NOTHING: f32 = 1e25;
+use super::bounds::{Bins, EdgeMap, NOTHING, PAD, PAD_I64, RowSlopes};
+use super::candidates::level_for;
+use super::frame::{CELL, CELL_BITS, FIRST_LEVEL, Frame, NEAR, as_i64};
+use super::least_heights::BATCH;
+use super::output::WedgeOutput;
+use super::receivers::{Bounds, ReceiverLanes, ReceiverMap, RowReceivers, decide_row};
+use super::row_source::{Rows, Stand, Tiles};
+use super::undecided::{Open, Passed, Recall, Settling};
+use crate::height_field::TILE;
+use crate::quantity::VOID;
 
 /// Bins that sleep or retire together.
 const SLEEPERS: usize = 32;
@@ -22,205 +19,92 @@ const SLEEPERS: usize = 32;
 /// Fewer bins than so many between others that are awake do not sleep: it would cost more than it spares.
 const SHORTEST_SLEEP: usize = 96;
 
-/// One line of cells across the direction of the sweep, as it is passed over.
+/// Relative slack of slopes that tell which bins and tiles need not be looked at: wider than any doubt.
+const SLACK: f32 = 1e-5;
+
+/// What is the same for all rows of a wedge.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Line<'a> {
-    pub(super) tops: &'a [i32],
-    /// Lateral index of the first of them.
-    pub(super) first: i64,
-    /// Distances from the UAV of its nearer edge (0 if the UAV is beyond it), of its centers, and of its farther edge
-    /// \[lattice steps\].
-    pub(super) near: i64,
-    pub(super) center: i64,
-    pub(super) far: i64,
-    /// What is read of the line after it, cell by cell as `tops` is, to be in the cache by then; empty to not read ahead.
-    pub(super) next: [&'a [i32]; 2],
+pub(super) struct Passing<'a> {
+    pub(super) frame: &'a Frame,
+    pub(super) stand: Stand,
+    /// The highest of tiles, if they are known.
+    pub(super) tiles: Option<Tiles<'a>>,
+    /// Whether least heights are asked for.
+    pub(super) with_heights: bool,
 }
 
-/// The lines that a wedge comes to next, no more than a tile has.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Ahead<'a> {
-    /// Distances from the UAV of the nearer edge of the first of them, of its centers, and of the farther edge of the last one
-    /// \[lattice steps\].
-    pub(super) near: i64,
-    pub(super) center: i64,
-    pub(super) far: i64,
-    /// The tiles that they lie in, if they are known.
-    pub(super) tiles: Option<TileLine<'a>>,
-}
-
-impl Ahead<'_> {
-    /// Whether these lines may change bounds of some bins, all of whose lower bounds are at least `lowest`, or hold a receiver
-    /// there that is not hidden: they have cells there, and if their tiles are known, a top or a receiver is as steep as that.
-    #[inline(always)]
-    fn may_matter(
-        &self,
-        frame: &WedgeFrame,
-        (map, per_edges): (&EdgeMap, (f32, f32)),
-        (b0, b1): (i64, i64),
-        lowest: f32,
-    ) -> bool {
-        // On a border look-ups may take the cell before it.
-        let (low, high) = cells_between(map, (b0 - 1, b1), (self.near, self.far), frame);
-        if low >= high {
-            return false;
-        }
-        let Some(tiles) = self.tiles.as_ref().filter(|_| self.near >= NEAR) else { return true };
-        #[expect(clippy::cast_precision_loss, reason = "as for each cell, in the same direction")]
-        let highest = tiles.highest((low, high), frame.uav_z) as f32;
-        (highest * per_edges.0).max(highest * per_edges.1) >= lowest - lowest.abs() * SLACK
-    }
-
-    /// One over the distances of their edges, the first of which may be infinite: it is not asked for then.
-    #[expect(clippy::cast_precision_loss, reason = "as for each cell, in the same direction")]
-    fn per_edges(&self) -> (f32, f32) {
-        (1.0 / self.near as f32, 1.0 / self.far as f32)
-    }
-}
-
-/// A line of tiles across the direction of the sweep.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct TileLine<'a> {
-    /// The highest tops, the first tile of the line foremost, the next one `stride` farther.
-    pub(super) tops: &'a [i32],
-    pub(super) stride: usize,
-    pub(super) receivers: TileReceivers<'a>,
-}
-
-/// How high the receivers of tiles are above the UAV \[1/1024 m\].
-#[derive(Debug, Clone, Copy)]
-pub(super) enum TileReceivers<'a> {
-    /// All alike.
-    Flat(i32),
-    /// So much more than the tops of their cells.
-    OnTops(i32),
-    /// So much more than the bases of their cells, the highest of which lie as the tops do.
-    OnBases(&'a [i32], i32),
-}
-
-impl TileLine<'_> {
-    /// The highest top or receiver above the UAV over the lateral cells from `from` to before `to`, which are not none.
-    fn highest(&self, (from, to): (i64, i64), uav_z: i32) -> i32 {
-        let tile = |cell: i64| usize::try_from(cell >> TILE_BITS).unwrap_or(0);
-        let highest =
-            |of: &[i32]| (tile(from)..tile(to - 1) + 1).fold(i32::MIN, |a, tile| a.max(of[tile * self.stride]));
-        // EXACT: known heights differ by less than 2^28; a void stays below all of them.
-        let top = highest(self.tops);
-        let receiver = match self.receivers {
-            TileReceivers::Flat(z) => z,
-            TileReceivers::OnTops(above) => top.saturating_add(above),
-            TileReceivers::OnBases(bases, above) => highest(bases).saturating_add(above),
-        };
-        let top = top.saturating_sub(uav_z);
-        top.max(receiver)
-    }
-}
-
-/// Who is told of the receivers of a line.
-pub(super) trait Verdicts {
-    /// Takes what is known of the receivers of a word, which may hold some of another wedge if it is shared; says which of
-    /// those that are undecided it asks about.
-    fn decided(&mut self, word: usize, decided: Decided, is_shared: bool) -> u64;
-
-    /// Finds out about the receivers of some lateral cells; leaves any of them behind.
-    fn ask(&mut self, cells: &mut Vec<u32>, suspects: &Suspects<'_>);
-}
-
-/// What is the same for all lines of a wedge.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct WedgeFrame {
-    /// Height of the UAV \[1/1024 m\].
-    pub(super) uav_z: i32,
-    /// Whether no top is above it.
-    pub(super) is_below_uav: bool,
-    /// Lateral position of the UAV \[lattice steps\].
-    pub(super) uav_lateral: i64,
-    /// Lateral indices of the receivers.
-    pub(super) window: (i64, i64),
-    /// Number of cells along a line.
-    pub(super) n_lateral: i64,
-    /// The lowest and the highest receiver above the UAV \[1/1024 m\].
-    pub(super) lowest_receiver: i64,
-    pub(super) highest_receiver: i64,
-    /// Distance of the last line's centers \[lattice steps\].
-    pub(super) last_center: i64,
-}
-
-/// Bins of the azimuths from `first / 2^level` on, and their bounds.
+/// Bins of the azimuths from `first / 2^level` on, and the row that they passed last.
 #[derive(Debug)]
-pub(super) struct Wedge {
+pub(super) struct Wedge<R> {
     level: u32,
     first: i64,
-    bins: Bins,
+    bins: Bins<R>,
     /// Intervals of bins that may still change.
     active: Vec<(usize, usize)>,
-    /// Intervals of bins that the next lines may change, or see a receiver of; and all between two of them that are next to each
+    /// Intervals of bins that the next rows may change, or see a receiver of; and all between two of them that are next to each
     /// other, some of which may be active no more: every later receiver is below their `lower`, which only rises.
     awake: Vec<(usize, usize)>,
-    /// Heights above the UAV of the line that was passed last, and of the one before it: lateral cell `c` is at `c + PAD`. Only
-    /// those under bins that are awake are of these lines, others of any line before.
-    heights: Vec<f32>,
-    heights_before: Vec<f32>,
-    /// The line that was passed last, if it may hide a receiver and bounds are still to be raised by it: it shares its farther
-    /// edge with the next line, and cells under the edges of bins there are looked up in both at once.
-    pending: Option<LineSlopes>,
-    /// Where its farther edge is \[lattice steps from the UAV\].
-    far: i64,
-    /// Heights of the cells under the edges of bins, of edge `i` at `i`: where rays enter that line, where they exit it, and
-    /// where they enter the next one.
-    entries: Vec<f32>,
-    exits: Vec<f32>,
-    next_entries: Vec<f32>,
-    /// The lateral cells of the line's receivers that are left to walks.
-    open: Vec<u32>,
-    n_lines: i32,
-    /// The number of the first line of the present group.
-    group_start: i32,
+    /// Tops above the UAV of the row that was passed last, and of the one before it: lateral cell `c` is at `c + PAD`. Only
+    /// those under bins that are awake are of these rows, others of any row before.
+    tops: Vec<i32>,
+    tops_before: Vec<i32>,
+    /// The row that was passed last, if it may hide a receiver and bounds are still to be raised by it: rays leave it where they
+    /// enter the next one, so cells under the edges of bins there are looked up in both at once.
+    pending: Option<RowSlopes>,
+    /// Tops under the edges of bins, of edge `i` at `i`: where rays enter that row, where they leave it, and where they enter the
+    /// next one.
+    enters: Vec<i32>,
+    leaves: Vec<i32>,
+    next_enters: Vec<i32>,
+    /// Receivers in doubt of a row, and the cells of those of them that are seen.
+    open: Vec<Open>,
+    seen: Vec<u32>,
 }
 
-impl Wedge {
-    /// Part `part` of `parts` (a power of two, at most [`super::quadrants::MAX_PARTS`]) to one side of the axis; negative to the other side.
-    pub(super) fn new(part: i64, parts: i64) -> Self {
+impl<R: Recall> Wedge<R> {
+    /// Part `part` of `parts` (a power of two, at most 2^[`FIRST_LEVEL`]) to one side of the axis; negative to the other side.
+    pub(super) fn new((part, parts): (i64, i64), recall: impl FnOnce(usize) -> R) -> Self {
         let len = (1_i64 << FIRST_LEVEL) / parts;
-        let bins = Bins::new(usize::try_from(len).unwrap_or(1));
+        let n_bins = usize::try_from(len).unwrap_or(1);
+        let bins = Bins::new(n_bins, recall(n_bins));
         Wedge {
             level: FIRST_LEVEL,
             first: part * len,
-            active: vec![(0, bins.len())],
-            awake: vec![(0, bins.len())],
+            active: vec![(0, bins.len)],
+            awake: vec![(0, bins.len)],
             bins,
-            heights: Vec::new(),
-            heights_before: Vec::new(),
+            tops: Vec::new(),
+            tops_before: Vec::new(),
             pending: None,
-            far: 0,
-            entries: Vec::new(),
-            exits: Vec::new(),
-            next_entries: Vec::new(),
+            enters: Vec::new(),
+            leaves: Vec::new(),
+            next_enters: Vec::new(),
             open: Vec::new(),
-            n_lines: 0,
-            group_start: 1,
+            seen: Vec::new(),
         }
     }
 
-    /// Whether every bin is dark for good.
-    pub(super) fn is_done(&self) -> bool {
-        self.active.is_empty()
+    /// Whether no later row can tell anything new.
+    pub(super) fn is_done(&self, passing: &Passing<'_>) -> bool {
+        self.active.is_empty() && !passing.with_heights
     }
 
-    /// Lateral indices of the cells that the active bins can reach between two distances, from the first to after the
+    /// Lateral indices of the cells that rays of the wedge can reach between two distances, from the first to after the
     /// last; empty if there are none in the raster.
-    pub(super) fn reach(&self, frame: &WedgeFrame, near: i64, far: i64) -> (i64, i64) {
-        let (Some(first), Some(last)) = (self.active.first(), self.active.last()) else { return (0, 0) };
-        // On a border look-ups may take the cell before it.
-        let bins = (self.first + as_i64(first.0) - 1, self.first + as_i64(last.1));
-        cells_between(&self.edge_map(frame), bins, (near, far), frame)
+    pub(super) fn reach(&self, passing: &Passing<'_>, near: i64, far: i64) -> (i64, i64) {
+        let whole = [(0, self.bins.len)];
+        let of = if passing.with_heights { &whole[..] } else { &self.active };
+        let (Some(first), Some(last)) = (of.first(), of.last()) else { return (0, 0) };
+        let bins = (self.first + as_i64(first.0), self.first + as_i64(last.1));
+        self.edge_map(passing.frame).cells(bins, (near, far), (0, passing.frame.n_lateral))
     }
 
-    fn edge_map(&self, frame: &WedgeFrame) -> EdgeMap {
-        EdgeMap { uav: frame.uav_lateral << self.level, shift: CELL_BITS + self.level }
+    fn edge_map(&self, frame: &Frame) -> EdgeMap {
+        // The axis is where lateral positions begin to fall: see the module.
+        EdgeMap::new(frame.uav_lateral, self.level, self.first < 0)
     }
 
-    /// Makes bins as fine as `level`: a bin that splits in two hands its bounds down to both.
+    /// Makes bins as fine as `level`: a bin that splits in two hands down what it knows to both.
     fn refine(&mut self, level: u32) {
         while self.level < level {
             self.bins.split();
@@ -231,80 +115,105 @@ impl Wedge {
         }
     }
 
-    /// Decides the receivers of a line by what lies before it: enters it, which raises the bounds by the line before. Its own
-    /// bounds are raised when the next line is entered.
-    ///
-    /// Lines lie in the tiles that [`Wedge::look_ahead`] was told of last, if it was told of any.
+    /// Passes some rows, and tells `out` of their receivers.
     ///
     /// PERF: everything below is inlined into one function compiled for the instruction set of `simd`.
     pub(super) fn pass<S: Simd>(
         &mut self,
         simd: S,
-        frame: &WedgeFrame,
-        line: &Line<'_>,
-        receivers: &LineReceivers<'_>,
-        verdicts: &mut impl Verdicts,
+        passing: &Passing<'_>,
+        rows: &Rows<'_>,
+        out: &mut WedgeOutput<'_, '_>,
     ) {
         simd.vectorize(
             #[inline(always)]
             || {
-                // The last line hides nobody.
-                let is_last = line.center >= frame.last_center;
-                let level = level_for(line.far).max(self.level);
-                if is_last || level > self.level {
-                    self.raise_pending(simd, frame);
-                }
-                self.n_lines += 1;
-                debug_assert!(self.n_lines - self.group_start < 1 << TILE_BITS);
-                if !is_last {
-                    self.refine(level);
-                    self.enter(simd, frame, line);
-                }
-                if line.far > NEAR {
-                    self.decide(simd, frame, line, receivers, verdicts);
+                let mut row = rows.numbers.start;
+                while row < rows.numbers.end {
+                    let end = passing.frame.end_of_strip(row, TILE).min(rows.numbers.end);
+                    self.look_ahead(simd, passing, row..end);
+                    if self.is_done(passing) {
+                        return;
+                    }
+                    while row < end {
+                        self.pass_one(simd, passing, rows, row, out);
+                        row += 1;
+                    }
                 }
             },
         );
     }
 
-    /// How the receivers of a line lie over the bins.
-    fn receiver_map(&self, frame: &WedgeFrame, line: &Line<'_>) -> ReceiverMap {
+    /// Decides the receivers of a row by the rows before it: enters it, which raises the bounds by the row before. Its own
+    /// bounds are raised when the next row is entered.
+    #[inline(always)]
+    fn pass_one<S: Simd>(
+        &mut self,
+        simd: S,
+        passing: &Passing<'_>,
+        rows: &Rows<'_>,
+        row: usize,
+        out: &mut WedgeOutput<'_, '_>,
+    ) {
+        let frame = passing.frame;
+        // The last row hides nobody.
+        let is_last = frame.center(row) >= frame.last_center;
+        let level = if is_last { self.level } else { level_for(frame.far(row)) };
+        if is_last || level > self.level {
+            self.raise_pending(simd, frame);
+        }
+        if !is_last {
+            self.refine(level);
+            self.enter(simd, frame, rows, row);
+        }
+        if frame.far(row) > NEAR {
+            self.decide(simd, passing, rows, row, out);
+        }
+    }
+
+    /// How the receivers of a row lie over the bins.
+    fn receiver_map(&self, frame: &Frame, row: usize) -> ReceiverMap {
         // A receiver on an edge belongs to the bin on the side of the axis: its ray stays in the closed bin, and comes
-        // to each lattice line from inside (see the module).
+        // to each border of rows from inside (see the module).
         // Places are counted from the window on, since a raster may be far wider than any range.
         let first = frame.window.0 & !63;
         let lateral = first * CELL + CELL / 2 - frame.uav_lateral;
-        ReceiverMap::new(self.level, (first, lateral), line.center, self.first >= 0)
+        ReceiverMap::new(self.level, (first, lateral), frame.center(row), self.first >= 0)
     }
 
     #[inline(always)]
     fn decide<S: Simd>(
         &mut self,
         simd: S,
-        frame: &WedgeFrame,
-        line: &Line<'_>,
-        receivers: &LineReceivers<'_>,
-        verdicts: &mut impl Verdicts,
+        passing: &Passing<'_>,
+        rows: &Rows<'_>,
+        row: usize,
+        out: &mut WedgeOutput<'_, '_>,
     ) {
-        let map = self.receiver_map(frame, line);
-        let lanes = ReceiverLanes::new(simd, map, receivers);
+        let frame = passing.frame;
+        let receivers = RowReceivers::new(frame, rows, row, passing.stand);
+        let map = self.receiver_map(frame, row);
+        let lanes = ReceiverLanes::new(simd, map, &receivers);
         let after_axis = ((frame.uav_lateral - CELL / 2) >> CELL_BITS) + 1;
-        let end = self.first + as_i64(self.bins.len());
+        let end = self.first + as_i64(self.bins.len);
         self.bins.repeat_last();
-        let bounds = Bounds { upper: &self.bins.upper, lower: &self.bins.lower, first_bin: self.first };
-        let suspects = Suspects {
-            bins: &self.bins,
-            first_bin: self.first,
-            last_bin: end - 1,
+        let Bins { len: n_bins, upper, lower, recall } = &mut self.bins;
+        let bounds = Bounds { upper, lower, first_bin: self.first };
+        // The words of the first and of the last receiver of the wedge in the row may hold some of another wedge.
+        let ends = (map.first_from(self.first) >> 6, map.first_from(end) >> 6);
+        let settling = Settling {
+            frame,
+            row,
+            receivers: &receivers,
             map,
             per_distance: lanes.per_distance(),
-            number: self.n_lines,
-            group_start: self.group_start,
-            ends: (map.first_from(self.first) >> 6, map.first_from(end) >> 6),
+            bins: (self.first, end - 1),
+            level: self.level,
         };
         let mut open = std::mem::take(&mut self.open);
         open.clear();
-        for &(from, to) in &self.awake {
+        let whole = [(0, *n_bins)];
+        for &(from, to) in if passing.with_heights { &whole[..] } else { &self.awake } {
             let (b0, b1) = (self.first + as_i64(from), self.first + as_i64(to));
             // The axis itself belongs to the last bin of the side before it as well.
             let after = if b1 == 0 { after_axis } else { map.first_from(b1) };
@@ -314,184 +223,205 @@ impl Wedge {
             }
             let as_usize = |cell: i64| usize::try_from(cell).unwrap_or(0);
             let cells = as_usize(cells.0)..as_usize(cells.1);
-            decide_line(simd, &bounds, &lanes, receivers, cells, &mut |word, decided| {
-                let mut left = verdicts.decided(word, decided, suspects.is_shared(word));
+            decide_row(simd, &bounds, &lanes, &receivers, cells, &mut |word, decided| {
+                let is_shared = as_i64(word) <= ends.0 || as_i64(word) >= ends.1;
+                out.add(frame, row, word, decided.los, is_shared);
+                let mut left = out.wanted(frame, row, word, decided.undecided);
                 while left != 0 {
-                    #[expect(clippy::cast_possible_truncation, reason = "a side has fewer than 2^32 cells")]
-                    open.push(64 * word as u32 + left.trailing_zeros());
+                    let cell = 64 * word + left.trailing_zeros() as usize;
                     left &= left - 1;
+                    #[expect(clippy::cast_possible_truncation, reason = "a side has fewer than 2^32 cells")]
+                    open.push(Open { cell: cell as u32 });
+                }
+                if passing.with_heights {
+                    let (mut cells, mut n_cells) = ([0; BATCH], 0);
+                    let mut left = out.wanted(frame, row, word, decided.all);
+                    while left != 0 {
+                        #[expect(clippy::cast_possible_truncation, reason = "a side has fewer than 2^32 cells")]
+                        let first = 64 * word as u32;
+                        cells[n_cells] = first + left.trailing_zeros();
+                        n_cells += 1;
+                        left &= left - 1;
+                    }
+                    let mut least = [0.0; BATCH];
+                    recall.least_heights(simd, &settling, &cells[..n_cells], &mut least);
+                    for (cell, least) in cells[..n_cells].iter().zip(least) {
+                        let (at_row, at_col) = frame.cell(row, *cell as usize);
+                        out.output.set_height(at_row, at_col, f64::from(frame.uav_z) + least);
+                    }
                 }
             });
         }
         if !open.is_empty() {
-            verdicts.ask(&mut open, &suspects);
+            out.undecided += open.len() as u64;
+            self.seen.resize(open.len().max(self.seen.len()), 0);
+            let n_seen = recall.settle(&settling, &mut open, &mut self.seen);
+            for cell in &self.seen[..n_seen] {
+                let word = (cell / 64) as usize;
+                let is_shared = as_i64(word) <= ends.0 || as_i64(word) >= ends.1;
+                out.add(frame, row, word, 1 << (cell % 64), is_shared);
+            }
         }
         self.open = open;
     }
 
-    /// Looks up where rays enter a line, if that may hide a receiver, and raises the bounds by the line before it.
+    /// Looks up where rays enter a row, if that may hide a receiver, and raises the bounds by the row before it.
     #[inline(always)]
-    fn enter<S: Simd>(&mut self, simd: S, frame: &WedgeFrame, line: &Line<'_>) {
-        debug_assert!(self.pending.is_none() || self.far == line.near);
-        std::mem::swap(&mut self.heights, &mut self.heights_before);
-        // Vectors run over the ends, and all edges of bins have cells.
-        let n_edges = self.bins.len() + 2 * PAD;
-        if self.entries.len() < n_edges {
-            for values in [&mut self.entries, &mut self.exits, &mut self.next_entries] {
-                values.resize(n_edges, NOTHING);
-            }
-        }
+    fn enter<S: Simd>(&mut self, simd: S, frame: &Frame, rows: &Rows<'_>, row: usize) {
+        std::mem::swap(&mut self.tops, &mut self.tops_before);
         let n_cells = usize::try_from(frame.n_lateral).unwrap_or(0) + 2 * PAD;
-        if self.heights.len() < n_cells {
-            self.heights.resize(n_cells, NOTHING);
+        if self.tops.len() < n_cells {
+            self.tops.resize(n_cells, NOTHING);
         }
-        let (map, steps) = (self.edge_map(frame), EdgeSteps::new(simd, line.near));
-        let end = line.first + as_i64(line.tops.len());
+        let (near, far) = (frame.near(row), frame.far(row));
+        let map = self.edge_map(frame);
+        let tops = rows.tops(row);
+        let within = (rows.first(), rows.first() + as_i64(tops.len()));
         let mut highest = NOTHING;
         for &(from, to) in &self.awake {
-            let (b0, b1) = (self.first + as_i64(from), self.first + as_i64(to));
-            let low = map.cell(b0 - 1, line.near).min(map.cell(b0 - 1, line.far)).clamp(line.first, end);
-            let high = (map.cell(b1, line.near).max(map.cell(b1, line.far)) + 1).clamp(low, end);
-            let within = |from: i64| {
+            let bins = (self.first + as_i64(from), self.first + as_i64(to));
+            let (low, high) = map.cells(bins, (near, far), within);
+            let at = |from: i64| {
                 let at = |cell: i64| usize::try_from(cell - from).unwrap_or(0);
                 at(low)..at(high)
             };
-            let cells = within(line.first);
-            for next in line.next.into_iter().filter(|next| !next.is_empty()) {
-                read_ahead(next, cells.clone());
-            }
-            let tops = &line.tops[cells];
-            highest = highest.max(heights_above_uav(simd, tops, frame.uav_z, &mut self.heights[within(-PAD_I64)]));
+            highest = highest.max(above_uav(simd, &tops[at(within.0)], frame.uav_z, &mut self.tops[at(-PAD_I64)]));
         }
-        #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
-        let per = |y: i64| if y == 0 { PER_NOTHING } else { 1.0 / y as f32 };
-        let slopes = LineSlopes {
-            per_near: per(line.near),
-            per_far: per(line.far),
-            number: self.n_lines,
-            is_below: frame.is_below_uav,
-        };
-        // A line below every receiver beyond it hides none, so no bound, group or steepest line needs to know of it.
-        let may_hide = slopes.bounds((highest, highest), (highest, highest)).0 >= self.lowest_slope(frame, line.far);
+        let slopes = RowSlopes::new(row, (near, far), frame.is_below_uav, frame.blocks_all);
+        // A row below every receiver beyond it hides none, so no bound and no candidate needs to know of it.
+        let may_hide = slopes.bounds([highest; 4]).0 >= lowest_slope(frame, far);
 
-        let is_before = self.first < 0;
+        // Vectors run over the ends, and all edges of bins have cells.
+        let n_edges = self.bins.len + 2 * PAD;
+        for tops in [&mut self.enters, &mut self.leaves, &mut self.next_enters] {
+            tops.resize(n_edges.max(tops.len()), NOTHING);
+        }
         for &(from, to) in &self.awake {
-            let (b0, n_edges) = (self.first + as_i64(from), to + 1 - from);
+            let edges = (self.first + as_i64(from), to + 1 - from);
+            let (leaves, next_enters) = (&mut self.leaves[from..], &mut self.next_enters[from..]);
             match (self.pending.is_some(), may_hide) {
                 (true, true) => {
-                    let heights = [&self.heights_before[..], &self.heights[..]];
-                    let found = [&mut self.exits[from..], &mut self.next_entries[from..]];
-                    look_up_edges(simd, map, heights, (b0, n_edges), &steps, is_before, found);
+                    let rows = [&self.tops_before[..], &self.tops[..]];
+                    map.look_up(simd, rows, edges, near, [leaves, next_enters]);
                 }
-                (true, false) => {
-                    let found = [&mut self.exits[from..]];
-                    look_up_edges(simd, map, [&self.heights_before[..]], (b0, n_edges), &steps, is_before, found);
-                }
-                (false, true) => {
-                    let found = [&mut self.next_entries[from..]];
-                    look_up_edges(simd, map, [&self.heights[..]], (b0, n_edges), &steps, is_before, found);
-                }
+                (true, false) => map.look_up(simd, [&self.tops_before[..]], edges, near, [leaves]),
+                (false, true) => map.look_up(simd, [&self.tops[..]], edges, near, [next_enters]),
                 (false, false) => {}
             }
         }
         self.raise(simd);
         if may_hide {
-            std::mem::swap(&mut self.entries, &mut self.next_entries);
+            std::mem::swap(&mut self.enters, &mut self.next_enters);
             self.pending = Some(slopes);
-            self.far = line.far;
         }
     }
 
-    /// Raises the bounds by the line that was passed last.
+    /// Raises the bounds by the row that was passed last.
     #[inline(always)]
-    fn raise_pending<S: Simd>(&mut self, simd: S, frame: &WedgeFrame) {
-        if self.pending.is_none() {
-            return;
-        }
-        let (map, steps) = (self.edge_map(frame), EdgeSteps::new(simd, self.far));
+    fn raise_pending<S: Simd>(&mut self, simd: S, frame: &Frame) {
+        let Some(slopes) = &self.pending else { return };
+        let (map, far) = (self.edge_map(frame), frame.far(slopes.row));
         for &(from, to) in &self.awake {
-            let b0 = self.first + as_i64(from);
-            let found = [&mut self.exits[from..]];
-            look_up_edges(simd, map, [&self.heights[..]], (b0, to + 1 - from), &steps, self.first < 0, found);
+            let edges = (self.first + as_i64(from), to + 1 - from);
+            map.look_up(simd, [&self.tops[..]], edges, far, [&mut self.leaves[from..]]);
         }
         self.raise(simd);
     }
 
-    /// Raises the bounds by the line that was passed last, all of whose heights have been looked up.
+    /// Raises the bounds by the row that was passed last, all of whose tops have been looked up.
     #[inline(always)]
     fn raise<S: Simd>(&mut self, simd: S) {
         let Some(slopes) = self.pending.take() else { return };
+        let passed = Passed { row: slopes.row, first: self.first, level: self.level };
         for &(from, to) in &self.awake {
-            // Whole vectors first, then one by one: bins past the last may sleep, and must not remember this line.
-            let vectors = (to - from) / S::f32s::LEN * S::f32s::LEN;
-            let edges = (&self.entries[from..], &self.exits[from..]);
-            raise_bounds(simd, edges, slopes, &mut self.bins.slopes_of(from..from + vectors));
-            for i in from + vectors..to {
-                let at_edges = |values: &[f32]| (values[i], values[i + 1]);
-                let (slope, proven) = slopes.bounds(at_edges(&self.entries), at_edges(&self.exits));
-                let (bin, bins) = (PAD + i, &mut self.bins);
-                bins.second[bin] = bins.second[bin].max(bins.upper[bin].min(slope));
-                if slope > bins.upper[bin] {
-                    bins.steepest_line[bin] = slopes.number;
-                    bins.upper[bin] = slope;
+            self.bins.raise(simd, (&slopes, &passed), (&self.enters, &self.leaves), from..to);
+        }
+    }
+
+    /// Looks ahead: drops the bins that no row from there on can change, and finds those that need not be looked at in the
+    /// next rows, which lie in one row of tiles.
+    #[inline(always)]
+    fn look_ahead<S: Simd>(&mut self, simd: S, passing: &Passing<'_>, rows: std::ops::Range<usize>) {
+        let frame = passing.frame;
+        self.raise_pending(simd, frame);
+        let (lower, lowest) = (&self.bins.lower, lowest_slope(frame, frame.center(rows.start)));
+        for &(from, to) in &self.awake {
+            self.bins.recall.end_group(simd, (lower, lowest), from..to);
+        }
+        let of_bins = &self.bins.lower[PAD..PAD + self.bins.len];
+        self.bins.recall.begin_group(rows.start, of_bins, (self.first, self.level));
+        // Slopes of what is below the UAV grow with the distance, and fall where it is above: those of receivers from their
+        // centers on, which may be behind a UAV beside them, those of tops from where rays enter them.
+        let first = if passing.with_heights { frame.near(rows.start) } else { frame.center(rows.start) };
+        let at = if frame.highest <= 0 { frame.last_center } else { first }.max(1);
+        #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "widened by a margin")]
+        let steepest = (frame.highest as f64 / at as f64) as f32;
+        // Whatever is proven, a top behind which no height is enough tells more.
+        let is_never_dark = passing.with_heights && frame.highest >= i64::from(frame.blocks_all);
+        let dark = if is_never_dark { f32::INFINITY } else { steepest + steepest.abs() * SLACK + f32::MIN_POSITIVE };
+        let map = self.edge_map(frame);
+        let (near, far) = (frame.near(rows.start), frame.far(rows.end - 1));
+        let stand = (!passing.with_heights).then_some(passing.stand);
+        let may_matter = |bins: (i64, i64), lowest: f32| {
+            let cells = map.cells(bins, (near, far), (0, frame.n_lateral));
+            if cells.0 >= cells.1 {
+                return false;
+            }
+            let Some(tiles) = passing.tiles.as_ref().filter(|_| near >= NEAR) else { return true };
+            let highest = tiles.highest(frame, frame.tile(rows.start), cells, stand);
+            #[expect(clippy::cast_precision_loss, reason = "as for each cell, in the same direction")]
+            let (slope, near, far) = (highest as f32, near as f32, far as f32);
+            (slope / near).max(slope / far) >= lowest - lowest.abs() * SLACK
+                || is_never_dark && highest >= frame.blocks_all
+        };
+        let active = std::mem::take(&mut self.active);
+        self.awake.clear();
+        for &(from, to) in &active {
+            for start in (from..to).step_by(SLEEPERS) {
+                let end = (start + SLEEPERS).min(to);
+                let lowest = lowest_of(&self.bins.lower[PAD + start..PAD + end]);
+                if lowest > dark {
+                    continue;
                 }
-                bins.present[bin] = bins.present[bin].max(slope);
-                bins.lower[bin] = bins.lower[bin].max(proven);
+                append(&mut self.active, (start, end), 0);
+                if may_matter((self.first + as_i64(start), self.first + as_i64(end)), lowest) {
+                    append(&mut self.awake, (start, end), SHORTEST_SLEEP);
+                }
             }
         }
     }
+}
 
-    /// A slope that no receiver at distance `from` or beyond is below.
-    fn lowest_slope(&self, frame: &WedgeFrame, from: i64) -> f32 {
-        // Slopes of receivers below the UAV grow with the distance, those of others fall.
-        let at = if frame.lowest_receiver <= 0 { from } else { frame.last_center.max(from) };
-        if at <= 0 {
-            return NOTHING;
-        }
-        #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "widened by a margin")]
-        let lowest = (frame.lowest_receiver as f64 / at as f64) as f32;
-        lowest - lowest.abs() * SLACK - f32::MIN_POSITIVE
-    }
+/// A slope that nothing at distance `from` or beyond, of whatever is asked for, is below.
+fn lowest_slope(frame: &Frame, from: i64) -> f32 {
+    // Slopes of receivers below the UAV grow with the distance, those of others fall.
+    let at = if frame.lowest <= 0 { from } else { frame.last_center.max(from) };
+    #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "widened by a margin")]
+    let lowest = (frame.lowest as f64 / at.max(1) as f64) as f32;
+    lowest - lowest.abs() * SLACK - f32::MIN_POSITIVE
+}
 
-    /// Looks ahead: drops the bins in which no receiver from there on can be in line of sight, and finds those that need not
-    /// be looked at in the next lines. Begins a group of lines: call it before the first of any tiles, and never after more
-    /// lines than a tile has.
-    pub(super) fn look_ahead<S: Simd>(&mut self, simd: S, frame: &WedgeFrame, ahead: &Ahead<'_>) {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                self.raise_pending(simd, frame);
-                // The receivers' slopes grow with the distance where they are below the UAV, and fall where above.
-                // Beside the UAV centers may be behind it.
-                let at = if frame.highest_receiver <= 0 { frame.last_center } else { ahead.center }.max(1);
-                #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "widened by a margin")]
-                let steepest = (frame.highest_receiver as f64 / at as f64) as f32;
-                let dark = steepest + steepest.abs() * SLACK + f32::MIN_POSITIVE;
-                let (map, per_edges) = (self.edge_map(frame), ahead.per_edges());
-                let lowest_slope = self.lowest_slope(frame, ahead.center);
-                for &(from, to) in &self.awake {
-                    end_group(simd, self.group_start, lowest_slope, &mut self.bins.groups_of(from..to));
-                }
-                self.group_start = self.n_lines + 1;
-                let active = std::mem::take(&mut self.active);
-                self.awake.clear();
-                for &(from, to) in &active {
-                    for start in (from..to).step_by(SLEEPERS) {
-                        let end = (start + SLEEPERS).min(to);
-                        let lowest = lowest_of(&self.bins.lower[PAD + start..PAD + end]);
-                        if lowest > dark {
-                            continue;
-                        }
-                        append(&mut self.active, (start, end), 0);
-                        let bins = (self.first + as_i64(start), self.first + as_i64(end));
-                        if ahead.may_matter(frame, (&map, per_edges), bins, lowest) {
-                            append(&mut self.awake, (start, end), SHORTEST_SLEEP);
-                        }
-                    }
-                }
-            },
-        );
+/// Tops of a row above the UAV, [`NOTHING`] where there is none. Returns the highest.
+#[inline(always)]
+fn above_uav<S: Simd>(simd: S, tops: &[i32], uav_z: i32, out: &mut [i32]) -> i32 {
+    let n = S::i32s::LEN;
+    let (void, nothing, uav) = (S::i32s::splat(simd, VOID), S::i32s::splat(simd, NOTHING), S::i32s::splat(simd, uav_z));
+    let mut highest = nothing;
+    let mut chunks = tops.chunks_exact(n);
+    let mut outs = out.chunks_exact_mut(n);
+    for (tops, out) in (&mut chunks).zip(&mut outs) {
+        let tops = S::i32s::from_slice(simd, tops);
+        // A void wraps around and is replaced.
+        let above = tops.simd_eq(void).select(nothing, tops - uav);
+        above.store_slice(out);
+        highest = highest.max(above);
     }
+    let mut highest = highest.as_slice().iter().fold(NOTHING, |a, b| a.max(*b));
+    for (top, out) in chunks.remainder().iter().zip(outs.into_remainder()) {
+        *out = if *top == VOID { NOTHING } else { top - uav_z };
+        highest = highest.max(*out);
+    }
+    highest
 }
 
 /// Adds an interval to others before it; with all between if that is less than `gap`.
@@ -524,17 +454,4 @@ fn lowest_of(slopes: &[f32]) -> f32 {
         }
     }
     lowest[0]
-}
-
-/// Lateral cells of the raster under the bins `b0..b1` between two distances, from the first to after the last; none of them
-/// is outside the raster where there are none either.
-fn cells_between(map: &EdgeMap, (b0, b1): (i64, i64), (near, far): (i64, i64), frame: &WedgeFrame) -> (i64, i64) {
-    let low = map.cell(b0, near).min(map.cell(b0, far)).clamp(0, frame.n_lateral);
-    let high = (map.cell(b1, near).max(map.cell(b1, far)) + 1).clamp(low, frame.n_lateral);
-    (low, high)
-}
-
-/// The least level at which bins are narrower than a cell at distance `far`.
-fn level_for(far: i64) -> u32 {
-    (far.max(0) / CELL).checked_ilog2().map_or(0, |bits| bits + 1)
 }

@@ -1,66 +1,99 @@
-//! The order in which lines of cells are passed, tile by tile, and columns as lines.
+//! What the steps do in vectors of whatever width the machine has: look-ups in small tables, and columns turned into rows.
+//!
+//! Every lane does the same few IEEE operations in the same order at every width, nothing is fused and nothing is
+//! summed across lanes, so all instruction sets give the same bits.
 
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::{
+    __m256, __m256i, _mm256_blendv_ps, _mm256_castsi256_ps, _mm256_cmpgt_epi32, _mm256_permutevar8x32_epi32,
+    _mm256_permutevar8x32_ps, _mm256_set1_epi32,
+};
 use std::ops::Range;
 
 use fearless_simd::i32x4;
 use fearless_simd::prelude::*;
+#[cfg(target_arch = "x86_64")]
+use fearless_simd::{Level, f32x8, i32x8, u32x8};
 use prefetch_index::prefetch_index;
 
-use crate::height_field::TILE;
-
-/// Lines of one line of tiles, on the way out.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct TileLines {
-    pub(super) tile: usize,
-    pub(super) first: usize,
-    pub(super) last: usize,
+/// The numbers of the lanes.
+#[inline(always)]
+pub(super) fn lane_numbers<S: Simd>(simd: S) -> S::i32s {
+    const NUMBERS: [i32; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+    S::i32s::from_slice(simd, &NUMBERS[..S::i32s::LEN])
 }
 
-impl TileLines {
-    /// Calls `line` for each, outward.
-    pub(super) fn each(self, mut line: impl FnMut(usize)) {
-        if self.first <= self.last {
-            (self.first..=self.last).for_each(&mut line);
-        } else {
-            (self.last..=self.first).rev().for_each(&mut line);
-        }
+#[cfg(target_arch = "x86_64")]
+fearless_simd::kernel!(
+    /// Of the lanes of two vectors, those of the first foremost, the ones that `index` names: of two such pairs.
+    #[inline(always)]
+    fn permute_pairs_avx2(avx2: Avx2, a: (__m256, __m256), b: (__m256, __m256), index: __m256i) -> (__m256, __m256) {
+        let is_high = _mm256_castsi256_ps(_mm256_cmpgt_epi32(index, _mm256_set1_epi32(7)));
+        let of = |(low, high)| {
+            _mm256_blendv_ps(_mm256_permutevar8x32_ps(low, index), _mm256_permutevar8x32_ps(high, index), is_high)
+        };
+        (of(a), of(b))
     }
+);
+
+#[cfg(target_arch = "x86_64")]
+fearless_simd::kernel!(
+    /// The lanes of a vector that `index` names.
+    #[inline(always)]
+    fn permute_one_avx2(avx2: Avx2, values: __m256i, index: __m256i) -> __m256i {
+        _mm256_permutevar8x32_epi32(values, index)
+    }
+);
+
+/// Values `values[index]`, of as many as there are lanes.
+#[inline(always)]
+pub(super) fn permuted<S: Simd>(simd: S, values: &[i32], index: S::u32s) -> S::i32s {
+    // PERF: permutations of whole lanes take a third of the instructions that those of bytes do.
+    #[cfg(target_arch = "x86_64")]
+    if let Level::Avx2(avx2) = simd.level() {
+        let index = u32x8::from_slice(avx2, index.as_slice());
+        let found: i32x8<_> =
+            permute_one_avx2(avx2, i32x8::from_slice(avx2, values).into(), index.into()).simd_into(avx2);
+        return S::i32s::from_slice(simd, found.as_slice());
+    }
+    S::i32s::from_slice(simd, values).swizzle_dyn(bytes_of::<S>(index))
 }
 
-/// Calls `each` for the lines of each line of tiles in turn, upward or downward, as long as it says so.
-pub(super) fn for_tile_lines(lines: Range<usize>, is_upward: bool, mut each: impl FnMut(TileLines) -> bool) {
-    if lines.is_empty() {
-        return;
+/// Values `table[base + index]` of two tables for lanes of `index` below twice the width.
+#[inline(always)]
+pub(super) fn tables<S: Simd>(simd: S, tables: [&[f32]; 2], base: usize, index: S::u32s) -> [S::f32s; 2] {
+    let n = S::f32s::LEN;
+    let windows = tables.map(|table| &table[base..][..2 * n]);
+    #[cfg(target_arch = "x86_64")]
+    if let Level::Avx2(avx2) = simd.level() {
+        let index = u32x8::from_slice(avx2, index.as_slice());
+        let [a, b] = windows.map(|window| {
+            let half = |values| f32x8::from_slice(avx2, values).into();
+            (half(&window[..8]), half(&window[8..]))
+        });
+        let found = permute_pairs_avx2(avx2, a, b, index.into());
+        return [found.0, found.1].map(|found| {
+            let found: f32x8<_> = found.simd_into(avx2);
+            S::f32s::from_slice(simd, found.as_slice())
+        });
     }
-    let mut of_tile = |tile: usize| {
-        let (low, high) = ((tile * TILE).max(lines.start), ((tile + 1) * TILE).min(lines.end) - 1);
-        each(if is_upward {
-            TileLines { tile, first: low, last: high }
-        } else {
-            TileLines { tile, first: high, last: low }
-        })
-    };
-    let tiles = lines.start / TILE..lines.end.div_ceil(TILE);
-    if is_upward {
-        tiles.into_iter().all(&mut of_tile);
-    } else {
-        tiles.rev().all(&mut of_tile);
-    }
+    windows.map(|window| {
+        let (low, high) = (S::f32s::from_slice(simd, &window[..n]), S::f32s::from_slice(simd, &window[n..]));
+        low.concat_swizzle_dyn(high, bytes_of::<S>(index))
+    })
 }
 
-/// Columns that are turned into lines together.
+/// The indices of the four bytes of each lane that is named.
+#[inline(always)]
+fn bytes_of<S: Simd>(index: S::u32s) -> <S::u32s as Bytes>::Bytes {
+    (index * 0x0404_0404 + 0x0302_0100).to_bytes()
+}
+
+/// Columns that are turned into rows together.
 pub(super) const STRIP: usize = 64;
 
 /// Heights of a line of the cache.
 const CACHE_LINE: usize = 16;
-
-/// Has some cells brought into the cache, and some after them; those that are not there do no harm.
-#[inline(always)]
-pub(super) fn read_ahead(values: &[i32], cells: Range<usize>) {
-    for cell in (cells.start..cells.end + CACHE_LINE).step_by(CACHE_LINE) {
-        prefetch_index(values, cell);
-    }
-}
 
 /// Copies columns `cols` of rows `rows` into lines, one after another.
 pub(super) fn turn<S: Simd>(
@@ -126,9 +159,8 @@ fn transposed<S: Simd>([a, b, c, d]: [i32x4<S>; 4]) -> [i32x4<S>; 4] {
 
 #[cfg(test)]
 mod tests {
-    use crate::dispatch;
-
     use super::*;
+    use crate::dispatch;
     use crate::simd::simd_levels;
 
     #[test]

@@ -1,8 +1,8 @@
-//! A walk along a part of a ray, line by line: how the sweep asks about the few lines that may decide a receiver.
+//! A walk along a part of a ray, row by row: how step 5 asks about the few rows that may hide a receiver, where all are in memory.
 //!
-//! Across the lines the ray moves faster than along them, so in each line it is in one cell or in two neighbors. Where it
-//! is over the higher of the two at its lowest point in the line, the line is clear; only else are the cells looked at one
-//! by one, as `ray` does. The cell is carried from line to line by adding to a remainder.
+//! Across the rows the ray moves faster than along them, so in each row it is in one cell or in two neighbors. Where it
+//! is over the higher of the two at its lowest point in the row, the row is clear; only else are the cells looked at one
+//! by one, as `ray` does. The cell is carried from row to row by adding to a remainder.
 
 use crate::height_field::{TILE_BITS, TileMaxima};
 use crate::quantity::STEPS_PER_UNIT;
@@ -49,7 +49,7 @@ impl LinkLength {
 /// A link as lines of cells see it, from the receiver to the UAV: the receiver is over the center of a cell, and no farther
 /// from the UAV along the lines than across them.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct LinkOverLines {
+pub(super) struct LinkOverRows {
     length: LinkLength,
     /// How far it goes along the lines \[lattice steps\].
     along: i64,
@@ -62,7 +62,7 @@ pub(super) struct LinkOverLines {
     most: i64,
 }
 
-impl LinkOverLines {
+impl LinkOverRows {
     /// From lateral cell `lateral` of `n_lateral`, at height `z`, to a UAV `climb` above it, whose lateral position is
     /// `uav_lateral` \[lattice steps; heights 1/1024 m\].
     #[inline(always)]
@@ -74,13 +74,13 @@ impl LinkOverLines {
     ) -> Self {
         let side = uav_lateral - (lateral * CELL + CELL / 2);
         let (sideways, most) = if side < 0 { (-1, lateral) } else { (1, n_lateral - 1 - lateral) };
-        LinkOverLines { length, along: side.abs(), sideways, z, climb, most }
+        LinkOverRows { length, along: side.abs(), sideways, z, climb, most }
     }
 }
 
 /// Where the cells of some lines are found.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct LineCells<'a> {
+pub(super) struct RowCells<'a> {
     /// Tops of the cells, line by line.
     pub(super) tops: &'a [i32],
     /// Index of the receiver's cell; where its line is not among `tops`, what it would be, wrapped around.
@@ -88,12 +88,12 @@ pub(super) struct LineCells<'a> {
     /// Steps to the same cell of the next line towards the UAV, and to the next cell of a line, as lateral numbers rise.
     pub(super) strides: (i64, i64),
     /// The highest tops of tiles of these cells, if they are known.
-    pub(super) tiles: Option<LineTiles<'a>>,
+    pub(super) tiles: Option<RowTiles<'a>>,
 }
 
 /// Where the tiles are found that lines of cells pass.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct LineTiles<'a> {
+pub(super) struct RowTiles<'a> {
     pub(super) tiles: &'a TileMaxima,
     /// The receiver's cell: its line, and its place in the line, as numbers of rows and columns of the raster.
     pub(super) line: i64,
@@ -104,7 +104,7 @@ pub(super) struct LineTiles<'a> {
     pub(super) strides: (i64, i64),
 }
 
-impl LineTiles<'_> {
+impl RowTiles<'_> {
     /// The highest top in the tile of line `line` at `lateral`.
     #[inline(always)]
     fn maximum(&self, line: i64, lateral: i64) -> i32 {
@@ -115,13 +115,13 @@ impl LineTiles<'_> {
     }
 }
 
-impl LinkOverLines {
+impl LinkOverRows {
     /// Whether none of the lines from `near` to `far` \[lattice steps from the UAV\] blocks the link; the receiver's own is not
     /// among them.
-    pub(super) fn is_clear(&self, cells: &LineCells<'_>, (near, far): (i64, i64)) -> bool {
-        let LinkOverLines { along, z, climb, most, .. } = *self;
+    pub(super) fn is_clear(&self, cells: &RowCells<'_>, (near, far): (i64, i64)) -> bool {
+        let LinkOverRows { along, z, climb, most, .. } = *self;
         debug_assert!(far + CELL / 2 <= self.length.steps && along <= self.length.steps);
-        let LineCells { tops, own, strides, tiles } = *cells;
+        let RowCells { tops, own, strides, tiles } = *cells;
         #[expect(clippy::cast_possible_truncation, reason = "an array has far fewer than 2^63 cells")]
         let (stride, sideways) = (strides.0 as isize, (strides.1 * self.sideways) as isize);
         // EXACT: lengths are at most 2^26 and so is `along`, so all products are below 2^64 / 4.
@@ -182,7 +182,7 @@ impl LinkOverLines {
                 let second = if steps_over && at.beside == 0 { i32::MIN } else { tops[second] };
                 if i64::from(tops[first].max(second)) * length > at.clear_below {
                     let n = first_n + (n_lines - lines_left) * CELL;
-                    let met = LineMet { n, passed: most - at.beside, rest: after.rest, steps_over };
+                    let met = RowMet { n, passed: most - at.beside, rest: after.rest, steps_over };
                     if self.is_blocked(met, (tops[first], second)) {
                         return false;
                     }
@@ -196,10 +196,10 @@ impl LinkOverLines {
 
     /// Whether one line blocks, given the tops of the cells in which the ray enters and leaves it.
     #[inline(never)]
-    fn is_blocked(&self, at: LineMet, (first, second): (i32, i32)) -> bool {
-        let LinkOverLines { along, z, climb, .. } = *self;
+    fn is_blocked(&self, at: RowMet, (first, second): (i32, i32)) -> bool {
+        let LinkOverRows { along, z, climb, .. } = *self;
         let length = self.length.steps;
-        let LineMet { n, passed, rest, steps_over } = at;
+        let RowMet { n, passed, rest, steps_over } = at;
         let (first, second) = (i64::from(first) - z, i64::from(second) - z);
         let end = (n + CELL).min(length);
         // Where the ray steps over, if that is short of the UAV and not at a corner, where both indices step at once.
@@ -279,7 +279,7 @@ impl Passed {
 
 /// A line of cells that a ray meets.
 #[derive(Debug, Clone, Copy)]
-struct LineMet {
+struct RowMet {
     /// Where the ray enters it, from the receiver \[lattice steps across the lines\].
     n: i64,
     /// Borders between cells passed before, and what is left over after the line.

@@ -1,0 +1,327 @@
+//! Step 5, where rows are not read again: those that may obstruct a ray of a bin the most, and which of them does, exactly.
+//!
+//! A row is a *candidate* of a bin while its own upper bound is not below the bin's `lower`. One whose lower bound is not
+//! below the bin's `upper` takes the place of all before it; those after it are listed, the newest first. The tops under the
+//! edges of the bin are kept with each. A ray of the bin is in no other cell of the row, and where it is among them is decided
+//! in integers.
+//!
+//! So the steepest obstruction of a link is the steepest one over the candidates of its bin: of each, the *obstructing
+//! point* of the one or two cells that the ray crosses.
+
+use std::ops::Range;
+
+use fearless_simd::prelude::*;
+
+use super::bounds::{PAD, split};
+use super::frame::{CELL, CELL_BITS, FIRST_LEVEL, Frame, as_i64};
+use super::least_heights::{BATCH, Met};
+use super::undecided::{Open, Passed, Recall, Settling};
+
+/// Bins that are listed together: as many as the widest vector has lanes.
+pub(super) const LANES: usize = 8;
+
+/// Listed rows for each vector of bins, on average, from which on those that are candidates no more are struck out.
+const MOST_LISTED: usize = 128;
+
+/// No row.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Below every slope.
+const NO_SLOPE: f32 = f32::NEG_INFINITY;
+
+/// A row that is a candidate of some bins next to each other, as many as a vector has lanes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Listed {
+    /// Of each bin the candidate before it, the highest upper bound of all before it, and its own.
+    pub(super) next: [u32; LANES],
+    pub(super) before: [f32; LANES],
+    pub(super) upper: [f32; LANES],
+    /// Tops under the edges of the bins where rays enter the row, and where they leave it \[1/1024 m above the UAV\].
+    enters: [i32; LANES + 1],
+    leaves: [i32; LANES + 1],
+    pub(super) row: u32,
+    /// The number of the first bin, at a distance where there are 2^level bins to a side.
+    first: i32,
+    pub(super) level: u32,
+}
+
+impl Listed {
+    /// Which of its bins is the one of a number among 2^level to a side, or holds it.
+    #[inline(always)]
+    pub(super) fn lane(&self, number: i64, level: u32) -> usize {
+        usize::try_from((number >> (level - self.level)) - i64::from(self.first)).unwrap_or(0) % LANES
+    }
+
+    /// Tops under the two edges of a bin where rays enter the row, and where they leave it.
+    #[inline(always)]
+    pub(super) fn tops(&self, lane: usize) -> [i32; 4] {
+        [self.enters[lane], self.enters[lane + 1], self.leaves[lane], self.leaves[lane + 1]]
+    }
+}
+
+/// The candidate rows of the bins of a wedge: values of bin `i` are at `i + PAD`.
+#[derive(Debug)]
+pub(super) struct Candidates {
+    /// Of each bin the newest candidate, and the highest upper bound of all.
+    pub(super) newest: Vec<u32>,
+    highest: Vec<f32>,
+    pub(super) listed: Vec<Listed>,
+    /// How many may be listed before those that are candidates no more are struck out; and room for the others.
+    most: usize,
+    spare: Vec<Listed>,
+    pub(super) met: Box<Met>,
+}
+
+impl Candidates {
+    pub(super) fn new(len: usize) -> Self {
+        Candidates {
+            newest: vec![NONE; len + 2 * PAD],
+            highest: vec![NO_SLOPE; len + 2 * PAD],
+            listed: Vec::new(),
+            most: MOST_LISTED,
+            spare: Vec::new(),
+            met: Met::new(),
+        }
+    }
+
+    /// The newest candidate of a bin.
+    #[inline(always)]
+    pub(super) fn newest(&self, bin: usize) -> u32 {
+        self.newest[bin + PAD]
+    }
+
+    /// Whether a candidate hides the receiver of a link of slope `slope`.
+    #[inline(always)]
+    fn is_hidden(&self, frame: &Frame, link: &Link, slope: f32) -> bool {
+        let mut next = self.newest(link.bin);
+        while let Some(listed) = self.listed.get(next as usize) {
+            let lane = listed.lane(link.number, link.level);
+            if listed.upper[lane] >= slope && link.is_hidden_by(frame, listed.row as usize, listed.tops(lane)) {
+                return true;
+            }
+            if listed.before[lane] < slope {
+                return false;
+            }
+            next = listed.next[lane];
+        }
+        false
+    }
+
+    /// Strikes out rows that are candidates of no bin any more, given the values of `lower` of all bins from number `first` on, once
+    /// they may be many.
+    fn tidy(&mut self, lower: &[f32], (first, level): (i64, u32)) {
+        if self.listed.len() < self.most {
+            return;
+        }
+        // Where each goes to.
+        let mut places = vec![NONE; self.listed.len()];
+        for (i, lower) in lower.iter().enumerate() {
+            let number = first + as_i64(i);
+            // The one that is kept before the next one.
+            let mut last: Option<(usize, usize)> = None;
+            let mut next = self.newest[PAD + i];
+            while let Some(listed) = self.listed.get(next as usize) {
+                let lane = listed.lane(number, level);
+                let place = next as usize;
+                if listed.level != level {
+                    // Several bins share it, so it is kept as it is.
+                    places[place] = 0;
+                    next = listed.next[lane];
+                    continue;
+                }
+                let is_kept = listed.upper[lane] >= *lower;
+                next = if listed.before[lane] >= *lower { listed.next[lane] } else { NONE };
+                if is_kept {
+                    places[place] = 0;
+                    last = Some((place, lane));
+                }
+                match last {
+                    Some((place, lane)) => self.listed[place].next[lane] = next,
+                    None => self.newest[PAD + i] = next,
+                }
+            }
+        }
+        self.spare.clear();
+        for (listed, place) in self.listed.iter().zip(&mut places) {
+            if *place == 0 {
+                #[expect(clippy::cast_possible_truncation, reason = "far fewer than 2^32")]
+                let new = self.spare.len() as u32;
+                *place = new;
+                self.spare.push(*listed);
+            }
+        }
+        let mut moved = |next: &mut u32| *next = places.get(*next as usize).copied().unwrap_or(NONE);
+        self.spare.iter_mut().for_each(|listed| listed.next.iter_mut().for_each(&mut moved));
+        self.newest.iter_mut().for_each(moved);
+        std::mem::swap(&mut self.spare, &mut self.listed);
+        self.most = self.most.max(2 * self.listed.len());
+    }
+}
+
+impl Recall for Candidates {
+    const WITH_HEIGHTS: bool = true;
+
+    fn split(&mut self, len: usize) {
+        split(&mut self.newest, len);
+        split(&mut self.highest, len);
+        self.most = self.most.max(2 * len / LANES * MOST_LISTED);
+    }
+
+    #[inline(always)]
+    fn add<S: Simd>(
+        &mut self,
+        passed: &Passed,
+        bin: usize,
+        (enters, leaves): (&[i32], &[i32]),
+        (is_one, is_the_one): (S::mask32s, S::mask32s),
+        (upper, _): (S::f32s, S::f32s),
+    ) {
+        let (simd, n) = (upper.token(), S::i32s::LEN);
+        let at = bin + PAD..bin + PAD + n;
+        let (newest, highest) = (&mut self.newest[at.clone()], &mut self.highest[at]);
+        #[expect(clippy::cast_possible_truncation, reason = "bins and rows are fewer than 2^18")]
+        let (first, row) = ((passed.first + as_i64(bin)) as i32, passed.row as u32);
+        let (old, old_highest) = (S::u32s::from_slice(simd, newest), S::f32s::from_slice(simd, highest));
+        let before = is_the_one.select(S::f32s::splat(simd, NO_SLOPE), old_highest);
+        // PERF: where rays reach the ground each row takes the place of the one before it, also in memory.
+        let is_in_place = is_the_one.all_true() && old.simd_eq(S::u32s::splat(simd, newest[0])).all_true();
+        let place = match self.listed.get(newest[0] as usize) {
+            Some(last) if is_in_place && last.level == passed.level => newest[0],
+            _ => {
+                self.listed.push(EMPTY);
+                #[expect(clippy::cast_possible_truncation, reason = "far fewer than 2^32")]
+                let last = self.listed.len() as u32 - 1;
+                last
+            }
+        };
+        let listed = &mut self.listed[place as usize];
+        (listed.row, listed.first, listed.level) = (row, first, passed.level);
+        is_the_one.select(S::u32s::splat(simd, NONE), old).store_slice(&mut listed.next[..n]);
+        before.store_slice(&mut listed.before[..n]);
+        upper.store_slice(&mut listed.upper[..n]);
+        listed.enters[..=n].copy_from_slice(&enters[..=n]);
+        listed.leaves[..=n].copy_from_slice(&leaves[..=n]);
+        is_one.select(S::u32s::splat(simd, place), old).store_slice(newest);
+        is_one.select(before.max(upper), old_highest).store_slice(highest);
+    }
+
+    #[inline(always)]
+    fn end_group<S: Simd>(&mut self, _: S, _: (&[f32], f32), _: Range<usize>) {}
+
+    fn begin_group(&mut self, _: usize, lower: &[f32], bins: (i64, u32)) {
+        self.tidy(lower, bins);
+    }
+
+    fn settle(&self, of: &Settling<'_>, open: &mut [Open], seen: &mut [u32]) -> usize {
+        let mut n_seen = 0;
+        for Open { cell } in open {
+            let link = Link::to(of, *cell as usize);
+            seen[n_seen] = *cell;
+            n_seen += usize::from(!self.is_hidden(of.frame, &link, of.slope(link.above_uav)));
+        }
+        n_seen
+    }
+
+    fn least_heights<S: Simd>(&mut self, simd: S, of: &Settling<'_>, cells: &[u32], highest: &mut [f64; BATCH]) {
+        self.find_least_heights(simd, of, cells, highest);
+    }
+}
+
+const EMPTY: Listed = Listed {
+    next: [NONE; LANES],
+    before: [NO_SLOPE; LANES],
+    upper: [NO_SLOPE; LANES],
+    enters: [0; LANES + 1],
+    leaves: [0; LANES + 1],
+    row: 0,
+    first: 0,
+    level: 0,
+};
+
+/// The link to a receiver, as the rows of its quadrant see it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Link {
+    /// Its bin, and the number of that: of its lower edge among bins of 1 / 2^level.
+    pub(super) bin: usize,
+    pub(super) number: i64,
+    pub(super) level: u32,
+    /// How far the receiver is from the axis, and along it \[lattice steps\]; whether it is to the left of the axis, seen from the
+    /// UAV outward with lateral numbers rising to the right.
+    pub(super) side: i64,
+    pub(super) length: i64,
+    pub(super) is_left: bool,
+    /// Its height above the UAV \[1/1024 m\].
+    pub(super) above_uav: i64,
+}
+
+impl Link {
+    /// The link to a receiver of a row.
+    #[inline(always)]
+    fn to(of: &Settling<'_>, cell: usize) -> Self {
+        Link {
+            bin: of.bin(cell),
+            number: of.number(cell),
+            level: of.level,
+            side: of.side(cell),
+            length: of.frame.center(of.row),
+            is_left: of.is_left(),
+            above_uav: of.receivers.height(cell),
+        }
+    }
+
+    /// Whether a row hides the receiver.
+    #[inline(always)]
+    fn is_hidden_by(&self, frame: &Frame, row: usize, tops: [i32; 4]) -> bool {
+        // EXACT: heights are below 2^27 and distances at most 2^26.
+        let [a, b] = self.obstructions(frame, row, tops).map(|(num, den)| self.above_uav * den < num);
+        a | b
+    }
+
+    /// What the one or two cells of a row that the ray crosses demand of the receiver's height above the UAV: at least the first
+    /// number over the second; `tops` as in [`Candidates`]. Where that is one cell, it says so twice.
+    ///
+    /// All is mirrored left of the axis, so that rays go on towards higher cells. The ray is compared with the borders of
+    /// cells in products of distances; at a border it enters the cell after it, and leaves the one before it.
+    #[inline(always)]
+    fn obstructions(&self, frame: &Frame, row: usize, tops: [i32; 4]) -> [(i64, i64); 2] {
+        let Link { side, length, .. } = *self;
+        let (near, far) = (frame.near(row), frame.far(row));
+        // The edge of the bin on the side of the axis, when the row was passed.
+        let level = level_for(far);
+        let number = self.number >> (self.level - level);
+        let (edge, uav, tops) = if self.is_left {
+            (-(number + 1), -frame.uav_lateral, [tops[1], tops[0], tops[3], tops[2]])
+        } else {
+            (number, frame.uav_lateral, tops)
+        };
+        // The border after the cell under that edge, from the UAV.
+        let border = |y: i64| ((((uav << level) + edge * y) >> (CELL_BITS + level)) + 1) * CELL - uav;
+        let (enter_border, leave_border) = (border(near), border(far));
+        // EXACT: distances are at most 2^26, so products are at most 2^52.
+        let enters_after = side * near >= enter_border * length;
+        let leaves_after = side * far > leave_border * length;
+        let first = i64::from(if enters_after { tops[1] } else { tops[0] });
+        let last = i64::from(if leaves_after { tops[3] } else { tops[2] });
+        let enter_border = enter_border + if enters_after { CELL } else { 0 };
+        let leave_border = leave_border + if leaves_after { CELL } else { 0 };
+        // Where it crosses from the one into the other: at enter_border / side of the length.
+        let crosses = enter_border != leave_border;
+        // Below the UAV a cell obstructs at its end towards the receiver, above it at the one towards the UAV.
+        let whole = |y: i64| (length, y);
+        let crossing = if crosses { Some((side, enter_border)) } else { None };
+        let demand = |top: i64, (num, den): (i64, i64)| {
+            if top < i64::from(frame.blocks_all) { (top * num, den) } else { (1, 0) }
+        };
+        [
+            demand(first, if first > 0 { whole(near) } else { crossing.unwrap_or(whole(far)) }),
+            demand(last, if last > 0 { crossing.unwrap_or(whole(near)) } else { whole(far) }),
+        ]
+    }
+}
+
+/// The level of the bins when a row is passed whose farther edge is at distance `far` \[lattice steps\]: the least one at which
+/// they are narrower than a cell there.
+#[inline(always)]
+pub(super) fn level_for(far: i64) -> u32 {
+    (far / CELL).checked_ilog2().map_or(0, |bits| bits + 1).max(FIRST_LEVEL)
+}

@@ -1,0 +1,211 @@
+//! Step 1: the four quadrants around the UAV, and their rows, numbered outward.
+//!
+//! Everything after this step is written for one quadrant alone, in which rows run across the way out: rows of the raster to
+//! the north and south, columns of it to the east and west.
+
+use std::ops::Range;
+
+use crate::height_field::TILE;
+use crate::quantity::{BLOCKS_ALL, LatticePoint, STEPS_PER_UNIT};
+use crate::raster::CellWindow;
+
+/// Length of a cell \[lattice steps\].
+pub(super) const CELL: i64 = STEPS_PER_UNIT as i64;
+
+/// Bits of a lattice position below the cell.
+pub(super) const CELL_BITS: u32 = CELL.trailing_zeros();
+
+/// There are `2^level` bins to each side of the axis; this many at least.
+pub(super) const FIRST_LEVEL: u32 = 4;
+
+/// The most wedges that one side of a quadrant can be cut into.
+const MAX_PARTS: i64 = 1 << FIRST_LEVEL;
+
+/// Rows that end within this distance of the UAV \[lattice steps\] are left to `ray`: their bins are many to a cell. As many
+/// cells as a vector has lanes, so that those of a vector of receivers lie in two vectors.
+pub(super) const NEAR: i64 = 16 * CELL;
+
+/// Cells across a raster beyond which its quadrants are cut once more.
+const LONGEST_ROW: usize = 4096;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Quadrant {
+    North,
+    South,
+    East,
+    West,
+}
+
+impl Quadrant {
+    pub(super) const ALL: [Quadrant; 4] = [Quadrant::North, Quadrant::South, Quadrant::East, Quadrant::West];
+
+    /// Whether its rows are rows of the raster, not columns.
+    pub(super) fn has_raster_rows(self) -> bool {
+        matches!(self, Quadrant::North | Quadrant::South)
+    }
+}
+
+/// What a sweep is about.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Asked {
+    /// Rows and columns of the raster.
+    pub(super) shape: (usize, usize),
+    pub(super) uav: LatticePoint,
+    /// The highest top, or anything higher \[1/1024 m\].
+    pub(super) max_top: i32,
+    /// No height below the first need be told from others that are; none above the second \[1/1024 m\].
+    pub(super) heights: (i64, i64),
+    /// Holds all receivers that are asked for, and all cells between them and the UAV.
+    pub(super) window: CellWindow,
+}
+
+/// One quadrant of a raster.
+#[derive(Debug, Clone)]
+pub(super) struct Frame {
+    pub(super) quadrant: Quadrant,
+    pub(super) shape: (usize, usize),
+    /// Raster rows or columns that are passed, in the order of the raster.
+    lines: Range<usize>,
+    /// Distance of the farther edge of row 0 \[lattice steps\].
+    far_of_first: i64,
+    /// Distance of the last row's centers \[lattice steps\].
+    pub(super) last_center: i64,
+    /// Height of the UAV \[1/1024 m\].
+    pub(super) uav_z: i32,
+    /// The top above it behind which no height is enough.
+    pub(super) blocks_all: i32,
+    /// Whether no top is above the UAV.
+    pub(super) is_below_uav: bool,
+    /// Lateral position of the UAV \[lattice steps\]; lateral positions run east, or south as raster rows do.
+    pub(super) uav_lateral: i64,
+    /// Number of cells along a row.
+    pub(super) n_lateral: i64,
+    /// Lateral cells of the window.
+    pub(super) window: (i64, i64),
+    /// [`Asked::heights`], above the UAV.
+    pub(super) lowest: i64,
+    pub(super) highest: i64,
+}
+
+impl Frame {
+    /// A quadrant; `None` if no row of the window lies in it.
+    pub(super) fn new(asked: &Asked, quadrant: Quadrant) -> Option<Self> {
+        let Asked { shape: (n_rows, n_cols), uav, window, heights, .. } = *asked;
+        let (rows, cols) = (window.row..window.row + window.n_rows, window.col..window.col + window.n_cols);
+        let is_rows = quadrant.has_raster_rows();
+        let (across, along, n_lateral) = if is_rows { (rows, cols, n_cols) } else { (cols, rows, n_rows) };
+        let far = |line: usize| match quadrant {
+            Quadrant::North => (as_i64(n_rows) - as_i64(line)) * CELL - uav.y,
+            Quadrant::South => uav.y - (as_i64(n_rows) - 1 - as_i64(line)) * CELL,
+            Quadrant::East => (as_i64(line) + 1) * CELL - uav.x,
+            Quadrant::West => uav.x - as_i64(line) * CELL,
+        };
+        let mut frame = Frame {
+            quadrant,
+            shape: (n_rows, n_cols),
+            lines: across.clone(),
+            far_of_first: 0,
+            last_center: 0,
+            uav_z: i32::try_from(uav.z).unwrap_or(i32::MAX),
+            blocks_all: i32::try_from(i64::from(BLOCKS_ALL) - uav.z).unwrap_or(i32::MAX),
+            is_below_uav: i64::from(asked.max_top) <= uav.z,
+            uav_lateral: if is_rows { uav.x } else { as_i64(n_rows) * CELL - uav.y },
+            n_lateral: as_i64(n_lateral),
+            window: (as_i64(along.start), as_i64(along.end)),
+            lowest: heights.0 - uav.z,
+            highest: heights.1 - uav.z,
+        };
+        // Rows behind the UAV are another quadrant's.
+        frame.lines = if frame.counts_up() {
+            across.clone().find(|line| far(*line) > 0)?..across.end
+        } else {
+            across.start..across.clone().rev().find(|line| far(*line) > 0)? + 1
+        };
+        frame.far_of_first = far(frame.line(0));
+        frame.last_center = frame.center(frame.n_rows() - 1);
+        Some(frame)
+    }
+
+    /// Whether raster rows or columns have rising numbers on the way out.
+    pub(super) fn counts_up(&self) -> bool {
+        matches!(self.quadrant, Quadrant::South | Quadrant::East)
+    }
+
+    /// How many rows there are.
+    pub(super) fn n_rows(&self) -> usize {
+        self.lines.len()
+    }
+
+    /// The raster row or column that a row is.
+    #[inline(always)]
+    pub(super) fn line(&self, row: usize) -> usize {
+        if self.counts_up() { self.lines.start + row } else { self.lines.end - 1 - row }
+    }
+
+    /// The raster rows or columns of some rows, which are not none.
+    pub(super) fn lines_of(&self, rows: &Range<usize>) -> Range<usize> {
+        let (a, b) = (self.line(rows.start), self.line(rows.end - 1));
+        a.min(b)..a.max(b) + 1
+    }
+
+    /// Row and column in the raster of lateral cell `lateral` of a row.
+    #[inline(always)]
+    pub(super) fn cell(&self, row: usize, lateral: usize) -> (usize, usize) {
+        let line = self.line(row);
+        if self.quadrant.has_raster_rows() { (line, lateral) } else { (lateral, line) }
+    }
+
+    /// Distance of the farther edge of a row \[lattice steps\].
+    #[inline(always)]
+    pub(super) fn far(&self, row: usize) -> i64 {
+        self.far_of_first + as_i64(row) * CELL
+    }
+
+    /// Distance of its nearer edge; 0 if the UAV is beyond it.
+    #[inline(always)]
+    pub(super) fn near(&self, row: usize) -> i64 {
+        (self.far(row) - CELL).max(0)
+    }
+
+    /// Distance of its centers; not positive if the UAV is beyond them.
+    #[inline(always)]
+    pub(super) fn center(&self, row: usize) -> i64 {
+        self.far(row) - CELL / 2
+    }
+
+    /// After the last row of those from `row` on that lie between the same two multiples of `n` in the raster.
+    pub(super) fn end_of_strip(&self, row: usize, n: usize) -> usize {
+        let line = self.line(row);
+        let left = if self.counts_up() { n - line % n } else { line % n + 1 };
+        (row + left).min(self.n_rows())
+    }
+
+    /// The number in the raster of the tiles that a row lies in.
+    pub(super) fn tile(&self, row: usize) -> usize {
+        self.line(row) / TILE
+    }
+}
+
+/// Wedges to each side of the axis of a quadrant: eight for every thread in all, since some take longer than others, and
+/// enough for the bins of a wedge and the rows behind it to stay in a core's cache; no more, since long rows are read
+/// faster than short ones.
+pub(super) fn parts(n_across: usize) -> i64 {
+    let for_threads = rayon::current_num_threads();
+    as_i64(for_threads.max(n_across / LONGEST_ROW).next_power_of_two()).clamp(1, MAX_PARTS)
+}
+
+/// Raster rows and columns of the cells near the UAV, which no wedge decides, inside the window.
+pub(super) fn near_cells(asked: &Asked) -> (Range<usize>, Range<usize>) {
+    let reach = NEAR / CELL + 1;
+    let clip = |middle: i64, low: usize, n: usize| {
+        let at = |v: i64| usize::try_from(v.max(0)).unwrap_or(usize::MAX).clamp(low, low + n);
+        at(middle - reach)..at(middle + reach + 1)
+    };
+    let (east, north) = (asked.uav.x.div_euclid(CELL), asked.uav.y.div_euclid(CELL));
+    let row = as_i64(asked.shape.0) - 1 - north;
+    (clip(row, asked.window.row, asked.window.n_rows), clip(east, asked.window.col, asked.window.n_cols))
+}
+
+pub(super) fn as_i64(n: usize) -> i64 {
+    i64::try_from(n).unwrap_or(i64::MAX)
+}

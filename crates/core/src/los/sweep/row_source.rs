@@ -1,0 +1,229 @@
+//! Step 2: rows of a quadrant in memory, wherever they come from.
+//!
+//! Rows of a raster in memory are lent as they are. Its columns are turned into rows, a strip of 64 at a time, and so are those
+//! that a reader hands out: memory is read in rows throughout.
+
+use std::ops::Range;
+
+use fearless_simd::Level;
+
+use super::columns_reader::{ColumnsReader, StreamedHeights};
+use super::frame::{Frame, as_i64};
+use super::simd::turn;
+use crate::dispatch;
+use crate::error::Result;
+use crate::height_field::{Columns, TILE_BITS, TileMaxima};
+use crate::raster::CellWindow;
+
+/// How high receivers are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stand {
+    /// All at one height \[1/1024 m above the datum\].
+    Flat(i32),
+    /// So much above the tops of their cells.
+    OnTops(i32),
+    /// So much above bases of their own.
+    OnBases(i32),
+}
+
+/// Some rows of a quadrant.
+#[derive(Debug, Clone)]
+pub(super) struct Rows<'a> {
+    pub(super) numbers: Range<usize>,
+    /// Lateral index of the first cell of each, and how many cells each has.
+    first: usize,
+    width: usize,
+    tops: &'a [i32],
+    bases: &'a [i32],
+    /// Whether the first one in memory is the outermost.
+    is_inward: bool,
+}
+
+impl<'a> Rows<'a> {
+    fn cells(&self, row: usize) -> Range<usize> {
+        let index = if self.is_inward { self.numbers.end - 1 - row } else { row - self.numbers.start };
+        index * self.width..(index + 1) * self.width
+    }
+
+    /// Lateral index of the first cell of each row.
+    pub(super) fn first(&self) -> i64 {
+        as_i64(self.first)
+    }
+
+    /// The tops of a row.
+    #[inline(always)]
+    pub(super) fn tops(&self, row: usize) -> &'a [i32] {
+        &self.tops[self.cells(row)]
+    }
+
+    /// What the receivers of a row stand on, where that is not one height.
+    #[inline(always)]
+    pub(super) fn bases(&self, row: usize, stand: Stand) -> &'a [i32] {
+        match stand {
+            Stand::Flat(_) => &[],
+            Stand::OnTops(_) => self.tops(row),
+            Stand::OnBases(_) => &self.bases[self.cells(row)],
+        }
+    }
+}
+
+/// Room for rows that are not in memory as they are needed.
+#[derive(Debug, Default)]
+pub(super) struct RowBuffer {
+    read: Vec<i32>,
+    tops: Vec<i32>,
+    bases: Vec<i32>,
+}
+
+/// Where rows come from.
+pub(super) trait RowSource: Sync {
+    /// How many raster rows or columns are lent at once: those between multiples of this.
+    fn strip(&self, frame: &Frame) -> usize;
+
+    /// Some rows of one strip, from lateral cell `lateral.start` to before `lateral.end`, or more.
+    ///
+    /// # Errors
+    /// If they cannot be read.
+    fn rows<'b>(
+        &'b self,
+        frame: &Frame,
+        numbers: Range<usize>,
+        lateral: Range<usize>,
+        buffer: &'b mut RowBuffer,
+    ) -> Result<Rows<'b>>;
+}
+
+/// Columns in memory, and what receivers stand on where that is neither flat nor a top.
+pub(super) struct InMemory<'a> {
+    pub(super) columns: &'a Columns,
+    pub(super) bases: &'a [i32],
+    pub(super) level: Level,
+}
+
+impl RowSource for InMemory<'_> {
+    fn strip(&self, frame: &Frame) -> usize {
+        if frame.quadrant.has_raster_rows() { usize::MAX } else { super::simd::STRIP }
+    }
+
+    fn rows<'b>(
+        &'b self,
+        frame: &Frame,
+        numbers: Range<usize>,
+        lateral: Range<usize>,
+        buffer: &'b mut RowBuffer,
+    ) -> Result<Rows<'b>> {
+        let (n_cols, lines) = (self.columns.n_cols(), frame.lines_of(&numbers));
+        let is_inward = !frame.counts_up();
+        if frame.quadrant.has_raster_rows() {
+            let cells = lines.start * n_cols..lines.end * n_cols;
+            let bases = if self.bases.is_empty() { self.bases } else { &self.bases[cells.clone()] };
+            return Ok(Rows { numbers, first: 0, width: n_cols, tops: &self.columns.tops()[cells], bases, is_inward });
+        }
+        let (level, width) = (self.level, lateral.len());
+        dispatch!(level, simd => turn(simd, self.columns.tops(), n_cols, &lines, &lateral, &mut buffer.tops));
+        if !self.bases.is_empty() {
+            dispatch!(level, simd => turn(simd, self.bases, n_cols, &lines, &lateral, &mut buffer.bases));
+        }
+        Ok(Rows { numbers, first: lateral.start, width, tops: &buffer.tops, bases: &buffer.bases, is_inward })
+    }
+}
+
+impl ColumnsReader for InMemory<'_> {
+    fn shape(&self) -> (usize, usize) {
+        (self.columns.n_rows(), self.columns.n_cols())
+    }
+
+    fn read_tops(&self, window: CellWindow, tops: &mut Vec<i32>) -> Result<()> {
+        copy(self.columns.tops(), self.columns.n_cols(), window, tops);
+        Ok(())
+    }
+
+    fn read_bases(&self, window: CellWindow, bases: &mut Vec<i32>) -> Result<()> {
+        copy(self.bases, self.columns.n_cols(), window, bases);
+        Ok(())
+    }
+}
+
+/// Copies a window of cells, of which a row has `n_cols`.
+fn copy(cells: &[i32], n_cols: usize, window: CellWindow, out: &mut Vec<i32>) {
+    out.clear();
+    for row in window.row..window.row + window.n_rows {
+        out.extend_from_slice(&cells[row * n_cols + window.col..][..window.n_cols]);
+    }
+}
+
+/// Columns that a reader hands out window by window.
+pub(super) struct FromReader<'a> {
+    pub(super) columns: &'a dyn ColumnsReader,
+    pub(super) receivers: StreamedHeights,
+    /// Raster rows or columns to be read at once.
+    pub(super) strip: usize,
+    pub(super) level: Level,
+}
+
+impl RowSource for FromReader<'_> {
+    fn strip(&self, _: &Frame) -> usize {
+        self.strip
+    }
+
+    fn rows<'b>(
+        &'b self,
+        frame: &Frame,
+        numbers: Range<usize>,
+        lateral: Range<usize>,
+        buffer: &'b mut RowBuffer,
+    ) -> Result<Rows<'b>> {
+        let (lines, width) = (frame.lines_of(&numbers), lateral.len());
+        let is_rows = frame.quadrant.has_raster_rows();
+        let (rows, cols) = if is_rows { (&lines, &lateral) } else { (&lateral, &lines) };
+        let window = CellWindow { row: rows.start, col: cols.start, n_rows: rows.len(), n_cols: cols.len() };
+        let turned = |read: &mut Vec<i32>, out: &mut Vec<i32>| {
+            if is_rows {
+                std::mem::swap(read, out);
+            } else {
+                let (cols, rows) = (0..window.n_cols, 0..window.n_rows);
+                dispatch!(self.level, simd => turn(simd, read, window.n_cols, &cols, &rows, out));
+            }
+        };
+        if !lateral.is_empty() {
+            self.columns.read_tops(window, &mut buffer.read)?;
+            turned(&mut buffer.read, &mut buffer.tops);
+            if matches!(self.receivers, StreamedHeights::Over { is_top: false, .. }) {
+                self.columns.read_bases(window, &mut buffer.read)?;
+                turned(&mut buffer.read, &mut buffer.bases);
+            }
+        }
+        let is_inward = !frame.counts_up();
+        Ok(Rows { numbers, first: lateral.start, width, tops: &buffer.tops, bases: &buffer.bases, is_inward })
+    }
+}
+
+/// The highest tops of tiles of 8 × 8 cells, and the highest of what receivers stand on there, where that is neither.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tiles<'a> {
+    pub(super) tops: &'a TileMaxima,
+    pub(super) bases: Option<&'a TileMaxima>,
+}
+
+impl Tiles<'_> {
+    /// The highest top or receiver above the UAV in the tiles of number `tile` across the way out, over the lateral cells from
+    /// `from` to before `to`, which are not none; of receivers only if they are asked for.
+    pub(super) fn highest(&self, frame: &Frame, tile: usize, (from, to): (i64, i64), stand: Option<Stand>) -> i32 {
+        let per_row = self.tops.per_row();
+        let (first, stride) = if frame.quadrant.has_raster_rows() { (tile * per_row, 1) } else { (tile, per_row) };
+        let lateral = |cell: i64| usize::try_from(cell >> TILE_BITS).unwrap_or(0);
+        let highest = |of: &TileMaxima| {
+            let tiles = lateral(from)..lateral(to - 1) + 1;
+            tiles.fold(i32::MIN, |a, tile| a.max(of.maxima()[first + tile * stride]))
+        };
+        // EXACT: known heights differ by less than 2^28; a void stays below all of them.
+        let top = highest(self.tops);
+        let receiver = match stand {
+            None => i32::MIN,
+            Some(Stand::Flat(z)) => z,
+            Some(Stand::OnTops(above)) => top.saturating_add(above),
+            Some(Stand::OnBases(above)) => highest(self.bases.unwrap_or(self.tops)).saturating_add(above),
+        };
+        top.max(receiver).saturating_sub(frame.uav_z)
+    }
+}
