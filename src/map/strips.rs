@@ -128,7 +128,10 @@ pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
     check_bytes(&job.word.display(), &what, strip_memory(job)?)
 }
 
-/// Bytes that strips take, beside the receivers that wait.
+/// What the sweep remembers for each cell of the longer side: of laser scans it is less.
+const REMEMBERED_BYTES: u64 = 4 << 10;
+
+/// Bytes that strips take, and the rows that the sweep remembers.
 ///
 /// # Errors
 /// E501 if the grid is larger than a lattice.
@@ -152,7 +155,8 @@ fn strip_memory(job: &MapJob) -> Result<u64> {
     // A strip as it is read, as lines, and as it is written, with the terrain below it; the tiles of a GeoTIFF.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate")]
     let strips = ((4.0 + finer) * (4 * 256 * n_rows.max(n_cols)) as f64) as u64;
-    Ok(n_cells / 8 * n_sets + strips + n_cells / 64 + file.block_bytes() + ANY_WORK)
+    let remembered = REMEMBERED_BYTES * n_rows.max(n_cols) as u64;
+    Ok(n_cells / 8 * n_sets + strips + remembered + n_cells / 64 + file.block_bytes() + ANY_WORK)
 }
 
 /// The terrain, opened.

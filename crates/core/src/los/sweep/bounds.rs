@@ -10,7 +10,7 @@ use fearless_simd::prelude::*;
 
 use super::frame::{CELL_BITS, as_i64};
 use super::simd::{lane_numbers, permuted};
-use super::undecided::{Passed, Recall};
+use super::undecided::{Passed, Recall, RowBounds};
 
 /// A top that blocks nothing, above the UAV \[1/1024 m\]. Heights differ by 2^26 at most, so over the same distance its slope is
 /// below that of every receiver and top, and over a shorter one below that of every receiver farther out: it can hide none.
@@ -196,7 +196,7 @@ impl<R: Recall> Bins<R> {
         let splat = |v: f32| S::f32s::splat(simd, v);
         let (upper_near, upper_far) = (splat(slopes.upper.0), splat(slopes.upper.1));
         let (lower_near, lower_far, doubt) = (splat(slopes.lower.0), splat(slopes.lower.1), splat(slopes.doubt));
-        let blocks_all = S::i32s::splat(simd, slopes.blocks_all);
+        let (blocks_all, no_slope) = (S::i32s::splat(simd, slopes.blocks_all), splat(f32::NEG_INFINITY));
         // PERF: of known lengths, so that nothing is checked within the loop.
         let count = bins.len().next_multiple_of(n);
         let edges = bins.start..bins.start + count + n;
@@ -215,26 +215,18 @@ impl<R: Recall> Bins<R> {
                 slope = highest.simd_ge(blocks_all).select(splat(BLOCKED), slope);
             }
             let proven = (enter * lower_near).max(leave * lower_far);
-            let proven = proven - proven.abs() * doubt;
-            let (old_upper, old_lower) =
-                (S::f32s::from_slice(simd, &upper[i..i + n]), S::f32s::from_slice(simd, &lower[i..i + n]));
-            let mut new_lower = old_lower.max(proven);
-            let mut may_obstruct = slope.simd_ge(new_lower);
+            let mut proven = proven - proven.abs() * doubt;
             if bins.len() - i < n {
                 // Bins past the last may sleep, and must not know of this row.
                 let within = S::mask32s::from_bitmask(simd, (1 << (bins.len() - i)) - 1);
-                may_obstruct &= within;
-                new_lower = within.select(new_lower, old_lower);
+                (slope, proven) = (within.select(slope, no_slope), within.select(proven, no_slope));
             }
+            let old_upper = S::f32s::from_slice(simd, &upper[i..i + n]);
+            let new_lower = S::f32s::from_slice(simd, &lower[i..i + n]).max(proven);
+            old_upper.max(slope).store_slice(&mut upper[i..i + n]);
             new_lower.store_slice(&mut lower[i..i + n]);
-            // PERF: in the dark nearly no row may obstruct a ray the most.
-            if !may_obstruct.any_true() {
-                continue;
-            }
-            may_obstruct.select(old_upper.max(slope), old_upper).store_slice(&mut upper[i..i + n]);
-            let is_the_one = proven.simd_ge(old_upper) & may_obstruct;
-            let masks = (may_obstruct, is_the_one);
-            self.recall.add::<S>(passed, bins.start + i, (&enters[i..], &leaves[i..]), masks, (slope, old_upper));
+            let bounds = RowBounds::<S> { upper: slope, lower: proven, upper_before: old_upper, lower_now: new_lower };
+            self.recall.add(passed, bins.start + i, (&enters[i..], &leaves[i..]), &bounds);
         }
     }
 }

@@ -15,13 +15,13 @@ use fearless_simd::prelude::*;
 use super::bounds::{PAD, split};
 use super::frame::{CELL, CELL_BITS, FIRST_LEVEL, Frame, as_i64};
 use super::least_heights::{BATCH, Met};
-use super::undecided::{Open, Passed, Recall, Settling};
+use super::undecided::{Open, Passed, Recall, RowBounds, Settling};
 
 /// Bins that are listed together: as many as the widest vector has lanes.
 pub(super) const LANES: usize = 8;
 
 /// Listed rows for each vector of bins, on average, from which on those that are candidates no more are struck out.
-const MOST_LISTED: usize = 128;
+const MOST_LISTED: usize = 32;
 
 /// No row.
 pub(super) const NONE: u32 = u32::MAX;
@@ -168,15 +168,15 @@ impl Recall for Candidates {
     }
 
     #[inline(always)]
-    fn add<S: Simd>(
-        &mut self,
-        passed: &Passed,
-        bin: usize,
-        (enters, leaves): (&[i32], &[i32]),
-        (is_one, is_the_one): (S::mask32s, S::mask32s),
-        (upper, _): (S::f32s, S::f32s),
-    ) {
+    fn add<S: Simd>(&mut self, passed: &Passed, bin: usize, (enters, leaves): (&[i32], &[i32]), bounds: &RowBounds<S>) {
+        let RowBounds { upper, lower, upper_before, lower_now } = *bounds;
         let (simd, n) = (upper.token(), S::i32s::LEN);
+        let is_one = upper.simd_ge(lower_now);
+        // PERF: in the dark nearly no row may obstruct a ray the most.
+        if !is_one.any_true() {
+            return;
+        }
+        let is_the_one = lower.simd_ge(upper_before) & is_one;
         let at = bin + PAD..bin + PAD + n;
         let (newest, highest) = (&mut self.newest[at.clone()], &mut self.highest[at]);
         #[expect(clippy::cast_possible_truncation, reason = "bins and rows are fewer than 2^18")]

@@ -13,7 +13,7 @@ use super::bounds::{PAD, split};
 use super::frame::{CELL, as_i64};
 use super::receivers::AZIMUTH_BITS;
 use super::row_walk::{LinkLength, LinkOverRows, RowCells, RowTiles};
-use super::undecided::{Open, Passed, Recall, Settling};
+use super::undecided::{Open, Passed, Recall, RowBounds, Settling};
 use crate::height_field::{Columns, TILE};
 
 /// Below every slope that counts.
@@ -94,19 +94,12 @@ impl Recall for Suspects<'_> {
     }
 
     #[inline(always)]
-    fn add<S: Simd>(
-        &mut self,
-        passed: &Passed,
-        bin: usize,
-        _: (&[i32], &[i32]),
-        (is_one, _): (S::mask32s, S::mask32s),
-        (upper, before): (S::f32s, S::f32s),
-    ) {
-        let (simd, n) = (upper.token(), S::f32s::LEN);
+    fn add<S: Simd>(&mut self, passed: &Passed, bin: usize, _: (&[i32], &[i32]), bounds: &RowBounds<S>) {
+        let (simd, n) = (bounds.upper.token(), S::f32s::LEN);
         let at = bin + PAD..bin + PAD + n;
         #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "fewer than 2^17 rows")]
         let row = S::i32s::splat(simd, passed.row as i32);
-        let upper = is_one.select(upper, S::f32s::splat(simd, NO_SLOPE));
+        let (upper, before) = (bounds.upper, bounds.upper_before);
         let (second, steepest) = (&mut self.second[at.clone()], &mut self.steepest_row[at.clone()]);
         S::f32s::from_slice(simd, second).max(before.min(upper)).store_slice(second);
         upper.simd_gt(before).select(row, S::i32s::from_slice(simd, steepest)).store_slice(steepest);

@@ -20,6 +20,16 @@ pub(super) struct Passed {
     pub(super) level: u32,
 }
 
+/// What a row says of the bins of a vector: its own bounds, below every slope where there is no bin; and those of the bins, `upper`
+/// by the rows before it alone.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RowBounds<S: Simd> {
+    pub(super) upper: S::f32s,
+    pub(super) lower: S::f32s,
+    pub(super) upper_before: S::f32s,
+    pub(super) lower_now: S::f32s,
+}
+
 /// What the bins of a wedge remember of rows, to settle the receivers that bounds leave in doubt.
 pub(super) trait Recall: Send {
     /// Whether it can tell least heights.
@@ -29,16 +39,8 @@ pub(super) trait Recall: Send {
     fn split(&mut self, len: usize);
 
     /// Adds a row to the bins of a vector, the first of which is `bin` in the wedge; under their edges rays enter it and leave it
-    /// at these tops. Masks tell where it is a candidate, and where it takes the place of all before it; then its upper bounds, and
-    /// the bins' own before it.
-    fn add<S: Simd>(
-        &mut self,
-        passed: &Passed,
-        bin: usize,
-        edges: (&[i32], &[i32]),
-        masks: (S::mask32s, S::mask32s),
-        upper: (S::f32s, S::f32s),
-    );
+    /// at these tops.
+    fn add<S: Simd>(&mut self, passed: &Passed, bin: usize, edges: (&[i32], &[i32]), bounds: &RowBounds<S>);
 
     /// Ends a group of rows for some bins; given `lower` of all, and a slope that no receiver still to come is below.
     fn end_group<S: Simd>(&mut self, simd: S, lower: (&[f32], f32), bins: Range<usize>);
