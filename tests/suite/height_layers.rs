@@ -1,0 +1,70 @@
+//! Layers of heights that an engine finds for all receivers at once are those of a walk along each link, to the last bit.
+
+use std::path::{Path, PathBuf};
+
+use skyshed_core::city::{NodataAs, Site};
+use skyshed_core::coverage::{Control, HeightLayers, MapOptions, Mapper, Receivers, Uav};
+use skyshed_core::height_field::HeightField;
+use skyshed_core::los::{Method, MethodChoice};
+use skyshed_core::quantity::Height;
+use skyshed_io::read::{SurfaceOptions, read_surface};
+
+use crate::support::{slow, truth};
+
+/// A surface, over a terrain or alone.
+fn surface(dsm: &Path, terrain: Option<&Path>, nodata_as: NodataAs) -> HeightField {
+    let options = SurfaceOptions { terrain: terrain.map(Into::into), nodata_as, ..SurfaceOptions::default() };
+    let scene = read_surface(dsm, &options, &mut Vec::new()).unwrap();
+    HeightField::build(&scene.grid, scene.solids).field
+}
+
+/// Compares the layers of some UAVs around the middle of a city; returns how many receivers were compared.
+fn compare(field: &HeightField, receivers: Receivers, radius: Option<f64>) -> usize {
+    let layers = HeightLayers { margin: true, least_receiver_height: true, ..HeightLayers::default() };
+    let options = |method| MapOptions { receivers, radius, layers, method, ..MapOptions::default() };
+    let [fast, ray] =
+        [MethodChoice::Sweep, MethodChoice::Ray].map(|method| Mapper::new(field, &options(method)).unwrap());
+    assert_eq!((fast.method().0, ray.method().0), (Method::Sweep, Method::Ray));
+    let grid = field.grid();
+    let (width, height) = (grid.x_max() - grid.x_min(), grid.y_max() - grid.y_min());
+    let mut n = 0;
+    for (x, y, up) in [(0.5, 0.5, 60.0), (0.31, 0.62, 15.0), (0.77, 0.4, 250.0)] {
+        let (x, y) = (grid.x_min() + x * width, grid.y_min() + y * height);
+        let site = Site { id: "1".into(), x, y, height: Height::AboveGround(up) };
+        let Ok(uav) = Uav::place(&site, field, None) else { continue };
+        let [found, wanted] = [&fast, &ray].map(|mapper| mapper.map(&uav, &Control::default()).unwrap());
+        assert_eq!(found.mask, wanted.mask);
+        let layers = |map: &skyshed_core::coverage::SiteCoverage| {
+            [map.margin.clone().unwrap(), map.least_receiver_height.clone().unwrap()]
+        };
+        for (found, wanted) in layers(&found).iter().zip(&layers(&wanted)) {
+            let differ = found.iter().zip(wanted).position(|(a, b)| a.to_bits() != b.to_bits());
+            assert!(differ.is_none(), "cell {differ:?} of a UAV {up} m over {x}, {y}");
+        }
+        n += usize::try_from(found.tally.receivers).unwrap();
+    }
+    n
+}
+
+#[test]
+fn margins_and_ceilings_of_munich_by_the_sweep_are_those_of_rays() {
+    let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps");
+    let [dsm, terrain] = ["munich_dsm.tif", "munich_terrain.tif"].map(|file| maps.join(file));
+    let radius = if slow() { None } else { Some(250.0) };
+    let field = surface(&dsm, Some(&terrain), NodataAs::Clear);
+    assert!(compare(&field, Receivers::All, radius) > 300_000);
+    let alone = surface(&dsm, None, NodataAs::Clear);
+    assert!(compare(&alone, Receivers::Ground, radius) > 300_000);
+}
+
+#[test]
+fn margins_and_ceilings_of_laser_scans_by_the_sweep_are_those_of_rays() {
+    let Some(data) = truth() else { return };
+    let lidar = |file: &str| -> PathBuf { data.join("lidar").join(file) };
+    for nodata_as in [NodataAs::Clear, NodataAs::Block] {
+        let delft = surface(&lidar("delft/dsm_1m.tif"), Some(&lidar("delft/terrain_1m.tif")), nodata_as);
+        assert!(compare(&delft, Receivers::All, None) > 100_000);
+    }
+    let bilbao = surface(&lidar("bilbao/dsm_2.5m.tif"), Some(&lidar("bilbao/terrain_2.5m.tif")), NodataAs::Clear);
+    assert!(compare(&bilbao, Receivers::Ground, if slow() { None } else { Some(500.0) }) > 100_000);
+}
