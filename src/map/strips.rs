@@ -128,8 +128,8 @@ pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
     check_bytes(&job.word.display(), &what, strip_memory(job)?)
 }
 
-/// What the sweep remembers for each cell of the longer side: of laser scans it is less.
-const REMEMBERED_BYTES: u64 = 4 << 10;
+/// What the sweep remembers for each cell of the longer side: it took 6.4 kB over a generated city of 16 384² cells.
+const REMEMBERED_BYTES: u64 = 8 << 10;
 
 /// Bytes that strips take, and the rows that the sweep remembers.
 ///
