@@ -211,8 +211,8 @@ impl<'a> Mapper<'a> {
 
     /// Maps what a UAV sees.
     ///
-    /// Cost: that of the engine (see [`crate::los`]), plus a walk per receiver and solid for the layers of heights. Shared
-    /// by all threads of the current pool.
+    /// Cost: that of the engine (see [`crate::los`]), plus a walk per receiver and solid for layers of heights, of which the
+    /// sweep finds margins and ceilings without one. Shared by all threads of the current pool.
     pub fn map(&self, uav: &Uav, control: &Control) -> Result<SiteCoverage> {
         self.map_in_parts(uav, control, None, true)
     }

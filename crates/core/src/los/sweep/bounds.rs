@@ -36,7 +36,7 @@ pub(super) struct RowSlopes {
     /// for `lower`.
     upper: (f32, f32),
     lower: (f32, f32),
-    /// Of itself, by how much `lower` is put off after all.
+    /// The part of itself that `lower` is lowered by, where its factors do not.
     doubt: f32,
     /// A top behind which no height is enough.
     blocks_all: i32,
@@ -46,8 +46,8 @@ pub(super) struct RowSlopes {
 const BLOCKED: f32 = 1e35;
 
 impl RowSlopes {
-    /// Of row number `row`, which spans distances from `near` to `far` \[lattice steps\]; no top is above the UAV if it `is_below`
-    /// them.
+    /// Of row number `row`, which spans distances from `near` to `far` \[lattice steps\]; `is_below` says
+    /// that no top is above the UAV.
     #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
     pub(super) fn new(row: usize, (near, far): (i64, i64), is_below: bool, blocks_all: i32) -> Self {
         let per = |y: i64| if y == 0 { PER_NOTHING } else { 1.0 / y as f32 };

@@ -32,7 +32,7 @@ const NO_SLOPE: f32 = f32::NEG_INFINITY;
 /// A row that is a candidate of some bins next to each other, as many as a vector has lanes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Listed {
-    /// Of each bin the candidate before it, the highest upper bound of all before it, and its own.
+    /// Of each bin: the place of the candidate before it, the highest upper bound of all before it, its own upper bound.
     pub(super) next: [u32; LANES],
     pub(super) before: [f32; LANES],
     pub(super) upper: [f32; LANES],

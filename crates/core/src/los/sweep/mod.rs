@@ -44,7 +44,7 @@
 //!   above the UAV obstructs with slope d/e at most if d ≤ 0, with d/a at most if d > 0: the larger of both.
 //! * `lower`: each ray leaves the row at e through one of the two cells under the edges there, or on the border between them, so the
 //!   lower of these two, at e, obstructs it; and the lower of those under the edges at a, at a. On rough surfaces the second
-//!   proves a fifth of what would be in doubt, since half of all cells that rays touch are left sideways.
+//!   settles a fifth of the receivers that would be undecided, since half of all cells that rays touch are left sideways.
 //! * From a cell center, |t| ≤ 1 crosses no other cell of the own row: so rows before it are all that can hide a receiver.
 //!
 //! **On the edge of a bin.** A ray exactly on edge t_b is in two closed bins. `upper` holds for it in both. `lower` is the
@@ -58,11 +58,11 @@
 //! # Rounding
 //!
 //! Which cell is under an edge is decided in integers: an edge is at (u·2^k + b·y)/2^(k+10) cells. Which bin a receiver is in
-//! is decided in fixed point: where it is among the bins, dx·2^k/y, is a multiple of 1/y, so half of that is room enough for
-//! rounding once none of them is on an edge any more. In a vector of lanes only a remainder below 2^31 is left to
-//! add to: of edges it is exact, of receivers it is rounded down by less than 2^-31 of a bin, for which there is room as well.
+//! is decided in fixed point: its place among the bins, dx·2^k/y, is a multiple of 1/y. Moved by half of that it is on no edge,
+//! and rounding cannot move it over one. Vectors add to the part of a place below the bin, which has 31 bits: of edges it is
+//! exact, of receivers it is rounded down by less than 2^-31 of a bin, far less than half of 1/y.
 //! Slopes are 32-bit floats. A height difference is rounded once (2^-24 of itself), the inverse distance twice, its product
-//! with what puts a bound off once, the product once: a slope is off by less than 2^-21 of itself, and maxima and minima round
+//! with 1 ± 2^-19 once, the product once: a slope is off by less than 2^-21 of itself, and maxima and minima round
 //! nothing. So two slopes compare as they would exactly wherever they differ by more than 2^-20 of either. Both bounds are put off
 //! by 2^-19 of themselves, `upper` up and `lower` down, and what lies between is left undecided. No distance is
 //! below half a lattice cell but a = 0 in the UAV's own row, where 1/a is 10^25: every height above the UAV is then too
@@ -71,9 +71,9 @@
 //! # What makes it fast
 //!
 //! * Cells under edges are looked up with a permutation of one vector, since neighbors are less than a cell apart, and the
-//!   bounds of receivers with one of two. All instruction sets do the same operations in the same order: the bits are the same.
+//!   bounds of receivers with a permutation of two vectors. All instruction sets do the same operations in the same order: the bits are the same.
 //! * Rays leave a row where they enter the next one, so a row raises the bounds when the next one is entered, and cells are
-//!   looked up in both by one reckoning of places.
+//!   looked up in both at the same places, found once.
 //! * A row that is below all that is asked for beyond it, wherever that may be, hides nothing and raises nothing: so do the streets
 //!   between blocks on flat ground (two of five rows of an urban city).
 //! * Near rows need few bins: a bin splits in two, which inherit what it knows, when the next row asks for narrower ones.

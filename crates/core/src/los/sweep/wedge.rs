@@ -100,7 +100,7 @@ impl<R: Recall> Wedge<R> {
     }
 
     fn edge_map(&self, frame: &Frame) -> EdgeMap {
-        // The axis is where lateral positions begin to fall: see the module.
+        // Left of the axis a look-up on a border takes the cell before it: see the module.
         EdgeMap::new(frame.uav_lateral, self.level, self.first < 0)
     }
 
@@ -351,7 +351,7 @@ impl<R: Recall> Wedge<R> {
         let of_bins = &self.bins.lower[PAD..PAD + self.bins.len];
         self.bins.recall.begin_group(rows.start, of_bins, (self.first, self.level));
         // Slopes of what is below the UAV grow with the distance, and fall where it is above: those of receivers from their
-        // centers on, which may be behind a UAV beside them, those of tops from where rays enter them.
+        // centers on, not positive in the UAV's own row, those of tops from where rays enter them.
         let first = if passing.with_heights { frame.near(rows.start) } else { frame.center(rows.start) };
         let at = if frame.highest <= 0 { frame.last_center } else { first }.max(1);
         #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "widened by a margin")]
