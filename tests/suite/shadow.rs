@@ -14,7 +14,10 @@ use std::path::Path;
 use rayon::ThreadPoolBuilder;
 use skyshed_core::city::BuiltUp;
 use skyshed_core::height_field::{CellKind, HeightField, Prisms, Station};
-use skyshed_core::los::{ShadowGrid, ShadowLos, ShadowScene, prisms_los, shadow_los, shadow_los_relief};
+use skyshed_core::los::{
+    GridHeights, LeastHeight, ShadowGrid, ShadowLos, ShadowScene, prisms_least_height, prisms_least_receiver_height,
+    prisms_los, shadow_least_heights, shadow_least_receiver_heights, shadow_los, shadow_los_relief,
+};
 use skyshed_core::quantity::{LatticePoint, VOID};
 use skyshed_core::raster::BitGrid;
 use skyshed_core::simd::{SimdLevel, simd_levels};
@@ -58,6 +61,46 @@ impl Field {
             Some(z) => shadow_los(&scene, uav, z),
             None => shadow_los_relief(&scene, uav, &|row, col| self.height(row, col)),
         }
+    }
+
+    /// Asserts that the least heights that are found above `from`, as the numbers that files hold and as steps of the lattice, are
+    /// those of walks; returns how many links were compared and how many of them were left to walks.
+    fn compare_heights(
+        &self,
+        prisms: &Prisms,
+        uav: LatticePoint,
+        from: i64,
+        context: &(impl Fn() -> String + Sync),
+    ) -> (u64, u64) {
+        let grid = ShadowGrid::new(self.xs.clone(), self.ys.clone());
+        let casters = prisms.casters();
+        let level = SimdLevel::new();
+        let scene = ShadowScene { prisms, casters, grid: &grid, wanted: &self.wanted, level, n_bands: 1 };
+        let height = |row, col| self.height(row, col);
+        let of_receivers = shadow_least_receiver_heights(&scene, uav, from).unwrap();
+        let of_uav = shadow_least_heights(&scene, uav, from, &height).unwrap();
+        let (mut n, mut n_left) = (0, 0);
+        for cell in self.wanted.cells() {
+            let receiver =
+                LatticePoint { x: self.xs[cell.1], y: self.ys[cell.0], z: i64::from(height(cell.0, cell.1)) };
+            let mut check = |found: &GridHeights, walk: LeastHeight, what: &str| {
+                let from = from as f64;
+                let single = |z: f64| z.max(from) as f32;
+                // Far above all heights a walk no longer counts steps.
+                let up = |z: f64| z.max(from).ceil().min(1e9) + 0.0;
+                let steps = walk.lowest_step().map_or(f64::INFINITY, |step| step as f64).max(from).min(1e9);
+                let (found, found_up) = (found.settled(cell, single), found.settled(cell, up));
+                let is_it = found.is_none_or(|found| found.to_bits() == single(walk.height_steps()).to_bits());
+                let is_up = found_up.is_none_or(|found| found.to_bits() == steps.to_bits());
+                let what = || format!("{what} at {receiver:?} from {uav:?}, above {from}: {}", context());
+                assert!(is_it && is_up, "{}: {found:?} {found_up:?}, wanted {walk:?}", what());
+                n += 1;
+                n_left += u64::from(found.is_none());
+            };
+            check(&of_receivers, prisms_least_receiver_height(prisms, uav, receiver), "receiver");
+            check(&of_uav, prisms_least_height(prisms, uav, receiver), "UAV");
+        }
+        (n, n_left)
     }
 
     /// Asserts that `shadow` says of each wanted cell what `ray` says, and nothing of others.
@@ -218,6 +261,25 @@ fn a_wall_shared_by_equal_roofs_hides_what_looks_along_it_and_a_gap_of_one_step_
     }
 }
 
+#[test]
+fn least_heights_are_those_of_walks_on_tiny_scenes_where_everything_coincides() {
+    let totals = over_seeds(if slow() { 200_000 } else { 12_000 }, 1 << 40, |seed, random, count| {
+        let scene = scaled_scene(random);
+        let prisms = prisms_of(&scene);
+        if prisms.pieces().is_empty() {
+            return;
+        }
+        let field = tiny_field(random, &scene);
+        let uav = tiny_uav(random, &scene, &field);
+        let lowest = i64::from(*field.heights.iter().min().unwrap());
+        let from = random.choose(&[lowest, lowest - 1536, uav.z, -20_000, 2048]);
+        let (n, n_left) = field.compare_heights(&prisms, uav, from, &|| format!("seed {seed}, {scene:?}"));
+        *count += Count { links: n, asked: n_left, ..Count::default() };
+    });
+    assert!(totals.links > 3_000_000 && totals.asked > 10_000, "{totals:?}");
+    assert!(totals.asked * 5 < totals.links, "{totals:?}");
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 // Cities.
 
@@ -308,6 +370,38 @@ fn shadow_equals_ray_on_cells_of_odd_size() {
     }
     assert_decided(all, 20);
     assert!(all.asked > 0);
+}
+
+#[test]
+fn least_heights_are_those_of_walks_on_cities() {
+    let (mut n, mut n_left) = (0, 0);
+    let mut check = |field: &HeightField, receivers: &Field, uav: LatticePoint, what: &str| {
+        let prisms = field.prisms().unwrap();
+        for from in [0, uav.z] {
+            let (links, left) = receivers.compare_heights(prisms, uav, from, &|| what.into());
+            n += links;
+            n_left += left;
+        }
+    };
+    let step = if slow() { 1 } else { 3 };
+    for (name, cell, size) in [("urban", 1.0, 200.0), ("high-rise", 0.7, 150.0), ("suburban", 2.3, 500.0)] {
+        let field = city(name, size, cell, 3);
+        let built_up = BuiltUp::named(name).unwrap();
+        let all = receivers(&field, 1536, true, 30, 4.0);
+        let ground = receivers(&field, 1536, false, 60, 0.0);
+        for (k, uav) in uavs_over(&field, &built_up).into_iter().enumerate().step_by(step) {
+            check(&field, if k % 2 == 0 { &ground } else { &all }, uav, name);
+        }
+    }
+    for terrain in [false, true] {
+        let field = munich(terrain);
+        let receivers = receivers(&field, 1536, terrain, if slow() { 60 } else { 3 }, if terrain { 6.0 } else { 0.0 });
+        let grid = field.grid();
+        for (x, y, height) in [(600.0, 500.0, 100), (430.5, 690.5, 20), (1300.0, 200.0, 400)] {
+            check(&field, &receivers, over_roofs(&field, grid.x_min() + x, grid.y_min() + y, height), "Munich");
+        }
+    }
+    assert!(n > 1_000_000 && n_left > 0 && n_left * 1000 < n, "{n} {n_left}");
 }
 
 fn munich(terrain: bool) -> HeightField {

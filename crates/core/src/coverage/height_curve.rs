@@ -5,8 +5,8 @@
 //! P_LoS(h) is the share of receivers whose least height is at most h: a step function, held here as a counted table.
 //! Its steps are integers, so the curve at h counts exactly the receivers that a map made at h counts.
 //!
-//! Cost: one walk per receiver along the whole link, where a map stops at the first obstacle: 5 to 20 times a map made
-//! by `ray`.
+//! Cost: past footprints that of casting them all ([`GridLos::least_uav_heights`]), past a raster a walk along each link up to where
+//! nothing can bind more.
 
 use std::sync::atomic::Ordering;
 
@@ -16,8 +16,9 @@ use super::cell_heights::surface_under;
 use super::{Control, SiteCoverage, Uav, class};
 use crate::error::Result;
 use crate::height_field::{CellKind, GridPositions, HeightField, Station};
-use crate::los::link_least_step;
+use crate::los::{GridLos, Method, link_least_step};
 use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, VOID, share};
+use crate::raster::{BitGrid, set_bits};
 
 /// Highest lattice height \[1/1024 m\]; the lowest is its negative.
 #[expect(clippy::cast_possible_truncation, reason = "2^15 · 2^10")]
@@ -110,6 +111,8 @@ pub struct LeastHeights<'a> {
     field: &'a HeightField,
     uav: Uav,
     rx_height: i32,
+    /// What finds those of many receivers at once, past footprints alone.
+    at_once: Option<GridLos<'a>>,
     positions: GridPositions,
     lowest: i32,
     found: Vec<i32>,
@@ -119,36 +122,67 @@ impl<'a> LeastHeights<'a> {
     /// None yet, over the place of a UAV; `rx_height` is that of the receivers \[1/1024 m\].
     pub fn of(field: &'a HeightField, uav: &Uav, rx_height: i32) -> Self {
         let lowest = lowest_uav_height(field, uav);
-        LeastHeights { field, uav: uav.clone(), rx_height, positions: field.positions(), lowest, found: Vec::new() }
+        let at_once = GridLos::new(field, Method::Shadow).ok();
+        let positions = field.positions();
+        LeastHeights { field, uav: uav.clone(), rx_height, at_once, positions, lowest, found: Vec::new() }
     }
 
     /// Adds the receivers of rows of a mask from `first_row` on; fewer if it is stopped.
     pub fn add(&mut self, mask: &[u8], first_row: usize, control: &Control) {
-        let n_cols = self.field.grid().n_cols();
-        let rows: Vec<Vec<i32>> = mask
-            .par_chunks(n_cols)
-            .enumerate()
-            .map(|(row, mask)| {
-                let mut least: Vec<i32> = Vec::new();
-                if control.stop.load(Ordering::Relaxed) {
-                    return least;
-                }
-                let row = first_row + row;
-                for (col, _) in mask.iter().enumerate().filter(|(_, c)| matches!(**c, class::LOS | class::NLOS)) {
-                    let place = self.positions.center(row, col);
-                    let (CellKind::Open(stands_on) | CellKind::Building(stands_on)) =
-                        self.field.cell_kind(row * n_cols + col, &place)
-                    else {
-                        continue;
-                    };
-                    let receiver = Station { place, z: i64::from(stands_on) + i64::from(self.rx_height) };
-                    least.push(least_uav_height(self.field, &self.uav, &receiver, self.lowest));
-                }
-                control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
-                least
-            })
-            .collect();
+        let (n_rows, n_cols) = (self.field.grid().n_rows(), self.field.grid().n_cols());
+        let mut receivers = BitGrid::new(n_rows, n_cols);
+        for (row, mask) in (first_row..).zip(mask.chunks(n_cols)) {
+            let is_receiver = |(_, class): &(usize, &u8)| matches!(**class, class::LOS | class::NLOS);
+            mask.iter().enumerate().filter(is_receiver).for_each(|(col, _)| receivers.insert(row, col));
+        }
+        let height = |row: usize, col: usize| self.height_of(row, col);
+        let lowest = i64::from(self.lowest);
+        let at_once = self.at_once.as_ref();
+        let at_once =
+            at_once.and_then(|engine| engine.least_uav_heights(&self.uav.station, &receivers, lowest, &height));
+        let of_row = |row: usize| {
+            let mut least: Vec<i32> = Vec::new();
+            if control.stop.load(Ordering::Relaxed) {
+                return least;
+            }
+            least.extend(set_bits(receivers.row(row)).map(|col| {
+                let found = at_once.as_ref().and_then(|found| found.settled((row, col), |z| self.least_step_from(z)));
+                found.unwrap_or_else(|| self.least_step((row, col)))
+            }));
+            control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
+            least
+        };
+        let end = first_row + mask.len().div_ceil(n_cols);
+        let rows: Vec<Vec<i32>> = (first_row..end).into_par_iter().map(of_row).collect();
         rows.into_iter().for_each(|row| self.found.extend(row));
+    }
+
+    /// Height of the receiver of a cell \[1/1024 m above the datum\].
+    fn height_of(&self, row: usize, col: usize) -> i32 {
+        let cell = row * self.field.grid().n_cols() + col;
+        match self.field.cell_kind(cell, &self.positions.center(row, col)) {
+            CellKind::Open(stands_on) | CellKind::Building(stands_on) => stands_on + self.rx_height,
+            _ => self.rx_height,
+        }
+    }
+
+    /// The least lattice height of the UAV from which on it sees a receiver, not below the lowest; [`NEVER`] if there is none.
+    fn least_step(&self, (row, col): (usize, usize)) -> i32 {
+        let receiver = Station { place: self.positions.center(row, col), z: i64::from(self.height_of(row, col)) };
+        let step = link_least_step(self.field, &self.uav.station, &receiver, i64::from(self.lowest));
+        step.and_then(|z| i32::try_from(z).ok()).filter(|z| *z <= MAX_STEP).unwrap_or(NEVER)
+    }
+
+    /// That lattice height from any \[1/1024 m above the datum\].
+    fn least_step_from(&self, least: f64) -> i32 {
+        match least.max(f64::from(self.lowest)).ceil() {
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "a whole number between the lowest and the highest height"
+            )]
+            least if least <= f64::from(MAX_STEP) => least as i32,
+            _ => NEVER,
+        }
     }
 
     /// The curve of the receivers that were added.
@@ -172,10 +206,4 @@ impl<'a> LeastHeights<'a> {
 fn lowest_uav_height(field: &HeightField, uav: &Uav) -> i32 {
     let surface = surface_under(field, &uav.station.place);
     if surface == VOID { -MAX_STEP } else { surface }
-}
-
-/// The least lattice height of the UAV from which on it sees the receiver, not below `lowest`; [`NEVER`] if there is none.
-fn least_uav_height(field: &HeightField, uav: &Uav, receiver: &Station, lowest: i32) -> i32 {
-    let step = link_least_step(field, &uav.station, receiver, i64::from(lowest));
-    step.and_then(|z| i32::try_from(z).ok()).filter(|z| *z <= MAX_STEP).unwrap_or(NEVER)
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::cell_classes::{RowSets, write_classes};
-use super::cell_heights::{CellHeights, least_height_and_margin};
+use super::cell_heights::{CellHeights, FoundHeights, least_height_and_margin};
 use super::elevation::RowElevations;
 use super::range::Range;
 use super::row_bands::{BAND_CELLS, EachPart, Row, in_bands, in_buffers, split};
@@ -14,7 +14,7 @@ use super::stability::{Answers, Decided, ShiftedRoofs};
 use super::{Control, HeightLayers, MapOptions, Receivers, Stability, Tally, Uav};
 use crate::error::{MapError, Result};
 use crate::height_field::{Casters, HeightField, Station};
-use crate::los::{GridLos, GridReceivers, Method, WrongMethod, link_los};
+use crate::los::{GridLos, GridReceivers, Method, WrongMethod, height_by_cell, link_los};
 use crate::raster::{BitGrid, LargeVec};
 
 /// Strips in which a map is decided that is handed over while it is made.
@@ -245,7 +245,7 @@ impl<'a> Mapper<'a> {
             control.check()?;
             return Ok(SiteCoverage::of_tally(uav, tally));
         }
-        let (decided, least_heights) = map.decide_with_heights(layers);
+        let (decided, found) = map.decide_with_heights(layers);
         let n_cells = n_rows * n_cols;
         let layer = |wanted: bool| if wanted { vec![f32::NAN; n_cells] } else { Vec::new() };
         let mut mask = LargeVec::<u8>::zeroed(n_cells);
@@ -263,7 +263,7 @@ impl<'a> Mapper<'a> {
                 least_height,
             })
             .enumerate();
-        let tally = in_bands(rows, n_at_once, |row, out| map.fill(&decided, &least_heights, row, out), &mut hand_over);
+        let tally = in_bands(rows, n_at_once, |row, out| map.fill(&decided, &found, row, out), &mut hand_over);
         control.check()?;
         let answers = Answers {
             field: self.field,
@@ -370,26 +370,35 @@ impl OneMap<'_, '_> {
         receivers.iter().map(of_kind).collect()
     }
 
-    /// What all receivers come to, kind by kind; and the least heights of those in line of sight, if those are asked for and the
-    /// engine finds them at once.
-    fn decide_with_heights(&self, layers: HeightLayers) -> (Vec<Decided>, Vec<Option<Vec<f64>>>) {
-        let Mapper { field, engine, receivers, .. } = self.mapper;
-        if !layers.margin && !layers.least_receiver_height || self.is_stopped() {
-            return (self.decide(0..field.grid().n_rows()), vec![None; receivers.len()]);
-        }
+    /// What all receivers come to, kind by kind; and the least heights that are asked for, if the engine finds them at once.
+    fn decide_with_heights(&self, layers: HeightLayers) -> (Vec<Decided>, Vec<FoundHeights>) {
+        let Mapper { engine, receivers, .. } = self.mapper;
         let of_kind = |receivers: &GridReceivers<'_>| {
+            let mut found = FoundHeights::default();
             let wanted = (!self.range.is_everywhere()).then(|| self.range.cut(&receivers.cells));
-            let cells = wanted.as_ref().unwrap_or(&receivers.cells);
-            match engine.los_and_least_heights(&self.uav.station, receivers, cells, self.range.window()) {
-                Some((los, heights)) => ((wanted, los), Some(heights)),
-                None => (self.mapper.decide_wanted(engine, self.uav, (receivers, self.range), wanted), None),
+            if self.is_stopped() {
+                return ((wanted, BitGrid::new(receivers.cells.n_rows(), receivers.cells.n_cols())), found);
+            }
+            let (uav, cells) = (&self.uav.station, wanted.as_ref().unwrap_or(&receivers.cells));
+            if layers.least_height {
+                let lowest = i64::from(self.heights.lowest_uav_height());
+                found.of_uav = engine.least_uav_heights(uav, cells, lowest, &height_by_cell(receivers));
+            }
+            let at_once = (layers.margin || layers.least_receiver_height)
+                .then(|| engine.los_and_least_heights(uav, receivers, cells, self.range.window()));
+            match at_once.flatten() {
+                Some((los, heights)) => {
+                    found.of_receivers = Some(heights);
+                    ((wanted, los), found)
+                }
+                None => (self.mapper.decide_wanted(engine, self.uav, (receivers, self.range), wanted), found),
             }
         };
         receivers.iter().map(of_kind).unzip()
     }
 
     /// Fills one row of every output.
-    fn fill(&self, decided: &[Decided], least_heights: &[Option<Vec<f64>>], row: usize, out: &mut Row<'_>) -> Tally {
+    fn fill(&self, decided: &[Decided], found: &[FoundHeights], row: usize, out: &mut Row<'_>) -> Tally {
         let mut tally = Tally::default();
         if self.is_stopped() {
             return tally;
@@ -401,8 +410,9 @@ impl OneMap<'_, '_> {
             let wanted = wanted.as_ref().unwrap_or(&receivers.cells).row(row);
             sets.add(wanted, los.row(row));
             tally.add_receivers(&mapper.elevations(self.uav, receivers, row), wanted, los.row(row));
-            let least = least_heights.get(k).and_then(Option::as_ref).map(|heights| &heights[row * n_cols..][..n_cols]);
-            self.heights.fill(out, mapper.engine.positions(), receivers, row, (wanted, los.row(row)), least);
+            if let Some(found) = found.get(k) {
+                self.heights.fill(out, mapper.engine.positions(), receivers, row, (wanted, los.row(row)), found);
+            }
         }
         tally.add_others(&sets, n_cols);
         write_classes(&sets, out.mask);

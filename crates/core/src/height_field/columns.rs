@@ -24,6 +24,7 @@ pub struct Columns {
     /// The lowest and the highest top.
     extremes: (i32, i32),
     tiles: OnceLock<TileMaxima>,
+    tiles_of_tiles: OnceLock<TileMaxima>,
 }
 
 impl PartialEq for Columns {
@@ -46,7 +47,7 @@ impl Columns {
             Some(plateaus) => plateaus.extremes(),
             None => tiles.get_or_init(|| TileMaxima::of(&tops, n_cols)).extremes(),
         };
-        Columns { n_cols, n_rows, steps: [CELL; 2], tops, plateaus, extremes, tiles }
+        Columns { n_cols, n_rows, steps: [CELL; 2], tops, plateaus, extremes, tiles, tiles_of_tiles: OnceLock::new() }
     }
 
     /// Makes cells of other sizes than 1024 × 1024 lattice steps: those of a terrain below footprints.
@@ -107,6 +108,18 @@ impl Columns {
             None => {
                 let tiles = TileMaxima::of(&self.tops, self.n_cols);
                 self.tiles.get_or_init(|| tiles)
+            }
+        }
+    }
+
+    /// The highest tops of tiles of 8 × 8 tiles; found when they are first asked for.
+    pub fn tiles_of_tiles(&self) -> &TileMaxima {
+        let tiles = self.tiles();
+        match self.tiles_of_tiles.get() {
+            Some(larger) => larger,
+            None => {
+                let larger = TileMaxima::of(tiles.maxima(), tiles.per_row());
+                self.tiles_of_tiles.get_or_init(|| larger)
             }
         }
     }

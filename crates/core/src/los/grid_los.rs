@@ -6,8 +6,9 @@ use rayon::prelude::*;
 
 use super::shadow::{PlateauView, plateaus_los_in_view};
 use super::{
-    GridReceivers, Method, OnPlateaus, PlateauScene, ReceiverHeights, ShadowGrid, ShadowScene, StepLength, Swept,
-    UavPositions, WrongMethod, link_los, r2_los, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
+    GridHeights, GridReceivers, Method, OnPlateaus, PlateauScene, ReceiverHeights, ShadowGrid, ShadowScene, StepLength,
+    Swept, UavPositions, WrongMethod, link_los, r2_los, shadow_least_heights, shadow_least_receiver_heights,
+    shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
 use crate::height_field::{Casters, Columns, GridPositions, HeightField, Plateaus, Prisms, Station};
 use crate::quantity::LatticePoint;
@@ -209,8 +210,8 @@ impl<'a> GridLos<'a> {
         los
     }
 
-    /// The receivers of `wanted` that are in line of sight, and the least height of a receiver over each wanted cell that is
-    /// \[1/1024 m above the datum\], wherever that is above what receivers stand on; `None` if the engine knows no faster way than
+    /// The receivers of `wanted` that are in line of sight, and the least height of a receiver over each wanted cell that is,
+    /// wherever that is above what receivers stand on; `None` if the engine knows no faster way than
     /// [`link_least_receiver_heights`](super::link_least_receiver_heights) for each.
     pub fn los_and_least_heights(
         &self,
@@ -218,10 +219,45 @@ impl<'a> GridLos<'a> {
         receivers: &GridReceivers<'_>,
         wanted: &BitGrid,
         window: CellWindow,
-    ) -> Option<(BitGrid, Vec<f64>)> {
-        let (Engine::Sweep(columns) | Engine::Plateaus(columns, ..)) = &self.engine else { return None };
-        let swept = self.sweep(columns, uav, receivers, (wanted, window), Some(i64::from(receivers.range.0)));
-        Some((swept.los, swept.least_heights?))
+    ) -> Option<(BitGrid, GridHeights)> {
+        let lowest = i64::from(receivers.range.0);
+        let swept = |columns| {
+            let swept = self.sweep(columns, uav, receivers, (wanted, window), Some(lowest));
+            Some((swept.los, GridHeights::exact(swept.least_heights?, wanted.n_cols())))
+        };
+        let cast = |shadows| {
+            let heights = shadow_least_receiver_heights(&self.all_casters(shadows, wanted), uav.on_prisms(), lowest)?;
+            Some((self.by_shadows(shadows, uav, receivers, wanted), heights))
+        };
+        match &self.engine {
+            Engine::Sweep(columns) | Engine::Plateaus(columns, ..) => swept(columns),
+            Engine::Shadow(shadows) => cast(shadows),
+            Engine::ShadowSweep(shadows, columns) => {
+                let ((past_prisms, cast), (past_columns, swept)) = (cast(shadows)?, swept(columns)?);
+                Some((past_prisms.and(&past_columns), cast.or_higher(&swept)))
+            }
+            _ => None,
+        }
+    }
+
+    /// The least height of the UAV over its place that sees the receiver of each wanted cell, wherever that is above `from`
+    /// \[1/1024 m above the datum\]; `None` if the engine knows no faster way than a walk along each link. `height(row, col)` is that of
+    /// the receiver.
+    pub fn least_uav_heights(
+        &self,
+        uav: &Station,
+        wanted: &BitGrid,
+        from: i64,
+        height: &(impl Fn(usize, usize) -> i32 + Sync),
+    ) -> Option<GridHeights> {
+        let Engine::Shadow(shadows) = &self.engine else { return None };
+        shadow_least_heights(&self.all_casters(shadows, wanted), uav.on_prisms(), from, height)
+    }
+
+    /// Some cells as a scene in which all prisms cast shadows.
+    fn all_casters<'b>(&self, shadows: &'b PrismShadows<'_>, wanted: &'b BitGrid) -> ShadowScene<'b> {
+        let PrismShadows { prisms, grid } = shadows;
+        ShadowScene { prisms, casters: prisms.casters(), grid, wanted, level: self.level, n_bands: self.n_bands() }
     }
 
     fn by_sweep(
@@ -273,23 +309,24 @@ impl<'a> GridLos<'a> {
 
     fn by_shadows(
         &self,
-        PrismShadows { prisms, grid }: &PrismShadows<'_>,
+        shadows: &PrismShadows<'_>,
         uav: &Station,
         receivers: &GridReceivers<'_>,
         wanted: &BitGrid,
     ) -> BitGrid {
-        let n_bands = self.n_bands();
-        let casters = self.casters.as_deref().unwrap_or(prisms.casters());
-        let scene = ShadowScene { prisms, casters, grid, wanted, level: self.level, n_bands };
-        let n_cols = wanted.n_cols();
+        let casters = self.casters.as_deref().unwrap_or(shadows.prisms.casters());
+        let scene = ShadowScene { casters, ..self.all_casters(shadows, wanted) };
         match receivers.level() {
             Some(z) => shadow_los(&scene, uav.on_prisms(), z).los,
-            None => {
-                let height = |row: usize, col: usize| receivers.base(row * n_cols + col) + receivers.above;
-                shadow_los_relief(&scene, uav.on_prisms(), &height).los
-            }
+            None => shadow_los_relief(&scene, uav.on_prisms(), &height_by_cell(receivers)).los,
         }
     }
+}
+
+/// Heights of receivers by row and column \[1/1024 m above the datum\].
+pub(crate) fn height_by_cell(receivers: &GridReceivers<'_>) -> impl Fn(usize, usize) -> i32 + Sync {
+    let n_cols = receivers.cells.n_cols();
+    move |row, col| receivers.base(row * n_cols + col) + receivers.above
 }
 
 /// Where receivers stand on plateaus; `None` unless the shadows of these decide.

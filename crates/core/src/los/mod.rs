@@ -32,8 +32,10 @@
 mod approximate;
 mod cell_walk;
 mod columns_ray;
+mod grid_heights;
 mod grid_los;
 mod grid_receivers;
+mod inner_walk;
 mod link;
 mod method;
 mod obstruction;
@@ -45,9 +47,11 @@ pub use approximate::{StepLength, r2_los, step_los, xdraw_los};
 pub use columns_ray::{
     columns_crossed, columns_least_height, columns_least_receiver_height, columns_least_step, columns_los,
 };
+pub use grid_heights::GridHeights;
 pub use grid_los::GridLos;
+pub(crate) use grid_los::height_by_cell;
 pub use grid_receivers::GridReceivers;
-pub(crate) use link::{link_least_heights, link_least_step};
+pub(crate) use link::{link_least_height, link_least_step};
 pub use link::{link_least_receiver_heights, link_los};
 pub use method::{Method, MethodChoice, WrongMethod};
 pub use obstruction::{LeastHeight, Obstruction};
@@ -56,7 +60,7 @@ pub use prisms_ray::{
 };
 pub use shadow::{
     InView, OnPlateaus, PlateauScene, ReceiverTile, ShadowGrid, ShadowLos, ShadowScene, UavPositions, plateaus_los,
-    shadow_los, shadow_los_relief,
+    shadow_least_heights, shadow_least_receiver_heights, shadow_los, shadow_los_relief,
 };
 pub use sweep::{
     ColumnsReader, ReceiverHeights, StreamLimits, StreamedHeights, StreamedScene, Swept, streamed_sweep_los, sweep_los,

@@ -71,7 +71,17 @@ pub fn prisms_least_step(prisms: &Prisms, uav: LatticePoint, receiver: LatticePo
     if i64::from(prisms.max_top()) <= floor.min(receiver.z) {
         return Some(floor);
     }
-    bound_from(prisms, receiver, uav, Walk::AwayFromPivot, Some(floor)).lowest_step().map(|z| z.max(floor))
+    prisms_least_height_above(prisms, uav, receiver, floor).lowest_step().map(|z| z.max(floor))
+}
+
+/// Like [`prisms_least_height`], or something no higher than `floor` \[1/1024 m above the datum\], if that is no lower.
+pub(super) fn prisms_least_height_above(
+    prisms: &Prisms,
+    uav: LatticePoint,
+    receiver: LatticePoint,
+    floor: i64,
+) -> LeastHeight {
+    bound_from(prisms, receiver, uav, Walk::AwayFromPivot, Some(floor))
 }
 
 /// Which way buckets are visited.

@@ -18,7 +18,8 @@
 //! out of all shadows then, nor anybody on its boundary; nor do several together, since what hides one is nearer than it.
 //! `ray` says the same of receivers among those that are left.
 //!
-//! All this is of receivers below the UAV.
+//! All this is of receivers below the UAV. One that is not sees past all prisms below the UAV; from it, those that are not below the
+//! UAV hide each other in other ways, and none of them is left out.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -58,7 +59,8 @@ pub(super) struct Sorted {
 }
 
 /// Sorts prisms, and groups of receivers at one height each, by the horizon of a UAV. Shadows are cast on receivers below
-/// `highest` \[1/1024 m above the datum\], or at it.
+/// `highest` \[1/1024 m above the datum\], or at it. A prism that is left out sets no least height of a receiver either: that which
+/// hides all that it does needs a higher one.
 ///
 /// Each is a convex counterclockwise ring, with the height of the roof over it or of the receivers within
 /// \[1/1024 m above the datum\].
@@ -73,7 +75,8 @@ pub(super) fn sort_by_horizon<R: AsRef<[[i32; 2]]>, G: AsRef<[[i32; 2]]>>(
     let n_prisms = prisms.len();
     let mut sorted = Sorted { prisms: vec![None; n_prisms], groups: Vec::new() };
     // Lines to receivers below the UAV drop by more than the least positive number.
-    let of_prism = |(ring, top): (R, i64)| Seen::from(uav, (ring.as_ref(), top), (f32::MIN_POSITIVE, 0.0), n_bins);
+    let least_drop = if highest < uav.z { f32::MIN_POSITIVE } else { 0.0 };
+    let of_prism = |(ring, top): (R, i64)| Seen::from(uav, (ring.as_ref(), top), (least_drop, 0.0), n_bins);
     let of_group = |(ring, z): (G, i64)| Seen::from(uav, (ring.as_ref(), z), (0.0, f32::INFINITY), n_bins);
     let mut seen: Vec<Seen> = prisms.map(of_prism).collect();
     seen.extend(groups.map(of_group));
@@ -82,7 +85,7 @@ pub(super) fn sort_by_horizon<R: AsRef<[[i32; 2]]>, G: AsRef<[[i32; 2]]>>(
         seen.iter().zip(0_u64..).map(|(seen, k)| u64::from(seen.distances.0) << 32 | k).collect();
     outward.sort_unstable();
 
-    let below = as_f64(uav.z - highest) * (1.0 - SLACK);
+    let below = as_f64(uav.z - highest.min(uav.z)) * (1.0 - SLACK);
     // What has begun and not yet ended, by where it ends.
     let mut open: BinaryHeap<Reverse<(u32, usize)>> = BinaryHeap::new();
     let end = |k: usize, horizon: &mut Horizon, groups: &mut [Sight]| match k.checked_sub(n_prisms) {
@@ -127,7 +130,7 @@ struct Seen {
     /// Between which whole distances it lies \[lattice steps\].
     distances: (u32, u32),
     /// The least drop, at its farthest point, and the largest, at its nearest. A prism that is not below the UAV hides all
-    /// behind it: it has 0 as the largest, and as the least the least positive number, which is hidden by 0.
+    /// behind it that is below the UAV: it has 0 as the largest, and as the least one that is hidden by 0, or not.
     drops: (f32, f32),
 }
 

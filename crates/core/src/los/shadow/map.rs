@@ -7,7 +7,6 @@ use super::band::{BandJob, TILE};
 use super::cast::Cast;
 use super::outline::Plane;
 use super::scene::{Receivers, ShadowLos, ShadowScene, cells_at_uav, plane_of};
-use super::words::for_each_bit;
 use crate::quantity::LatticePoint;
 use crate::raster::BitGrid;
 
@@ -48,38 +47,12 @@ pub fn shadow_los_relief(
     height: &(impl Fn(usize, usize) -> i32 + Sync),
 ) -> ShadowLos {
     let wanted = scene.wanted;
-    let width = wanted.words_per_row() * 64;
-    let mut heights = vec![0.0; wanted.n_rows() * width];
-    let (lowest, highest) = heights
-        .par_chunks_mut(width.max(1))
-        .enumerate()
-        .map(|(row, heights)| {
-            let mut range = (i32::MAX, i32::MIN);
-            for_each_bit(wanted.row(row), 0, wanted.n_cols(), |col| {
-                let z = height(row, col);
-                range = (range.0.min(z), range.1.max(z));
-                heights[col] = f64::from(z);
-            });
-            range
-        })
-        .reduce(|| (i32::MAX, i32::MIN), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let (relief, (lowest, highest)) = Receivers::relief(wanted, height);
     let Some(plane) = plane_of(scene.grid, wanted, uav) else { return nothing(scene) };
     let cast = Cast::new(scene.casters, &plane, (i64::from(lowest), i64::from(highest)));
     // Receivers on flat ground are one level, those on roofs the rest.
-    let (mut level, mut rest) = (BitGrid::new(wanted.n_rows(), wanted.n_cols()), wanted.clone());
-    for row in 0..wanted.n_rows() {
-        let words = row * wanted.words_per_row()..(row + 1) * wanted.words_per_row();
-        let (level, rest) = (&mut level.words_mut()[words.clone()], &mut rest.words_mut()[words]);
-        for (k, (level, rest)) in level.iter_mut().zip(rest).enumerate() {
-            let mut lowest_of_word = 0;
-            for (bit, z) in heights[row * width + k * 64..][..64].iter().enumerate() {
-                lowest_of_word |= u64::from(*z <= f64::from(lowest)) << bit;
-            }
-            *level = *rest & lowest_of_word;
-            *rest &= !*level;
-        }
-    }
-    let relief = Receivers::Relief { heights, width };
+    let level = relief.at_or_below(lowest, wanted);
+    let rest = wanted.clone().xor(&level);
     if level.count() * 4 < wanted.count() {
         return cast_all(scene, wanted.in_rows(plane.rows.0..plane.rows.1), &plane, &relief, &cast);
     }

@@ -55,6 +55,7 @@ mod ceiling;
 mod geometry;
 mod grid;
 mod horizon;
+mod least_heights;
 mod map;
 mod outline;
 mod plateaus;
@@ -64,6 +65,7 @@ mod spans;
 mod words;
 
 pub use grid::ShadowGrid;
+pub use least_heights::{shadow_least_heights, shadow_least_receiver_heights};
 pub use map::{shadow_los, shadow_los_relief};
 pub use plateaus::{OnPlateaus, PlateauScene, plateaus_los};
 pub(super) use plateaus::{PlateauView, plateaus_los_in_view};

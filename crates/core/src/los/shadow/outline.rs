@@ -28,6 +28,9 @@ pub(super) struct Reach {
 }
 
 impl Reach {
+    /// From the near edges on without an end.
+    pub(super) const ENDLESS: Reach = Reach { near: 1.0, far: f64::INFINITY };
+
     /// The reach for a roof at `top`, seen by receivers at `z`; `None` if it hides nothing from them.
     #[inline(always)]
     pub(super) fn new(uav_z: i64, top: i32, z: i64) -> Option<Reach> {

@@ -1,9 +1,11 @@
 //! What shadows are cast on, and the cells that they can meet.
 
 use fearless_simd::Level;
+use rayon::prelude::*;
 
 use super::grid::ShadowGrid;
 use super::outline::Plane;
+use super::words::for_each_bit;
 use crate::height_field::{Casters, Prisms};
 use crate::quantity::LatticePoint;
 use crate::raster::BitGrid;
@@ -47,6 +49,36 @@ pub(super) enum Receivers {
 }
 
 impl Receivers {
+    /// Receivers at the heights that a function gives for the wanted cells \[1/1024 m above the datum\], and the lowest and the
+    /// highest of them, the wrong way around where there is none.
+    pub(super) fn relief(wanted: &BitGrid, height: &(impl Fn(usize, usize) -> i32 + Sync)) -> (Receivers, (i32, i32)) {
+        let width = wanted.words_per_row() * 64;
+        let mut heights = vec![0.0; wanted.n_rows() * width];
+        let of_row = |(row, heights): (usize, &mut [f64])| {
+            let mut range = (i32::MAX, i32::MIN);
+            for_each_bit(wanted.row(row), 0, wanted.n_cols(), |col| {
+                let z = height(row, col);
+                range = (range.0.min(z), range.1.max(z));
+                heights[col] = f64::from(z);
+            });
+            range
+        };
+        let ranges = heights.par_chunks_mut(width.max(1)).enumerate().map(of_row);
+        let range = ranges.reduce(|| (i32::MAX, i32::MIN), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        (Receivers::Relief { heights, width }, range)
+    }
+
+    /// The wanted cells whose receivers are at a height or below it.
+    pub(super) fn at_or_below(&self, z: i32, wanted: &BitGrid) -> BitGrid {
+        let Receivers::Relief { heights, .. } = self else { return wanted.clone() };
+        let mut found = wanted.clone();
+        for (word, heights) in found.words_mut().iter_mut().zip(heights.chunks_exact(64)) {
+            let of_word = heights.iter().enumerate();
+            *word &= of_word.fold(0, |bits, (bit, height)| bits | u64::from(*height <= f64::from(z)) << bit);
+        }
+        found
+    }
+
     #[inline(always)]
     pub(super) fn at(&self, row: usize, col: usize) -> i64 {
         match self {
