@@ -95,7 +95,7 @@ pub(super) fn least_height_and_margin(field: &HeightField, uav: &Uav, receiver: 
 }
 
 /// A least visible height \[m\] and the margin of a receiver at height `z` on `base`, in line of sight or not, from a least height \[1/1024 m\].
-fn with_margin(least: f64, z: i64, base: i32, is_los: bool) -> (f32, f32) {
+pub(super) fn with_margin(least: f64, z: i64, base: i32, is_los: bool) -> (f32, f32) {
     let least = least.max(f64::from(base)) / f64::from(STEPS_PER_UNIT);
     #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
     let height = z as f64 / f64::from(STEPS_PER_UNIT);

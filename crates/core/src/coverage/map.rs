@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::cell_classes::{RowSets, write_classes};
-use super::cell_heights::{CellHeights, FoundHeights, least_height_and_margin};
+use super::cell_heights::{CellHeights, FoundHeights};
 use super::elevation::RowElevations;
 use super::range::Range;
 use super::row_bands::{BAND_CELLS, EachPart, Row, in_bands, in_buffers, split};
@@ -77,7 +77,7 @@ pub struct Mapper<'a> {
     /// Shared by all threads.
     pub(super) engine: GridLos<'a>,
     /// The engine for many UAVs of which each has a thread of its own.
-    alone: GridLos<'a>,
+    pub(super) alone: GridLos<'a>,
     why: &'static str,
     /// Receivers on the ground, on roofs, or both.
     pub(super) receivers: Vec<GridReceivers<'a>>,
@@ -286,43 +286,12 @@ impl<'a> Mapper<'a> {
         })
     }
 
-    /// The receiver in range with the least margin, the first of equal ones among those of `first` and then row by row;
-    /// `None` without any.
-    ///
-    /// Cost: a walk along each link; on the calling thread.
-    pub fn worst_margin(&self, uav: &Uav, first: &[(usize, usize)]) -> Option<WorstReceiver> {
-        let range = self.range_of(uav);
-        let all = self.receivers.iter().flat_map(|r| r.cells.cells().map(move |cell| (r, cell)));
-        let hard = first.iter().flat_map(|cell| self.receivers_at(*cell));
-        let mut worst: Option<WorstReceiver> = None;
-        for (receivers, cell) in hard.chain(all).filter(|(_, cell)| range.contains(*cell)) {
-            let margin_m = self.margin_at(uav, receivers, cell);
-            if worst.is_none_or(|w| margin_m < w.margin_m) {
-                worst = Some(WorstReceiver { margin_m, cell });
-            }
-        }
-        worst
-    }
-
-    /// The least margin of the receivers of some cells that are in range \[m\]; `None` if none is.
-    pub fn least_margin_among(&self, uav: &Uav, cells: &[(usize, usize)]) -> Option<f32> {
-        let range = self.range_of(uav);
-        let in_range = cells.iter().filter(|cell| range.contains(**cell)).flat_map(|cell| self.receivers_at(*cell));
-        in_range.map(|(receivers, cell)| self.margin_at(uav, receivers, cell)).min_by(f32::total_cmp)
-    }
-
     /// The receivers of a cell, on the ground or on the roof.
     pub(super) fn receivers_at(
         &self,
         cell: (usize, usize),
     ) -> impl Iterator<Item = (&GridReceivers<'a>, (usize, usize))> {
         self.receivers.iter().filter(move |r| r.cells.contains(cell.0, cell.1)).map(move |r| (r, cell))
-    }
-
-    pub(super) fn margin_at(&self, uav: &Uav, receivers: &GridReceivers<'_>, (row, col): (usize, usize)) -> f32 {
-        let cell = row * self.field.grid().n_cols() + col;
-        let receiver = Station { place: self.engine.positions().center(row, col), z: receivers.height(cell) };
-        least_height_and_margin(self.field, uav, &receiver, receivers.base(cell)).1
     }
 
     fn elevations<'b>(&'b self, uav: &Uav, receivers: &'b GridReceivers<'b>, row: usize) -> RowElevations<'b> {
@@ -447,13 +416,4 @@ impl OneMap<'_, '_> {
         }
         tally
     }
-}
-
-/// The receiver of a UAV with the least margin.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WorstReceiver {
-    /// Its margin \[m\], as the layer `margin` holds it; −∞ where no receiver height is enough.
-    pub margin_m: f32,
-    /// Its row and column.
-    pub cell: (usize, usize),
 }

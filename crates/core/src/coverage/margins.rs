@@ -1,12 +1,20 @@
-//! How clear or how hidden receivers are: the margins of a map, from a systematic sample of its receivers.
+//! How clear or how hidden receivers are: the worst margin of a UAV, and the margins of a map in numbers.
 //!
-//! A margin needs a walk along the link, a hundred times what its cell of a map costs, so a comparison takes every n-th
-//! receiver in row order instead of all. Each margin of the sample is that of the layer `margin`, its sign decided exactly.
+//! Where the engine finds least heights at once ([`GridLos::los_and_least_heights`]) that is every margin; elsewhere each needs a walk along
+//! its link, a hundred times what a cell of a map costs, and the margins of a map are those of a systematic sample: every n-th
+//! receiver in row order. Each is that of the layer `margin`, its sign decided exactly.
+
+use std::borrow::Cow;
 
 use rayon::prelude::*;
 
+use super::cell_heights::{least_height_and_margin, with_margin};
 use super::map::Mapper;
-use super::{SiteCoverage, class};
+use super::range::Range;
+use super::{SiteCoverage, Uav, class};
+use crate::height_field::Station;
+use crate::los::{GridHeights, GridLos, GridReceivers};
+use crate::raster::BitGrid;
 
 /// Margins of some receivers of a map.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,26 +63,112 @@ impl MarginSample {
     }
 }
 
+/// The receiver of a UAV with the least margin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorstReceiver {
+    /// Its margin \[m\], as the layer `margin` holds it; −∞ where no receiver height is enough.
+    pub margin_m: f32,
+    /// Its row and column.
+    pub cell: (usize, usize),
+}
+
+/// The margins of the receivers of one kind in range of a UAV, as far as they are found at once.
+struct Margins<'m, 'a> {
+    mapper: &'m Mapper<'a>,
+    uav: &'m Uav,
+    receivers: &'m GridReceivers<'a>,
+    in_range: Cow<'m, BitGrid>,
+    /// Who is in line of sight, and the least heights.
+    found: Option<(BitGrid, GridHeights)>,
+}
+
+impl<'m, 'a> Margins<'m, 'a> {
+    fn of(
+        mapper: &'m Mapper<'a>,
+        engine: &GridLos<'_>,
+        (uav, range): (&'m Uav, &Range),
+        receivers: &'m GridReceivers<'a>,
+    ) -> Self {
+        let in_range = match range.is_everywhere() {
+            true => Cow::Borrowed(&*receivers.cells),
+            false => Cow::Owned(range.cut(&receivers.cells)),
+        };
+        let found = engine.los_and_least_heights(&uav.station, receivers, &in_range, range.window());
+        Margins { mapper, uav, receivers, in_range, found }
+    }
+
+    /// The margin of the receiver of a cell.
+    fn at(&self, (row, col): (usize, usize)) -> f32 {
+        let cell = row * self.mapper.field.grid().n_cols() + col;
+        let (z, base) = (self.receivers.height(cell), self.receivers.base(cell));
+        let found = self.found.as_ref().and_then(|(los, heights)| {
+            let is_los = los.contains(row, col);
+            heights.settled((row, col), |height| with_margin(height, z, base, is_los).1)
+        });
+        found.unwrap_or_else(|| self.mapper.margin_at(self.uav, self.receivers, (row, col)))
+    }
+}
+
 impl Mapper<'_> {
-    /// Margins of some `most` receivers of a map that this mapper made; of all, if they are fewer.
+    /// The receiver in range with the least margin, the first of equal ones among those of `first` and then row by row;
+    /// `None` without any.
+    ///
+    /// Cost: that of a map with margins, on the calling thread.
+    pub fn worst_margin(&self, uav: &Uav, first: &[(usize, usize)]) -> Option<WorstReceiver> {
+        let range = self.range_of(uav);
+        let kinds: Vec<Margins<'_, '_>> =
+            self.receivers.iter().map(|kind| Margins::of(self, &self.alone, (uav, &range), kind)).collect();
+        let of_first = |cell: &(usize, usize)| {
+            let cell = *cell;
+            kinds.iter().filter(move |kind| kind.in_range.contains(cell.0, cell.1)).map(move |kind| (kind, cell))
+        };
+        let all = kinds.iter().flat_map(|kind| kind.in_range.cells().map(move |cell| (kind, cell)));
+        let mut worst: Option<WorstReceiver> = None;
+        for (kind, cell) in first.iter().flat_map(of_first).chain(all) {
+            let margin_m = kind.at(cell);
+            if worst.is_none_or(|w| margin_m < w.margin_m) {
+                worst = Some(WorstReceiver { margin_m, cell });
+            }
+        }
+        worst
+    }
+
+    /// The least margin of the receivers of some cells that are in range \[m\]; `None` if none is.
+    ///
+    /// Cost: a walk for each.
+    pub fn least_margin_among(&self, uav: &Uav, cells: &[(usize, usize)]) -> Option<f32> {
+        let range = self.range_of(uav);
+        let in_range = cells.iter().filter(|cell| range.contains(**cell)).flat_map(|cell| self.receivers_at(*cell));
+        in_range.map(|(receivers, cell)| self.margin_at(uav, receivers, cell)).min_by(f32::total_cmp)
+    }
+
+    /// Margins of some `most` receivers of a map that this mapper made; of all, if they are fewer, or found at once.
     pub fn margin_sample(&self, map: &SiteCoverage, most: usize) -> MarginSample {
         let n_receivers = usize::try_from(map.tally.receivers).unwrap_or(usize::MAX);
+        let range = self.range_of(&map.uav);
+        let of_kind = |kind| Margins::of(self, &self.engine, (&map.uav, &range), kind);
+        let kinds: Vec<Margins<'_, '_>> = self.receivers.iter().map(of_kind).collect();
+        let are_all_found = kinds.iter().all(|kind| kind.found.is_some());
         // An odd step does not fall into the rhythm of rows of even length.
-        let every = if n_receivers <= most { 1 } else { n_receivers.div_ceil(most) | 1 };
+        let every = if n_receivers <= most || are_all_found { 1 } else { n_receivers.div_ceil(most) | 1 };
         let is_receiver = |(_, class): &(usize, &u8)| matches!(**class, class::NLOS | class::LOS);
         let cells: Vec<usize> =
             map.mask.iter().enumerate().filter(is_receiver).step_by(every).map(|(cell, _)| cell).collect();
-        let margins = cells.into_par_iter().map(|cell| (cell, self.margin(map, cell))).collect();
-        MarginSample { every, margins }
+        let n_cols = self.field.grid().n_cols();
+        let margin = |cell: usize| {
+            let at = (cell / n_cols, cell % n_cols);
+            let kind = kinds.iter().find(|kind| kind.receivers.cells.contains(at.0, at.1));
+            let margin = kind.map_or(f32::NAN, |kind| kind.at(at));
+            debug_assert!(!self.method().0.is_exact() || (map.mask[cell] == class::LOS) == (margin >= 0.0));
+            (cell, margin)
+        };
+        MarginSample { every, margins: cells.into_par_iter().map(margin).collect() }
     }
 
-    fn margin(&self, map: &SiteCoverage, cell: usize) -> f32 {
-        let n_cols = self.field.grid().n_cols();
-        let at = (cell / n_cols, cell % n_cols);
-        let Some((receivers, _)) = self.receivers_at(at).next() else { return f32::NAN };
-        let margin = self.margin_at(&map.uav, receivers, at);
-        debug_assert!(!self.method().0.is_exact() || (map.mask[cell] == class::LOS) == (margin >= 0.0));
-        margin
+    fn margin_at(&self, uav: &Uav, receivers: &GridReceivers<'_>, (row, col): (usize, usize)) -> f32 {
+        let cell = row * self.field.grid().n_cols() + col;
+        let receiver = Station { place: self.engine.positions().center(row, col), z: receivers.height(cell) };
+        least_height_and_margin(self.field, uav, &receiver, receivers.base(cell)).1
     }
 }
 
