@@ -5,7 +5,7 @@
 //!
 //! One thread, one UAV 100 m over a street in the middle, receivers 1.5 m above what they stand on; the scene is made
 //! ready before. *bits* is the set of receivers in line of sight and their number, *mask* a byte per cell and the tally by
-//! elevation angle. The *floor* is to read the heights of the city once (4 bytes a cell) and to write a mask once (1
+//! elevation angle; *ceilings* and *least UAV heights* are in doubles. The *floor* is to read the heights of the city once (4 bytes a cell) and to write a mask once (1
 //! byte a cell) into memory that is already there. Before anything is timed, every engine's mask is compared with `ray`.
 //!
 //! The program is not written with divan because a row is a ratio of figures that must be taken in turns, on the same
@@ -250,7 +250,27 @@ impl Rows {
         }
         self.floor = floor;
         self.print(engine, &of_bits, &of_mask);
+        self.heights(engine, &los, &receivers, uav);
         eprintln!("  {engine}: {compared} receivers as `ray` has them");
+    }
+
+    /// Times the least heights of receivers and of the UAV, where the engine finds them at once.
+    fn heights(&self, engine: &str, los: &GridLos<'_>, receivers: &GridReceivers<'_>, uav: &Uav) {
+        let (station, cells, n_cols) = (&uav.station, &receivers.cells, receivers.cells.n_cols());
+        let window = CellWindow { row: 0, col: 0, n_rows: cells.n_rows(), n_cols };
+        let of_receivers = || los.los_and_least_heights(station, receivers, cells, window);
+        let height = |row: usize, col: usize| receivers.base(row * n_cols + col) + MapOptions::default().rx_height;
+        let of_uav = || los.least_uav_heights(station, cells, 0, &height);
+        let times = |run: &(dyn Fn() -> bool + Sync)| -> Vec<Run> {
+            if on_one_thread(run) { (0..5).map(|_| on_one_thread(|| timed(run))).collect() } else { Vec::new() }
+        };
+        let named = [
+            ("ceilings", times(&|| black_box(of_receivers()).is_some())),
+            ("least UAV heights", times(&|| black_box(of_uav()).is_some())),
+        ];
+        for (what, runs) in named.iter().filter(|(_, runs)| !runs.is_empty()) {
+            self.print(&format!("{engine}, {what}"), runs, &[]);
+        }
     }
 
     /// Times a ray for each receiver, or for a sample.

@@ -7,7 +7,7 @@ use skyshed_core::coverage::{Control, HeightLayers, MapOptions, Mapper, Receiver
 use skyshed_core::height_field::HeightField;
 use skyshed_core::los::{Method, MethodChoice};
 use skyshed_core::quantity::Height;
-use skyshed_io::read::{SurfaceOptions, read_surface};
+use skyshed_io::read::{FootprintOptions, SurfaceOptions, read_footprints, read_surface};
 
 use crate::support::{slow, truth};
 
@@ -20,11 +20,13 @@ fn surface(dsm: &Path, terrain: Option<&Path>, nodata_as: NodataAs) -> HeightFie
 
 /// Compares the layers of some UAVs around the middle of a city; returns how many receivers were compared.
 fn compare(field: &HeightField, receivers: Receivers, radius: Option<f64>) -> usize {
-    let layers = HeightLayers { margin: true, least_receiver_height: true, ..HeightLayers::default() };
+    // Past a raster alone the least heights of the UAV are those of walks.
+    let least_height = field.prisms().is_some();
+    let layers = HeightLayers { margin: true, least_receiver_height: true, least_height, ..HeightLayers::default() };
     let options = |method| MapOptions { receivers, radius, layers, method, ..MapOptions::default() };
-    let [fast, ray] =
-        [MethodChoice::Sweep, MethodChoice::Ray].map(|method| Mapper::new(field, &options(method)).unwrap());
-    assert_eq!((fast.method().0, ray.method().0), (Method::Sweep, Method::Ray));
+    let engine = if least_height { MethodChoice::Auto } else { MethodChoice::Sweep };
+    let [fast, ray] = [engine, MethodChoice::Ray].map(|method| Mapper::new(field, &options(method)).unwrap());
+    assert!(ray.method().0 == Method::Ray && fast.method().0 != Method::Ray);
     let grid = field.grid();
     let (width, height) = (grid.x_max() - grid.x_min(), grid.y_max() - grid.y_min());
     let mut n = 0;
@@ -35,8 +37,10 @@ fn compare(field: &HeightField, receivers: Receivers, radius: Option<f64>) -> us
         let [found, wanted] = [&fast, &ray].map(|mapper| mapper.map(&uav, &Control::default()).unwrap());
         assert_eq!(found.mask, wanted.mask);
         let layers = |map: &skyshed_core::coverage::SiteCoverage| {
-            [map.margin.clone().unwrap(), map.least_receiver_height.clone().unwrap()]
+            [map.margin.clone(), map.least_receiver_height.clone(), map.least_height.clone()]
+                .map(Option::unwrap_or_default)
         };
+        assert_eq!(layers(&found).map(|layer| layer.is_empty()), [false, false, !least_height]);
         for (found, wanted) in layers(&found).iter().zip(&layers(&wanted)) {
             let differ = found.iter().zip(wanted).position(|(a, b)| a.to_bits() != b.to_bits());
             assert!(differ.is_none(), "cell {differ:?} of a UAV {up} m over {x}, {y}");
@@ -55,6 +59,22 @@ fn margins_and_ceilings_of_munich_by_the_sweep_are_those_of_rays() {
     assert!(compare(&field, Receivers::All, radius) > 300_000);
     let alone = surface(&dsm, None, NodataAs::Clear);
     assert!(compare(&alone, Receivers::Ground, radius) > 300_000);
+}
+
+#[test]
+fn heights_past_the_footprints_of_munich_are_those_of_rays_on_flat_ground_and_on_terrain() {
+    let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps");
+    let radius = if slow() { None } else { Some(250.0) };
+    for terrain in [None, Some(maps.join("munich_terrain.tif").into())] {
+        // The one that is no multiple of the terrain's cells is left to rays past that.
+        for cell in [1.0, 0.7] {
+            let options =
+                FootprintOptions { cell_m: Some(cell), terrain: terrain.clone(), ..FootprintOptions::default() };
+            let scene = read_footprints(maps.join("munich.geojson"), &options, &mut Vec::new()).unwrap();
+            let field = HeightField::build(&scene.grid, scene.solids).field;
+            assert!(compare(&field, Receivers::All, radius) > 100_000);
+        }
+    }
 }
 
 #[test]

@@ -111,7 +111,7 @@ pub struct LeastHeights<'a> {
     field: &'a HeightField,
     uav: Uav,
     rx_height: i32,
-    /// What finds those of many receivers at once, past footprints alone.
+    /// What finds those of many receivers at once, past footprints.
     at_once: Option<GridLos<'a>>,
     positions: GridPositions,
     lowest: i32,
@@ -122,7 +122,8 @@ impl<'a> LeastHeights<'a> {
     /// None yet, over the place of a UAV; `rx_height` is that of the receivers \[1/1024 m\].
     pub fn of(field: &'a HeightField, uav: &Uav, rx_height: i32) -> Self {
         let lowest = lowest_uav_height(field, uav);
-        let at_once = GridLos::new(field, Method::Shadow).ok();
+        let (shadow, on_terrain) = (Method::Shadow, Method::ShadowRay);
+        let at_once = GridLos::new(field, if field.columns().is_some() { on_terrain } else { shadow }).ok();
         let positions = field.positions();
         LeastHeights { field, uav: uav.clone(), rx_height, at_once, positions, lowest, found: Vec::new() }
     }

@@ -1,5 +1,9 @@
 //! Least heights over the cells of a grid, as an engine finds them all at once.
 
+use rayon::prelude::*;
+
+use crate::raster::{BitGrid, set_bits};
+
 /// How far a rounded height may be from that of a walk along its link, relative to itself and to the heights of both ends.
 ///
 /// With u = 2^-53: a height above the other end is a product by a quotient of integers that are exact; it errs by less than 4u of
@@ -41,6 +45,19 @@ impl GridHeights {
         let error = ROUNDING * (height.abs() + self.rounded);
         let (low, high) = (of(height - error), of(height + error));
         (!height.is_nan() && low == high).then_some(low)
+    }
+
+    /// Raises the heights that are known at some cells to others, given the cell and what is known; no number says nothing.
+    pub(super) fn raise(&mut self, cells: &BitGrid, other: &(impl Fn((usize, usize), f64) -> f64 + Sync)) {
+        let rows = self.heights.par_chunks_exact_mut(self.per_row.max(1)).enumerate();
+        rows.for_each(|(k, heights)| {
+            let row = self.first_row + k;
+            for col in set_bits(cells.row(row)) {
+                if !heights[col].is_nan() {
+                    heights[col] = heights[col].max(other((row, col), heights[col]));
+                }
+            }
+        });
     }
 
     /// The higher one at each cell, for links that must meet both; the other ones must be of all rows that these are of.

@@ -4,11 +4,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
+use super::columns_ray::columns_least_height_above;
 use super::shadow::{PlateauView, plateaus_los_in_view};
 use super::{
     GridHeights, GridReceivers, Method, OnPlateaus, PlateauScene, ReceiverHeights, ShadowGrid, ShadowScene, StepLength,
-    Swept, UavPositions, WrongMethod, link_los, r2_los, shadow_least_heights, shadow_least_receiver_heights,
-    shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
+    Swept, UavPositions, WrongMethod, columns_least_receiver_height, link_los, r2_los, shadow_least_heights,
+    shadow_least_receiver_heights, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
 use crate::height_field::{Casters, Columns, GridPositions, HeightField, Plateaus, Prisms, Station};
 use crate::quantity::LatticePoint;
@@ -236,6 +237,14 @@ impl<'a> GridLos<'a> {
                 let ((past_prisms, cast), (past_columns, swept)) = (cast(shadows)?, swept(columns)?);
                 Some((past_prisms.and(&past_columns), cast.or_higher(&swept)))
             }
+            Engine::ShadowRay(shadows) => {
+                let (past_prisms, mut heights) = cast(shadows)?;
+                self.raise_past_columns(&mut heights, wanted, |columns, (row, col), _| {
+                    let receiver = Station { place: self.positions.center(row, col), z: 0 }.on_columns();
+                    columns_least_receiver_height(columns, uav.on_columns(), receiver).height_steps()
+                });
+                Some((self.by_rays(uav, receivers, &past_prisms), heights))
+            }
             _ => None,
         }
     }
@@ -250,8 +259,30 @@ impl<'a> GridLos<'a> {
         from: i64,
         height: &(impl Fn(usize, usize) -> i32 + Sync),
     ) -> Option<GridHeights> {
-        let Engine::Shadow(shadows) = &self.engine else { return None };
-        shadow_least_heights(&self.all_casters(shadows, wanted), uav.on_prisms(), from, height)
+        let (Engine::Shadow(shadows) | Engine::ShadowSweep(shadows, _) | Engine::ShadowRay(shadows)) = &self.engine
+        else {
+            return None;
+        };
+        let mut heights = shadow_least_heights(&self.all_casters(shadows, wanted), uav.on_prisms(), from, height)?;
+        self.raise_past_columns(&mut heights, wanted, |columns, (row, col), known| {
+            let receiver = Station { place: self.positions.center(row, col), z: i64::from(height(row, col)) };
+            #[expect(clippy::cast_possible_truncation, reason = "far from all heights, if not exact")]
+            let floor = from.max(known.clamp(-1e12, 1e12) as i64);
+            columns_least_height_above(columns, uav.on_columns(), receiver.on_columns(), floor).height_steps()
+        });
+        Some(heights)
+    }
+
+    /// Raises heights past prisms to those past the columns, if there are any.
+    fn raise_past_columns(
+        &self,
+        heights: &mut GridHeights,
+        wanted: &BitGrid,
+        past: impl Fn(&Columns, (usize, usize), f64) -> f64 + Sync,
+    ) {
+        if let Some(columns) = self.field.columns() {
+            heights.raise(wanted, &|cell, known| past(columns, cell, known));
+        }
     }
 
     /// Some cells as a scene in which all prisms cast shadows.

@@ -39,8 +39,10 @@
 //! whose receivers are all below are filled as before, tiles whose receivers are all above are left out, and in the others
 //! eight receivers at a time are compared with the planes, again with a proven margin and doubts. Higher receivers are
 //! hidden by less, so the outline on the lowest bounds all. Where many receivers stand at the lowest height (flat ground
-//! with roofs) they are cast first, as one level. A ceiling kept per cell in doubles was not taken: every shadow would write
-//! 64 times the memory and no ground would ever be dark.
+//! with roofs) they are cast first, as one level. A mask keeps no ceiling per cell: every shadow would write 64 times the memory and no
+//! ground would ever be dark.
+//!
+//! **Least heights** ([`least_heights`]) are that ceiling, per cell: each caster raises those of its cone, and the UAV's likewise.
 //!
 //! **Cost.** Proportional to the rows of the shadows, not their cells: a set of bits is cleared 64 cells at a time. Seen from
 //! above all receivers, where shadows are long, casters behind the horizon are left out and the shadows of the others begin where
@@ -48,6 +50,10 @@
 //! neighboring casters go nearest first, one sector of azimuths after the other, so that the far ones find their ground dark:
 //! 64 rows of a shadow are skipped where no wanted cell is left in the tiles of 64 × 64 cells that they meet, and whole blocks
 //! likewise.
+//!
+//! **What may come.** Heights that fall with the distance from the UAV (curvature) change where a shadow ends, so they belong in
+//! [`outline`]'s `Reach` and, since the end is then no straight line, in one more bound of its rows. A roof that is a plane makes the end of a
+//! shadow the projection of its upper edges, each at a height of its own: in `Outline::cast` and in the edges of [`least_heights`].
 
 mod band;
 mod cast;
