@@ -1,7 +1,6 @@
 //! Maps: every receiver of the grid against one UAV, or against many with the scene made ready once.
 
 use std::borrow::Cow;
-use std::ops::Range as Rows;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -16,9 +15,6 @@ use crate::error::{MapError, Result};
 use crate::height_field::{Casters, HeightField, Station};
 use crate::los::{GridLos, GridReceivers, Method, WrongMethod, height_by_cell, link_los};
 use crate::raster::{BitGrid, LargeVec};
-
-/// Strips in which a map is decided that is handed over while it is made.
-const STRIPS: usize = 4;
 
 /// The coverage of one UAV: shape `[n_rows, n_cols]` each, columns running fastest, row 0 north.
 #[derive(Debug, Clone)]
@@ -240,12 +236,16 @@ impl<'a> Mapper<'a> {
             Some(each_part) if !map.is_stopped() => each_part(cells),
             _ => {}
         };
+        let (decided, found) = map.decide(layers);
         if !keep {
-            let tally = map.in_strips(n_at_once, &mut hand_over);
+            let fill = |row: usize, mask: &mut [u8]| {
+                let (margin, least_height, least_receiver_height) = (&mut [][..], &mut [][..], &mut [][..]);
+                map.fill(&decided, &[], row, &mut Row { mask, margin, least_receiver_height, least_height })
+            };
+            let tally = in_buffers(0..n_rows, n_cols, n_at_once, fill, &mut hand_over);
             control.check()?;
             return Ok(SiteCoverage::of_tally(uav, tally));
         }
-        let (decided, found) = map.decide_with_heights(layers);
         let n_cells = n_rows * n_cols;
         let layer = |wanted: bool| if wanted { vec![f32::NAN; n_cells] } else { Vec::new() };
         let mut mask = LargeVec::<u8>::zeroed(n_cells);
@@ -322,25 +322,8 @@ impl OneMap<'_, '_> {
         self.control.stop.load(Ordering::Relaxed)
     }
 
-    /// What the receivers of some rows come to, kind by kind.
-    fn decide(&self, rows: Rows<usize>) -> Vec<Decided> {
-        let Mapper { field, engine, receivers, .. } = self.mapper;
-        let (n_rows, n_cols) = (field.grid().n_rows(), field.grid().n_cols());
-        let of_kind = |receivers: &GridReceivers<'_>| {
-            if self.is_stopped() {
-                return (None, BitGrid::new(n_rows, n_cols));
-            }
-            if rows.len() == n_rows {
-                return self.mapper.decide(engine, self.uav, (receivers, self.range));
-            }
-            let wanted = self.range.cut_rows(&receivers.cells, rows.clone());
-            self.mapper.decide_wanted(engine, self.uav, (receivers, self.range), Some(wanted))
-        };
-        receivers.iter().map(of_kind).collect()
-    }
-
     /// What all receivers come to, kind by kind; and the least heights that are asked for, if the engine finds them at once.
-    fn decide_with_heights(&self, layers: HeightLayers) -> (Vec<Decided>, Vec<FoundHeights>) {
+    fn decide(&self, layers: HeightLayers) -> (Vec<Decided>, Vec<FoundHeights>) {
         let Mapper { engine, receivers, .. } = self.mapper;
         let of_kind = |receivers: &GridReceivers<'_>| {
             let mut found = FoundHeights::default();
@@ -386,34 +369,6 @@ impl OneMap<'_, '_> {
         tally.add_others(&sets, n_cols);
         write_classes(&sets, out.mask);
         self.control.done.fetch_add(n_cols as u64, Ordering::Relaxed);
-        tally
-    }
-
-    /// Fills masks of which each part is handed over while the next is made, and none is kept.
-    ///
-    /// What is handed over while it is made is decided strip by strip, so that taking the first need not wait for the last.
-    fn in_strips(&self, n_at_once: usize, hand_over: EachPart<'_>) -> Tally {
-        let Mapper { field, engine, receivers, .. } = self.mapper;
-        let (n_rows, n_cols) = (field.grid().n_rows(), field.grid().n_cols());
-        let is_by_rows = receivers.iter().all(|receivers| engine.is_by_rows(&self.uav.station, receivers));
-        let n_strips = if is_by_rows && rayon::current_num_threads() > 1 { STRIPS } else { 1 };
-        let strip = n_rows.div_ceil(n_strips);
-        let rows_from = |first: usize| first..(first + strip).min(n_rows);
-        let mut decided = self.decide(rows_from(0));
-        let mut tally = Tally::default();
-        for first in (0..n_rows).step_by(strip) {
-            let rows = rows_from(first);
-            let fill = |row: usize, mask: &mut [u8]| {
-                let (margin, least_height, least_receiver_height) = (&mut [][..], &mut [][..], &mut [][..]);
-                self.fill(&decided, &[], row, &mut Row { mask, margin, least_receiver_height, least_height })
-            };
-            let (next, of_strip) = rayon::join(
-                || if rows.end < n_rows { self.decide(rows_from(rows.end)) } else { Vec::new() },
-                || in_buffers(rows.clone(), n_cols, n_at_once, fill, &mut *hand_over),
-            );
-            tally = tally.plus(&of_strip);
-            decided = next;
-        }
         tally
     }
 }

@@ -104,7 +104,7 @@ impl Range {
     }
 
     /// The cells of a set in some rows that are in range.
-    pub(super) fn cut_rows(&self, cells: &BitGrid, rows: std::ops::Range<usize>) -> BitGrid {
+    fn cut_rows(&self, cells: &BitGrid, rows: std::ops::Range<usize>) -> BitGrid {
         let mut kept = BitGrid::new(self.shape.0, self.shape.1);
         let per_row = kept.words_per_row();
         for row in rows {

@@ -1,18 +1,16 @@
 //! One UAV against a whole grid of receivers, by the engine of a method.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use super::columns_ray::columns_least_height_above;
-use super::shadow::{PlateauView, plateaus_los_in_view};
 use super::{
     GridHeights, GridReceivers, Method, OnPlateaus, PlateauScene, ReceiverHeights, ShadowGrid, ShadowScene, StepLength,
-    Swept, UavPositions, WrongMethod, columns_least_receiver_height, link_los, r2_los, shadow_least_heights,
-    shadow_least_receiver_heights, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
+    Swept, UavPositions, WrongMethod, columns_least_receiver_height, link_los, plateaus_los, r2_los,
+    shadow_least_heights, shadow_least_receiver_heights, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
 use crate::height_field::{Casters, Columns, GridPositions, HeightField, Plateaus, Prisms, Station};
-use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, CellWindow, set_bits};
 use crate::simd::SimdLevel;
 
@@ -96,8 +94,6 @@ pub struct GridLos<'a> {
     /// Whether shadows are cast in one band of rows, by one thread: that costs less in all where many UAVs are decided at
     /// once, and no result depends on it.
     pub(crate) is_one_band: bool,
-    /// What the last UAV that was asked about has in view of plateaus: no result depends on it.
-    last_view: Arc<Mutex<Option<Arc<PlateauView>>>>,
 }
 
 impl<'a> GridLos<'a> {
@@ -115,7 +111,6 @@ impl<'a> GridLos<'a> {
             casters: None,
             level: SimdLevel::new(),
             is_one_band: false,
-            last_view: Arc::default(),
         })
     }
 
@@ -137,16 +132,6 @@ impl<'a> GridLos<'a> {
         Some(UavPositions { prisms, casters, grid, z, level: self.level })
     }
 
-    /// Whether receivers are decided by one level of shadows, or by the shadows of plateaus: at a cost that grows with the
-    /// rows that are asked for.
-    pub(crate) fn is_by_rows(&self, uav: &Station, receivers: &GridReceivers<'_>) -> bool {
-        match &self.engine {
-            Engine::Shadow(_) => receivers.level().is_some(),
-            Engine::Plateaus(columns, plateaus, _) => on_plateaus(columns, plateaus, uav, receivers).is_some(),
-            _ => false,
-        }
-    }
-
     /// The receivers of `wanted` that are in line of sight of a UAV.
     ///
     /// `wanted` are some of the cells of `receivers`, and `window` holds them, together with all cells between them and
@@ -164,7 +149,7 @@ impl<'a> GridLos<'a> {
                 Some(on_plateaus) => {
                     let n_bands = self.n_bands();
                     let scene = PlateauScene { columns, plateaus, grid, wanted, window, level: self.level, n_bands };
-                    plateaus_los_in_view(&scene, &self.view_of(&scene, uav.on_columns(), on_plateaus))
+                    plateaus_los(&scene, uav.on_columns(), on_plateaus)
                 }
                 None => self.by_sweep(columns, uav, receivers, wanted, window),
             },
@@ -320,22 +305,6 @@ impl<'a> GridLos<'a> {
             _ => ReceiverHeights::Flat(lowest + above),
         };
         sweep_los(columns, uav.on_columns(), heights, wanted, window, heights_from, self.level)
-    }
-
-    /// What a UAV has in view of plateaus.
-    ///
-    /// PERF: a map that is written while it is made is decided strip by strip, so that of the last UAV is kept.
-    fn view_of(&self, scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPlateaus) -> Arc<PlateauView> {
-        let last = self.last_view.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        let is_it = |view: &Arc<PlateauView>| (view.uav, view.receivers, view.window) == (uav, receivers, scene.window);
-        match last.filter(is_it) {
-            Some(view) => view,
-            None => {
-                let view = Arc::new(PlateauView::new(scene, uav, receivers));
-                *self.last_view.lock().unwrap_or_else(PoisonError::into_inner) = Some(Arc::clone(&view));
-                view
-            }
-        }
     }
 
     fn by_shadows(

@@ -39,8 +39,7 @@ pub(super) fn shadow_los_among(scene: &ShadowScene<'_>, cells: BitGrid, uav: Lat
 /// Like [`shadow_los`] for receivers at differing heights: `height(row, col)` \[1/1024 m above the datum\] of each wanted
 /// cell.
 ///
-/// Cost: where a quarter or more of the receivers stand at the lowest height (flat ground), those cost no more than by
-/// [`shadow_los`]; the others one comparison, eight at a time, for each shadow that their tile does not settle.
+/// Cost: one comparison, eight receivers at a time, for each shadow that their tile does not settle.
 pub fn shadow_los_relief(
     scene: &ShadowScene<'_>,
     uav: LatticePoint,
@@ -50,22 +49,7 @@ pub fn shadow_los_relief(
     let (relief, (lowest, highest)) = Receivers::relief(wanted, height);
     let Some(plane) = plane_of(scene.grid, wanted, uav) else { return nothing(scene) };
     let cast = Cast::new(scene.casters, &plane, (i64::from(lowest), i64::from(highest)));
-    // Receivers on flat ground are one level, those on roofs the rest.
-    let level = relief.at_or_below(lowest, wanted);
-    let rest = wanted.clone().xor(&level);
-    if level.count() * 4 < wanted.count() {
-        return cast_all(scene, wanted.in_rows(plane.rows.0..plane.rows.1), &plane, &relief, &cast);
-    }
-    let on_some = |wanted: &BitGrid, receivers: &Receivers| match plane_of(scene.grid, wanted, uav) {
-        Some(plane) => {
-            let cells = wanted.in_rows(plane.rows.0..plane.rows.1);
-            cast_all(&ShadowScene { wanted, ..*scene }, cells, &plane, receivers, &cast)
-        }
-        None => nothing(&ShadowScene { wanted, ..*scene }),
-    };
-    let one = on_some(&level, &Receivers::Level(i64::from(lowest)));
-    let all = on_some(&rest, &relief);
-    ShadowLos { los: all.los.or(&one.los), count: all.count + one.count, asked: all.asked + one.asked }
+    cast_all(scene, wanted.in_rows(plane.rows.0..plane.rows.1), &plane, &relief, &cast)
 }
 
 /// What is found where no cell is wanted.

@@ -38,8 +38,7 @@
 //! the UAV: its ceiling. The least of several planes is concave, so its values at the corners of a tile bound it there: tiles
 //! whose receivers are all below are filled as before, tiles whose receivers are all above are left out, and in the others
 //! eight receivers at a time are compared with the planes, again with a proven margin and doubts. Higher receivers are
-//! hidden by less, so the outline on the lowest bounds all. Where many receivers stand at the lowest height (flat ground
-//! with roofs) they are cast first, as one level. A mask keeps no ceiling per cell: every shadow would write 64 times the memory and no
+//! hidden by less, so the outline on the lowest bounds all. A mask keeps no ceiling per cell: every shadow would write 64 times the memory and no
 //! ground would ever be dark.
 //!
 //! **Least heights** ([`least_heights`]) are that ceiling, per cell: each caster raises those of its cone, and the UAV's likewise.
@@ -74,6 +73,5 @@ pub use grid::ShadowGrid;
 pub use least_heights::{shadow_least_heights, shadow_least_receiver_heights};
 pub use map::{shadow_los, shadow_los_relief};
 pub use plateaus::{OnPlateaus, PlateauScene, plateaus_los};
-pub(super) use plateaus::{PlateauView, plateaus_los_in_view};
 pub use positions::{InView, ReceiverTile, UavPositions};
 pub use scene::{ShadowLos, ShadowScene};

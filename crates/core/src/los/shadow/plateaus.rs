@@ -88,12 +88,7 @@ impl PlateauScene<'_> {
 /// Cost: the rows of the shadows of plateaus before the horizon, for each plateau apart of which it does not tell all what lies
 /// between it and the UAV, and a ray for each receiver whose own cell is in the way (see the module).
 pub fn plateaus_los(scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPlateaus) -> BitGrid {
-    plateaus_los_in_view(scene, &PlateauView::new(scene, uav, receivers))
-}
-
-/// The wanted cells in line of sight, given what the UAV has in view of the plateaus of the scene.
-pub(in crate::los) fn plateaus_los_in_view(scene: &PlateauScene<'_>, view: &PlateauView) -> BitGrid {
-    let PlateauView { uav, receivers, .. } = *view;
+    let view = &PlateauView::new(scene, uav, receivers);
     let plateaus = scene.plateaus;
     let height = |top: i32| match receivers {
         OnPlateaus::Level(z) => z,
@@ -118,10 +113,8 @@ pub(in crate::los) fn plateaus_los_in_view(scene: &PlateauScene<'_>, view: &Plat
 
 /// What a UAV has in view of a raster of plateaus.
 #[derive(Debug)]
-pub(in crate::los) struct PlateauView {
-    pub(in crate::los) uav: LatticePoint,
-    pub(in crate::los) receivers: OnPlateaus,
-    pub(in crate::los) window: CellWindow,
+struct PlateauView {
+    uav: LatticePoint,
     /// The prisms of the window that may hide a receiver below the UAV; `None` for all of the raster.
     before_horizon: Option<Prisms>,
     /// What the horizon tells of the receivers on each plateau apart; nothing where they are at one level.
@@ -129,9 +122,9 @@ pub(in crate::los) struct PlateauView {
 }
 
 impl PlateauView {
-    pub(in crate::los) fn new(scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPlateaus) -> Self {
+    fn new(scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPlateaus) -> Self {
         let PlateauScene { plateaus, window, .. } = *scene;
-        let nothing_known = PlateauView { uav, receivers, window, before_horizon: None, apart: Vec::new() };
+        let nothing_known = PlateauView { uav, before_horizon: None, apart: Vec::new() };
         let (apart, above) = match receivers {
             OnPlateaus::Level(z) if z >= uav.z => return nothing_known,
             OnPlateaus::Level(_) => (&[][..], 0),

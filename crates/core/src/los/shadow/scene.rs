@@ -68,17 +68,6 @@ impl Receivers {
         (Receivers::Relief { heights, width }, range)
     }
 
-    /// The wanted cells whose receivers are at a height or below it.
-    pub(super) fn at_or_below(&self, z: i32, wanted: &BitGrid) -> BitGrid {
-        let Receivers::Relief { heights, .. } = self else { return wanted.clone() };
-        let mut found = wanted.clone();
-        for (word, heights) in found.words_mut().iter_mut().zip(heights.chunks_exact(64)) {
-            let of_word = heights.iter().enumerate();
-            *word &= of_word.fold(0, |bits, (bit, height)| bits | u64::from(*height <= f64::from(z)) << bit);
-        }
-        found
-    }
-
     #[inline(always)]
     pub(super) fn at(&self, row: usize, col: usize) -> i64 {
         match self {

@@ -1,7 +1,7 @@
 //! Step 5, where all rows are in memory: the few rows that may hide a receiver in doubt are looked up, or walked over.
 //!
 //! Rows come in *groups*: those of one row of tiles. Each bin knows its steepest row, how steep the second is, and which groups
-//! hold the others that may hide a receiver: the present one, the two steepest ones before it, and the first and the last of the rest.
+//! hold the others that may hide a receiver: the present one, the steepest one before it, and the first and the last of the rest.
 //! Looked at where the ray enters and leaves it, the steepest row hides four of ten receivers in doubt, and three of ten are seen
 //! because no other is as steep as they are. Over laser scans a half to three quarters of the rest need one group.
 
@@ -29,11 +29,9 @@ pub(super) struct Suspects<'a> {
     /// The upper bound by the rows of the present group, and its first row.
     present: Vec<f32>,
     present_start: i32,
-    /// The upper bound by the steepest group before it, and its first row; and of the steepest one of the rest.
+    /// The upper bound by the steepest group before it, and its first row.
     steepest: Vec<f32>,
     steepest_start: Vec<i32>,
-    next_steepest: Vec<f32>,
-    next_start: Vec<i32>,
     /// The upper bound by all other groups, and the first rows of the first and of the last of these that may hide a receiver from
     /// here on.
     others: Vec<f32>,
@@ -54,8 +52,6 @@ impl<'a> Suspects<'a> {
             present_start: 0,
             steepest: slopes(),
             steepest_start: rows(),
-            next_steepest: slopes(),
-            next_start: rows(),
             others: slopes(),
             first_other: rows(),
             last_other: rows(),
@@ -65,12 +61,11 @@ impl<'a> Suspects<'a> {
     /// The rows that may hide a receiver of slope `slope`: groups, the steepest of them foremost, and from the first to the last of
     /// all others.
     #[inline(always)]
-    fn rows(&self, i: usize, slope: f32) -> ([Option<Rows>; 3], Option<Rows>) {
+    fn rows(&self, i: usize, slope: f32) -> ([Option<Rows>; 2], Option<Rows>) {
         let group = |steepest: f32, start: i32| (steepest >= slope).then_some((start, start));
         let present = group(self.present[i], self.present_start);
         let before = group(self.steepest[i], self.steepest_start[i]);
-        let next = group(self.next_steepest[i], self.next_start[i]);
-        let groups = if self.present[i] > self.steepest[i] { [present, before, next] } else { [before, present, next] };
+        let groups = if self.present[i] > self.steepest[i] { [present, before] } else { [before, present] };
         (groups, (self.others[i] >= slope).then(|| (self.first_other[i], self.last_other[i])))
     }
 }
@@ -82,13 +77,10 @@ impl Recall for Suspects<'_> {
     const WITH_HEIGHTS: bool = false;
 
     fn split(&mut self, len: usize) {
-        for slopes in
-            [&mut self.second, &mut self.present, &mut self.steepest, &mut self.next_steepest, &mut self.others]
-        {
+        for slopes in [&mut self.second, &mut self.present, &mut self.steepest, &mut self.others] {
             split(slopes, len);
         }
-        let rows = [&mut self.steepest_row, &mut self.steepest_start, &mut self.next_start];
-        for rows in rows.into_iter().chain([&mut self.first_other, &mut self.last_other]) {
+        for rows in [&mut self.steepest_row, &mut self.steepest_start, &mut self.first_other, &mut self.last_other] {
             split(rows, len);
         }
     }
@@ -113,12 +105,10 @@ impl Recall for Suspects<'_> {
         let at = bins.start + PAD..bins.end + 2 * PAD;
         let n_bins = bins.len();
         let lower = &lower[at.clone()];
-        let [present, steepest, next_steepest, others] =
-            [&mut self.present, &mut self.steepest, &mut self.next_steepest, &mut self.others]
-                .map(|slopes| &mut slopes[at.clone()]);
-        let [steepest_start, next_start, first_other, last_other] =
-            [&mut self.steepest_start, &mut self.next_start, &mut self.first_other, &mut self.last_other]
-                .map(|rows| &mut rows[at.clone()]);
+        let [present, steepest, others] =
+            [&mut self.present, &mut self.steepest, &mut self.others].map(|slopes| &mut slopes[at.clone()]);
+        let [steepest_start, first_other, last_other] =
+            [&mut self.steepest_start, &mut self.first_other, &mut self.last_other].map(|rows| &mut rows[at.clone()]);
         let start = self.present_start;
         let n = S::f32s::LEN;
         let (start, lowest) = (S::i32s::splat(simd, start), S::f32s::splat(simd, lowest));
@@ -130,12 +120,7 @@ impl Recall for Suspects<'_> {
             let is_steepest = new.simd_gt(before);
             is_steepest.select(new, before).store_slice(&mut steepest[i..i + n]);
             is_steepest.select(start, before_start).store_slice(&mut steepest_start[i..i + n]);
-            let (rest, rest_start) = (is_steepest.select(before, new), is_steepest.select(before_start, start));
-            let (next, next_group) = (load(next_steepest), load_start(next_start));
-            let is_next = rest.simd_gt(next);
-            is_next.select(rest, next).store_slice(&mut next_steepest[i..i + n]);
-            is_next.select(rest_start, next_group).store_slice(&mut next_start[i..i + n]);
-            let (other, other_start) = (is_next.select(next, rest), is_next.select(next_group, rest_start));
+            let (other, other_start) = (is_steepest.select(before, new), is_steepest.select(before_start, start));
             // A receiver in doubt is neither below the lowest slope nor below what is proven hidden, so the group may hide it only
             // if it is as steep as both, and no other group can any more if none was.
             let bar = lowest.max(load(lower));
@@ -236,7 +221,7 @@ impl<'a> RasterRows<'a> {
     }
 
     /// Whether none of the suspected rows hides the receiver of a lateral cell, `above_uav` above the UAV \[1/1024 m\].
-    fn is_los(&self, lateral: i64, above_uav: i64, (groups, others): ([Option<Rows>; 3], Option<Rows>)) -> bool {
+    fn is_los(&self, lateral: i64, above_uav: i64, (groups, others): ([Option<Rows>; 2], Option<Rows>)) -> bool {
         let RasterRows { columns, strides, .. } = *self;
         let heights = (self.uav_z + above_uav, -above_uav);
         let link = LinkOverRows::new(self.length, (lateral, self.n_lateral), self.uav_lateral, heights);

@@ -234,21 +234,7 @@ impl<R: Recall> Wedge<R> {
                     open.push(Open { cell: cell as u32 });
                 }
                 if passing.with_heights {
-                    let (mut cells, mut n_cells) = ([0; BATCH], 0);
-                    let mut left = out.wanted(frame, row, word, decided.all);
-                    while left != 0 {
-                        #[expect(clippy::cast_possible_truncation, reason = "a side has fewer than 2^32 cells")]
-                        let first = 64 * word as u32;
-                        cells[n_cells] = first + left.trailing_zeros();
-                        n_cells += 1;
-                        left &= left - 1;
-                    }
-                    let mut least = [0.0; BATCH];
-                    recall.least_heights(simd, &settling, &cells[..n_cells], &mut least);
-                    for (cell, least) in cells[..n_cells].iter().zip(least) {
-                        let (at_row, at_col) = frame.cell(row, *cell as usize);
-                        out.output.set_height(at_row, at_col, f64::from(frame.uav_z) + least);
-                    }
+                    find_heights(simd, recall, &settling, (word, out.wanted(frame, row, word, decided.all)), out);
                 }
             });
         }
@@ -430,6 +416,31 @@ fn append(intervals: &mut Vec<(usize, usize)>, (start, end): (usize, usize), gap
     match intervals.last_mut() {
         Some(last) if start - last.1 < gap.max(1) => last.1 = end,
         _ => intervals.push((start, end)),
+    }
+}
+
+/// Finds the least heights over some cells of a word of a row.
+#[inline(always)]
+fn find_heights<S: Simd, R: Recall>(
+    simd: S,
+    recall: &mut R,
+    of: &Settling<'_>,
+    (word, mut wanted): (usize, u64),
+    out: &WedgeOutput<'_, '_>,
+) {
+    let (mut cells, mut n_cells) = ([0; BATCH], 0);
+    while wanted != 0 {
+        #[expect(clippy::cast_possible_truncation, reason = "a side has fewer than 2^32 cells")]
+        let first = 64 * word as u32;
+        cells[n_cells] = first + wanted.trailing_zeros();
+        n_cells += 1;
+        wanted &= wanted - 1;
+    }
+    let mut least = [0.0; BATCH];
+    recall.least_heights(simd, of, &cells[..n_cells], &mut least);
+    for (cell, least) in cells[..n_cells].iter().zip(least) {
+        let (row, col) = of.frame.cell(of.row, *cell as usize);
+        out.output.set_height(row, col, f64::from(of.frame.uav_z) + least);
     }
 }
 
