@@ -282,7 +282,7 @@ fn walks_past_tiles_find_the_least_heights_of_wide_rasters() {
             height_field::Columns::new(n_rows, n_cols, (0..n_rows * n_cols).map(|_| top(random)).collect::<Vec<_>>());
         let end = |random: &mut Random| {
             let step = random.choose(&[1, 256, 512, 1024]);
-            let mut along = |n: usize| random.within(-3 * M / step, (n as i64 + 3) * M / step) * step;
+            let mut along = |n: usize| random.within(-3 * M / step, (i64::try_from(n).unwrap() + 3) * M / step) * step;
             let (x, y) = (along(n_cols), along(n_rows));
             LatticePoint { x, y, z: random.within(0, 50) * M / 2 }
         };

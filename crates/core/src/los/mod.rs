@@ -16,7 +16,7 @@
 //! ```
 //!
 //! which is eq. 3 of Saboor et al. 2023 (h_LoS = h_U − r_OP (h_U − h_rx) / r_rx, distances from the UAV). Both sides are
-//! compared as products of integers, so there is no epsilon and no rounding.
+//! compared as products of integers, so there is no epsilon and no rounding in who sees whom.
 //!
 //! Seen the other way around, an interval of height h bounds the receiver from below: a receiver at the same place is
 //! LoS only from `z_U + (h − z_U) / s` up, s being the fraction of the way from the UAV to the obstructing point. The
