@@ -1,16 +1,16 @@
 //! Least heights past prisms: every caster raises those of the cells that it can stand in the way of.
 //!
-//! **Of receivers.** Within the cone over its footprint and behind the near edges a prism hides the receivers below the lowest of
-//! the planes through the UAV and the far upper edges (the near ones of a roof above the UAV), and below its roof if that is below the UAV:
-//! `h_U + (H − h_U)·(E × q)/K`, in the words of [`super`]. The least height of a receiver is the largest of these over all casters.
+//! **Of receivers.** Within the cone over its footprint and behind the near edges a prism hides the receivers below all
+//! planes through the UAV and the far upper edges (the near ones of a roof above the UAV), and below its roof if that is below the UAV:
+//! `h_U + (H − h_U)·(E × q)/K`, in the words of [`super`]. A receiver's least height is the largest of what the casters ask for.
 //!
 //! **Of the UAV.** Seen from a receiver at height z the ray over the point t of the way from the UAV's place (t = K/(E × q) on an edge)
-//! reaches that place at `z + (H − z)·(E × q)/(E × q − K)`. A roof above the receiver binds at its far edge, the one next to the
-//! receiver, a lower one at its near edge; the least of the edges' heights is where the ray is over the footprint, as before.
+//! reaches that place at `z + (H − z)·(E × q)/(E × q − K)` if it grazes the roof there. A roof above the receiver binds at its far edge,
+//! the one next to the receiver, a lower one at its near edge; the ray crosses the edge whose height is the least of these.
 //!
 //! **Exactness.** E × q, K and their difference are integers below 2^53, which doubles hold, so that heights err by a few roundings of
-//! themselves ([`GridHeights`] bounds them, and what that may change is asked of a walk). Cells that lie on a side of a cone, or so near
-//! that rounding matters, and the cell right below the UAV are not known, if what may be there is higher than all that surely is.
+//! themselves; [`GridHeights`] tells where these may matter, and a walk along the link (`ray`) is asked there. Not known (NaN) are the
+//! cell at the UAV, and those on a side of a cone, or so near that rounding matters, if its height is above that of all sure casters.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8};
@@ -29,7 +29,7 @@ use crate::quantity::LatticePoint;
 /// Bands of rows to a thread, so that none waits long for another.
 const BANDS_PER_THREAD: usize = 4;
 
-/// Products of integers up to this are exact in doubles, and so are sums of two of them.
+/// Doubles hold integers up to twice this: E × q and K are two products each, and their difference is four.
 const EXACT: i64 = 1 << 52;
 
 /// Which end of the links has its least heights found.
@@ -44,8 +44,8 @@ enum HeightsOf {
 /// above `from` \[1/1024 m above the datum\]: what [`prisms_least_receiver_height`](super::super::prisms_least_receiver_height) finds,
 /// but for rounding.
 ///
-/// Cost: the cells of all shadows, whatever lies in them already. `None` if the scene is so wide, with footprints so large, that doubles
-/// cannot hold the products of their lengths exactly: above 2^51.
+/// Cost: the cells of all shadows, however often they overlap. `None` if the scene is so wide, and a block of casters so large, that the
+/// product of both lengths is above 2^51, so that doubles may not hold E × q − K.
 pub fn shadow_least_receiver_heights(scene: &ShadowScene<'_>, uav: LatticePoint, from: i64) -> Option<GridHeights> {
     least_heights(scene, uav, &HeightsOf::Receivers { from })
 }
@@ -193,9 +193,9 @@ impl Cast<'_> {
     #[inline(always)]
     fn reach(&self, plane: &Plane, top: i32) -> Option<Reach> {
         match self.heights_of {
-            // A step lower than asked for, so that the end of the shadow is no matter of doubt.
+            // A step lower than asked for: where the shadow ends, doubts are below what matters.
             HeightsOf::Receivers { from } => Reach::new(plane.uav.z, top, from - 1),
-            // A roof below all receivers sets no height above its own.
+            // A roof that is below all receivers asks for no height above its own.
             HeightsOf::Uav { from, range: (lowest, _), .. } => {
                 (i64::from(top) > *from.min(lowest)).then_some(Reach::ENDLESS)
             }

@@ -41,7 +41,7 @@
 //! hidden by less, so the outline on the lowest bounds all. A mask keeps no ceiling per cell: every shadow would write 64 times the memory and no
 //! ground would ever be dark.
 //!
-//! **Least heights** ([`least_heights`]) are that ceiling, per cell: each caster raises those of its cone, and the UAV's likewise.
+//! **Least heights** ([`least_heights`]) are the largest of these ceilings, cell by cell; those of the UAV are found in the same way.
 //!
 //! **Cost.** Proportional to the rows of the shadows, not their cells: a set of bits is cleared 64 cells at a time. Seen from
 //! above all receivers, where shadows are long, casters behind the horizon are left out and the shadows of the others begin where
@@ -50,7 +50,7 @@
 //! 64 rows of a shadow are skipped where no wanted cell is left in the tiles of 64 × 64 cells that they meet, and whole blocks
 //! likewise.
 //!
-//! **What may come.** Heights that fall with the distance from the UAV (curvature) change where a shadow ends, so they belong in
+//! **Possible extensions.** Heights that fall with the distance from the UAV (curvature) change where a shadow ends, so they belong in
 //! [`outline`]'s `Reach` and, since the end is then no straight line, in one more bound of its rows. A roof that is a plane makes the end of a
 //! shadow the projection of its upper edges, each at a height of its own: in `Outline::cast` and in the edges of [`least_heights`].
 
