@@ -7,7 +7,7 @@
 //! | row | a line of cells across the way out: of the raster to the north and south, a column of it to the east and west |
 //! | azimuth bin | the rays between two azimuths t = b/2^k and (b+1)/2^k, both included |
 //! | slope | height above the UAV over the distance across rows, so that one slope holds along a whole ray |
-//! | bound | a slope that no ray of a bin is obstructed above (`upper`), or that every ray of it is obstructed up to (`lower`) |
+//! | bound | a slope that no ray of a bin is obstructed above (`upper`), or that all its rays are obstructed below (`lower`) |
 //! | undecided | said of a receiver whose slope is between the bounds of its bin |
 //! | candidate row | a row that may obstruct a ray of a bin more than all others do |
 //! | obstructing point | where a ray meets the part of a cell that obstructs it the most: the end nearest the lower terminal |
@@ -15,7 +15,7 @@
 //!
 //! # Algorithm
 //!
-//! 1. Cut the plane around the UAV into four quadrants; number the rows of each outward ([`frame`]). Cut the quadrant into wedges.
+//! 1. Cut the plane around the UAV into four quadrants; number the rows of each outward ([`frame`]). Cut each into wedges.
 //! 2. Get one row after another, from memory or from a reader ([`row_source`]).
 //! 3. For each bin, look up the cells under both its edges where rays enter the row and where they leave it; these four tops give
 //!    bounds of the row, which raise those of the bin ([`bounds`]).
@@ -26,13 +26,13 @@
 //!    ([`least_heights`]).
 //!
 //! [`wedge`] is the loop over rows, [`run`] that over quadrants and wedges, [`output`] takes the answers. Cells near the UAV are left
-//! to `ray`, since their bins would be many to a cell.
+//! to `ray`, since many bins pass one cell there; their rows raise bounds. Nobody is LoS until an answer says so.
 //!
 //! ```text
-//!   distance e ──┬─────┬──x──┬─────┬──   a row spans distances a to e; the bin between both rays is
-//!                │     │ / \ │     │     narrower than a cell at e. It is over the two middle cells at e,
-//!   distance a ──┴─────┴x───x┴─────┴──   and over the left one of them at a: with tops of −8 and −2 m at a = 40
-//!                      /     \           and e = 41 m, a UAV at 0, `upper` is −2/41, `lower` is −8/41
+//!   distance e ──┬─────┬──x──┬x────┬──   a row spans distances a to e; the bin between both rays is narrower than a
+//!                │     │  │  /     │     cell at e. It is over the middle cell and the right one at e, over the middle
+//!   distance a ──┴─────┴──x─x┴─────┴──   one alone at a. With tops of −8 m in the middle and −2 m to the right, a = 40
+//!                         │/             and e = 41 m, and the UAV at 0, `upper` is −2/41 and `lower` −8/41
 //! ```
 //!
 //! # Why the bounds hold

@@ -215,7 +215,7 @@ impl<R: Recall> Wedge<R> {
         let whole = [(0, *n_bins)];
         for &(from, to) in if passing.with_heights { &whole[..] } else { &self.awake } {
             let (b0, b1) = (self.first + as_i64(from), self.first + as_i64(to));
-            // The axis itself belongs to the last bin of the side before it as well.
+            // A receiver on the axis is of the bin before it, so of the side that ends there.
             let after = if b1 == 0 { after_axis } else { map.first_from(b1) };
             let cells = (map.first_from(b0).max(frame.window.0), after.min(frame.window.1));
             if cells.0 >= cells.1 {
@@ -342,7 +342,7 @@ impl<R: Recall> Wedge<R> {
         let at = if frame.highest <= 0 { frame.last_center } else { first }.max(1);
         #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "widened by a margin")]
         let steepest = (frame.highest as f64 / at as f64) as f32;
-        // Whatever is proven, a top behind which no height is enough tells more.
+        // Behind a top that blocks everything no height is enough, which changes least heights even in the dark.
         let is_never_dark = passing.with_heights && frame.highest >= i64::from(frame.blocks_all);
         let dark = if is_never_dark { f32::INFINITY } else { steepest + steepest.abs() * SLACK + f32::MIN_POSITIVE };
         let map = self.edge_map(frame);
@@ -378,7 +378,7 @@ impl<R: Recall> Wedge<R> {
     }
 }
 
-/// A slope that nothing at distance `from` or beyond, of whatever is asked for, is below.
+/// A lower limit of the slopes of all that is asked for at distance `from` or beyond.
 fn lowest_slope(frame: &Frame, from: i64) -> f32 {
     // Slopes of receivers below the UAV grow with the distance, those of others fall.
     let at = if frame.lowest <= 0 { from } else { frame.last_center.max(from) };
