@@ -4,12 +4,15 @@ use std::path::{Path, PathBuf};
 
 use skyshed_core::city::{NodataAs, Site};
 use skyshed_core::coverage::{Control, HeightLayers, MapOptions, Mapper, Receivers, Uav};
-use skyshed_core::height_field::HeightField;
-use skyshed_core::los::{Method, MethodChoice};
-use skyshed_core::quantity::Height;
+use skyshed_core::height_field::{Columns, HeightField};
+use skyshed_core::los::{Method, MethodChoice, columns_least_height, columns_least_receiver_height, columns_los};
+use skyshed_core::quantity::{Height, LatticePoint, VOID};
 use skyshed_io::read::{FootprintOptions, SurfaceOptions, read_footprints, read_surface};
 
-use crate::support::{slow, truth};
+use crate::invariants::check_least;
+use crate::referee::both_answers;
+use crate::shapes::M;
+use crate::support::{Random, slow, truth};
 
 /// A surface, over a terrain or alone.
 fn surface(dsm: &Path, terrain: Option<&Path>, nodata_as: NodataAs) -> HeightField {
@@ -87,4 +90,34 @@ fn margins_and_ceilings_of_laser_scans_by_the_sweep_are_those_of_rays() {
     }
     let bilbao = surface(&lidar("bilbao/dsm_2.5m.tif"), Some(&lidar("bilbao/terrain_2.5m.tif")), NodataAs::Clear);
     assert!(compare(&bilbao, Receivers::Ground, if slow() { None } else { Some(500.0) }) > 100_000);
+}
+
+#[test]
+fn walks_past_tiles_find_the_least_heights_of_wide_rasters() {
+    both_answers(4_000, 12, |random| {
+        // Wider than several tiles of tiles, with towers here and there, and voids; ends on lines and corners of cells, and beside it.
+        let (n_rows, n_cols) = (random.index(60, 200), random.index(60, 200));
+        let (most, towers) = (random.choose(&[1, 300, 4000]), random.choose(&[0, 1, 3]));
+        let top = |random: &mut Random| match random.within(0, 99) {
+            share if share < towers => i32::try_from(random.within(5, 60) * M).unwrap(),
+            99 => VOID,
+            _ => i32::try_from(random.within(0, most)).unwrap(),
+        };
+        let columns = Columns::new(n_rows, n_cols, (0..n_rows * n_cols).map(|_| top(random)).collect::<Vec<_>>());
+        let end = |random: &mut Random| {
+            let step = random.choose(&[1, 256, 512, 1024]);
+            let mut along = |n: usize| random.within(-3 * M / step, (i64::try_from(n).unwrap() + 3) * M / step) * step;
+            let (x, y) = (along(n_cols), along(n_rows));
+            LatticePoint { x, y, z: random.within(0, 50) * M / 2 }
+        };
+        let (uav, mut receiver) = (end(random), end(random));
+        if random.chance(10) {
+            receiver.x = uav.x;
+        }
+        let ceiling = columns_least_receiver_height(&columns, uav, receiver);
+        check_least(&ceiling, receiver.z, |z| columns_los(&columns, uav, LatticePoint { z, ..receiver }));
+        let least = columns_least_height(&columns, uav, receiver);
+        check_least(&least, uav.z, |z| columns_los(&columns, LatticePoint { z, ..uav }, receiver));
+        columns_los(&columns, uav, receiver)
+    });
 }
