@@ -143,7 +143,8 @@ impl Answer for Curves {
     fn notes(&self, _spent: Spent) -> Vec<String> {
         let curves = self.curves().filter(|curve| curve.receivers() > 0);
         let found = curves.map(|curve| format!("UAV {}: {}", curve.uav().id, reaches(curve)));
-        found.chain([format!("height curve, method ray (exact): {:.2} s", self.seconds)]).collect()
+        let method = self.report.facts.method_name();
+        found.chain([format!("height curve, method {method} (exact): {:.2} s", self.seconds)]).collect()
     }
 
     fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {

@@ -8,7 +8,6 @@ use super::report::{Hovering, MapReport, SiteFacts};
 use crate::answer::{Head, Rows, RunFacts, Share, WarningFacts, digest_words, document_of, rows, warnings_of};
 use crate::coverage::HeightCurve;
 use crate::digest::Sha256;
-use crate::los::Method;
 use crate::quantity::meters;
 use crate::sight::{Sight, SightFacts};
 
@@ -85,8 +84,8 @@ impl CurveFacts {
 impl HeightCurveReport {
     /// The curves of a map.
     pub(crate) fn of(map: &MapReport, sites: Vec<CurveFacts>) -> Self {
-        // Least heights take a walk for each receiver, whichever engine made the map.
-        let facts = RunFacts { method: Some(Method::Ray), ..map.facts.clone() };
+        // Least heights have an engine of their own, whichever made the map.
+        let facts = RunFacts { method: sites.first().map(|site| site.curve.method()), ..map.facts.clone() };
         let digest = digest(&sites);
         HeightCurveReport { facts, sight: map.sight, sites, digest }
     }

@@ -42,7 +42,7 @@ pub(crate) struct Held {
 
 impl MapPlan {
     /// The layers that are made for each UAV beside its mask.
-    fn height_layers(&self) -> HeightLayers {
+    pub(super) fn height_layers(&self) -> HeightLayers {
         HeightLayers {
             margin: self.layers.contains(&Layer::Margin),
             least_receiver_height: self.layers.contains(&Layer::LeastReceiverHeight),
@@ -85,7 +85,7 @@ impl MapPlan {
 const OVERLAY_BYTES_PER_CELL: usize = 5;
 
 /// Least heights of receivers on the ground and on roofs, while a map is made.
-const LEAST_HEIGHTS_BYTES_PER_CELL: usize = 16;
+pub(super) const LEAST_HEIGHTS_BYTES_PER_CELL: usize = 16;
 
 /// A map that is ready to be made.
 #[derive(Debug)]

@@ -6,12 +6,13 @@ use std::time::Instant;
 use super::coverages::Coverages;
 use super::drawing::MapDrawing;
 use super::job::{Done, MapJob, encoding_bytes_per_cell};
+use super::plan::LEAST_HEIGHTS_BYTES_PER_CELL;
 use super::report::{MapReport, MaskDigest, SiteFacts};
 use crate::answer::{Answer, Output, Rows, RunFacts, Spent, Timing, add_outputs};
 use crate::city::{GivenSite, WindowedBase, WindowedSolids};
 use crate::coverage::{MapOptions, SiteCoverage, StreamedMapper, Uav};
 use crate::error::{LimitError, RequestError, Result, Warning, warned};
-use crate::export::{Batch, Format, Layer, add_mask_geotiff};
+use crate::export::{Batch, Format, Layer, MapResult, add_map, add_mask_geotiff};
 use crate::formats::{ClassPyramid, RasterFile, TiffLayout};
 use crate::height_field::HeightField;
 use crate::los::Method;
@@ -39,7 +40,7 @@ pub(crate) fn reason_for_strips(job: &MapJob) -> Option<String> {
         let of_cells = (grid.n_cells() as u64).saturating_mul(per_cell);
         lacking(bytes.saturating_add(of_cells).saturating_add(ANY_WORK))
     };
-    // The mask; and what is made of it, where strips would do.
+    // The mask with layers; and what is made of it, where strips would do.
     let of_outputs = || {
         let format = |path: &PathBuf| Some((path.clone(), Format::of(path).ok()?));
         let outputs: Vec<_> = job.outputs.iter().filter_map(format).collect();
@@ -47,7 +48,7 @@ pub(crate) fn reason_for_strips(job: &MapJob) -> Option<String> {
         let per_cell = 1 + encoding_bytes_per_cell(&outputs, &[Layer::Los], 1) as u64;
         with(per_cell).filter(|_| is_alone && check_strips(job).is_ok())
     };
-    let (needed, limit) = with(1).or_else(of_outputs)?;
+    let (needed, limit) = with(layer_bytes_per_cell(job).max(1)).or_else(of_outputs)?;
     Some(format!("in memory a map takes {}, more than {limit}", memory_words(needed)))
 }
 
@@ -101,16 +102,20 @@ pub(crate) fn on_disk(job: &MapJob, progress: &Progress, warnings: &mut Vec<Warn
 /// Refuses what cannot be mapped strip by strip, or does not fit in memory even so, before anything is copied.
 pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
     let refuse = |what| Err(LimitError::Strips { word: job.word.display().to_string(), what }.into());
-    for path in &job.outputs {
-        let format = Format::of(path)?;
+    let formats = job.outputs.iter().map(|path| Ok(Format::of(path)?)).collect::<Result<Vec<_>>>()?;
+    for (path, format) in job.outputs.iter().zip(&formats) {
         let is_made = matches!(format, Format::GeoTiff | Format::Csv | Format::Json | Format::GeoJson | Format::Stdout)
             || format.is_picture();
         if !is_made {
             return refuse(format!("{} cannot be made", path.display()));
         }
     }
-    if job.plan.layers.iter().any(|layer| *layer != Layer::Los) {
-        return refuse("no layer but `los` can be made".into());
+    let is_made = |layer: &Layer| matches!(layer, Layer::Los | Layer::Margin | Layer::LeastReceiverHeight);
+    if let Some(layer) = job.plan.layers.iter().find(|layer| !is_made(layer)) {
+        return refuse(format!("the layer `{}` cannot be made", layer.name()));
+    }
+    if job.plan.layers[0] != Layer::Los && formats.iter().any(|format| format.is_picture()) {
+        return refuse("no picture but of `los` can be made".into());
     }
     let asked = [
         ("a tolerance", job.plan.tolerance.is_some()),
@@ -126,6 +131,14 @@ pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
     let file = RasterFile::open(job.path(), &mut Vec::new())?;
     let what = format!("{}, even strip by strip,", cells_of(file.georef()));
     check_bytes(&job.word.display(), &what, strip_memory(job)?)
+}
+
+/// What layers of heights take for each cell, whole while they are made and written, with the mask beside them; 0 without.
+fn layer_bytes_per_cell(job: &MapJob) -> u64 {
+    match job.plan.layers.iter().filter(|layer| layer.is_measure()).count() {
+        0 => 0,
+        n_measures => (1 + LEAST_HEIGHTS_BYTES_PER_CELL + 4 * n_measures) as u64,
+    }
 }
 
 /// What the sweep remembers for each cell of the longer side: it took 6.4 kB over a generated city of 16 384² cells.
@@ -156,7 +169,7 @@ fn strip_memory(job: &MapJob) -> Result<u64> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate")]
     let strips = ((4.0 + finer) * (4 * 256 * n_rows.max(n_cols)) as f64) as u64;
     let remembered = REMEMBERED_BYTES * n_rows.max(n_cols) as u64;
-    Ok(n_cells / 8 * n_sets + strips + remembered + n_cells / 64 + file.block_bytes() + ANY_WORK)
+    Ok(n_cells / 8 * n_sets + n_cells * layer_bytes_per_cell(job) + strips + remembered + n_cells / 64 + file.block_bytes() + ANY_WORK)
 }
 
 /// The terrain, opened.
@@ -201,23 +214,30 @@ impl StripsRun<'_> {
         plan.sight.receivers().check(scene.base() == WindowedBase::Surface)?;
         warn_of_flat_earth(std::slice::from_ref(&uav), grid, radius, &mut warnings);
 
-        let options = plan.sight.options(grid, None);
+        let options = MapOptions { layers: plan.height_layers(), ..plan.sight.options(grid, None) };
         let n_kinds = if plan.sight.receivers() == Receivers::All { 2 } else { 1 };
         progress.begin(grid.n_cells() as u64 * n_kinds);
         let before_los = Instant::now();
         let has_tif = self.outputs.iter().any(|(_, format)| *format == Format::GeoTiff);
+        let mut beside_layers = Vec::new();
+        let has_layers = plan.layers.iter().any(|layer| layer.is_measure());
         let mask_values = self.job.save.mask_values;
         let mut pyramid = ClassPyramid::new((grid.n_rows(), grid.n_cols()));
         let mut digest = MaskDigest::new(grid);
         let mut shown = self.has_picture().then(|| Shown::new(grid));
         let mapper = StreamedMapper::new(scene, &options, progress.control())?;
-        let coverage = mapper.map(&uav, progress.control(), |_, mask| {
+        let mut coverage = mapper.map(&uav, progress.control(), |_, mask| {
             digest.add(mask);
             if let Some(shown) = &mut shown {
                 shown.add(mask);
             }
+            if has_tif && has_layers {
+                beside_layers.extend_from_slice(mask);
+                return Ok(());
+            }
             if has_tif { Ok(pyramid.push(&mask_values.of(mask))?) } else { Ok(()) }
         })?;
+        coverage.mask = beside_layers.into();
         progress.end();
         timing.los = before_los.elapsed().as_secs_f64();
 
@@ -291,6 +311,18 @@ impl Answer for StripFiles<'_> {
 
     fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
         match (format, &self.shown) {
+            (Format::GeoTiff, _) if !self.coverage.mask.is_empty() => {
+                let provenance = self.provenance().to_string();
+                let result = MapResult {
+                    georef: self.scene.grid(),
+                    sites: std::slice::from_ref(self.coverage),
+                    layers: &self.run.job.plan.layers,
+                    provenance: &provenance,
+                    tif_layout: TiffLayout::default(),
+                    mask_values: self.run.job.save.mask_values,
+                };
+                Ok(add_map(batch, &result, path, format)?)
+            }
             (Format::GeoTiff, _) => {
                 let provenance = self.provenance().to_string();
                 let of = (self.scene.grid(), self.coverage.uav.id.as_str(), provenance.as_str());

@@ -212,7 +212,7 @@ fn table_document_and_plot_of_a_curve_agree_with_maps() {
     let of_site = |id: &str| -> Vec<&Vec<String>> { table.iter().filter(|row| row[0] == id).collect() };
     assert_eq!((table.len(), of_site("1").len(), of_site("2").len()), (11, 5, 5));
     let document = folder.json("c.json");
-    assert_eq!((&document["schema"], &document["method"]), (&json!("skyshed/height-curve/1"), &json!("ray")));
+    assert_eq!((&document["schema"], &document["method"]), (&json!("skyshed/height-curve/1"), &json!("shadow")));
     assert_eq!(document["command"][0], "map");
     assert_eq!(folder.json("c.csv.json")["digest"], document["digest"]);
     for (k, site) in document["sites"].as_array().unwrap().iter().enumerate() {

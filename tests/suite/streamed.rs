@@ -10,7 +10,7 @@ use skyshed_core::raster::{CellWindow, GeoRef};
 use skyshed_io::formats::{Bands, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff};
 
 use crate::program::Folder;
-use crate::support::{Random, class_of, has_program};
+use crate::support::{Random, has_program};
 
 /// Writes a city with relief, houses and holes, and the terrain below it on the same grid and on a coarser one.
 fn write_city(folder: &Folder, (n_rows, n_cols): (usize, usize)) {
@@ -47,10 +47,10 @@ fn facts(mut document: Value) -> Value {
     document
 }
 
-/// All cells of the first band of a GeoTIFF.
-fn cells(path: &Path) -> Vec<u8> {
+/// All cells of the first band of a GeoTIFF, as the bits of a double.
+fn cells(path: &Path) -> Vec<u64> {
     let file = GeoTiff::open(path, &mut Vec::new()).expect("a GeoTIFF");
-    let raster = file.read(file.georef().window(), &mut Vec::new(), class_of);
+    let raster = file.read(file.georef().window(), &mut Vec::new(), f64::to_bits);
     raster.expect("its cells").into_cells().into_vec()
 }
 
@@ -83,6 +83,14 @@ fn maps_strip_by_strip_are_those_in_memory() {
         }
         assert_eq!(a, b, "{line}");
         assert!(cells(&folder.join("a.tif")) == cells(&folder.join("b.tif")), "{line}");
+        for layers in ["margin", "ceiling", "ceiling,los,margin"] {
+            for to in ["a.tif", "b.tif --strips"] {
+                folder.type_in(&format!("map dsm.tif {line} -o {to} --layers {layers} --overwrite -q")).done();
+            }
+            let heights = ["a.tif", "b.tif"].map(|file| cells(&folder.join(file)));
+            assert!(heights[0] == heights[1], "{line} {layers}");
+            assert!(heights[0].iter().filter(|bits| !f64::from_bits(**bits).is_nan()).count() > 1000, "{line} {layers}");
+        }
     }
 }
 
@@ -127,7 +135,9 @@ fn what_needs_all_cells_at_once_is_refused_with_a_way_out() {
     };
     let over = "--uav 700,8700,160amsl";
     refused(&format!("{over} -o a.npz"));
-    refused(&format!("{over} -o a.tif --layers margin"));
+    refused(&format!("{over} -o a.tif --layers least-height"));
+    refused(&format!("{over} -o a.tif --layers stability"));
+    refused(&format!("{over} -o a.svg --layers margin"));
     refused(&format!("{over} --uav 800,8700,160amsl -o a.csv -q"));
     refused(&format!("{over} -o a.tif --tif-layout plain"));
     assert_eq!(folder.files(), ["coarse.tif", "dsm.tif", "dtm.tif"]);
@@ -183,7 +193,7 @@ fn fifty_thousand_cells_a_side_take_two_gigabytes() {
     let part = cells(&folder.join("a.tif"));
     let all = GeoTiff::open(folder.join("b.tif"), &mut Vec::new()).expect("a GeoTIFF");
     let window = CellWindow { row: 0, col: 0, n_rows: 16_384, n_cols: 16_384 };
-    let all = all.read(window, &mut Vec::new(), class_of).expect("its cells");
+    let all = all.read(window, &mut Vec::new(), f64::to_bits).expect("its cells");
     assert!(part == all.cells());
     assert!(part.iter().filter(|class| **class == 1).count() > 1_000_000);
 }

@@ -34,7 +34,7 @@ fn of_map(error: &MapError) -> Option<String> {
         }
         MapError::ApproximateLayers { .. } => "`--method auto`, or `--layers los` alone",
         MapError::StreamedMethod => "`--method auto` takes `sweep` here",
-        MapError::StreamedLayers => "`--layers los`, and receivers in no zone",
+        MapError::StreamedLayers => "`--layers los,margin,ceiling`, and receivers in no zone",
         _ => return None,
     };
     Some(hint.to_string())

@@ -58,12 +58,7 @@ impl<'a> CellHeights<'a> {
                 let (least, margin) =
                     found.unwrap_or_else(|| least_height_and_margin(self.field, self.uav, &receiver(), base));
                 debug_assert_eq!(is_los, margin >= 0.0);
-                if let Some(v) = out.least_receiver_height.get_mut(col) {
-                    *v = least;
-                }
-                if let Some(v) = out.margin.get_mut(col) {
-                    *v = margin;
-                }
+                out.set_heights(col, (least, margin));
             }
             if let Some(v) = out.least_height.get_mut(col) {
                 let of = |height: f64| self.least_uav_height(height);

@@ -34,6 +34,7 @@ pub struct HeightCurve {
     ground: Option<i32>,
     lowest: i32,
     receivers: u64,
+    method: Method,
     /// Heights at which receivers come into sight, ascending, with the number of receivers in sight from there up.
     steps: Vec<(i32, u64)>,
 }
@@ -63,6 +64,11 @@ impl HeightCurve {
     /// datum\]. The curve begins here.
     pub fn lowest_height(&self) -> i32 {
         self.lowest
+    }
+
+    /// The engine that found the heights, exactly.
+    pub fn method(&self) -> Method {
+        self.method
     }
 
     /// Number of receivers, at any height.
@@ -190,6 +196,7 @@ impl<'a> LeastHeights<'a> {
     pub fn curve(mut self) -> HeightCurve {
         self.found.par_sort_unstable();
         let receivers = self.found.len() as u64;
+        let method = self.at_once.as_ref().map_or(Method::Ray, GridLos::method);
         self.found.truncate(self.found.partition_point(|z| *z < NEVER));
         let mut steps: Vec<(i32, u64)> = Vec::new();
         for (in_sight, z) in (1..).zip(self.found) {
@@ -199,7 +206,7 @@ impl<'a> LeastHeights<'a> {
             }
         }
         let ground = Some(self.field.ground_at(&self.uav.station.place)).filter(|z| *z != VOID);
-        HeightCurve { uav: self.uav, ground, lowest: self.lowest, receivers, steps }
+        HeightCurve { uav: self.uav, ground, lowest: self.lowest, receivers, method, steps }
     }
 }
 

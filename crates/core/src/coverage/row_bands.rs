@@ -14,6 +14,19 @@ pub(super) struct Row<'a> {
     pub(super) least_height: &'a mut [f32],
 }
 
+impl Row<'_> {
+    /// Sets the least receiver height and the margin of a cell \[m\], as far as these are wanted.
+    #[inline]
+    pub(super) fn set_heights(&mut self, col: usize, (least, margin): (f32, f32)) {
+        if let Some(v) = self.least_receiver_height.get_mut(col) {
+            *v = least;
+        }
+        if let Some(v) = self.margin.get_mut(col) {
+            *v = margin;
+        }
+    }
+}
+
 /// What takes one part of a mask after another.
 pub(super) type EachPart<'a> = &'a mut (dyn FnMut(&[u8]) + Send);
 

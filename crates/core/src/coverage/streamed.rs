@@ -6,22 +6,25 @@ use std::sync::atomic::Ordering;
 use rayon::prelude::*;
 
 use super::cell_classes::{RowSets, write_classes};
+use super::cell_heights::with_margin;
 use super::elevation::RowElevations;
 use super::range::Range;
-use super::{Control, HeightLayers, MapOptions, Receivers, SiteCoverage, Tally, Uav};
+use super::row_bands::{Row, split};
+use super::{Control, MapOptions, Receivers, SiteCoverage, Tally, Uav};
 use crate::city::{Ground, Solids, WindowedBase, WindowedSolids, row_bands};
 use crate::error::{Error, Fault, MapError, Result};
-use crate::height_field::{GridPositions, HeightField};
+use crate::height_field::{GridPositions, HeightField, Station};
 use crate::los::{
     ColumnsReader, GridReceivers, MethodChoice, StreamLimits, StreamedHeights, StreamedScene, streamed_sweep_los,
 };
 use crate::quantity::{MAX_EXTENT_UNITS, VOID};
-use crate::raster::{BitGrid, CellWindow, GeoRef};
+use crate::raster::{BitGrid, CellWindow, GeoRef, set_bits};
 use crate::simd::SimdLevel;
 
 /// A scene that is read window by window, and options, made ready for any number of UAVs.
 ///
-/// Memory is two bits for each cell and kind of receiver, and a strip of the scene.
+/// Memory is two bits for each cell and kind of receiver, and a strip of the scene; with layers of heights also 8 bytes for
+/// each cell and kind, and 4 for each layer.
 #[derive(Debug)]
 pub struct StreamedMapper<'a, S> {
     scene: &'a S,
@@ -48,6 +51,29 @@ struct StreamedReceivers {
     stand: Stand,
     cells: BitGrid,
     heights: StreamedHeights,
+    /// The lowest of what they stand on \[1/1024 m above the datum\].
+    lowest_base: i32,
+}
+
+/// Receivers of one kind that a UAV has in range.
+struct Decided {
+    /// `None` if all are in range.
+    wanted: Option<BitGrid>,
+    los: BitGrid,
+    /// The least height over each cell of a receiver in line of sight \[1/1024 m\], if layers are asked for.
+    least_heights: Option<Vec<f64>>,
+}
+
+/// A band of whole rows of a map that is being made.
+struct Band<'b> {
+    uav: &'b Uav,
+    range: &'b Range,
+    decided: &'b [Decided],
+    /// What is in the band, and its first row.
+    field: &'b HeightField,
+    first_row: usize,
+    /// The receivers in it, kind by kind.
+    receivers: Vec<GridReceivers<'b>>,
 }
 
 /// The windows of a scene as the sweep reads them.
@@ -85,13 +111,14 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
     /// Makes ready what does not depend on the UAV: reads the scene once.
     ///
     /// # Errors
-    /// E118 if the options ask for another engine than `sweep`, or for more than the mask; E502 for more cells a side than a
+    /// E118 if the options ask for another engine than `sweep`, or for layers other than margins and
+    /// least receiver heights; E502 for more cells a side than a
     /// lattice has; those of the scene; and that of [`super::Mapper::map`] when `control.stop` was set.
     pub fn new(scene: &'a S, options: &'a MapOptions, control: &Control) -> Result<Self> {
         if !matches!(options.method, MethodChoice::Auto | MethodChoice::Sweep) {
             return Err(MapError::StreamedMethod.into());
         }
-        if options.layers != HeightLayers::default() || options.within.is_some() {
+        if options.layers.least_height || options.layers.stability || options.within.is_some() {
             return Err(MapError::StreamedLayers.into());
         }
         let grid = scene.grid();
@@ -124,6 +151,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             stand: *stand,
             cells,
             heights: heights_of(*stand, scene.base(), range, options.rx_height),
+            lowest_base: if range.0 > range.1 { 0 } else { range.0 },
         });
         let receivers = receivers.collect();
         let mut xs: Vec<f64> = (0..grid.n_cols()).map(|col| grid.world_from_cell(0, col).0).collect();
@@ -133,7 +161,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
     }
 
     /// Maps what a UAV sees, and hands the mask to `visit`, a few whole rows at a time from the north; the coverage that is
-    /// returned holds none.
+    /// returned holds the layers of heights, but no mask.
     ///
     /// # Errors
     /// Those of the scene and of `visit`, and that of [`super::Mapper::map`] when `control.stop` was set.
@@ -146,49 +174,78 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let grid = self.scene.grid();
         let n_cols = grid.n_cols();
         let range = Range::of(&self.positions, &uav.station.place, self.options.radius);
-        let decided: Vec<(Option<BitGrid>, BitGrid)> = self
+        let decided: Vec<Decided> = self
             .receivers
             .iter()
             .map(|receivers| self.decide(uav, receivers, &range, control))
             .collect::<Result<_>>()?;
+        let layers = self.options.layers;
+        let layer = |wanted: bool| if wanted { vec![f32::NAN; grid.n_cells()] } else { Vec::new() };
+        let (mut margin, mut least_receiver_height) = (layer(layers.margin), layer(layers.least_receiver_height));
+        let mut heights =
+            split(&mut margin, grid.n_rows(), n_cols).zip(split(&mut least_receiver_height, grid.n_rows(), n_cols));
         let mut total = Tally::default();
         let mut mask = Vec::new();
         for window in row_bands(grid) {
             control.check()?;
             let field = HeightField::build(&grid.part(window), self.scene.solids(window)?).field;
-            let in_band: Vec<GridReceivers<'_>> =
-                self.receivers.iter().map(|r| receivers_of(&field, r.stand, self.options)).collect();
+            let receivers = self.receivers.iter().map(|r| receivers_of(&field, r.stand, self.options)).collect();
+            let band =
+                Band { uav, range: &range, decided: &decided, field: &field, first_row: window.row, receivers };
             mask.resize(window.n_rows * n_cols, 0);
-            let tally = mask
-                .par_chunks_mut(n_cols)
-                .enumerate()
-                .map(|(k, mask)| {
-                    let row = window.row + k;
-                    let mut tally = Tally::default();
-                    let mut sets = RowSets::new(field.cells(), k, range.cols(row));
-                    for ((receivers, (wanted, los)), here) in self.receivers.iter().zip(&decided).zip(&in_band) {
-                        let wanted = wanted.as_ref().unwrap_or(&receivers.cells).row(row);
-                        sets.add(wanted, los.row(row));
-                        let elevations = RowElevations {
-                            xs: &self.xs,
-                            n_cols,
-                            uav: (uav.station.place.x, uav.station.place.y, uav.station.z),
-                            y: grid.world_from_cell(row, 0).1,
-                            meters_per_unit: self.options.meters_per_unit,
-                            receivers: here,
-                            first_cell: k * n_cols,
-                        };
-                        tally.add_receivers(&elevations, wanted, los.row(row));
-                    }
-                    tally.add_others(&sets, n_cols);
-                    write_classes(&sets, mask);
-                    tally
+            let rows = mask.chunks_mut(n_cols).zip(heights.by_ref());
+            let mut rows: Vec<Row<'_>> = rows
+                .map(|(mask, (margin, least_receiver_height))| Row {
+                    mask,
+                    margin,
+                    least_receiver_height,
+                    least_height: &mut [],
                 })
-                .reduce(Tally::default, |a, b| a.plus(&b));
-            total = total.plus(&tally);
+                .collect();
+            let tallies = rows.par_iter_mut().enumerate().map(|(k, row)| self.fill(&band, k, row));
+            total = total.plus(&tallies.reduce(Tally::default, |a, b| a.plus(&b)));
+            drop(rows);
             visit(window.row..window.row + window.n_rows, &mask)?;
         }
-        Ok(SiteCoverage::of_tally(uav, total))
+        drop(heights);
+        let some = |wanted: bool, values: Vec<f32>| wanted.then_some(values);
+        Ok(SiteCoverage {
+            margin: some(layers.margin, margin),
+            least_receiver_height: some(layers.least_receiver_height, least_receiver_height),
+            ..SiteCoverage::of_tally(uav, total)
+        })
+    }
+
+    /// Fills row `k` of a band.
+    fn fill(&self, band: &Band<'_>, k: usize, out: &mut Row<'_>) -> Tally {
+        let grid = self.scene.grid();
+        let (row, n_cols) = (band.first_row + k, grid.n_cols());
+        let Station { place, z } = &band.uav.station;
+        let mut tally = Tally::default();
+        let mut sets = RowSets::new(band.field.cells(), k, band.range.cols(row));
+        for ((receivers, decided), here) in self.receivers.iter().zip(band.decided).zip(&band.receivers) {
+            let (wanted, los) = (decided.wanted.as_ref().unwrap_or(&receivers.cells).row(row), decided.los.row(row));
+            sets.add(wanted, los);
+            let elevations = RowElevations {
+                xs: &self.xs,
+                n_cols,
+                uav: (place.x, place.y, *z),
+                y: grid.world_from_cell(row, 0).1,
+                meters_per_unit: self.options.meters_per_unit,
+                receivers: here,
+                first_cell: k * n_cols,
+            };
+            tally.add_receivers(&elevations, wanted, los);
+            let Some(heights) = &decided.least_heights else { continue };
+            for col in set_bits(wanted) {
+                let is_los = los[col / 64] >> (col % 64) & 1 == 1;
+                let (cell, height) = (k * n_cols + col, heights[row * n_cols + col]);
+                out.set_heights(col, with_margin(height, here.height(cell), here.base(cell), is_los));
+            }
+        }
+        tally.add_others(&sets, n_cols);
+        write_classes(&sets, out.mask);
+        tally
     }
 
     /// The grid of receivers.
@@ -196,14 +253,15 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         self.scene.grid()
     }
 
-    /// The receivers in range, where not all are, and those in line of sight.
+    /// The receivers in range, those in line of sight, and the least heights over their cells.
     fn decide(
         &self,
         uav: &Uav,
         receivers: &StreamedReceivers,
         range: &Range,
         control: &Control,
-    ) -> Result<(Option<BitGrid>, BitGrid)> {
+    ) -> Result<Decided> {
+        let layers = self.options.layers;
         let wanted = (!range.is_everywhere()).then(|| range.cut(&receivers.cells));
         let scene = StreamedScene {
             columns: &Columns(self.scene),
@@ -212,7 +270,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             receivers: receivers.heights,
             wanted: wanted.as_ref().unwrap_or(&receivers.cells),
             window: range.window(),
-            heights_from: None,
+            heights_from: layers.has_heights().then_some(i64::from(receivers.lowest_base)),
             limits: self.limits,
             level: SimdLevel::new(),
         };
@@ -221,7 +279,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             !control.stop.load(Ordering::Relaxed)
         })?;
         control.check()?;
-        Ok((wanted, swept.los))
+        Ok(Decided { wanted, los: swept.los, least_heights: swept.least_heights })
     }
 }
 

@@ -19,8 +19,8 @@ pub enum MapError {
     /// The method needs the whole scene in memory.
     #[error("the method that was asked for cannot decide this scene, which does not fit in memory")]
     StreamedMethod,
-    /// Layers of heights and zones need the whole scene in memory.
-    #[error("layers of heights and zones need the whole scene in memory, in which it does not fit")]
+    /// Least UAV heights, stability and zones need the whole scene in memory.
+    #[error("least UAV heights, stability and zones need the whole scene in memory, in which it does not fit")]
     StreamedLayers,
     /// More cells a side than the lattice has.
     #[error("cannot map {n_cols} × {n_rows} cells strip by strip: wanted at most {MAX_EXTENT_UNITS} a side")]
