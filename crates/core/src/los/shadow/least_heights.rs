@@ -129,7 +129,7 @@ impl HeightsOf {
     }
 }
 
-fn of_block(block: &CasterBlock) -> std::ops::Range<usize> {
+fn numbers_of(block: &CasterBlock) -> std::ops::Range<usize> {
     let numbers = block.numbers();
     numbers.start as usize..numbers.end as usize
 }
@@ -166,7 +166,7 @@ impl Cast<'_> {
         let casters = self.scene.casters;
         for block in casters.blocks().iter().filter(|block| plane.meets(block.bounds, self.reach(plane, block.max_top)))
         {
-            for (caster, is_cast) in casters.of_block(block).iter().zip(&self.is_cast[of_block(block)]) {
+            for (caster, is_cast) in casters.of_block(block).iter().zip(&self.is_cast[numbers_of(block)]) {
                 let Some(reach) = self.reach(plane, caster.top) else { break };
                 if *is_cast && outline.cast(plane, casters.ring(caster), caster.bounds, reach) {
                     edges.of(plane, casters.ring(caster), caster);

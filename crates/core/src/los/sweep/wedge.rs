@@ -356,8 +356,8 @@ impl<R: Recall> Wedge<R> {
             let Some(tiles) = passing.tiles.as_ref().filter(|_| near >= NEAR) else { return true };
             let highest = tiles.highest(frame, frame.tile(rows.start), cells, stand);
             #[expect(clippy::cast_precision_loss, reason = "as for each cell, in the same direction")]
-            let (slope, near, far) = (highest as f32, near as f32, far as f32);
-            (slope / near).max(slope / far) >= lowest - lowest.abs() * SLACK
+            let (height, near, far) = (highest as f32, near as f32, far as f32);
+            (height / near).max(height / far) >= lowest - lowest.abs() * SLACK
                 || is_never_dark && highest >= frame.blocks_all
         };
         let active = std::mem::take(&mut self.active);
