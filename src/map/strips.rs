@@ -169,7 +169,13 @@ fn strip_memory(job: &MapJob) -> Result<u64> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate")]
     let strips = ((4.0 + finer) * (4 * 256 * n_rows.max(n_cols)) as f64) as u64;
     let remembered = REMEMBERED_BYTES * n_rows.max(n_cols) as u64;
-    Ok(n_cells / 8 * n_sets + n_cells * layer_bytes_per_cell(job) + strips + remembered + n_cells / 64 + file.block_bytes() + ANY_WORK)
+    Ok(n_cells / 8 * n_sets
+        + n_cells * layer_bytes_per_cell(job)
+        + strips
+        + remembered
+        + n_cells / 64
+        + file.block_bytes()
+        + ANY_WORK)
 }
 
 /// The terrain, opened.

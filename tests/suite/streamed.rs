@@ -89,7 +89,10 @@ fn maps_strip_by_strip_are_those_in_memory() {
             }
             let heights = ["a.tif", "b.tif"].map(|file| cells(&folder.join(file)));
             assert!(heights[0] == heights[1], "{line} {layers}");
-            assert!(heights[0].iter().filter(|bits| !f64::from_bits(**bits).is_nan()).count() > 1000, "{line} {layers}");
+            assert!(
+                heights[0].iter().filter(|bits| !f64::from_bits(**bits).is_nan()).count() > 1000,
+                "{line} {layers}"
+            );
         }
     }
 }

@@ -190,8 +190,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             control.check()?;
             let field = HeightField::build(&grid.part(window), self.scene.solids(window)?).field;
             let receivers = self.receivers.iter().map(|r| receivers_of(&field, r.stand, self.options)).collect();
-            let band =
-                Band { uav, range: &range, decided: &decided, field: &field, first_row: window.row, receivers };
+            let band = Band { uav, range: &range, decided: &decided, field: &field, first_row: window.row, receivers };
             mask.resize(window.n_rows * n_cols, 0);
             let rows = mask.chunks_mut(n_cols).zip(heights.by_ref());
             let mut rows: Vec<Row<'_>> = rows
@@ -254,13 +253,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
     }
 
     /// The receivers in range, those in line of sight, and the least heights over their cells.
-    fn decide(
-        &self,
-        uav: &Uav,
-        receivers: &StreamedReceivers,
-        range: &Range,
-        control: &Control,
-    ) -> Result<Decided> {
+    fn decide(&self, uav: &Uav, receivers: &StreamedReceivers, range: &Range, control: &Control) -> Result<Decided> {
         let layers = self.options.layers;
         let wanted = (!range.is_everywhere()).then(|| range.cut(&receivers.cells));
         let scene = StreamedScene {

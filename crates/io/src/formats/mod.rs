@@ -5,6 +5,7 @@
 mod ascii_grid;
 mod bil_file;
 mod cell_sources;
+mod deflate_runs;
 mod exr_file;
 mod file;
 mod geotiff;

@@ -46,6 +46,7 @@ pub fn write_npz(out: &mut (impl Write + Seek), arrays: &[(String, NpyArray<'_>)
         // A fixed date, so that the same arrays give the same bytes.
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
+            .compression_level(array.level())
             .last_modified_time(DateTime::default())
             .large_file(array.n_bytes() >= u64::from(u32::MAX) / 2);
         archive.start_file(format!("{name}.npy"), options).map_err(refused)?;
@@ -56,6 +57,11 @@ pub fn write_npz(out: &mut (impl Write + Seek), arrays: &[(String, NpyArray<'_>)
 }
 
 impl NpyArray<'_> {
+    /// How hard to look for what repeats, which measures hardly do; the library's own level if `None`.
+    fn level(&self) -> Option<i64> {
+        matches!(self, NpyArray::F32(..) | NpyArray::F64(..)).then_some(1)
+    }
+
     fn write(&self, out: &mut impl Write) -> std::io::Result<()> {
         let (kind, shape) = match self {
             NpyArray::U8(_, shape) => ("|u1".to_string(), shape.as_slice()),

@@ -7,8 +7,8 @@ use std::io::Write;
 use tiff_core::Predictor;
 
 use super::image::{ClassImage, TiffLayout};
-use super::levels::{Level, TILE, compressed_tiles, is_last_level, level_tags, write_levels};
-use super::overview::{most_frequent, overview};
+use super::levels::{Level, TILE, compressed_tiles, level_tags, n_overviews, write_levels};
+use super::overview::most_frequent;
 use crate::error::Result;
 
 /// The compressed tiles of all rows so far, at every resolution. Memory is theirs and that of a few hundred rows.
@@ -34,16 +34,13 @@ struct PyramidLevel {
 impl ClassPyramid {
     /// A pyramid of a shape without rows.
     pub fn new((n_rows, n_cols): (usize, usize)) -> Self {
-        let mut levels = Vec::new();
-        let mut reduction = 1;
-        loop {
-            let shape = (n_rows.div_ceil(reduction), n_cols.div_ceil(reduction));
-            levels.push(PyramidLevel { reduction, n_cols: shape.1, band: Vec::new(), blocks: Vec::new() });
-            if is_last_level(shape, reduction) {
-                break;
-            }
-            reduction *= 2;
-        }
+        let level = |level: usize| PyramidLevel {
+            reduction: 1 << level,
+            n_cols: n_cols.div_ceil(1 << level),
+            band: Vec::new(),
+            blocks: Vec::new(),
+        };
+        let levels = (0..=n_overviews((n_rows, n_cols))).map(level).collect();
         ClassPyramid { n_rows, n_cols, n_pushed: 0, band: Vec::new(), levels }
     }
 
@@ -71,20 +68,16 @@ impl ClassPyramid {
     fn flush(&mut self) -> Result<()> {
         let n_rows = self.band.len() / self.n_cols;
         let is_end = self.n_pushed == self.n_rows;
-        for level in &mut self.levels {
-            match level.reduction {
-                1 => level.band.extend_from_slice(&self.band),
-                reduction => {
-                    level.band.extend(overview(&self.band, (n_rows, self.n_cols), reduction, most_frequent));
-                }
-            }
+        let overviews = most_frequent(&self.band, (n_rows, self.n_cols), self.levels.len() - 1);
+        let rows = std::iter::once(std::mem::take(&mut self.band)).chain(overviews);
+        for (level, rows) in self.levels.iter_mut().zip(rows) {
+            level.band.extend(rows);
             let n_held = level.band.len() / level.n_cols;
             if n_held >= TILE || is_end {
                 level.blocks.extend(compressed_tiles(&[&level.band], (n_held, level.n_cols), Predictor::None)?);
                 level.band.clear();
             }
         }
-        self.band.clear();
         Ok(())
     }
 

@@ -2,59 +2,169 @@
 
 use rayon::prelude::*;
 
-/// A rectangle of cells that one cell of an overview stands for: first and end row, first and end column.
-#[derive(Clone, Copy)]
-pub(super) struct Block {
-    pub(super) rows: (usize, usize),
-    pub(super) cols: (usize, usize),
-}
+/// Makes the overviews of a raster that are 2, 4, 8, … times smaller, so many of them.
+pub(super) type Overviews<T> = fn(&[T], (usize, usize), usize) -> Vec<Vec<T>>;
 
-/// The value of an overview cell, from all cells of the full resolution, the number of columns and the block.
-pub(super) type Reduce<T> = fn(&[T], usize, Block) -> T;
-
-/// A smaller picture: each cell stands for `reduction` × `reduction` cells.
-pub(super) fn overview<T: Copy + Send + Sync>(
+/// The north-west cell of each square.
+pub(super) fn first_of<T: Copy + Send + Sync>(
     cells: &[T],
     (n_rows, n_cols): (usize, usize),
-    reduction: usize,
-    reduce: Reduce<T>,
-) -> Vec<T> {
-    let width = n_cols.div_ceil(reduction);
-    let row_of = |row: usize| {
-        let rows = (row * reduction, ((row + 1) * reduction).min(n_rows));
-        (0..width).map(move |col| {
-            let cols = (col * reduction, ((col + 1) * reduction).min(n_cols));
-            reduce(cells, n_cols, Block { rows, cols })
-        })
+    n_levels: usize,
+) -> Vec<Vec<T>> {
+    let of_level = |level: usize| {
+        let reduction = 2 << level;
+        let row_of = |row: usize| cells[row * n_cols..(row + 1) * n_cols].iter().step_by(reduction).copied();
+        (0..n_rows).into_par_iter().step_by(reduction).flat_map_iter(row_of).collect()
     };
-    (0..n_rows.div_ceil(reduction)).into_par_iter().flat_map_iter(row_of).collect()
+    (0..n_levels).map(of_level).collect()
 }
 
-/// The north-west cell of a block.
-pub(super) fn first_of<T: Copy>(cells: &[T], n_cols: usize, block: Block) -> T {
-    cells[block.rows.0 * n_cols + block.cols.0]
-}
-
-/// The most frequent class of a block, the smallest one on a tie.
+/// The most frequent class of each square, the smallest one on a tie.
 ///
-/// PERF: in most blocks the first class has the majority; else the few classes that occur are counted in a list.
-pub(super) fn most_frequent(cells: &[u8], n_cols: usize, block: Block) -> u8 {
-    let rows = || {
-        let cols = block.cols.0..block.cols.1;
-        (block.rows.0..block.rows.1).map(move |row| &cells[row * n_cols + cols.start..row * n_cols + cols.end])
-    };
-    let first = cells[block.rows.0 * n_cols + block.cols.0];
-    let n_first: usize = rows().map(|row| row.iter().filter(|class| **class == first).count()).sum();
-    if 2 * n_first > (block.rows.1 - block.rows.0) * (block.cols.1 - block.cols.0) {
-        return first;
+/// Each class is counted in squares of two cells, and these counts are added to those of the larger squares.
+pub(super) fn most_frequent(cells: &[u8], (n_rows, n_cols): (usize, usize), n_levels: usize) -> Vec<Vec<u8>> {
+    if n_levels == 0 {
+        return Vec::new();
     }
-    let mut counts: Vec<(u8, usize)> = Vec::with_capacity(8);
-    for &class in rows().flatten() {
-        match counts.iter_mut().find(|(known, _)| *known == class) {
-            Some((_, count)) => *count += 1,
-            None => counts.push((class, 1)),
+    let bands: Vec<Vec<Vec<u8>>> =
+        cells.par_chunks(n_cols << n_levels).map(|band| most_frequent_of(band, n_cols, n_levels)).collect();
+    let of_level = |level: usize| {
+        let n_cells = n_rows.div_ceil(2 << level) * n_cols.div_ceil(2 << level);
+        let mut all = Vec::with_capacity(n_cells);
+        bands.iter().for_each(|band| all.extend_from_slice(&band[level]));
+        all
+    };
+    (0..n_levels).map(of_level).collect()
+}
+
+/// The overviews of as many rows as the largest squares have, or fewer.
+fn most_frequent_of(cells: &[u8], n_cols: usize, n_levels: usize) -> Vec<Vec<u8>> {
+    let mut occurs = [false; 256];
+    cells.iter().for_each(|class| occurs[usize::from(*class)] = true);
+    let classes = (0..=u8::MAX).filter(|class| occurs[usize::from(*class)]);
+    let mut levels: Vec<Most> = (0..n_levels).map(|_| Most::default()).collect();
+    let mut sums = vec![0; n_cols.next_multiple_of(2)];
+    for class in classes {
+        let mut counts = counts_of(class, cells, n_cols);
+        let mut width = n_cols.div_ceil(2);
+        for level in &mut levels {
+            level.add(class, &counts);
+            counts = halved(&counts, width, &mut sums);
+            width = width.div_ceil(2);
         }
     }
-    let most = counts.iter().map(|c| c.1).max().unwrap_or(0);
-    counts.iter().filter(|c| c.1 == most).map(|c| c.0).min().unwrap_or(first)
+    levels.into_iter().map(|level| level.classes).collect()
+}
+
+/// The most frequent class of each square so far, and how often it occurs.
+#[derive(Default)]
+struct Most {
+    classes: Vec<u8>,
+    counts: Vec<u16>,
+}
+
+impl Most {
+    /// Adds a class above all those before.
+    fn add(&mut self, class: u8, counts: &[u16]) {
+        if self.classes.is_empty() {
+            self.classes = vec![class; counts.len()];
+            self.counts = counts.to_vec();
+            return;
+        }
+        for ((most, known), count) in self.classes.iter_mut().zip(&mut self.counts).zip(counts) {
+            *most = if count > known { class } else { *most };
+            *known = (*known).max(*count);
+        }
+    }
+}
+
+/// How many cells of each square of 2 × 2 are of a class.
+fn counts_of(class: u8, cells: &[u8], n_cols: usize) -> Vec<u16> {
+    let width = n_cols.div_ceil(2);
+    let mut counts = vec![0; width * cells.len().div_ceil(2 * n_cols)];
+    let mut sums = vec![0_u8; 2 * width];
+    for (rows, counts) in cells.chunks(2 * n_cols).zip(counts.chunks_exact_mut(width)) {
+        let (upper, lower) = rows.split_at(n_cols);
+        for (sum, cell) in sums.iter_mut().zip(upper) {
+            *sum = u8::from(*cell == class);
+        }
+        for (sum, cell) in sums.iter_mut().zip(lower) {
+            *sum += u8::from(*cell == class);
+        }
+        for (count, pair) in counts.iter_mut().zip(sums.chunks_exact(2)) {
+            *count = u16::from(pair[0] + pair[1]);
+        }
+    }
+    counts
+}
+
+/// Counts in squares of twice the side: at most 256, in squares of 16 × 16. `sums` is room for a row of them.
+fn halved(counts: &[u16], n_cols: usize, sums: &mut [u16]) -> Vec<u16> {
+    let width = n_cols.div_ceil(2);
+    let mut larger = vec![0; width * counts.len().div_ceil(2 * n_cols)];
+    let sums = &mut sums[..2 * width];
+    for (rows, larger) in counts.chunks(2 * n_cols).zip(larger.chunks_exact_mut(width)) {
+        let (upper, lower) = rows.split_at(n_cols);
+        sums.fill(0);
+        sums[..n_cols].copy_from_slice(upper);
+        for (sum, count) in sums.iter_mut().zip(lower) {
+            *sum += count;
+        }
+        for (count, pair) in larger.iter_mut().zip(sums.chunks_exact(2)) {
+            *count = pair[0] + pair[1];
+        }
+    }
+    larger
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By counting all cells of each square.
+    fn naive(cells: &[u8], (n_rows, n_cols): (usize, usize), reduction: usize) -> Vec<u8> {
+        let mut all = Vec::new();
+        for top in (0..n_rows).step_by(reduction) {
+            for left in (0..n_cols).step_by(reduction) {
+                let mut counts = [0; 256];
+                for row in top..(top + reduction).min(n_rows) {
+                    for col in left..(left + reduction).min(n_cols) {
+                        counts[usize::from(cells[row * n_cols + col])] += 1;
+                    }
+                }
+                let most = counts.iter().max().unwrap();
+                all.push(u8::try_from(counts.iter().position(|count| count == most).unwrap()).unwrap());
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn overviews_are_the_most_frequent_classes_of_squares() {
+        let mut random = 7_u64;
+        for (n_rows, n_cols) in [(1, 1), (1, 40), (40, 1), (16, 16), (17, 33), (50, 31), (64, 128), (100, 7)] {
+            for classes in [&[5_u8][..], &[0, 1], &[0, 1, 2, 3, 255], &[9, 8, 7, 6, 5, 4, 3, 2, 1, 0, 200, 255]] {
+                let mut class = 0;
+                let cells: Vec<u8> = (0..n_rows * n_cols)
+                    .map(|_| {
+                        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                        if random >> 62 == 0 {
+                            class = usize::try_from(random >> 40).unwrap() % classes.len();
+                        }
+                        classes[class]
+                    })
+                    .collect();
+                let found = most_frequent(&cells, (n_rows, n_cols), 4);
+                for (level, found) in found.iter().enumerate() {
+                    assert_eq!(*found, naive(&cells, (n_rows, n_cols), 2 << level), "{n_rows}×{n_cols} {level}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn overviews_of_measures_are_their_north_west_cells() {
+        let cells: Vec<u32> = (0..35).collect();
+        assert_eq!(first_of(&cells, (5, 7), 2), [vec![0, 2, 4, 6, 14, 16, 18, 20, 28, 30, 32, 34], vec![0, 4, 28, 32]]);
+    }
 }

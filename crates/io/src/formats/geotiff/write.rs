@@ -22,9 +22,9 @@ use tiff_writer::compress::{BlockEncodingOptions, compress_block};
 
 use super::image::{Bands, GeoTiffImage, TiffLayout};
 use super::levels::{
-    Level, TILE_ENCODING, compressed_tiles, is_last_level, level_tags, refused, rows_per_strip, write_levels,
+    Level, TILE_ENCODING, Tile, compressed_tiles, level_tags, n_overviews, refused, rows_per_strip, write_levels,
 };
-use super::overview::{Reduce, first_of, most_frequent, overview};
+use super::overview::{Overviews, first_of, most_frequent};
 use super::plain::write_plain;
 use crate::error::Result;
 
@@ -67,11 +67,11 @@ fn write_as(out: &mut impl Write, image: &GeoTiffImage<'_>, force_big: bool) -> 
 /// All resolutions, the full one first.
 ///
 /// `as_bytes` gives the cells as they are stored without compression, if they need no encoding.
-fn levels<'a, T: TiffWriteSample + Send + Sync>(
+fn levels<'a, T: Tile>(
     image: &GeoTiffImage<'_>,
     bands: &[(String, &'a [T])],
     predictor: Predictor,
-    reduce: Reduce<T>,
+    overviews: Overviews<T>,
     as_bytes: fn(&'a [T]) -> Option<&'a [u8]>,
 ) -> Result<Vec<Level<'a>>> {
     let (n_rows, n_cols) = (image.georef.n_rows(), image.georef.n_cols());
@@ -79,29 +79,24 @@ fn levels<'a, T: TiffWriteSample + Send + Sync>(
     for (name, values) in bands {
         assert_eq!(values.len(), image.georef.n_cells(), "band `{name}` holds one value per cell");
     }
-    let mut levels = Vec::new();
-    let mut reduction = 1;
-    loop {
-        let shape = (n_rows.div_ceil(reduction), n_cols.div_ceil(reduction));
-        let reduced: Vec<Vec<T>> = match reduction {
-            1 => Vec::new(),
-            _ => bands.iter().map(|(_, values)| overview(values, (n_rows, n_cols), reduction, reduce)).collect(),
-        };
-        let cells: Vec<&[T]> = match reduction {
-            1 => bands.iter().map(|(_, values)| *values).collect(),
-            _ => reduced.iter().map(Vec::as_slice).collect(),
-        };
-        let tags = level_tags::<T>(image, (shape, reduction), &names, predictor)?;
-        let blocks = match image.layout {
-            TiffLayout::Cog => compressed_tiles(&cells, shape, predictor)?.into_iter().map(Cow::Owned).collect(),
-            TiffLayout::Plain => plain_strips(bands, shape.1, as_bytes)?,
-        };
-        levels.push(Level { tags, blocks });
-        if is_last_level(shape, reduction) || image.layout == TiffLayout::Plain {
-            return Ok(levels);
-        }
-        reduction *= 2;
+    if image.layout == TiffLayout::Plain {
+        let tags = level_tags::<T>(image, ((n_rows, n_cols), 1), &names, predictor)?;
+        return Ok(vec![Level { tags, blocks: plain_strips(bands, n_cols, as_bytes)? }]);
     }
+    let n_overviews = n_overviews((n_rows, n_cols));
+    let reduced: Vec<Vec<Vec<T>>> =
+        bands.iter().map(|(_, values)| overviews(values, (n_rows, n_cols), n_overviews)).collect();
+    let of_level = |level: usize| {
+        let cells: Vec<&[T]> = match level.checked_sub(1) {
+            None => bands.iter().map(|(_, values)| *values).collect(),
+            Some(overview) => reduced.iter().map(|of_band| of_band[overview].as_slice()).collect(),
+        };
+        let shape = (n_rows.div_ceil(1 << level), n_cols.div_ceil(1 << level));
+        let tags = level_tags::<T>(image, (shape, 1 << level), &names, predictor)?;
+        let blocks = compressed_tiles(&cells, shape, predictor)?.into_iter().map(Cow::Owned).collect();
+        Ok(Level { tags, blocks })
+    };
+    (0..=n_overviews).map(of_level).collect()
 }
 
 /// The strips of all bands, band by band, from the north; the last one of a band holds the rows that are left.
@@ -113,6 +108,7 @@ fn plain_strips<'a, T: TiffWriteSample + Send + Sync>(
     let options = BlockEncodingOptions {
         compression: Compression::None,
         predictor: Predictor::None,
+        deflate_level: None,
         row_width_pixels: n_cols,
         ..TILE_ENCODING
     };
