@@ -7,7 +7,7 @@ use super::coverages::Coverages;
 use super::drawing::draws_each;
 use super::files::{MaskFile, Writer, written_at_once};
 use super::job::{Done, Given, GivenScene, MapJob, encoding_bytes_per_cell};
-use super::plan::{Held, MapPlan};
+use super::plan::Held;
 use super::strips::{StripsRun, reason_for_strips};
 use crate::answer::{Output, Spent, Timing, add_outputs};
 use crate::city::GivenSite;
@@ -44,13 +44,8 @@ impl MapJob {
         let (uav_id, n_sites) =
             (found.sites.first().map(|site| site.id.clone()).unwrap_or_default(), found.sites.len());
 
-        let has_zones =
-            |(_, format): &Output| matches!(format, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout);
-        let tells_zones = self.is_told
-            || outputs.iter().any(has_zones)
-            || curve_outputs.iter().any(|(_, format)| *format == Format::Json);
-        let prepared = MapPlan { tells_zones, ..self.plan.clone() }.prepare(scene, &found, whole)?;
-        let is_by_zone = tells_zones || self.plan.sight.receivers().zone().is_some();
+        let prepared = self.plan.clone().prepare(scene, &found, whole)?;
+        let is_by_zone = self.plan.tells_zones || self.plan.sight.receivers().zone().is_some();
         let direct = written_at_once(&outputs, &self.plan.layers, &self.save)
             .filter(|_| n_sites == 1 && !is_by_zone && !self.curve.is_wanted());
         let shows_masks = |format: Format| {
@@ -111,10 +106,13 @@ impl MapJob {
         let outputs = check_outputs(&self.outputs, rules)?;
         let curve_outputs = self.curve.checked(&self.outputs, rules)?;
         self.save.check_formats(&outputs)?;
-        let shows_layers =
-            |(_, format): &Output| !matches!(format, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout);
-        if self.plan.layers != [Layer::Los] && !outputs.iter().any(shows_layers) {
+        let tells =
+            |(_, format): &Output| matches!(format, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout);
+        if self.plan.layers != [Layer::Los] && outputs.iter().all(tells) {
             return Err(Error::idle("layers", "without a raster or a picture"));
+        }
+        if self.plan.tells_zones && !self.is_told && !outputs.iter().chain(&curve_outputs).any(tells) {
+            return Err(Error::idle("zones", "without a table or a document"));
         }
         Ok((outputs, curve_outputs))
     }

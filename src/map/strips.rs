@@ -119,6 +119,7 @@ pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
     }
     let asked = [
         ("a tolerance", job.plan.tolerance.is_some()),
+        ("counts by zone", job.plan.tells_zones),
         ("a height curve", job.curve.is_wanted()),
         ("polygons of coverage", job.save.polygons.is_some()),
         ("a picture of cells alone", job.save.bare),

@@ -80,7 +80,7 @@ pub(crate) fn channels(folder: &Folder, file: &str) -> Vec<(String, FlatSamples)
 #[test]
 fn the_document_has_the_keys_that_tools_rely_on() {
     let folder = town();
-    let document = folder.type_in(&format!("{MAP} --uav 691650,5334780,60 --json")).done().json();
+    let document = folder.type_in(&format!("{MAP} --uav 691650,5334780,60 --zones --json")).done().json();
     assert_eq!(document["schema"], "skyshed/map/1");
     assert_eq!(document["version"], env!("CARGO_PKG_VERSION"));
     assert_eq!(document["command"][0], "map");
@@ -132,7 +132,7 @@ fn the_document_has_the_keys_that_tools_rely_on() {
 fn every_format_holds_the_same_numbers() {
     let folder = town();
     let outputs = "-o m.tif -o m.exr -o m.asc -o m.npz -o m.csv -o m.json -o m.geojson -o m.png -o m.svg";
-    let printed = folder.type_in(&format!("{MAP} {outputs} --json -q")).done().json();
+    let printed = folder.type_in(&format!("{MAP} {outputs} --zones --json -q")).done().json();
     let wanted = "m.asc m.asc.json m.csv m.csv.json m.exr m.geojson m.json m.npz m.png m.prj m.svg m.tif m.tif.aux.xml \
                   town.geojson";
     assert_eq!(folder.files().join(" "), wanted);

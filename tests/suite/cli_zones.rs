@@ -36,7 +36,7 @@ fn count(zone: &str, holds: impl Fn(usize) -> bool) -> u64 {
 fn a_map_counts_receivers_by_zone() {
     let folder = Folder::new();
     let base = format!("map {CITY} --uav 150,150,60 --radius 140");
-    let document = folder.type_in(&format!("{base} -o los.tif -o los.csv --json")).done().json();
+    let document = folder.type_in(&format!("{base} -o los.tif -o los.csv --zones --json")).done().json();
     let mask = bytes_of(&folder, "los.tif");
     let table = folder.text("los.csv");
     let zones = &document["sites"][0]["zones"];
@@ -53,6 +53,12 @@ fn a_map_counts_receivers_by_zone() {
     assert_eq!(document["union"]["zones"], *zones);
     assert_eq!(table.lines().count(), 6);
 
+    // Zones are found where they are asked for, and a flag that changes nothing is refused.
+    let without = folder.type_in(&format!("{base} -o without.csv --json")).done().json();
+    assert_eq!((&without["sites"][0]["zones"], &without["sites"][0]["placement"]), (&Value::Null, &json!("ground")));
+    assert_eq!((&without["digest"], folder.text("without.csv").lines().count()), (&document["digest"], 2));
+    folder.refuses(&format!("{base} --zones -o a.tif"), "E116", &["`zones`"]);
+
     // The same numbers with receivers in one zone alone, all other cells being none.
     let alone = folder.type_in(&format!("{base} --receivers crossroad -o crossroads.tif --json")).done().json();
     assert_eq!(alone["sites"][0]["p_los"], zones["crossroad"]["p_los"]);
@@ -63,7 +69,7 @@ fn a_map_counts_receivers_by_zone() {
         assert_eq!(*of_zone, if is_crossroad || *of_all > 1 { *of_all } else { 2 });
     }
     // A small radius leaves no crossroad in range.
-    let near = folder.type_in(&format!("map {CITY} --uav 124,10,60 --radius 5 --json")).done().json();
+    let near = folder.type_in(&format!("map {CITY} --uav 124,10,60 --radius 5 --zones --json")).done().json();
     assert_eq!(near["sites"][0]["zones"]["crossroad"]["reason"], "no crossroad cell in range");
 }
 
@@ -82,7 +88,7 @@ fn the_placement_of_a_uav_is_the_zone_below_it() {
     // The same city as footprints, of which nobody knows that they were generated.
     folder.type_in(&format!("city {CITY} -o city.geojson")).done();
     for city in [CITY.to_string(), format!("city.geojson --extent 0,0,{SIZE},{SIZE}")] {
-        let document = folder.type_in(&format!("map {city} {} --json", uavs.join(" "))).done().json();
+        let document = folder.type_in(&format!("map {city} {} --zones --json", uavs.join(" "))).done().json();
         for (k, (place, zone)) in places.iter().enumerate() {
             assert_eq!(document["sites"][k]["placement"], *zone, "{city}: {place}");
         }
@@ -134,7 +140,7 @@ fn a_surface_model_alone_has_no_zones() {
     let folder = Folder::new();
     let flat = "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 10\nNODATA_value -9999\n0 0 0\n0 9 0\n0 0 0\n";
     folder.write("dsm.asc", flat);
-    let document = folder.type_in("map dsm.asc --uav 5,5,50 --json").done().json();
+    let document = folder.type_in("map dsm.asc --uav 5,5,50 --zones --json").done().json();
     assert_eq!((&document["sites"][0]["zones"], &document["sites"][0]["placement"]), (&Value::Null, &json!("ground")));
     for (line, code) in [
         ("map dsm.asc --uav 5,5,50 --receivers street --json", "E117"),
@@ -144,6 +150,6 @@ fn a_surface_model_alone_has_no_zones() {
     ] {
         folder.refuses(line, code, &[]);
     }
-    let known = folder.type_in("map dsm.asc --ground 0 --uav 5,5,50 --json").done().json();
+    let known = folder.type_in("map dsm.asc --ground 0 --uav 5,5,50 --zones --json").done().json();
     assert_eq!(known["sites"][0]["zones"]["street"]["receivers"], 8);
 }

@@ -149,7 +149,7 @@ fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
     let answers = ask(&folder.word("page.html"), false, None, &questions);
     let said = |line: &str| folder.type_in(&format!("{line} --json -q")).done().json();
 
-    let two = said("map itu:urban --size 300 --uav 150,150,100 --uav 40,220,60");
+    let two = said("map itu:urban --size 300 --uav 150,150,100 --uav 40,220,60 --zones");
     assert_eq!(answers[2]["digest"], two["digest"]);
     for (seen, site) in answers[1]["uavs"].as_array().unwrap().iter().zip(two["sites"].as_array().unwrap()) {
         for zone in ["street", "crossroad", "courtyard", "rooftop"] {

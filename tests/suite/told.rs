@@ -44,7 +44,7 @@ fn names_and_degrees_go_into_every_file() {
     let of_row = |row: &BTreeMap<String, String>, key: &str, (id, lon, lat): (&str, &str, &str)| {
         assert_eq!([&row[key], &row["lon"], &row["lat"]], [id, lon, lat]);
     };
-    let files = "-o m.csv -o m.json -o m.geojson --height-curve c.json";
+    let files = "-o m.csv -o m.json -o m.geojson --height-curve c.json --zones";
     folder.type_in(&format!("map {SQUARE} --uavs sites.csv {files} -q")).done();
     folder.type_in(&format!("compare {SQUARE} --uavs sites.csv -o k.csv -o k.json -o k.html -o k.tif -q")).done();
     for (k, site) in sites.into_iter().enumerate() {
@@ -60,7 +60,7 @@ fn names_and_degrees_go_into_every_file() {
         assert!(folder.text("k.html").contains(&cells), "the page tells the degrees of {}", site.0);
     }
     // A curve names what the UAV hovers over as a map does, though it alone was asked for.
-    folder.type_in(&format!("map {SQUARE} --uavs sites.csv --height-curve alone.json -q")).done();
+    folder.type_in(&format!("map {SQUARE} --uavs sites.csv --height-curve alone.json --zones -q")).done();
     for file in ["c.json", "alone.json"] {
         let placement = |name: &str, k: usize| folder.json(name)["sites"][k]["placement"].clone();
         assert!((0..2).all(|k| placement(file, k) == "street" && placement("m.json", k) == "street"), "{file}");

@@ -45,7 +45,7 @@ impl MapArgs {
             scene: self.scene.reading.options()?,
             inputs: self.scene.files(),
             uavs: self.uavs.some(self.scene.reading.hash, None)?,
-            plan: MapPlan { sight: self.sight.checked()?, layers, tolerance: self.tolerance, tells_zones: false },
+            plan: MapPlan { sight: self.sight.checked()?, layers, tolerance: self.tolerance, tells_zones: self.zones },
             save: SaveOptions {
                 overwrite: self.out.overwrite,
                 bare: self.bare,

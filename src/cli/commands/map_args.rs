@@ -77,8 +77,12 @@ pub(in crate::cli) struct MapArgs {
     #[arg(long, value_name = "LAYER,…", value_parser = one_of(LAYERS), value_delimiter = ',', default_value = "los",
           help_heading = "Map", hide_possible_values = true)]
     pub(super) layers: Vec<Layer>,
+    /// Count receivers by zone too (street, crossroad, courtyard, rooftop) in the table and the document: finding zones costs
+    /// as much as a map or more
+    #[arg(long, help_heading = "Map", hide_short_help = true)]
+    pub(super) zones: bool,
     /// P_LoS as a function of the UAV's height over each place, exact: a plot (.png, .svg, .pdf), a table (.csv) or a document
-    /// (.json); repeat for more. Costs a walk along the whole link per receiver and UAV, 5 to 20 times a map by rays
+    /// (.json); repeat for more.
     #[arg(long, value_name = "FILE", help_heading = "Height curve", hide_short_help = true)]
     pub(super) height_curve: Vec<PathBuf>,
     /// Heights of the curve's table and plot above the ground below the UAV (above the datum where none is known), both
