@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::city::GivenSite;
 use crate::coverage::{self, HeightLayers, MapOptions, SiteCoverage};
 use crate::error::{Error, OddRun, RequestError, Result, Warning};
 use crate::height_field::HeightField;
@@ -191,6 +192,14 @@ impl Sight {
     /// The range in units of a grid.
     pub(crate) fn radius_on(&self, grid: &GeoRef) -> Option<f64> {
         self.radius_m.map(|r| r / grid.meters_per_unit())
+    }
+
+    /// The box around all that is in range of some places: west, south, east, north \[CRS units\]; `None` without a limit, and
+    /// without a place.
+    pub(crate) fn box_in_range(&self, sites: &[GivenSite], grid: &GeoRef) -> Option<[f64; 4]> {
+        let radius = self.radius_on(grid)?;
+        let boxes = sites.iter().map(|site| [site.x - radius, site.y - radius, site.x + radius, site.y + radius]);
+        boxes.reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])])
     }
 
     /// The options of a map on a grid, without layers of heights.

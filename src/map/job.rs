@@ -9,13 +9,14 @@ use super::report::MapReport;
 use super::save_options::SaveOptions;
 use super::tolerance::in_words as tolerance_in_words;
 use crate::answer::{Answer, Output, Rows, Spent, Timing};
+use crate::city::GivenSite;
 use crate::error::{Result, Warning};
 use crate::export::{Batch, Format, Layer};
 use crate::los::Method;
 use crate::picture::Look;
 use crate::raster::GeoRef;
 use crate::read::StreamedSurface;
-use crate::scene::{Scene, SceneOptions};
+use crate::scene::{Scene, SceneOptions, is_raster_scene};
 use crate::uav::{UavsAsked, UavsFound};
 use crate::words::{idle_in_words, p_los_words};
 
@@ -133,6 +134,18 @@ impl Answer for Done {
 }
 
 impl MapJob {
+    /// Whether no more of the scene is read than the part that is mapped: so it is of rasters in their own system, with a radius.
+    pub(super) fn reads_range_alone(&self) -> bool {
+        let is_limited = self.plan.sight.radius_m().is_some() && !self.plan.needs_zones();
+        is_limited && is_raster_scene(&self.word) && self.scene.project.is_none()
+    }
+
+    /// This job over the part of a raster in range of some UAVs.
+    pub(super) fn of_range(&self, sites: &[GivenSite], grid: &GeoRef) -> MapJob {
+        let around = self.plan.sight.box_in_range(sites, grid);
+        MapJob { scene: SceneOptions { around, ..self.scene.clone() }, ..self.clone() }
+    }
+
     /// The path of a scene that is a file.
     pub(super) fn path(&self) -> &Path {
         Path::new(&self.word)

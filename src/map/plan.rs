@@ -51,6 +51,11 @@ impl MapPlan {
         }
     }
 
+    /// Whether the zones of the scene are found, of which a part does not know all.
+    pub(super) fn needs_zones(&self) -> bool {
+        self.tells_zones || self.sight.receivers().zone().is_some()
+    }
+
     /// Checks the numbers, before any work.
     ///
     /// # Errors
@@ -59,21 +64,24 @@ impl MapPlan {
         check_tolerance(self.tolerance, self.sight.method())
     }
 
-    /// Makes all ready but the engine. `whole` is the grid that the scene is a part of.
+    /// Makes all ready but the engine: of a raster with a radius the part in range. `whole` is the grid that the scene is a part of.
     ///
     /// # Errors
     /// E2xx for UAVs that cannot be there; E113, E116, E117 for what cannot be asked; those of a tolerance.
     pub(crate) fn prepare(self, mut scene: Scene, found: &UavsFound, whole: Option<&GeoRef>) -> Result<Prepared> {
         self.check()?;
         let began = Instant::now();
-        let mut uavs = scene.place(found, whole, &self.sight)?;
+        let grid = scene.grid().clone();
+        if let Some(around) = self.sight.box_in_range(&found.sites, &grid).filter(|_| !self.needs_zones()) {
+            scene.cut(grid.window_within(around));
+        }
+        let mut uavs = scene.place(found, Some(whole.unwrap_or(&grid)), &self.sight)?;
         let tolerance = match self.tolerance {
             Some(tolerance) => Some(simplify(&mut scene, &mut uavs, &self.sight, tolerance)?),
             None => None,
         };
         // Zones cost as much as a map: they are found where they are told, or hold the receivers.
-        let needs_zones = self.tells_zones || self.sight.receivers().zone().is_some();
-        let zones = if needs_zones { scene.zones() } else { None };
+        let zones = if self.needs_zones() { scene.zones() } else { None };
         let options = self.sight.options(scene.grid(), zones.as_ref());
         let options = MapOptions { layers: self.height_layers(), ..options };
         let lonlats = found.sites.iter().map(|site| site.lonlat).collect();

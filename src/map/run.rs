@@ -15,6 +15,7 @@ use crate::error::{Error, PlacesError, Result};
 use crate::export::{Batch, Format, Layer, OutputRules, bare_name, check_layers, check_outputs};
 use crate::progress::Progress;
 use crate::raster::GeoRef;
+use crate::read::surface_grid;
 use crate::scene::Scene;
 
 impl MapJob {
@@ -23,9 +24,26 @@ impl MapJob {
     /// # Errors
     /// Those of the scene, the UAVs, the plan and the files, in this order as far as they can be told before any work.
     pub(crate) fn run(&self, given: Given<'_>, progress: &Progress) -> Result<Done> {
-        let start = Instant::now();
         self.plan.check()?;
-        let (outputs, curve_outputs) = self.checked_outputs()?;
+        let outputs = self.checked_outputs()?;
+        match (&given.scene, self.reads_range_alone()) {
+            (GivenScene::Asked, true) => {
+                let whole = surface_grid(self.path(), &self.scene.of_raster()?)?;
+                let uavs = given.uavs.map_or_else(|| self.uavs.read(&whole), Ok)?;
+                let part = self.of_range(&uavs.sites, &whole);
+                part.run_checked(outputs, Given { uavs: Some(uavs), grid: Some(&whole), ..given }, progress)
+            }
+            _ => self.run_checked(outputs, given, progress),
+        }
+    }
+
+    fn run_checked(
+        &self,
+        (outputs, curve_outputs): (Vec<Output>, Vec<Output>),
+        given: Given<'_>,
+        progress: &Progress,
+    ) -> Result<Done> {
+        let start = Instant::now();
         let Given { uavs, scene, grid: whole, unit } = given;
         let read_uavs = |grid: &GeoRef| uavs.map_or_else(|| self.uavs.read(grid), Ok);
         let scene = match scene {

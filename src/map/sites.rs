@@ -14,16 +14,16 @@ use super::job::{Done, Given, GivenScene, MapJob};
 use super::save_options::SaveOptions;
 use super::strips::{check_strips, on_disk, reason_for_strips};
 use crate::answer::digest_words;
-use crate::city::{GivenSite, Site};
+use crate::city::GivenSite;
 use crate::digest::Sha256;
-use crate::error::{Error, ErrorClass, PlacesError, RequestError, Result, Warning, warned};
+use crate::error::{Error, ErrorClass, PlacesError, RequestError, Result, Warning};
 use crate::export::{Format, check_folder, sidecars, site_in_names, with_suffix};
 use crate::formats::{RasterFile, origin_of};
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::os_words::split;
 use crate::progress::Progress;
 use crate::raster::GeoRef;
-use crate::read::{StreamedSurface, SurfaceOptions, read_surface, source_of, surface_grid};
+use crate::read::{StreamedSurface, source_of, surface_grid};
 use crate::scene::{Scene, SceneOptions, is_raster_scene};
 use crate::uav::UavsFound;
 use skyshed_io::error::WriteFault;
@@ -177,7 +177,7 @@ impl<'a> SiteRuns<'a> {
     fn scenes(&self) -> Result<SiteScenes> {
         let job = self.job;
         let mut warnings = Vec::new();
-        if job.plan.sight.radius_m().is_some() && is_raster_scene(&job.word) && job.scene.project.is_none() {
+        if job.reads_range_alone() {
             if job.strips {
                 let why = "with a radius and a file for each UAV: only what is in range is read";
                 return Err(Error::idle("strips", why));
@@ -260,27 +260,18 @@ impl<'a> SiteRuns<'a> {
     }
 
     /// The part of a raster in range of a UAV.
-    fn part(&self, (site, grid): (&Site, &GeoRef), stored: Option<(&StreamedSurface, &[Warning])>) -> Result<Scene> {
+    fn part(
+        &self,
+        (site, grid): (&GivenSite, &GeoRef),
+        stored: Option<(&StreamedSurface, &[Warning])>,
+    ) -> Result<Scene> {
         let start = Instant::now();
         let job = self.job;
-        let radius = job.plan.sight.radius_on(grid).unwrap_or(f64::INFINITY);
-        let around = [site.x - radius, site.y - radius, site.x + radius, site.y + radius];
-        let window = grid.window_within(around);
+        let options = job.of_range(std::slice::from_ref(site), grid).scene;
+        let Some((stored, said)) = stored else { return options.open(&job.word) };
+        let window = grid.window_within(options.around.unwrap_or_default());
         check_memory(&job.word.display(), &grid.part(window), FIELD_BYTES_PER_CELL)?;
-        let mut warnings = Vec::new();
-        let scene = match stored {
-            None => {
-                let options = SurfaceOptions { around: Some(around), ..job.scene.of_raster()? };
-                let scene = warned(&mut warnings, |odd| read_surface(job.path(), &options, odd))?;
-                job.scene.warn_of_raster(job.path(), &mut warnings)?;
-                scene
-            }
-            Some((stored, said)) => {
-                warnings.extend_from_slice(said);
-                stored.part(window)?
-            }
-        };
-        Scene::built(&job.scene, (&job.word, scene), warnings, start)
+        Scene::built(&job.scene, (&job.word, stored.part(window)?), said.to_vec(), start)
     }
 
     /// What the run of a UAV, or of all, is one of: a hash of everything that its files depend on.

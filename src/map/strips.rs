@@ -90,7 +90,7 @@ pub(crate) fn on_disk(job: &MapJob, progress: &Progress, warnings: &mut Vec<Warn
     }
     let options = job.scene.of_raster()?;
     let files = terrain_file(job)?.into_iter().chain([RasterFile::open(job.path(), &mut Vec::new())?]);
-    let on_disk = files.map(|file| StreamedSurface::bytes_on_disk(file.georef())).sum();
+    let on_disk = files.map(|file| StreamedSurface::bytes_on_disk(&job.scene.grid_of(&file))).sum();
     let (on_disk, folder) = (memory_words(on_disk), scratch.display());
     let why = reason_for_strips(job).unwrap_or_else(|| "parts of it cannot be read alone".into());
     (progress.note)(&format!("{why}: heights go to {on_disk} of tiles in {folder}"));
@@ -130,7 +130,7 @@ pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
         return refuse(format!("{what} cannot be made"));
     }
     let file = RasterFile::open(job.path(), &mut Vec::new())?;
-    let what = format!("{}, even strip by strip,", cells_of(file.georef()));
+    let what = format!("{}, even strip by strip,", cells_of(&job.scene.grid_of(&file)));
     check_bytes(&job.word.display(), &what, strip_memory(job)?)
 }
 
@@ -151,7 +151,7 @@ const REMEMBERED_BYTES: u64 = 8 << 10;
 /// E501 if the grid is larger than a lattice.
 fn strip_memory(job: &MapJob) -> Result<u64> {
     let file = RasterFile::open(job.path(), &mut Vec::new())?;
-    let grid = file.georef();
+    let grid = job.scene.grid_of(&file);
     let (n_rows, n_cols, n_cells) = (grid.n_rows(), grid.n_cols(), grid.n_cells() as u64);
     if n_rows.max(n_cols) as f64 > MAX_EXTENT_UNITS {
         return Err(LimitError::LargeRaster { word: job.word.display().to_string(), n_cols, n_rows }.into());

@@ -19,7 +19,7 @@ use crate::height_field::{Built, HeightField};
 use crate::los::Method;
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::picture::Look;
-use crate::raster::GeoRef;
+use crate::raster::{CellWindow, GeoRef};
 use crate::zones::ZoneMap;
 use skyshed_live::pack::is_small_enough;
 
@@ -118,6 +118,16 @@ impl Scene {
             seed: 1,
             warnings,
             timing: Timing::default(),
+        }
+    }
+
+    /// Cuts a raster scene to some of its cells; others are left whole.
+    pub(crate) fn cut(&mut self, window: CellWindow) {
+        if window != self.grid().window()
+            && let Some(part) = self.field.part(window)
+        {
+            self.field = Arc::new(part);
+            self.solids = None;
         }
     }
 

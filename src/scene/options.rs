@@ -283,23 +283,30 @@ impl SceneOptions {
     /// tile.
     pub(crate) fn size_of_raster(&self, word: &OsStr) -> Option<(GeoRef, u64)> {
         // What is brought into another system is put together in memory.
-        if !is_raster_scene(word) || self.project.is_some() || self.around.is_some() {
+        if !is_raster_scene(word) || self.project.is_some() {
             return None;
         }
         let file = RasterFile::open(Path::new(word), &mut Vec::new()).ok()?;
         if file.is_empty() {
             return None;
         }
-        let (grid, n_cells) = (file.georef(), file.georef().n_cells() as u64);
+        let grid = self.grid_of(&file);
+        let n_cells = grid.n_cells() as u64;
         // All of a terrain is read, and if it is on another grid brought to that of the surface.
         let below = self.terrain.as_deref().and_then(|path| RasterFile::open(path, &mut Vec::new()).ok());
         let of_terrain = below.map_or(0, |below| {
-            let n_below = below.georef().n_cells() as u64;
+            let n_below = self.grid_of(&below).n_cells() as u64;
             let n_brought = if n_below == n_cells { 0 } else { n_cells };
             n_below.saturating_add(n_brought).saturating_mul(4).saturating_add(below.block_bytes())
         });
         let bytes = n_cells.saturating_mul(5).saturating_add(of_terrain).saturating_add(file.block_bytes());
-        Some((grid.clone(), bytes))
+        Some((grid, bytes))
+    }
+
+    /// The cells of a raster file that are read.
+    pub(crate) fn grid_of(&self, file: &RasterFile) -> GeoRef {
+        let grid = file.georef();
+        self.around.map_or_else(|| grid.clone(), |around| grid.part(grid.window_within(around)))
     }
 
     /// How a raster is read.

@@ -71,12 +71,13 @@ mod live; // the live page: digests, sizes, hostile words, a browser
 mod economy; // footprints that hide nobody, what a map needs and what limits it, against maps of the changed scenes
 mod tolerance; // the coarsest cells within a tolerance: its bound holds, on generated and on real cities
 mod track; // line of sight along a track: stretches, links, files
-mod height_curve;
-mod height_layers; // margins and ceilings by an engine are those of rays, to the last bit, over real cities // P_LoS against the UAV's height, exact at every height
+mod height_curve; // P_LoS against the UAV's height, exact at every height
+mod height_layers; // margins and ceilings by an engine are those of rays, to the last bit, over real cities
 mod chart; // speed against accuracy: counts by hand and from saved maps, sums, threads
 mod cli_chart; // its command: the picture from its table, interrupts, peers, flags
 mod placement; // where to hover: against brute force, optima and linear searches; its command
 mod told; // names and degrees of sites, counts, infinite heights, weights: alike and true in every file
+mod in_range; // rasters with a radius: the part in range, the same of all
 mod streamed; // rasters that do not fit in memory: the maps of memory, what is refused, 50 000 cells a side
 mod map_sites; // a run for each UAV: the files of single runs, what is left alone, killed at any moment
 mod stress; // families of scenes where methods fail: the truth against the oracle, engines against the truth

@@ -103,7 +103,8 @@ fn a_sample_of_one_place_says_what_the_map_of_it_says() {
     // The middle of the first crossroad: streets are 1000/√500 − 1000·√(0.3/500) m wide.
     let middle = 0.5 * (1000.0 / 500.0_f64.sqrt() - 1000.0 * (0.3_f64 / 500.0).sqrt());
     let scene = "itu:urban --size 250";
-    let map = folder.type_in(&format!("map {scene} --uav {middle},{middle},60 --receivers all --zones --json")).done().json();
+    let map =
+        folder.type_in(&format!("map {scene} --uav {middle},{middle},60 --receivers all --zones --json")).done().json();
     let line = format!("sample {scene} --zones crossroad:1 --centers --height 60 --receivers all");
     let sample = folder.type_in(&format!("{line} --json -o s.csv -o s.svg -o s.pdf")).done().json();
     assert_eq!(sample["schema"], "skyshed/sample/1");

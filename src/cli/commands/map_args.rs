@@ -55,7 +55,7 @@ const POLYGONS: Words<PolygonClasses> = &[
 #[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb").long_help(
 "File to write, by extension: .png .svg .pdf .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb, `-` for JSON on standard \
 output; repeat for more. Without any the table goes to standard output. With `{site}` in every name each UAV gets files of its \
-own, which appear as soon as they are complete; with `--radius`, only the part of a raster that is in range is read")))]
+own, which appear as soon as they are complete. With `--radius`, a map of a raster is of the part in range, and no more is read")))]
 #[command(
     after_help = "Example: skyshed map maps/munich.geojson --uav 691549.7,5334762.2,120 --radius 300 -o munich.png"
 )]

@@ -57,7 +57,7 @@ fn of_cause(ReadError { name, cause, .. }: &ReadError) -> Option<String> {
         Cause::Nodata => "look at the nodata value and the band with `gdalinfo -stats`",
         Cause::LargeCells => "give a smaller `--cell`",
         Cause::LargeRaster => {
-            "read a part around each UAV with `--radius M -o NAME-{site}.tif`, or cut one out with `gdal_translate -projwin \
+            "read the part in range with `--radius M`, or cut one out with `gdal_translate -projwin \
              ULX ULY LRX LRY IN OUT`"
         }
         Cause::Multipatch => "give the buildings as CityJSON, or as a mesh in .obj or .ply",

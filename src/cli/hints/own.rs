@@ -83,7 +83,7 @@ pub(super) fn of_limit(error: &LimitError) -> Option<String> {
             "allow more, or choose larger cells, a smaller extent, or fewer sites and layers; `map --strips` for a raster"
         }
         L::Strips { .. } => "write .tif, .png, .csv and .json of one UAV, or cut out a part",
-        L::LargeRaster { .. } => "with `--radius M -o NAME-{site}.tif` the part in range of each UAV is read",
+        L::LargeRaster { .. } => "with `--radius M` only the part in range is read",
         L::StripsOfMany { .. } => "a file for each: `-o NAME-{site}.tif`",
         L::Candidates { .. } => "choose a longer `--step`, or fewer heights",
         L::Placements { .. } => "`skyshed map` makes maps and tables of any number",

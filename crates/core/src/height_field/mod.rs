@@ -14,6 +14,7 @@ mod data_area;
 mod field;
 mod known_ground;
 mod merge;
+mod part;
 mod plateaus;
 mod positions;
 mod prisms;

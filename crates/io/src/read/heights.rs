@@ -119,16 +119,18 @@ impl<'a> HeightFile<'a> {
 
     /// Copies all heights to tiles on disk: memory is that of a row of tiles, and of a row of blocks of the file.
     pub(super) fn store(self, scratch: &Path, always_hash: bool, warnings: &mut Vec<Warning>) -> Result<StoredHeights> {
-        let HeightFile { input, file, georef, .. } = self;
+        let HeightFile { input, file, window, georef } = self;
         let mut writer = TileStoreWriter::create(scratch, (georef.n_rows(), georef.n_cols()))?;
         let mut sorted = LatticeHeights::of(&file);
         let mut steps = vec![VOID; georef.n_cols()];
         let mut failed = Ok(());
         file.for_each_row(warnings, |row, heights| {
+            let Some(row) = row.checked_sub(window.row).filter(|row| *row < window.n_rows && failed.is_ok()) else {
+                return;
+            };
+            let heights = &heights[window.col..window.col + window.n_cols];
             steps.iter_mut().zip(heights).for_each(|(steps, height)| *steps = sorted.put(*height));
-            if failed.is_ok() {
-                failed = writer.put_row(row, &steps);
-            }
+            failed = writer.put_row(row, &steps);
         })?;
         failed?;
         let n_void = sorted.finish(input)?;

@@ -56,6 +56,10 @@ impl StreamedSurface {
         let input = &input.into();
         let building_threshold = building_threshold(options)?;
         let file = HeightFile::open(input, options.crs.as_ref(), warnings)?.in_meters(warnings)?;
+        let file = match options.around {
+            Some(around) => file.around(around),
+            None => file,
+        };
         let StoredHeights { tiles: surface, georef: grid, n_void, mut sources } =
             file.store(scratch, options.always_hash, warnings)?;
         warnings.extend(warning_of_voids(input, n_void, options.nodata_as));
@@ -64,6 +68,7 @@ impl StreamedSurface {
                 let file = HeightFile::open(terrain_path, options.crs.as_ref(), warnings)?.in_meters(warnings)?;
                 let found = (terrain_path, file.georef().crs());
                 refuse_two_crs((input, grid.crs()), found, Pair::SurfaceTerrain)?;
+                let file = if options.around.is_some() { file.under((input, &grid))? } else { file };
                 let mut terrain = file.store(scratch, options.always_hash, warnings)?;
                 sources.append(&mut terrain.sources);
                 StreamedGround::Terrain(terrain.tiles, terrain.georef)

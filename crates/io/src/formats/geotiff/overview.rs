@@ -23,18 +23,21 @@ pub(super) fn first_of<T: Copy + Send + Sync>(
 ///
 /// Each class is counted in squares of two cells, and these counts are added to those of the larger squares.
 pub(super) fn most_frequent(cells: &[u8], (n_rows, n_cols): (usize, usize), n_levels: usize) -> Vec<Vec<u8>> {
-    if n_levels == 0 {
-        return Vec::new();
+    let mut levels: Vec<Vec<u8>> =
+        (0..n_levels).map(|level| vec![0; n_rows.div_ceil(2 << level) * n_cols.div_ceil(2 << level)]).collect();
+    // Rows of the largest squares, and what they are in each overview.
+    let mut bands: Vec<Vec<&mut [u8]>> = cells.chunks(n_cols << n_levels).map(|_| Vec::new()).collect();
+    for (level, cells) in levels.iter_mut().enumerate() {
+        let rows = cells.chunks_mut(n_cols.div_ceil(2 << level) << (n_levels - 1 - level));
+        bands.iter_mut().zip(rows).for_each(|(band, rows)| band.push(rows));
     }
-    let bands: Vec<Vec<Vec<u8>>> =
-        cells.par_chunks(n_cols << n_levels).map(|band| most_frequent_of(band, n_cols, n_levels)).collect();
-    let of_level = |level: usize| {
-        let n_cells = n_rows.div_ceil(2 << level) * n_cols.div_ceil(2 << level);
-        let mut all = Vec::with_capacity(n_cells);
-        bands.iter().for_each(|band| all.extend_from_slice(&band[level]));
-        all
-    };
-    (0..n_levels).map(of_level).collect()
+    let bands = bands.into_par_iter().zip(cells.par_chunks(n_cols << n_levels));
+    bands.for_each(|(levels, cells)| {
+        for (level, found) in levels.into_iter().zip(most_frequent_of(cells, n_cols, n_levels)) {
+            level.copy_from_slice(&found);
+        }
+    });
+    levels
 }
 
 /// The overviews of as many rows as the largest squares have, or fewer.
