@@ -1,6 +1,7 @@
 //! The zones of a scene: streets, crossroads, courtyards and rooftops, counted, drawn and as files.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -28,7 +29,7 @@ pub(crate) const FORMATS: [Format; 7] =
 pub(crate) struct ZoneFiles {
     scene: Scene,
     facts: RunFacts,
-    zones: ZoneMap,
+    zones: Arc<ZoneMap>,
 }
 
 /// The zones of a scene.

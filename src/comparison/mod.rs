@@ -129,7 +129,7 @@ impl ComparisonPlan {
         check_memory(&scene.word, &grid, uavs.len() + self.masks.len() + n_bands + BYTES_PER_CELL)?;
         let zones = scene.zones();
         let before_los = Instant::now();
-        let (mut placed, method) = self.mapped(&scene, zones.as_ref(), (found, &uavs), progress)?;
+        let (mut placed, method) = self.mapped(&scene, zones.as_deref(), (found, &uavs), progress)?;
         scene.timing.los = before_los.elapsed().as_secs_f64();
         for path in &self.masks {
             placed.extend(self.saved(path, &mut scene)?);
@@ -141,7 +141,7 @@ impl ComparisonPlan {
             scene.warnings.push(OddRun::NoReceiver { what: "placement", id, why }.into());
         }
         let facts = RunFacts { command, ..scene.facts(method) };
-        let (overlay, report) = self.report(facts, &placed, &blocks, zones.as_ref());
+        let (overlay, report) = self.report(facts, &placed, &blocks, zones.as_deref());
         let masks = placed.into_iter().map(|p| p.mask).collect();
         Ok(Comparison { scene, masks, overlay, report, scene_words: self.scene_words.clone() })
     }

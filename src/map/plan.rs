@@ -1,5 +1,6 @@
 //! What the program asks of a map with all defaults filled in, and the map made in memory.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::coverages::Coverages;
@@ -82,7 +83,7 @@ impl MapPlan {
         };
         // Zones cost as much as a map: they are found where they are told, or hold the receivers.
         let zones = if self.needs_zones() { scene.zones() } else { None };
-        let options = self.sight.options(scene.grid(), zones.as_ref());
+        let options = self.sight.options(scene.grid(), zones.as_deref());
         let options = MapOptions { layers: self.height_layers(), ..options };
         let lonlats = found.sites.iter().map(|site| site.lonlat).collect();
         Ok(Prepared { plan: self, scene, uavs, lonlats, zones, options, tolerance, began })
@@ -103,7 +104,7 @@ pub(crate) struct Prepared {
     uavs: Vec<Uav>,
     /// Longitudes and latitudes of the UAVs that were given by these.
     lonlats: Vec<Option<[f64; 2]>>,
-    zones: Option<ZoneMap>,
+    zones: Option<Arc<ZoneMap>>,
     options: MapOptions,
     tolerance: Option<ToleranceFacts>,
     began: Instant,
@@ -137,7 +138,7 @@ impl Prepared {
             .saturating_add(if n_measures > 0 { n_held.max(1).saturating_mul(LEAST_HEIGHTS_BYTES_PER_CELL) } else { 0 })
             .saturating_add(if options.layers.stability { 2 * FIELD_BYTES_PER_CELL } else { 0 });
         check_memory(&scene.word, scene.grid(), bytes_per_cell)?;
-        let field = std::sync::Arc::clone(&scene.field);
+        let field = Arc::clone(&scene.field);
         let mut mapper = Mapper::new(&field, &options)?;
         let idle = mapper.drop_idle(&uavs);
         let (method, why) = mapper.method();
@@ -152,7 +153,7 @@ impl Prepared {
             rayon::join(|| digest.add(cells), || each_part(cells));
         };
         let each_site = |site: &SiteCoverage| {
-            facts.push(SiteFacts { lonlat: lonlats[facts.len()], ..SiteFacts::of(site, zones.as_ref()) });
+            facts.push(SiteFacts { lonlat: lonlats[facts.len()], ..SiteFacts::of(site, zones.as_deref()) });
             each(site);
         };
         let mapped = mapper.map_many(&uavs, keep, progress.control(), each_part, each_site);
@@ -165,7 +166,7 @@ impl Prepared {
         let report = MapReport {
             facts: scene.facts(Some(method)),
             sight: plan.sight,
-            union_zones: only.map_or_else(|| zones.as_ref().and_then(of_union), |only| only.zones),
+            union_zones: only.map_or_else(|| zones.as_deref().and_then(of_union), |only| only.zones),
             union: match (only, &overlay) {
                 (Some(only), _) => only.tally,
                 (None, overlay) => overlay.as_ref().map_or(Tally::default(), |o| Tally::of_mask(o.union())),

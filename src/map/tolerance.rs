@@ -157,7 +157,7 @@ pub(crate) fn simplify(
     let grid = scene.field.grid();
     let facts = ToleranceFacts::of(&choice, tolerance, grid.cell_width() * grid.meters_per_unit());
     if let Some((_, field, moved)) = choice.taken {
-        scene.field = std::sync::Arc::new(field);
+        scene.replace_field(field);
         *uavs = moved;
     }
     Ok(facts)

@@ -100,14 +100,14 @@ impl SearchPlan {
         scene.warnings.append(&mut warnings);
         scene.sources.extend(inputs.sources.iter().cloned());
         let radius = self.sight.radius_on(scene.grid());
-        let over = zones.as_ref().map(|zones| (self.over.as_slice(), zones));
+        let over = zones.as_deref().map(|zones| (self.over.as_slice(), zones));
         let rules = inputs.rules(over, self.clearance()?, radius);
         let candidates = inputs.candidates(&scene.field, &rules)?;
         // The corners see farthest.
         let farthest: Vec<Uav> =
             candidates.kept.first().iter().chain(&candidates.kept.last()).map(|c| c.uav.clone()).collect();
         warn_of_flat_earth(&farthest, scene.field.grid(), radius, &mut scene.warnings);
-        let options = self.options(&scene, zones.as_ref(), &inputs);
+        let options = self.options(&scene, zones.as_deref(), &inputs);
         let (n_uavs, n_cells) = (candidates.kept.len(), scene.grid().n_cells());
         let sets = if self.count > 1 { n_uavs.saturating_mul(n_cells.div_ceil(8)) } else { 0 };
         let (held, of_place) = match &inputs.weights {

@@ -6,7 +6,7 @@ pub(crate) mod placing;
 pub(crate) mod results;
 
 use std::ffi::OsStr;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use crate::city::{BuiltUp, City, HeightGap, Solids, Source};
@@ -43,6 +43,8 @@ pub struct Scene {
     pub(crate) word: String,
     pub(crate) name: String,
     pub(crate) field: Arc<HeightField>,
+    /// Its zones, once they are found.
+    pub(crate) zones: Arc<OnceLock<Option<Arc<ZoneMap>>>>,
     /// What it was built from, if that was to be kept.
     pub(crate) solids: Option<Arc<Solids>>,
     pub(crate) sources: Vec<Source>,
@@ -93,6 +95,7 @@ impl Scene {
             word: word.display().to_string(),
             name,
             field: Arc::new(field),
+            zones: Arc::default(),
             solids: kept,
             sources,
             attribution,
@@ -110,6 +113,7 @@ impl Scene {
             word: name.clone(),
             name,
             field: Arc::new(field),
+            zones: Arc::default(),
             solids: None,
             sources: Vec::new(),
             attribution: None,
@@ -126,9 +130,13 @@ impl Scene {
         if window != self.grid().window()
             && let Some(part) = self.field.part(window)
         {
-            self.field = Arc::new(part);
-            self.solids = None;
+            self.replace_field(part);
         }
+    }
+
+    /// Takes another field for its own.
+    pub(crate) fn replace_field(&mut self, field: HeightField) {
+        (self.field, self.solids, self.zones) = (Arc::new(field), None, Arc::default());
     }
 
     /// What it is called in titles.
@@ -146,9 +154,10 @@ impl Scene {
         &self.warnings
     }
 
-    /// Its zones (streets, crossroads, courtyards, rooftops); `None` where no building is known.
-    pub fn zones(&self) -> Option<ZoneMap> {
-        ZoneMap::if_known(&self.field, self.built_up.as_ref())
+    /// Its zones (streets, crossroads, courtyards, rooftops), found once; `None` where no building is known.
+    pub fn zones(&self) -> Option<Arc<ZoneMap>> {
+        let find = || ZoneMap::if_known(&self.field, self.built_up.as_ref()).map(Arc::new);
+        self.zones.get_or_init(find).clone()
     }
 
     /// What documents say of a run over it.
