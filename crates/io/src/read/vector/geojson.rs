@@ -3,19 +3,57 @@
 //! The geojson crate checks each feature; going feature by feature lets an error name the one that is wrong. RFC 7946
 //! has no `crs` member, but GDAL and many portals write one for projected coordinates, so it is honored.
 
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
 use geojson::{Feature, GeometryValue};
+use rayon::prelude::*;
+use serde_json::value::RawValue;
 use serde_json::{Map, Value};
 
+use super::cityjson;
 use super::feature::{self, FeatureSet, Polygon, Property};
 use crate::crs;
 use crate::error::{Cause, Error, MOST_FOUND, Place, ReadFault, Result, shortened};
 use crate::input::Input;
 use crate::raster::Crs;
 
+/// A FeatureCollection of which only the outermost level is parsed.
+struct Collection<'a> {
+    /// All members but the features.
+    members: Value,
+    features: Vec<&'a RawValue>,
+}
+
+/// The outermost level of a text, if it is a FeatureCollection; what else it is, and what is wrong with it, [`parse_document`]
+/// tells.
+///
+/// PERF: all features as JSON values take twenty times the text.
+fn collection(text: &str) -> Option<Collection<'_>> {
+    // Of members of one name the last one counts.
+    let mut members: HashMap<Cow<'_, str>, &RawValue> = serde_json::from_str(text).ok()?;
+    let features = members.remove("features")?;
+    let parsed =
+        |(name, raw): (Cow<'_, str>, &RawValue)| Some((name.into_owned(), serde_json::from_str(raw.get()).ok()?));
+    if members.get("type")?.get() != "\"FeatureCollection\"" {
+        return None;
+    }
+    let members = Value::Object(members.into_iter().map(parsed).collect::<Option<Map<String, Value>>>()?);
+    Some(Collection { members, features: serde_json::from_str(features.get()).ok()? })
+}
+
 /// Parses a GeoJSON document.
 pub(in crate::read) fn read_document(input: &Input) -> Result<Value> {
-    let text = input.text("GeoJSON text")?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    parse_document(input, text_of(&input.text("GeoJSON text")?))
+}
+
+/// A text without a byte order mark.
+fn text_of(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
+fn parse_document(input: &Input, text: &str) -> Result<Value> {
     if text.trim().is_empty() {
         return Err(Error::malformed(input, "the file is empty, wanted GeoJSON"));
     }
@@ -72,8 +110,27 @@ pub(in crate::read) fn named_crs(input: &Input, document: &Value) -> Result<Opti
     crs::parse(name).map(Some).map_err(|e| Error::read(input, ReadFault::Crs(said(), e.to_string())))
 }
 
-/// The features of a GeoJSON document.
-pub(in crate::read) fn feature_set(input: &Input, document: Value) -> Result<FeatureSet> {
+/// The features of GeoJSON text, or of CityJSON.
+pub(super) fn read(input: &Input) -> Result<FeatureSet> {
+    let text = input.text("GeoJSON text")?;
+    let text = text_of(&text);
+    if let Some(set) = collection(text).and_then(|collection| set_of_collection(input, &collection)) {
+        return Ok(set);
+    }
+    let document = parse_document(input, text)?;
+    if cityjson::is_cityjson(&document) { cityjson::features(input, &document) } else { feature_set(input, document) }
+}
+
+/// The features of a collection, parsed in parallel; `None` if any is not as it should be.
+fn set_of_collection(input: &Input, collection: &Collection<'_>) -> Option<FeatureSet> {
+    let feature =
+        |names: &mut HashSet<Arc<str>>, raw: &&RawValue| feature_of(serde_json::from_str(raw.get()).ok()?, names).ok();
+    let features = collection.features.par_iter().map_init(HashSet::new, feature).collect::<Option<Vec<_>>>()?;
+    Some(FeatureSet { features, ..without_features(input, &collection.members) })
+}
+
+/// What a document says beside its features.
+fn without_features(input: &Input, document: &Value) -> FeatureSet {
     let text = |key: &str| document.get(key).and_then(Value::as_str).map(str::to_string);
     // A name with an underscore is that of a table, not of a place.
     let name = text("name").filter(|name| !name.contains('_')).and_then(|name| {
@@ -81,8 +138,13 @@ pub(in crate::read) fn feature_set(input: &Input, document: Value) -> Result<Fea
         letters.next().map(|first| first.to_uppercase().chain(letters).collect())
     });
     let attribution = text("attribution");
-    let crs = named_crs(input, &document);
-    let mut found = Vec::new();
+    FeatureSet { crs: named_crs(input, document), name, attribution, name_limit: None, features: Vec::new() }
+}
+
+/// The features of a GeoJSON document.
+fn feature_set(input: &Input, document: Value) -> Result<FeatureSet> {
+    let set = without_features(input, &document);
+    let (mut found, mut names) = (Vec::new(), HashSet::new());
     for (number, value) in features(input, document)?.into_iter().enumerate() {
         let refuse = |found: String| {
             let what = format!("{found}, wanted a GeoJSON feature");
@@ -90,13 +152,13 @@ pub(in crate::read) fn feature_set(input: &Input, document: Value) -> Result<Fea
         };
         let feature: Feature =
             serde_json::from_value(value).map_err(|e| refuse(shortened(&e.to_string(), MOST_FOUND).into_owned()))?;
-        found.push(feature_of(feature).map_err(refuse)?);
+        found.push(feature_of(feature, &mut names).map_err(refuse)?);
     }
-    Ok(FeatureSet { crs, name, attribution, name_limit: None, features: found })
+    Ok(FeatureSet { features: found, ..set })
 }
 
-/// A feature with its areas; the error says what is wrong with its positions.
-fn feature_of(feature: Feature) -> std::result::Result<feature::Feature, String> {
+/// A feature with its areas; the error says what is wrong with its positions. `names` are those of properties that were met before.
+fn feature_of(feature: Feature, names: &mut HashSet<Arc<str>>) -> std::result::Result<feature::Feature, String> {
     let (mut polygons, mut has_other_parts) = (Vec::new(), false);
     if let Some(geometry) = &feature.geometry {
         collect_polygons(&geometry.value, &mut polygons, &mut has_other_parts)?;
@@ -106,7 +168,15 @@ fn feature_of(feature: Feature) -> std::result::Result<feature::Feature, String>
         geojson::feature::Id::Number(number) => number.to_string(),
     });
     let properties = feature.properties.into_iter().flatten();
-    let properties = properties.map(|(name, value)| (name.into(), Property::of_json(&value))).collect();
+    let mut shared = |name: String| match names.get(name.as_str()) {
+        Some(known) => Arc::clone(known),
+        None => {
+            let name: Arc<str> = name.into();
+            names.insert(Arc::clone(&name));
+            name
+        }
+    };
+    let properties = properties.map(|(name, value)| (shared(name), Property::of_json(&value))).collect();
     Ok(feature::Feature { id, properties, polygons, has_other_parts, heights: None })
 }
 

@@ -56,14 +56,7 @@ impl VectorFormat {
 /// Reads the features of a file.
 pub(super) fn read_features(input: &Input, selection: Selection<'_>) -> Result<FeatureSet> {
     match VectorFormat::of(input) {
-        VectorFormat::Json => {
-            let document = geojson::read_document(input)?;
-            if cityjson::is_cityjson(&document) {
-                cityjson::features(input, &document)
-            } else {
-                geojson::feature_set(input, document)
-            }
-        }
+        VectorFormat::Json => geojson::read(input),
         VectorFormat::Shapefile => shapefile::read(input),
         VectorFormat::FlatGeobuf => flatgeobuf::read(input, selection.bounds),
         #[cfg(feature = "geopackage")]
