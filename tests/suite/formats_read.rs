@@ -1,9 +1,10 @@
 //! Raster files, good and bad: what each is read as, or the error that it must give.
 
-use skyshed_core::raster::CellWindow;
+use skyshed_core::quantity::{VOID, height_steps};
+use skyshed_core::raster::{CellWindow, GeoRef};
 use skyshed_io::Error;
 use skyshed_io::error::Cause;
-use skyshed_io::formats::{AsciiGrid, GeoTiff, write_ascii_grid};
+use skyshed_io::formats::{AsciiGrid, Bands, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
 
 use crate::mosaic::{codes, read, same};
 use crate::plain_tiff::PlainTiff;
@@ -205,8 +206,46 @@ fn plain_strips_are_read_wherever_they_lie() {
         let path = folder.join("strips.tif");
         std::fs::write(&path, bytes).unwrap();
         let file = GeoTiff::open(&path, &mut Vec::new()).expect("a GeoTIFF");
-        let (raster, n_void) = file.read_plain_heights(&mut Vec::new()).expect("heights").expect("stored plainly");
+        let (raster, n_void) =
+            file.read_plain_heights(file.georef().window(), &mut Vec::new()).expect("heights").expect("stored plainly");
         let found: Vec<f64> = raster.cells().iter().map(|steps| f64::from(*steps) / 1024.0).collect();
         assert!(same(&found, &values) && n_void == 0, "{swaps:?}");
+    }
+}
+
+/// Tiles are decoded in parallel straight onto the lattice: the heights of any part are those that are read one by one.
+#[test]
+fn heights_of_tiles_are_those_that_are_read_one_by_one() {
+    let folder = Folder::new();
+    let (n_rows, n_cols) = (600, 700);
+    let georef = GeoRef::new((691_000.0, 5_334_000.0), (1.0, 1.0), (n_rows, n_cols), None).unwrap();
+    let floats: Vec<f32> =
+        (0..n_rows * n_cols).map(|k| if k % 97 < 3 { -9999.0 } else { (k % 4001) as f32 * 0.037 - 40.0 }).collect();
+    let bytes: Vec<u8> = (0..n_rows * n_cols).map(|k| u8::try_from(k * 7 % 251).unwrap()).collect();
+    let write = |name: &str, bands: Bands<'_>, nodata: f64, layout: TiffLayout| {
+        let nodata = Some(nodata);
+        let image = GeoTiffImage { georef: &georef, bands, nodata, palette: None, metadata: &[], layout };
+        std::fs::write(folder.join(name), encode_geotiff(&image).unwrap()).unwrap();
+    };
+    write("floats.tif", Bands::Float(vec![("h".into(), &floats)]), -9999.0, TiffLayout::Cog);
+    write("strips.tif", Bands::Float(vec![("h".into(), &floats)]), -9999.0, TiffLayout::Plain);
+    write("bytes.tif", Bands::Byte(vec![("h".into(), &bytes)]), 5.0, TiffLayout::Cog);
+    for name in ["floats.tif", "strips.tif", "bytes.tif"] {
+        let file = GeoTiff::open(folder.join(name), &mut Vec::new()).expect("a GeoTIFF");
+        for (row, col, n_rows, n_cols) in
+            [(0, 0, 600, 700), (0, 5, 1, 1), (255, 250, 3, 13), (300, 512, 300, 188), (599, 0, 1, 700)]
+        {
+            let window = CellWindow { row, col, n_rows, n_cols };
+            let (found, n_void) =
+                file.read_plain_heights(window, &mut Vec::new()).expect("heights").expect("stored plainly");
+            let on_lattice = |height: f64| height_steps(height).unwrap_or(i32::MIN);
+            let read = file.read(window, &mut Vec::new(), on_lattice).expect("heights");
+            assert_eq!(found.georef(), read.georef());
+            let is_void = |steps: &i32| *steps == i32::MIN;
+            assert_eq!(n_void, read.cells().iter().filter(|steps| is_void(steps)).count() as u64, "{name} {window:?}");
+            for (found, wanted) in found.cells().iter().zip(read.cells()) {
+                assert!(found == wanted || is_void(wanted) && *found == VOID, "{name} {window:?}: {found} {wanted}");
+            }
+        }
     }
 }

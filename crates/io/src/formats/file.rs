@@ -112,8 +112,12 @@ impl RasterFile {
     ///
     /// # Errors
     /// If the heights do not fit in memory, the file cannot be read, or none of its cells holds a height.
-    pub fn read_plain_heights(&self, warnings: &mut Vec<Warning>) -> Result<Option<(Raster<i32>, u64)>> {
-        if let RasterFile::GeoTiff(tiff) = self { tiff.read_plain_heights(warnings) } else { Ok(None) }
+    pub fn read_plain_heights(
+        &self,
+        window: CellWindow,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Option<(Raster<i32>, u64)>> {
+        if let RasterFile::GeoTiff(tiff) = self { tiff.read_plain_heights(window, warnings) } else { Ok(None) }
     }
 
     /// Reads a part of the (first band of the) raster; cells without a height arrive in `convert` as NaN.

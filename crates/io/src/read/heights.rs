@@ -102,16 +102,17 @@ impl<'a> HeightFile<'a> {
     pub(super) fn read(self, always_hash: bool, warnings: &mut Vec<Warning>) -> Result<Heights> {
         let HeightFile { input, file, window, georef } = self;
         let is_part = window != file.georef().window();
-        let plain = if is_part { None } else { file.read_plain_heights(warnings)? };
-        let (cells, n_void) = match plain {
-            Some((raster, n_void)) => (raster.into_cells(), n_void),
-            None => match lattice_heights((input, &file, window), warnings) {
-                // A hole of the file is no fault of it.
-                Err(Error::Read(error)) if is_part && matches!(error.fault, ReadFault::AllVoid(..)) => {
-                    (vec![VOID; georef.n_cells()].into(), georef.n_cells() as u64)
-                }
-                heights => heights?,
-            },
+        let plain = file.read_plain_heights(window, warnings);
+        let heights = match plain.transpose() {
+            Some(plain) => plain.map(|(raster, n_void)| (raster.into_cells(), n_void)),
+            None => lattice_heights((input, &file, window), warnings),
+        };
+        let (cells, n_void) = match heights {
+            // A hole of the file is no fault of it.
+            Err(Error::Read(error)) if is_part && matches!(error.fault, ReadFault::AllVoid(..)) => {
+                (vec![VOID; georef.n_cells()].into(), georef.n_cells() as u64)
+            }
+            heights => heights?,
         };
         let sources = sources_of_raster(input, &file, always_hash, warnings)?;
         Ok(Heights { raster: Raster::new(georef, cells), n_void, sources })
@@ -120,6 +121,10 @@ impl<'a> HeightFile<'a> {
     /// Copies all heights to tiles on disk: memory is that of a row of tiles, and of a row of blocks of the file.
     pub(super) fn store(self, scratch: &Path, always_hash: bool, warnings: &mut Vec<Warning>) -> Result<StoredHeights> {
         let HeightFile { input, file, window, georef } = self;
+        if let Some((tiles, n_void)) = store_plain(&file, window, scratch)? {
+            let sources = sources_of_raster(input, &file, always_hash, warnings)?;
+            return Ok(StoredHeights { tiles, georef, n_void, sources });
+        }
         let mut writer = TileStoreWriter::create(scratch, (georef.n_rows(), georef.n_cols()))?;
         let mut sorted = LatticeHeights::of(&file);
         let mut steps = vec![VOID; georef.n_cols()];
@@ -138,6 +143,38 @@ impl<'a> HeightFile<'a> {
         Ok(StoredHeights { tiles: writer.finish()?, georef, n_void, sources })
     }
 }
+
+/// Copies heights that are stored plainly to tiles on disk, and tells how many cells have none; `None` of others, and where
+/// no cell has a height.
+fn store_plain(file: &RasterFile, window: CellWindow, scratch: &Path) -> Result<Option<(TileStore, u64)>> {
+    let mut writer = TileStoreWriter::create(scratch, (window.n_rows, window.n_cols))?;
+    let mut n_void = 0;
+    let mut first = 0;
+    while first < window.n_rows {
+        // Those between multiples in the file, so that no block is decoded twice.
+        let n_rows = (ROWS_AT_ONCE - (window.row + first) % ROWS_AT_ONCE).min(window.n_rows - first);
+        let rows = CellWindow { row: window.row + first, n_rows, ..window };
+        match file.read_plain_heights(rows, &mut Vec::new()) {
+            Ok(None) => return Ok(None),
+            Ok(Some((heights, n))) => {
+                n_void += n;
+                (0..rows.n_rows).try_for_each(|row| writer.put_row(first + row, heights.row(row)))?;
+            }
+            Err(Error::Read(error)) if matches!(error.fault, ReadFault::AllVoid(..)) => {
+                n_void += (rows.n_rows * rows.n_cols) as u64;
+                let row = vec![VOID; rows.n_cols];
+                (0..rows.n_rows).try_for_each(|k| writer.put_row(first + k, &row))?;
+            }
+            Err(error) => return Err(error),
+        }
+        first += n_rows;
+    }
+    let n_cells = (window.n_rows * window.n_cols) as u64;
+    Ok(if n_void < n_cells { Some((writer.finish()?, n_void)) } else { None })
+}
+
+/// Rows that are read at once while heights are copied: those of a tile, as most files have them.
+const ROWS_AT_ONCE: usize = 256;
 
 /// The heights of a part of a file on the lattice, and the number of cells that have none.
 fn lattice_heights(

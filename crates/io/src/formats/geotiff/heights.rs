@@ -1,6 +1,7 @@
 //! Heights straight onto the lattice, where a file stores them plainly.
 
 use std::io::{Read, Seek, SeekFrom};
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
@@ -8,6 +9,7 @@ use tiff_reader::ByteOrder;
 
 use super::geo_tiff::GeoTiff;
 use super::header::Codec;
+use super::read::{Region, for_each_span};
 use super::stored::turn_over;
 use super::tags::TiffSource;
 use crate::error::{Result, Warning};
@@ -17,7 +19,7 @@ use crate::formats::sample::Sample;
 use crate::formats::voids::Voids;
 use crate::input::{Input, Reader, cannot_read};
 use crate::quantity::VOID;
-use crate::raster::{CELLS_PER_RUN, LargeVec, Raster, RowGroup, RowRuns};
+use crate::raster::{CELLS_PER_RUN, CellWindow, LargeVec, Raster, RowGroup, RowRuns};
 
 /// Bytes that a thread reads at a time, mostly: they are looked at while they are in its cache.
 const READ_BYTES: usize = 256 << 10;
@@ -26,23 +28,25 @@ const READ_BYTES: usize = 256 << 10;
 const ROWS_OF_RUNS: usize = 16;
 
 impl GeoTiff {
-    /// All heights of the first band on the lattice \[1/1024 m\], [`crate::quantity::VOID`] where nodata, and
+    /// Heights of a part of the only band on the lattice \[1/1024 m\], [`crate::quantity::VOID`] where nodata, and
     /// the number of nodata cells.
     ///
-    /// `None` if the file is not stored plainly (uncompressed strips of one band of 32-bit floats in meters, without a mask)
-    /// or holds a value that deserves a word: [`GeoTiff::read`] has it then. Threads of the current pool read and convert
-    /// parts of the file; memory is that of the result. Heights of few runs, such as those of a block model along the grid, are
-    /// held as such.
+    /// `None` if they are not stored plainly (32-bit floats or integers of 8 or 16 bits, in meters, one band without a mask, no
+    /// block missing) or hold a value that deserves a word: [`GeoTiff::read`] has it then. Threads of the current pool read,
+    /// decode and convert parts of the file; memory is that of the result. Heights of few runs, such as those of a block model
+    /// along the grid, are held as such where strips are not compressed.
     ///
     /// # Errors
     /// If the heights do not fit in memory, the file cannot be read, or none of its cells holds a height.
-    pub fn read_plain_heights(&self, warnings: &mut Vec<Warning>) -> Result<Option<(Raster<i32>, u64)>> {
+    pub fn read_plain_heights(
+        &self,
+        window: CellWindow,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Option<(Raster<i32>, u64)>> {
         let image = &self.image;
-        let is_plain = image.codec == Codec::None
-            && image.sample == Sample::F32
+        let is_plain = matches!(image.sample, Sample::F32 | Sample::U8 | Sample::I8 | Sample::U16 | Sample::I16)
+            && !matches!(image.codec, Codec::Lerc(_))
             && image.n_bands == 1
-            && !image.tiled
-            && !image.bits_reversed
             && self.mask.is_none()
             && self.metadata.scaling(0) == (1.0, 0.0)
             && self.meters_per_height_unit().is_none_or(|unit| (unit - 1.0).abs() < f64::EPSILON)
@@ -56,6 +60,78 @@ impl GeoTiff {
         }
         #[expect(clippy::cast_possible_truncation, reason = "rounded to the samples already")]
         let nodata = self.nodata.map(|nodata| nodata as f32);
+        let georef = self.georef().part(window);
+        // Who asks for all heights one by one gets them.
+        drop(reserve_cells::<i32>(&self.input, &georef)?);
+        let are_floats_in_strips =
+            image.codec == Codec::None && image.sample == Sample::F32 && !image.tiled && !image.bits_reversed;
+        let found = match are_floats_in_strips && window == self.georef().window() {
+            true => self.heights_of_strips(&source, nodata)?,
+            false => self.heights_of_blocks(window, nodata)?,
+        };
+        let Some((cells, n_nodata)) = found else { return Ok(None) };
+        let mut voids = Voids::new(self.nodata);
+        voids.n_nodata = n_nodata;
+        voids.n_heights = cells.len() as u64 - n_nodata;
+        voids.report(&self.input, warnings)?;
+        Ok(Some((Raster::new(georef, cells), n_nodata)))
+    }
+
+    /// Heights of a part, and the number of nodata cells, from blocks of any codec; `None` if a value deserves a word.
+    fn heights_of_blocks(&self, window: CellWindow, nodata: Option<f32>) -> Result<Option<(LargeVec<i32>, u64)>> {
+        let image = &self.image;
+        let n_cols = window.n_cols;
+        let south_up = self.placement.south_up;
+        let first_row = if south_up { image.n_rows - window.row - window.n_rows } else { window.row };
+        let mut cells = LargeVec::<i32>::zeroed(window.n_rows * n_cols);
+        // The rows that each row of blocks has of the part.
+        let mut parts: Vec<(Range<usize>, &mut [i32])> = Vec::new();
+        let (mut row, mut rest) = (first_row, &mut cells[..]);
+        while row < first_row + window.n_rows {
+            let n_rows = (image.block_rows - row % image.block_rows).min(first_row + window.n_rows - row);
+            let (part, after) = std::mem::take(&mut rest).split_at_mut(n_rows * n_cols);
+            rest = after;
+            parts.push((row..row + n_rows, part));
+            row += n_rows;
+        }
+        let cols = window.col..window.col + n_cols;
+        let is_odd = AtomicBool::new(false);
+        let read = |source: &mut Option<TiffSource>, (rows, cells): (Range<usize>, &mut [i32])| {
+            if is_odd.load(Ordering::Relaxed) {
+                return Ok(0);
+            }
+            if source.is_none() {
+                *source = Some(TiffSource::open(&self.input)?.0);
+            }
+            let Some(source) = source else { return Ok(0) };
+            let region = Region { rows: rows.clone(), cols: cols.clone(), band: 0 };
+            for_each_span(source, image, &region, |span| {
+                let at = (span.row - rows.start) * n_cols + span.col - cols.start;
+                let cells = &mut cells[at..at + span.n_cells];
+                match span.samples {
+                    Some(samples) => samples.put_floats(image.sample, cells),
+                    None => is_odd.store(true, Ordering::Relaxed),
+                }
+            })?;
+            let found = put_on_lattice(cells, nodata);
+            is_odd.fetch_or(found.is_none(), Ordering::Relaxed);
+            Ok(found.unwrap_or(0))
+        };
+        let found: Vec<Result<u64>> = parts.into_par_iter().map_init(|| None, read).collect();
+        // The first error is told, whoever comes first.
+        let n_nodata = found.into_iter().sum::<Result<u64>>()?;
+        if is_odd.into_inner() {
+            return Ok(None);
+        }
+        if south_up {
+            turn_over(&mut cells, n_cols);
+        }
+        Ok(Some((cells, n_nodata)))
+    }
+
+    /// All heights, and the number of nodata cells, from floats in strips that are not compressed; `None` if a value deserves a word.
+    fn heights_of_strips(&self, source: &TiffSource, nodata: Option<f32>) -> Result<Option<(LargeVec<i32>, u64)>> {
+        let image = &self.image;
         let rows = PlainRows {
             input: &self.input,
             n_cols: image.n_cols,
@@ -71,25 +147,16 @@ impl GeoTiff {
                 _ => strips.push((*offset, n_rows)),
             }
         }
-        // Who asks for all heights one by one gets them.
-        drop(reserve_cells::<i32>(&self.input, self.georef())?);
         let as_runs = if self.placement.south_up { None } else { rows.as_runs(&strips)? };
-        let (cells, n_nodata) = match as_runs {
-            Some(found) => found,
-            None => {
-                let mut cells = LargeVec::<i32>::zeroed(self.georef().n_cells());
-                let Some(n_nodata) = rows.one_by_one(&strips, &mut cells)? else { return Ok(None) };
-                if self.placement.south_up {
-                    turn_over(&mut cells, image.n_cols);
-                }
-                (cells, n_nodata)
-            }
-        };
-        let mut voids = Voids::new(self.nodata);
-        voids.n_nodata = n_nodata;
-        voids.n_heights = cells.len() as u64 - n_nodata;
-        voids.report(&self.input, warnings)?;
-        Ok(Some((Raster::new(self.georef().clone(), cells), n_nodata)))
+        if as_runs.is_some() {
+            return Ok(as_runs);
+        }
+        let mut cells = LargeVec::<i32>::zeroed(self.georef().n_cells());
+        let Some(n_nodata) = rows.one_by_one(&strips, &mut cells)? else { return Ok(None) };
+        if self.placement.south_up {
+            turn_over(&mut cells, image.n_cols);
+        }
+        Ok(Some((cells, n_nodata)))
     }
 }
 

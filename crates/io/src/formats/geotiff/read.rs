@@ -281,6 +281,27 @@ fn check_jpeg_size(stream: &[u8], n_cols: usize, n_rows: usize) -> std::result::
 }
 
 impl Samples<'_> {
+    /// Puts numbers of at most 16 bits, or 32-bit floats, into cells as the bits of 32-bit floats.
+    pub(super) fn put_floats(&self, sample: Sample, cells: &mut [i32]) {
+        macro_rules! typed {
+            ($type:ty) => {{
+                const WIDTH: usize = size_of::<$type>();
+                let samples = self.bytes[self.first * WIDTH..].chunks_exact(self.stride * WIDTH);
+                for (cell, sample) in cells.iter_mut().zip(samples) {
+                    let sample = <$type>::from_ne_bytes(*sample.first_chunk().expect("as many bytes as a sample has"));
+                    *cell = f32::from(sample).to_bits().cast_signed();
+                }
+            }};
+        }
+        match sample {
+            Sample::U8 => typed!(u8),
+            Sample::I8 => typed!(i8),
+            Sample::U16 => typed!(u16),
+            Sample::I16 => typed!(i16),
+            _ => typed!(f32),
+        }
+    }
+
     /// Calls `visit` with the index and the value of each cell; NaN where the codec says that there is none.
     pub(super) fn for_each(&self, sample: Sample, n_cells: usize, mut visit: impl FnMut(usize, f64)) {
         match self.valid {
