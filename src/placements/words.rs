@@ -66,14 +66,17 @@ pub(super) fn in_words(report: &PlaceReport) -> Vec<String> {
     if let Some(several) = &report.several {
         let share = |v: u128| several.share(v).map_or("undefined".to_string(), |p| format!("{p:.4}"));
         let chosen: Vec<String> = several.places.iter().map(at_words).collect();
-        let gap = several.cover.gap().map_or("undefined".to_string(), |gap| format!("{:.2} %", 100.0 * gap));
+        let most = match several.cover.gap() {
+            Some(gap) if gap > 0.0 => format!("more than {} (gap {:.2} %)", share(several.cover.bound), 100.0 * gap),
+            Some(_) => "more (optimal)".to_string(),
+            None => "any".to_string(),
+        };
         lines.push(format!(
-            "{} UAVs see together {} of {}; no {} of these candidates see more than {} (gap {gap}): {}",
+            "{} UAVs see together {} of {}; no {} of these candidates see {most}: {}",
             several.places.len(),
             share(several.cover.covered()),
             all_wanted(report),
             several.count,
-            share(several.cover.bound),
             chosen.join(", ")
         ));
     }

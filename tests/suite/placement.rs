@@ -9,8 +9,8 @@ use skyshed_core::los::MethodChoice;
 use skyshed_core::quantity::Height;
 use skyshed_core::raster::BitGrid;
 use skyshed_study::placement::{
-    Candidate, CandidateRules, Candidates, PlaceGrid, Scorer, SeenSets, Weights, cover, least_heights, ranked,
-    ranked_margins, scores, worst_margins,
+    Candidate, CandidateRules, Candidates, PlaceGrid, Scorer, SeenSets, Weights, cover, greedy_cover, least_heights,
+    ranked, ranked_margins, scores, worst_margins,
 };
 
 use crate::cities::{built, generated};
@@ -174,17 +174,48 @@ fn greedy_is_within_its_guarantee_and_the_bound_is_never_below_the_optimum() {
         let weights_of_cells = is_weighted.then(|| Weights::new(&as_floats, n_items).unwrap());
         let mut seen = SeenSets::over(&BitGrid::full(1, n_items), weights_of_cells.as_ref());
         seen.extend(&sets.iter().map(|set| grid(*set)).collect::<Vec<_>>());
-        let found = cover(&seen, k, &Control::default()).unwrap();
+        let found = greedy_cover(&seen, k, &Control::default()).unwrap();
         let best = optimum(&sets, &weights, k, 0);
         let union = found.chosen.iter().fold(0, |union, chosen| union | sets[chosen.set]);
         assert_eq!(found.covered(), optimum(&[union], &weights, 1, 0), "what is said to be covered is");
         assert!(found.covered() <= best && best <= found.bound, "{found:?} optimum {best}");
         assert!(found.covered() as f64 >= (1.0 - (-1.0_f64).exp()) * best as f64, "{found:?} optimum {best}");
+        let exact = cover(&seen, k, &Control::default()).unwrap();
+        assert_eq!((exact.covered(), exact.bound), (best, best), "all choices of so few are tried");
+        let union = exact.chosen.iter().fold(0, |union, chosen| union | sets[chosen.set]);
+        assert_eq!(best, optimum(&[union], &weights, 1, 0));
         n_tight += usize::from(found.bound == best);
         n_short += usize::from(found.covered() < best);
     }
     // Neither is trivial: greedy falls short at times, and the bound often is the optimum.
     assert!(n_tight > 100 && n_short > 5, "{n_tight} {n_short}");
+}
+
+/// More sets than a table of all choices holds: choices are tried one after another.
+#[test]
+fn the_best_of_more_sets_is_that_of_a_brute_force() {
+    let mut random = Random(56);
+    let mut n_short = 0;
+    for round in 0..60 {
+        let (n_sets, k) = (random.index(23, 40), random.index(2, 4));
+        let density = 4 + 3 * (round % 8);
+        let draw = |random: &mut Random| (0..64).filter(|_| random.chance(density)).fold(0_u64, |s, i| s | 1 << i);
+        let sets: Vec<u64> = (0..n_sets).map(|_| draw(&mut random)).collect();
+        let scale = 1 << 24;
+        let mut weights: Vec<u64> = (0..64).map(|_| u64::try_from(random.within(0, scale)).unwrap()).collect();
+        weights[0] = u64::try_from(scale).unwrap();
+        let of_cells = Weights::new(&weights.iter().map(|w| *w as f64).collect::<Vec<_>>(), 64).unwrap();
+        for weights_of_cells in [None, Some(&of_cells)] {
+            let mut seen = SeenSets::over(&BitGrid::full(1, 64), weights_of_cells);
+            seen.extend(&sets.iter().map(|set| BitGrid::from_words(64, vec![*set])).collect::<Vec<_>>());
+            let ones = vec![1; 64];
+            let best = optimum(&sets, if weights_of_cells.is_some() { &weights } else { &ones }, k, 0);
+            let found = cover(&seen, k, &Control::default()).unwrap();
+            assert_eq!((found.covered(), found.bound), (best, best), "{n_sets} sets, {k} of them");
+            n_short += usize::from(greedy_cover(&seen, k, &Control::default()).unwrap().covered() < best);
+        }
+    }
+    assert!(n_short > 10, "greedy falls short at times: {n_short}");
 }
 
 #[test]
@@ -205,8 +236,9 @@ fn several_uavs_of_a_small_scene_are_within_the_guarantee() {
         assert_eq!(cover(&all, 2, &Control::default()).unwrap().chosen, found.chosen);
         let pairs = seen.iter().enumerate().flat_map(|(i, a)| seen[i..].iter().map(move |b| a.clone().or(b).count()));
         let best = u128::from(pairs.max().unwrap());
-        assert!(found.covered() <= best && best <= found.bound && found.bound <= found.wanted);
-        assert!(found.covered() as f64 >= 0.75 * best as f64, "1 − (1 − 1/2)² of {best}: {found:?}");
+        assert!(found.covered() == best && best == found.bound && found.bound <= found.wanted);
+        let greedy = greedy_cover(&sets, 2, &Control::default()).unwrap();
+        assert!(greedy.covered() as f64 >= 0.75 * best as f64, "1 − (1 − 1/2)² of {best}: {greedy:?}");
     }
 }
 

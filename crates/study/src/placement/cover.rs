@@ -19,6 +19,8 @@
 //! because the first sum counts what may go uncovered for nothing and a receiver that O covers is paid at least λ_i. Any λ
 //! gives a bound; subgradient steps look for a good one. All are integers, so nothing is rounded in the unsafe direction.
 //!
+//! Where choices are few, all are tried (`exact_cover.rs`).
+//!
 //! # References
 //! Nemhauser, Wolsey & Fisher 1978, Mathematical Programming 14; Leskovec et al. 2007, KDD (bounds for the instance at
 //! hand); Fisher 1981, Management Science 27 (Lagrangian relaxation).
@@ -27,6 +29,7 @@ use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
+use super::exact_cover::best_choice;
 use super::score::{quotient, word_sum};
 use super::{Candidate, Score, Scorer, Weights};
 use crate::coverage::{Control, maps_at_once};
@@ -90,17 +93,43 @@ impl SeenSets {
         if self.kept.is_empty() { 0 } else { self.words.len() / self.kept.len() }
     }
 
+    /// The wanted receivers, 64 to a word.
+    pub(super) fn wanted(&self) -> &[u64] {
+        &self.wanted
+    }
+
+    /// Number of words of a set.
+    pub(super) fn n_words(&self) -> usize {
+        self.kept.len()
+    }
+
+    /// Whether receivers count differently.
+    pub(super) fn is_weighed(&self) -> bool {
+        self.weights.is_some()
+    }
+
+    /// Calls `visit` for each wanted receiver with the sets that see it, a bit each, and what it counts.
+    pub(super) fn for_each_receiver(&self, mut visit: impl FnMut(usize, u128)) {
+        for (word, wanted) in self.wanted.iter().enumerate() {
+            for bit in (0..64).filter(|bit| wanted >> bit & 1 == 1) {
+                let of_set = |set: usize| ((self.set(set)[word] >> bit & 1) as usize) << set;
+                let seen_by = (0..self.len()).map(of_set).sum();
+                visit(seen_by, self.weights.as_ref().map_or(1, |weights| weights[64 * word + bit]));
+            }
+        }
+    }
+
     /// Whether there is no set.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    fn set(&self, k: usize) -> &[u64] {
+    pub(super) fn set(&self, k: usize) -> &[u64] {
         &self.words[k * self.kept.len()..(k + 1) * self.kept.len()]
     }
 
     /// What the receivers of a set count that are in `left` too.
-    fn value(&self, set: &[u64], left: &[u64]) -> u128 {
+    pub(super) fn value(&self, set: &[u64], left: &[u64]) -> u128 {
         let common = set.iter().zip(left).map(|(a, b)| a & b);
         match &self.weights {
             None => common.map(|word| u64::from(word.count_ones())).sum::<u64>().into(),
@@ -109,7 +138,7 @@ impl SeenSets {
     }
 
     /// What each set adds to those whose receivers are no longer in `left`.
-    fn gains(&self, left: &[u64]) -> Vec<u128> {
+    pub(super) fn gains(&self, left: &[u64]) -> Vec<u128> {
         (0..self.len()).into_par_iter().map(|k| self.value(self.set(k), left)).collect()
     }
 }
@@ -148,9 +177,24 @@ impl Cover {
     }
 }
 
-/// Chooses `k` sets whose union is large: greedy, the first of equal sets first, with an upper bound on every choice of
-/// `k`. Every gain is computed in every round, because the bound asks for all of them.
+/// Chooses `k` sets whose union is largest, if choices are few enough to try them all ([`super::exact_cover`]); else as
+/// [`greedy_cover`] does.
 pub fn cover(sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
+    let greedy = greedily(sets, k, control)?;
+    match best_choice(sets, k, greedy.covered(), control)? {
+        Some(None) => Ok(Cover { bound: greedy.covered(), ..greedy }),
+        Some(Some((best, bound))) => Ok(Cover { chosen: in_order(sets, best), bound, ..greedy }),
+        None => with_dual_bound(greedy, sets, k, control),
+    }
+}
+
+/// Chooses `k` sets whose union is large: greedy, the first of equal sets first, with an upper bound on every choice of `k`.
+pub fn greedy_cover(sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
+    with_dual_bound(greedily(sets, k, control)?, sets, k, control)
+}
+
+/// A greedy choice with the bound of its prefixes. Every gain is computed in every round, because the bound asks for all of them.
+fn greedily(sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
     let mut left = sets.wanted.clone();
     let wanted = sets.value(&left, &left);
     let (mut bound, mut covered) = (wanted, 0);
@@ -166,10 +210,33 @@ pub fn cover(sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
         chosen.push(Chosen { set, gain: gains[set], covered });
         left.iter_mut().zip(sets.set(set)).for_each(|(left, seen)| *left &= !seen);
     }
-    if covered < bound && k > 1 {
-        bound = bound.min(dual_bound(sets, k, covered, control)?);
-    }
     Ok(Cover { chosen, wanted, bound })
+}
+
+/// A choice with a lower bound, where it is not known to be the best.
+fn with_dual_bound(found: Cover, sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
+    let covered = found.covered();
+    if covered == found.bound || k == 1 {
+        return Ok(found);
+    }
+    Ok(Cover { bound: found.bound.min(dual_bound(sets, k, covered, control)?), ..found })
+}
+
+/// Chosen sets from the one that covers most on, each before those that add less; the first of equal ones first.
+fn in_order(sets: &SeenSets, mut choice: Vec<usize>) -> Vec<Chosen> {
+    let (mut left, mut covered, mut chosen) = (sets.wanted.clone(), 0, Vec::new());
+    while !choice.is_empty() {
+        let gains: Vec<u128> = choice.iter().map(|set| sets.value(sets.set(*set), &left)).collect();
+        let best = (0..gains.len()).rev().max_by_key(|k| gains[*k]).unwrap_or(0);
+        let (set, gain) = (choice.remove(best), gains[best]);
+        if gain == 0 {
+            break;
+        }
+        covered += gain;
+        chosen.push(Chosen { set, gain, covered });
+        left.iter_mut().zip(sets.set(set)).for_each(|(left, seen)| *left &= !seen);
+    }
+    chosen
 }
 
 /// No more than all numbers hold: no bound is that high.

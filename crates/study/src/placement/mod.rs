@@ -17,6 +17,7 @@
 
 mod candidates;
 mod cover;
+mod exact_cover;
 mod least_height;
 mod margin;
 mod over_grid;
@@ -25,7 +26,7 @@ mod sampled;
 mod score;
 
 pub use candidates::{Candidate, CandidateRules, Candidates, PlaceGrid, Skipped, Spot};
-pub use cover::{Chosen, Cover, SeenSets, cover};
+pub use cover::{Chosen, Cover, SeenSets, cover, greedy_cover};
 pub use least_height::{LeastHeight, least_heights};
 pub use margin::{WorstMargin, ranked_margins, worst_margins};
 pub use over_grid::scores_over_grid;
