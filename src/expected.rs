@@ -1,5 +1,6 @@
 //! What a run will take, told before it starts.
 
+use crate::coverage::HeightLayers;
 use crate::height_field::HeightField;
 use crate::los::Method;
 use crate::memory::{FIELD_BYTES_PER_CELL, memory_words};
@@ -12,39 +13,44 @@ pub(crate) struct Expected {
 }
 
 impl Expected {
-    /// Of maps over a field from so many UAVs, with so many layers of heights, in a range in units of its grid.
+    /// Of maps over a field from so many UAVs, with some layers, in a range in units of its grid.
     pub(crate) fn over(
         field: &HeightField,
         method: Method,
         radius: Option<f64>,
-        numbers: (usize, usize),
+        asked: (usize, HeightLayers),
         bytes_per_cell: usize,
     ) -> Self {
         let grid = field.grid();
         let disc = radius.map_or(f64::INFINITY, |r| std::f64::consts::PI * r * r);
         #[expect(clippy::cast_precision_loss, reason = "an estimate")]
         let n_in_range = (disc / (grid.cell_width() * grid.cell_height())).min(grid.n_cells() as f64);
-        Self::of((method, rayon::current_num_threads()), (grid.n_cells(), n_in_range), numbers, bytes_per_cell)
+        Self::of((method, rayon::current_num_threads()), (grid.n_cells(), n_in_range), asked, bytes_per_cell)
     }
 
     /// Of a method on so many threads, from the cells of the grid and those of them in range of a UAV.
     pub(crate) fn of(
         (method, n_threads): (Method, usize),
         (n_cells, n_in_range): (usize, f64),
-        (n_uavs, n_measures): (usize, usize),
+        (n_uavs, layers): (usize, HeightLayers),
         bytes_per_cell: usize,
     ) -> Self {
-        // Nanoseconds per cell on one core of a server of 2023, for a map and for each layer of heights.
-        let (map, layer) = match method {
-            Method::Ray | Method::ShadowRay => (150.0, 600.0),
+        // Nanoseconds per cell on one core of a server of 2023: of a map, of margins and least receiver heights, which are
+        // found together, and of least UAV heights.
+        let (map, receiver, uav) = match method {
+            Method::Ray | Method::ShadowRay => (150.0, 600.0, 600.0),
             // About 3 ns a sample, some 50 of them until the ray is above the roofs.
-            Method::Step(length) => (150.0 / length.cells(), 600.0),
-            Method::Sweep | Method::ShadowSweep => (6.0, 600.0),
-            Method::Xdraw | Method::R2 => (10.0, 600.0),
-            Method::Shadow => (2.0, 300.0),
+            Method::Step(length) => (150.0 / length.cells(), 0.0, 0.0),
+            Method::Sweep | Method::ShadowSweep => (6.0, 50.0, 500.0),
+            Method::Xdraw | Method::R2 => (10.0, 0.0, 0.0),
+            Method::Shadow => (2.0, 10.0, 60.0),
         };
-        let work = n_in_range * n_uavs as f64 / n_threads as f64;
-        let seconds = work * (map + layer * n_measures as f64) * 1e-9;
+        let of = |is_asked: bool, cost: f64| if is_asked { cost } else { 0.0 };
+        let per_cell = map
+            + of(layers.margin || layers.least_receiver_height, receiver)
+            + of(layers.least_height, uav)
+            + of(layers.stability, 8.0 * map);
+        let seconds = n_in_range * n_uavs as f64 / n_threads as f64 * per_cell * 1e-9;
         Expected { bytes: n_cells.saturating_mul(FIELD_BYTES_PER_CELL + bytes_per_cell) as u64, seconds }
     }
 
@@ -70,11 +76,12 @@ mod tests {
     #[test]
     fn only_large_runs_say_what_to_expect() {
         let cells = 1_000_000;
-        let small = Expected::of((Method::Sweep, 2), (cells, 1e6), (1, 0), 1);
+        let none = HeightLayers::default();
+        let small = Expected::of((Method::Sweep, 2), (cells, 1e6), (1, none), 1);
         assert_eq!(small.words(), None);
-        let long = Expected::of((Method::Ray, 2), (cells, 1e6), (100, 1), 5);
+        let long = Expected::of((Method::Ray, 2), (cells, 1e6), (100, HeightLayers { margin: true, ..none }), 5);
         assert_eq!(long.words().as_deref(), Some("expect about 12 MiB of memory and 38 s for the line of sight"));
-        let wide = Expected::of((Method::Sweep, 2), (16_384 * 16_384, 1e5), (1, 0), 1);
+        let wide = Expected::of((Method::Sweep, 2), (16_384 * 16_384, 1e5), (1, none), 1);
         assert_eq!(wide.words().as_deref(), Some("expect about 2.2 GiB of memory and 1 s for the line of sight"));
     }
 }

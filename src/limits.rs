@@ -15,7 +15,7 @@ use crate::accuracy::{
 };
 use crate::answer::{Answer, Head, Rows, RunFacts, Spent, WarningFacts, document_of, rows, warnings_of};
 use crate::city::Solids;
-use crate::coverage::{IdleFootprints, Mapper};
+use crate::coverage::{HeightLayers, IdleFootprints, Mapper};
 use crate::error::{Error, Result, Warning};
 use crate::expected::Expected;
 use crate::export::{Batch, Format};
@@ -118,8 +118,12 @@ impl LimitsPlan {
         #[expect(clippy::cast_precision_loss, reason = "counts of cells")]
         let (in_range, p_los) = (receivers as f64, (receivers > 0).then(|| los as f64 / receivers as f64));
         let threads = (method, rayon::current_num_threads());
-        let expected =
-            Expected::of(threads, (field.grid().n_cells(), in_range / uavs.len() as f64), (uavs.len(), 0), 1);
+        let expected = Expected::of(
+            threads,
+            (field.grid().n_cells(), in_range / uavs.len() as f64),
+            (uavs.len(), HeightLayers::default()),
+            1,
+        );
         let meters_per_unit = field.grid().meters_per_unit();
         let uncertain = Uncertain { uav_m: self.uav_error_m, roofs_m: self.height_error_m, meters_per_unit };
         let budget = match p_los {

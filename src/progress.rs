@@ -1,7 +1,7 @@
 //! How a run tells how far it is, and is told to stop.
 
 use std::fmt;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use crate::coverage::Control;
 
@@ -23,6 +23,8 @@ use crate::coverage::Control;
 pub struct Progress {
     pub(crate) control: Control,
     pub(crate) total: AtomicU64,
+    /// Whether any work was begun: until then files are read.
+    pub(crate) has_begun: AtomicBool,
     pub(crate) note: fn(&str),
     /// Called before work in pieces is begun, which stops between two of them.
     pub(crate) begin_pieces: fn(),
@@ -38,6 +40,7 @@ impl Default for Progress {
         Progress {
             control: Control::default(),
             total: AtomicU64::new(0),
+            has_begun: AtomicBool::new(false),
             note: |_| {},
             begin_pieces: || {},
             begin_writing: || {},
@@ -82,6 +85,7 @@ impl Progress {
 
     /// Begins work of so many pieces.
     pub(crate) fn begin(&self, total: u64) {
+        self.has_begun.store(true, Ordering::Relaxed);
         self.control.done.store(0, Ordering::Relaxed);
         self.total.store(total, Ordering::Relaxed);
     }

@@ -134,6 +134,11 @@ pub(super) fn begin_writing() {
     enter(Phase::Writing);
 }
 
+/// Whether files are being written.
+pub(super) fn is_writing() -> bool {
+    *PHASE.lock().unwrap_or_else(PoisonError::into_inner) == Phase::Writing
+}
+
 /// Whether writing may go on.
 ///
 /// # Errors

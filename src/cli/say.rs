@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::hints;
+use super::{hints, interrupt};
 use crate::cli::failure::{Failure, Result, refusal};
 use crate::error::{Error, RequestError, Warning, escaped, io_words, is_text};
 use crate::progress::Progress;
@@ -195,38 +195,93 @@ pub(super) fn plain_answer(text: &[u8]) -> Result<()> {
     }
 }
 
-/// How long work may take before a bar is worth showing.
-const SHOW_AFTER: Duration = Duration::from_secs(1);
+/// How long a run may take before it says how far it is.
+const SILENT_FOR: Duration = Duration::from_secs(2);
+/// How long it is silent after that, where there is no terminal.
+const SILENT_BETWEEN: Duration = Duration::from_secs(10);
 
-/// Runs `work`, which tells how far it is, under a progress bar on standard error: shown when it takes longer than a second, on
-/// a terminal only.
+/// What a run is at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    Reading,
+    /// Work that is counted.
+    Counting,
+    /// What comes after it.
+    Finishing,
+    Writing,
+}
+
+impl Stage {
+    fn of(progress: &Progress) -> Self {
+        match progress.total() {
+            _ if interrupt::is_writing() => Stage::Writing,
+            0 if progress.has_begun.load(Ordering::Relaxed) => Stage::Finishing,
+            0 => Stage::Reading,
+            _ => Stage::Counting,
+        }
+    }
+
+    /// How far it is, `since` it was begun.
+    fn in_words(self, progress: &Progress, since: Duration) -> String {
+        let so_far = |what: &str| format!("{what}, {} s so far", since.as_secs());
+        match (self, progress.share()) {
+            (Stage::Counting, Some(share)) if share > 0.0 => {
+                let left = since.as_secs_f64() * (1.0 - share) / share;
+                format!("{:.0} % done, about {left:.0} s left", 100.0 * share)
+            }
+            (Stage::Counting, _) => so_far("working"),
+            (Stage::Reading, _) => so_far("reading and preparing"),
+            (Stage::Finishing, _) => so_far("finishing"),
+            (Stage::Writing, _) => so_far("writing"),
+        }
+    }
+}
+
+/// Runs `work` and says on standard error how far it is, when it takes longer than two seconds: in one line that changes on a
+/// terminal, else in a line now and then.
 pub(super) fn with_progress<T>(progress: &Progress, quiet: bool, work: impl FnOnce() -> T) -> T {
-    if quiet || !std::io::stderr().is_terminal() {
+    if quiet {
         return work();
     }
     let finished = AtomicBool::new(false);
-    let style = ProgressStyle::with_template("{bar:40} {percent}%, {eta} left")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
     std::thread::scope(|scope| {
-        scope.spawn(|| {
-            let start = Instant::now();
-            let mut bar: Option<ProgressBar> = None;
-            while !finished.load(Ordering::Acquire) {
-                std::thread::park_timeout(Duration::from_millis(100));
-                if progress.total() == 0 {
-                    bar.take().iter().for_each(ProgressBar::finish_and_clear);
-                } else if start.elapsed() >= SHOW_AFTER {
-                    let bar = bar.get_or_insert_with(|| ProgressBar::new(0).with_style(style.clone()));
-                    bar.set_length(progress.total());
-                    bar.set_position(progress.done());
-                }
-            }
-            bar.iter().for_each(ProgressBar::finish_and_clear);
-        });
+        let watcher = scope.spawn(|| watch(progress, &finished));
         let result = work();
         finished.store(true, Ordering::Release);
+        watcher.thread().unpark();
         result
     })
+}
+
+/// Says how far a run is until it is finished.
+fn watch(progress: &Progress, finished: &AtomicBool) {
+    let is_terminal = std::io::stderr().is_terminal();
+    let start = Instant::now();
+    let mut bar: Option<ProgressBar> = None;
+    let (mut stage, mut since) = (Stage::Reading, start);
+    let mut next_line = start + SILENT_FOR;
+    while !finished.load(Ordering::Acquire) {
+        std::thread::park_timeout(Duration::from_millis(100));
+        let (now, found) = (Instant::now(), Stage::of(progress));
+        if found != stage {
+            (stage, since) = (found, now);
+        }
+        let words = || stage.in_words(progress, now - since);
+        if finished.load(Ordering::Acquire) || now - start < SILENT_FOR {
+            continue;
+        }
+        if is_terminal {
+            let style =
+                || ProgressStyle::with_template("{spinner} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
+            let bar = bar.get_or_insert_with(|| ProgressBar::new_spinner().with_style(style()));
+            bar.set_message(words());
+            bar.tick();
+        } else if now >= next_line {
+            note(&words());
+            next_line = now + SILENT_BETWEEN;
+        }
+    }
+    bar.iter().for_each(ProgressBar::finish_and_clear);
 }
 
 #[cfg(test)]

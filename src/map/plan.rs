@@ -142,7 +142,7 @@ impl Prepared {
         let mut mapper = Mapper::new(&field, &options)?;
         let idle = mapper.drop_idle(&uavs);
         let (method, why) = mapper.method();
-        let expected = Expected::over(&field, method, options.radius, (uavs.len(), n_measures), bytes_per_cell);
+        let expected = Expected::over(&field, method, options.radius, (uavs.len(), options.layers), bytes_per_cell);
         expected.words().iter().for_each(|words| (progress.note)(words));
         scene.timing.build += began.elapsed().as_secs_f64();
         let before_los = Instant::now();

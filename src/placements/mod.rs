@@ -119,7 +119,7 @@ impl SearchPlan {
         check_memory(&scene.word, scene.grid(), per_cell)?;
         let field = std::sync::Arc::clone(&scene.field);
         let mapper = Mapper::new(&field, &options)?;
-        let expected = Expected::over(&field, mapper.method().0, radius, (n_uavs, 0), per_cell);
+        let expected = Expected::over(&field, mapper.method().0, radius, (n_uavs, options.layers), per_cell);
         expected.words().iter().for_each(|words| (progress.note)(words));
         let before_los = Instant::now();
         let search = Search {
