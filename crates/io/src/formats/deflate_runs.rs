@@ -95,7 +95,9 @@ impl<'a> Parse<'a> {
             let is_first = at == 0 || self.bytes[at - 1] != self.bytes[at];
             let (len, back) = if run + 1 < n_runs { self.longest(at, run, distance) } else { (0, 0) };
             // A match that ends within the run is no better than the run.
-            if len >= SHORTEST && (len > rest || is_first && len == rest) {
+            // A longer match may begin behind this run.
+            let is_later = || run + 2 < n_runs && self.longest(at + rest, run + 1, distance).0 > len;
+            if len >= SHORTEST && (len > rest || is_first && len == rest) && (len >= LONGEST / 2 || !is_later()) {
                 distance = back;
                 sink.consume(pointer(len, back));
                 at += len;
