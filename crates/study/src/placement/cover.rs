@@ -177,7 +177,7 @@ impl Cover {
     }
 }
 
-/// Chooses `k` sets whose union is largest, if choices are few enough to try them all ([`super::exact_cover`]); else as
+/// Chooses `k` sets whose union is largest, if choices are few enough to try them all (`exact_cover.rs`); else as
 /// [`greedy_cover`] does.
 pub fn cover(sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
     let greedy = greedily(sets, k, control)?;
