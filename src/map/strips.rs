@@ -351,7 +351,7 @@ impl StripFiles<'_> {
         let field = HeightField::build(&grid, surface.highest(factor)?).field;
         let map = Coverages {
             scene: Scene::of_field(surface.name.clone(), field, report.facts.warnings.clone()),
-            sites: vec![SiteCoverage { mask: shown.classes.clone().into(), ..coverage.clone() }],
+            sites: vec![SiteCoverage::of_mask(&coverage.uav, shown.classes.clone().into(), coverage.tally)],
             overlay: None,
             layers: vec![Layer::Los],
             report: report.clone(),

@@ -75,7 +75,8 @@ mod height_curve; // P_LoS against the UAV's height, exact at every height
 mod height_layers; // margins and ceilings by an engine are those of rays, to the last bit, over real cities
 mod chart; // speed against accuracy: counts by hand and from saved maps, sums, threads
 mod cli_chart; // its command: the picture from its table, interrupts, peers, flags
-mod placement; // where to hover: against brute force, optima and linear searches; its command
+mod placement; // where to hover: against brute force, optima and linear searches
+mod cli_place; // its command
 mod told; // names and degrees of sites, counts, infinite heights, weights: alike and true in every file
 mod in_range; // rasters with a radius: the part in range, the same of all
 mod streamed; // rasters that do not fit in memory: the maps of memory, what is refused, 50 000 cells a side

@@ -13,6 +13,7 @@ mod engine;
 #[cfg(target_family = "wasm")]
 pub mod exports;
 pub mod pack;
+mod packed_zones;
 pub mod questions;
 
 pub use engine::{Engine, MOST_UAVS};

@@ -37,6 +37,11 @@ pub struct SiteCoverage {
 }
 
 impl SiteCoverage {
+    /// The coverage of a UAV without layers.
+    pub fn of_mask(uav: &Uav, mask: LargeVec<u8>, tally: Tally) -> Self {
+        SiteCoverage { mask, ..SiteCoverage::of_tally(uav, tally) }
+    }
+
     /// The coverage of a UAV without a mask and layers.
     pub(super) fn of_tally(uav: &Uav, tally: Tally) -> Self {
         SiteCoverage {

@@ -3,6 +3,11 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use fearless_simd::Simd;
+
+use crate::dispatch;
+use crate::simd::SimdLevel;
+
 /// A set of cells of a grid of shape `[n_rows, n_cols]`, row 0 north.
 ///
 /// Bit `col % 64` of word `col / 64` of a row is cell `col`. Bits beyond the last column are 0.
@@ -144,13 +149,27 @@ impl BitGrid {
 
     /// Number of cells in the set and in `other`, of the same shape.
     pub fn count_in(&self, other: &BitGrid) -> u64 {
-        self.words.iter().zip(&other.words).map(|(a, b)| u64::from((a & b).count_ones())).sum()
+        n_common(&self.words, &other.words)
     }
 
     /// Number of cells in the set.
     pub fn count(&self) -> u64 {
         self.words.iter().map(|w| u64::from(w.count_ones())).sum()
     }
+}
+
+/// How many bits two sets have in common.
+pub fn n_common(a: &[u64], b: &[u64]) -> u64 {
+    dispatch!(SimdLevel::new(), simd => n_common_of(simd, a, b))
+}
+
+#[inline(always)]
+fn n_common_of<S: Simd>(_: S, a: &[u64], b: &[u64]) -> u64 {
+    let mut n = 0;
+    for (a, b) in a.iter().zip(b) {
+        n += u64::from((a & b).count_ones());
+    }
+    n
 }
 
 impl From<BitGrid> for Cow<'_, BitGrid> {

@@ -15,7 +15,7 @@ mod row_runs;
 use bytemuck::Pod;
 
 pub(crate) use bit_grid::bits_between;
-pub use bit_grid::{BitGrid, set_bits};
+pub use bit_grid::{BitGrid, n_common, set_bits};
 pub use cell_blocks::CellBlocks;
 pub use cell_lattice::CellLattice;
 pub use crs::{Crs, CrsDefinition, CrsKind};

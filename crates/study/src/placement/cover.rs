@@ -34,7 +34,7 @@ use super::score::{quotient, word_sum};
 use super::{Candidate, Score, Scorer, Weights};
 use crate::coverage::{Control, maps_at_once};
 use crate::error::Result;
-use crate::raster::BitGrid;
+use crate::raster::{BitGrid, n_common};
 
 /// Sets of wanted receivers, one per candidate, packed: words of cells without a wanted receiver are left out.
 #[derive(Debug, Clone)]
@@ -130,10 +130,12 @@ impl SeenSets {
 
     /// What the receivers of a set count that are in `left` too.
     pub(super) fn value(&self, set: &[u64], left: &[u64]) -> u128 {
-        let common = set.iter().zip(left).map(|(a, b)| a & b);
         match &self.weights {
-            None => common.map(|word| u64::from(word.count_ones())).sum::<u64>().into(),
-            Some(weights) => common.zip(weights.chunks_exact(64)).map(|(word, w)| word_sum(word, w)).sum(),
+            None => n_common(set, left).into(),
+            Some(weights) => {
+                let common = set.iter().zip(left).map(|(a, b)| a & b);
+                common.zip(weights.chunks_exact(64)).map(|(word, w)| word_sum(word, w)).sum()
+            }
         }
     }
 
