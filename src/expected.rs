@@ -1,9 +1,12 @@
 //! What a run will take, told before it starts.
 
+use std::path::PathBuf;
+
 use crate::coverage::HeightLayers;
 use crate::height_field::HeightField;
 use crate::los::Method;
 use crate::memory::{FIELD_BYTES_PER_CELL, memory_words};
+use crate::read::VectorFormat;
 
 /// What a run will take, as far as can be told before it.
 #[derive(Debug)]
@@ -67,6 +70,26 @@ impl Expected {
             format!("expect about {memory} of memory and {:.0} s for the line of sight", self.seconds.max(1.0))
         })
     }
+}
+
+/// About how long it takes to read some files and to make a city of them ready \[s\], by their sizes.
+pub(crate) fn seconds_to_read(files: &[PathBuf]) -> f64 {
+    let seconds = |file: &PathBuf| {
+        // Nanoseconds per byte on one core of a server of 2023.
+        let per_byte = match VectorFormat::of_path(file) {
+            Some(VectorFormat::Json) => 40.0,
+            Some(_) => 80.0,
+            // Heights of a terrain or a surface, deflated or as text.
+            None => 15.0,
+        };
+        let n_bytes = std::fs::metadata(file).map_or(0, |metadata| metadata.len());
+        #[expect(clippy::cast_precision_loss, reason = "an estimate")]
+        let seconds = n_bytes as f64 * per_byte * 1e-9;
+        seconds
+    };
+    #[expect(clippy::cast_precision_loss, reason = "a few threads")]
+    let n_threads = rayon::current_num_threads() as f64;
+    files.iter().map(seconds).sum::<f64>() / n_threads
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ mod say;
 mod typed;
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -57,6 +58,7 @@ fn execute(cli: &Cli, typed: Typed, command: Vec<String>) -> Result<()> {
     check_use(&scenes, out, cli.draws(), &run.typed)?;
     let repairs = RepairsFile::of(&scenes, (reading, out), &run.typed)?;
     check_text(out, repairs.as_ref())?;
-    in_pool(out.threads, || say::with_progress(&run.progress, is_quiet, || cli.run(&run)))??;
+    let files: Vec<PathBuf> = scenes.iter().flat_map(|scene| reading.files(scene)).collect();
+    in_pool(out.threads, || say::with_progress(&run.progress, is_quiet, &files, || cli.run(&run)))??;
     repairs.map_or(Ok(()), |repairs| repairs.write(&run))
 }

@@ -11,6 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::{hints, interrupt};
 use crate::cli::failure::{Failure, Result, refusal};
 use crate::error::{Error, RequestError, Warning, escaped, io_words, is_text};
+use crate::expected::seconds_to_read;
 use crate::progress::Progress;
 
 /// A line on standard error; a closed pipe there is nobody's concern.
@@ -221,8 +222,8 @@ impl Stage {
         }
     }
 
-    /// How far it is, `since` it was begun.
-    fn in_words(self, progress: &Progress, since: Duration) -> String {
+    /// How far it is, `since` it was begun; reading was expected to take some seconds.
+    fn in_words(self, progress: &Progress, since: Duration, reading_s: f64) -> String {
         let so_far = |what: &str| format!("{what}, {} s so far", since.as_secs());
         match (self, progress.share()) {
             (Stage::Counting, Some(share)) if share > 0.0 => {
@@ -230,6 +231,9 @@ impl Stage {
                 format!("{:.0} % done, about {left:.0} s left", 100.0 * share)
             }
             (Stage::Counting, _) => so_far("working"),
+            (Stage::Reading, _) if reading_s > since.as_secs_f64() => {
+                format!("reading and preparing, about {:.0} s left", (reading_s - since.as_secs_f64()).ceil())
+            }
             (Stage::Reading, _) => so_far("reading and preparing"),
             (Stage::Finishing, _) => so_far("finishing"),
             (Stage::Writing, _) => so_far("writing"),
@@ -238,14 +242,14 @@ impl Stage {
 }
 
 /// Runs `work` and says on standard error how far it is, when it takes longer than two seconds: in one line that changes on a
-/// terminal, else in a line now and then.
-pub(super) fn with_progress<T>(progress: &Progress, quiet: bool, work: impl FnOnce() -> T) -> T {
+/// terminal, else in a line now and then. `files` are those that are read first.
+pub(super) fn with_progress<T>(progress: &Progress, quiet: bool, files: &[PathBuf], work: impl FnOnce() -> T) -> T {
     if quiet {
         return work();
     }
-    let finished = AtomicBool::new(false);
+    let (finished, reading_s) = (AtomicBool::new(false), seconds_to_read(files));
     std::thread::scope(|scope| {
-        let watcher = scope.spawn(|| watch(progress, &finished));
+        let watcher = scope.spawn(|| watch(progress, reading_s, &finished));
         let result = work();
         finished.store(true, Ordering::Release);
         watcher.thread().unpark();
@@ -254,7 +258,7 @@ pub(super) fn with_progress<T>(progress: &Progress, quiet: bool, work: impl FnOn
 }
 
 /// Says how far a run is until it is finished.
-fn watch(progress: &Progress, finished: &AtomicBool) {
+fn watch(progress: &Progress, reading_s: f64, finished: &AtomicBool) {
     let is_terminal = std::io::stderr().is_terminal();
     let start = Instant::now();
     let mut bar: Option<ProgressBar> = None;
@@ -266,7 +270,7 @@ fn watch(progress: &Progress, finished: &AtomicBool) {
         if found != stage {
             (stage, since) = (found, now);
         }
-        let words = || stage.in_words(progress, now - since);
+        let words = || stage.in_words(progress, now - since, reading_s);
         if finished.load(Ordering::Acquire) || now - start < SILENT_FOR {
             continue;
         }

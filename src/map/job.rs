@@ -9,7 +9,7 @@ use super::report::MapReport;
 use super::save_options::SaveOptions;
 use super::tolerance::in_words as tolerance_in_words;
 use crate::answer::{Answer, Output, Rows, Spent, Timing};
-use crate::city::GivenSite;
+use crate::city::{GivenSite, Site};
 use crate::error::{Result, Warning};
 use crate::export::{Batch, Format, Layer};
 use crate::los::Method;
@@ -144,6 +144,20 @@ impl MapJob {
     pub(super) fn of_range(&self, sites: &[GivenSite], grid: &GeoRef) -> MapJob {
         let around = self.plan.sight.box_in_range(sites, grid);
         MapJob { scene: SceneOptions { around, ..self.scene.clone() }, ..self.clone() }
+    }
+
+    /// How the scene is read: of footprints with an extent and a radius those alone that a link can meet.
+    pub(super) fn scene_in_reach(&self) -> SceneOptions {
+        let (radius_m, extent) = (self.plan.sight.radius_m(), self.scene.extent);
+        let is_near = |site: &Site, [west, south, east, north]: [f64; 4], reach: f64| {
+            (west - reach..=east + reach).contains(&site.x) && (south - reach..=north + reach).contains(&site.y)
+        };
+        // What a UAV hovers over far away is asked for, too; those of a table are not read yet.
+        let knows_uavs = self.uavs.table.is_none();
+        let reach_m = radius_m.zip(extent).filter(|(reach, extent)| {
+            knows_uavs && !self.plan.needs_zones() && self.uavs.typed.iter().all(|site| is_near(site, *extent, *reach))
+        });
+        SceneOptions { reach_m: reach_m.map(|(reach_m, _)| reach_m), ..self.scene.clone() }
     }
 
     /// The path of a scene that is a file.

@@ -48,7 +48,7 @@ impl MapJob {
         let read_uavs = |grid: &GeoRef| uavs.map_or_else(|| self.uavs.read(grid), Ok);
         let scene = match scene {
             GivenScene::InMemory(scene) => *scene,
-            GivenScene::Asked if reason_for_strips(self).is_none() => self.scene.open(&self.word)?,
+            GivenScene::Asked if reason_for_strips(self).is_none() => self.scene_in_reach().open(&self.word)?,
             not_in_memory => {
                 let run = StripsRun { job: self, outputs: &outputs, start, unit, progress };
                 return match not_in_memory {

@@ -47,6 +47,8 @@ pub struct SceneOptions {
     pub(crate) keeps_solids: bool,
     /// The box of a raster that is read: west, south, east, north \[CRS units\]; all of it without one.
     pub(crate) around: Option<[f64; 4]>,
+    /// How far from the extent a footprint can matter at most \[m\].
+    pub(crate) reach_m: Option<f64>,
     /// Whether what is wrong with footprints is told where the program would refuse them.
     pub(crate) tells_faults: bool,
     /// Where what was mended or left out is listed.
@@ -369,6 +371,7 @@ impl SceneOptions {
             terrain: self.terrain.clone().map(Into::into),
             ground_m: self.ground_m,
             extent: self.extent,
+            reach_m: self.reach_m,
             cell_m: self.cell_m,
             crs: self.crs.clone(),
             project: self.project.clone(),

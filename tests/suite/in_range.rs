@@ -114,3 +114,20 @@ fn zones_are_those_of_the_whole_raster_whatever_the_radius() {
     let street = |document: &serde_json::Value| document["sites"][0]["zones"]["street"]["receivers"].as_u64();
     assert!(street(&near).is_some_and(|n| n > 0) && street(&near) < street(&all));
 }
+
+#[test]
+fn footprints_beyond_reach_of_an_extent_are_not_built_and_hide_nothing() {
+    let folder = Folder::new();
+    folder.type_in("city itu:highrise --size 900 --seed 4 -o city.geojson -q").done();
+    folder.write("uavs.csv", "id,x,y,h\n1,455,432,70\n");
+    let line = "map city.geojson --extent 380,350,520,470 --cell 1 --json -q";
+    for radius in [40.0, 90.0, 3000.0] {
+        // Of a table it is not known beforehand where its UAVs are.
+        let all = folder.type_in(&format!("{line} --uavs uavs.csv --radius {radius}")).done().json();
+        let near = folder.type_in(&format!("{line} --uav 455,432,70 --radius {radius}")).done().json();
+        assert_eq!((&near["digest"], &near["union"]), (&all["digest"], &all["union"]), "{radius} m");
+        let n_built = |document: &serde_json::Value| document["footprints"]["total"].as_u64();
+        assert!(n_built(&near) <= n_built(&all));
+        assert_eq!(n_built(&near) < n_built(&all), radius < 100.0, "{radius} m");
+    }
+}

@@ -5,11 +5,12 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use skyshed_core::city::Ground;
 use skyshed_core::coverage::{Control, MapOptions, Mapper, Receivers, Uav, UavGrid};
 use skyshed_core::height_field::HeightField;
 use skyshed_core::los::{InView, MethodChoice, ReceiverTile, ShadowGrid, UavPositions, prisms_los};
-use skyshed_core::quantity::{Height, LatticePoint};
-use skyshed_core::raster::BitGrid;
+use skyshed_core::quantity::{Height, LatticePoint, VOID};
+use skyshed_core::raster::{BitGrid, GeoRef, Raster};
 use skyshed_core::simd::simd_levels;
 use skyshed_study::placement::{CandidateRules, Candidates, PlaceGrid, Scorer, Weights, scores, scores_over_grid};
 
@@ -17,7 +18,7 @@ use crate::invariants::{raster_town, vector_town};
 use crate::referee::{Count, check_cells, over_seeds};
 use crate::shadow::{scaled_scene, tiny_field, tiny_uav};
 use crate::shapes::moved;
-use crate::support::{ENVIRONMENTS, Random, cells_where, city, prisms_of, slow};
+use crate::support::{ENVIRONMENTS, Random, cells_where, city, prisms_of, raster_field, slow};
 
 /// The box around some receivers, sometimes a little larger.
 fn tile_of(random: &mut Random, receivers: &[LatticePoint]) -> ReceiverTile {
@@ -239,6 +240,49 @@ fn a_grid_of_uavs_has_one_height_and_prisms_alone_below() {
     let grid = grid_of(&on_raster, &places, &uavs).unwrap();
     assert!(!on_raster.is_counted_sooner(&grid));
     assert_eq!(on_raster.count_grid(&grid, &|_| 1, &Control::default()).unwrap(), None);
+}
+
+/// A block model with holes, and blocks from `least` \[1/1024 m\] on above flat ground at 0.
+fn block_model(random: &mut Random, least: usize) -> HeightField {
+    let (n_rows, n_cols) = (540, 560);
+    let mut cells = vec![0; n_rows * n_cols];
+    for _ in 0..60 {
+        let (row, col) = (random.below(n_rows), random.below(n_cols));
+        let (height, width) = (random.index(4, 44), random.index(4, 44));
+        let top = if random.chance(10) { VOID } else { random.index(least, 60_000) as i32 };
+        for row in row..(row + height).min(n_rows) {
+            cells[row * n_cols + col..][..width.min(n_cols - col)].fill(top);
+        }
+    }
+    let grid = GeoRef::new((20.0, 900.0), (1.0, 1.0), (n_rows, n_cols), None).unwrap();
+    raster_field(Raster::new(grid, cells), Ground::Flat(0))
+}
+
+#[test]
+fn uavs_over_a_block_model_are_counted_as_one_by_one() {
+    let mut random = Random(74);
+    for (height, receivers, rx_height) in [
+        (Height::AboveDatum(30.0), Receivers::Ground, 1536),
+        (Height::AboveDatum(90.0), Receivers::Ground, 0),
+        (Height::AboveDatum(1.0), Receivers::Ground, 1024),
+    ] {
+        let field = block_model(&mut random, 300);
+        assert!(field.plateaus().is_some());
+        let options = MapOptions { receivers, rx_height, radius: Some(90.0), ..MapOptions::default() };
+        let places = PlaceGrid::over(field.grid(), 31.0).unwrap();
+        assert!(compare_counts(&field, &places, height, &options) > 0);
+    }
+    // On roofs receivers are at many heights; below a step of the ground, and above the UAVs, their own cells matter.
+    let field = block_model(&mut random, 100);
+    let places = PlaceGrid::over(field.grid(), 31.0).unwrap();
+    for (height, receivers, rx_height) in
+        [(70.0, Receivers::All, 1536), (10.0, Receivers::Ground, 20_480), (70.0, Receivers::Ground, 0)]
+    {
+        let options = MapOptions { receivers, rx_height, ..MapOptions::default() };
+        let mapper = Mapper::new(&field, &options).unwrap();
+        let grid = grid_of(&mapper, &places, &uavs_of(&field, &places, Height::AboveDatum(height))).unwrap();
+        assert_eq!(mapper.count_grid(&grid, &|_| 1, &Control::default()).unwrap(), None);
+    }
 }
 
 #[test]

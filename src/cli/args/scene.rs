@@ -183,6 +183,7 @@ impl ReadingArgs {
             hash: self.hash,
             keeps_solids: false,
             around: None,
+            reach_m: None,
             tells_faults: false,
             repairs: self.repairs.is_some().then(|| Arc::clone(&self.found_repairs)),
         })

@@ -49,12 +49,13 @@ impl Mapper<'_> {
         let field = self.field;
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
         let positions = field.positions_on(grid);
-        let (xs, ys) = positions.on_prisms();
+        let has_prisms = field.prisms().is_some();
+        let (xs, ys) = if has_prisms { positions.on_prisms() } else { positions.on_columns() };
         let mut places = BitGrid::new(n_rows, n_cols);
         let mut z = None;
         for (place, uav) in uavs {
             let (row, col) = (place / n_cols, place % n_cols);
-            let at = uav.station.on_prisms();
+            let at = self.engine.on_shadows(&uav.station);
             if row >= n_rows || (at.x, at.y) != (xs[col], ys[row]) || *z.get_or_insert(at.z) != at.z {
                 return None;
             }
@@ -65,7 +66,7 @@ impl Mapper<'_> {
 
     /// Whether [`Mapper::count_grid`] can count these UAVs and should take less time than [`Mapper::count`] for each.
     pub fn is_counted_sooner(&self, uavs: &UavGrid) -> bool {
-        let Some(positions) = self.engine.uav_positions(&uavs.shadows, uavs.z) else { return false };
+        let Some(positions) = self.engine.uav_positions(&uavs.shadows, uavs.z, &self.receivers) else { return false };
         // PERF: µs of one thread, fitted to the itu cities and Munich on cells of 2 and 5 m with 500 to 40 000 UAVs; only their
         // ratio matters. Of 65 trials it takes the slower way in 6: three ties, and at most 1.9 times the time where UAVs are
         // so high (200 m) that counting them together takes half as long. The passes over words matter for millions of places.
@@ -81,14 +82,16 @@ impl Mapper<'_> {
             let disc = std::f64::consts::PI * radius * radius;
             (casters * (disc / area).min(1.0), rows.min(2.0 * radius / uavs.grid.cell_height()))
         });
-        let one_uav = 40.0 + 0.2 * casters;
+        // On a raster of plateaus one UAV takes twice as long.
+        let of_raster = if self.field.prisms().is_none() { 2.0 } else { 1.0 };
+        let one_uav = (40.0 + 0.2 * casters) * of_raster;
         let of_range = if self.options.radius.is_some() { 2.0 } else { 1.0 };
         let one_receiver = (5.0 + 0.005 * casters) * (0.4 + 0.006 * rows) * of_range + 0.0025 * words;
         receivers * one_receiver < n_uavs * one_uav
     }
 
     /// What each UAV of a grid sees, place by place, 0 for those without a UAV: for each receiver of a cell `weight(cell)`,
-    /// cells row by row. `None` unless the engine is `shadow` over prisms alone.
+    /// cells row by row. `None` unless the engine is `shadow` over prisms alone, or over a raster of plateaus with receivers beside them.
     ///
     /// Shared by all threads of the current pool. Adds the number of UAVs to `control.done`, tile by tile of receivers.
     pub fn count_grid(
@@ -97,7 +100,9 @@ impl Mapper<'_> {
         weight: &(dyn Fn(usize) -> u128 + Sync),
         control: &Control,
     ) -> Result<Option<Vec<u128>>> {
-        let Some(positions) = self.engine.uav_positions(&uavs.shadows, uavs.z) else { return Ok(None) };
+        let Some(positions) = self.engine.uav_positions(&uavs.shadows, uavs.z, &self.receivers) else {
+            return Ok(None);
+        };
         let whole = positions.anywhere(&uavs.places);
         let (n_rows, n_cols) = (self.field.grid().n_rows(), self.field.grid().n_cols());
         let tiles_per_row = n_cols.div_ceil(SIDES[0]);
@@ -219,7 +224,7 @@ impl<'a> Counting<'a> {
     /// The box around the receivers of some cells.
     fn bounds(&self, cells: &[(usize, usize)]) -> Option<ReceiverTile> {
         let of_one = |cell: &(usize, usize)| {
-            let LatticePoint { x, y, z } = self.station(*cell).on_prisms();
+            let LatticePoint { x, y, z } = self.mapper.engine.on_shadows(&self.station(*cell));
             ReceiverTile { bounds: [x, y, x, y], heights: (z, z) }
         };
         cells.iter().map(of_one).reduce(|a, b| {
@@ -237,7 +242,7 @@ impl<'a> Counting<'a> {
         // The steps from a cell to a place are those from the place to the cell.
         let range = Range::of(&self.uavs.positions, &station.place, self.mapper.options.radius);
         let mut asked = range.cut(&in_view.positions);
-        self.positions.los(in_view, station.on_prisms(), &mut asked);
+        self.positions.los(in_view, self.mapper.engine.on_shadows(&station), &mut asked);
         self.seen.add(&asked, weight);
     }
 }

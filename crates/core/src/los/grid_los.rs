@@ -10,8 +10,9 @@ use super::{
     Swept, UavPositions, WrongMethod, columns_least_receiver_height, link_los, plateaus_los, r2_los,
     shadow_least_heights, shadow_least_receiver_heights, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
-use crate::height_field::{Casters, Columns, GridPositions, HeightField, Plateaus, Prisms, Station};
-use crate::raster::{BitGrid, CellWindow, set_bits};
+use crate::height_field::{Casters, Columns, GridPositions, HeightField, Plateau, Plateaus, Prisms, Station};
+use crate::quantity::LatticePoint;
+use crate::raster::{BitGrid, CellWindow, bits_between, set_bits};
 use crate::simd::SimdLevel;
 
 /// An engine with the solids that it works on.
@@ -124,12 +125,28 @@ impl<'a> GridLos<'a> {
         &self.positions
     }
 
-    /// UAV positions over a grid, all at height `z` \[1/1024 m above the datum\], as receivers see them; `None` unless the
-    /// engine is `shadow` over prisms alone.
-    pub(crate) fn uav_positions<'b>(&'b self, grid: &'b ShadowGrid, z: i64) -> Option<UavPositions<'b>> {
-        let Engine::Shadow(PrismShadows { prisms, .. }) = &self.engine else { return None };
+    /// UAV positions over a grid, all at height `z` \[1/1024 m above the datum\], as some receivers see them; `None` unless the
+    /// engine is `shadow` over prisms alone, or over plateaus that are to these receivers what prisms are.
+    pub(crate) fn uav_positions<'b>(
+        &'b self,
+        grid: &'b ShadowGrid,
+        z: i64,
+        receivers: &[GridReceivers<'_>],
+    ) -> Option<UavPositions<'b>> {
+        let prisms = match &self.engine {
+            Engine::Shadow(PrismShadows { prisms, .. }) => *prisms,
+            Engine::Plateaus(_, plateaus, _) if receivers.iter().all(|r| stand_beside(r, plateaus, z)) => {
+                plateaus.prisms()
+            }
+            _ => return None,
+        };
         let casters = self.casters.as_deref().unwrap_or(prisms.casters());
         Some(UavPositions { prisms, casters, grid, z, level: self.level })
+    }
+
+    /// A station on the lattice of what casts shadows.
+    pub(crate) fn on_shadows(&self, station: &Station) -> LatticePoint {
+        if self.field.prisms().is_some() { station.on_prisms() } else { station.on_columns() }
     }
 
     /// The receivers of `wanted` that are in line of sight of a UAV.
@@ -327,6 +344,21 @@ impl<'a> GridLos<'a> {
 pub(crate) fn height_by_cell(receivers: &GridReceivers<'_>) -> impl Fn(usize, usize) -> i32 + Sync {
     let n_cols = receivers.cells.n_cols();
     move |row, col| receivers.base(row * n_cols + col) + receivers.above
+}
+
+/// Whether all receivers stand at one height, none below the lowest plateau and none inside of one that is higher: to UAVs
+/// at height `uav_z` that are not below them no receiver's own cell matters then.
+fn stand_beside(receivers: &GridReceivers<'_>, plateaus: &Plateaus, uav_z: i64) -> bool {
+    let heights = i64::from(plateaus.lowest())..=uav_z;
+    let Some(z) = receivers.level().filter(|z| heights.contains(z)) else { return false };
+    let holds_receiver = |plateau: &Plateau| {
+        let (first, end) = (plateau.cols.0 as usize, plateau.cols.1 as usize);
+        (plateau.rows.0..plateau.rows.1).any(|row| {
+            let words = receivers.cells.row(row as usize);
+            (first / 64..end.div_ceil(64)).any(|word| words[word] & bits_between(first, end, word) != 0)
+        })
+    };
+    !plateaus.raised().iter().any(|plateau| i64::from(plateau.top) > z && holds_receiver(plateau))
 }
 
 /// Where receivers stand on plateaus; `None` unless the shadows of these decide.

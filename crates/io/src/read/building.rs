@@ -101,6 +101,14 @@ impl Buildings {
         Ok(buildings)
     }
 
+    /// Forgets those that do not meet a box: west, south, east, north \[CRS units\].
+    pub(super) fn keep_within(&mut self, [west, south, east, north]: [f64; 4]) {
+        self.footprints.retain(|footprint| {
+            bounds(footprint.polygons.iter())
+                .is_some_and(|[w, s, e, n]| w <= east && e >= west && s <= north && n >= south)
+        });
+    }
+
     /// West, south, east, north of all positions; `None` if there is none.
     pub(super) fn bounds(&self) -> Option<[f64; 4]> {
         bounds(self.footprints.iter().flat_map(|f| &f.polygons))

@@ -67,6 +67,8 @@ pub struct FootprintOptions {
     pub ground_m: Option<f64>,
     /// Extent of the receivers' grid: west, south, east, north \[CRS units\].
     pub extent: Option<[f64; 4]>,
+    /// How far from the extent a building can matter at most \[m\]; by default as far as engines can see.
+    pub reach_m: Option<f64>,
     /// Cell size of the receivers' grid \[m\]; by default the terrain's, else 1.
     pub cell_m: Option<f64>,
     /// The CRS to assume.
@@ -96,6 +98,7 @@ impl Default for FootprintOptions {
             terrain: None,
             ground_m: None,
             extent: None,
+            reach_m: None,
             cell_m: None,
             crs: None,
             project: None,

@@ -67,8 +67,8 @@ fn read(
     warnings: &mut Vec<Warning>,
 ) -> Result<(City, Vec<Repair>)> {
     // The extent is in the scene's CRS: of a file in another one all must be read.
-    let bounds = options.extent.filter(|_| options.project.is_none()).map(grown);
-    let selection = Selection { layer: options.layer.as_deref(), bounds };
+    let within = options.extent.filter(|_| options.project.is_none()).map(|extent| grown(extent, options.reach_m));
+    let selection = Selection { layer: options.layer.as_deref(), bounds: within };
     let mut set = read_features(input, selection)?;
     let mut sources = vec![source_of(input, options.always_hash)?];
     let file_crs = match &options.crs {
@@ -78,6 +78,9 @@ fn read(
     let (attribution, name) = (set.attribution.take(), set.name.take());
     let mut log = FaultLog::new(listing);
     let mut raw = Buildings::of(input, set, options, &mut log)?;
+    if let (Some(within), Some(_)) = (within, options.reach_m) {
+        raw.keep_within(within);
+    }
     let file_crs = match &options.project {
         Some(projection) => {
             let (from, bounds) = (file_crs.clone(), raw.bounds());
@@ -240,9 +243,12 @@ fn terrain_heights(
     Reprojection::read(reprojection, file, options.always_hash, warnings)
 }
 
-/// An extent with all that can cast a shadow into it: a UAV is at most [`MAX_EXTENT_UNITS`] from any cell that it sees.
-fn grown([west, south, east, north]: [f64; 4]) -> [f64; 4] {
-    [west - MAX_EXTENT_UNITS, south - MAX_EXTENT_UNITS, east + MAX_EXTENT_UNITS, north + MAX_EXTENT_UNITS]
+/// An extent with all that can cast a shadow into it: a UAV is at most so far from any cell that it sees.
+fn grown([west, south, east, north]: [f64; 4], reach_m: Option<f64>) -> [f64; 4] {
+    /// The system is not known yet, and no unit of one is shorter \[m\].
+    const SHORTEST_UNIT_M: f64 = 0.25;
+    let reach = reach_m.map_or(MAX_EXTENT_UNITS, |reach_m| (reach_m / SHORTEST_UNIT_M).min(MAX_EXTENT_UNITS));
+    [west - reach, south - reach, east + reach, north + reach]
 }
 
 /// Warns where solids stand on another height than the flat ground of the scene.

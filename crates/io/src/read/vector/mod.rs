@@ -17,6 +17,8 @@ mod wkb;
 
 pub(super) use feature::{Feature, FeatureSet, Polygon, Property, Selection, bounds, opened};
 
+use std::path::Path;
+
 use crate::error::Result;
 #[cfg(not(feature = "geopackage"))]
 use crate::error::{Cause, Error};
@@ -45,6 +47,11 @@ impl VectorFormat {
             "gpkg" => Some(VectorFormat::GeoPackage),
             _ => None,
         }
+    }
+
+    /// The format that the extension of a path stands for.
+    pub fn of_path(path: &Path) -> Option<VectorFormat> {
+        VectorFormat::of_extension(&path.extension()?.to_string_lossy().to_lowercase())
     }
 
     /// The format of a file by its name; GeoJSON where the name says nothing.
