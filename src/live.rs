@@ -22,8 +22,8 @@ use crate::raster::GeoRef;
 use crate::read::surface_grid;
 use crate::render;
 use crate::scene::{Scene, SceneOptions, built_up, is_raster_scene};
-use crate::sight::{Sight, SightFacts};
-use crate::uav::UavsAsked;
+use crate::sight::{AskedSight, Sight, SightFacts};
+use crate::uav::{Uav, UavsAsked, UavsFound};
 use crate::words::title_of;
 
 /// Formats of a page.
@@ -58,6 +58,20 @@ pub(crate) struct LivePage {
     uavs: Vec<questions::Uav>,
     sight: Sight,
     scene_words: Vec<String>,
+}
+
+impl Scene {
+    /// One HTML page in which UAVs are dragged over the scene, and the exact coverage follows: engine and scene are inside, and
+    /// no server is needed. Without a UAV there is one in the middle. `words` say how the scene is read, for the command line that
+    /// the page shows. Footprints need [`SceneOptions::keeps_footprints`].
+    ///
+    /// # Errors
+    /// E2xx for UAVs that cannot be there; E505 for a scene that is too large.
+    pub fn live_page(&self, uavs: &[Uav], words: Vec<String>) -> Result<String> {
+        let sight = AskedSight::default().checked()?;
+        let page = LivePage::with_uavs(&mut self.clone(), UavsFound::of(uavs)?, sight, words)?;
+        page.html(&Look::default())
+    }
 }
 
 /// What a page holds.
@@ -102,16 +116,21 @@ impl LivePage {
         }
         let mut scene = Scene::built(options, (word, city), warnings, start)?;
         let found = plan.uavs.read(scene.grid())?;
-        scene.place(&found, None, &plan.sight)?;
+        let page = LivePage::with_uavs(&mut scene, found, plan.sight, plan.scene_words)?;
+        Ok(LivePage { facts: RunFacts { command: plan.command, ..page.facts }, is_part: part.is_some(), ..page })
+    }
+
+    /// The page of a scene with some UAVs, or one in the middle without any.
+    fn with_uavs(scene: &mut Scene, found: UavsFound, sight: Sight, scene_words: Vec<String>) -> Result<LivePage> {
+        scene.place(&found, None, &sight)?;
         if found.sites.len() > MOST_UAVS {
             return Err(LimitError::PageUavs { n: found.sites.len(), most: MOST_UAVS }.into());
         }
         let mut sites: Vec<Site> = found.sites.into_iter().map(|given| given.site).collect();
         if sites.is_empty() {
-            sites.push(in_the_middle(&scene));
+            sites.push(in_the_middle(scene));
         }
-        let page = LivePage::of(&scene, &sites, plan.sight, plan.scene_words)?;
-        Ok(LivePage { facts: RunFacts { command: plan.command, ..page.facts }, is_part: part.is_some(), ..page })
+        LivePage::of(scene, &sites, sight, scene_words)
     }
 
     /// The page of a scene whose solids were kept, with UAVs that can be where they are.
@@ -119,7 +138,11 @@ impl LivePage {
     /// # Errors
     /// E902 if they were not.
     pub(crate) fn of(scene: &Scene, uavs: &[Site], sight: Sight, scene_words: Vec<String>) -> Result<LivePage> {
-        let solids = scene.solids.clone().ok_or(Error::Fault("a live page needs the solids of its scene"))?;
+        let solids = scene.solids().ok_or(Error::Fault("a live page needs the solids of its scene"))?;
+        if !is_small_enough(scene.grid(), &solids) {
+            let (options, word) = (SceneOptions::default(), OsStr::new(&scene.word));
+            return Err(too_large(&options, word, scene.grid(), &solids));
+        }
         let zones = scene.zones().map(|zones| PackedZones::of(zones.codes(), &scene.field.cells().open));
         let packed = pack(scene.grid(), &solids, zones.as_ref());
         let scene = Scene { solids: None, ..scene.clone() };

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::hints;
-use crate::error::{Error, ErrorClass};
+use crate::error::{Error, ErrorClass, RequestError};
 
 /// Why a command fails.
 #[derive(Debug)]
@@ -62,6 +62,7 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Failure::Library(error) if names_option(error) => f.write_str(&with_flags(error)),
             Failure::Library(error) => error.fmt(f),
             Failure::Words { text, .. } => f.write_str(&crate::error::one_line(text)),
         }
@@ -78,4 +79,59 @@ impl From<skyshed_io::Error> for Failure {
     fn from(error: skyshed_io::Error) -> Failure {
         Failure::Library(error.into())
     }
+}
+
+/// The options of a scene that the library names, as they are typed.
+const FLAGS: [(&str, &str); 29] = [
+    ("area", "--area"),
+    ("weights", "--weights"),
+    ("count", "--count"),
+    ("terrain", "--terrain"),
+    ("ground_m", "--ground"),
+    ("building_threshold_m", "--building-threshold"),
+    ("height_field", "--height-field"),
+    ("top_field", "--top-field"),
+    ("height_unit", "--height-unit"),
+    ("levels_field", "--levels-field"),
+    ("layer", "--layer"),
+    ("missing", "--missing"),
+    ("missing levels", "--missing levels"),
+    ("base", "--base"),
+    ("data_area", "--data-area"),
+    ("extent", "--extent"),
+    ("cell_m", "--cell"),
+    ("crs", "--crs"),
+    ("project", "--project"),
+    ("size_m", "--size"),
+    ("nodata_as", "--nodata-as"),
+    ("bare", "--bare"),
+    ("layers", "--layers"),
+    ("tif_layout", "--tif-layout"),
+    ("gdal_values", "--gdal-values"),
+    ("polygons", "--polygons"),
+    ("simplify_m", "--simplify"),
+    ("resume", "--resume"),
+    ("strips", "--strips"),
+];
+
+/// Whether an error names an option of the library.
+fn names_option(error: &Error) -> bool {
+    use RequestError as R;
+    match error {
+        Error::Request(error) => {
+            matches!(
+                error,
+                R::Idle { .. } | R::NothingToResume | R::Number { .. } | R::GdalValues { .. } | R::GoalNeeds { .. }
+            )
+        }
+        Error::Io(error) => matches!(error, skyshed_io::Error::Option(_)),
+        _ => false,
+    }
+}
+
+/// What an error says, with the options that it names as they are typed.
+fn with_flags(error: &Error) -> String {
+    FLAGS
+        .iter()
+        .fold(error.to_string(), |text, (option, flag)| text.replace(&format!("`{option}`"), &format!("`{flag}`")))
 }

@@ -1,9 +1,11 @@
 //! The command line: what was typed becomes a plan of the library, the plan runs, its answer goes out.
 //!
 //! `program` holds the commands, `args` what they share, `commands` one file for each, `run` what every run does, `say` what
-//! is said on standard error, `interrupt` what Ctrl-C does, `refusal` the words for what cannot be parsed.
+//! is said on standard error, `interrupt` what Ctrl-C does, `refusal` the words for what cannot be parsed. `ask` lets another
+//! program ask.
 
 mod args;
+mod ask;
 mod commands;
 mod failure;
 mod hints;
@@ -18,17 +20,24 @@ mod typed;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::Instant;
 
 use crate::cli::failure::Result;
 use crate::memory;
 use crate::threads::in_pool;
+pub use ask::{Found, Refusal, ask, counts, coverages, height_curves, hint_of, save_options, scene_options};
 use program::Cli;
 use run::{RepairsFile, Run, check_scenes, check_text, check_use};
 use typed::Typed;
 
 /// Runs the program on the words of a command line and returns its exit code.
 pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
+    ExitCode::from(exit_code(words))
+}
+
+/// Runs the program on the words of a command line and returns the number of its exit code.
+pub fn exit_code(words: impl IntoIterator<Item = OsString>) -> u8 {
     let words: Vec<OsString> = words.into_iter().collect();
     let done = match Cli::from_words(&words) {
         Ok((cli, typed)) => {
@@ -39,11 +48,11 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(refusal) => refusal::answer(&refusal),
     };
     match done {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(failure) => {
             let failure = interrupt::in_words(failure);
             say::failure(&failure);
-            ExitCode::from(failure.class().exit_code())
+            failure.class().exit_code()
         }
     }
 }
@@ -51,7 +60,8 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
 fn execute(cli: &Cli, typed: Typed, command: Vec<String>) -> Result<()> {
     let shared = cli.shared();
     let is_quiet = shared.as_ref().is_some_and(|(.., out)| out.quiet);
-    let run = Run { command, typed, start: Instant::now(), progress: interrupt::progress(is_quiet), is_quiet };
+    let progress = Arc::new(interrupt::progress(is_quiet));
+    let run = Run { is_quiet, keeps: false, ..Run::asked(command, typed, Instant::now(), &progress) };
     let Some((scenes, reading, out)) = shared else { return cli.run(&run) };
     memory::limit(out.max_memory, interrupt::give_up)?;
     check_scenes(&scenes)?;

@@ -33,7 +33,7 @@ pub(super) fn answer(refusal: &clap::Error) -> Result<()> {
 /// What the parser says, in our words.
 ///
 /// E101: words of the command line that make no sense.
-fn in_words(text: &str) -> Failure {
+pub(super) fn in_words(text: &str) -> Failure {
     let (first, rest) = text.split_once("\n\n").unwrap_or((text, ""));
     // Missing arguments are listed on lines of their own; an error is one line.
     let first = first.split('\n').map(str::trim).collect::<Vec<_>>().join(" ");

@@ -2,10 +2,12 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use super::args::output::OutputArgs;
-use super::args::scene::ReadingArgs;
+use super::args::scene::{ReadingArgs, SceneArgs};
+use super::ask::Found;
 use super::typed::Typed;
 use super::{interrupt, say};
 use crate::answer::{Answer, Output, Spent, add_outputs};
@@ -15,7 +17,7 @@ use crate::picture::Look;
 use crate::progress::Progress;
 use crate::read::VectorFormat;
 use crate::repairs::{FORMATS as REPAIRS_FORMATS, Repairs};
-use crate::scene::built_up;
+use crate::scene::{Scene, built_up};
 use crate::words::pretty;
 
 /// A run.
@@ -24,11 +26,30 @@ pub(super) struct Run {
     pub(super) command: Vec<String>,
     pub(super) typed: Typed,
     pub(super) start: Instant,
-    pub(super) progress: Progress,
+    pub(super) progress: Arc<Progress>,
     pub(super) is_quiet: bool,
+    /// The scene, if another program holds it.
+    pub(super) given: Option<Scene>,
+    /// Whether the answer is kept for another program, instead of said.
+    pub(super) keeps: bool,
+    pub(super) found: OnceLock<Found>,
 }
 
 impl Run {
+    /// A run whose answer is kept for who asks.
+    pub(super) fn asked(command: Vec<String>, typed: Typed, start: Instant, progress: &Arc<Progress>) -> Run {
+        let progress = Arc::clone(progress);
+        Run { command, typed, start, progress, is_quiet: true, given: None, keeps: true, found: OnceLock::new() }
+    }
+
+    /// The scene of a command, made ready.
+    ///
+    /// # Errors
+    /// Those of reading it.
+    pub(super) fn open(&self, scene: &SceneArgs) -> Result<Scene> {
+        self.given.as_ref().map_or_else(|| scene.open(), |given| Ok(given.clone()))
+    }
+
     /// The words of the command line, for a document.
     pub(super) fn words(&self) -> Vec<String> {
         self.command.clone()
@@ -50,6 +71,10 @@ impl Run {
             None => Batch::new(out.overwrite).asking(interrupt::check),
         };
         let (written, spent) = self.write(answer, batch, outputs, look)?;
+        if self.keeps {
+            let _ = self.found.set(Found::of(answer, spent, written));
+            return Ok(());
+        }
         self.tell(answer, spent);
         say::wrote(&written, self.is_quiet);
         if out.is_told() {
@@ -72,7 +97,9 @@ impl Run {
     ) -> Result<(Vec<PathBuf>, Spent)> {
         let before = Instant::now();
         let seconds = |since: Instant| since.elapsed().as_secs_f64();
-        interrupt::begin_writing();
+        if !self.keeps {
+            interrupt::begin_writing();
+        }
         // What writing takes is not known before the files are written.
         add_outputs(answer, &mut batch, outputs, (look, Spent { write: 0.0, total: seconds(self.start) }))?;
         let written = batch.commit()?;

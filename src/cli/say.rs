@@ -10,61 +10,13 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{hints, interrupt};
 use crate::cli::failure::{Failure, Result, refusal};
-use crate::error::{Error, RequestError, Warning, escaped, io_words, is_text};
+use crate::error::{Warning, escaped, io_words, is_text};
 use crate::expected::seconds_to_read;
 use crate::progress::Progress;
 
 /// A line on standard error; a closed pipe there is nobody's concern.
 fn say(text: &str) {
     let _ = writeln!(std::io::stderr(), "{}", escaped(text));
-}
-
-/// The options of a scene that the library names, as they are typed.
-const FLAGS: [(&str, &str); 29] = [
-    ("area", "--area"),
-    ("weights", "--weights"),
-    ("count", "--count"),
-    ("terrain", "--terrain"),
-    ("ground_m", "--ground"),
-    ("building_threshold_m", "--building-threshold"),
-    ("height_field", "--height-field"),
-    ("top_field", "--top-field"),
-    ("height_unit", "--height-unit"),
-    ("levels_field", "--levels-field"),
-    ("layer", "--layer"),
-    ("missing", "--missing"),
-    ("missing levels", "--missing levels"),
-    ("base", "--base"),
-    ("data_area", "--data-area"),
-    ("extent", "--extent"),
-    ("cell_m", "--cell"),
-    ("crs", "--crs"),
-    ("project", "--project"),
-    ("size_m", "--size"),
-    ("nodata_as", "--nodata-as"),
-    ("bare", "--bare"),
-    ("layers", "--layers"),
-    ("tif_layout", "--tif-layout"),
-    ("gdal_values", "--gdal-values"),
-    ("polygons", "--polygons"),
-    ("simplify_m", "--simplify"),
-    ("resume", "--resume"),
-    ("strips", "--strips"),
-];
-
-/// Whether an error names an option of the library.
-fn names_option(error: &Error) -> bool {
-    use RequestError as R;
-    match error {
-        Error::Request(error) => {
-            matches!(
-                error,
-                R::Idle { .. } | R::NothingToResume | R::Number { .. } | R::GdalValues { .. } | R::GoalNeeds { .. }
-            )
-        }
-        Error::Io(error) => matches!(error, skyshed_io::Error::Option(_)),
-        _ => false,
-    }
 }
 
 /// Whether a stream is a terminal whose user wants colors (<https://no-color.org>).
@@ -86,13 +38,7 @@ fn say_labelled(label: &str, color: u8, text: &str) {
 /// Prints why a command fails, and what to do about it.
 pub(super) fn failure(failure: &Failure) {
     const RED: u8 = 31;
-    let mut text = failure.to_string();
-    if matches!(failure, Failure::Library(error) if names_option(error)) {
-        for (option, flag) in FLAGS {
-            text = text.replace(&format!("`{option}`"), &format!("`{flag}`"));
-        }
-    }
-    say_labelled(&format!("error[{}]", failure.code()), RED, &text);
+    say_labelled(&format!("error[{}]", failure.code()), RED, &failure.to_string());
     if let Some(hint) = failure.remedy() {
         say(&format!("hint: {hint}"));
     }

@@ -54,6 +54,24 @@ impl Coverages {
         self.sites.get(site).map(|site| site.mask.as_slice()).filter(|mask| !mask.is_empty())
     }
 
+    /// A layer of heights of one UAV \[m\], NaN where there is no receiver; shape as [`Coverages::count`]. `None` if it was
+    /// not asked for, and for layers that hold no heights.
+    pub fn layer(&self, site: usize, layer: Layer) -> Option<&[f32]> {
+        let site = self.sites.get(site)?;
+        match layer {
+            Layer::Margin => site.margin.as_deref(),
+            Layer::LeastReceiverHeight => site.least_receiver_height.as_deref(),
+            Layer::LeastHeight => site.least_height.as_deref(),
+            Layer::Stability => site.stability.as_ref().map(|found| found.turns.as_slice()),
+            _ => None,
+        }
+    }
+
+    /// What at least one UAV sees: classes of [`crate::class`], shape as [`Coverages::count`]; `None` without a UAV.
+    pub fn union_mask(&self) -> Option<&[u8]> {
+        self.overlay.as_ref().map(Overlay::union).or_else(|| self.mask(0))
+    }
+
     /// The cells: shape, extent, reference system.
     pub fn grid(&self) -> &GeoRef {
         self.scene.grid()
@@ -141,13 +159,7 @@ impl Coverage {
     /// asked for, and
     /// for layers that hold no heights.
     pub fn layer(&self, layer: Layer) -> Option<&[f32]> {
-        let site = &self.0.sites[0];
-        match layer {
-            Layer::Margin => site.margin.as_deref(),
-            Layer::LeastReceiverHeight => site.least_receiver_height.as_deref(),
-            Layer::LeastHeight => site.least_height.as_deref(),
-            _ => None,
-        }
+        self.0.layer(0, layer)
     }
 
     /// The cells: shape, extent, reference system.

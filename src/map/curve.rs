@@ -46,21 +46,7 @@ impl CurvePlan {
         // No file may be an output of both kinds.
         let all: Vec<PathBuf> = others.iter().chain(&self.outputs).cloned().collect();
         check_outputs(&all, OutputRules { bare: false, ..rules })?;
-        if let Some(heights @ [from, to, step]) = self.heights {
-            let refuse = |wanted| Err(RequestError::CurveHeights { heights, wanted }.into());
-            if from > to {
-                return refuse("A:B:S with A not above B");
-            }
-            if step <= 0.0 {
-                return refuse("a step above 0 m");
-            }
-            if from.abs().max(to.abs()) > MAX_HEIGHT_M {
-                return refuse("heights within ±32768 m");
-            }
-            if (to - from) / step >= MOST_HEIGHTS {
-                return refuse("at most 1000000 heights");
-            }
-        }
+        check_heights(self.heights)?;
         Ok(outputs)
     }
 
@@ -76,9 +62,18 @@ impl CurvePlan {
 
     /// Makes the curves of a map; `None` if none are wanted.
     pub(crate) fn make(&self, map: &Coverages, progress: &Progress) -> Result<Option<Curves>> {
-        if !self.is_wanted() {
-            return Ok(None);
-        }
+        if self.is_wanted() { map.height_curves(self.heights, progress).map(Some) } else { Ok(None) }
+    }
+}
+
+impl Coverages {
+    /// P_LoS against the height of each UAV, at heights above the ground below it: from, to, step \[m\].
+    ///
+    /// # Errors
+    /// E113; `Interrupted`.
+    pub(crate) fn height_curves(&self, asked: Option<[f64; 3]>, progress: &Progress) -> Result<Curves> {
+        check_heights(asked)?;
+        let map = self;
         let start = Instant::now();
         let (field, report) = (&map.scene.field, &map.report);
         let rx_height = report.sight.rx_height();
@@ -86,7 +81,7 @@ impl CurvePlan {
         let of = |site| HeightCurve::of(field, site, rx_height, progress.control());
         let curves: Vec<HeightCurve> = map.sites.iter().map(of).collect::<std::result::Result<_, _>>()?;
         progress.end();
-        let range = self.heights.unwrap_or_else(|| default_range(&curves, field.max_top()));
+        let range = asked.unwrap_or_else(|| default_range(&curves, field.max_top()));
         let heights = heights_in(range);
         let mut warnings = Vec::new();
         let mut sites = Vec::new();
@@ -96,7 +91,7 @@ impl CurvePlan {
                 |h: &f64| height_steps(*h).map(|steps| base + steps).filter(|z| meters(*z) <= MAX_HEIGHT_M);
             let mut heights: Vec<i32> = heights.iter().filter_map(on_lattice).collect();
             let n_below = heights.partition_point(|z| *z < curve.lowest_height());
-            if self.heights.is_none() {
+            if asked.is_none() {
                 heights.drain(..n_below);
             } else if n_below > 0 {
                 let lowest = above_base(&curve, curve.lowest_height());
@@ -108,8 +103,31 @@ impl CurvePlan {
         let mut report = HeightCurveReport::of(report, sites);
         report.facts.warnings.extend(warnings.iter().cloned());
         let seconds = start.elapsed().as_secs_f64();
-        Ok(Some(Curves { scene: map.scene.clone(), report, range, warnings, seconds }))
+        Ok(Curves { scene: map.scene.clone(), report, range, warnings, seconds })
     }
+}
+
+/// Refuses heights that make no curve.
+///
+/// # Errors
+/// E113.
+fn check_heights(asked: Option<[f64; 3]>) -> Result<()> {
+    if let Some(heights @ [from, to, step]) = asked {
+        let refuse = |wanted| Err(RequestError::CurveHeights { heights, wanted }.into());
+        if from > to {
+            return refuse("A:B:S with A not above B");
+        }
+        if step <= 0.0 {
+            return refuse("a step above 0 m");
+        }
+        if from.abs().max(to.abs()) > MAX_HEIGHT_M {
+            return refuse("heights within ±32768 m");
+        }
+        if (to - from) / step >= MOST_HEIGHTS {
+            return refuse("at most 1000000 heights");
+        }
+    }
+    Ok(())
 }
 
 /// The curves of a run, ready for files.

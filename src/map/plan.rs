@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use rayon::prelude::*;
+
 use super::coverages::Coverages;
 use super::report::{MapReport, MaskDigest, SiteFacts, zone_tallies};
 use super::tolerance::{ToleranceFacts, check_tolerance, simplify};
@@ -111,6 +113,26 @@ pub(crate) struct Prepared {
 }
 
 impl Prepared {
+    /// Counts what each UAV sees: receivers in range, and those of them in line of sight. No mask is made.
+    ///
+    /// # Errors
+    /// E118 if the method cannot decide the scene; `Interrupted`.
+    pub(crate) fn count(self, progress: &Progress) -> Result<Vec<(u64, u64)>> {
+        let field = Arc::clone(&self.scene.field);
+        let mut mapper = Mapper::new(&field, &self.options)?;
+        mapper.drop_idle(&self.uavs);
+        progress.begin(self.uavs.len() as u64);
+        let count = |uav: &Uav| {
+            progress.control().check()?;
+            let counted = mapper.count(uav);
+            progress.advance();
+            Ok(counted)
+        };
+        let counts = self.uavs.par_iter().map(count).collect();
+        progress.end();
+        counts
+    }
+
     /// Makes the map: `each_part` is given one part of the masks after another, in the order of the UAVs and from the north,
     /// and `each` every map once its mask is complete.
     ///

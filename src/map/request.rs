@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 
 use super::coverages::{Coverage, Coverages};
-use super::plan::{Held, MapPlan};
+use super::plan::{Held, MapPlan, Prepared};
 use crate::coverage::SiteCoverage;
 use crate::error::Result;
 use crate::export::Layer;
@@ -116,12 +116,16 @@ impl<Answer> CoverageRequest<Answer> {
         self
     }
 
-    fn make(self, each: impl FnMut(&SiteCoverage)) -> Result<Coverages> {
+    fn prepared(self) -> Result<(Prepared, Arc<Progress>)> {
         let CoverageRequest { asked, layers, tolerance, tells_zones, .. } = self;
         let plan = MapPlan { sight: asked.checked()?, layers, tolerance, tells_zones };
-        let prepared = plan.prepare(self.scene, &UavsFound::of(&self.uavs)?, None)?;
+        Ok((plan.prepare(self.scene, &UavsFound::of(&self.uavs)?, None)?, self.progress))
+    }
+
+    fn make(self, each: impl FnMut(&SiteCoverage)) -> Result<Coverages> {
         let held = Held { keeps_masks: self.keeps_masks, ..Held::default() };
-        prepared.run(held, &self.progress, |_| {}, each)
+        let (prepared, progress) = self.prepared()?;
+        prepared.run(held, &progress, |_| {}, each)
     }
 }
 
@@ -153,6 +157,15 @@ impl CoverageRequest<Coverages> {
     /// As that of one UAV; E207 if two UAVs have one name.
     pub fn run(self) -> Result<Coverages> {
         self.make(|_| {})
+    }
+
+    /// Counts what each UAV sees and makes no mask: receivers in range, and those of them in line of sight.
+    ///
+    /// # Errors
+    /// As [`CoverageRequest::run`].
+    pub fn run_counts(self) -> Result<Vec<(u64, u64)>> {
+        let (prepared, progress) = self.prepared()?;
+        prepared.count(&progress)
     }
 
     /// Makes the maps and hands over each UAV's mask as it is made, with the UAV's index; none is kept.

@@ -40,6 +40,8 @@ pub(crate) const FORMATS: [Format; 6] =
 pub(crate) struct SamplePlan {
     /// The scene as it was asked for, and how it is read.
     pub(crate) word: OsString,
+    /// The scene, if it was read before.
+    pub(crate) given: Option<Scene>,
     pub(crate) scene: SceneOptions,
     /// Edge of the part of a generated city that placements are over \[m\].
     pub(crate) size_m: f64,
@@ -108,7 +110,7 @@ impl SamplePlan {
         // A generated city is made as large as whole discs around its places take.
         let around = SceneOptions { margin_m: self.sight.radius_m().unwrap_or(0.0), ..self.scene.clone() };
         let open = |seed: u64| SceneOptions { seed: Some(seed), ..around.clone() }.open(&self.word);
-        let mut first = open(self.seed)?;
+        let mut first = self.given.clone().map_or_else(|| open(self.seed), Ok)?;
         if first.built_up.is_none() && (self.n_cities > 1 || self.is_centered) {
             let what = if self.is_centered { "centers of zones" } else { "several cities" };
             return Err(RequestError::OneCity(what).into());

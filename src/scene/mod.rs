@@ -1,10 +1,12 @@
 //! A scene made ready for rays, and how it is read.
 
 pub(crate) mod limits;
+mod held;
 mod options;
 pub(crate) mod placing;
 pub(crate) mod results;
 
+use std::borrow::Cow;
 use std::ffi::OsStr;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -21,7 +23,6 @@ use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::picture::Look;
 use crate::raster::{CellWindow, GeoRef};
 use crate::zones::ZoneMap;
-use skyshed_live::pack::is_small_enough;
 
 /// A city ready for rays: footprints, a surface model, a mesh or a generated city, over a grid of cells.
 ///
@@ -86,7 +87,8 @@ impl Scene {
         if matches!(solids, Solids::Vector { .. }) {
             check_memory(&word.display(), &grid, FIELD_BYTES_PER_CELL)?;
         }
-        let is_kept = options.keeps_solids && is_small_enough(&grid, &solids);
+        // Those of a raster are in its field.
+        let is_kept = options.keeps_solids && matches!(solids, Solids::Vector { .. });
         let kept = is_kept.then(|| Arc::new(solids.clone()));
         let Built { field, warnings: odd } = HeightField::build(&grid, solids);
         warnings.extend(odd.into_iter().map(Warning::Core));
@@ -132,6 +134,12 @@ impl Scene {
         {
             self.replace_field(part);
         }
+    }
+
+    /// What it was built from; `None` of footprints that were not kept.
+    pub(crate) fn solids(&self) -> Option<Cow<'_, Solids>> {
+        let of_raster = || self.field.solids_of(self.grid().window()).map(Cow::Owned);
+        self.solids.as_deref().map(Cow::Borrowed).or_else(of_raster)
     }
 
     /// Takes another field for its own.

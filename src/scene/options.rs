@@ -167,6 +167,12 @@ impl SceneOptions {
         SceneOptions { nodata_as: Some(does), ..self }
     }
 
+    /// Keeps footprints as they were read, for [`Scene::live_page`] and [`Scene::packed`].
+    #[must_use]
+    pub fn keeps_footprints(self) -> Self {
+        SceneOptions { keeps_solids: true, ..self }
+    }
+
     /// Reads a scene and makes it ready for rays.
     ///
     /// `word` is the path of a file (raster, footprints or mesh, by its extension) or of a folder of raster tiles, or
@@ -345,7 +351,7 @@ impl SceneOptions {
     }
 
     /// How footprints are read.
-    fn of_vector(&self) -> Result<FootprintOptions> {
+    pub(super) fn of_vector(&self) -> Result<FootprintOptions> {
         let threshold = ("building_threshold_m", self.building_threshold_m.is_some());
         self.refuse("footprints", &[("size_m", self.size_m.is_some()), threshold])?;
         if self.terrain.is_none() {
@@ -397,7 +403,7 @@ impl SceneOptions {
     }
 
     /// An ignored input is an error, never silence.
-    fn refuse(&self, what: &str, without_meaning: &[Set]) -> Result<()> {
+    pub(super) fn refuse(&self, what: &str, without_meaning: &[Set]) -> Result<()> {
         match without_meaning.iter().find(|(_, is_set)| *is_set) {
             Some((name, _)) => Err(Error::idle(name, format!("for {what}"))),
             None => Ok(()),

@@ -48,7 +48,7 @@ impl LinkArgs {
         let outputs = self.out.checked(&FORMATS, &self.scene.files())?;
         let look = self.picture.look(&self.out, &outputs)?;
         let uav = Uav::new(site.x, site.y, site.height).named(site.id);
-        let mut link = self.scene.open()?.link(uav, receiver, height)?;
+        let mut link = run.open(&self.scene)?.link(uav, receiver, height)?;
         link.facts.command = run.words();
         if let Some(radius) = radius_m.filter(|radius| link.distance_m() > *radius) {
             let distance = tidy(link.distance_m());

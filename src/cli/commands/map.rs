@@ -34,27 +34,13 @@ impl MapArgs {
 
     /// What was typed, as a job.
     fn job(&self, run: &Run) -> Result<MapJob> {
-        let mut layers: Vec<Layer> = Vec::new();
-        self.layers.iter().for_each(|layer| {
-            if !layers.contains(layer) {
-                layers.push(*layer)
-            }
-        });
         Ok(MapJob {
             word: self.scene.scene.clone(),
             scene: self.scene.reading.options()?,
             inputs: self.scene.files(),
             uavs: self.uavs.some(self.scene.reading.hash, None)?,
-            plan: MapPlan { sight: self.sight.checked()?, layers, tolerance: self.tolerance, tells_zones: self.zones },
-            save: SaveOptions {
-                overwrite: self.out.overwrite,
-                bare: self.bare,
-                tif_layout: self.tif_layout,
-                mask_values: if self.gdal_values { MaskValues::Gdal } else { MaskValues::Classes },
-                polygons: self.polygons,
-                simplify_m: self.simplify,
-                look: self.look()?,
-            },
+            plan: self.plan()?,
+            save: self.save_options()?,
             outputs: self.out.output.clone(),
             curve: CurvePlan { outputs: self.height_curve.clone(), heights: self.curve_heights },
             is_told: self.out.json || (self.out.output.is_empty() && self.height_curve.is_empty()),
@@ -62,6 +48,30 @@ impl MapArgs {
             scratch: self.scratch.clone(),
             resume: self.resume,
             command: run.words(),
+        })
+    }
+
+    /// What is asked of each UAV.
+    pub(in crate::cli) fn plan(&self) -> Result<MapPlan> {
+        let mut layers: Vec<Layer> = Vec::new();
+        self.layers.iter().for_each(|layer| {
+            if !layers.contains(layer) {
+                layers.push(*layer)
+            }
+        });
+        Ok(MapPlan { sight: self.sight.checked()?, layers, tolerance: self.tolerance, tells_zones: self.zones })
+    }
+
+    /// In which form files are written.
+    pub(in crate::cli) fn save_options(&self) -> Result<SaveOptions> {
+        Ok(SaveOptions {
+            overwrite: self.out.overwrite,
+            bare: self.bare,
+            tif_layout: self.tif_layout,
+            mask_values: if self.gdal_values { MaskValues::Gdal } else { MaskValues::Classes },
+            polygons: self.polygons,
+            simplify_m: self.simplify,
+            look: self.look()?,
         })
     }
 

@@ -112,7 +112,7 @@ impl PlaceArgs {
         let (outputs, map) = self.outputs(&inputs)?;
         let all: Vec<Output> = outputs.iter().chain(&map).cloned().collect();
         let look = self.picture.look(&self.out, &all)?;
-        let found = plan.search(self.scene.open()?, run.words(), &run.progress)?;
+        let found = plan.search(run.open(&self.scene)?, run.words(), &run.progress)?;
         run.emit(&found, &all, (&self.out, &look))
     }
 

@@ -76,6 +76,7 @@ impl SampleArgs {
         let options = self.scene.reading.options()?;
         let plan = SamplePlan {
             word: self.scene.scene.clone(),
+            given: run.given.clone(),
             size_m: self.scene.reading.size.unwrap_or(1000.0),
             scene: options,
             sight: self.sight.checked()?,

@@ -7,6 +7,11 @@ use crate::raster::{BitGrid, CellWindow, Raster};
 impl HeightField {
     /// The part of a raster scene over some of its cells, as if no more had been read; `None` of a vector scene.
     pub fn part(&self, window: CellWindow) -> Option<HeightField> {
+        Some(HeightField::build(&self.grid.part(window), self.solids_of(window)?).field)
+    }
+
+    /// What a raster scene was built from, over some of its cells; `None` of a vector scene.
+    pub fn solids_of(&self, window: CellWindow) -> Option<Solids> {
         let raster = self.solid.raster()?;
         let grid = self.grid.part(window);
         let cut = |cells: &[i32]| {
@@ -27,7 +32,6 @@ impl HeightField {
             part
         });
         let building_threshold = raster.building_threshold;
-        let solids = Solids::Raster { surface: cut(raster.columns.tops()), ground, building_threshold, voids };
-        Some(HeightField::build(&grid, solids).field)
+        Some(Solids::Raster { surface: cut(raster.columns.tops()), ground, building_threshold, voids })
     }
 }

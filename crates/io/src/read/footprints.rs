@@ -20,8 +20,8 @@ use super::reprojected::Reprojection;
 use super::source::{name_of, source_of};
 use super::surface::ground_steps;
 use super::systems::{refuse_degrees, refuse_two_crs};
-use super::vector::{Selection, bounds, read_features};
-use crate::city::{City, DataArea, Footprint, Ground, NodataAs, Solids};
+use super::vector::{FeatureSet, Selection, bounds, read_features};
+use crate::city::{City, DataArea, Footprint, Ground, NodataAs, Solids, Source};
 use crate::city::{FootprintFault, HeightGap, LEFT_OUT};
 use crate::crs;
 use crate::crs::Transformation;
@@ -66,11 +66,25 @@ fn read(
     listing: Listing,
     warnings: &mut Vec<Warning>,
 ) -> Result<(City, Vec<Repair>)> {
-    // The extent is in the scene's CRS: of a file in another one all must be read.
-    let within = options.extent.filter(|_| options.project.is_none()).map(|extent| grown(extent, options.reach_m));
-    let selection = Selection { layer: options.layer.as_deref(), bounds: within };
-    let mut set = read_features(input, selection)?;
-    let mut sources = vec![source_of(input, options.always_hash)?];
+    let selection = Selection { layer: options.layer.as_deref(), bounds: within_reach(options) };
+    let set = read_features(input, selection)?;
+    let source = source_of(input, options.always_hash)?;
+    scene_of(input, (set, vec![source]), options, listing, warnings)
+}
+
+/// The box that can matter of a file: the extent is in the scene's CRS, so of a file in another one all must be read.
+fn within_reach(options: &FootprintOptions) -> Option<[f64; 4]> {
+    options.extent.filter(|_| options.project.is_none()).map(|extent| grown(extent, options.reach_m))
+}
+
+/// The scene of features, and everything that was mended or left out.
+pub(super) fn scene_of(
+    input: &Input,
+    (mut set, mut sources): (FeatureSet, Vec<Source>),
+    options: &FootprintOptions,
+    listing: Listing,
+    warnings: &mut Vec<Warning>,
+) -> Result<(City, Vec<Repair>)> {
     let file_crs = match &options.crs {
         Some(crs) => Some(crs.clone()),
         None => std::mem::replace(&mut set.crs, Ok(None))?,
@@ -78,7 +92,7 @@ fn read(
     let (attribution, name) = (set.attribution.take(), set.name.take());
     let mut log = FaultLog::new(listing);
     let mut raw = Buildings::of(input, set, options, &mut log)?;
-    if let (Some(within), Some(_)) = (within, options.reach_m) {
+    if let (Some(within), Some(_)) = (within_reach(options), options.reach_m) {
         raw.keep_within(within);
     }
     let file_crs = match &options.project {

@@ -113,25 +113,52 @@ pub(super) enum Empty {
 /// The scene of a surface and of what lies below it.
 pub(super) fn scene_of(
     input: &Input,
-    (mut surface, empty): (Raster<i32>, Empty),
+    surface: (Raster<i32>, Empty),
     mut sources: Vec<Source>,
     options: &SurfaceOptions,
     warnings: &mut Vec<Warning>,
 ) -> Result<City> {
-    let ground = match (&options.terrain, options.ground_m) {
-        (Some(terrain_path), _) => {
-            let file = HeightFile::open(terrain_path, options.crs.as_ref(), warnings)?;
-            let way = way_to_terrain(surface.georef(), file.georef(), options.project.is_some())?;
-            let file = if way.is_none() { file.in_meters(warnings)? } else { file };
-            let file = match options.around {
-                Some(_) if way.is_none() => file.under((input, surface.georef()))?,
-                _ => file,
-            };
-            let mut heights = file.read(options.always_hash, warnings)?;
+    let terrain = match &options.terrain {
+        None => None,
+        Some(path) => {
+            let mut heights = terrain_heights(path, (input, surface.0.georef()), options, warnings)?;
             sources.append(&mut heights.sources);
-            let above = Placed { input, on: surface.georef() };
-            let below = Placed { input: terrain_path, on: heights.raster };
-            let terrain = terrain_on_grid(above, below, way.as_ref(), warnings)?;
+            Some(Placed { input: path, on: heights.raster })
+        }
+    };
+    scene_over(input, surface, terrain, sources, options, warnings)
+}
+
+/// The heights of a terrain model on the grid of the surface above it.
+fn terrain_heights(
+    path: &Input,
+    (input, grid): (&Input, &GeoRef),
+    options: &SurfaceOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<Heights> {
+    let file = HeightFile::open(path, options.crs.as_ref(), warnings)?;
+    let way = way_to_terrain(grid, file.georef(), options.project.is_some())?;
+    let file = if way.is_none() { file.in_meters(warnings)? } else { file };
+    let file = match options.around {
+        Some(_) if way.is_none() => file.under((input, grid))?,
+        _ => file,
+    };
+    let heights = file.read(options.always_hash, warnings)?;
+    let (above, below) = (Placed { input, on: grid }, Placed { input: path, on: heights.raster });
+    Ok(Heights { raster: terrain_on_grid(above, below, way.as_ref(), warnings)?, ..heights })
+}
+
+/// The scene of a surface over a terrain on its grid, or over what the options say of the ground.
+pub(super) fn scene_over(
+    input: &Input,
+    (mut surface, empty): (Raster<i32>, Empty),
+    terrain: Option<Placed<'_, Raster<i32>>>,
+    sources: Vec<Source>,
+    options: &SurfaceOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<City> {
+    let ground = match (terrain, options.ground_m) {
+        (Some(Placed { input: terrain_path, on: terrain }), _) => {
             let cells = surface.cells().par_iter().with_min_len(PART).zip(terrain.cells());
             let above = cells.filter(|(s, t)| **s != VOID && t > s).count();
             warnings.extend(warning_of_high_terrain(terrain_path, above as u64, surface.cells().len()));

@@ -12,8 +12,7 @@ pub(super) mod geojson;
 mod geopackage;
 mod rings;
 mod shapefile;
-#[cfg(feature = "geopackage")]
-mod wkb;
+pub(super) mod wkb;
 
 pub(super) use feature::{Feature, FeatureSet, Polygon, Property, Selection, bounds, opened};
 

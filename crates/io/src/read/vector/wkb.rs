@@ -11,7 +11,7 @@ const MOST_NESTED: usize = 16;
 /// Adds the polygons of a geometry to `polygons`, and says whether it has points or lines too.
 ///
 /// The error says what is wrong.
-pub(super) fn polygons_of(bytes: &[u8], polygons: &mut Vec<Polygon>) -> Result<bool, String> {
+pub(in crate::read) fn polygons_of(bytes: &[u8], polygons: &mut Vec<Polygon>) -> Result<bool, String> {
     let mut reader = Reader { bytes, little_endian: true, has_other_parts: false };
     reader.geometry(polygons, 0)?;
     Ok(reader.has_other_parts)

@@ -1,0 +1,136 @@
+//! Scenes of what the caller holds in memory: heights of cells, and buildings as polygons.
+//!
+//! They are read as files of the same content are: the same checks, warnings and lattice.
+
+use std::sync::Mutex;
+
+use rayon::prelude::*;
+
+use super::footprint_options::{FootprintOptions, HEIGHT};
+use super::footprints;
+use super::heights::check_grid;
+use super::repairs::Listing;
+use super::surface::{Empty, SurfaceOptions, scene_over, warning_of_voids};
+use super::terrain::{Placed, terrain_on_grid};
+use super::vector::{Feature, FeatureSet, Property, wkb};
+use crate::city::City;
+use crate::error::{Error, HeightOf, Place, ReadFault, Result, Warning};
+use crate::formats::reserve_cells;
+use crate::input::Input;
+use crate::quantity::{VOID, height_steps};
+use crate::raster::{GeoRef, LargeVec, Raster};
+
+/// Heights of cells, on the lattice.
+#[derive(Debug, Clone)]
+pub struct HeldHeights {
+    name: Input,
+    raster: Raster<i32>,
+    n_void: u64,
+}
+
+impl HeldHeights {
+    /// Heights row by row: `put(row, heights)` fills in those of a row, from the north and from the west \[m\], NaN where there is
+    /// none. Threads of the current pool ask for different rows. `name` stands in messages and titles.
+    ///
+    /// # Errors
+    /// E305 without any height; E205 for one beyond the lattice; E501 if they do not fit in memory.
+    pub fn new(name: &str, georef: GeoRef, put: impl Fn(usize, &mut [f64]) + Sync) -> Result<HeldHeights> {
+        let name = Input::bytes(name, Vec::new());
+        drop(reserve_cells::<i32>(&name, &georef)?);
+        let mut cells = LargeVec::<i32>::zeroed(georef.n_cells());
+        let n_cols = georef.n_cols();
+        let out_of_range = Mutex::new(None);
+        let of_row = |heights: &mut Vec<f64>, (row, cells): (usize, &mut [i32])| {
+            heights.resize(n_cols, f64::NAN);
+            put(row, heights);
+            let (mut n_void, mut bad) = (0, None);
+            for (cell, height) in cells.iter_mut().zip(heights.iter()) {
+                *cell = height_steps(*height).unwrap_or(VOID);
+                if *cell == VOID {
+                    n_void += 1;
+                    bad = bad.or_else(|| Some(*height).filter(|height| !height.is_nan()));
+                }
+            }
+            if let (Some(bad), Ok(mut first)) = (bad, out_of_range.lock()) {
+                // The first in the order of cells, whoever comes first.
+                if first.is_none_or(|(first_row, _)| row < first_row) {
+                    *first = Some((row, bad));
+                }
+            }
+            n_void
+        };
+        let n_void: u64 = cells.par_chunks_mut(n_cols).enumerate().map_init(Vec::new, of_row).sum();
+        if let Ok(Some((_, height))) = out_of_range.into_inner() {
+            return Err(Error::read(&name, ReadFault::HeightRange(HeightOf::Cell, height)));
+        }
+        if n_void == georef.n_cells() as u64 {
+            return Err(Error::read(&name, ReadFault::AllVoid(n_void, "holds".into())));
+        }
+        Ok(HeldHeights { name, raster: Raster::new(georef, cells), n_void })
+    }
+
+    /// Where the cells lie.
+    pub fn georef(&self) -> &GeoRef {
+        self.raster.georef()
+    }
+}
+
+/// The scene of a surface model, and of the terrain below it if that is held, too.
+///
+/// # Errors
+/// Those of [`super::read_surface`] about heights and reference systems.
+pub fn surface_of(
+    surface: HeldHeights,
+    terrain: Option<HeldHeights>,
+    options: &SurfaceOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<City> {
+    let HeldHeights { name, raster, n_void } = surface;
+    check_grid(&name, raster.georef(), warnings)?;
+    warnings.extend(warning_of_voids(&name, n_void, options.nodata_as));
+    let Some(HeldHeights { name: terrain_name, raster: terrain, .. }) = terrain else {
+        return super::surface::scene_of(&name, (raster, Empty::Nodata), Vec::new(), options, warnings);
+    };
+    check_grid(&terrain_name, terrain.georef(), &mut Vec::new())?;
+    let (above, below) = (Placed { input: &name, on: raster.georef() }, Placed { input: &terrain_name, on: terrain });
+    let terrain = terrain_on_grid(above, below, None, warnings)?;
+    let terrain = Some(Placed { input: &terrain_name, on: terrain });
+    scene_over(&name, (raster, Empty::Nodata), terrain, Vec::new(), options, warnings)
+}
+
+/// A building that the caller holds.
+#[derive(Debug, Clone)]
+pub struct HeldBuilding<'a> {
+    /// Its name; its number from 1 without one.
+    pub id: Option<String>,
+    /// Its polygons as well-known binary (OGC 06-103r4, section 8).
+    pub wkb: &'a [u8],
+    /// Its height above the ground, or what the options take it for; NaN without one.
+    pub height: f64,
+}
+
+/// The scene of some buildings.
+///
+/// # Errors
+/// Those of [`super::read_footprints`] about geometries, heights and reference systems.
+pub fn footprints_of(
+    name: &str,
+    buildings: &[HeldBuilding<'_>],
+    options: &FootprintOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<City> {
+    let input = &Input::bytes(name, Vec::new());
+    let property = options.top_field.as_deref().or(options.height_field.as_deref()).unwrap_or(HEIGHT);
+    let property: std::sync::Arc<str> = property.into();
+    let feature = |(k, building): (usize, &HeldBuilding<'_>)| {
+        let mut polygons = Vec::new();
+        let has_other_parts = wkb::polygons_of(building.wkb, &mut polygons)
+            .map_err(|fault| Error::malformed(input, fault).at(Place::Feature(k as u64 + 1)))?;
+        let height = if building.height.is_nan() { Property::Null } else { Property::Number(building.height) };
+        let properties = vec![(std::sync::Arc::clone(&property), height)];
+        Ok(Feature { id: building.id.clone(), properties, polygons, has_other_parts, heights: None })
+    };
+    let features = buildings.par_iter().enumerate().map(feature).collect::<Result<Vec<_>>>()?;
+    let set = FeatureSet { crs: Ok(None), name: None, attribution: None, name_limit: None, features };
+    footprints::scene_of(input, (set, Vec::new()), options, Listing::CountsOnly, warnings).map(|(city, _)| city)
+}

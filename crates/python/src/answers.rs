@@ -1,0 +1,151 @@
+//! Answers: maps whose arrays are borrowed, not copied, and documents with tables.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use numpy::ndarray::ArrayView2;
+use numpy::{Element, PyArray2, PyArrayMethods};
+use pyo3::exceptions::PyIndexError;
+use pyo3::prelude::*;
+use skyshed::cli;
+use skyshed::{Coverages, Layer, Warning};
+
+use crate::errors::{Failure, in_python};
+use crate::pool::watched;
+use crate::scene::{Place, place_of};
+
+/// What was odd: code and text.
+pub(crate) type Told = (String, String);
+
+pub(crate) fn told(warnings: &[Warning]) -> Vec<Told> {
+    let words = |warning: &Warning| {
+        let hint = cli::hint_of(warning).map_or_else(String::new, |hint| format!(" ({hint})"));
+        in_python(&format!("{warning}{hint}"))
+    };
+    warnings.iter().map(|warning| (warning.code(), words(warning))).collect()
+}
+
+/// An answer in words and numbers.
+#[pyclass(frozen, get_all, module = "skyshed._skyshed")]
+pub(crate) struct Found {
+    /// The document as JSON.
+    document: String,
+    table: Vec<Vec<String>>,
+    warnings: Vec<Told>,
+    files: Vec<PathBuf>,
+}
+
+impl From<cli::Found> for Found {
+    fn from(found: cli::Found) -> Found {
+        let cli::Found { document, table, warnings, files } = found;
+        Found { document: document.to_string(), table, warnings: told(&warnings), files }
+    }
+}
+
+/// What some UAVs see.
+#[pyclass(frozen, module = "skyshed._skyshed")]
+pub(crate) struct Maps(Arc<Coverages>);
+
+impl From<Coverages> for Maps {
+    fn from(coverages: Coverages) -> Maps {
+        Maps(Arc::new(coverages))
+    }
+}
+
+impl Maps {
+    /// Cells of one of the maps as an array that cannot be written, without a copy.
+    fn lent<'py, T: Element>(this: &Bound<'py, Self>, cells: &[T]) -> PyResult<Bound<'py, PyArray2<T>>> {
+        let grid = this.get().0.grid();
+        let view = ArrayView2::from_shape((grid.n_rows(), grid.n_cols()), cells)
+            .map_err(|_| Failure::Fault("a layer has another shape than its grid".into()))?;
+        #[expect(unsafe_code, reason = "rust-numpy has no other way to lend memory")]
+        // SAFETY: the cells belong to the maps, which never change and live as long as the array, whose owner they are.
+        let array = unsafe { PyArray2::borrow_from_array(&view, this.clone().into_any()) };
+        array.readwrite().make_nonwriteable();
+        Ok(array)
+    }
+}
+
+fn no_such() -> PyErr {
+    PyIndexError::new_err("no such map, or it was not kept")
+}
+
+#[pymethods]
+impl Maps {
+    /// The classes of one UAV.
+    fn mask<'py>(slf: &Bound<'py, Self>, site: usize) -> PyResult<Bound<'py, PyArray2<u8>>> {
+        Maps::lent(slf, slf.get().0.mask(site).ok_or_else(no_such)?)
+    }
+
+    /// A layer of one UAV.
+    fn layer<'py>(slf: &Bound<'py, Self>, site: usize, name: &str) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
+        let layers = [Layer::Margin, Layer::LeastReceiverHeight, Layer::LeastHeight, Layer::Stability];
+        let layer = layers.into_iter().find(|layer| layer.name() == name);
+        let cells = layer.and_then(|layer| slf.get().0.layer(site, layer));
+        cells.map(|cells| Maps::lent(slf, cells)).transpose()
+    }
+
+    /// The classes of all UAVs together.
+    fn union<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<u8>>> {
+        Maps::lent(slf, slf.get().0.union_mask().ok_or_else(no_such)?)
+    }
+
+    /// How many UAVs see each cell.
+    fn count<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        let grid = self.0.grid();
+        let counts = numpy::PyArray1::from_vec(py, self.0.count());
+        counts.reshape([grid.n_rows(), grid.n_cols()])
+    }
+
+    /// The document as JSON.
+    fn document(&self) -> String {
+        self.0.document().to_string()
+    }
+
+    /// Receivers in range of each UAV, and those of them in line of sight.
+    fn tallies(&self) -> Vec<(u64, u64)> {
+        self.0.sites().iter().map(|site| (site.tally.receivers, site.tally.los)).collect()
+    }
+
+    /// Those of all UAVs together.
+    fn tally(&self) -> (u64, u64) {
+        (self.0.union().receivers, self.0.union().los)
+    }
+
+    #[getter]
+    fn ids(&self) -> Vec<String> {
+        self.0.sites().iter().map(|site| site.id.clone()).collect()
+    }
+
+    #[getter]
+    fn digest(&self) -> &str {
+        self.0.digest()
+    }
+
+    #[getter]
+    fn place(&self) -> Place {
+        place_of(self.0.grid())
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<Told> {
+        told(self.0.warnings())
+    }
+
+    /// Writes files.
+    fn save(&self, py: Python<'_>, paths: Vec<PathBuf>, words: Vec<OsString>) -> PyResult<()> {
+        let maps = Arc::clone(&self.0);
+        watched(py, None, move |_| {
+            let options = cli::save_options(&words, &paths)?;
+            paths.iter().try_for_each(|path| Ok(maps.save_with(path, &options)?))
+        })
+    }
+
+    /// P_LoS against the height of each UAV.
+    #[pyo3(signature = (heights, watch=None))]
+    fn height_curves(&self, py: Python<'_>, heights: Option<[f64; 3]>, watch: Option<Py<PyAny>>) -> PyResult<Found> {
+        let maps = Arc::clone(&self.0);
+        watched(py, watch, move |progress| Ok(cli::height_curves(&maps, heights, progress)?)).map(Found::from)
+    }
+}

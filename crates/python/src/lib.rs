@@ -1,0 +1,40 @@
+//! The extension module of the Python package `skyshed`: scenes, maps and questions as plain calls. `python/skyshed` makes them
+//! pleasant; words of options are those of the command line.
+
+mod arrays;
+mod answers;
+mod errors;
+mod pool;
+mod scene;
+
+use std::ffi::OsString;
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+
+#[pymodule(gil_used = false)]
+mod _skyshed {
+    #[pymodule_export]
+    use super::answers::{Found, Maps};
+    #[pymodule_export]
+    use super::scene::Scene;
+    #[pymodule_export]
+    use super::{ask, main};
+}
+
+/// Asks a command of the program in its words.
+#[pyfunction]
+#[pyo3(signature = (words, watch=None))]
+fn ask(py: Python<'_>, words: Vec<OsString>, watch: Option<Py<PyAny>>) -> PyResult<answers::Found> {
+    pool::watched(py, watch, move |progress| Ok(skyshed::cli::ask(words, None, progress)?)).map(answers::Found::from)
+}
+
+/// Runs the program on a command line and returns its exit code.
+#[pyfunction]
+fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
+    let code = py.detach(|| skyshed::cli::exit_code(words));
+    code
+}
+
+/// What a run is watched by.
+type Watched = Arc<skyshed::Progress>;

@@ -1,0 +1,229 @@
+//! Scenes: opened, made of arrays or buildings, asked.
+
+use std::ffi::OsString;
+use std::sync::atomic::AtomicBool;
+
+use numpy::{PyArray2, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use skyshed::cli;
+use skyshed::{Height, SceneOptions, Uav};
+use skyshed_core::raster::GeoRef;
+use skyshed_io::read::HeldBuilding;
+
+use crate::answers::{Found, Maps, Told, told};
+use crate::arrays::{Heights, Rows, held};
+use crate::errors::Failure;
+use crate::pool::{lent, watched};
+
+/// A city ready for rays; copies share it.
+#[pyclass(frozen, module = "skyshed._skyshed")]
+pub(crate) struct Scene(skyshed::Scene);
+
+/// A height as it is asked for: above ground \[m\], or in words such as `30roof`.
+#[derive(FromPyObject)]
+pub(crate) enum AskedHeight {
+    Above(f64),
+    Said(String),
+}
+
+/// A UAV as it is asked for: east, north, height, name.
+type AskedUav = (f64, f64, AskedHeight, Option<String>);
+
+/// An array: its name, west edge, width of a cell, north edge, height of a cell, what stands for no height, and whether its
+/// bytes are turned around.
+type Lent<'py> = (String, Heights<'py>, (f64, f64, f64, f64), Option<String>, Option<f64>, bool);
+
+struct Held<'py> {
+    name: String,
+    array: Heights<'py>,
+    place: (f64, f64, f64, f64),
+    crs: Option<String>,
+    nodata: Option<f64>,
+    is_swapped: bool,
+}
+
+impl<'py> From<Lent<'py>> for Held<'py> {
+    fn from((name, array, place, crs, nodata, is_swapped): Lent<'py>) -> Self {
+        Held { name, array, place, crs, nodata, is_swapped }
+    }
+}
+
+impl Held<'_> {
+    fn georef(&self) -> Result<GeoRef, Failure> {
+        let (west, width, north, height) = self.place;
+        let crs = self.crs.as_deref().map(skyshed_io::crs::parse).transpose();
+        let crs = crs.map_err(|error| cli::Refusal::from(error).about("crs"))?;
+        let (n_rows, n_cols) = self.array.shape;
+        GeoRef::new((west, north), (width, height), (n_rows, n_cols), crs).ok_or_else(|| {
+            let cells = format!("{n_rows}×{n_cols} cells of {width} × {height} from ({west}, {north})");
+            cli::Refusal::of_grid(format!("transform: {cells} are no grid")).into()
+        })
+    }
+
+    fn rows<'a>(&'a self, stop: &'a AtomicBool) -> Rows<'a> {
+        self.array.rows(self.is_swapped, self.nodata, stop)
+    }
+}
+
+fn uavs_of(asked: Vec<AskedUav>) -> Result<Vec<Uav>, Failure> {
+    let uav = |(x, y, height, name): AskedUav| {
+        let height = match height {
+            AskedHeight::Above(height_m) => Height::agl(height_m),
+            AskedHeight::Said(text) => text.parse().map_err(|text: String| cli::Refusal::of_uav(&text))?,
+        };
+        let uav = Uav::new(x, y, height);
+        Ok(match name {
+            Some(name) => uav.named(name),
+            None => uav,
+        })
+    };
+    asked.into_iter().map(uav).collect()
+}
+
+fn kept(words: &[OsString]) -> Result<SceneOptions, Failure> {
+    Ok(cli::scene_options(words)?.keeps_footprints())
+}
+
+#[pymethods]
+impl Scene {
+    /// Opens a file, or makes a generated city.
+    #[staticmethod]
+    #[pyo3(signature = (word, words, watch=None))]
+    fn open(py: Python<'_>, word: OsString, words: Vec<OsString>, watch: Option<Py<PyAny>>) -> PyResult<Scene> {
+        watched(py, watch, move |_| Ok(Scene(kept(&words)?.open(word)?)))
+    }
+
+    /// A scene of heights.
+    #[staticmethod]
+    fn of_heights(
+        py: Python<'_>,
+        surface: Lent<'_>,
+        terrain: Option<Lent<'_>>,
+        words: Vec<OsString>,
+    ) -> PyResult<Scene> {
+        let options = kept(&words)?;
+        let (surface, terrain) = (Held::from(surface), terrain.map(Held::from));
+        let stop = AtomicBool::new(false);
+        let parts = [Some(&surface), terrain.as_ref()].into_iter().flatten();
+        let parts: Vec<(String, GeoRef, Rows<'_>)> = parts
+            .map(|part| Ok((part.name.clone(), part.georef()?, part.rows(&stop))))
+            .collect::<Result<_, Failure>>()?;
+        let held = lent(py, &stop, || {
+            parts.iter().map(|(name, georef, rows)| held(name, georef.clone(), rows)).collect::<Result<Vec<_>, _>>()
+        })?;
+        let name = surface.name.clone();
+        watched(py, None, move |_| {
+            let mut held = held.into_iter();
+            let surface = held.next().ok_or_else(|| Failure::Fault("no surface".into()))?;
+            Ok(Scene(options.of_heights(&name, surface, held.next())?))
+        })
+    }
+
+    /// A scene of buildings: well-known binary, heights and names.
+    #[staticmethod]
+    fn of_buildings(
+        py: Python<'_>,
+        name: String,
+        wkb: Vec<Py<PyBytes>>,
+        heights: PyReadonlyArray1<'_, f64>,
+        ids: Option<Vec<String>>,
+        words: Vec<OsString>,
+    ) -> PyResult<Scene> {
+        let options = kept(&words)?;
+        let wkb: Vec<Vec<u8>> = wkb.iter().map(|bytes| bytes.as_bytes(py).to_vec()).collect();
+        let heights = heights.as_array().to_vec();
+        watched(py, None, move |_| {
+            let named = |k: usize| ids.as_ref().and_then(|ids| ids.get(k).cloned());
+            let buildings = wkb.iter().zip(&heights).enumerate();
+            let buildings: Vec<HeldBuilding<'_>> =
+                buildings.map(|(k, (wkb, height))| HeldBuilding { id: named(k), wkb, height: *height }).collect();
+            Ok(Scene(options.of_buildings(&name, &buildings)?))
+        })
+    }
+
+    /// The scene of packed bytes.
+    #[staticmethod]
+    fn unpacked(py: Python<'_>, name: String, bytes: Vec<u8>, crs: Option<String>) -> PyResult<Scene> {
+        watched(py, None, move |_| Ok(Scene(skyshed::Scene::unpacked(&name, &bytes, crs.as_deref())?)))
+    }
+
+    /// What the scene was built from, as bytes.
+    fn packed(&self, py: Python<'_>) -> PyResult<Py<PyBytes>> {
+        let scene = self.0.clone();
+        let packed =
+            watched(py, None, move |_| scene.packed().ok_or_else(|| Failure::Fault("nothing was kept".into())))?;
+        Ok(PyBytes::new(py, &packed).unbind())
+    }
+
+    /// What some UAVs see.
+    #[pyo3(signature = (uavs, words, keeps_masks, watch=None))]
+    fn maps(
+        &self,
+        py: Python<'_>,
+        uavs: Vec<AskedUav>,
+        words: Vec<OsString>,
+        keeps_masks: bool,
+        watch: Option<Py<PyAny>>,
+    ) -> PyResult<Maps> {
+        let (scene, uavs) = (self.0.clone(), uavs_of(uavs)?);
+        watched(py, watch, move |progress| {
+            Ok(Maps::from(cli::coverages((scene, &uavs), &words, keeps_masks, progress)?))
+        })
+    }
+
+    /// Receivers in range of each UAV, and those of them in line of sight.
+    #[pyo3(signature = (uavs, words, watch=None))]
+    fn counts<'py>(
+        &self,
+        py: Python<'py>,
+        uavs: Vec<AskedUav>,
+        words: Vec<OsString>,
+        watch: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray2<u64>>> {
+        let (scene, uavs) = (self.0.clone(), uavs_of(uavs)?);
+        let counts = watched(py, watch, move |progress| Ok(cli::counts((scene, &uavs), &words, progress)?))?;
+        let rows: Vec<Vec<u64>> = counts.into_iter().map(|(receivers, los)| vec![receivers, los]).collect();
+        if rows.is_empty() {
+            return Ok(PyArray2::zeros(py, [0, 2], false));
+        }
+        Ok(PyArray2::from_vec2(py, &rows)?)
+    }
+
+    /// Asks a command of the program over this scene.
+    #[pyo3(signature = (words, watch=None))]
+    fn ask(&self, py: Python<'_>, words: Vec<OsString>, watch: Option<Py<PyAny>>) -> PyResult<Found> {
+        let scene = self.0.clone();
+        watched(py, watch, move |progress| Ok(cli::ask(words, Some(scene), progress)?)).map(Found::from)
+    }
+
+    /// The live page.
+    fn live_page(&self, py: Python<'_>, uavs: Vec<AskedUav>, words: Vec<String>) -> PyResult<String> {
+        let (scene, uavs) = (self.0.clone(), uavs_of(uavs)?);
+        watched(py, None, move |_| Ok(scene.live_page(&uavs, words)?))
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+
+    #[getter]
+    fn place(&self) -> Place {
+        place_of(self.0.grid())
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<Told> {
+        told(self.0.warnings())
+    }
+}
+
+/// Rows and columns; west edge, width of a cell, north edge, height of a cell; label and WKT of the reference system.
+pub(crate) type Place = ((usize, usize), (f64, f64, f64, f64), Option<(String, Option<String>)>);
+
+pub(crate) fn place_of(grid: &GeoRef) -> Place {
+    let crs = grid.crs().map(|crs| (crs.label().to_string(), skyshed_io::crs::wkt_of(crs)));
+    let place = (grid.x_min(), grid.cell_width(), grid.y_max(), grid.cell_height());
+    ((grid.n_rows(), grid.n_cols()), place, crs)
+}

@@ -1,0 +1,385 @@
+"""Answers: coverage of one and of several UAVs, links, tables."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Iterator
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from skyshed._arrays import Transform
+from skyshed._errors import wrong
+from skyshed._words import PathLike, words_of
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+    import pandas
+    import xarray
+
+    from skyshed._scene import Scene
+    from skyshed._skyshed import Found, Maps, _Place
+
+#: Classes of a mask.
+NLOS, LOS, NO_RECEIVER, OUT_OF_RANGE, NODATA = 0, 1, 2, 3, 255
+
+#: Layers that hold numbers, and their names in the extension.
+MEASURES = {
+    "margin": "margin",
+    "ceiling": "least-receiver-height",
+    "least-receiver-height": "least-receiver-height",
+    "least-height": "least-height",
+    "stability": "stability",
+}
+
+
+class Grid:
+    """Where cells lie."""
+
+    def __init__(self, place: _Place) -> None:
+        self.shape, (self._west, self._width, self._north, self._height), self._crs = place
+
+    @property
+    def transform(self) -> Transform:
+        """In the order of ``affine.Affine``, as rasterio takes it."""
+        return Transform(self._width, 0.0, self._west, 0.0, -self._height, self._north)
+
+    @property
+    def crs(self) -> str | None:
+        """The reference system: EPSG:n, else its WKT; ``None`` for local meters."""
+        if self._crs is None:
+            return None
+        label, wkt = self._crs
+        return label if label.startswith("EPSG:") else wkt or label
+
+    @property
+    def wkt(self) -> str | None:
+        """The reference system as WKT."""
+        return self._crs[1] if self._crs else None
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """West, south, east, north."""
+        n_rows, n_cols = self.shape
+        return self._west, self._north - self._height * n_rows, self._west + self._width * n_cols, self._north
+
+    def xs(self) -> npt.NDArray[np.float64]:
+        """East of the centers of columns."""
+        return np.asarray(self._west + self._width * (np.arange(self.shape[1]) + 0.5), dtype=np.float64)
+
+    def ys(self) -> npt.NDArray[np.float64]:
+        """North of the centers of rows, from north to south."""
+        return np.asarray(self._north - self._height * (np.arange(self.shape[0]) + 0.5), dtype=np.float64)
+
+    def coordinates(self) -> dict[str, Any]:
+        """As coordinates of xarray, readable by rioxarray."""
+        a, b, c, d, e, f = self.transform
+        of_grid = {"GeoTransform": " ".join(repr(float(number)) for number in (c, a, b, f, d, e))}
+        if self.wkt:
+            of_grid |= {"crs_wkt": self.wkt, "spatial_ref": self.wkt}
+        unit = {"units": "m"}
+        x = ("x", self.xs(), {"standard_name": "projection_x_coordinate", "axis": "X", **unit})
+        y = ("y", self.ys(), {"standard_name": "projection_y_coordinate", "axis": "Y", **unit})
+        return {"y": y, "x": x, "spatial_ref": ((), 0, of_grid)}
+
+
+class _Mapped(Grid):
+    """What coverage of one and of several have in common."""
+
+    def __init__(self, maps: Maps) -> None:
+        super().__init__(maps.place)
+        self._maps = maps
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the masks: equal for equal answers, whatever the machine and the number of threads."""
+        return self._maps.digest
+
+    @cached_property
+    def document(self) -> dict[str, Any]:
+        """The document ``skyshed/map/1``, as of ``skyshed map --json``."""
+        found: dict[str, Any] = json.loads(self._maps.document())
+        return found
+
+    def save(self, *paths: PathLike, **options: object) -> None:
+        """Writes files by their extensions: pictures (.png .svg .pdf), rasters (.tif .exr .asc .bil .npz), tables (.csv), documents
+        (.json), features (.geojson .fgb), overlays (.kmz).
+
+        ``options`` are those of ``skyshed map``: ``overwrite``, ``bare``, ``tif_layout``, ``gdal_values``, ``polygons``,
+        ``simplify``, ``title``, ``attribution``, ``width``, ``dpi``, ``csv_text``.
+        """
+        self._maps.save([os.fspath(path) for path in paths], words_of(options))
+
+    def _png(self) -> bytes:
+        with tempfile.TemporaryDirectory(prefix="skyshed-") as folder:
+            path = os.path.join(folder, "map.png")
+            self.save(path)
+            with open(path, "rb") as file:
+                return file.read()
+
+    def _repr_png_(self) -> bytes:
+        return self._png()
+
+    def height_curve(
+        self, heights: tuple[float, float, float] | None = None, *, progress: object = None
+    ) -> Answer:
+        """P_LoS against the height of each UAV above the ground below it, exact.
+
+        ``heights`` are from, to and step [m], by default some 150 round ones.
+        """
+        from skyshed._words import watch_of
+
+        asked = None if heights is None else [float(height) for height in heights]
+        if asked is not None and len(asked) != 3:
+            raise wrong("heights", repr(heights), "from, to and step [m]")
+        return Answer(self._maps.height_curves(asked, watch_of(progress)))
+
+
+class Coverage(_Mapped):
+    """What one UAV sees."""
+
+    @property
+    def los(self) -> npt.NDArray[np.uint8]:
+        """The class of each cell: 0 no line of sight, 1 line of sight, 2 no receiver, 3 out of range, 255 no data. Rows run from
+        north to south. The array is the map's own memory and cannot be written."""
+        return self._maps.mask(0)
+
+    @property
+    def p_los(self) -> float:
+        """The share of receivers in range that are in line of sight; NaN without any."""
+        receivers, los = self._maps.tallies()[0]
+        return los / receivers if receivers else float("nan")
+
+    @property
+    def receivers(self) -> int:
+        """Receivers in range."""
+        return self._maps.tallies()[0][0]
+
+    @property
+    def zones(self) -> dict[str, dict[str, Any]] | None:
+        """Counts by zone (street, crossroad, courtyard, rooftop), if the map was made with ``zones=True``."""
+        zones: dict[str, dict[str, Any]] | None = self.document["sites"][0]["zones"]
+        return zones
+
+    def layer(self, name: str) -> npt.NDArray[np.float32]:
+        """A layer that was asked for, NaN where there is no receiver: heights [m] of ``margin``, ``ceiling`` and
+        ``least-height``, or ``stability``."""
+        found = self._maps.layer(0, MEASURES.get(name, name))
+        if found is None:
+            raise KeyError(f"layer {name!r}: it was not asked for, or holds no heights")
+        return found
+
+    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+        return self.los if name == "los" else self.layer(name)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """All layers with their coordinates; ``.los.rio.to_raster("los.tif")`` writes one."""
+        import xarray
+
+        meanings = "nlos los no_receiver out_of_range nodata"
+        flags = np.array([NLOS, LOS, NO_RECEIVER, OUT_OF_RANGE, NODATA], dtype=np.uint8)
+        of_mask = {"flag_values": flags, "flag_meanings": meanings, "long_name": "line of sight", "_FillValue": np.uint8(NODATA)}
+        layers: dict[str, Any] = {"los": (("y", "x"), self.los, of_mask | {"grid_mapping": "spatial_ref"})}
+        for name in ("margin", "ceiling", "least-height", "stability"):
+            found = self._maps.layer(0, MEASURES[name])
+            if found is not None:
+                unit = {"units": "1" if name == "stability" else "m"}
+                layers[name.replace("-", "_")] = (("y", "x"), found, unit | {"grid_mapping": "spatial_ref"})
+        attrs = {"digest": self.digest, "p_los": self.p_los, "source": "skyshed"}
+        return xarray.Dataset(layers, self.coordinates(), attrs)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Shows the map on axes of matplotlib, new ones without any; a notebook shows the picture of the program for the map
+        itself."""
+        import matplotlib.pyplot as plt
+        from matplotlib.colors import ListedColormap
+        from matplotlib.patches import Patch
+
+        ax = ax if ax is not None else plt.subplots()[1]
+        # Blue and orange are told apart by all eyes, and in print.
+        colors = ["#e08214", "#2166ac", "#d9d9d9", "#ffffff", "#ffffff"]
+        classes = np.searchsorted([NLOS, LOS, NO_RECEIVER, OUT_OF_RANGE, NODATA], self.los)
+        west, south, east, north = self.bounds
+        ax.imshow(
+            classes, cmap=ListedColormap(colors), vmin=0, vmax=4, extent=(west, east, south, north), interpolation="nearest"
+        )
+        shown = [(1, "Line of sight"), (0, "No line of sight"), (2, "No receiver")]
+        patches = [Patch(facecolor=colors[k], label=label) for k, label in shown if np.any(classes == k)]
+        if patches:
+            ax.legend(handles=patches, loc="upper right", fontsize="small")
+        site = self.document["sites"][0]
+        ax.plot([site["x"]], [site["y"]], marker="^", color="black", markeredgecolor="white", markersize=9)
+        ax.set_title(f"P_LoS {self.p_los:.4f}")
+        ax.ticklabel_format(useOffset=False, style="plain")
+        return ax
+
+    def __repr__(self) -> str:
+        n_rows, n_cols = self.shape
+        return f"Coverage(p_los={self.p_los:.4f}, receivers={self.receivers}, cells={n_rows}×{n_cols})"
+
+
+class Coverages(_Mapped):
+    """What several UAVs see, each and together. Iterating makes one map after another, and keeps none."""
+
+    def __init__(self, maps: Maps, scene: Scene, uavs: list[Any], asked: dict[str, Any], is_kept: bool) -> None:
+        super().__init__(maps)
+        self._scene, self._uavs, self._asked, self._is_kept = scene, uavs, asked, is_kept
+
+    def __len__(self) -> int:
+        return len(self._uavs)
+
+    def __iter__(self) -> Iterator[Coverage]:
+        for uav in self._uavs:
+            yield self._scene.map(uav, **self._asked)
+
+    @property
+    def ids(self) -> list[str]:
+        """The names of the UAVs."""
+        return self._maps.ids
+
+    @property
+    def receivers(self) -> npt.NDArray[np.int64]:
+        """Receivers in range of each UAV."""
+        return np.array([tally[0] for tally in self._maps.tallies()], dtype=np.int64)
+
+    @property
+    def p_los(self) -> npt.NDArray[np.float64]:
+        """The share of receivers in range that each UAV sees; NaN without any."""
+        return shares(np.array(self._maps.tallies(), dtype=np.uint64).reshape(-1, 2))
+
+    @property
+    def union_p_los(self) -> float:
+        """The share of receivers in range of any UAV that at least one sees."""
+        receivers, los = self._maps.tally()
+        return los / receivers if receivers else float("nan")
+
+    @property
+    def union(self) -> npt.NDArray[np.uint8]:
+        """The class of each cell for all together: line of sight if any UAV sees it."""
+        return self._maps.union()
+
+    @property
+    def count(self) -> npt.NDArray[np.uint32]:
+        """How many UAVs see each cell."""
+        return self._maps.count()
+
+    @cached_property
+    def which(self) -> npt.NDArray[np.uint64]:
+        """Which UAVs see each cell: bit k is set if UAV k does, of at most 64."""
+        if len(self) > 64:
+            raise ValueError(f"which: found {len(self)} UAVs, wanted at most 64")
+        bits = np.zeros(self.shape, dtype=np.uint64)
+        for k in range(len(self)):
+            mask = self._maps.mask(k) if self._is_kept else self._scene.map(self._uavs[k], **self._asked).los
+            bits |= (mask == LOS).astype(np.uint64) << np.uint64(k)
+        return bits
+
+    def __repr__(self) -> str:
+        return f"Coverages({len(self)} UAVs, union_p_los={self.union_p_los:.4f})"
+
+
+def shares(counts: npt.NDArray[np.uint64]) -> npt.NDArray[np.float64]:
+    """P_LoS of receivers and those of them in line of sight, NaN without any."""
+    receivers, los = counts[:, 0].astype(float), counts[:, 1].astype(float)
+    found: npt.NDArray[np.float64] = np.divide(los, receivers, out=np.full(len(receivers), np.nan), where=receivers > 0)
+    return found
+
+
+class Answer:
+    """An answer as a document, and as a table where it has one."""
+
+    def __init__(self, found: Found) -> None:
+        self._found = found
+
+    @cached_property
+    def document(self) -> dict[str, Any]:
+        """What the program prints with ``--json``."""
+        found: dict[str, Any] = json.loads(self._found.document)
+        return found
+
+    def __getitem__(self, name: str) -> Any:
+        return self.document[name]
+
+    @property
+    def files(self) -> list[str]:
+        """Files that were written."""
+        return [os.fspath(path) for path in self._found.files]
+
+    @cached_property
+    def table(self) -> npt.NDArray[np.void]:
+        """The table as a structured array: numbers are numbers, and NaN where there is none."""
+        header, *rows = self._found.table or [[]]
+        columns = [_column([row[k] for row in rows]) for k in range(len(header))]
+        kinds = [(name, column.dtype) for name, column in zip(header, columns)]
+        table = np.empty(len(rows), dtype=kinds)
+        for name, column in zip(header, columns):
+            table[name] = column
+        return table
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The table as a DataFrame."""
+        import pandas
+
+        return pandas.DataFrame({name: self.table[name] for name in self.table.dtype.names or ()})
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        header, *rows = self._found.table or [[]]
+
+        def row(cells: list[str], tag: str) -> str:
+            return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
+
+        shown = "".join(row(cells, "td") for cells in rows[:50])
+        more = f"<p>{len(rows) - 50} more rows</p>" if len(rows) > 50 else ""
+        return f"<table>{row(header, 'th')}{shown}</table>{more}"
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.document.get('schema')}, {max(len(self._found.table) - 1, 0)} rows)"
+
+
+class Link(Answer):
+    """One link: whether it is in line of sight, by how much, and what stands in the way."""
+
+    @property
+    def los(self) -> bool:
+        """Whether the link is in line of sight."""
+        return bool(self.document["los"])
+
+    @property
+    def margin(self) -> float | None:
+        """Height of the receiver less the least height in line of sight [m]; ``None`` if no height is enough."""
+        margin: float | None = self.document["margin_m"]
+        return margin
+
+    @property
+    def distance(self) -> float:
+        """Horizontal distance [m]."""
+        return float(self.document["distance_m"])
+
+    @property
+    def elevation(self) -> float:
+        """Elevation angle of the UAV from the receiver [deg]."""
+        return float(self.document["elevation_deg"])
+
+    @property
+    def obstruction(self) -> dict[str, Any] | None:
+        """What stands in the way; ``None`` in line of sight."""
+        found: dict[str, Any] | None = self.document["obstruction"]
+        return found
+
+    def __bool__(self) -> bool:
+        return self.los
+
+
+def _column(cells: list[str]) -> npt.NDArray[Any]:
+    """Cells of a table as numbers where all are, else as text."""
+    if cells and all(cell.lstrip("-").isdigit() for cell in cells):
+        return np.array(cells, dtype=np.int64)
+    try:
+        return np.array([float(cell) if cell else np.nan for cell in cells], dtype=np.float64)
+    except ValueError:
+        return np.array(cells, dtype=np.str_)

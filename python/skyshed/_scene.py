@@ -1,0 +1,408 @@
+"""Scenes, and what they are asked."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
+
+import numpy as np
+
+from skyshed import _skyshed
+from skyshed._answers import Answer, Coverage, Coverages, Grid, Link, shares
+from skyshed._arrays import Held, crs_text, held, placed
+from skyshed._errors import tell, wrong
+from skyshed._live import LivePage
+from skyshed._words import PathLike, Uav, as_files, files_of, uav_of, uavs_of, watch_of, words_of
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+    from typing_extensions import Self, Unpack
+
+
+class _AnyScene(TypedDict, total=False):
+    ground: float | None
+    building_threshold: float | None
+    height_field: str | None
+    top_field: str | None
+    height_unit: str | None
+    levels_field: str | None
+    layer: str | None
+    missing: str | None
+    base: str | None
+    data_area: PathLike | None
+    extent: Sequence[float] | None
+    cell: float | None
+    project: object
+    nodata_as: str | None
+    hash: bool
+
+
+class _Footprints(_AnyScene, total=False):
+    terrain: PathLike | None
+
+
+class SceneOptions(_Footprints, total=False):
+    """How a scene is read: the options of the program under *Scene* of ``skyshed map --help``."""
+
+    crs: object
+
+
+_Kind = TypeVar("_Kind", bound=Answer)
+
+
+class Sight(TypedDict, total=False):
+    """For whom, and how far: options of every question."""
+
+    rx_height: float
+    receivers: str
+    radius: float | None
+    method: str
+
+
+class Scene(Grid):
+    """A city ready for rays: footprints, a surface model, a mesh or a generated city, over a grid of cells.
+
+    Scenes do not change, may be asked by several threads at once, and can be pickled.
+    """
+
+    def __init__(self, scene: _skyshed.Scene, word: str, words: list[str], is_file: bool) -> None:
+        super().__init__(scene.place)
+        self._scene, self._word, self._words, self._is_file = scene, word, words, is_file
+
+    @classmethod
+    def open(cls, path: PathLike, *, progress: object = None, **options: Unpack[SceneOptions]) -> Self:
+        """Opens any file that the program reads: a raster or a folder of tiles, footprints, or a mesh.
+
+        >>> munich = Scene.open("maps/munich.geojson")
+        >>> munich.shape
+        (1111, 1406)
+        """
+        words = _reading(options)
+        word = os.fspath(path)
+        scene = cls(_skyshed.Scene.open(word, words, watch_of(progress)), word, words, True)
+        tell(scene._scene.warnings)
+        return scene
+
+    @classmethod
+    def itu(cls, kind: str, *, size: float = 1000, seed: int = 1, **options: Unpack[_AnyScene]) -> Self:
+        """A generated city of the ITU-R P.1410 model: ``suburban``, ``urban``, ``denseurban``, ``highrise``, or
+        ``"alpha,beta,gamma"``; ``size`` is its edge [m].
+
+        >>> Scene.itu("urban", size=200).shape
+        (200, 200)
+        """
+        words = _reading({**options, "size": size, "seed": seed})
+        word = kind if kind.startswith("itu:") else f"itu:{kind}"
+        return cls(_skyshed.Scene.open(word, words), word, words, True)
+
+    @classmethod
+    def from_raster(
+        cls,
+        surface: Any,
+        *,
+        transform: Any = None,
+        crs: Any = None,
+        nodata: Any = None,
+        terrain: Any = None,
+        terrain_transform: Any = None,
+        terrain_nodata: Any = None,
+        name: str = "array",
+        **options: Unpack[_AnyScene],
+    ) -> Self:
+        """A scene of a surface model in memory, heights in meters: an array with a transform, or a DataArray, which has its own.
+
+        ``transform`` is that of rasterio: ``Affine`` or (cell width, 0, west, 0, -cell height, north). ``terrain`` is what lies
+        below: an array on the cells of the surface or with ``terrain_transform``, a DataArray, or a path. Without it, and without
+        ``ground``, receivers stand on the surface.
+
+        >>> import numpy as np
+        >>> heights = np.zeros((100, 100))
+        >>> heights[40:60, 40:60] = 20
+        >>> block = Scene.from_raster(heights, transform=(1, 0, 0, 0, -1, 100), ground=0)
+        >>> block.map((20, 50, 30)).receivers
+        9600
+        """
+        above = placed("surface", surface, transform, crs, nodata)
+        below: Held | None = None
+        if terrain is not None and not isinstance(terrain, (str, os.PathLike)):
+            transform = terrain_transform if terrain_transform is not None else above.transform
+            nodata = terrain_nodata if terrain_nodata is not None else above.nodata
+            lower = placed("terrain", terrain, transform, crs if crs is not None else above.crs, nodata)
+            below = held("terrain", lower, f"terrain of {name}")
+            terrain = None
+        words = _reading({**options, "terrain": terrain})
+        scene = _skyshed.Scene.of_heights(held("surface", above, name), below, words)
+        made = cls(scene, name, words, False)
+        tell(made._scene.warnings)
+        return made
+
+    @classmethod
+    def from_footprints(
+        cls,
+        buildings: Any,
+        heights: Any = "height",
+        *,
+        crs: Any = None,
+        ids: Iterable[object] | None = None,
+        name: str = "buildings",
+        **options: Unpack[_Footprints],
+    ) -> Self:
+        """A scene of buildings in memory: a GeoDataFrame and the name of its column of heights, or geometries and their heights
+        above the ground [m].
+
+        Geometries are those of shapely, well-known binary, or mappings as of GeoJSON; several may also be given as one pair
+        ``(geometries, heights)``. NaN is a height that is missing (``missing`` says what to do).
+        """
+        if isinstance(buildings, tuple) and len(buildings) == 2 and isinstance(heights, str):
+            buildings, heights = buildings
+        geometry = getattr(buildings, "geometry", None)
+        if geometry is not None and hasattr(geometry, "to_wkb"):
+            crs = crs if crs is not None else buildings.crs
+            if isinstance(heights, str):
+                if heights not in buildings:
+                    raise wrong("heights", f"no column {heights!r} among {list(buildings)}", "the name of a column", "E321")
+                heights = buildings[heights]
+            geometries: list[Any] = list(geometry.to_wkb())
+        else:
+            geometries = list(buildings)
+        if isinstance(heights, str):
+            raise wrong("heights", repr(heights), "a height for each building, for they have no columns")
+        try:
+            column = np.ascontiguousarray(heights, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise wrong("heights", repr(heights)[:80], "a number for each building") from None
+        if column.shape != (len(geometries),):
+            raise wrong("heights", f"an array of shape {column.shape}", f"one for each of {len(geometries)} buildings")
+        wkb = [_wkb(k, shape) for k, shape in enumerate(geometries)]
+        names = None if ids is None else [str(id) for id in ids]
+        if names is not None and len(names) != len(wkb):
+            raise wrong("ids", f"{len(names)} names", f"one for each of {len(wkb)} buildings")
+        words = _reading({**options, "crs": crs})
+        made = cls(_skyshed.Scene.of_buildings(name, wkb, column, names, words), name, words, False)
+        tell(made._scene.warnings)
+        return made
+
+    @property
+    def name(self) -> str:
+        """What it is called in titles."""
+        return self._scene.name
+
+    def map(
+        self,
+        uav: Uav,
+        *,
+        layers: str | Sequence[str] = "los",
+        tolerance: float | None = None,
+        zones: bool = False,
+        progress: object = None,
+        **sight: Unpack[Sight],
+    ) -> Coverage:
+        """What a UAV sees: (x, y, height) in the scene's reference system, the height above ground [m] or in words such as
+        ``"30roof"``, ``"150amsl"``, ``"400ft"``.
+
+        ``rx_height`` is the receivers' height above ground or roof [m], by default 1.5; ``receivers`` are ``ground``, ``street``,
+        ``crossroad``, ``courtyard``, ``roof`` or ``all``; ``radius`` is the largest horizontal distance [m]; ``layers`` are ``los``,
+        ``margin``, ``ceiling`` and ``least-height``; ``zones`` counts by zone.
+        """
+        words = words_of({**sight, "layers": layers, "tolerance": tolerance, "zones": zones})
+        maps = self._scene.maps([uav_of(uav)], words, True, watch_of(progress))
+        tell(maps.warnings, self._scene.warnings)
+        return Coverage(maps)
+
+    def maps(
+        self,
+        uavs: Iterable[Uav],
+        *,
+        layers: str | Sequence[str] = "los",
+        tolerance: float | None = None,
+        zones: bool = False,
+        keep: bool = False,
+        progress: object = None,
+        **sight: Unpack[Sight],
+    ) -> Coverages:
+        """What each of several UAVs sees, and all together: a list, an array of shape (n, 3), or a table with columns x, y, h.
+
+        Masks of single UAVs are made and dropped, or kept with ``keep`` (a byte a cell each).
+        """
+        asked = {**sight, "layers": layers, "tolerance": tolerance, "zones": zones}
+        listed: list[Any] = [(x, y, h, id) if id is not None else (x, y, h) for x, y, h, id in uavs_of(uavs)]
+        if not listed:
+            raise wrong("uavs", "none", "at least one", "E108")
+        maps = self._scene.maps([uav_of(uav) for uav in listed], words_of(asked), keep, watch_of(progress))
+        tell(maps.warnings, self._scene.warnings)
+        return Coverages(maps, self, listed, asked, keep)
+
+    def p_los(self, uavs: Iterable[Uav], *, progress: object = None, **sight: Unpack[Sight]) -> npt.NDArray[np.float64]:
+        """P_LoS of each of some UAVs, NaN without a receiver in range. No mask is made."""
+        return shares(self._scene.counts(uavs_of(uavs), words_of(sight), watch_of(progress)))
+
+    def link(
+        self,
+        uav: Uav,
+        rx: Sequence[float | str],
+        *,
+        output: PathLike | Sequence[PathLike] | None = None,
+        **options: object,
+    ) -> Link:
+        """One link, decided and explained; ``rx`` is (x, y) or (x, y, height). ``output`` draws it from the side."""
+        x, y, h, _ = uav_of(uav)
+        if not isinstance(rx, (tuple, list, np.ndarray)) or len(rx) not in (2, 3):
+            raise wrong("rx", repr(rx)[:80], "(x, y) or (x, y, height)", "E103")
+        ends = words_of({"uav": (x, y, h), "rx": tuple(rx)})
+        return self._asked(Link, "link", [*ends, *words_of(options), *files_of(output)])
+
+    def place(
+        self,
+        *,
+        height: float | str | Sequence[float | str] | None = None,
+        output: PathLike | Sequence[PathLike] | None = None,
+        progress: object = None,
+        candidates: Any = None,
+        within: Any = None,
+        keep_out: Any = None,
+        area: Any = None,
+        weights: PathLike | None = None,
+        **options: object,
+    ) -> Answer:
+        """Where to hover: candidates ranked, refined, or chosen together. Options are those of ``skyshed place``: ``step``,
+        ``count``, ``goal``, ``over``, ``clearance``, ``minimize``, ``top``, ``radius``, ``receivers``, ``rx_height`` …
+
+        ``candidates`` are a path, or UAVs as for :meth:`maps`; ``within``, ``keep_out`` and ``area`` a path or a geometry.
+
+        >>> best = Scene.itu("urban", size=300).place(height=100, step=50)
+        >>> sorted(best["winner"])[:3]
+        ['height_agl_m', 'height_amsl_m', 'los']
+        """
+        given = {"candidates": candidates, "within": within, "keep_out": keep_out, "area": area, "weights": weights}
+        with as_files(given) as files:
+            words = words_of({"height": height, **files, **options})
+            return self._asked(Answer, "place", [*words, *files_of(output)], progress)
+
+    def sample(
+        self,
+        zones: Mapping[str, int],
+        *,
+        height: float | Sequence[float],
+        output: PathLike | Sequence[PathLike] | None = None,
+        progress: object = None,
+        **options: object,
+    ) -> Answer:
+        """P_LoS averaged over placements of each zone, with intervals: ``{"street": 200, "rooftop": 200}``. Options are those of
+        ``skyshed sample``: ``cities``, ``centers``, ``radius``, ``ci``, ``block`` …"""
+        of_zones = ",".join(f"{zone}:{n}" for zone, n in zones.items())
+        words = [*words_of({"zones": of_zones, "height": height, **options}), *files_of(output)]
+        # Generated cities are made as large as whole discs take.
+        return self._asked(Answer, "sample", words, progress, is_opened=self._is_file)
+
+    def height_curve(
+        self,
+        uav: Uav,
+        heights: tuple[float, float, float] | None = None,
+        *,
+        progress: object = None,
+        **sight: Unpack[Sight],
+    ) -> Answer:
+        """P_LoS against the height of a UAV above the ground below it, exact: a table of heights, receivers and P_LoS."""
+        return self.map(uav, **sight).height_curve(heights, progress=progress)
+
+    def live(self, path: PathLike | None = None, *, uavs: Iterable[Uav] = ()) -> LivePage:
+        """A page in which UAVs are dragged over the scene and the exact coverage follows; it is written to ``path``, and shown by a
+        notebook."""
+        page = LivePage(self._scene.live_page(uavs_of(uavs), [self._word, *self._words]))
+        if path is not None:
+            page.save(path)
+        return page
+
+    def _asked(
+        self, kind: type[_Kind], command: str, words: list[str], progress: object = None, is_opened: bool = False
+    ) -> _Kind:
+        """Asks a command of the program over this scene, or over one that it opens itself."""
+        line = [command, self._word, *self._words, *words]
+        watch = watch_of(progress)
+        found = _skyshed.ask(line, watch) if is_opened else self._scene.ask(line, watch)
+        tell(found.warnings, self._scene.warnings, stacklevel=4)
+        return kind(found)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._is_file:
+            word = self._word if self._word.startswith("itu:") else os.path.abspath(self._word)
+            return _opened, (type(self), word, self._words)
+        return _unpacked, (type(self), self._word, self._scene.name, self._scene.packed(), self.crs, self._words)
+
+    def __repr__(self) -> str:
+        n_rows, n_cols = self.shape
+        return f"Scene({self.name!r}, {n_rows}×{n_cols} cells, crs={self.crs!r})"
+
+
+def _opened(cls: type[Scene], word: str, words: list[str]) -> Scene:
+    return cls(_skyshed.Scene.open(word, words), word, words, True)
+
+
+def _unpacked(cls: type[Scene], word: str, name: str, packed: bytes, crs: str | None, words: list[str]) -> Scene:
+    return cls(_skyshed.Scene.unpacked(name, packed, crs), word, words, False)
+
+
+def _reading(options: Mapping[str, object]) -> list[str]:
+    """How a scene is read, as words; reference systems may be objects of other packages."""
+    words = dict(options)
+    for name in ("crs", "project"):
+        words[name] = crs_text(name, words.get(name))
+    return words_of(words)
+
+
+def _wkb(k: int, shape: Any) -> bytes:
+    """A geometry as well-known binary."""
+    if isinstance(shape, (bytes, bytearray)):
+        return bytes(shape)
+    if hasattr(shape, "wkb"):
+        return bytes(shape.wkb)
+    mapping = getattr(shape, "__geo_interface__", shape)
+    if isinstance(mapping, Mapping) and mapping.get("type") in ("Polygon", "MultiPolygon"):
+        polygons = mapping["coordinates"] if mapping["type"] == "MultiPolygon" else [mapping["coordinates"]]
+        return _multipolygon(polygons)
+    raise wrong(f"buildings[{k}]", repr(shape)[:80], "a polygon of shapely, well-known binary, or a mapping as of GeoJSON")
+
+
+def _multipolygon(polygons: Any) -> bytes:
+    from struct import pack
+
+    parts = [pack("<BII", 1, 6, len(polygons))]
+    for rings in polygons:
+        parts.append(pack("<BII", 1, 3, len(rings)))
+        for ring in rings:
+            points = np.ascontiguousarray([point[:2] for point in ring], dtype="<f8").reshape(-1, 2)
+            parts += [pack("<I", len(points)), points.tobytes()]
+    return b"".join(parts)
+
+
+def plos(
+    *cities: str | PathLike | Scene,
+    height: float | Sequence[float] = 100,
+    output: PathLike | Sequence[PathLike] | None = None,
+    progress: object = None,
+    **options: object,
+) -> Answer:
+    """The probability of line of sight over cities that are known by statistics, or over real ones: exact products, simulators,
+    models, maps. Options are those of ``skyshed plos``: ``theta``, ``distance``, ``radius``, ``method``, ``placement``, ``users``,
+    ``cities``, ``until``, ``ci`` …
+
+    >>> found = plos("itu:urban", height=100, theta=[30, 60])
+    >>> [round(float(p), 3) for p in found.table["p_los"]]
+    [0.291, 0.614]
+    """
+    if not cities:
+        raise wrong("cities", "none", 'at least one, such as "itu:urban"', "E108")
+    words, reading = ["plos"], []
+    for city in cities:
+        if isinstance(city, Scene):
+            if not city._is_file:
+                raise wrong("cities", f"{city!r}, made of arrays", "a file or a generated city: save it and open that")
+            words.append(city._word)
+            reading += [word for word in city._words if word.split("=")[0] not in ("--size", "--seed")]
+        else:
+            words.append(os.fspath(city))
+    words += [*dict.fromkeys(reading), *words_of({"height": height, **options}), *files_of(output)]
+    found = _skyshed.ask(words, watch_of(progress))
+    tell(found.warnings)
+    return Answer(found)

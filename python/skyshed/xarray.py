@@ -1,0 +1,70 @@
+"""``import skyshed.xarray`` gives every DataArray of heights a viewshed.
+
+>>> import numpy as np, xarray, skyshed.xarray
+>>> dsm = xarray.DataArray(np.zeros((50, 60)), dims=("y", "x"), coords={"y": np.arange(50)[::-1] + 0.5, "x": np.arange(60) + 0.5})
+>>> seen = dsm.skyshed.viewshed(x=30, y=25, observer_elev=2)
+>>> int(seen.sum())
+3000
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import xarray
+
+from skyshed._scene import Scene
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from skyshed._scene import SceneOptions
+
+
+@xarray.register_dataarray_accessor("skyshed")  # type: ignore[no-untyped-call]
+class SkyshedAccessor:
+    """Questions about a DataArray of heights above the datum [m]."""
+
+    def __init__(self, array: xarray.DataArray) -> None:
+        self._array = array
+
+    def scene(self, **options: Unpack[SceneOptions]) -> Scene:
+        """The scene of these heights: see :meth:`skyshed.Scene.from_raster`."""
+        return Scene.from_raster(self._array, name=str(self._array.name or "array"), **options)
+
+    def viewshed(
+        self,
+        x: float,
+        y: float,
+        observer_elev: float = 0,
+        target_elev: float = 0,
+        max_distance: float | None = None,
+        name: str = "viewshed",
+        **options: Any,
+    ) -> xarray.DataArray:
+        """Which cells an observer sees, in the words of xarray-spatial: ``observer_elev`` above the surface below (x, y),
+        ``target_elev`` above that of each cell, within ``max_distance`` [m].
+
+        The answer has the dimensions and coordinates of these heights, and classes: 1 seen, 0 not, 2 no receiver, 3 out of range,
+        255 no data. Unlike there, the observer stands at (x, y) itself, and cells are decided exactly, at their centers.
+        """
+        seen = self.scene(**options).map((x, y, float(observer_elev)), rx_height=target_elev, radius=max_distance)
+        found = seen.to_xarray()["los"].rename(name)
+        y_dim, x_dim = self._dims()
+        found = found.rename({"y": y_dim, "x": x_dim})
+        if max_distance is None:
+            # Cell by cell the same grid, in the order of rows of the heights.
+            found = found.isel({dim: slice(None, None, -1) for dim in (y_dim, x_dim) if self._is_turned(dim, found)})
+            kept = {dim: self._array[dim] for dim in (y_dim, x_dim) if dim in self._array.coords}
+            found = found.assign_coords(kept)
+        return found
+
+    def _dims(self) -> tuple[str, str]:
+        from skyshed._arrays import X_NAMES, Y_NAMES
+
+        dims = [str(dim) for dim in self._array.dims]
+        return next(d for d in dims if d.lower() in Y_NAMES), next(d for d in dims if d.lower() in X_NAMES)
+
+    def _is_turned(self, dim: str, found: xarray.DataArray) -> bool:
+        own = self._array[dim].values
+        return len(own) > 1 and bool((own[0] < own[-1]) != (found[dim].values[0] < found[dim].values[-1]))

@@ -1,0 +1,195 @@
+"""Answers of the package are those of the program, whatever way the scene came in."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import MUNICH, SLOW, program, shared_data, towns
+
+import skyshed
+from skyshed import Scene
+
+pytestmark = pytest.mark.filterwarnings("ignore::skyshed.SkyshedWarning")
+
+WEST, NORTH, CELL = 1000.25, 5000.5, 2.0
+PLACE = (CELL, 0, WEST, 0, -CELL, NORTH)
+
+
+def ascii_grid(path: Path, heights: np.ndarray[Any, Any]) -> Path:
+    """Writes heights as an Esri ASCII grid."""
+    n_rows, n_cols = heights.shape
+    head = f"ncols {n_cols}\nnrows {n_rows}\nxllcorner {WEST!r}\nyllcorner {NORTH - CELL * n_rows!r}\ncellsize {CELL!r}\n"
+    rows = [" ".join("-9999" if np.isnan(h) else repr(float(h)) for h in row) for row in heights]
+    path.write_text(head + "NODATA_value -9999\n" + "\n".join(rows) + "\n")
+    return path
+
+
+def asked(seed: int) -> tuple[tuple[float, float, float], dict[str, Any], list[str]]:
+    """A UAV and options as both are told."""
+    random = np.random.default_rng(seed + 1000)
+    uav = (float(WEST + random.uniform(5, 90)), float(NORTH - random.uniform(5, 70)), float(random.uniform(45, 90)))
+    options: dict[str, Any] = {"rx_height": float(random.integers(0, 4))}
+    if seed % 4 == 1:
+        options["radius"] = float(random.uniform(20, 60))
+    words = [word for name, value in options.items() for word in (f"--{name.replace('_', '-')}", repr(value))]
+    return uav, options, words
+
+
+@pytest.mark.parametrize("seed", range(200 if SLOW else 40))
+def test_arrays_are_as_files(seed: int, tmp_path: Path) -> None:
+    heights = towns(seed)
+    path = ascii_grid(tmp_path / "dsm.asc", heights)
+    uav, options, words = asked(seed)
+    ground = [["--ground", "-5"], []][seed % 2]
+    by_program = program("map", path, *ground, "--uav", ",".join(map(repr, uav)), *words)
+    scene_options: dict[str, Any] = {"ground": -5.0} if ground else {}
+    whole = np.nan_to_num(heights * 4, nan=-9999).astype("i2")
+    swapped = heights.astype(heights.dtype.newbyteorder())
+    padded = np.full((90, 120), 77.0)
+    padded[3:83:2, 5:105:2] = heights
+    padded.flags.writeable = False
+    turned = np.ascontiguousarray(heights[::-1, ::-1])[::-1, ::-1]
+    assert turned.strides[0] < 0 and not swapped.dtype.isnative
+    ways: list[tuple[Any, dict[str, Any]]] = [
+        (heights, {}),
+        (heights.astype("f4"), {}),
+        (np.asfortranarray(heights), {}),
+        (swapped, {}),
+        (heights.astype(">f4"), {}),
+        (padded[3:83:2, 5:105:2], {}),
+        (turned, {}),
+        (np.ma.masked_invalid(heights), {}),
+        (np.nan_to_num(heights, nan=-9999), {"nodata": -9999}),
+    ]
+    for array, said in ways:
+        scene = Scene.from_raster(array, transform=PLACE, **said, **scene_options)
+        seen = scene.map(uav, **options)
+        assert seen.digest == by_program["digest"], array.dtype
+        assert seen.document["union"] == by_program["union"]
+        assert Scene.open(path, **scene_options).map(uav, **options).digest == seen.digest
+    # Of whole numbers every type gives the same.
+    kinds = ["i2", ">i2", "i4", ">i4", "i8", "f8", "f4"]
+    digests = {
+        Scene.from_raster(whole.astype(kind), transform=PLACE, nodata=-9999).map((uav[0], uav[1], 400.0)).digest
+        for kind in kinds
+    }
+    assert len(digests) == 1
+
+
+def test_unsigned_and_small_numbers() -> None:
+    heights = np.zeros((20, 30), dtype="u1")
+    heights[5:9, 5:9] = 100
+    wanted = Scene.from_raster(heights.astype("f8"), transform=PLACE).map((1030, 4980, 30.0)).digest
+    for kind in ["u1", "u2", ">u2", "u4", "u8", "i1", "f2"]:
+        assert Scene.from_raster(heights.astype(kind), transform=PLACE).map((1030, 4980, 30.0)).digest == wanted, kind
+
+
+def test_terrain_below() -> None:
+    dsm, dtm = towns(1), np.floor(towns(1) / 8)
+    on_grid = Scene.from_raster(dsm, transform=PLACE, terrain=dtm)
+    # Coarser cells that hold the same heights where they are looked up.
+    flat = np.full((20, 25), -3.0)
+    of_flat = Scene.from_raster(dsm, transform=PLACE, terrain=flat, terrain_transform=(4, 0, WEST, 0, -4, NORTH))
+    on_flat = Scene.from_raster(dsm, transform=PLACE, ground=-3)
+    uav = (1040.0, 4960.0, "60amsl")
+    assert on_grid.map(uav).digest != on_flat.map(uav).digest
+    assert np.array_equal(of_flat.map(uav).los == 1, on_flat.map(uav).los == 1)
+
+
+def test_footprints_are_as_files() -> None:
+    with open(MUNICH, encoding="utf-8") as file:
+        features = json.load(file)["features"]
+    uav = (691549.7, 5334762.2, 120)
+    by_program = program("map", MUNICH, "--uav", "691549.7,5334762.2,120")
+    assert Scene.open(MUNICH).map(uav).digest == by_program["digest"]
+    heights = [feature["properties"]["height"] for feature in features]
+    ids = [feature.get("id") or feature["properties"].get("id") for feature in features]
+    geometries = [feature["geometry"] for feature in features]
+    made = Scene.from_footprints(geometries, heights, crs="EPSG:25832", ids=ids)
+    assert made.map(uav).digest == by_program["digest"]
+    assert Scene.from_footprints((geometries, heights), crs=25832).map(uav).digest == by_program["digest"]
+    assert made.link(uav, (691600, 5334700)).obstruction == Scene.open(MUNICH).link(uav, (691600, 5334700)).obstruction
+
+
+def test_footprints_of_geopandas() -> None:
+    geopandas = pytest.importorskip("geopandas")
+    table = geopandas.read_file(MUNICH)
+    table = table.set_crs("EPSG:25832", allow_override=True)
+    uav = (691549.7, 5334762.2, 120)
+    wanted = Scene.open(MUNICH).map(uav).digest
+    assert Scene.from_footprints(table).map(uav).digest == wanted
+    assert Scene.from_footprints(table.geometry, table["height"], crs=table.crs).map(uav).digest == wanted
+    # In degrees it is refused, or brought into the zone of UTM.
+    degrees = table.to_crs(4326)
+    with pytest.raises(skyshed.FileError, match="degrees"):
+        Scene.from_footprints(degrees)
+    assert Scene.from_footprints(degrees, project="auto").crs == "EPSG:32632"
+
+
+@pytest.mark.parametrize("name", ["munich", "etoile", "simple_street_canyon"])
+def test_cities_of_the_shared_data(name: str) -> None:
+    for path in sorted((shared_data() / "cities" / name).glob("*.geojson")):
+        words = ["--project", "auto"] if "wgs84" in path.name else []
+        scene = Scene.open(path, project="auto" if words else None)
+        west, south, east, north = scene.bounds
+        uav = ((west + east) / 2 + 0.3, (south + north) / 2 + 0.7, 300)
+        by_program = program("map", path, *words, "--uav", ",".join(map(repr, uav)))
+        assert scene.map(uav).digest == by_program["digest"]
+        assert scene.p_los([uav])[0] == by_program["union"]["p_los"]
+
+
+@pytest.mark.parametrize("name", ["cities/munich", "cities/etoile", "cities/simple_street_canyon"])
+def test_meshes_of_the_shared_data(name: str) -> None:
+    path = shared_data() / name / "mesh.ply"
+    scene = Scene.open(path)
+    west, south, east, north = scene.bounds
+    uav = ((west + east) / 2 + 0.3, (south + north) / 2 + 0.7, "600amsl")
+    seen = scene.map(uav)
+    assert seen.digest == program("map", path, "--uav", ",".join(map(str, uav)))["digest"]
+    assert pickle.loads(pickle.dumps(scene)).map(uav).digest == seen.digest
+
+
+@pytest.mark.parametrize(
+    "name", ["lidar/bilbao", "lidar/delft", "cities/munich", "cities/etoile", "cities/simple_street_canyon"]
+)
+def test_rasters_of_the_shared_data(name: str) -> None:
+    rasterio = pytest.importorskip("rasterio")
+    for path in sorted((shared_data() / name).glob("*.tif")):
+        with rasterio.open(path) as file:
+            heights, transform, crs, nodata = file.read(1), file.transform, file.crs, file.nodata
+        scene = Scene.from_raster(heights, transform=transform, crs=crs, nodata=nodata)
+        west, south, east, north = scene.bounds
+        uav = ((west + east) / 2 + 0.3, (south + north) / 2 + 0.7, 60)
+        seen = scene.map(uav)
+        assert seen.digest == program("map", path, "--uav", ",".join(map(repr, uav)))["digest"]
+        assert Scene.open(path).map(uav).digest == seen.digest
+
+
+def test_tables_are_those_of_the_program(tmp_path: Path) -> None:
+    words = ["place", "itu:urban", "--size", 300, "--height", "60,100", "--step", 50, "--radius", 200]
+    by_program = program(*words)
+    found = Scene.itu("urban", size=300).place(height=[60, 100], step=50, radius=200)
+    for part in ("winner", "refined", "ranked", "digest"):
+        assert found[part] == by_program[part], part
+    words = ["sample", "itu:urban", "--size", 300, "--zones", "street:20,rooftop:10", "--height", 100, "--radius", 150]
+    by_program = program(*words)
+    sample = Scene.itu("urban", size=300).sample({"street": 20, "rooftop": 10}, height=100, radius=150)
+    assert sample["rows" if "rows" in by_program else "sampled"] == by_program["rows" if "rows" in by_program else "sampled"]
+    by_program = program("plos", "itu:urban", "--height", 100, "--theta", "30,60")
+    found = skyshed.plos("itu:urban", height=100, theta=[30, 60])
+    assert {k: v for k, v in found.document.items() if k not in ("command", "timing_s")} == {
+        k: v for k, v in by_program.items() if k not in ("command", "timing_s")
+    }
+    curve = Scene.itu("urban", size=200).height_curve((100, 100, 80), (10, 100, 10))
+    path = tmp_path / "curve.csv"
+    program(
+        "map", "itu:urban", "--size", 200, "--uav", "100,100,80", "--height-curve", path, "--curve-heights", "10:100:10"
+    )
+    header, *rows = [line.split(",") for line in path.read_text().splitlines()]
+    assert list(curve.table.dtype.names or ()) == header
+    assert [float(row[header.index("p_los")]) for row in rows] == curve.table["p_los"].tolist()

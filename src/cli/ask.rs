@@ -1,0 +1,215 @@
+//! The questions of the command line, asked by another program over a scene that it holds, in the words of the command line:
+//! what they mean, their defaults and what is refused are those of the program.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+use clap::{Args, Command, FromArgMatches, Parser};
+use serde_json::Value;
+
+use super::args::scene::ReadingArgs;
+use super::commands::MapArgs;
+use super::failure::{Failure, Result, refusal_with};
+use super::program::Cli;
+use super::run::{Run, check_text, check_use};
+use super::{hints, refusal};
+use crate::answer::{Answer, Rows, Spent};
+use crate::error::{Error, ErrorClass, Warning};
+use crate::map::{Coverages, Held, MapPlan, Prepared, SaveOptions};
+use crate::progress::Progress;
+use crate::scene::{Scene, SceneOptions};
+use crate::uav::{Uav, UavsFound};
+
+/// Why a question has no answer.
+#[derive(Debug, Clone)]
+pub struct Refusal {
+    /// The cause.
+    pub class: ErrorClass,
+    /// The stable code, for example `E301`.
+    pub code: String,
+    /// What is wrong, on one line.
+    pub text: String,
+    /// What to do about it, where that is known.
+    pub hint: Option<String>,
+}
+
+impl From<Failure> for Refusal {
+    fn from(failure: Failure) -> Refusal {
+        let (class, code, hint) = (failure.class(), failure.code(), failure.remedy());
+        Refusal { class, code, text: failure.to_string(), hint }
+    }
+}
+
+impl From<Error> for Refusal {
+    fn from(error: Error) -> Refusal {
+        Failure::Library(error).into()
+    }
+}
+
+impl From<skyshed_io::Error> for Refusal {
+    fn from(error: skyshed_io::Error) -> Refusal {
+        Failure::from(error).into()
+    }
+}
+
+impl Refusal {
+    /// E102: a height of a UAV that is none, and what is wrong with it.
+    pub fn of_uav(what: &str) -> Refusal {
+        refusal_with(102, format!("uav: {what}"), "heights are 120, \"120agl\", \"30roof\", \"150amsl\", \"400ft\"")
+            .into()
+    }
+
+    /// With the name of the argument that it is about.
+    #[must_use]
+    pub fn about(self, argument: &str) -> Refusal {
+        Refusal { text: format!("{argument}: {}", self.text), ..self }
+    }
+
+    /// E113: an array whose cells are no grid.
+    pub fn of_grid(what: impl Into<String>) -> Refusal {
+        refusal_with(113, what, "a transform is (width, 0, west, 0, -height, north), as of rasterio").into()
+    }
+}
+
+/// What was found, in the forms that need no file, and the files that were written.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// The document, as of `--json`.
+    pub document: Value,
+    /// The table, its header first; empty where there is none.
+    pub table: Rows,
+    /// What was odd.
+    pub warnings: Vec<Warning>,
+    /// Files that were written.
+    pub files: Vec<PathBuf>,
+}
+
+impl Found {
+    /// Of an answer that was written to some files.
+    pub(super) fn of(answer: &dyn Answer, spent: Spent, files: Vec<PathBuf>) -> Found {
+        Found {
+            document: answer.document(Some(spent)),
+            table: answer.table(),
+            warnings: answer.warnings().to_vec(),
+            files,
+        }
+    }
+}
+
+/// What to do about a warning, where that is known.
+pub fn hint_of(warning: &Warning) -> Option<String> {
+    hints::of_warning(warning)
+}
+
+/// How a scene is read, from words such as `--height-field`, `levels`.
+///
+/// # Errors
+/// E101 for words that make no sense, and what the command line says of others.
+pub fn scene_options(words: &[OsString]) -> std::result::Result<SceneOptions, Refusal> {
+    let mut command = ReadingArgs::augment_args(Command::new("scene").no_binary_name(true));
+    let read = command.try_get_matches_from_mut(words).and_then(|matches| ReadingArgs::from_arg_matches(&matches));
+    Ok(parsed(read)?.options()?)
+}
+
+/// In which form a map is written, from words such as `--bare`; `files` are those that will be written.
+///
+/// # Errors
+/// As [`scene_options`].
+pub fn save_options(words: &[OsString], files: &[PathBuf]) -> std::result::Result<SaveOptions, Refusal> {
+    let files = files.iter().flat_map(|file| [OsString::from("-o"), file.clone().into_os_string()]);
+    Ok(map_args(files.chain(words.iter().cloned()))?.save_options()?)
+}
+
+/// What words such as `--radius`, `500` say of a map.
+fn map_args(words: impl Iterator<Item = OsString>) -> Result<MapArgs> {
+    #[derive(Debug, Parser)]
+    #[command(no_binary_name = true)]
+    struct Map {
+        #[command(flatten)]
+        map: MapArgs,
+    }
+    Ok(parsed(Map::try_parse_from(std::iter::once("SCENE".into()).chain(words)))?.map)
+}
+
+/// Maps of what some UAVs see of a scene, asked for in words such as `--radius`, `500`; each mask is kept if that is asked for.
+///
+/// # Errors
+/// What the command line would say.
+pub fn coverages(
+    (scene, uavs): (Scene, &[Uav]),
+    words: &[OsString],
+    keeps_masks: bool,
+    progress: &Progress,
+) -> std::result::Result<Coverages, Refusal> {
+    let held = Held { keeps_masks, ..Held::default() };
+    Ok(prepared(scene, uavs, words)?.run(held, progress, |_| {}, |_| {})?)
+}
+
+/// Receivers in range of each UAV, and those of them in line of sight; no mask is made.
+///
+/// # Errors
+/// As [`coverages`].
+pub fn counts(
+    (scene, uavs): (Scene, &[Uav]),
+    words: &[OsString],
+    progress: &Progress,
+) -> std::result::Result<Vec<(u64, u64)>, Refusal> {
+    Ok(prepared(scene, uavs, words)?.count(progress)?)
+}
+
+fn prepared(scene: Scene, uavs: &[Uav], words: &[OsString]) -> Result<Prepared> {
+    /// PERF: what was asked last, which is mostly asked again; to parse words takes as long as a small map.
+    static LAST: Mutex<Option<(Vec<OsString>, MapPlan)>> = Mutex::new(None);
+    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    let plan = match &*last {
+        Some((asked, plan)) if asked == words => plan.clone(),
+        _ => {
+            let plan = map_args(words.iter().cloned())?.plan()?;
+            *last = Some((words.to_vec(), plan.clone()));
+            plan
+        }
+    };
+    drop(last);
+    Ok(plan.prepare(scene, &UavsFound::of(uavs)?, None)?)
+}
+
+fn parsed<T>(read: std::result::Result<T, clap::Error>) -> Result<T> {
+    read.map_err(|error| refusal::answer(&error).err().unwrap_or_else(|| refusal::in_words(&error.to_string())))
+}
+
+/// Asks a command, such as `place SCENE --step 50`; `scene` is asked instead of the one that the words name.
+///
+/// # Errors
+/// What the command line would say.
+pub fn ask(
+    words: Vec<OsString>,
+    scene: Option<Scene>,
+    progress: &Arc<Progress>,
+) -> std::result::Result<Found, Refusal> {
+    let words: Vec<OsString> = std::iter::once("skyshed".into()).chain(words).collect();
+    let (cli, typed) = parsed(Cli::from_words(&words))?;
+    let command = words.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    let run = Run { given: scene, ..Run::asked(command, typed, Instant::now(), progress) };
+    if let Some((scenes, _, out)) = cli.shared() {
+        check_use(&scenes, out, cli.draws() || run.given.is_some(), &run.typed)?;
+        check_text(out, None)?;
+    }
+    cli.run(&run)?;
+    Ok(run.found.into_inner().ok_or(Error::Fault("a command kept no answer"))?)
+}
+
+/// P_LoS against the height of each UAV, from, to and in steps of some heights above the ground below it \[m\]; by default some
+/// 150 round ones.
+///
+/// # Errors
+/// E113 for heights out of range; `Interrupted`.
+pub fn height_curves(
+    map: &Coverages,
+    heights_m: Option<[f64; 3]>,
+    progress: &Progress,
+) -> std::result::Result<Found, Refusal> {
+    let curves = map.height_curves(heights_m, progress)?;
+    Ok(Found::of(&curves, Spent::default(), Vec::new()))
+}
