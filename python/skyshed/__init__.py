@@ -6,7 +6,7 @@
 >>> seen.los.shape, seen.los.dtype.name
 ((300, 300), 'uint8')
 >>> round(seen.p_los, 4)
-0.7128
+0.6777
 
 Options are those of the program, with ``_`` for ``-``: ``--rx-height 2`` is ``rx_height=2``.
 """

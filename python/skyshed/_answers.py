@@ -7,7 +7,7 @@ import os
 import tempfile
 from collections.abc import Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -34,6 +34,18 @@ MEASURES = {
     "least-height": "least-height",
     "stability": "stability",
 }
+
+
+class Picture(NamedTuple):
+    """A picture in PNG; a notebook shows it."""
+
+    png: bytes
+
+    def _repr_png_(self) -> bytes:
+        return self.png
+
+    def __repr__(self) -> str:
+        return f"Picture({len(self.png)} bytes)"
 
 
 class Grid:
@@ -113,15 +125,16 @@ class _Mapped(Grid):
         """
         self._maps.save([os.fspath(path) for path in paths], words_of(options))
 
-    def _png(self) -> bytes:
+    def picture(self, **options: object) -> Picture:
+        """The picture of the program, as a notebook shows it; options are those of :meth:`save`."""
         with tempfile.TemporaryDirectory(prefix="skyshed-") as folder:
             path = os.path.join(folder, "map.png")
-            self.save(path)
+            self.save(path, **options)
             with open(path, "rb") as file:
-                return file.read()
+                return Picture(file.read())
 
     def _repr_png_(self) -> bytes:
-        return self._png()
+        return self.picture().png
 
     def height_curve(
         self, heights: tuple[float, float, float] | None = None, *, progress: object = None
@@ -136,6 +149,13 @@ class _Mapped(Grid):
         if asked is not None and len(asked) != 3:
             raise wrong("heights", repr(heights), "from, to and step [m]")
         return Answer(self._maps.height_curves(asked, watch_of(progress)))
+
+
+def _flags() -> dict[str, Any]:
+    """Attributes of a mask by the CF conventions."""
+    flags = np.array([NLOS, LOS, NO_RECEIVER, OUT_OF_RANGE, NODATA], dtype=np.uint8)
+    meanings = "nlos los no_receiver out_of_range nodata"
+    return {"flag_values": flags, "flag_meanings": meanings, "long_name": "line of sight", "_FillValue": np.uint8(NODATA)}
 
 
 class Coverage(_Mapped):
@@ -179,10 +199,7 @@ class Coverage(_Mapped):
         """All layers with their coordinates; ``.los.rio.to_raster("los.tif")`` writes one."""
         import xarray
 
-        meanings = "nlos los no_receiver out_of_range nodata"
-        flags = np.array([NLOS, LOS, NO_RECEIVER, OUT_OF_RANGE, NODATA], dtype=np.uint8)
-        of_mask = {"flag_values": flags, "flag_meanings": meanings, "long_name": "line of sight", "_FillValue": np.uint8(NODATA)}
-        layers: dict[str, Any] = {"los": (("y", "x"), self.los, of_mask | {"grid_mapping": "spatial_ref"})}
+        layers: dict[str, Any] = {"los": (("y", "x"), self.los, _flags() | {"grid_mapping": "spatial_ref"})}
         for name in ("margin", "ceiling", "least-height", "stability"):
             found = self._maps.layer(0, MEASURES[name])
             if found is not None:
@@ -192,13 +209,12 @@ class Coverage(_Mapped):
         return xarray.Dataset(layers, self.coordinates(), attrs)
 
     def plot(self, ax: Any = None) -> Any:
-        """Shows the map on axes of matplotlib, new ones without any; a notebook shows the picture of the program for the map
-        itself."""
-        import matplotlib.pyplot as plt
+        """The picture of the program, or the map drawn on axes of matplotlib."""
+        if ax is None:
+            return self.picture()
         from matplotlib.colors import ListedColormap
         from matplotlib.patches import Patch
 
-        ax = ax if ax is not None else plt.subplots()[1]
         # Blue and orange are told apart by all eyes, and in print.
         colors = ["#e08214", "#2166ac", "#d9d9d9", "#ffffff", "#ffffff"]
         classes = np.searchsorted([NLOS, LOS, NO_RECEIVER, OUT_OF_RANGE, NODATA], self.los)
@@ -277,6 +293,18 @@ class Coverages(_Mapped):
             bits |= (mask == LOS).astype(np.uint64) << np.uint64(k)
         return bits
 
+    def to_xarray(self) -> xarray.Dataset:
+        """``union`` and ``count`` with their coordinates."""
+        import xarray
+
+        of_grid = {"grid_mapping": "spatial_ref"}
+        layers = {
+            "union": (("y", "x"), self.union, _flags() | of_grid),
+            "count": (("y", "x"), self.count, {"long_name": "UAVs in line of sight", "units": "1"} | of_grid),
+        }
+        attrs = {"digest": self.digest, "p_los": self.union_p_los, "source": "skyshed"}
+        return xarray.Dataset(layers, self.coordinates(), attrs)
+
     def __repr__(self) -> str:
         return f"Coverages({len(self)} UAVs, union_p_los={self.union_p_los:.4f})"
 
@@ -303,6 +331,10 @@ class Answer:
     def __getitem__(self, name: str) -> Any:
         return self.document[name]
 
+    def keys(self) -> list[str]:
+        """The parts of the document."""
+        return list(self.document)
+
     @property
     def files(self) -> list[str]:
         """Files that were written."""
@@ -312,7 +344,7 @@ class Answer:
     def table(self) -> npt.NDArray[np.void]:
         """The table as a structured array: numbers are numbers, and NaN where there is none."""
         header, *rows = self._found.table or [[]]
-        columns = [_column([row[k] for row in rows]) for k in range(len(header))]
+        columns = [_column(name, [row[k] for row in rows]) for k, name in enumerate(header)]
         kinds = [(name, column.dtype) for name, column in zip(header, columns)]
         table = np.empty(len(rows), dtype=kinds)
         for name, column in zip(header, columns):
@@ -375,8 +407,10 @@ class Link(Answer):
         return self.los
 
 
-def _column(cells: list[str]) -> npt.NDArray[Any]:
-    """Cells of a table as numbers where all are, else as text."""
+def _column(name: str, cells: list[str]) -> npt.NDArray[Any]:
+    """Cells of a table as numbers where all are, else as text, as names are."""
+    if name in ("id", "site"):
+        return np.array(cells, dtype=np.str_)
     if cells and all(cell.lstrip("-").isdigit() for cell in cells):
         return np.array(cells, dtype=np.int64)
     try:

@@ -123,6 +123,21 @@ class Scene(Grid):
         >>> block.map((20, 50, 30)).receivers
         9600
         """
+        made = cls._of_raster(surface, (transform, crs, nodata), (terrain, terrain_transform, terrain_nodata), name, options)
+        tell(made._scene.warnings)
+        return made
+
+    @classmethod
+    def _of_raster(
+        cls,
+        surface: Any,
+        place: tuple[Any, Any, Any],
+        below_it: tuple[Any, Any, Any],
+        name: str,
+        options: Mapping[str, object],
+    ) -> Self:
+        """A scene of heights; what is odd is not told yet."""
+        (transform, crs, nodata), (terrain, terrain_transform, terrain_nodata) = place, below_it
         above = placed("surface", surface, transform, crs, nodata)
         below: Held | None = None
         if terrain is not None and not isinstance(terrain, (str, os.PathLike)):
@@ -132,10 +147,7 @@ class Scene(Grid):
             below = held("terrain", lower, f"terrain of {name}")
             terrain = None
         words = _reading({**options, "terrain": terrain})
-        scene = _skyshed.Scene.of_heights(held("surface", above, name), below, words)
-        made = cls(scene, name, words, False)
-        tell(made._scene.warnings)
-        return made
+        return cls(_skyshed.Scene.of_heights(held("surface", above, name), below, words), name, words, False)
 
     @classmethod
     def from_footprints(
@@ -226,7 +238,7 @@ class Scene(Grid):
         Masks of single UAVs are made and dropped, or kept with ``keep`` (a byte a cell each).
         """
         asked = {**sight, "layers": layers, "tolerance": tolerance, "zones": zones}
-        listed: list[Any] = [(x, y, h, id) if id is not None else (x, y, h) for x, y, h, id in uavs_of(uavs)]
+        listed: list[Any] = [(x, y, h, id) if id is not None else (x, y, h) for x, y, h, id in uavs_of(uavs, self.crs)]
         if not listed:
             raise wrong("uavs", "none", "at least one", "E108")
         maps = self._scene.maps([uav_of(uav) for uav in listed], words_of(asked), keep, watch_of(progress))
@@ -234,8 +246,8 @@ class Scene(Grid):
         return Coverages(maps, self, listed, asked, keep)
 
     def p_los(self, uavs: Iterable[Uav], *, progress: object = None, **sight: Unpack[Sight]) -> npt.NDArray[np.float64]:
-        """P_LoS of each of some UAVs, NaN without a receiver in range. No mask is made."""
-        return shares(self._scene.counts(uavs_of(uavs), words_of(sight), watch_of(progress)))
+        """P_LoS of each of some UAVs: the share of receivers in range that it sees, NaN without any. No mask is made."""
+        return shares(self._scene.counts(uavs_of(uavs, self.crs), words_of(sight), watch_of(progress)))
 
     def link(
         self,
@@ -268,14 +280,15 @@ class Scene(Grid):
         """Where to hover: candidates ranked, refined, or chosen together. Options are those of ``skyshed place``: ``step``,
         ``count``, ``goal``, ``over``, ``clearance``, ``minimize``, ``top``, ``radius``, ``receivers``, ``rx_height`` …
 
-        ``candidates`` are a path, or UAVs as for :meth:`maps`; ``within``, ``keep_out`` and ``area`` a path or a geometry.
+        ``candidates`` are a path, or UAVs as for :meth:`maps`; ``within``, ``keep_out`` and ``area`` a path or a geometry. Shares
+        are of all receivers of the goal, in range or not.
 
         >>> best = Scene.itu("urban", size=300).place(height=100, step=50)
         >>> sorted(best["winner"])[:3]
         ['height_agl_m', 'height_amsl_m', 'los']
         """
         given = {"candidates": candidates, "within": within, "keep_out": keep_out, "area": area, "weights": weights}
-        with as_files(given) as files:
+        with as_files(given, self.crs, height) as files:
             words = words_of({"height": height, **files, **options})
             return self._asked(Answer, "place", [*words, *files_of(output)], progress)
 
@@ -309,10 +322,15 @@ class Scene(Grid):
     def live(self, path: PathLike | None = None, *, uavs: Iterable[Uav] = ()) -> LivePage:
         """A page in which UAVs are dragged over the scene and the exact coverage follows; it is written to ``path``, and shown by a
         notebook."""
-        page = LivePage(self._scene.live_page(uavs_of(uavs), [self._word, *self._words]))
+        page = LivePage(self._scene.live_page(uavs_of(uavs, self.crs), [self._word, *self._words]))
         if path is not None:
             page.save(path)
         return page
+
+    def save(self, *paths: PathLike, **options: object) -> None:
+        """Writes the city itself: a drawing (.png .svg .pdf), heights (.tif .asc), footprints (.geojson), a scene of Mitsuba and Sionna
+        RT (.xml), boxes of ns-3 (.csv), a document (.json). Options are those of ``skyshed city``."""
+        self._asked(Answer, "city", [*words_of(options), *files_of(list(paths))])
 
     def _asked(
         self, kind: type[_Kind], command: str, words: list[str], progress: object = None, is_opened: bool = False
@@ -389,7 +407,7 @@ def plos(
 
     >>> found = plos("itu:urban", height=100, theta=[30, 60])
     >>> [round(float(p), 3) for p in found.table["p_los"]]
-    [0.291, 0.614]
+    [0.467, 0.779]
     """
     if not cities:
         raise wrong("cities", "none", 'at least one, such as "itu:urban"', "E108")

@@ -7,7 +7,7 @@ import os
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, TextIO, Union
 
 import numpy as np
 
@@ -91,23 +91,45 @@ def uav_of(uav: Uav) -> AskedUav:
     return x, y, height, None if name is None else str(name)
 
 
-def uavs_of(uavs: Iterable[Uav]) -> list[AskedUav]:
-    """UAVs of a list, an array of shape (n, 3), or a table with columns x, y, h and, if you like, id; a table with a geometry
-    of points needs h alone."""
-    columns = getattr(uavs, "columns", None)
-    if columns is not None:
-        table: Any = uavs
-        if "h" not in columns:
-            raise wrong("uavs", f"the columns {list(columns)}", "a column h", "E102")
-        points = table.geometry if hasattr(table, "geometry") and "x" not in columns else None
-        xs, ys = (points.x, points.y) if points is not None else (table["x"], table["y"])
-        ids = [str(name) for name in table["id"]] if "id" in columns else [None] * len(table)
-        return [uav_of((x, y, h, name)) for x, y, h, name in zip(xs, ys, table["h"], ids)]  # type: ignore[arg-type]
-    if isinstance(uavs, np.ndarray) and uavs.ndim != 2:
-        raise wrong("uavs", f"an array of {uavs.ndim} dimensions", "(n, 3): x, y, height", "E102")
+def located(places: Any, crs: str | None) -> Any:
+    """Places of geopandas in the reference system of a scene."""
+    own = getattr(places, "crs", None)
+    return places.to_crs(crs) if crs is not None and own is not None and hasattr(places, "to_crs") else places
+
+
+def uavs_of(uavs: Any, crs: str | None = None, height: Height | None = None) -> list[AskedUav]:
+    """UAVs of a list, an array of shape (n, 3), or a table with columns x, y, h and, if you like, id.
+
+    A table of geopandas has points instead of x and y, and is brought into the system ``crs``. What the package answers has
+    height_agl_m or height_amsl_m instead of h. ``height`` is that of tables without one.
+    """
     if isinstance(uavs, (str, bytes, Mapping)):
         raise wrong("uavs", type(uavs).__name__, "several of (x, y, height)", "E102")
-    return [uav_of(uav) for uav in uavs]
+    names = getattr(uavs, "columns", None) if getattr(uavs, "dtype", None) is None else uavs.dtype.names
+    points = getattr(located(uavs, crs), "geometry", None)
+    if names is None and points is None:
+        if isinstance(uavs, np.ndarray) and uavs.ndim != 2:
+            raise wrong("uavs", f"an array of {uavs.ndim} dimensions", "(n, 3): x, y, height", "E102")
+        return [uav_of(uav) for uav in uavs]
+    columns = list(names) if names is not None else []
+    if points is not None and "x" not in columns:
+        xs, ys = points.x, points.y
+    elif {"x", "y"} <= set(columns):
+        xs, ys = uavs["x"], uavs["y"]
+    else:
+        raise wrong("uavs", f"the columns {columns}", "columns x and y", "E102")
+    heights: Iterable[Any]
+    if "h" in columns:
+        heights = uavs["h"]
+    elif "height_agl_m" in columns:
+        above = uavs["height_amsl_m"] if "height_amsl_m" in columns else uavs["height_agl_m"]
+        heights = [agl if np.isfinite(agl) else f"{float(amsl)}amsl" for agl, amsl in zip(uavs["height_agl_m"], above)]
+    elif height is not None:
+        heights = [height] * len(uavs)
+    else:
+        raise wrong("uavs", f"the columns {columns}", "a column h", "E102")
+    ids = [str(name) for name in uavs["id"]] if "id" in columns else [None] * len(uavs)
+    return [uav_of(uav) for uav in zip(xs, ys, heights, ids)]  # type: ignore[arg-type]
 
 
 def watch_of(progress: object) -> Callable[[float], object] | None:
@@ -129,35 +151,42 @@ def watch_of(progress: object) -> Callable[[float], object] | None:
 
 
 @contextmanager
-def as_files(given: Mapping[str, object]) -> Iterator[dict[str, object]]:
-    """Options that name files, with what is no path written to temporary ones: places as tables, geometries as GeoJSON."""
+def as_files(given: Mapping[str, Any], crs: str | None, height: Any) -> Iterator[dict[str, object]]:
+    """Options that name files, with what is no path written to temporary ones: candidates as a table, areas as GeoJSON."""
     with tempfile.TemporaryDirectory(prefix="skyshed-") as folder:
         named: dict[str, object] = {}
         for name, value in given.items():
+            named[name] = value
             if value is None or isinstance(value, (str, os.PathLike)):
-                named[name] = value
-            elif hasattr(value, "__geo_interface__") or (isinstance(value, Mapping) and "type" in value):
-                path = os.path.join(folder, f"{name}.geojson")
-                with open(path, "w", encoding="utf-8") as file:
-                    json.dump(_collection(getattr(value, "__geo_interface__", value)), file)
-                named[name] = path
-            else:
-                path = os.path.join(folder, f"{name}.csv")
-                with open(path, "w", encoding="utf-8") as file:
-                    rows = uavs_of(value)  # type: ignore[arg-type]
-                    has_ids = any(row[3] is not None for row in rows)
-                    print("x,y,h,id" if has_ids else "x,y,h", file=file)
-                    for x, y, h, id in rows:
-                        end = "," + json.dumps(id or "") if has_ids else ""
-                        print(f"{x!r},{y!r},{h}{end}", file=file)
-                named[name] = path
+                continue
+            named[name] = os.path.join(folder, f"{name}.csv" if name == "candidates" else f"{name}.geojson")
+            with open(os.path.join(folder, str(named[name])), "w", encoding="utf-8") as file:
+                if name == "candidates":
+                    # Heights of the search stand for those that places have not.
+                    _write_table(file, uavs_of(value, crs, None if height is None else 0.0))
+                else:
+                    area: Any = located(value, crs)
+                    json.dump(_collection(getattr(area, "__geo_interface__", area), crs), file)
         yield named
 
 
-def _collection(geometry: Mapping[str, Any]) -> Mapping[str, Any]:
+def _write_table(file: TextIO, rows: Sequence[AskedUav]) -> None:
+    if not rows:
+        raise wrong("candidates", "none", "at least one", "E209")
+    has_ids = any(id is not None for *_, id in rows)
+    print("x,y,h,id" if has_ids else "x,y,h", file=file)
+    for x, y, h, id in rows:
+        quoted = ',"' + (id or "").replace('"', '""') + '"' if has_ids else ""
+        print(f"{x!r},{y!r},{h}{quoted}", file=file)
+
+
+def _collection(geometry: Mapping[str, Any], crs: str | None) -> Mapping[str, Any]:
     """A geometry, a feature or several as a collection of features in the system of the scene."""
     if geometry.get("type") == "FeatureCollection":
-        # Places in a scene are in its system, whatever GeoJSON would have them in.
-        return {key: value for key, value in geometry.items() if key != "crs"}
-    feature = geometry if geometry.get("type") == "Feature" else {"type": "Feature", "properties": {}, "geometry": geometry}
-    return {"type": "FeatureCollection", "features": [feature]}
+        features = geometry["features"]
+    elif geometry.get("type") == "Feature":
+        features = [geometry]
+    else:
+        features = [{"type": "Feature", "properties": {}, "geometry": geometry}]
+    system = {"crs": {"type": "name", "properties": {"name": crs}}} if crs else {}
+    return {"type": "FeatureCollection", **system, "features": features}

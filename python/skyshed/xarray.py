@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray
 
+from skyshed._errors import tell
 from skyshed._scene import Scene
 
 if TYPE_CHECKING:
@@ -30,7 +31,11 @@ class SkyshedAccessor:
 
     def scene(self, **options: Unpack[SceneOptions]) -> Scene:
         """The scene of these heights: see :meth:`skyshed.Scene.from_raster`."""
-        return Scene.from_raster(self._array, name=str(self._array.name or "array"), **options)
+        name = str(self._array.name or "array")
+        scene = Scene._of_raster(self._array, (None, options.pop("crs", None), None), (options.pop("terrain", None), None, None), name, options)
+        # A surface alone is what a viewshed is of.
+        tell([told for told in scene._scene.warnings if told[0] != "W342"])
+        return scene
 
     def viewshed(
         self,

@@ -67,6 +67,15 @@ impl Conversion {
         Ok(Conversion { facts: RunFacts { command, ..scene.facts(None) }, scene, footprints })
     }
 
+    /// A city that was read before, with its solids if these are footprints.
+    pub(crate) fn of(scene: Scene, command: Vec<String>) -> Conversion {
+        let footprints = match scene.solids.as_deref() {
+            Some(Solids::Vector { footprints, frame, .. }) => Some((footprints.clone(), *frame)),
+            _ => None,
+        };
+        Conversion { facts: RunFacts { command, ..scene.facts(None) }, scene, footprints }
+    }
+
     /// How large the city is.
     fn size_line(&self) -> String {
         let grid = self.scene.field.grid();

@@ -1,6 +1,6 @@
 //! `save` of `Coverage` and `Coverages`: the file that an extension asks for.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::coverages::{Coverage, Coverages};
 use super::files::Writer;
@@ -26,9 +26,17 @@ impl Coverages {
     /// # Errors
     /// As [`Coverages::save`].
     pub fn save_with(&self, path: impl AsRef<Path>, options: &SaveOptions) -> Result<()> {
+        self.save_all(&[path.as_ref().into()], options)
+    }
+
+    /// Writes several files, which appear together when all are complete.
+    ///
+    /// # Errors
+    /// As [`Coverages::save`].
+    pub fn save_all(&self, paths: &[PathBuf], options: &SaveOptions) -> Result<()> {
         let rules =
             OutputRules { allowed: &super::FORMATS, inputs: &[], overwrite: options.overwrite, bare: options.bare };
-        let outputs = check_outputs(&[path.as_ref().into()], rules)?;
+        let outputs = check_outputs(paths, rules)?;
         options.check_formats(&outputs)?;
         options.check(&self.scene, &outputs)?;
         for (path, format) in &outputs {

@@ -138,7 +138,7 @@ impl Maps {
         let maps = Arc::clone(&self.0);
         watched(py, None, move |_| {
             let options = cli::save_options(&words, &paths)?;
-            paths.iter().try_for_each(|path| Ok(maps.save_with(path, &options)?))
+            Ok(maps.save_all(&paths, &options)?)
         })
     }
 

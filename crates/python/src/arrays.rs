@@ -82,8 +82,8 @@ impl<'py> FromPyObject<'_, 'py> for Heights<'py> {
     }
 }
 
-/// Puts a row of an array into another, as meters, NaN where there is no height.
-pub(crate) type Rows<'a> = Box<dyn Fn(usize, &mut [f64]) + Send + Sync + 'a>;
+/// Puts a row of an array into another, as meters, NaN where there is no height, and says whether to go on.
+pub(crate) type Rows<'a> = Box<dyn Fn(usize, &mut [f64]) -> bool + Send + Sync + 'a>;
 
 impl Heights<'_> {
     /// Its rows; `nodata` stands for no height.
@@ -110,16 +110,13 @@ fn rows<'a, T: Number>(
     stop: &'a AtomicBool,
 ) -> Rows<'a> {
     Box::new(move |row, heights| {
-        // Who wants to stop waits for no more rows.
-        if stop.load(Ordering::Relaxed) {
-            return;
-        }
         for (height, number) in heights.iter_mut().zip(array.row(row)) {
             *height = number.read(is_swapped);
         }
         if let Some(nodata) = nodata {
             heights.iter_mut().filter(|height| **height == nodata).for_each(|height| *height = f64::NAN);
         }
+        !stop.load(Ordering::Relaxed)
     })
 }
 

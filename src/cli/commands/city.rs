@@ -26,7 +26,10 @@ impl CityArgs {
     pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
         let outputs = self.out.checked(&FORMATS, &self.scene.files())?;
         let look = self.picture.look(&self.out, &outputs)?;
-        let city = Conversion::open(&self.scene.reading.options()?, &self.scene.scene, run.words())?;
+        let city = match &run.given {
+            Some(scene) => Conversion::of(scene.clone(), run.words()),
+            None => Conversion::open(&self.scene.reading.options()?, &self.scene.scene, run.words())?,
+        };
         run.emit(&city, &outputs, (&self.out, &look))
     }
 }

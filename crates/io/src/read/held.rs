@@ -30,11 +30,11 @@ pub struct HeldHeights {
 
 impl HeldHeights {
     /// Heights row by row: `put(row, heights)` fills in those of a row, from the north and from the west \[m\], NaN where there is
-    /// none. Threads of the current pool ask for different rows. `name` stands in messages and titles.
+    /// none, and says whether to go on. Threads of the current pool ask for different rows. `name` stands in messages and titles.
     ///
     /// # Errors
-    /// E305 without any height; E205 for one beyond the lattice; E501 if they do not fit in memory.
-    pub fn new(name: &str, georef: GeoRef, put: impl Fn(usize, &mut [f64]) + Sync) -> Result<HeldHeights> {
+    /// E305 without any height; E205 for one beyond the lattice; E501 if they do not fit in memory; `Interrupted`.
+    pub fn new(name: &str, georef: GeoRef, put: impl Fn(usize, &mut [f64]) -> bool + Sync) -> Result<HeldHeights> {
         let name = Input::bytes(name, Vec::new());
         drop(reserve_cells::<i32>(&name, &georef)?);
         let mut cells = LargeVec::<i32>::zeroed(georef.n_cells());
@@ -42,7 +42,9 @@ impl HeldHeights {
         let out_of_range = Mutex::new(None);
         let of_row = |heights: &mut Vec<f64>, (row, cells): (usize, &mut [i32])| {
             heights.resize(n_cols, f64::NAN);
-            put(row, heights);
+            if !put(row, heights) {
+                return None;
+            }
             let (mut n_void, mut bad) = (0, None);
             for (cell, height) in cells.iter_mut().zip(heights.iter()) {
                 *cell = height_steps(*height).unwrap_or(VOID);
@@ -57,9 +59,11 @@ impl HeldHeights {
                     *first = Some((row, bad));
                 }
             }
-            n_void
+            Some(n_void)
         };
-        let n_void: u64 = cells.par_chunks_mut(n_cols).enumerate().map_init(Vec::new, of_row).sum();
+        let rows = cells.par_chunks_mut(n_cols).enumerate().map_init(Vec::new, of_row);
+        let n_void: Option<u64> = rows.sum();
+        let n_void = n_void.ok_or(crate::error::Error::Core(skyshed_core::Error::Interrupted))?;
         if let Ok(Some((_, height))) = out_of_range.into_inner() {
             return Err(Error::read(&name, ReadFault::HeightRange(HeightOf::Cell, height)));
         }
