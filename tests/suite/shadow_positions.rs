@@ -249,7 +249,7 @@ fn block_model(random: &mut Random, least: usize) -> HeightField {
     for _ in 0..60 {
         let (row, col) = (random.below(n_rows), random.below(n_cols));
         let (height, width) = (random.index(4, 44), random.index(4, 44));
-        let top = if random.chance(10) { VOID } else { random.index(least, 60_000) as i32 };
+        let top = if random.chance(10) { VOID } else { i32::try_from(random.index(least, 60_000)).unwrap() };
         for row in row..(row + height).min(n_rows) {
             cells[row * n_cols + col..][..width.min(n_cols - col)].fill(top);
         }

@@ -114,6 +114,7 @@ fn rows<'a, T: Number>(
             *height = number.read(is_swapped);
         }
         if let Some(nodata) = nodata {
+            #[expect(clippy::float_cmp, reason = "the very number stands for no height")]
             heights.iter_mut().filter(|height| **height == nodata).for_each(|height| *height = f64::NAN);
         }
         !stop.load(Ordering::Relaxed)

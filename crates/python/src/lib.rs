@@ -32,8 +32,7 @@ fn ask(py: Python<'_>, words: Vec<OsString>, watch: Option<Py<PyAny>>) -> PyResu
 /// Runs the program on a command line and returns its exit code.
 #[pyfunction]
 fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
-    let code = py.detach(|| skyshed::cli::exit_code(words));
-    code
+    py.detach(|| skyshed::cli::exit_code(words))
 }
 
 /// What a run is watched by.
