@@ -100,6 +100,23 @@ impl UavsFound {
     }
 }
 
+/// One of several nearly equal parts of a list, in its order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Shard {
+    /// Which part, from 1.
+    pub(crate) k: usize,
+    /// How many there are.
+    pub(crate) of: usize,
+}
+
+impl Shard {
+    fn part<T>(self, mut all: Vec<T>) -> Vec<T> {
+        let until = |k: usize| k * all.len() / self.of;
+        let (first, end) = (until(self.k - 1), until(self.k));
+        all.drain(first..end).collect()
+    }
+}
+
 /// Where the UAVs of a run are told.
 #[derive(Debug, Clone)]
 pub(crate) struct UavsAsked {
@@ -110,6 +127,8 @@ pub(crate) struct UavsAsked {
     pub(crate) skips_bad: bool,
     /// Whether the table is hashed whatever its size.
     pub(crate) hash: bool,
+    /// Which part of them is meant; all without one.
+    pub(crate) shard: Option<Shard>,
 }
 
 impl UavsAsked {
@@ -126,7 +145,12 @@ impl UavsAsked {
             found.sites.extend(warned(&mut found.warnings, read)?);
             found.sources.push(source_of(path, self.hash)?);
         }
-        found.checked()
+        let UavsFound { sites, sources, warnings } = found.checked()?;
+        let sites = match self.shard {
+            Some(shard) => shard.part(sites),
+            None => sites,
+        };
+        Ok(UavsFound { sites, sources, warnings })
     }
 }
 

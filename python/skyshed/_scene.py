@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 
 import numpy as np
@@ -344,17 +345,27 @@ class Scene(Grid):
 
     def __reduce__(self) -> tuple[Any, ...]:
         if self._is_file:
-            word = self._word if self._word.startswith("itu:") else os.path.abspath(self._word)
-            return _opened, (type(self), word, self._words)
+            return opened, (type(self), self._where(), self._words)
         return _unpacked, (type(self), self._word, self._scene.name, self._scene.packed(), self.crs, self._words)
+
+    def _where(self) -> str:
+        """The scene of a file for another process."""
+        return self._word if self._word.startswith("itu:") else os.path.abspath(self._word)
 
     def __repr__(self) -> str:
         n_rows, n_cols = self.shape
         return f"Scene({self.name!r}, {n_rows}×{n_cols} cells, crs={self.crs!r})"
 
 
-def _opened(cls: type[Scene], word: str, words: list[str]) -> Scene:
-    return cls(_skyshed.Scene.open(word, words), word, words, True)
+def opened(cls: type[Scene], word: str, words: list[str]) -> Scene:
+    """A scene of a file, which is opened once by a process unless the file changes. What is odd was told before."""
+    changed = os.stat(word).st_mtime_ns if os.path.exists(word) else 0
+    return cls(_opened(word, tuple(words), changed), word, words, True)
+
+
+@lru_cache(maxsize=2)
+def _opened(word: str, words: tuple[str, ...], changed: int) -> _skyshed.Scene:
+    return _skyshed.Scene.open(word, list(words))
 
 
 def _unpacked(cls: type[Scene], word: str, name: str, packed: bytes, crs: str | None, words: list[str]) -> Scene:

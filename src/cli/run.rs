@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
+use serde_json::Value;
+
 use super::args::output::OutputArgs;
 use super::args::scene::{ReadingArgs, SceneArgs};
 use super::ask::Found;
@@ -12,7 +14,9 @@ use super::typed::Typed;
 use super::{interrupt, say};
 use crate::answer::{Answer, Output, Spent, add_outputs};
 use crate::cli::failure::{Result, refusal, refusal_with};
+use crate::error::Warning;
 use crate::export::{Batch, Format, OutputRules, check_outputs};
+use crate::map::GivenScene;
 use crate::picture::Look;
 use crate::progress::Progress;
 use crate::read::VectorFormat;
@@ -53,6 +57,21 @@ impl Run {
     /// The words of the command line, for a document.
     pub(super) fn words(&self) -> Vec<String> {
         self.command.clone()
+    }
+
+    /// The scene of a map: that of another program, or the one to be read.
+    pub(super) fn given_scene(&self) -> GivenScene<'static> {
+        self.given.clone().map_or(GivenScene::Asked, |scene| GivenScene::InMemory(Box::new(scene)))
+    }
+
+    /// Keeps an answer whose files are written for another program.
+    pub(super) fn keep(&self, answer: &dyn Answer, files: Vec<PathBuf>) {
+        let _ = self.found.set(Found::of(answer, Spent::default(), files));
+    }
+
+    /// Keeps counts for another program.
+    pub(super) fn keep_counts(&self, document: Value, warnings: &[Warning]) {
+        let _ = self.found.set(Found { document, table: Vec::new(), warnings: warnings.to_vec(), files: Vec::new() });
     }
 
     /// Writes the files of an answer, which appear together, says what came out, and answers on standard output.

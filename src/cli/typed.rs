@@ -46,6 +46,20 @@ impl Typed {
         typed.flat_map(|(name, words)| std::iter::once(flag(name)).chain(words.iter().cloned())).collect()
     }
 
+    /// The flags that were typed but some, each as one word or with its words joined by commas, as they may be typed again; in the
+    /// order of their names, whatever that of the words was.
+    pub(super) fn flags_but(&self, names: &[&str]) -> Vec<String> {
+        let is_flag = |name: &str| name.starts_with(char::is_lowercase) && !names.contains(&name);
+        let mut typed: Vec<(&String, &Vec<String>)> =
+            self.names.iter().zip(&self.words).filter(|(name, _)| is_flag(name)).collect();
+        typed.sort();
+        let flag = |(name, words): (&String, &Vec<String>)| {
+            let value = if words.as_slice() == ["true"] { Vec::new() } else { vec![words.join(",")] };
+            std::iter::once(format!("--{}", name.replace('_', "-"))).chain(value).collect::<Vec<_>>()
+        };
+        typed.into_iter().flat_map(flag).collect()
+    }
+
     /// Refuses those of some arguments that were typed.
     ///
     /// # Errors

@@ -31,7 +31,8 @@ pub(crate) struct Writer<'a> {
 
 impl Answer for Writer<'_> {
     fn document(&self, spent: Option<Spent>) -> serde_json::Value {
-        self.of.report.document(spent.map(|spent| self.of.scene.timing.with(spent)))
+        let report = &self.of.report;
+        report.document(spent.and_then(|spent| report.timing(self.of.scene.timing.with(spent))))
     }
 
     fn table(&self) -> Rows {

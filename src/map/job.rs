@@ -42,6 +42,9 @@ pub(crate) struct MapJob {
     pub(crate) resume: bool,
     /// The words of the command line, for documents.
     pub(crate) command: Vec<String>,
+    /// Those that ask the same of a single UAV, but for the UAV: documents of a unit of work tell of no table, no other file and
+    /// no batch.
+    pub(crate) unit_command: Vec<String>,
 }
 
 /// What a run is given that was read before.
@@ -97,7 +100,7 @@ impl Done {
 /// What is told of a map whose files are there.
 impl Answer for Done {
     fn document(&self, _: Option<Spent>) -> serde_json::Value {
-        self.report.document(Some(self.timing))
+        self.report.document(self.report.timing(self.timing))
     }
 
     fn table(&self) -> Rows {

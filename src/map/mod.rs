@@ -23,7 +23,7 @@ pub use coverages::{Coverage, Coverages};
 pub(crate) use curve::CurvePlan;
 pub(crate) use curve_report::{CurveRow, HeightCurveDocument};
 pub(crate) use drawing::MapDrawing;
-pub(crate) use job::{Done, Given, MapJob};
+pub(crate) use job::{Done, Given, GivenScene, MapJob};
 pub(crate) use plan::{Held, MapPlan, Prepared};
 pub use report::SiteFacts;
 pub(crate) use report::{AnyMapDocument, IdleDocument, MapDocument, MapReport, MapRow, MaskDigest};

@@ -170,6 +170,11 @@ impl MapReport {
         document_of(&self.as_document(Self::SCHEMA, timing))
     }
 
+    /// What is told of the time: nothing of a unit of work, so that equal units are equal to the last byte.
+    pub(crate) fn timing(&self, timing: Timing) -> Option<Timing> {
+        Some(timing).filter(|_| self.facts.unit.is_none())
+    }
+
     /// The document under a schema that adds to it.
     pub(crate) fn as_document(&self, schema: &'static str, timing_s: Option<Timing>) -> MapDocument {
         let mut head = self.facts.head(schema);

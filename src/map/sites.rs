@@ -35,6 +35,8 @@ pub(crate) const SITE: &str = "{site}";
 pub(crate) struct SiteRuns<'a> {
     job: &'a MapJob,
     progress: &'a Progress,
+    /// The scene, if it was read before.
+    given: Option<Scene>,
 }
 
 /// Where the scenes of the runs come from.
@@ -84,7 +86,7 @@ impl<'a> SiteRuns<'a> {
     ///
     /// # Errors
     /// E105 if some names hold `{site}` and others do not.
-    pub(crate) fn of(job: &'a MapJob, progress: &'a Progress) -> Result<Option<SiteRuns<'a>>> {
+    pub(crate) fn of(job: &'a MapJob, given: Option<Scene>, progress: &'a Progress) -> Result<Option<SiteRuns<'a>>> {
         let files: Vec<&PathBuf> = job.outputs.iter().chain(&job.curve.outputs).collect();
         let names = |path: &Path| path.to_string_lossy().contains(SITE);
         let n_named = files.iter().filter(|path| names(path)).count();
@@ -100,7 +102,7 @@ impl<'a> SiteRuns<'a> {
         if let Some(other) = files.iter().find(|path| n_named > 0 && !names(path)) {
             return Err(RequestError::NotNamedAfterUavs(other.display().to_string()).into());
         }
-        Ok(Some(SiteRuns { job, progress }))
+        Ok(Some(SiteRuns { job, progress, given }))
     }
 
     /// Runs all that is not done, and tells `each` of every run.
@@ -119,7 +121,8 @@ impl<'a> SiteRuns<'a> {
         let mut failed: Option<Error> = None;
         for (site, job) in uavs.sites.iter().zip(jobs) {
             let unit = self.unit(Some(site), &inputs);
-            let own = UavsFound { sites: vec![site.clone()], sources: uavs.sources.clone(), warnings: Vec::new() };
+            // Which table it stood in is nothing that its files depend on.
+            let own = UavsFound { sites: vec![site.clone()], ..UavsFound::default() };
             match self.run_site(job, (&mut scenes, &grid), (own, &unit)) {
                 Ok(Some(done)) => each(Outcome::Done(&site.id, &done))?,
                 Ok(None) => each(Outcome::There)?,
@@ -156,13 +159,17 @@ impl<'a> SiteRuns<'a> {
             Found::Some => job.save.overwrite = true,
             Found::Nothing => {}
         }
-        let done = job.run(Given { unit: Some(unit), ..Given::default() }, self.progress)?;
+        let scene = self.given.clone().map_or(GivenScene::Asked, |scene| GivenScene::InMemory(Box::new(scene)));
+        let done = job.run(Given { unit: Some(unit), scene, ..Given::default() }, self.progress)?;
         each(Outcome::Together(&done))
     }
 
     /// The grid of the scenes; with them where they must be read to know it.
     fn scenes_or_grid(&self) -> Result<(Option<SiteScenes>, GeoRef)> {
         let job = self.job;
+        if let Some(scene) = &self.given {
+            return Ok((Some(SiteScenes::Whole(Box::new(scene.clone()))), scene.grid().clone()));
+        }
         if is_raster_scene(&job.word) && job.scene.project.is_none() {
             return Ok((None, surface_grid(job.path(), &job.scene.of_raster()?)?));
         }
@@ -239,6 +246,8 @@ impl<'a> SiteRuns<'a> {
             None => scenes.insert(self.scenes()?),
         };
         let site = &own.sites[0];
+        let uav = format!("{},{},{}", site.x, site.y, site.height);
+        job.command = job.unit_command.iter().cloned().chain(["--uav".into(), uav]).collect();
         let scene = match scenes {
             SiteScenes::Whole(scene) => GivenScene::InMemory(scene.clone()),
             SiteScenes::OnDisk(scene, warnings) => GivenScene::OnDisk(scene, warnings.clone()),

@@ -40,7 +40,7 @@ const VALUES: &str = "\
     --positions 20 --theta-band 2 --block 30 --plot heat --step 15 --over street --within part.geojson \
     --keep-out part.geojson --candidates sites.csv --clearance 45 --goal margin --area part.geojson \
     --weights slope.asc --minimize height --count 2 --map best.tif --top 1 --zones crossroad:4 --mask mask.asc \
-    --time 0.01 --families cell-slits --scenes 2";
+    --time 0.01 --families cell-slits --scenes 2 --shard 1/2";
 
 /// Other values of flags that mean something else to a command.
 const OWN_VALUES: &[(&str, &str)] = &[

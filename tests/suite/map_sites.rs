@@ -242,3 +242,42 @@ fn killed_at_any_moment_it_leaves_whole_files_and_goes_on() {
     }
     assert!(n_partial > n_kills / 4, "only {n_partial} of {n_kills} were killed with work done and work left");
 }
+
+#[test]
+fn equal_units_are_equal_bytes_however_they_were_batched() {
+    let folder = Folder::new();
+    write_scene(&folder, 7);
+    let outputs = ["tif", "json", "csv", "npz", "png", "geojson"];
+    let words = |name: &str| outputs.map(|extension| format!("-o {name}-{{site}}.{extension}")).join(" ");
+    let line = "map dsm.tif --ground 0 --radius 90 --rx-height 2 -q";
+    folder.type_in(&format!("{line} --uavs sites.csv {}", words("all"))).done();
+    for k in 1..=3 {
+        folder.type_in(&format!("{line} --uavs sites.csv --shard {k}/3 -j 1 --resume {}", words("part"))).done();
+    }
+    // One by one, from a table of another name, in another order of words.
+    let table = folder.text("sites.csv");
+    for row in table.lines().skip(1) {
+        folder.write("one.csv", &format!("id,x,y,h\n{row}\n"));
+        folder
+            .type_in(&format!("map --uavs one.csv dsm.tif {} --rx-height 2 --ground 0 -q --radius 90", words("one")))
+            .done();
+    }
+    for k in 0..7 {
+        for extension in outputs {
+            let read =
+                |name: &str| std::fs::read(folder.join(&format!("{name}-site_{k}.{extension}"))).expect("a file");
+            assert!(read("part") == read("all"), "site {k}, {extension}, by shards");
+            assert!(read("one") == read("all"), "site {k}, {extension}, one by one");
+        }
+        let document = folder.json(&format!("all-site_{k}.json"));
+        assert!(document["timing_s"].is_null() && !document.to_string().contains("sites.csv"), "{document}");
+    }
+    let refused = |words: &str| folder.type_in(&format!("{line} {words} -o x-{{site}}.tif")).error().to_string();
+    for bad in ["0/3", "4/3", "1", "a/b", "1/0"] {
+        assert_eq!(refused(&format!("--uavs sites.csv --shard {bad}")), "E101", "{bad}");
+    }
+    assert_eq!(refused("--uav 50,50,90 --shard 1/2"), "E101");
+    // More parts than UAVs: some have nothing to do.
+    let empty = folder.type_in(&format!("{} --uavs sites.csv --shard 1/9 -o e-{{site}}.tif", line.replace(" -q", "")));
+    assert!(empty.done().err.contains("0 UAVs mapped"));
+}

@@ -35,7 +35,7 @@ impl UavsArgs {
     pub(crate) fn asked(&self, hash: bool) -> Result<UavsAsked> {
         let typed = self.uav.iter().enumerate().map(|(k, text)| parse_uav(text, (k + 1).to_string()));
         let typed = typed.collect::<Result<_>>()?;
-        Ok(UavsAsked { typed, table: self.uavs.clone(), skips_bad: self.skip_bad, hash })
+        Ok(UavsAsked { typed, table: self.uavs.clone(), skips_bad: self.skip_bad, hash, shard: None })
     }
 
     /// Where they are told, of which there must be some; `without` says how the command does without.

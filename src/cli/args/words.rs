@@ -8,6 +8,7 @@ use crate::placements::one_unit;
 use crate::quantity::{parse_meters, parse_number};
 use crate::read::Projection;
 use crate::sight::Receivers;
+use crate::uav::Shard;
 use crate::zones::Zone;
 
 /// Words that may be typed, what each means, and its value. Help does not name those without a meaning, which are old.
@@ -66,6 +67,14 @@ pub(crate) fn range(text: &str) -> Result<[f64; 3], String> {
 
 pub(crate) fn extent(text: &str) -> Result<[f64; 4], String> {
     exactly(text, ',', "W,S,E,N")
+}
+
+/// One of several parts: `3/16`.
+pub(crate) fn shard(text: &str) -> Result<Shard, String> {
+    let wrong = || format!("found `{text}`, wanted K/N with K from 1 to N");
+    let (k, of) = text.split_once('/').ok_or_else(wrong)?;
+    let (k, of): (usize, usize) = k.trim().parse().ok().zip(of.trim().parse().ok()).ok_or_else(wrong)?;
+    if (1..=of).contains(&k) { Ok(Shard { k, of }) } else { Err(wrong()) }
 }
 
 /// A number of bytes: `800M`, `4G`, `1.5GiB`, or bytes alone.

@@ -1,5 +1,7 @@
 //! `skyshed map`: coverage of one or many UAVs.
 
+use serde_json::json;
+
 use super::map_args::MapArgs;
 use crate::answer::{Answer, Spent};
 use crate::cli::failure::{Failure, Result, refusal_with};
@@ -12,7 +14,30 @@ use crate::map::{CurvePlan, Done, Given, MapJob, MapPlan, Outcome, SITE, SaveOpt
 use crate::picture::Look;
 use crate::quantity::counted;
 use crate::scene::is_raster_scene;
+use crate::uav::UavsAsked;
 use crate::words::pretty;
+
+/// What is said of a batch and its files, not of what a UAV sees.
+const OF_BATCH: [&str; 18] = [
+    "scene",
+    "uav",
+    "uavs",
+    "skip_bad",
+    "shard",
+    "output",
+    "height_curve",
+    "json",
+    "overwrite",
+    "csv_text",
+    "threads",
+    "max_memory",
+    "quiet",
+    "repairs",
+    "resume",
+    "strips",
+    "scratch",
+    "hash",
+];
 
 impl MapArgs {
     pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
@@ -21,14 +46,14 @@ impl MapArgs {
         if !is_raster_scene(&job.word) || job.scene.project.is_some() {
             run.typed.refuse(&["strips", "scratch"], "but for a raster in its own system")?;
         }
-        let runs = SiteRuns::of(&job, &run.progress)?;
+        let runs = SiteRuns::of(&job, run.given.clone(), &run.progress)?;
         if self.out.json && job.outputs.iter().chain(&job.curve.outputs).any(names_sites) {
             let text = "`--json` has no meaning beside files with `{site}` in their names";
             return Err(refusal_with(116, text, "`-o NAME-{site}.json` writes a document for each UAV"));
         }
         match &runs {
             Some(runs) => self.run_sites(run, runs),
-            None => self.tell(run, &job.run(Given::default(), &run.progress)?),
+            None => self.tell(run, &job.run(Given { scene: run.given_scene(), ..Given::default() }, &run.progress)?),
         }
     }
 
@@ -38,7 +63,7 @@ impl MapArgs {
             word: self.scene.scene.clone(),
             scene: self.scene.reading.options()?,
             inputs: self.scene.files(),
-            uavs: self.uavs.some(self.scene.reading.hash, None)?,
+            uavs: UavsAsked { shard: self.shard, ..self.uavs.some(self.scene.reading.hash, None)? },
             plan: self.plan()?,
             save: self.save_options()?,
             outputs: self.out.output.clone(),
@@ -48,6 +73,10 @@ impl MapArgs {
             scratch: self.scratch.clone(),
             resume: self.resume,
             command: run.words(),
+            unit_command: ["map".into(), self.scene.scene.display().to_string()]
+                .into_iter()
+                .chain(run.typed.flags_but(&OF_BATCH))
+                .collect(),
         })
     }
 
@@ -85,6 +114,10 @@ impl MapArgs {
 
     /// Tells what was found and written.
     fn tell(&self, run: &Run, done: &Done) -> Result<()> {
+        if run.keeps {
+            run.keep(done, done.written.clone());
+            return Ok(());
+        }
         run.tell(done, Spent::default());
         say::wrote(&done.written, run.is_quiet);
         if self.out.is_told() {
@@ -137,13 +170,18 @@ impl Sites<'_> {
                     done.notes(Spent::default()).iter().for_each(|note| say::note(note));
                 }
                 say::wrote(&done.written, self.run.is_quiet);
-                interrupt::end_writing()?;
+                if !self.run.keeps {
+                    interrupt::end_writing()?;
+                }
             }
             Outcome::There => self.n[1] += 1,
             Outcome::Abandoned => {
                 self.n[2] += 1;
-                interrupt::give_up_writing()?;
+                if !self.run.keeps {
+                    interrupt::give_up_writing()?;
+                }
             }
+            Outcome::Failed(_) if self.run.keeps => {}
             Outcome::Failed(error) => say::failure(&Failure::Library(error.clone())),
             Outcome::Together(done) => {
                 self.is_by_site = false;
@@ -160,6 +198,11 @@ impl Sites<'_> {
     }
 
     fn tell(&self, is_failed: bool, is_interrupted: bool) {
+        let [mapped, there, not_mapped] = self.n;
+        if self.run.keeps {
+            self.run.keep_counts(json!({"mapped": mapped, "there": there, "not_mapped": not_mapped}), &self.warnings);
+            return;
+        }
         let nothing_began = self.n == [0; 3];
         if self.run.is_quiet || !self.is_by_site || (is_failed && nothing_began) {
             return;

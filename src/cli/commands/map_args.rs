@@ -7,10 +7,11 @@ use clap::Args;
 use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::sight::{SightArgs, UavsArgs};
-use crate::cli::args::words::{Words, number, one_of, range};
+use crate::cli::args::words::{Words, number, one_of, range, shard};
 use crate::export::Layer;
 use crate::formats::TiffLayout;
 use crate::map::PolygonClasses;
+use crate::uav::Shard;
 
 /// The layers of a map, with what each holds.
 const LAYERS: Words<Layer> = &[
@@ -110,6 +111,9 @@ pub(in crate::cli) struct MapArgs {
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, requires = "polygons",
           help_heading = "Output", hide_short_help = true)]
     pub(super) simplify: Option<f64>,
+    /// Only the K-th of N nearly equal parts of the UAVs of the table, in its order: for schedulers that hand out numbers
+    #[arg(long, value_name = "K/N", value_parser = shard, requires = "uavs", help_heading = "Map", hide_short_help = true)]
+    pub(super) shard: Option<Shard>,
     /// Leave what is there already: a UAV is skipped if its files exist and were made by the same run, so that an interrupted
     /// one goes on where it stopped
     #[arg(long, help_heading = "Output", hide_short_help = true)]
