@@ -238,7 +238,8 @@ class Coverage(_Mapped):
 
 
 class Coverages(_Mapped):
-    """What several UAVs see, each and together. Iterating makes one map after another, and keeps none."""
+    """What several UAVs see, each and together. Iterating makes one map after another, each on the cells in range of its own UAV,
+    and keeps none."""
 
     def __init__(self, maps: Maps, scene: Scene, uavs: list[Any], asked: dict[str, Any], is_kept: bool) -> None:
         super().__init__(maps)
@@ -288,8 +289,10 @@ class Coverages(_Mapped):
         if len(self) > 64:
             raise ValueError(f"which: found {len(self)} UAVs, wanted at most 64")
         bits = np.zeros(self.shape, dtype=np.uint64)
+        # All on the cells of all: those of one alone may be fewer.
+        maps = self._maps if self._is_kept else self._scene.maps(self._uavs, keep=True, **self._asked)._maps
         for k in range(len(self)):
-            mask = self._maps.mask(k) if self._is_kept else self._scene.map(self._uavs[k], **self._asked).los
+            mask = maps.mask(k)
             bits |= (mask == LOS).astype(np.uint64) << np.uint64(k)
         return bits
 
@@ -411,8 +414,10 @@ def _column(name: str, cells: list[str]) -> npt.NDArray[Any]:
     """Cells of a table as numbers where all are, else as text, as names are."""
     if name in ("id", "site"):
         return np.array(cells, dtype=np.str_)
-    if cells and all(cell.lstrip("-").isdigit() for cell in cells):
-        return np.array(cells, dtype=np.int64)
+    try:
+        return np.array([int(cell) for cell in cells], dtype=np.int64)
+    except (ValueError, OverflowError):
+        pass
     try:
         return np.array([float(cell) if cell else np.nan for cell in cells], dtype=np.float64)
     except ValueError:

@@ -75,6 +75,7 @@ def plain(name: str, array: Any, nodata: Any) -> tuple[np.ndarray[Any, Any], flo
         kind = array.dtype if array.dtype.kind == "f" else np.dtype("f4" if array.dtype.itemsize <= 2 else "f8")
         array = np.ma.filled(array.astype(kind), np.nan)
     found = np.asarray(array)
+    kind = found.dtype
     if found.ndim != 2:
         raise wrong(name, f"an array of shape {found.shape}", "two dimensions: rows and columns")
     if found.size == 0:
@@ -86,7 +87,7 @@ def plain(name: str, array: Any, nodata: Any) -> tuple[np.ndarray[Any, Any], flo
     number = None
     if nodata is not None:
         try:
-            number = float(np.asarray(nodata).astype(found.dtype if found.dtype.kind == "f" else float))
+            number = float(np.asarray(nodata).astype(kind if kind.kind == "f" else float))
         except (TypeError, ValueError):
             raise wrong("nodata", repr(nodata)[:80], "a number") from None
         number = None if np.isnan(number) else number
@@ -140,6 +141,9 @@ def _of_xarray(name: str, array: Any, transform: Any, crs: Any, nodata: Any) -> 
         array = array.isel({y_dim: slice(None, None, -1)})
     if x_dim in array.coords and array.sizes[x_dim] > 1 and array[x_dim][0] > array[x_dim][-1]:
         array = array.isel({x_dim: slice(None, None, -1)})
+    scaling = (array.attrs.get("scale_factor", 1), array.attrs.get("add_offset", 0))
+    if scaling != (1, 0):
+        raise wrong(name, f"heights that are still to be scaled by {scaling}", "meters: open it with mask_and_scale=True")
     said: dict[str, Any] = next((array.coords[c].attrs for c in ("spatial_ref", "crs") if c in array.coords), {})
     if transform is not None:
         place = transform_of("transform", transform)
@@ -147,11 +151,12 @@ def _of_xarray(name: str, array: Any, transform: Any, crs: Any, nodata: Any) -> 
         place = _of_coordinates(name, (array[x_dim].values, array[y_dim].values), said.get("GeoTransform"))
     if crs is None:
         crs = said.get("crs_wkt") or said.get("spatial_ref") or array.attrs.get("crs")
+    if crs is None and (x_dim.lower() in ("lon", "longitude") or y_dim.lower() in ("lat", "latitude")):
+        raise Error(f"{name}: found coordinates in degrees by their names ({y_dim}, {x_dim}), wanted meters", "E310", "crs=, if they are")
     if nodata is None:
-        found = [array.encoding.get("_FillValue"), *(array.attrs.get(key) for key in ("_FillValue", "nodata"))]
-        # What was masked on reading holds its fill value no more.
-        is_masked = array.dtype.kind == "f" and found[0] is not None and "_FillValue" not in array.attrs
-        nodata = None if is_masked else next((value for value in found if value is not None), None)
+        keys = ("_FillValue", "missing_value", "nodata", "nodatavals")
+        found = [said.get(key) for said in (array.attrs, array.encoding) for key in keys]
+        nodata = next((np.ravel(value)[0] for value in found if value is not None and np.size(value)), None)
     return Raster(array.values, place, crs_text("crs", crs), nodata)
 
 

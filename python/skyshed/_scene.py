@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, TypeVar
 
 import numpy as np
 
 from skyshed import _skyshed
 from skyshed._answers import Answer, Coverage, Coverages, Grid, Link, shares
-from skyshed._arrays import Held, crs_text, held, placed
+from skyshed._arrays import Held, crs_text, held, is_xarray, placed
 from skyshed._errors import tell, wrong
 from skyshed._live import LivePage
 from skyshed._words import PathLike, Uav, as_files, files_of, uav_of, uavs_of, watch_of, words_of
@@ -61,15 +61,22 @@ class Sight(TypedDict, total=False):
     method: str
 
 
+class Origin(NamedTuple):
+    """What a scene of files or a generated city is opened by, wherever a process is."""
+
+    word: str
+    words: list[str]
+
+
 class Scene(Grid):
     """A city ready for rays: footprints, a surface model, a mesh or a generated city, over a grid of cells.
 
     Scenes do not change, may be asked by several threads at once, and can be pickled.
     """
 
-    def __init__(self, scene: _skyshed.Scene, word: str, words: list[str], is_file: bool) -> None:
+    def __init__(self, scene: _skyshed.Scene, word: str, words: list[str], origin: Origin | None = None) -> None:
         super().__init__(scene.place)
-        self._scene, self._word, self._words, self._is_file = scene, word, words, is_file
+        self._scene, self._word, self._words, self._origin = scene, word, words, origin
 
     @classmethod
     def open(cls, path: PathLike, *, progress: object = None, **options: Unpack[SceneOptions]) -> Self:
@@ -79,9 +86,10 @@ class Scene(Grid):
         >>> munich.shape
         (1111, 1406)
         """
-        words = _reading(options)
-        word = os.fspath(path)
-        scene = cls(_skyshed.Scene.open(word, words, watch_of(progress)), word, words, True)
+        words, word = _reading(options), os.fspath(path)
+        of_files = {name: _absolute(value) if name in ("terrain", "data_area") else value for name, value in options.items()}
+        origin = Origin(_absolute(word), _reading(of_files))
+        scene = cls(_skyshed.Scene.open(word, words, watch_of(progress)), word, words, origin)
         tell(scene._scene.warnings)
         return scene
 
@@ -95,7 +103,7 @@ class Scene(Grid):
         """
         words = _reading({**options, "size": size, "seed": seed})
         word = kind if kind.startswith("itu:") else f"itu:{kind}"
-        return cls(_skyshed.Scene.open(word, words), word, words, True)
+        return cls(_skyshed.Scene.open(word, words), word, words, Origin(word, words))
 
     @classmethod
     def from_raster(
@@ -142,13 +150,14 @@ class Scene(Grid):
         above = placed("surface", surface, transform, crs, nodata)
         below: Held | None = None
         if terrain is not None and not isinstance(terrain, (str, os.PathLike)):
-            transform = terrain_transform if terrain_transform is not None else above.transform
-            nodata = terrain_nodata if terrain_nodata is not None else above.nodata
-            lower = placed("terrain", terrain, transform, crs if crs is not None else above.crs, nodata)
-            below = held("terrain", lower, f"terrain of {name}")
+            # An array lies as the surface does where nothing is said, a DataArray where it says itself.
+            if terrain_transform is None and not is_xarray(terrain):
+                terrain_transform = above.transform
+            lower = placed("terrain", terrain, terrain_transform, crs, terrain_nodata)
+            below = held("terrain", lower if lower.crs else lower._replace(crs=above.crs), f"terrain of {name}")
             terrain = None
         words = _reading({**options, "terrain": terrain})
-        return cls(_skyshed.Scene.of_heights(held("surface", above, name), below, words), name, words, False)
+        return cls(_skyshed.Scene.of_heights(held("surface", above, name), below, words), name, words)
 
     @classmethod
     def from_footprints(
@@ -181,6 +190,8 @@ class Scene(Grid):
             geometries = list(buildings)
         if isinstance(heights, str):
             raise wrong("heights", repr(heights), "a height for each building, for they have no columns")
+        if hasattr(heights, "reindex") and hasattr(buildings, "index"):
+            heights = heights.reindex(buildings.index)
         try:
             column = np.ascontiguousarray(heights, dtype=np.float64)
         except (TypeError, ValueError):
@@ -192,7 +203,7 @@ class Scene(Grid):
         if names is not None and len(names) != len(wkb):
             raise wrong("ids", f"{len(names)} names", f"one for each of {len(wkb)} buildings")
         words = _reading({**options, "crs": crs})
-        made = cls(_skyshed.Scene.of_buildings(name, wkb, column, names, words), name, words, False)
+        made = cls(_skyshed.Scene.of_buildings(name, wkb, column, names, words), name, words)
         tell(made._scene.warnings)
         return made
 
@@ -263,7 +274,7 @@ class Scene(Grid):
         if not isinstance(rx, (tuple, list, np.ndarray)) or len(rx) not in (2, 3):
             raise wrong("rx", repr(rx)[:80], "(x, y) or (x, y, height)", "E103")
         ends = words_of({"uav": (x, y, h), "rx": tuple(rx)})
-        return self._asked(Link, "link", [*ends, *words_of(options), *files_of(output)])
+        return self._asked(Link, "link", [*ends, *_of_question(options), *files_of(output)])
 
     def place(
         self,
@@ -290,7 +301,7 @@ class Scene(Grid):
         """
         given = {"candidates": candidates, "within": within, "keep_out": keep_out, "area": area, "weights": weights}
         with as_files(given, self.crs, height) as files:
-            words = words_of({"height": height, **files, **options})
+            words = [*words_of({"height": height, **files}), *_of_question(options)]
             return self._asked(Answer, "place", [*words, *files_of(output)], progress)
 
     def sample(
@@ -305,9 +316,9 @@ class Scene(Grid):
         """P_LoS averaged over placements of each zone, with intervals: ``{"street": 200, "rooftop": 200}``. Options are those of
         ``skyshed sample``: ``cities``, ``centers``, ``radius``, ``ci``, ``block`` …"""
         of_zones = ",".join(f"{zone}:{n}" for zone, n in zones.items())
-        words = [*words_of({"zones": of_zones, "height": height, **options}), *files_of(output)]
+        words = [*words_of({"zones": of_zones, "height": height}), *_of_question(options), *files_of(output)]
         # Generated cities are made as large as whole discs take.
-        return self._asked(Answer, "sample", words, progress, is_opened=self._is_file)
+        return self._asked(Answer, "sample", words, progress, is_opened=self._origin is not None)
 
     def height_curve(
         self,
@@ -331,45 +342,65 @@ class Scene(Grid):
     def save(self, *paths: PathLike, **options: object) -> None:
         """Writes the city itself: a drawing (.png .svg .pdf), heights (.tif .asc), footprints (.geojson), a scene of Mitsuba and Sionna
         RT (.xml), boxes of ns-3 (.csv), a document (.json). Options are those of ``skyshed city``."""
-        self._asked(Answer, "city", [*words_of(options), *files_of(list(paths))])
+        self._asked(Answer, "city", [*_of_question(options), *files_of(list(paths))])
 
     def _asked(
         self, kind: type[_Kind], command: str, words: list[str], progress: object = None, is_opened: bool = False
     ) -> _Kind:
         """Asks a command of the program over this scene, or over one that it opens itself."""
-        line = [command, self._word, *self._words, *words]
+        # What a scene in memory is called is no word of a command line.
+        line = [command, *((self._word, *self._words) if self._origin else ("memory",)), *words]
+        if is_opened and self._origin:
+            line = [command, self._origin.word, *self._origin.words, *words]
         watch = watch_of(progress)
         found = _skyshed.ask(line, watch) if is_opened else self._scene.ask(line, watch)
         tell(found.warnings, self._scene.warnings, stacklevel=4)
         return kind(found)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        if self._is_file:
-            return opened, (type(self), self._where(), self._words)
+        if self._origin:
+            return _reopened, (type(self), self._origin)
         return _unpacked, (type(self), self._word, self._scene.name, self._scene.packed(), self.crs, self._words)
-
-    def _where(self) -> str:
-        """The scene of a file for another process."""
-        return self._word if self._word.startswith("itu:") else os.path.abspath(self._word)
 
     def __repr__(self) -> str:
         n_rows, n_cols = self.shape
         return f"Scene({self.name!r}, {n_rows}×{n_cols} cells, crs={self.crs!r})"
 
 
-def opened(cls: type[Scene], word: str, words: list[str]) -> Scene:
-    """A scene of a file, which is opened once by a process unless the file changes. What is odd was told before."""
-    changed = os.stat(word).st_mtime_ns if os.path.exists(word) else 0
-    return cls(_opened(word, tuple(words), changed), word, words, True)
+def _reopened(cls: type[Scene], origin: Origin) -> Scene:
+    return cls(_skyshed.Scene.open(origin.word, origin.words), origin.word, origin.words, origin)
+
+
+def opened_once(origin: Origin) -> Scene:
+    """A scene of files, which this process opens once unless one of them changes."""
+    paths = [origin.word, *(word.partition("=")[2] for word in origin.words)]
+    files = [path for path in paths if os.path.exists(path)]
+    files += [member.path for path in files if os.path.isdir(path) for member in os.scandir(path)]
+    changed = tuple((path, os.stat(path).st_mtime_ns, os.stat(path).st_size) for path in files)
+    return _opened(origin.word, tuple(origin.words), changed)
 
 
 @lru_cache(maxsize=2)
-def _opened(word: str, words: tuple[str, ...], changed: int) -> _skyshed.Scene:
-    return _skyshed.Scene.open(word, list(words))
+def _opened(word: str, words: tuple[str, ...], changed: tuple[tuple[str, int, int], ...]) -> Scene:
+    return _reopened(Scene, Origin(word, list(words)))
+
+
+def _absolute(path: Any) -> Any:
+    """A path that means the same wherever a process is; words that are no path stay."""
+    is_word = path is None or str(path) in ("auto", "all", "-") or str(path).startswith("itu:")
+    return path if is_word else os.path.abspath(os.fspath(path))
+
+
+def _of_question(options: Mapping[str, object]) -> list[str]:
+    """Options of a question as words; those of a scene are given where it is made."""
+    of_scene = [name for name in options if name in SceneOptions.__annotations__ or name in ("size", "seed")]
+    if of_scene:
+        raise wrong(of_scene[0], "an option of scenes", "options of the question: give it where the scene is made", "E116")
+    return words_of(options)
 
 
 def _unpacked(cls: type[Scene], word: str, name: str, packed: bytes, crs: str | None, words: list[str]) -> Scene:
-    return cls(_skyshed.Scene.unpacked(name, packed, crs), word, words, False)
+    return cls(_skyshed.Scene.unpacked(name, packed, crs), word, words)
 
 
 def _reading(options: Mapping[str, object]) -> list[str]:
@@ -422,16 +453,17 @@ def plos(
     """
     if not cities:
         raise wrong("cities", "none", 'at least one, such as "itu:urban"', "E108")
-    words, reading = ["plos"], []
+    words, readings = ["plos"], []
     for city in cities:
-        if isinstance(city, Scene):
-            if not city._is_file:
-                raise wrong("cities", f"{city!r}, made of arrays", "a file or a generated city: save it and open that")
-            words.append(city._word)
-            reading += [word for word in city._words if word.split("=")[0] not in ("--size", "--seed")]
-        else:
-            words.append(os.fspath(city))
-    words += [*dict.fromkeys(reading), *words_of({"height": height, **options}), *files_of(output)]
+        if isinstance(city, Scene) and city._origin is None:
+            raise wrong("cities", f"{city!r}, made of arrays", "a file or a generated city: save it and open that")
+        origin = city._origin if isinstance(city, Scene) else None
+        words.append(origin.word if origin else os.fspath(city))  # type: ignore[arg-type]
+        readings.append([word for word in (origin.words if origin else []) if word.split("=")[0] not in ("--size", "--seed")])
+    if any(reading != readings[0] for reading in readings):
+        raise wrong("cities", "cities that are read in different ways", "one way for all of them, or a call for each")
+    reading = readings[0]
+    words += [*reading, *words_of({"height": height, **options}), *files_of(output)]
     found = _skyshed.ask(words, watch_of(progress))
     tell(found.warnings)
     return Answer(found)

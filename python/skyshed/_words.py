@@ -42,12 +42,12 @@ def words_of(options: Mapping[str, object]) -> list[str]:
     words = []
     for name, value in options.items():
         flag = "--" + name.replace("_", "-")
-        if value is None or value is False:
+        if isinstance(value, (bool, np.bool_)) or value is None:
+            words += [flag] if value else []
             continue
-        if value is True:
-            words.append(flag)
-            continue
-        many = isinstance(value, (list, tuple, np.ndarray))
+        if isinstance(value, np.ndarray) and value.ndim == 0:
+            value = value.item()
+        many = isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping))
         try:
             said = ",".join(word(part) for part in value) if many else word(value)  # type: ignore[attr-defined]
         except TypeError as error:
@@ -91,10 +91,14 @@ def uav_of(uav: Uav) -> AskedUav:
     return x, y, height, None if name is None else str(name)
 
 
-def located(places: Any, crs: str | None) -> Any:
+def located(name: str, places: Any, crs: str | None) -> Any:
     """Places of geopandas in the reference system of a scene."""
     own = getattr(places, "crs", None)
-    return places.to_crs(crs) if crs is not None and own is not None and hasattr(places, "to_crs") else places
+    if own is None or not hasattr(places, "to_crs"):
+        return places
+    if crs is None:
+        raise wrong(name, f"places in {own.name}, but the scene names no reference system", "places in that of the scene", "E206")
+    return places.to_crs(crs)
 
 
 def uavs_of(uavs: Any, crs: str | None = None, height: Height | None = None) -> list[AskedUav]:
@@ -106,13 +110,13 @@ def uavs_of(uavs: Any, crs: str | None = None, height: Height | None = None) -> 
     if isinstance(uavs, (str, bytes, Mapping)):
         raise wrong("uavs", type(uavs).__name__, "several of (x, y, height)", "E102")
     names = getattr(uavs, "columns", None) if getattr(uavs, "dtype", None) is None else uavs.dtype.names
-    points = getattr(located(uavs, crs), "geometry", None)
+    points = getattr(located("uavs", uavs, crs), "geometry", None)
     if names is None and points is None:
         if isinstance(uavs, np.ndarray) and uavs.ndim != 2:
             raise wrong("uavs", f"an array of {uavs.ndim} dimensions", "(n, 3): x, y, height", "E102")
         return [uav_of(uav) for uav in uavs]
     columns = list(names) if names is not None else []
-    if points is not None and "x" not in columns:
+    if points is not None:
         xs, ys = points.x, points.y
     elif {"x", "y"} <= set(columns):
         xs, ys = uavs["x"], uavs["y"]
@@ -165,8 +169,7 @@ def as_files(given: Mapping[str, Any], crs: str | None, height: Any) -> Iterator
                     # Heights of the search stand for those that places have not.
                     _write_table(file, uavs_of(value, crs, None if height is None else 0.0))
                 else:
-                    area: Any = located(value, crs)
-                    json.dump(_collection(getattr(area, "__geo_interface__", area), crs), file)
+                    json.dump(_collection(name, located(name, value, crs), crs), file)
         yield named
 
 
@@ -180,13 +183,19 @@ def _write_table(file: TextIO, rows: Sequence[AskedUav]) -> None:
         print(f"{x!r},{y!r},{h}{quoted}", file=file)
 
 
-def _collection(geometry: Mapping[str, Any], crs: str | None) -> Mapping[str, Any]:
-    """A geometry, a feature or several as a collection of features in the system of the scene."""
-    if geometry.get("type") == "FeatureCollection":
-        features = geometry["features"]
-    elif geometry.get("type") == "Feature":
-        features = [geometry]
-    else:
-        features = [{"type": "Feature", "properties": {}, "geometry": geometry}]
+def _collection(name: str, area: Any, crs: str | None) -> Mapping[str, Any]:
+    """A geometry, a feature, several, or a table of geopandas as a collection of features in the system of the scene."""
+    area = getattr(area, "geometry", area) if hasattr(area, "to_crs") else area
+    parts = area if isinstance(area, Iterable) and not isinstance(area, (Mapping, str, bytes)) else [area]
+    features: list[Any] = []
+    for part in parts:
+        mapping = getattr(part, "__geo_interface__", part)
+        if not isinstance(mapping, Mapping) or "type" not in mapping:
+            raise wrong(name, repr(part)[:80], "a geometry, or several")
+        if mapping["type"] == "FeatureCollection":
+            features += mapping["features"]
+        else:
+            is_feature = mapping["type"] == "Feature"
+            features.append(mapping if is_feature else {"type": "Feature", "properties": {}, "geometry": mapping})
     system = {"crs": {"type": "name", "properties": {"name": crs}}} if crs else {}
     return {"type": "FeatureCollection", **system, "features": features}

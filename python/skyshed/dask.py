@@ -23,7 +23,7 @@ from distributed.scheduler import KilledWorker
 
 from skyshed._answers import shares
 from skyshed._errors import Error, wrong
-from skyshed._scene import Scene, opened
+from skyshed._scene import Origin, Scene, opened_once
 from skyshed._words import AskedUav, PathLike, files_of, uavs_of, words_of
 
 if TYPE_CHECKING:
@@ -65,6 +65,10 @@ def map_sites(
     Raises an :class:`Error` that names the sites that failed, once all others are done.
     """
     listed: list[AskedUav] = [(x, y, h, id if id is not None else str(k + 1)) for k, (x, y, h, id) in enumerate(_sites(scene, sites))]
+    names = [str(site[3]) for site in listed]
+    if len(set(names)) < len(names):
+        twice = next(name for k, name in enumerate(names) if name in names[:k])
+        raise wrong("sites", f"{twice!r} twice", "a name of its own for each", "E207")
     outputs = [os.path.abspath(file) for file in ([out] if isinstance(out, (str, os.PathLike)) else out)]
     if not all("{site}" in file for file in outputs):
         raise wrong("out", repr(out), "names with {site}, such as out/{site}.tif", "E105")
@@ -115,7 +119,7 @@ def _over_workers(
     n = batch or _sites_of_task(scene, sites, words)
     parts = [sites[first : first + n] for first in range(0, len(sites), n)]
     # Of a file its name goes around; of arrays the scene itself, to each worker once.
-    asked: Any = _Named(scene._where(), scene._words) if scene._is_file else client.scatter(scene, broadcast=True)  # type: ignore[no-untyped-call]
+    asked: Any = scene._origin or client.scatter(scene, broadcast=True, hash=False)  # type: ignore[no-untyped-call]
     futures = {client.submit(work, asked, part, words, pure=False, retries=2): k for k, part in enumerate(parts)}
     deaths = dict.fromkeys(range(len(parts)), 0)
     found: dict[int, _Part] = {}
@@ -146,27 +150,20 @@ def _sites_of_task(scene: Scene, sites: list[AskedUav], words: list[str]) -> int
     return int(min(max(TASK_S / spent, 1), MOST_A_TASK, max(len(sites) // 8, 1)))
 
 
-class _Named(NamedTuple):
-    """A scene that workers open themselves, each once."""
-
-    word: str
-    words: list[str]
-
-
-def _of_worker(asked: Scene | _Named) -> Scene:
-    """The scene of a task. A worker's threads are as many as its cluster gives it."""
+def _of_worker(asked: Scene | Origin) -> Scene:
+    """The scene of a task, which each worker opens once. A worker's threads are as many as its cluster gives it."""
     try:
         os.environ.setdefault("RAYON_NUM_THREADS", str(get_worker().state.nthreads))
     except ValueError:
         pass
-    return opened(Scene, asked.word, asked.words) if isinstance(asked, _Named) else asked
+    return opened_once(asked) if isinstance(asked, Origin) else asked
 
 
-def _count_some(asked: Scene | _Named, sites: list[AskedUav], words: list[str]) -> npt.NDArray[np.uint64]:
+def _count_some(asked: Scene | Origin, sites: list[AskedUav], words: list[str]) -> npt.NDArray[np.uint64]:
     return _of_worker(asked)._scene.counts(sites, words)
 
 
-def _map_some(asked: Scene | _Named, sites: list[AskedUav], words: list[str]) -> tuple[Mapped, list[tuple[str, str]]]:
+def _map_some(asked: Scene | Origin, sites: list[AskedUav], words: list[str]) -> tuple[Mapped, list[tuple[str, str]]]:
     """Files of some sites; those that fail are told one by one."""
     scene = _of_worker(asked)
     try:
@@ -187,6 +184,7 @@ def _map_all(scene: Scene, sites: list[AskedUav], words: list[str]) -> Mapped:
         path = os.path.join(folder, "sites.csv")
         with open(path, "w", newline="", encoding="utf-8") as file:
             csv.writer(file).writerows([("x", "y", "h", "id"), *((repr(x), repr(y), h, id) for x, y, h, id in sites)])
-        line = ["map", scene._word, *scene._words, f"--uavs={path}", *words]
+        word, of_scene = (scene._origin.word, scene._origin.words) if scene._origin else ("memory", [])
+        line = ["map", word, *of_scene, f"--uavs={path}", *words]
         counts = json.loads(scene._scene.ask(line).document)
     return Mapped(counts["mapped"], counts["there"])

@@ -11,8 +11,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import xarray
 
+from skyshed._answers import OUT_OF_RANGE
 from skyshed._errors import tell
 from skyshed._scene import Scene
 
@@ -53,16 +55,21 @@ class SkyshedAccessor:
         The answer has the dimensions and coordinates of these heights, and classes: 1 seen, 0 not, 2 no receiver, 3 out of range,
         255 no data. Unlike there, the observer stands at (x, y) itself, and cells are decided exactly, at their centers.
         """
-        seen = self.scene(**options).map((x, y, float(observer_elev)), rx_height=target_elev, radius=max_distance)
-        found = seen.to_xarray()["los"].rename(name)
+        scene = self.scene(**options)
+        seen = scene.map((float(x), float(y), float(observer_elev)), rx_height=target_elev, radius=max_distance)
+        # Of a part in range, the rest of the cells is out of range.
+        row = round((scene.bounds[3] - seen.bounds[3]) / -scene.transform.e)
+        col = round((seen.bounds[0] - scene.bounds[0]) / scene.transform.a)
+        cells = np.full(scene.shape, OUT_OF_RANGE, dtype=np.uint8)
+        cells[row : row + seen.shape[0], col : col + seen.shape[1]] = seen.los
         y_dim, x_dim = self._dims()
-        found = found.rename({"y": y_dim, "x": x_dim})
-        if max_distance is None:
-            # Cell by cell the same grid, in the order of rows of the heights.
-            found = found.isel({dim: slice(None, None, -1) for dim in (y_dim, x_dim) if self._is_turned(dim, found)})
-            kept = {dim: self._array[dim] for dim in (y_dim, x_dim) if dim in self._array.coords}
-            found = found.assign_coords(kept)
-        return found
+        of_mask = seen.to_xarray()["los"].attrs
+        coords = {"y": ("y", scene.ys()), "x": ("x", scene.xs()), "spatial_ref": scene.coordinates()["spatial_ref"]}
+        found = xarray.DataArray(cells, dims=("y", "x"), coords=coords, name=name, attrs=of_mask).rename({"y": y_dim, "x": x_dim})
+        # In the order of rows of the heights, and on their very coordinates.
+        found = found.isel({dim: slice(None, None, -1) for dim in (y_dim, x_dim) if self._is_turned(dim, found)})
+        found = found.assign_coords({dim: self._array[dim] for dim in (y_dim, x_dim) if dim in self._array.coords})
+        return found.transpose(*(dim for dim in self._array.dims if dim in (y_dim, x_dim)))
 
     def _dims(self) -> tuple[str, str]:
         from skyshed._arrays import X_NAMES, Y_NAMES

@@ -83,6 +83,16 @@ HOSTILE: list[tuple[Callable[[], Any], str]] = [
     (lambda: CITY.map(AT, method="sweep"), "method"),
     (lambda: CITY.map(AT, zones="yes"), "zones"),  # type: ignore[arg-type]
     (lambda: CITY.map(AT, colour="red"), "colour"),  # type: ignore[call-arg]
+    (lambda: CITY.map(AT, ground=15), "ground"),  # type: ignore[call-arg]
+    (lambda: CITY.map(AT, output="x.png"), "output"),  # type: ignore[call-arg]
+    (lambda: CITY.map(AT, uavs="nope.csv"), "uavs"),  # type: ignore[call-arg]
+    (lambda: CITY.map(AT, help=True), "help"),  # type: ignore[call-arg]
+    (lambda: CITY.map(AT).save("x.png", radius=3), "radius"),
+    (lambda: CITY.place(height=100, extent=(0, 0, 1, 1)), "extent"),
+    (lambda: CITY.place(height=100, help=True), "help"),
+    (lambda: CITY.place(height=100, within=[3]), "within"),
+    (lambda: skyshed.plos(Scene.itu("urban", ground=3), "itu:suburban"), "cities"),
+    (lambda: CITY.p_los([(50, 50, 60)], terrain="nope.tif"), "terrain"),  # type: ignore[call-arg]
     (lambda: CITY.map(AT, progress=3), "progress"),
     (lambda: CITY.map(AT).layer("margin"), "margin"),
     (lambda: CITY.map(AT)["zones"], "zones"),

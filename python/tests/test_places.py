@@ -39,6 +39,27 @@ def test_tables_and_points_are_as_tuples() -> None:
         munich.p_los(points())
 
 
+def test_places_in_a_system_need_a_scene_in_one() -> None:
+    block = Scene.from_raster(np.zeros((50, 50)), transform=(1, 0, 0, 0, -1, 50), ground=0)
+    with pytest.raises(skyshed.Error, match="no reference system"):
+        block.p_los(points(h=[30.0] * 4).to_crs(4326))
+    with pytest.raises(skyshed.Error, match="no reference system"):
+        block.place(height=30, within=points().to_crs(4326))
+
+
+def test_heights_go_by_their_index() -> None:
+    table = geopandas.read_file(MUNICH).set_crs("EPSG:25832", allow_override=True)
+    wanted = Scene.from_footprints(table).p_los([(*XY[0], 120)])
+    assert np.array_equal(Scene.from_footprints(table, table["height"].iloc[::-1]).p_los([(*XY[0], 120)]), wanted)
+
+
+def test_areas_may_have_any_column() -> None:
+    munich = Scene.open(MUNICH)
+    area = points(when=np.array(["2026-01-01"] * 4, dtype="M8[s]")).to_crs(25832)
+    area["geometry"] = area.buffer(50)
+    assert munich.place(height=100, step=50, within=area)["winner"] == munich.place(height=100, step=50, within=list(area.geometry))["winner"]
+
+
 def test_candidates_need_no_height_of_their_own() -> None:
     munich = Scene.open(MUNICH)
     by_tuples = munich.place(candidates=[(x, y, 100) for x, y in XY], radius=300)
@@ -62,6 +83,8 @@ def test_what_was_answered_can_be_asked_again() -> None:
     munich = Scene.open(MUNICH)
     found = munich.place(height=[80, 120], step=100, count=2, radius=300)
     chosen = found.table[found.table["kind"] == "chosen"]
+    both = munich.maps(chosen, radius=300)
+    assert both.which.shape == both.shape and int((both.which == 3).sum()) == int((both.count == 2).sum())
     assert len(chosen) == 2 and munich.maps(chosen, radius=300).p_los.shape == (2,)
     assert munich.maps(found.to_dataframe().query("kind == 'chosen'"), radius=300).to_xarray()["count"].max() >= 1
 

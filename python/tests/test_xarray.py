@@ -28,7 +28,7 @@ def test_arrays_are_placed_by_their_coordinates() -> None:
     array = dsm(heights)
     wanted = Scene.from_raster(heights, transform=(2, 0, 1000, 0, -2, 5000)).map((1040, 4960, 60.0)).digest
     turned = array.isel(y=slice(None, None, -1))
-    for given in [array, turned, array.transpose("x", "y"), array.expand_dims("band"), array.rename(x="easting", y="northing")]:
+    for given in [array, turned, array.transpose("x", "y"), array.expand_dims("band"), array.rename(x="easting", y="northing"), array.assign_attrs(_FillValue=-1.5e9)]:
         scene = Scene.from_raster(given)
         assert scene.map((1040, 4960, 60.0)).digest == wanted, given.dims
 
@@ -42,14 +42,38 @@ def test_what_is_no_grid_is_refused() -> None:
         (uneven, "uneven coordinates along x"),
         (array.isel(y=[0]), "one cell along y"),
         (array.expand_dims(band=2), "dimensions"),
+        (array.rename(x="lon", y="lat"), "degrees"),
+        (array.assign_attrs(scale_factor=0.1), "scaled"),
     ]:
         with pytest.raises(Error, match=name):
             Scene.from_raster(bad)
 
 
+def test_a_terrain_has_a_place_of_its_own() -> None:
+    def grid(first: int, n: int, cell: float = 1.0) -> Any:
+        centers = first + cell * (np.arange(n) + 0.5)
+        heights = 5 * np.sin(centers / 9) * np.cos(centers[::-1, None] / 11)
+        return xarray.DataArray(heights, dims=("y", "x"), coords={"y": centers[::-1], "x": centers})
+
+    surface = grid(0, 100)
+    surface[40:60, 40:60] += 20
+    wanted = Scene.from_raster(surface, terrain=grid(0, 100)).map((20, 50, 30.0))
+    wide = Scene.from_raster(surface, terrain=grid(-20, 140)).map((20, 50, 30.0))
+    assert wide.receivers == wanted.receivers and wide.p_los == pytest.approx(wanted.p_los, abs=0.01)
+    coarse = Scene.from_raster(surface, terrain=grid(0, 50, 2.0)).map((20, 50, 30.0))
+    assert coarse.receivers > 0.9 * wanted.receivers
+    holed = grid(0, 100)
+    holed[:30] = -9999
+    marked = surface.assign_attrs(_FillValue=-1)
+    of_marked = Scene.from_raster(marked, terrain=holed.assign_attrs(_FillValue=-9999)).map((20, 40, 30.0))
+    assert of_marked.document["sites"][0]["receivers"] <= wanted.receivers and int((of_marked.los == 255).sum()) == 3000
+    with pytest.raises(Error, match="EPSG:32633"):
+        Scene.from_raster(surface.assign_attrs(crs="EPSG:25832"), terrain=grid(0, 100).assign_attrs(crs="EPSG:32633"))
+
+
 def test_the_accessor_has_the_words_of_xarray_spatial() -> None:
     array = dsm(towns(2))
-    for given in [array, array.isel(y=slice(None, None, -1)), array.rename(x="lon", y="lat")]:
+    for given in [array, array.isel(y=slice(None, None, -1)), array.rename(x="easting", y="northing")]:
         y, x = given.dims
         seen = given.skyshed.viewshed(x=1041, y=4961, observer_elev=30, target_elev=1)
         assert seen.dims == given.dims and seen.shape == given.shape and seen.name == "viewshed"
@@ -59,10 +83,12 @@ def test_the_accessor_has_the_words_of_xarray_spatial() -> None:
         wanted = scene.map((1041, 4961, 30.0), rx_height=1).los
         found = seen if seen[y].values[0] > seen[y].values[-1] else seen.isel({y: slice(None, None, -1)})
         assert np.array_equal(found.values, wanted)
-    near = array.skyshed.viewshed(x=1041, y=4961, observer_elev=30, max_distance=20)
-    whole = array.skyshed.viewshed(x=1041, y=4961, observer_elev=30)
-    part = whole.sel(x=near.x, y=near.y)
-    assert near.size < whole.size and bool(((near == LOS) == (part == LOS)).where(near != 3, True).all())
+    for given in [array, array.isel(y=slice(None, None, -1))]:
+        near = given.skyshed.viewshed(x=1041, y=4961, observer_elev=30, max_distance=20)
+        whole = given.skyshed.viewshed(x=1041, y=4961, observer_elev=30)
+        assert bool(((near == LOS) == (whole == LOS)).where(near != 3, True).all())
+        # On the very coordinates, so that they can be joined.
+        assert int(given.where(near == LOS).notnull().sum()) == int((near == LOS).sum()) > 0
 
 
 def test_through_rioxarray_and_back(tmp_path: Path) -> None:

@@ -6,14 +6,16 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-use clap::{Args, Command, FromArgMatches, Parser};
+use clap::error::ErrorKind;
+use clap::{Args, Command, FromArgMatches};
 use serde_json::Value;
 
 use super::args::scene::ReadingArgs;
 use super::commands::MapArgs;
-use super::failure::{Failure, Result, refusal_with};
+use super::failure::{Failure, Result, refusal, refusal_with};
 use super::program::Cli;
 use super::run::{Run, check_text, check_use};
+use super::typed::Typed;
 use super::{hints, refusal};
 use crate::answer::{Answer, Rows, Spent};
 use crate::error::{Error, ErrorClass, Warning};
@@ -108,7 +110,7 @@ pub fn hint_of(warning: &Warning) -> Option<String> {
 /// # Errors
 /// E101 for words that make no sense, and what the command line says of others.
 pub fn scene_options(words: &[OsString]) -> std::result::Result<SceneOptions, Refusal> {
-    let mut command = ReadingArgs::augment_args(Command::new("scene").no_binary_name(true));
+    let mut command = ReadingArgs::augment_args(Command::new("scene").no_binary_name(true)).disable_help_flag(true);
     let read = command.try_get_matches_from_mut(words).and_then(|matches| ReadingArgs::from_arg_matches(&matches));
     Ok(parsed(read)?.options()?)
 }
@@ -119,18 +121,35 @@ pub fn scene_options(words: &[OsString]) -> std::result::Result<SceneOptions, Re
 /// As [`scene_options`].
 pub fn save_options(words: &[OsString], files: &[PathBuf]) -> std::result::Result<SaveOptions, Refusal> {
     let files = files.iter().flat_map(|file| [OsString::from("-o"), file.clone().into_os_string()]);
-    Ok(map_args(files.chain(words.iter().cloned()))?.save_options()?)
+    Ok(map_args(files.chain(words.iter().cloned()), &OF_FILES)?.save_options()?)
 }
 
-/// What words such as `--radius`, `500` say of a map.
-fn map_args(words: impl Iterator<Item = OsString>) -> Result<MapArgs> {
-    #[derive(Debug, Parser)]
-    #[command(no_binary_name = true)]
-    struct Map {
-        #[command(flatten)]
-        map: MapArgs,
-    }
-    Ok(parsed(Map::try_parse_from(std::iter::once("SCENE".into()).chain(words)))?.map)
+/// What is said of a map.
+const OF_MAP: [&str; 8] = ["scene", "rx_height", "receivers", "radius", "method", "layers", "tolerance", "zones"];
+/// What is said of its files.
+const OF_FILES: [&str; 13] = [
+    "scene",
+    "output",
+    "overwrite",
+    "csv_text",
+    "bare",
+    "tif_layout",
+    "gdal_values",
+    "polygons",
+    "simplify",
+    "title",
+    "attribution",
+    "width",
+    "dpi",
+];
+
+/// What words such as `--radius`, `500` say of a map. What is not asked here is refused.
+fn map_args(words: impl Iterator<Item = OsString>, asked: &[&str]) -> Result<MapArgs> {
+    let mut command = MapArgs::augment_args(Command::new("map").no_binary_name(true)).disable_help_flag(true);
+    let matches = parsed(command.try_get_matches_from_mut(std::iter::once("SCENE".into()).chain(words)))?;
+    Typed::of(&matches)
+        .refuse_others(asked, "here: scenes have theirs where they are made, files where they are saved")?;
+    parsed(MapArgs::from_arg_matches(&matches))
 }
 
 /// Maps of what some UAVs see of a scene, asked for in words such as `--radius`, `500`; each mask is kept if that is asked for.
@@ -166,7 +185,7 @@ fn prepared(scene: Scene, uavs: &[Uav], words: &[OsString]) -> Result<Prepared> 
     let plan = match &*last {
         Some((asked, plan)) if asked == words => plan.clone(),
         _ => {
-            let plan = map_args(words.iter().cloned())?.plan()?;
+            let plan = map_args(words.iter().cloned(), &OF_MAP)?.plan()?;
             *last = Some((words.to_vec(), plan.clone()));
             plan
         }
@@ -175,8 +194,12 @@ fn prepared(scene: Scene, uavs: &[Uav], words: &[OsString]) -> Result<Prepared> 
     Ok(plan.prepare(scene, &UavsFound::of(uavs)?, None)?)
 }
 
+/// What was parsed; help and versions are for people, and refused.
 fn parsed<T>(read: std::result::Result<T, clap::Error>) -> Result<T> {
-    read.map_err(|error| refusal::answer(&error).err().unwrap_or_else(|| refusal::in_words(&error.to_string())))
+    read.map_err(|error| match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => refusal(101, "help is no option here"),
+        _ => refusal::answer(&error).err().unwrap_or_else(|| refusal::in_words(&error.to_string())),
+    })
 }
 
 /// Asks a command, such as `place SCENE --step 50`; `scene` is asked instead of the one that the words name.

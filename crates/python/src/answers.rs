@@ -62,7 +62,8 @@ impl Maps {
         #[expect(unsafe_code, reason = "rust-numpy has no other way to lend memory")]
         // SAFETY: the cells belong to the maps, which never change and live as long as the array, whose owner they are.
         let array = unsafe { PyArray2::borrow_from_array(&view, this.clone().into_any()) };
-        array.readwrite().make_nonwriteable();
+        // Not by a borrow of rust-numpy: the same cells may be lent and read elsewhere.
+        array.call_method1("setflags", (false,))?;
         Ok(array)
     }
 }

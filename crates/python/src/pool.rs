@@ -53,7 +53,12 @@ pub(crate) fn watched<T: Send + 'static>(
     };
     loop {
         match py.detach(wait) {
-            Ok(done) => return done.map_err(PyErr::from),
+            Ok(done) => {
+                if let (Some(watch), Ok(_)) = (&watch, &done) {
+                    watch.call1(py, (1.0,))?;
+                }
+                return done.map_err(PyErr::from);
+            }
             Err(mpsc::RecvTimeoutError::Disconnected) => {
                 return Err(Failure::Fault("a thread was lost".into()).into());
             }
