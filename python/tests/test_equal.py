@@ -29,10 +29,10 @@ def ascii_grid(path: Path, heights: np.ndarray[Any, Any]) -> Path:
     return path
 
 
-def asked(seed: int) -> tuple[tuple[float, float, float], dict[str, Any], list[str]]:
+def asked(seed: int) -> tuple[tuple[float, float, str], dict[str, Any], list[str]]:
     """A UAV and options as both are told."""
     random = np.random.default_rng(seed + 1000)
-    uav = (float(WEST + random.uniform(5, 90)), float(NORTH - random.uniform(5, 70)), float(random.uniform(45, 90)))
+    uav = (float(WEST + random.uniform(5, 90)), float(NORTH - random.uniform(5, 70)), f"{random.uniform(45, 90)!r}amsl")
     options: dict[str, Any] = {"rx_height": float(random.integers(0, 4))}
     if seed % 4 == 1:
         options["radius"] = float(random.uniform(20, 60))
@@ -46,7 +46,7 @@ def test_arrays_are_as_files(seed: int, tmp_path: Path) -> None:
     path = ascii_grid(tmp_path / "dsm.asc", heights)
     uav, options, words = asked(seed)
     ground = [["--ground", "-5"], []][seed % 2]
-    by_program = program("map", path, *ground, "--uav", ",".join(map(repr, uav)), *words)
+    by_program = program("map", path, *ground, "--uav", ",".join(map(str, uav)), *words)
     scene_options: dict[str, Any] = {"ground": -5.0} if ground else {}
     whole = np.nan_to_num(heights * 4, nan=-9999).astype("i2")
     swapped = heights.astype(heights.dtype.newbyteorder())
