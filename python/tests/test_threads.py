@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-import multiprocessing
 import pickle
 import signal
 import subprocess
@@ -11,7 +10,6 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -87,11 +85,20 @@ def test_pickles_are_equal() -> None:
 
 
 @pytest.mark.parametrize("way", ["fork", "spawn"])
-def test_other_processes(way: Any) -> None:
-    scene = blocks()
-    wanted = digests_of(scene)
-    with multiprocessing.get_context(way).Pool(2) as pool:
-        assert pool.map(digests_of, [scene] * 4) == [wanted] * 4
+def test_other_processes(way: str, tmp_path: Path) -> None:
+    # In a process of its own: this one has threads of other tests, which no child may be forked beside.
+    script = tmp_path / "pool.py"
+    script.write_text(
+        "import multiprocessing, sys\n"
+        f"sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
+        "from test_threads import blocks, digests_of\n"
+        "if __name__ == '__main__':\n"
+        "    scene = blocks()\n"
+        "    wanted = digests_of(scene)\n"
+        f"    with multiprocessing.get_context({way!r}).Pool(2) as pool:\n"
+        "        assert pool.map(digests_of, [scene] * 4) == [wanted] * 4\n"
+    )
+    subprocess.run([sys.executable, str(script)], check=True, timeout=60)
 
 
 def resident() -> int:
