@@ -152,7 +152,9 @@ def test_an_array_outlives_its_map() -> None:
 )
 def test_ctrl_c_is_heard_at_once(work: str) -> None:
     lines = [
-        "import sys, time, warnings, numpy as np, skyshed",
+        "import signal, sys, time, warnings, numpy as np, skyshed",
+        # Who was started in the background ignores it otherwise.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)",
         "from skyshed import Scene",
         "warnings.simplefilter('ignore')",
         "scene = Scene.itu('urban', size=4000)",
