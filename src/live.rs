@@ -112,7 +112,11 @@ impl LivePage {
         let options = &SceneOptions { around: part, keeps_solids: true, ..options.clone() };
         let city = options.read(word, &mut warnings)?;
         if !is_small_enough(&city.grid, &city.solids) {
-            return Err(too_large(options, word, &city.grid, &city.solids));
+            let n_footprints = match &city.solids {
+                Solids::Vector { footprints, .. } => footprints.len(),
+                Solids::Raster { .. } => 0,
+            };
+            return Err(too_large(options, word, &city.grid, n_footprints));
         }
         let mut scene = Scene::built(options, (word, city), warnings, start)?;
         let found = plan.uavs.read(scene.grid())?;
@@ -138,11 +142,14 @@ impl LivePage {
     /// # Errors
     /// E902 if they were not.
     pub(crate) fn of(scene: &Scene, uavs: &[Site], sight: Sight, scene_words: Vec<String>) -> Result<LivePage> {
-        let solids = scene.solids().ok_or(Error::Fault("a live page needs the solids of its scene"))?;
-        if !is_small_enough(scene.grid(), &solids) {
-            let (options, word) = (SceneOptions::default(), OsStr::new(&scene.word));
-            return Err(too_large(&options, word, scene.grid(), &solids));
+        let (grid, n_footprints) = (scene.grid(), scene.field.n_buildings());
+        // Told before all of it is copied.
+        if grid.n_cells() > MOST_CELLS || n_footprints > MOST_FOOTPRINTS {
+            let edge_m = (grid.x_max() - grid.x_min()) * grid.meters_per_unit();
+            let options = SceneOptions::default().size_m(edge_m);
+            return Err(too_large(&options, OsStr::new(&scene.word), grid, n_footprints));
         }
+        let solids = scene.solids().ok_or(Error::Fault("a live page needs the solids of its scene"))?;
         let zones = scene.zones().map(|zones| PackedZones::of(zones.codes(), &scene.field.cells().open));
         let packed = pack(scene.grid(), &solids, zones.as_ref());
         let scene = Scene { solids: None, ..scene.clone() };
@@ -277,11 +284,7 @@ fn part_in_range(options: &SceneOptions, word: &OsStr, plan: &LivePlan) -> Resul
 }
 
 /// E505: a city that a page cannot hold, with what would fit.
-fn too_large(options: &SceneOptions, word: &OsStr, grid: &GeoRef, solids: &Solids) -> Error {
-    let n_footprints = match solids {
-        Solids::Vector { footprints, .. } => footprints.len(),
-        Solids::Raster { .. } => 0,
-    };
+fn too_large(options: &SceneOptions, word: &OsStr, grid: &GeoRef, n_footprints: usize) -> Error {
     let (n, what, most) = match n_footprints {
         n if n > MOST_FOOTPRINTS => (n, "footprints", MOST_FOOTPRINTS),
         _ => (grid.n_cells(), "cells", MOST_CELLS),

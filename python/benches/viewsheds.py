@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import tempfile
 import time
 from typing import Any
 
@@ -39,7 +40,7 @@ def status(name: str) -> int:
         return 1024 * next(int(line.split()[1]) for line in file if line.startswith(name))
 
 
-def measure(who: str, n: int) -> None:
+def measure(who: str, n: int, path: str) -> None:
     """Prints seconds to be ready and for a map, bytes a cell beside the array, and writes the cells that are seen."""
     array = surface(n)
     at = n // 2 + 0.5
@@ -66,7 +67,7 @@ def measure(who: str, n: int) -> None:
     seen = run(array, at)
     spent = time.perf_counter() - start
     memory = (status("VmHWM") - before) / n / n
-    np.save(f"/tmp/viewshed-{who}-{n}.npy", seen)
+    np.save(path, seen)
     print(json.dumps({"who": who, "cells": n, "start_s": compiled, "map_s": spent, "bytes_per_cell": memory}))
 
 
@@ -75,12 +76,15 @@ if __name__ == "__main__":
         import warnings
 
         warnings.simplefilter("ignore")
-        measure(sys.argv[2], int(sys.argv[3]))
+        measure(sys.argv[2], int(sys.argv[3]), sys.argv[4])
         sys.exit()
-    for n in map(int, sys.argv[1:] or ["1000", "2000"]):
-        for who in ("ray", "skyshed", "xarray-spatial"):
-            done = subprocess.run([sys.executable, __file__, "--one", who, str(n)], capture_output=True, text=True, check=True)
-            found = json.loads(done.stdout)
-            masks = [np.load(f"/tmp/viewshed-{name}-{n}.npy") for name in ("ray", who)]
-            found["wrong"] = int(np.sum(masks[0] != masks[1]))
-            print(found, flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        for n in map(int, sys.argv[1:] or ["1000", "2000"]):
+            by_rays = None
+            for who in ("ray", "skyshed", "xarray-spatial"):
+                path = f"{folder}/{who}.npy"
+                line = [sys.executable, __file__, "--one", who, str(n), path]
+                found = json.loads(subprocess.run(line, capture_output=True, text=True, check=True).stdout)
+                seen = np.load(path)
+                by_rays = seen if by_rays is None else by_rays
+                print({**found, "wrong": int(np.sum(seen != by_rays))}, flush=True)

@@ -215,8 +215,8 @@ class Coverage(_Mapped):
         from matplotlib.colors import ListedColormap
         from matplotlib.patches import Patch
 
-        # Blue and orange are told apart by all eyes, and in print.
-        colors = ["#e08214", "#2166ac", "#d9d9d9", "#ffffff", "#ffffff"]
+        # Those of the program's pictures.
+        colors = ["#e69f00", "#0072b2", "#c3c6c9", "#e9edf0", "#ffffff"]
         classes = np.searchsorted([NLOS, LOS, NO_RECEIVER, OUT_OF_RANGE, NODATA], self.los)
         west, south, east, north = self.bounds
         ax.imshow(

@@ -183,7 +183,7 @@ class Scene(Grid):
             crs = crs if crs is not None else buildings.crs
             if isinstance(heights, str):
                 if heights not in buildings:
-                    raise wrong("heights", f"no column {heights!r} among {list(buildings)}", "the name of a column", "E321")
+                    raise wrong("heights", f"no column {heights!r} among {list(buildings)}", "the name of a column", "E365")
                 heights = buildings[heights]
             geometries: list[Any] = list(geometry.to_wkb())
         else:
@@ -250,10 +250,10 @@ class Scene(Grid):
         Masks of single UAVs are made and dropped, or kept with ``keep`` (a byte a cell each).
         """
         asked = {**sight, "layers": layers, "tolerance": tolerance, "zones": zones}
-        listed: list[Any] = [(x, y, h, id) if id is not None else (x, y, h) for x, y, h, id in uavs_of(uavs, self.crs)]
+        listed = uavs_of(uavs, self.crs)
         if not listed:
             raise wrong("uavs", "none", "at least one", "E108")
-        maps = self._scene.maps([uav_of(uav) for uav in listed], words_of(asked), keep, watch_of(progress))
+        maps = self._scene.maps(listed, words_of(asked), keep, watch_of(progress))
         tell(maps.warnings, self._scene.warnings)
         return Coverages(maps, self, listed, asked, keep)
 

@@ -163,8 +163,9 @@ def as_files(given: Mapping[str, Any], crs: str | None, height: Any) -> Iterator
             named[name] = value
             if value is None or isinstance(value, (str, os.PathLike)):
                 continue
-            named[name] = os.path.join(folder, f"{name}.csv" if name == "candidates" else f"{name}.geojson")
-            with open(os.path.join(folder, str(named[name])), "w", encoding="utf-8") as file:
+            path = os.path.join(folder, f"{name}.csv" if name == "candidates" else f"{name}.geojson")
+            named[name] = path
+            with open(path, "w", encoding="utf-8") as file:
                 if name == "candidates":
                     # Heights of the search stand for those that places have not.
                     _write_table(file, uavs_of(value, crs, None if height is None else 0.0))

@@ -14,6 +14,7 @@ import json
 import os
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
@@ -65,10 +66,9 @@ def map_sites(
     Raises an :class:`Error` that names the sites that failed, once all others are done.
     """
     listed: list[AskedUav] = [(x, y, h, id if id is not None else str(k + 1)) for k, (x, y, h, id) in enumerate(_sites(scene, sites))]
-    names = [str(site[3]) for site in listed]
-    if len(set(names)) < len(names):
-        twice = next(name for k, name in enumerate(names) if name in names[:k])
-        raise wrong("sites", f"{twice!r} twice", "a name of its own for each", "E207")
+    name, n = Counter(site[3] for site in listed).most_common(1)[0]
+    if n > 1:
+        raise wrong("sites", f"{n} of the name {name!r}", "a name of its own for each", "E207")
     outputs = [os.path.abspath(file) for file in ([out] if isinstance(out, (str, os.PathLike)) else out)]
     if not all("{site}" in file for file in outputs):
         raise wrong("out", repr(out), "names with {site}, such as out/{site}.tif", "E105")
@@ -77,11 +77,13 @@ def map_sites(
     words = [*words_of({**options, "resume": True}), *files_of(outputs)]
     done = _over_workers(scene, listed, _map_some, words, client, batch)
     counts = [part for part, _ in done]
-    failed = [(id, why) for _, failures in done for id, why in failures]
+    failed = [failure for _, failures in done for failure in failures]
     if failed:
         told = "; ".join(f"{id}: {why}" for id, why in failed[:5])
         more = f"; and {len(failed) - 5} more" if len(failed) > 5 else ""
-        raise Error(f"{len(failed)} of {len(listed)} sites failed, the others are done: {told}{more}", "E200")
+        text = f"{len(failed)} of {len(listed)} sites failed, the others are done: {told}{more}"
+        # The code of the first, as the program has it.
+        raise Error(text, failed[0][1].code)
     return Mapped(sum(part.mapped for part in counts), sum(part.there for part in counts))
 
 
@@ -165,19 +167,20 @@ def _count_some(asked: Scene | Origin, sites: list[AskedUav], words: list[str]) 
     return _of_worker(asked)._scene.counts(sites, words)
 
 
-def _map_some(asked: Scene | Origin, sites: list[AskedUav], words: list[str]) -> tuple[Mapped, list[tuple[str, str]]]:
+def _map_some(asked: Scene | Origin, sites: list[AskedUav], words: list[str]) -> tuple[Mapped, list[tuple[str, Error]]]:
     """Files of some sites; those that fail are told one by one."""
     scene = _of_worker(asked)
     try:
         return _map_all(scene, sites, words), []
     except Error:
-        done, failed = Mapped(0, 0), []
+        done = Mapped(0, 0)
+        failed: list[tuple[str, Error]] = []
         for site in sites:
             try:
                 own = _map_all(scene, [site], words)
                 done = Mapped(done.mapped + own.mapped, done.there + own.there)
             except Error as error:
-                failed.append((str(site[3]), str(error)))
+                failed.append((str(site[3]), error))
         return done, failed
 
 

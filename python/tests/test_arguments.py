@@ -162,6 +162,7 @@ HOSTILE: list[tuple[Callable[[], Any], str]] = [
     (lambda: footprints([SQUARE], cell=-1), "cell"),
     (lambda: footprints([SQUARE], extent=(0, 0, 1)), "extent"),
     (lambda: footprints([SQUARE], missing="guess"), "missing"),
+    (lambda: footprints([SQUARE], missing="levels"), "missing"),
     # Files and cities.
     (lambda: Scene.open("nowhere.geojson"), "nowhere.geojson"),
     (lambda: Scene.open(""), ""),

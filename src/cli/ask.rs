@@ -1,5 +1,5 @@
-//! The questions of the command line, asked by another program over a scene that it holds, in the words of the command line:
-//! what they mean, their defaults and what is refused are those of the program.
+//! Lets another program ask what the command line asks, over a scene that it holds. Options are words of the command line: so
+//! they mean the same, have the same defaults, and are refused for the same reasons.
 
 use std::ffi::OsString;
 use std::path::PathBuf;

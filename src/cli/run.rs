@@ -65,8 +65,8 @@ impl Run {
     }
 
     /// Keeps an answer whose files are written for another program.
-    pub(super) fn keep(&self, answer: &dyn Answer, files: Vec<PathBuf>) {
-        let _ = self.found.set(Found::of(answer, Spent::default(), files));
+    pub(super) fn keep(&self, answer: &dyn Answer, spent: Spent, files: Vec<PathBuf>) {
+        let _ = self.found.set(Found::of(answer, spent, files));
     }
 
     /// Keeps counts for another program.
@@ -91,7 +91,7 @@ impl Run {
         };
         let (written, spent) = self.write(answer, batch, outputs, look)?;
         if self.keeps {
-            let _ = self.found.set(Found::of(answer, spent, written));
+            self.keep(answer, spent, written);
             return Ok(());
         }
         self.tell(answer, spent);
@@ -116,9 +116,7 @@ impl Run {
     ) -> Result<(Vec<PathBuf>, Spent)> {
         let before = Instant::now();
         let seconds = |since: Instant| since.elapsed().as_secs_f64();
-        if !self.keeps {
-            interrupt::begin_writing();
-        }
+        interrupt::begin_writing();
         // What writing takes is not known before the files are written.
         add_outputs(answer, &mut batch, outputs, (look, Spent { write: 0.0, total: seconds(self.start) }))?;
         let written = batch.commit()?;

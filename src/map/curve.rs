@@ -73,13 +73,12 @@ impl Coverages {
     /// E113; `Interrupted`.
     pub(crate) fn height_curves(&self, asked: Option<[f64; 3]>, progress: &Progress) -> Result<Curves> {
         check_heights(asked)?;
-        let map = self;
         let start = Instant::now();
-        let (field, report) = (&map.scene.field, &map.report);
+        let (field, report) = (&self.scene.field, &self.report);
         let rx_height = report.sight.rx_height();
-        progress.begin(field.grid().n_cells() as u64 * map.sites.len() as u64);
+        progress.begin(field.grid().n_cells() as u64 * self.sites.len() as u64);
         let of = |site| HeightCurve::of(field, site, rx_height, progress.control());
-        let curves: Vec<HeightCurve> = map.sites.iter().map(of).collect::<std::result::Result<_, _>>()?;
+        let curves: Vec<HeightCurve> = self.sites.iter().map(of).collect::<std::result::Result<_, _>>()?;
         progress.end();
         let range = asked.unwrap_or_else(|| default_range(&curves, field.max_top()));
         let heights = heights_in(range);
@@ -103,7 +102,7 @@ impl Coverages {
         let mut report = HeightCurveReport::of(report, sites);
         report.facts.warnings.extend(warnings.iter().cloned());
         let seconds = start.elapsed().as_secs_f64();
-        Ok(Curves { scene: map.scene.clone(), report, range, warnings, seconds })
+        Ok(Curves { scene: self.scene.clone(), report, range, warnings, seconds })
     }
 }
 

@@ -42,8 +42,8 @@ pub(crate) struct MapJob {
     pub(crate) resume: bool,
     /// The words of the command line, for documents.
     pub(crate) command: Vec<String>,
-    /// Those that ask the same of a single UAV, but for the UAV: documents of a unit of work tell of no table, no other file and
-    /// no batch.
+    /// The words that ask this of one UAV, which is still to be added. Documents of a unit of work hold them, so that they name
+    /// no table and no batch.
     pub(crate) unit_command: Vec<String>,
 }
 

@@ -161,6 +161,17 @@ impl CoverageRequest<Coverages> {
 
     /// Counts what each UAV sees and makes no mask: receivers in range, and those of them in line of sight.
     ///
+    /// ```
+    /// use skyshed::{Height, Scene, Uav};
+    ///
+    /// let city = Scene::options().size_m(150.0).open("itu:urban")?;
+    /// let uavs = [40.0, 110.0].map(|x| Uav::new(x, 75.0, Height::agl(60.0)));
+    /// let counts = city.coverages(uavs.clone()).run_counts()?;
+    /// let maps = city.coverages(uavs).run()?;
+    /// assert!(counts.iter().zip(maps.sites()).all(|(c, site)| *c == (site.tally.receivers, site.tally.los)));
+    /// # Ok::<(), skyshed::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`CoverageRequest::run`].
     pub fn run_counts(self) -> Result<Vec<(u64, u64)>> {

@@ -9,10 +9,29 @@ use super::{Scene, SceneOptions};
 use crate::city::City;
 use crate::crs;
 use crate::error::{Error, Result, warned};
-use crate::read::{HeldBuilding, HeldHeights, footprints_of, surface_of};
+use crate::read::{HeldBuilding, HeldHeights, MissingHeight, footprints_of, surface_of};
 
 impl SceneOptions {
     /// Makes a scene of heights in memory ready for rays: a surface model, and the terrain below it if that is held, too.
+    ///
+    /// ```
+    /// use skyshed::{Height, Scene, Uav};
+    /// use skyshed_core::raster::GeoRef;
+    /// use skyshed_io::read::HeldHeights;
+    ///
+    /// let georef = GeoRef::new((0.0, 50.0), (1.0, 1.0), (50, 60), None).expect("a grid");
+    /// // A wall of 9 m from north to south, on flat ground.
+    /// let heights = HeldHeights::new("a wall", georef, |_, heights| {
+    ///     heights.fill(0.0);
+    ///     heights[30] = 9.0;
+    ///     true
+    /// })?;
+    /// let scene = Scene::options().ground_m(0.0).of_heights("a wall", heights, None)?;
+    /// let seen = scene.coverage(Uav::new(10.5, 25.5, Height::agl(5.0))).receiver_height_m(0.0).run()?;
+    /// // All before the wall is seen, and nothing behind it.
+    /// assert!((seen.receivers(), seen.tally().los) == (50 * 59, 50 * 30));
+    /// # Ok::<(), skyshed::Error>(())
+    /// ```
     ///
     /// # Errors
     /// E1xx for options that have no meaning for it; E3xx for heights that cannot be used; E501.
@@ -30,7 +49,13 @@ impl SceneOptions {
     /// # Errors
     /// E1xx for options that have no meaning for it; E3xx for buildings that cannot be used; E501.
     pub fn of_buildings(&self, name: &str, buildings: &[HeldBuilding<'_>]) -> Result<Scene> {
-        self.refuse("buildings in memory", &[("layer", self.layer.is_some())])?;
+        // A building in memory has a height and no other property.
+        let of_files = [
+            ("layer", self.layer.is_some()),
+            ("levels_field", self.levels_field.is_some()),
+            ("missing levels", self.missing == Some(MissingHeight::Levels)),
+        ];
+        self.refuse("buildings in memory", &of_files)?;
         let (start, mut warnings) = (Instant::now(), Vec::new());
         let options = self.of_vector()?;
         let city = warned(&mut warnings, |odd| footprints_of(name, buildings, &options, odd))?;

@@ -115,7 +115,7 @@ impl MapArgs {
     /// Tells what was found and written.
     fn tell(&self, run: &Run, done: &Done) -> Result<()> {
         if run.keeps {
-            run.keep(done, done.written.clone());
+            run.keep(done, Spent::default(), done.written.clone());
             return Ok(());
         }
         run.tell(done, Spent::default());
@@ -170,16 +170,12 @@ impl Sites<'_> {
                     done.notes(Spent::default()).iter().for_each(|note| say::note(note));
                 }
                 say::wrote(&done.written, self.run.is_quiet);
-                if !self.run.keeps {
-                    interrupt::end_writing()?;
-                }
+                interrupt::end_writing()?;
             }
             Outcome::There => self.n[1] += 1,
             Outcome::Abandoned => {
                 self.n[2] += 1;
-                if !self.run.keeps {
-                    interrupt::give_up_writing()?;
-                }
+                interrupt::give_up_writing()?;
             }
             Outcome::Failed(_) if self.run.keeps => {}
             Outcome::Failed(error) => say::failure(&Failure::Library(error.clone())),

@@ -2,7 +2,7 @@
 //!
 //! They are read as files of the same content are: the same checks, warnings and lattice.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use rayon::prelude::*;
 
@@ -95,7 +95,7 @@ pub fn surface_of(
     let Some(HeldHeights { name: terrain_name, raster: terrain, .. }) = terrain else {
         return super::surface::scene_of(&name, (raster, Empty::Nodata), Vec::new(), options, warnings);
     };
-    check_grid(&terrain_name, terrain.georef(), &mut Vec::new())?;
+    check_grid(&terrain_name, terrain.georef(), warnings)?;
     let (above, below) = (Placed { input: &name, on: raster.georef() }, Placed { input: &terrain_name, on: terrain });
     let terrain = terrain_on_grid(above, below, None, warnings)?;
     let terrain = Some(Placed { input: &terrain_name, on: terrain });
@@ -125,13 +125,13 @@ pub fn footprints_of(
 ) -> Result<City> {
     let input = &Input::bytes(name, Vec::new());
     let property = options.top_field.as_deref().or(options.height_field.as_deref()).unwrap_or(HEIGHT);
-    let property: std::sync::Arc<str> = property.into();
+    let property: Arc<str> = property.into();
     let feature = |(k, building): (usize, &HeldBuilding<'_>)| {
         let mut polygons = Vec::new();
         let has_other_parts = wkb::polygons_of(building.wkb, &mut polygons)
             .map_err(|fault| Error::malformed(input, fault).at(Place::Feature(k as u64 + 1)))?;
         let height = if building.height.is_nan() { Property::Null } else { Property::Number(building.height) };
-        let properties = vec![(std::sync::Arc::clone(&property), height)];
+        let properties = vec![(Arc::clone(&property), height)];
         Ok(Feature { id: building.id.clone(), properties, polygons, has_other_parts, heights: None })
     };
     let features = buildings.par_iter().enumerate().map(feature).collect::<Result<Vec<_>>>()?;
