@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use crate::error::{Error, ReadFault, Result, io_words};
+use crate::remote::is_remote;
 
 /// A file by its path, or bytes that the caller holds under a name, with the files beside it.
 ///
@@ -64,6 +65,11 @@ impl Input {
         self.held.is_some()
     }
 
+    /// Whether it is on a server.
+    pub(crate) fn is_remote(&self) -> bool {
+        self.held.is_none() && is_remote(&self.path)
+    }
+
     /// Whether it is a folder.
     pub(crate) fn is_folder(&self) -> bool {
         self.held.is_none() && self.path.is_dir()
@@ -83,6 +89,8 @@ impl Input {
     pub(crate) fn len(&self) -> u64 {
         match &self.held {
             Some(held) => held.bytes.len() as u64,
+            #[cfg(feature = "remote")]
+            None if self.is_remote() => crate::remote::open(self).map_or(0, |file| file.len()),
             None => std::fs::metadata(&self.path).map_or(0, |metadata| metadata.len()),
         }
     }
@@ -111,6 +119,9 @@ impl Input {
         if let Some(held) = &self.held {
             return Ok((Reader::Held(Cursor::new(Arc::clone(&held.bytes))), held.bytes.len() as u64));
         }
+        if self.is_remote() {
+            return self.open_remote();
+        }
         let fail = |cause: std::io::Error| cannot_read(self, &cause);
         // Opening a pipe waits for who writes into it.
         let metadata = std::fs::metadata(&self.path).map_err(fail)?;
@@ -123,11 +134,28 @@ impl Input {
         Ok((Reader::File(File::open(&self.path).map_err(fail)?), metadata.len()))
     }
 
+    #[cfg(feature = "remote")]
+    fn open_remote(&self) -> Result<(Reader, u64)> {
+        let file = crate::remote::open(self)?;
+        let length = file.len();
+        Ok((Reader::Remote(crate::remote::RemoteReader::new(file)), length))
+    }
+
+    #[cfg(not(feature = "remote"))]
+    fn open_remote(&self) -> Result<(Reader, u64)> {
+        Err(crate::remote::not_built(self))
+    }
+
     /// All bytes; those of standard input are kept, since they can be read once.
     pub(crate) fn read(&self) -> Result<Cow<'_, [u8]>> {
         static STANDARD_INPUT: OnceLock<Vec<u8>> = OnceLock::new();
         if let Some(held) = &self.held {
             return Ok(Cow::Borrowed(&held.bytes));
+        }
+        if self.is_remote() {
+            let mut bytes = Vec::new();
+            self.open()?.0.read_to_end(&mut bytes).map_err(|e| cannot_read(self, &e))?;
+            return Ok(Cow::Owned(bytes));
         }
         if !self.is_standard_input() {
             return std::fs::read(&self.path).map(Cow::Owned).map_err(|e| cannot_read(self, &e));
@@ -168,11 +196,13 @@ impl From<&Input> for Input {
     }
 }
 
-/// What is read in any order: a file, or bytes in memory.
+/// What is read in any order: a file here or on a server, or bytes in memory.
 #[derive(Debug)]
 pub(crate) enum Reader {
     File(File),
     Held(Cursor<Arc<[u8]>>),
+    #[cfg(feature = "remote")]
+    Remote(crate::remote::RemoteReader),
 }
 
 impl Read for Reader {
@@ -180,6 +210,8 @@ impl Read for Reader {
         match self {
             Reader::File(file) => file.read(bytes),
             Reader::Held(held) => held.read(bytes),
+            #[cfg(feature = "remote")]
+            Reader::Remote(remote) => remote.read(bytes),
         }
     }
 }
@@ -189,6 +221,8 @@ impl Seek for Reader {
         match self {
             Reader::File(file) => file.seek(to),
             Reader::Held(held) => held.seek(to),
+            #[cfg(feature = "remote")]
+            Reader::Remote(remote) => remote.seek(to),
         }
     }
 }

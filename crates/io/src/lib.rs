@@ -7,8 +7,10 @@ pub mod export;
 pub mod formats;
 mod input;
 pub mod read;
+mod remote;
 
 pub use error::{Error, Result, Warning};
 pub use input::{Input, cannot_read};
+pub use remote::{identity, is_remote, told};
 
 use skyshed_core::{city, coverage, height_field, outlines, overlay, quantity, raster, zones};

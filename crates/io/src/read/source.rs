@@ -37,7 +37,7 @@ pub(super) fn is_geojson(input: &Input) -> Result<bool> {
     Ok(["geojson", "json"].contains(&input.extension().as_str()))
 }
 
-/// A source with its hash, which is left out above 64 MiB unless `always_hash`.
+/// A source with its hash, which is left out above 64 MiB and of files on servers unless `always_hash`.
 ///
 /// # Errors
 /// If the file cannot be read.
@@ -49,9 +49,13 @@ pub fn source_of(input: impl Into<Input>, always_hash: bool) -> Result<Source> {
         hasher.update(input.read()?);
         return Ok(named(Some(hasher.hex_digits())));
     }
+    // Of a file on a server all would be read.
+    if input.is_remote() && !always_hash {
+        return Ok(named(None));
+    }
     let unreadable = |e: std::io::Error| cannot_read(input, &e);
-    let mut file = std::fs::File::open(input.as_path()).map_err(unreadable)?;
-    if !always_hash && file.metadata().map_err(unreadable)?.len() > HASH_LIMIT_BYTES {
+    let (mut file, length) = input.open()?;
+    if !always_hash && length > HASH_LIMIT_BYTES {
         return Ok(named(None));
     }
     let mut block = vec![0; 1 << 16];

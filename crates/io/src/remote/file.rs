@@ -1,0 +1,277 @@
+//! A remote file as what readers take: bytes in any order, fetched by ranges (object_store).
+
+use std::collections::HashMap;
+use std::io::{Error as IoError, ErrorKind, Read, Seek, SeekFrom};
+use std::ops::Range;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::Duration;
+
+use object_store::aws::AmazonS3Builder;
+use object_store::http::HttpBuilder;
+use object_store::path::Path as ObjectPath;
+use object_store::{ClientOptions, GetOptions, ObjectMeta, ObjectStore, ObjectStoreExt, RetryConfig};
+use tokio::runtime::{Builder, Runtime};
+use url::Url;
+
+use crate::error::{Error, ReadFault, Result};
+use crate::input::Input;
+use crate::remote::address_of;
+
+/// Bytes that are fetched at once where less is asked for: those of headers and indices, which are read in small pieces.
+const BLOCK: u64 = 64 << 10;
+/// Blocks that are kept of a file.
+const MOST_BLOCKS: usize = 256;
+/// How long a server may take to connect and between two parts of an answer.
+const PATIENCE: Duration = Duration::from_secs(30);
+/// How often a request that failed is sent again, and for how long.
+const MOST_TRIES: usize = 4;
+const MOST_TRYING: Duration = Duration::from_secs(90);
+
+/// A file on a server.
+#[derive(Debug)]
+pub(crate) struct RemoteFile {
+    /// The address, as it is told.
+    name: String,
+    store: Box<dyn ObjectStore>,
+    path: ObjectPath,
+    len: u64,
+    /// What the file is told apart by from a later one of its name.
+    tag: Tag,
+    /// Blocks by their numbers, with when each was last asked for.
+    blocks: Mutex<Blocks>,
+}
+
+#[derive(Debug)]
+enum Tag {
+    /// A tag that the server compares.
+    Etag(String),
+    /// The time of the last change, in words; nothing if the server tells neither.
+    Time(String),
+}
+
+#[derive(Debug, Default)]
+struct Blocks {
+    held: HashMap<u64, (Arc<[u8]>, u64)>,
+    clock: u64,
+}
+
+/// The files that this process reads, by their addresses.
+fn files() -> &'static Mutex<HashMap<String, Arc<RemoteFile>>> {
+    static FILES: OnceLock<Mutex<HashMap<String, Arc<RemoteFile>>>> = OnceLock::new();
+    FILES.get_or_init(Mutex::default)
+}
+
+/// Where requests wait for answers.
+fn runtime() -> std::io::Result<&'static Runtime> {
+    static RUNTIME: OnceLock<Runtime> = OnceLock::new();
+    if RUNTIME.get().is_none() {
+        // Another library of the process may have chosen before.
+        let _ = rustls::crypto::ring::default_provider().install_default();
+        let made = Builder::new_multi_thread().worker_threads(1).enable_all().thread_name("remote").build()?;
+        let _ = RUNTIME.set(made);
+    }
+    RUNTIME.get().ok_or_else(|| IoError::other("no thread for requests"))
+}
+
+/// A file by its address, asked for once by a process, unless it changes.
+///
+/// # Errors
+/// E301 if the server does not give it, or gives no parts of files.
+pub(crate) fn open(input: &Input) -> Result<Arc<RemoteFile>> {
+    let address = input.as_path().to_string_lossy().into_owned();
+    let lock = || files().lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(file) = lock().get(&address) {
+        return Ok(Arc::clone(file));
+    }
+    let file = RemoteFile::new(&address, &address_of(&address)).map_err(|why| {
+        let fault =
+            if why.kind() == ErrorKind::NotFound { ReadFault::Missing } else { ReadFault::CannotOpen(why.to_string()) };
+        Error::read(input, fault)
+    })?;
+    let file = Arc::new(file);
+    lock().insert(address, Arc::clone(&file));
+    Ok(file)
+}
+
+impl RemoteFile {
+    /// A file that is told by a name, by its whole address.
+    fn new(name: &str, address: &str) -> std::io::Result<RemoteFile> {
+        let runtime = runtime()?;
+        let url = Url::parse(address).map_err(|e| IoError::new(ErrorKind::InvalidInput, format!("no address: {e}")))?;
+        let retry = RetryConfig { max_retries: MOST_TRIES, retry_timeout: MOST_TRYING, ..RetryConfig::default() };
+        let options = ClientOptions::new()
+            .with_allow_http(true)
+            .with_connect_timeout(PATIENCE)
+            .with_read_timeout(PATIENCE)
+            .with_timeout_disabled();
+        let (store, path): (Box<dyn ObjectStore>, ObjectPath) = if url.scheme() == "s3" {
+            let bucket = url.host_str().unwrap_or_default();
+            let store = AmazonS3Builder::from_env().with_bucket_name(bucket).with_client_options(options);
+            let path = ObjectPath::from_url_path(url.path()).map_err(|e| in_words(&e.into()))?;
+            (Box::new(store.with_retry(retry).build().map_err(|e| in_words(&e))?), path)
+        } else {
+            // The address itself is the root: what follows a `?` stays with it.
+            let store = HttpBuilder::new().with_url(url.as_str()).with_client_options(options).with_retry(retry);
+            (Box::new(store.build().map_err(|e| in_words(&e))?), ObjectPath::default())
+        };
+        let ObjectMeta { size, e_tag, last_modified, .. } =
+            runtime.block_on(store.head(&path)).map_err(|e| in_words(&e))?;
+        let tag = e_tag.map_or_else(|| Tag::Time(last_modified.to_rfc3339()), Tag::Etag);
+        Ok(RemoteFile { name: name.to_string(), store, path, len: size, tag, blocks: Mutex::default() })
+    }
+
+    /// Length \[bytes\].
+    pub(crate) fn len(&self) -> u64 {
+        self.len
+    }
+
+    /// What it is told apart by from a later one of its name.
+    pub(crate) fn tag(&self) -> &str {
+        match &self.tag {
+            Tag::Etag(tag) | Tag::Time(tag) => tag,
+        }
+    }
+
+    /// Some bytes, all of them.
+    fn fetch(&self, range: Range<u64>) -> std::io::Result<Vec<u8>> {
+        let wanted = range.end - range.start;
+        // A tag that begins with W/ holds for equal contents, not for equal bytes: servers compare only strong ones.
+        let if_match = match &self.tag {
+            Tag::Etag(tag) if !tag.starts_with("W/") => Some(tag.clone()),
+            _ => None,
+        };
+        let options = GetOptions { if_match, range: Some(range.clone().into()), ..GetOptions::default() };
+        let get = async {
+            let found = self.store.get_opts(&self.path, options).await?;
+            let is_same = found.meta.size == self.len && self.is_same(&found.meta);
+            let is_range = found.range == range;
+            Ok::<_, object_store::Error>((is_same, is_range, found.bytes().await?))
+        };
+        let failed =
+            |why: &str| IoError::other(format!("{}: bytes {} to {}: {why}", self.name, range.start, range.end));
+        let (is_same, is_range, bytes) = match runtime()?.block_on(get) {
+            Ok(found) => found,
+            Err(object_store::Error::Precondition { .. }) => {
+                self.forget();
+                return Err(failed("the file has changed since it was opened"));
+            }
+            Err(error) => return Err(failed(&in_words(&error).to_string())),
+        };
+        if !is_same {
+            self.forget();
+            return Err(failed("the file has changed since it was opened"));
+        }
+        if !is_range || bytes.len() as u64 != wanted {
+            return Err(failed("the server sent other bytes than it was asked for"));
+        }
+        Ok(bytes.to_vec())
+    }
+
+    fn is_same(&self, found: &ObjectMeta) -> bool {
+        match &self.tag {
+            Tag::Etag(tag) => found.e_tag.as_ref() == Some(tag),
+            Tag::Time(time) => found.last_modified.to_rfc3339() == *time,
+        }
+    }
+
+    /// Asks for it anew the next time that it is opened.
+    fn forget(&self) {
+        let mut files = files().lock().unwrap_or_else(PoisonError::into_inner);
+        files.retain(|_, file| !std::ptr::eq(file.as_ref(), self));
+    }
+
+    /// A block of bytes, kept for a while.
+    fn block(&self, number: u64) -> std::io::Result<Arc<[u8]>> {
+        let lock = || self.blocks.lock().unwrap_or_else(PoisonError::into_inner);
+        {
+            let mut blocks = lock();
+            blocks.clock += 1;
+            let now = blocks.clock;
+            if let Some((bytes, used)) = blocks.held.get_mut(&number) {
+                *used = now;
+                return Ok(Arc::clone(bytes));
+            }
+        }
+        let start = number * BLOCK;
+        let bytes: Arc<[u8]> = self.fetch(start..(start + BLOCK).min(self.len))?.into();
+        let mut blocks = lock();
+        if blocks.held.len() >= MOST_BLOCKS
+            && let Some(oldest) = blocks.held.iter().min_by_key(|(_, (_, used))| *used).map(|(number, _)| *number)
+        {
+            blocks.held.remove(&oldest);
+        }
+        let now = blocks.clock;
+        blocks.held.insert(number, (Arc::clone(&bytes), now));
+        Ok(bytes)
+    }
+}
+
+/// A failed request on one line, with what caused it.
+fn in_words(error: &object_store::Error) -> IoError {
+    let kind = match error {
+        object_store::Error::NotFound { .. } => ErrorKind::NotFound,
+        object_store::Error::PermissionDenied { .. } | object_store::Error::Unauthenticated { .. } => {
+            return IoError::new(ErrorKind::PermissionDenied, "the server refuses it: permission denied");
+        }
+        object_store::Error::NotSupported { .. } => {
+            return IoError::new(ErrorKind::Unsupported, "the server sends no parts of files (HTTP ranges)");
+        }
+        _ => ErrorKind::Other,
+    };
+    let mut cause: &dyn std::error::Error = error;
+    while let Some(deeper) = cause.source() {
+        cause = deeper;
+    }
+    let text = cause.to_string();
+    IoError::new(kind, text.lines().next().unwrap_or("the request failed").to_string())
+}
+
+/// A remote file that is read from a place on.
+#[derive(Debug)]
+pub(crate) struct RemoteReader {
+    file: Arc<RemoteFile>,
+    at: u64,
+}
+
+impl RemoteReader {
+    pub(crate) fn new(file: Arc<RemoteFile>) -> Self {
+        RemoteReader { file, at: 0 }
+    }
+}
+
+impl Read for RemoteReader {
+    fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
+        let left = self.file.len.saturating_sub(self.at);
+        let n = (out.len() as u64).min(left);
+        if n == 0 {
+            return Ok(0);
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "no more than the length of a slice")]
+        let n = if n >= BLOCK {
+            // What is large is read once.
+            let bytes = self.file.fetch(self.at..self.at + n)?;
+            out[..bytes.len()].copy_from_slice(&bytes);
+            bytes.len()
+        } else {
+            let block = self.file.block(self.at / BLOCK)?;
+            let from = &block[(self.at % BLOCK) as usize..];
+            let n = from.len().min(n as usize);
+            out[..n].copy_from_slice(&from[..n]);
+            n
+        };
+        self.at += n as u64;
+        Ok(n)
+    }
+}
+
+impl Seek for RemoteReader {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        let at = match to {
+            SeekFrom::Start(at) => Some(at),
+            SeekFrom::End(by) => self.file.len.checked_add_signed(by),
+            SeekFrom::Current(by) => self.at.checked_add_signed(by),
+        };
+        self.at = at.ok_or_else(|| IoError::new(ErrorKind::InvalidInput, "a place before the file"))?;
+        Ok(self.at)
+    }
+}

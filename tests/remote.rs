@@ -1,0 +1,284 @@
+//! Scenes on a server: the maps of files at hand, by ranges alone; and what is said when the server fails.
+
+#![expect(clippy::unwrap_used, reason = "a panic is a failed test")]
+
+use std::collections::HashMap;
+use std::io::{BufRead, BufReader, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use serde_json::Value;
+
+/// How a server answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Manner {
+    Well,
+    /// The first answers to ranges are errors.
+    ErrorsFirst(usize),
+    /// All answers to ranges are errors.
+    Errors,
+    /// The connection ends in the middle of a range.
+    Cuts,
+    /// Other bytes than those asked for.
+    OtherRange,
+    /// Whole files instead of ranges.
+    Whole,
+    /// Half a second for each answer.
+    Slow,
+    /// The file changes once it was asked for a few times.
+    Changes,
+    Forbidden,
+}
+
+#[derive(Debug)]
+struct Server {
+    address: String,
+    manner: Arc<Mutex<Manner>>,
+    /// Bytes that were sent, and ranges that were asked for.
+    sent: Arc<Mutex<(u64, usize)>>,
+}
+
+impl Server {
+    /// A server of files by their paths.
+    fn of(files: HashMap<String, Vec<u8>>) -> Server {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = format!("http://{}", listener.local_addr().unwrap());
+        let (manner, sent) = (Arc::new(Mutex::new(Manner::Well)), Arc::new(Mutex::new((0, 0))));
+        let (files, shared) = (Arc::new(files), (Arc::clone(&manner), Arc::clone(&sent)));
+        std::thread::spawn(move || {
+            for stream in listener.incoming().flatten() {
+                let (files, (manner, sent)) = (Arc::clone(&files), (Arc::clone(&shared.0), Arc::clone(&shared.1)));
+                std::thread::spawn(move || {
+                    let mut reader = BufReader::new(stream);
+                    while answer(&mut reader, &files, &manner, &sent).is_some() {}
+                });
+            }
+        });
+        Server { address, manner, sent }
+    }
+
+    fn answers(&self, manner: Manner) {
+        *self.manner.lock().unwrap() = manner;
+        *self.sent.lock().unwrap() = (0, 0);
+    }
+
+    fn sent(&self) -> (u64, usize) {
+        *self.sent.lock().unwrap()
+    }
+}
+
+/// Answers one request; `None` at the end of a connection.
+fn answer(
+    reader: &mut BufReader<TcpStream>,
+    files: &HashMap<String, Vec<u8>>,
+    manner: &Mutex<Manner>,
+    sent: &Mutex<(u64, usize)>,
+) -> Option<()> {
+    let mut line = String::new();
+    reader.read_line(&mut line).ok().filter(|n| *n > 0)?;
+    let mut words = line.split_whitespace();
+    let (method, path) = (words.next()?.to_string(), words.next()?.to_string());
+    let mut headers = HashMap::new();
+    loop {
+        let mut header = String::new();
+        reader.read_line(&mut header).ok()?;
+        let Some((name, value)) = header.trim_end().split_once(": ") else { break };
+        headers.insert(name.to_lowercase(), value.to_string());
+    }
+    let path = path.split('?').next()?.trim_end_matches('/').to_string();
+    let manner = *manner.lock().unwrap();
+    let mut count = sent.lock().unwrap();
+    if headers.contains_key("range") {
+        count.1 += 1;
+    }
+    let n_ranges = count.1;
+    drop(count);
+    if manner == Manner::Slow {
+        std::thread::sleep(Duration::from_millis(500));
+    }
+    let out = reader.get_mut();
+    let Some(file) = files.get(&path) else {
+        return out.write_all(b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n").ok();
+    };
+    if manner == Manner::Forbidden {
+        return out.write_all(b"HTTP/1.1 403 Forbidden\r\nContent-Length: 0\r\n\r\n").ok();
+    }
+    let tag = if manner == Manner::Changes && n_ranges > 3 { "\"second\"" } else { "\"first\"" };
+    let date = "Last-Modified: Tue, 24 Nov 2026 10:00:00 GMT";
+    let Some(range) = headers.get("range").filter(|_| method == "GET" && manner != Manner::Whole) else {
+        let head = format!("HTTP/1.1 200 OK\r\nETag: {tag}\r\n{date}\r\nContent-Length: {}\r\n\r\n", file.len());
+        out.write_all(head.as_bytes()).ok()?;
+        if method == "GET" {
+            sent.lock().unwrap().0 += file.len() as u64;
+            out.write_all(file).ok()?;
+        }
+        return Some(());
+    };
+    let fails = match manner {
+        Manner::ErrorsFirst(n) => n_ranges <= n,
+        Manner::Errors => true,
+        _ => false,
+    };
+    if fails {
+        return out.write_all(b"HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\n\r\n").ok();
+    }
+    if headers.get("if-match").is_some_and(|wanted| wanted != tag) {
+        return out.write_all(b"HTTP/1.1 412 Precondition Failed\r\nContent-Length: 0\r\n\r\n").ok();
+    }
+    let (from, to) = range.strip_prefix("bytes=")?.split_once('-')?;
+    let (mut from, mut to): (usize, usize) = (from.parse().ok()?, to.parse::<usize>().ok()?.min(file.len() - 1));
+    if manner == Manner::OtherRange && from > 100 {
+        (from, to) = (from - 1, to - 1);
+    }
+    let bytes = &file[from..=to];
+    let head = format!(
+        "HTTP/1.1 206 Partial Content\r\nETag: {tag}\r\n{date}\r\nContent-Range: bytes {from}-{to}/{}\r\nContent-Length: {}\r\n\r\n",
+        file.len(),
+        bytes.len()
+    );
+    out.write_all(head.as_bytes()).ok()?;
+    if manner == Manner::Cuts {
+        out.write_all(&bytes[..bytes.len() / 2]).ok()?;
+        return None;
+    }
+    sent.lock().unwrap().0 += bytes.len() as u64;
+    out.write_all(bytes).ok()
+}
+
+fn folder() -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("remote-{}", std::process::id()));
+    std::fs::create_dir_all(&path).unwrap();
+    path
+}
+
+fn skyshed(folder: &Path, line: &str) -> Output {
+    let program = Command::new(env!("CARGO_BIN_EXE_skyshed"))
+        .args(line.split_whitespace())
+        .current_dir(folder)
+        .env_remove("HTTP_PROXY")
+        .env_remove("http_proxy")
+        .env("NO_PROXY", "127.0.0.1")
+        .output();
+    program.unwrap()
+}
+
+fn done(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap_or(Value::Null)
+}
+
+/// The words of an error and its exit code.
+fn error(output: &Output) -> (String, Option<i32>) {
+    assert!(output.stdout.is_empty(), "an error says nothing on standard output");
+    (String::from_utf8_lossy(&output.stderr).into_owned(), output.status.code())
+}
+
+// One test: what it prepares takes longer than what it asks.
+#[test]
+fn scenes_on_a_server_are_read_by_ranges_and_its_faults_are_told() {
+    let folder = folder();
+    let run = |line: &str| skyshed(&folder, line);
+    // A raster of 4000² cells of which a map needs a part, and footprints with an index.
+    assert!(run("city itu:urban --size 4000 --seed 3 -o dsm.tif -q --overwrite").status.success());
+    assert!(run("city itu:urban --size 6000 --seed 4 -o city.geojson -q --overwrite").status.success());
+    let _ = std::fs::remove_file(folder.join("city.fgb"));
+    let ogr = Command::new("ogr2ogr")
+        .args(["-a_srs", "EPSG:25832", "city.fgb", "city.geojson"])
+        .current_dir(&folder)
+        .output();
+    let has_ogr = ogr.is_ok_and(|output| output.status.success());
+    if !has_ogr {
+        eprintln!("skipped: footprints on a server, as `ogr2ogr` is not at hand to index them");
+        std::fs::write(folder.join("city.fgb"), []).unwrap();
+    }
+    let read = |name: &str| std::fs::read(folder.join(name)).unwrap();
+    let (dsm, city) = (read("dsm.tif"), read("city.fgb"));
+    let files = [("/a/dsm.tif", dsm.clone()), ("/bucket/dsm.tif", dsm.clone()), ("/city.fgb", city.clone())];
+    let server = Server::of(files.into_iter().map(|(path, bytes)| (path.to_string(), bytes)).collect());
+    let at = &server.address;
+    let asked = "--ground 0 --uav 2000,2000,150 --radius 300 --json -q";
+
+    // The map of the file at hand, by a small part of it.
+    let here = done(&run(&format!("map dsm.tif {asked}")));
+    let there = done(&run(&format!("map {at}/a/dsm.tif {asked}")));
+    assert_eq!((&here["digest"], &here["union"]), (&there["digest"], &there["union"]));
+    assert_eq!(there["scene"]["sources"][0]["path"], format!("{at}/a/dsm.tif"));
+    let (n_bytes, _) = server.sent();
+    assert!(n_bytes < dsm.len() as u64 / 3, "{n_bytes} of {}", dsm.len());
+    // Footprints around an extent.
+    let part = "--extent 1000,1000,1300,1300 --uav 1150,1150,120 --radius 100 --json -q";
+    if has_ogr {
+        server.answers(Manner::Well);
+        let [here, there] = [String::new(), format!("{at}/")].map(|at| done(&run(&format!("map {at}city.fgb {part}"))));
+        assert_eq!(here["digest"], there["digest"]);
+        let (n_bytes, _) = server.sent();
+        assert!(n_bytes < city.len() as u64 / 2, "{n_bytes} of {}", city.len());
+    }
+    // A bucket.
+    let bucket = Command::new(env!("CARGO_BIN_EXE_skyshed"))
+        .args(format!("map s3://bucket/dsm.tif {asked}").split_whitespace())
+        .current_dir(&folder)
+        .envs([
+            ("AWS_ENDPOINT", at.as_str()),
+            ("AWS_SKIP_SIGNATURE", "true"),
+            ("AWS_REGION", "eu"),
+            ("NO_PROXY", "127.0.0.1"),
+        ])
+        .output()
+        .unwrap();
+    assert_eq!(done(&bucket)["digest"], done(&run(&format!("map dsm.tif {asked}")))["digest"]);
+
+    // A signature is used and told nobody.
+    let secret = at.replace("http://", "http://user:hidden@") + "/a/dsm.tif?signature=hidden";
+    let output = run(&format!("map {secret} {asked} -o secret.tif -o secret.csv --overwrite"));
+    assert!(done(&output).to_string().contains("/a/dsm.tif"));
+    for name in ["secret.tif", "secret.csv", "secret.csv.json"] {
+        assert!(!String::from_utf8_lossy(&read(name)).contains("hidden"), "{name}");
+    }
+    assert!(!String::from_utf8_lossy(&output.stdout).contains("hidden"));
+
+    // Tiles of it in units; again nothing is done, and the server is hardly asked.
+    std::fs::write(folder.join("sites.csv"), "id,x,y,h\na,2000,2000,150\nb,2300,1900,150\n").unwrap();
+    let tiles = "--ground 0 --uavs sites.csv --radius 300 --layers count --tile-size 512 --resume -q";
+    let _ = std::fs::remove_dir_all(folder.join("t"));
+    let line = format!("map {at}/a/dsm.tif {tiles} -o t/{{row}}/{{col}}.tif");
+    std::fs::create_dir(folder.join("t")).unwrap();
+    assert!(run(&line).status.success());
+    server.answers(Manner::Well);
+    assert!(run(&line).status.success());
+    assert!(server.sent().0 < 300_000, "{:?}", server.sent());
+
+    // A server that fails for a while, or is slow, loses nothing.
+    let digest = there_digest(&run, at, asked);
+    for manner in [Manner::ErrorsFirst(2), Manner::Slow] {
+        server.answers(manner);
+        assert_eq!(there_digest(&run, at, asked), digest, "{manner:?}");
+    }
+    // One that fails for good is told, and nothing is written.
+    for (manner, words) in [
+        (Manner::Errors, "503"),
+        (Manner::Cuts, "bytes"),
+        (Manner::OtherRange, "bytes"),
+        (Manner::Whole, "HTTP ranges"),
+        (Manner::Changes, "has changed since it was opened"),
+        (Manner::Forbidden, "permission denied"),
+    ] {
+        server.answers(manner);
+        let (text, code) = error(&run(&format!("map {at}/a/dsm.tif {asked} -o fault.tif")));
+        assert!(code == Some(3) && text.contains("/a/dsm.tif") && text.contains(words), "{manner:?}: {code:?} {text}");
+        assert!(!folder.join("fault.tif").exists(), "{manner:?}");
+    }
+    server.answers(Manner::Well);
+    let (text, code) = error(&run(&format!("map {at}/none.tif {asked}")));
+    assert!(code == Some(3) && text.starts_with("error[E301]") && text.contains("no such file"), "{text}");
+    let (text, code) = error(&run(&format!("map http://127.0.0.1:1/dsm.tif {asked}")));
+    assert!(code == Some(3) && text.starts_with("error[E301]"), "{text}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+fn there_digest(run: &dyn Fn(&str) -> Output, at: &str, asked: &str) -> Value {
+    done(&run(&format!("map {at}/a/dsm.tif {asked}")))["digest"].clone()
+}
