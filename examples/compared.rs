@@ -7,7 +7,7 @@
 use std::path::Path;
 
 use skyshed_core::city::Site;
-use skyshed_core::coverage::{CellGroups, Control, KeepMasks, MapOptions, Mapper, Uav, count_pairs};
+use skyshed_core::coverage::{CellGroups, Control, KeepMasks, MapOptions, Mapper, Together, Uav, count_pairs};
 use skyshed_core::height_field::HeightField;
 use skyshed_core::quantity::Height;
 use skyshed_core::raster::CellBlocks;
@@ -34,8 +34,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let uavs: Vec<Uav> = PLACEMENTS.into_iter().map(place).collect::<skyshed_core::Result<_>>()?;
     let options = MapOptions::default();
-    let maps =
-        Mapper::new(&field, &options)?.map_many(&uavs, KeepMasks::Always, &Control::default(), |_| {}, |_| {})?.sites;
+    let maps = Mapper::new(&field, &options)?
+        .map_many(&uavs, (KeepMasks::Always, &Together::default()), &Control::default(), |_| {}, |_| {})?
+        .sites;
 
     let details: Vec<String> =
         maps.iter().map(|map| format!("P_LoS = {:.4}", map.tally.p_los().unwrap_or(f64::NAN))).collect();

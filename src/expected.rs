@@ -46,7 +46,7 @@ impl Expected {
             Method::Step(length) => (150.0 / length.cells(), 0.0, 0.0),
             Method::Sweep | Method::ShadowSweep => (6.0, 50.0, 500.0),
             Method::Xdraw | Method::R2 => (10.0, 0.0, 0.0),
-            Method::Shadow => (2.0, 10.0, 60.0),
+            Method::Shadow => (5.0, 10.0, 60.0),
         };
         let of = |is_asked: bool, cost: f64| if is_asked { cost } else { 0.0 };
         let per_cell = map

@@ -42,6 +42,12 @@ pub(crate) fn limit(typed: Option<u64>, end: fn(&Error) -> !) -> Result<()> {
     Ok(())
 }
 
+/// Sets the limit of this process, which nobody watches.
+pub(crate) fn refuse_above(bytes: u64) {
+    LIMIT.store(bytes, Ordering::Release);
+    TYPED.store(bytes, Ordering::Release);
+}
+
 /// Ends the program when it takes more than the limit.
 fn watch(end: fn(&Error) -> !) {
     /// Faster than memory is filled \[bytes/s\].

@@ -11,7 +11,7 @@ use crate::live::LiveDocument;
 use crate::repairs::{RepairRow, RepairsDocument};
 use crate::track::{PointRow, TrackDocument};
 use crate::zone_files::ZonesDocument;
-use crate::{chart, comparison, map, placements, plos, sample, stress, survey};
+use crate::{chart, comparison, jobs, map, placements, plos, sample, stress, survey};
 
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -29,6 +29,9 @@ pub fn documents() -> Vec<(&'static str, Value)> {
     vec![
         document::<map::AnyMapDocument>("map"),
         document::<map::HeightCurveDocument>("height-curve"),
+        document::<jobs::PlannedUnit>("jobs-plan"),
+        document::<jobs::StatusDocument>("jobs-status"),
+        document::<jobs::MergeDocument>("jobs-merge"),
         document::<LinkDocument<'_>>("link"),
         document::<TrackDocument>("track"),
         document::<plos::PlosDocument<'_>>("plos"),
@@ -53,6 +56,7 @@ pub fn tables() -> Vec<(&'static str, Vec<Column>)> {
     vec![
         ("map", columns::<map::MapRow>()),
         ("height-curve", columns::<map::CurveRow>()),
+        ("jobs-merge", columns::<jobs::MergedRow>()),
         ("track", columns::<PointRow>()),
         ("plos", columns::<plos::PlosTableRow>()),
         ("place", columns::<placements::PlaceRow>()),

@@ -212,6 +212,7 @@ impl Sight {
                 _ => coverage::Receivers::Ground,
             },
             within: self.receivers.zone().and_then(|zone| zones.map(|zones| zones.cells(zone))),
+            window: None,
             radius: self.radius_on(grid),
             meters_per_unit: grid.meters_per_unit(),
             layers: HeightLayers::default(),

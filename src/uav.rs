@@ -110,10 +110,15 @@ pub(crate) struct Shard {
 }
 
 impl Shard {
-    fn part<T>(self, mut all: Vec<T>) -> Vec<T> {
-        let until = |k: usize| k * all.len() / self.of;
-        let (first, end) = (until(self.k - 1), until(self.k));
-        all.drain(first..end).collect()
+    pub(crate) fn part<T>(self, mut all: Vec<T>) -> Vec<T> {
+        let range = self.range(all.len());
+        all.drain(range).collect()
+    }
+
+    /// The places of the part in a list of so many.
+    pub(crate) fn range(self, n: usize) -> std::ops::Range<usize> {
+        let until = |k: usize| k * n / self.of;
+        until(self.k - 1)..until(self.k)
     }
 }
 

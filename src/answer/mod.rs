@@ -18,7 +18,7 @@ pub(crate) use document::{
 };
 pub(crate) use features::{closed_rings, feature, feature_collection};
 pub(crate) use position::{Position, PositionFields};
-pub(crate) use table::{Rows, encoded, rows};
+pub(crate) use table::{Rows, columns_of, encoded, rows};
 
 use crate::error::{Result, Warning};
 use crate::export::{Batch, Format, with_suffix};

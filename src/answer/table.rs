@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::error::Result;
-use crate::export::{as_text, encode_table};
+use crate::export::{Column, as_text, encode_table};
 
 /// Cells of a table, row by row, the names of the columns first.
 pub(crate) type Rows = Vec<Vec<String>>;
@@ -20,6 +20,28 @@ pub(crate) fn rows<R: Serialize + JsonSchema>(rows: impl IntoIterator<Item = R>)
     let header: Vec<String> = fields.into_iter().flat_map(Map::keys).filter(is_there).cloned().collect();
     let cells = objects.iter().map(|row| header.iter().map(|name| row.get(name).map_or(String::new(), cell)).collect());
     std::iter::once(header.clone()).chain(cells).collect()
+}
+
+/// The table of some rows by columns, of the types of their fields.
+pub(crate) fn columns_of<R: Serialize + JsonSchema>(of: impl IntoIterator<Item = R>) -> Vec<(String, Column)> {
+    let objects: Vec<Map<String, Value>> = of.into_iter().filter_map(|row| object(&row)).collect();
+    let schema = schema_for!(R);
+    let fields = schema.get("properties").and_then(Value::as_object);
+    let is_there = |name: &&String| objects.is_empty() || objects.iter().any(|row| row.contains_key(*name));
+    let holds = |field: &Value, kind: &str| match field.get("type") {
+        Some(Value::Array(kinds)) => kinds.iter().any(|k| k == kind),
+        kind_of_all => kind_of_all.is_some_and(|k| k == kind),
+    };
+    let column = |name: &String, field: &Value| {
+        let values = objects.iter().map(|row| row.get(name).unwrap_or(&Value::Null));
+        match field {
+            field if holds(field, "integer") => Column::Whole(values.map(Value::as_i64).collect()),
+            field if holds(field, "number") => Column::Number(values.map(Value::as_f64).collect()),
+            _ => Column::Text(values.map(|value| value.as_str().map(str::to_string)).collect()),
+        }
+    };
+    let fields = fields.into_iter().flatten().filter(|(name, _)| is_there(name));
+    fields.map(|(name, field)| (name.clone(), column(name, field))).collect()
 }
 
 fn object(row: &impl Serialize) -> Option<Map<String, Value>> {

@@ -1,8 +1,8 @@
 //! Lets another program ask what the command line asks, over a scene that it holds. Options are words of the command line: so
 //! they mean the same, have the same defaults, and are refused for the same reasons.
 
-use std::ffi::OsString;
-use std::path::PathBuf;
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
@@ -19,9 +19,12 @@ use super::typed::Typed;
 use super::{hints, refusal};
 use crate::answer::{Answer, Rows, Spent};
 use crate::error::{Error, ErrorClass, Warning};
-use crate::map::{Coverages, Held, MapPlan, Prepared, SaveOptions};
+use crate::map::{Coverages, Held, MapPlan, PartOf, Prepared, SaveOptions};
+use crate::memory;
 use crate::progress::Progress;
-use crate::scene::{Scene, SceneOptions};
+use crate::raster::GeoRef;
+use crate::read::surface_grid;
+use crate::scene::{Scene, SceneOptions, is_raster_scene};
 use crate::uav::{Uav, UavsFound};
 
 /// Why a question has no answer.
@@ -115,6 +118,23 @@ pub fn scene_options(words: &[OsString]) -> std::result::Result<SceneOptions, Re
     Ok(parsed(read)?.options()?)
 }
 
+/// The grid of a scene of which a run reads no more than it needs: of a raster in its own system. `None` of any other.
+///
+/// # Errors
+/// As [`scene_options`]; those of the file.
+pub fn raster_grid(word: &OsStr, words: &[OsString]) -> std::result::Result<Option<GeoRef>, Refusal> {
+    let (options, word) = (scene_options(words)?, &*skyshed_io::told(word));
+    if !is_raster_scene(word) || options.project.is_some() {
+        return Ok(None);
+    }
+    Ok(Some(surface_grid(Path::new(word), &options.of_raster()?)?))
+}
+
+/// Refuses work of this process that would take it above so many bytes, before it begins; what takes more in the end is not ended.
+pub fn limit_memory(bytes: u64) {
+    memory::refuse_above(bytes);
+}
+
 /// In which form a map is written, from words such as `--bare`; `files` are those that will be written.
 ///
 /// # Errors
@@ -191,7 +211,7 @@ fn prepared(scene: Scene, uavs: &[Uav], words: &[OsString]) -> Result<Prepared> 
         }
     };
     drop(last);
-    Ok(plan.prepare(scene, &UavsFound::of(uavs)?, None)?)
+    Ok(plan.prepare(scene, &UavsFound::of(uavs)?, PartOf::default())?)
 }
 
 /// What was parsed; help and versions are for people, and refused.
@@ -213,7 +233,7 @@ pub fn ask(
 ) -> std::result::Result<Found, Refusal> {
     let words: Vec<OsString> = std::iter::once("skyshed".into()).chain(words).collect();
     let (cli, typed) = parsed(Cli::from_words(&words))?;
-    let command = words.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    let command = words.iter().skip(1).map(|word| skyshed_io::told(word).to_string_lossy().into_owned()).collect();
     let run = Run { given: scene, ..Run::asked(command, typed, Instant::now(), progress) };
     if let Some((scenes, _, out)) = cli.shared() {
         check_use(&scenes, out, cli.draws() || run.given.is_some(), &run.typed)?;

@@ -26,7 +26,10 @@ use std::time::Instant;
 use crate::cli::failure::Result;
 use crate::memory;
 use crate::threads::in_pool;
-pub use ask::{Found, Refusal, ask, counts, coverages, height_curves, hint_of, save_options, scene_options};
+pub use ask::{
+    Found, Refusal, ask, counts, coverages, height_curves, hint_of, limit_memory, raster_grid, save_options,
+    scene_options,
+};
 use program::Cli;
 use run::{RepairsFile, Run, check_scenes, check_text, check_use};
 use typed::Typed;
@@ -42,7 +45,7 @@ pub fn exit_code(words: impl IntoIterator<Item = OsString>) -> u8 {
     let done = match Cli::from_words(&words) {
         Ok((cli, typed)) => {
             interrupt::listen();
-            let command = words.iter().skip(1).map(|w| w.to_string_lossy().into_owned()).collect();
+            let command = words.iter().skip(1).map(|w| skyshed_io::told(w).to_string_lossy().into_owned()).collect();
             execute(&cli, typed, command)
         }
         Err(refusal) => refusal::answer(&refusal),
@@ -59,7 +62,7 @@ pub fn exit_code(words: impl IntoIterator<Item = OsString>) -> u8 {
 
 fn execute(cli: &Cli, typed: Typed, command: Vec<String>) -> Result<()> {
     let shared = cli.shared();
-    let is_quiet = shared.as_ref().is_some_and(|(.., out)| out.quiet);
+    let is_quiet = cli.is_quiet();
     let progress = Arc::new(interrupt::progress(is_quiet));
     let run = Run { is_quiet, keeps: false, ..Run::asked(command, typed, Instant::now(), &progress) };
     let Some((scenes, reading, out)) = shared else { return cli.run(&run) };

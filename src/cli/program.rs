@@ -9,8 +9,8 @@ use super::args::output::OutputArgs;
 use super::args::scene::ReadingArgs;
 use super::args::words::is_standard_input;
 use super::commands::{
-    ChartArgs, CityArgs, CompareArgs, CompletionsArgs, InfoArgs, LimitsArgs, LinkArgs, LiveArgs, MapArgs, PlaceArgs,
-    PlosArgs, SampleArgs, StressArgs, TrackArgs, ZonesArgs,
+    ChartArgs, CityArgs, CompareArgs, CompletionsArgs, InfoArgs, JobsArgs, LimitsArgs, LinkArgs, LiveArgs, MapArgs,
+    PlaceArgs, PlosArgs, SampleArgs, StressArgs, TrackArgs, ZonesArgs,
 };
 use super::run::Run;
 use super::typed::Typed;
@@ -68,6 +68,8 @@ enum Command {
     Chart(Box<ChartArgs>),
     /// Where methods fail, on small scenes full of ties; what in a scene hangs by a step
     Stress(Box<StressArgs>),
+    /// A map in units of work for schedulers: which there are, which are done, what all come to
+    Jobs(Box<JobsArgs>),
     /// Words for a shell that completes what is typed, or a man page
     Completions(CompletionsArgs),
 }
@@ -84,6 +86,8 @@ fn standard_inputs(matches: &ArgMatches) -> usize {
 impl Cli {
     /// Parses the words of a command line, the program's name first.
     pub(super) fn from_words(words: &[OsString]) -> std::result::Result<(Cli, Typed), clap::Error> {
+        // An address may hold what nobody else must read.
+        let words = words.iter().map(|word| skyshed_io::told(word));
         let mut command = Cli::command();
         let matches = command.try_get_matches_from_mut(words)?;
         let typed = matches.subcommand().map_or_else(Typed::default, |(_, matches)| Typed::of(matches));
@@ -92,6 +96,11 @@ impl Cli {
             return Err(command.error(clap::error::ErrorKind::ArgumentConflict, text));
         }
         Ok((Cli::from_arg_matches(&matches).map_err(|e| e.format(&mut command))?, typed))
+    }
+
+    /// What is asked of a map, if a map is asked for.
+    pub(super) fn map(&self) -> Option<&MapArgs> {
+        if let Command::Map(args) = &self.command { Some(args) } else { None }
     }
 
     /// The scenes, how they are read, and where results go; nothing of a command that has none.
@@ -111,8 +120,15 @@ impl Cli {
             Command::Live(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
             Command::Chart(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
             Command::Stress(a) => (a.scene.iter().collect(), &a.reading, &a.out),
-            Command::Completions(_) => return None,
+            // What is read and asked is told by the words of the map.
+            Command::Jobs(_) | Command::Completions(_) => return None,
         })
+    }
+
+    /// Whether nothing is said but errors.
+    pub(super) fn is_quiet(&self) -> bool {
+        let jobs = matches!(&self.command, Command::Jobs(args) if args.out.quiet);
+        jobs || self.shared().is_some_and(|(.., out)| out.quiet)
     }
 
     /// Whether something other than a city is drawn at random: links, blocks, scenes.
@@ -140,6 +156,7 @@ impl Cli {
             Command::Live(args) => args.run(run),
             Command::Chart(args) => args.run(run),
             Command::Stress(args) => args.run(run),
+            Command::Jobs(args) => args.run(run),
             Command::Completions(args) => args.run(Cli::command()),
         }
     }

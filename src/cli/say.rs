@@ -81,23 +81,23 @@ impl WarningsOfRuns {
         }
     }
 
-    /// Each warning as it was given first, and the words that name the UAVs that it concerns.
-    fn told(&self) -> impl Iterator<Item = (&Warning, String)> {
+    /// Each warning as it was given first, and the words that name the UAVs or tiles that it concerns.
+    fn told(&self, many: &'static str) -> impl Iterator<Item = (&Warning, String)> {
         /// UAVs that are named.
         const MOST_NAMED: usize = 5;
-        self.groups.iter().map(|(warning, uavs)| {
+        self.groups.iter().map(move |(warning, uavs)| {
             if uavs.len() == 1 {
                 return (warning, String::new());
             }
             let more = if uavs.len() > MOST_NAMED { " …" } else { "" };
             let named = uavs.iter().take(MOST_NAMED).cloned().collect::<Vec<_>>().join(", ");
-            (warning, format!(" (for {} UAVs: {named}{more})", uavs.len()))
+            (warning, format!(" (for {} {many}: {named}{more})", uavs.len()))
         })
     }
 
     /// Prints them.
-    pub(super) fn say(&self) {
-        self.told().for_each(|(warning, uavs)| say_warning(warning, &uavs));
+    pub(super) fn say(&self, many: &'static str) {
+        self.told(many).for_each(|(warning, uavs)| say_warning(warning, &uavs));
     }
 }
 
@@ -248,7 +248,7 @@ mod tests {
             batch.add(&k.to_string(), &[flat(10_000 + k), results(2019), results(2020)]);
         }
         batch.add("8", &[OddRun::NoReceivers.into()]);
-        let told: Vec<String> = batch.told().map(|(warning, uavs)| format!("{warning}{uavs}")).collect();
+        let told: Vec<String> = batch.told("UAVs").map(|(warning, uavs)| format!("{warning}{uavs}")).collect();
         let of_all = " (for 7 UAVs: 1, 2, 3, 4, 5 …)";
         let wanted = [("at 10001 m", of_all), ("2019.tif", of_all), ("2020.tif", of_all), ("no UAV", "undefined")];
         assert_eq!(told.len(), wanted.len(), "{told:?}");

@@ -23,7 +23,9 @@ use report::CompareReport;
 use tables::{Tables, margin_facts, pairs_of, tables};
 
 use crate::answer::{Answer, Rows, RunFacts, Spent};
-use crate::coverage::{CellGroups, KeepMasks, Mapper, MarginSample, Overlay, SiteCoverage, Tally, count_sets};
+use crate::coverage::{
+    CellGroups, KeepMasks, Mapper, MarginSample, Overlay, SiteCoverage, Tally, Together, count_sets,
+};
 use crate::error::{Error, LimitError, OddRun, PlacesError, RequestError, Result, Warning};
 use crate::export::{self, Batch, Format, add_comparison};
 use crate::los::Method;
@@ -200,7 +202,7 @@ impl ComparisonPlan {
         let mut mapper = Mapper::new(&scene.field, &options)?;
         mapper.drop_idle(uavs);
         progress.begin(scene.grid().n_cells() as u64 * uavs.len() as u64);
-        let maps = mapper.map_many(uavs, KeepMasks::Always, progress.control(), |_| {}, |_| {});
+        let maps = mapper.map_many(uavs, (KeepMasks::Always, &Together::default()), progress.control(), |_| {}, |_| {});
         progress.end();
         let placed = |(site, given): (SiteCoverage, &crate::city::GivenSite)| Placed {
             id: site.uav.id.clone(),

@@ -1,11 +1,13 @@
 //! The error and the warning of the program and of its library: those of the crates below, and its own by what they are about.
 
+mod check;
 mod input;
 mod limit;
 mod places;
 mod request;
 mod warning;
 
+pub use check::CheckError;
 pub use input::InputError;
 pub use limit::{FitsPage, LimitError};
 pub use places::PlacesError;
@@ -43,6 +45,9 @@ pub enum Error {
     /// A request that is too large.
     #[error("{}", one_line(&.0.to_string()))]
     Limit(#[from] LimitError),
+    /// A check that does not hold.
+    #[error("{}", one_line(&.0.to_string()))]
+    Check(#[from] CheckError),
     /// E403: a picture could not be drawn; a fault of the program.
     #[error("{}", one_line(&format!("cannot draw the picture: {_0}")))]
     Drawing(String),
@@ -81,6 +86,7 @@ impl Error {
             Error::Places(_) => ErrorClass::Site,
             Error::Input(_) => ErrorClass::File,
             Error::Limit(_) => ErrorClass::Limit,
+            Error::Check(_) => ErrorClass::Check,
             Error::Drawing(_) | Error::Fault(_) => ErrorClass::Internal,
         }
     }
@@ -95,6 +101,7 @@ impl Error {
             Error::Places(error) => error.code(),
             Error::Input(error) => error.code(),
             Error::Limit(error) => error.code(),
+            Error::Check(error) => error.code(),
             Error::Drawing(_) => 403,
             Error::Fault(_) => 902,
         };

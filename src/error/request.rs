@@ -23,6 +23,9 @@ pub enum RequestError {
     /// E105: an output that is not named after each UAV, beside others that are.
     #[error("cannot write {0}: other files of this run are named after each UAV")]
     NotNamedAfterUavs(String),
+    /// E105: an output that is not named after each tile, beside others that are.
+    #[error("cannot write {0}: it is not named after the row and the column of a tile, and nothing else")]
+    NotNamedAfterTiles(String),
     /// E105: no folder for a copy of the raster.
     #[error("cannot use {0} for a copy of the raster: it is no folder")]
     Scratch(String),
@@ -32,6 +35,9 @@ pub enum RequestError {
     /// E107: GDAL's values are those of one UAV's line of sight; which layers of how many UAVs were asked for.
     #[error("`gdal_values` writes line of sight of one UAV, found the layers `{layers}` of {uavs}")]
     GdalValues { layers: String, uavs: String },
+    /// E107: a layer of one UAV in a tile; the file, the layer.
+    #[error("cannot write {path}: a tile holds all UAVs together, found the layer `{layer}`")]
+    LayerOfTile { path: String, layer: &'static str },
     /// E108: a goal without what it is about, an option.
     #[error("the goal `{goal}` needs `{option}`")]
     GoalNeeds { goal: String, option: &'static str },
@@ -47,6 +53,9 @@ pub enum RequestError {
     /// E109: places without a grid.
     #[error("only candidates on a grid make a picture or a raster")]
     NoGrid,
+    /// E109: a mosaic without tiles that are rasters.
+    #[error("cannot write {0}: it joins tiles that are GeoTIFF files, and there are none")]
+    NoTilesToJoin(String),
     /// E109: an overlay of a scene that is nowhere on the globe.
     #[error(
         "cannot write {0}: the scene has no coordinate reference system, wanted one that leads to longitude and latitude"
@@ -76,6 +85,12 @@ pub enum RequestError {
     /// E116: `resume` without files.
     #[error("`resume` has no meaning without files to leave alone")]
     NothingToResume,
+    /// E116: jobs of a run without units.
+    #[error("jobs have no meaning for a run without units of work: no file is named after each UAV or tile")]
+    NoUnits,
+    /// E116: what some units come to.
+    #[error("only all units of a run are merged, found a part of them")]
+    PartOfUnits,
     /// E116: a file of polygons, and no polygons.
     #[error("cannot write {0}: it holds polygons")]
     NoPolygons(String),
@@ -139,11 +154,11 @@ impl RequestError {
         use RequestError as R;
         match self {
             R::Goal { .. } => 101,
-            R::NotNamedAfterUavs(_) | R::Scratch(_) => 105,
+            R::NotNamedAfterUavs(_) | R::NotNamedAfterTiles(_) | R::Scratch(_) => 105,
             R::OfAnotherRun(_) => 106,
-            R::GdalValues { .. } => 107,
+            R::GdalValues { .. } | R::LayerOfTile { .. } => 107,
             R::GoalNeeds { .. } | R::TooFewToCompare(_) => 108,
-            R::NoFootprints(_) | R::VerticalLink | R::NoGrid | R::NoCrs(_) => 109,
+            R::NoFootprints(_) | R::VerticalLink | R::NoGrid | R::NoTilesToJoin(_) | R::NoCrs(_) => 109,
             R::Number { .. }
             | R::Tolerance(_)
             | R::Heights { .. }
@@ -157,6 +172,8 @@ impl RequestError {
             | R::RealCity { .. }
             | R::CoarseZones(_)
             | R::ToleranceOfApproximate
+            | R::NoUnits
+            | R::PartOfUnits
             | R::ToleranceWithoutBound => 116,
             R::NoZones | R::NoTiles | R::NoReceivers { .. } => 117,
             R::Engine { .. } => 118,

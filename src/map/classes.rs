@@ -61,6 +61,13 @@ pub(super) fn who_sees(sites: &[(&str, &[u8])], count: &[u32], union: &[u8]) -> 
     ClassMap::new(index, union, classes)
 }
 
+/// The nearest of a few UAVs that sees a cell, by its number from 1, or none.
+pub(super) fn nearest(ids: &[&str], number: &[u32], union: &[u8]) -> ClassMap {
+    let index = number.iter().map(|number| u8::try_from(*number).unwrap_or(u8::MAX)).collect();
+    let names = std::iter::once("Seen by none".to_string()).chain(ids.iter().map(|id| format!("UAV {id}")));
+    ClassMap::new(index, union, names.zip(ONLY_COLORS).collect())
+}
+
 /// Who sees a cell, to one UAV of many: none, only others, this and others, only this one.
 pub(super) fn seen_alone(mask: &[u8], count: &[u32], union: &[u8]) -> ClassMap {
     let index = |cell: usize| match (mask[cell] == class::LOS, count[cell]) {

@@ -15,7 +15,7 @@ use crate::scene::Scene;
 pub struct Coverages {
     pub(crate) scene: Scene,
     pub(crate) sites: Vec<SiteCoverage>,
-    /// All masks together, for more than one UAV.
+    /// All masks together: for more than one UAV and for none, and where a layer tells of that.
     pub(crate) overlay: Option<Overlay>,
     /// The layers that were asked for; pictures show the first.
     pub(crate) layers: Vec<Layer>,
@@ -67,6 +67,11 @@ impl Coverages {
         }
     }
 
+    /// How many UAVs there are in the list of all, of which these are some.
+    pub(crate) fn n_uavs(&self) -> usize {
+        self.overlay.as_ref().map_or(self.sites.len(), |overlay| overlay.n_uavs().max(self.sites.len()))
+    }
+
     /// What at least one UAV sees: classes of [`crate::class`], shape as [`Coverages::count`]; `None` without a UAV.
     pub fn union_mask(&self) -> Option<&[u8]> {
         self.overlay.as_ref().map(Overlay::union).or_else(|| self.mask(0))
@@ -102,9 +107,11 @@ impl Coverages {
     }
 
     /// Whether a file of a format tells of each UAV cell by cell.
-    pub(crate) fn needs_masks(format: Format, options: &SaveOptions) -> bool {
+    pub(crate) fn needs_masks(format: Format, layers: &[Layer], options: &SaveOptions) -> bool {
         match format {
-            Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Bil | Format::Npz => true,
+            Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Bil | Format::Npz => {
+                layers.iter().any(|layer| !layer.is_of_all())
+            }
             Format::Kmz | Format::FlatGeobuf => true,
             Format::GeoJson => options.polygons.is_some(),
             _ => false,

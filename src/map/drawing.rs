@@ -1,6 +1,6 @@
 //! The picture of a map: layer, marks, title, caption.
 
-use super::classes::{ClassMap, MOST_COLORS, least_heights, seen_alone, who_sees};
+use super::classes::{ClassMap, MOST_COLORS, least_heights, nearest, seen_alone, who_sees};
 use super::coverages::Coverages;
 use super::report::SiteFacts;
 use super::tolerance::in_words as tolerance_in_words;
@@ -32,6 +32,10 @@ enum Subject {
     Count,
     /// Which of a few UAVs see a cell.
     Who,
+    /// Whether any UAV sees a cell.
+    Any,
+    /// The nearest of a few UAVs that see a cell.
+    Best,
     /// A layer of each UAV, side by side.
     Each,
 }
@@ -61,7 +65,7 @@ impl Shown<'_> {
 
 /// Whether the picture of several UAVs shows each of them, so that their masks are kept.
 pub(crate) fn draws_each(layers: &[Layer]) -> bool {
-    !matches!(layers.first(), None | Some(Layer::Los | Layer::Count))
+    !matches!(layers.first(), None | Some(Layer::Los | Layer::Count | Layer::Union | Layer::BestServer))
 }
 
 impl MapDrawing<'_> {
@@ -73,14 +77,16 @@ impl MapDrawing<'_> {
         let n_cols = grid.n_cols();
         let union = self.classes(self.of.overlay.as_ref().map_or(&[], Overlay::union), window);
         let count = crop(self.of.overlay.as_ref().map_or(&[], Overlay::count), n_cols, window);
+        let best = self.of.overlay.as_ref().and_then(Overlay::best_server).unwrap_or_default();
+        let best = if best.is_empty() { Vec::new() } else { crop(best, n_cols, window) };
         let subject = self.subject();
         let n_drawn = match subject {
-            Subject::Count => 0,
+            Subject::Count | Subject::Any | Subject::Best => 0,
             Subject::Who => self.of.sites.len(),
             Subject::One | Subject::Each => self.of.sites.len().min(MOST_MAP_PANELS),
         };
         let sites: Vec<SiteCoverage> = self.of.sites[..n_drawn].iter().map(|s| self.cropped(s, window)).collect();
-        let shown = self.shown(subject, &sites, &count, &union);
+        let shown = self.shown(subject, &sites, (&count, &best), &union);
         let palettes: Vec<Vec<MapClass<'_>>> = shown.iter().map(Shown::palette).collect();
         let layers: Vec<render::Layer<'_>> = shown.iter().zip(&palettes).map(|(map, p)| map.layer(p)).collect();
 
@@ -145,13 +151,18 @@ impl MapDrawing<'_> {
         &self,
         subject: Subject,
         sites: &'b [SiteCoverage],
-        count: &'b [u32],
+        (count, best): (&'b [u32], &[u32]),
         union: &'b [u8],
     ) -> Vec<Shown<'b>> {
         match subject {
             Subject::Count => {
                 let n_sites = u32::try_from(self.of.sites.len()).unwrap_or(u32::MAX);
                 vec![Shown::Layer(render::Layer::Count { count, mask: union, n_sites })]
+            }
+            Subject::Any => vec![Shown::Layer(render::Layer::Los(union))],
+            Subject::Best => {
+                let names: Vec<&str> = self.of.report.sites.iter().map(|site| site.id.as_str()).collect();
+                vec![Shown::Classes(nearest(&names, best, union), union)]
             }
             Subject::Who => {
                 let named: Vec<(&str, &[u8])> = sites.iter().map(|s| (s.uav.id.as_str(), s.mask.as_slice())).collect();
@@ -175,7 +186,10 @@ impl MapDrawing<'_> {
 
     fn subject(&self) -> Subject {
         match (self.drawn_layer(), self.of.sites.len()) {
-            (_, 1) if self.of.overlay.is_none() => Subject::One,
+            (_, 1) if self.of.report.tile.is_none() => Subject::One,
+            (Layer::Union, _) => Subject::Any,
+            (Layer::BestServer, n) if n <= MOST_COLORS => Subject::Best,
+            (Layer::BestServer, _) => Subject::Count,
             (Layer::Los | Layer::Count, _) => Subject::Count,
             (Layer::Which, n) if n <= MOST_COLORS => Subject::Who,
             _ => Subject::Each,
@@ -190,6 +204,8 @@ impl MapDrawing<'_> {
             (Layer::Stability, _) => "Stability of line of sight in",
             (_, Subject::One) => "What a UAV sees of",
             (Layer::Which, _) => "Which UAV sees what of",
+            (_, Subject::Any) => "What at least one UAV sees of",
+            (_, Subject::Best) => "The nearest UAV that sees each place of",
             _ => "What the UAVs see of",
         }
     }
@@ -239,7 +255,7 @@ impl MapDrawing<'_> {
         };
         let wanted = match self.drawn_layer() {
             Layer::Which if !union.is_empty() => Some(Shown::Classes(seen_alone(mask, count, union), union)),
-            Layer::Los | Layer::Count | Layer::Which => None,
+            Layer::Los | Layer::Count | Layer::Which | Layer::Union | Layer::BestServer => None,
             Layer::Margin => field(&site.margin, "Margin: receiver height less least visible height"),
             Layer::LeastReceiverHeight => field(&site.least_receiver_height, "Least receiver height, above the datum"),
             Layer::LeastHeight => site.least_height.as_deref().map(|least| {
@@ -279,6 +295,11 @@ impl MapDrawing<'_> {
                 _ => "Heights are above ground: less the ground below each UAV; in files".to_string(),
             };
             lines.push(format!("{less} above the datum"));
+        }
+        if self.drawn_layer() == Layer::BestServer && subject == Subject::Count {
+            lines.push(format!(
+                "Of {n} UAVs the nearest is not drawn, but how many see a place; a .tif file holds both"
+            ));
         }
         if subject == Subject::Each && n > MOST_MAP_PANELS {
             let rest = if self.drawn_layer() == Layer::Which { "; the rest are among the others" } else { "" };

@@ -50,6 +50,8 @@ impl Answer for Writer<'_> {
                 let result = MapResult {
                     georef: self.of.scene.field.grid(),
                     sites: &self.of.sites,
+                    n_uavs: self.of.n_uavs(),
+                    overlay: self.of.overlay.as_ref(),
                     layers: &self.of.layers,
                     provenance: &provenance,
                     tif_layout: self.options.tif_layout.unwrap_or_default(),
@@ -102,7 +104,7 @@ impl Writer<'_> {
         let all = document(&self.of.report);
         let provenance = [software(), ("skyshed".to_string(), all.clone())];
         let mut files = Vec::new();
-        let (None, [only]) = (&self.of.overlay, &self.of.sites[..]) else {
+        let [only] = &self.of.sites[..] else {
             let n_sites = u32::try_from(self.of.sites.len()).unwrap_or(u32::MAX);
             let (count, union) = self.of.overlay.as_ref().map_or((&[][..], &[][..]), |o| (o.count(), o.union()));
             let png = render::draw_bare_count(grid.n_cols(), grid.n_rows(), count, union, n_sites, &provenance);
@@ -142,9 +144,8 @@ impl Writer<'_> {
     fn kmz(&self, path: &Path) -> Result<Vec<u8>> {
         let Some(degrees) = LonLatGrid::over(self.of.scene.field.grid())? else { return Err(no_crs(path)) };
         let mut shown: Vec<(String, &[u8], Tally)> = Vec::new();
-        shown.extend(
-            self.of.overlay.as_ref().map(|o| ("Seen by at least one UAV".to_string(), o.union(), self.of.report.union)),
-        );
+        let overlay = self.of.overlay.as_ref().filter(|_| self.of.sites.len() > 1);
+        shown.extend(overlay.map(|o| ("Seen by at least one UAV".to_string(), o.union(), self.of.report.union)));
         let sites = self.of.sites.iter().zip(&self.of.report.sites);
         shown.extend(sites.map(|(site, facts)| (format!("Seen by UAV {}", site.uav.id), &*site.mask, facts.tally)));
         let provenance = self.provenance_words();

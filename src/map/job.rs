@@ -7,6 +7,7 @@ use super::curve::{CurvePlan, Curves};
 use super::plan::MapPlan;
 use super::report::MapReport;
 use super::save_options::SaveOptions;
+use super::tiles::{Tile, TilesAsked};
 use super::tolerance::in_words as tolerance_in_words;
 use crate::answer::{Answer, Output, Rows, Spent, Timing};
 use crate::city::{GivenSite, Site};
@@ -40,6 +41,8 @@ pub(crate) struct MapJob {
     pub(crate) scratch: Option<PathBuf>,
     /// Whether what is there, made by an equal run, is left alone.
     pub(crate) resume: bool,
+    /// Which tiles of the ground are units of work, where the names of files say that they are.
+    pub(crate) tiles: TilesAsked,
     /// The words of the command line, for documents.
     pub(crate) command: Vec<String>,
     /// The words that ask this of one UAV, which is still to be added. Documents of a unit of work hold them, so that they name
@@ -55,6 +58,8 @@ pub(crate) struct Given<'a> {
     pub(crate) scene: GivenScene<'a>,
     /// The grid of which the scene may be a part.
     pub(crate) grid: Option<&'a GeoRef>,
+    /// The tile that is mapped, of a list of so many UAVs.
+    pub(crate) tile: Option<(&'a Tile, usize)>,
     /// What the run is one of.
     pub(crate) unit: Option<String>,
 }
@@ -163,6 +168,14 @@ impl MapJob {
         SceneOptions { reach_m: reach_m.map(|(reach_m, _)| reach_m), ..self.scene.clone() }
     }
 
+    /// What a map of one UAV takes for each cell, beside what is read.
+    pub(crate) fn bytes_per_cell(&self) -> usize {
+        let format = |path: &PathBuf| Some((path.clone(), Format::of(path).ok()?));
+        let outputs: Vec<Output> = self.outputs.iter().filter_map(format).collect();
+        let n_measures = self.plan.layers.iter().filter(|layer| layer.is_measure()).count();
+        1 + 12 * n_measures + encoding_bytes_per_cell(&outputs, &self.plan.layers, 1)
+    }
+
     /// The path of a scene that is a file.
     pub(super) fn path(&self) -> &Path {
         Path::new(&self.word)
@@ -173,10 +186,11 @@ impl MapJob {
 pub(super) fn encoding_bytes_per_cell(outputs: &[Output], layers: &[Layer], n_sites: usize) -> usize {
     /// Of a picture: heights, relief, colors.
     const PICTURE: usize = 9;
-    /// Of the layers that hold all UAVs together.
+    /// Of a layer that holds all UAVs together.
     const OF_ALL: usize = 8;
     let n_measures = layers.iter().filter(|layer| layer.is_measure()).count();
-    let n_of_all = layers.iter().filter(|layer| matches!(layer, Layer::Count | Layer::Which)).count();
+    let n_of_all = layers.iter().filter(|layer| layer.is_of_all()).count();
+    let n_sites = if layers.len() == n_of_all { 0 } else { n_sites };
     let of_format = |format: Format| match format {
         Format::Png | Format::Svg | Format::Pdf | Format::Kmz => PICTURE,
         // Masks as numbers of 4 bytes; measures are numbers already.
@@ -184,6 +198,7 @@ pub(super) fn encoding_bytes_per_cell(outputs: &[Output], layers: &[Layer], n_si
         // All in one array for each layer.
         Format::Npz => n_sites.saturating_mul(1 + 4 * n_measures).saturating_add(OF_ALL * n_of_all),
         Format::AsciiGrid | Format::Bil => 4,
+        Format::GeoTiff => OF_ALL * n_of_all,
         _ => 0,
     };
     outputs.iter().map(|(_, format)| of_format(*format)).max().unwrap_or(0)

@@ -14,23 +14,27 @@ mod request;
 mod run;
 mod save_options;
 mod saving;
-mod sites;
 mod stability;
 mod strips;
+mod tiles;
 mod tolerance;
+mod unit_runs;
+mod units;
 
 pub use coverages::{Coverage, Coverages};
 pub(crate) use curve::CurvePlan;
 pub(crate) use curve_report::{CurveRow, HeightCurveDocument};
 pub(crate) use drawing::MapDrawing;
 pub(crate) use job::{Done, Given, GivenScene, MapJob};
-pub(crate) use plan::{Held, MapPlan, Prepared};
+pub(crate) use plan::{Held, MapPlan, PartOf, Prepared};
 pub use report::SiteFacts;
 pub(crate) use report::{AnyMapDocument, IdleDocument, MapDocument, MapReport, MapRow, MaskDigest};
 pub use request::CoverageRequest;
 pub use save_options::{PolygonClasses, SaveOptions};
-pub(crate) use sites::{Outcome, SITE, SiteRuns};
+pub(crate) use tiles::{ROW_AND_COL, TilesAsked};
 pub(crate) use tolerance::{FormDocument, check_tolerance};
+pub(crate) use unit_runs::{Outcome, Part, SITE, Unit, UnitRuns, Units};
+pub(crate) use units::Found;
 
 use crate::export::Format;
 

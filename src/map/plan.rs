@@ -7,8 +7,12 @@ use rayon::prelude::*;
 
 use super::coverages::Coverages;
 use super::report::{MapReport, MaskDigest, SiteFacts, zone_tallies};
+use super::tiles::Tile;
 use super::tolerance::{ToleranceFacts, check_tolerance, simplify};
-use crate::coverage::{HeightLayers, KeepMasks, ManyMaps, MapOptions, Mapper, SiteCoverage, Tally, Uav, maps_at_once};
+use super::units::tells_numbers;
+use crate::coverage::{
+    HeightLayers, KeepMasks, ManyMaps, MapOptions, Mapper, SiteCoverage, Tally, Together, Uav, maps_at_once,
+};
 use crate::error::Result;
 use crate::expected::Expected;
 use crate::export::Layer;
@@ -32,6 +36,15 @@ pub(crate) struct MapPlan {
     pub(crate) tells_zones: bool,
 }
 
+/// What the scene of a run is a part of.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct PartOf<'a> {
+    /// The grid of the whole.
+    pub(crate) whole: Option<&'a GeoRef>,
+    /// The tile of it that is mapped, of a list of so many UAVs.
+    pub(crate) tile: Option<(&'a Tile, usize)>,
+}
+
 /// How much of a run of many UAVs is held, beside the counts.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Held {
@@ -45,12 +58,22 @@ pub(crate) struct Held {
 
 impl MapPlan {
     /// The layers that are made for each UAV beside its mask.
-    pub(super) fn height_layers(&self) -> HeightLayers {
+    pub(crate) fn height_layers(&self) -> HeightLayers {
         HeightLayers {
             margin: self.layers.contains(&Layer::Margin),
             least_receiver_height: self.layers.contains(&Layer::LeastReceiverHeight),
             least_height: self.layers.contains(&Layer::LeastHeight),
             stability: self.layers.contains(&Layer::Stability),
+        }
+    }
+
+    /// What is made of the masks of all UAVs.
+    fn together(&self, of_list: Option<(Vec<usize>, usize)>) -> Together {
+        Together {
+            which: self.layers.contains(&Layer::Which),
+            best_server: self.layers.contains(&Layer::BestServer),
+            even_of_one: self.layers.iter().any(|layer| layer.is_of_all()),
+            of_list,
         }
     }
 
@@ -71,14 +94,19 @@ impl MapPlan {
     ///
     /// # Errors
     /// E2xx for UAVs that cannot be there; E113, E116, E117 for what cannot be asked; those of a tolerance.
-    pub(crate) fn prepare(self, mut scene: Scene, found: &UavsFound, whole: Option<&GeoRef>) -> Result<Prepared> {
+    pub(crate) fn prepare(self, mut scene: Scene, found: &UavsFound, part: PartOf<'_>) -> Result<Prepared> {
         self.check()?;
         let began = Instant::now();
         let grid = scene.grid().clone();
-        if let Some(around) = self.sight.box_in_range(&found.sites, &grid).filter(|_| !self.needs_zones()) {
+        let around = self.sight.box_in_range(&found.sites, &grid).filter(|_| !self.needs_zones());
+        if let Some(around) = around.filter(|_| part.tile.is_none()) {
             scene.cut(grid.window_within(around));
         }
-        let mut uavs = scene.place(found, Some(whole.unwrap_or(&grid)), &self.sight)?;
+        let whole = part.whole.unwrap_or(&grid);
+        let mut uavs = match part.tile {
+            None => scene.place(found, Some(whole), &self.sight)?,
+            Some(_) => scene.place_in_tile(found, whole, &self.sight)?,
+        };
         let tolerance = match self.tolerance {
             Some(tolerance) => Some(simplify(&mut scene, &mut uavs, &self.sight, tolerance)?),
             None => None,
@@ -86,14 +114,27 @@ impl MapPlan {
         // Zones cost as much as a map: they are found where they are told, or hold the receivers.
         let zones = if self.needs_zones() { scene.zones() } else { None };
         let options = self.sight.options(scene.grid(), zones.as_deref());
-        let options = MapOptions { layers: self.height_layers(), ..options };
+        let window = part.tile.and_then(|(tile, _)| scene.grid().window_of(&whole.part(tile.window)));
+        let window = window.filter(|window| *window != scene.grid().window());
+        let options = MapOptions { layers: self.height_layers(), window, ..options };
         let lonlats = found.sites.iter().map(|site| site.lonlat).collect();
-        Ok(Prepared { plan: self, scene, uavs, lonlats, zones, options, tolerance, began })
+        let tile = part.tile.map(|(tile, n_list)| (tile.clone(), n_list));
+        Ok(Prepared { plan: self, scene, uavs, lonlats, zones, options, tolerance, tile, began })
     }
 }
 
-/// What all masks laid over each other take for each cell.
-const OVERLAY_BYTES_PER_CELL: usize = 5;
+/// What all masks laid over each other take for each cell, of layers over a list of so many UAVs.
+fn overlay_bytes_per_cell(layers: &[Layer], n_uavs: usize) -> usize {
+    const UNION_AND_COUNT: usize = 5;
+    const BEST_SERVER: usize = 12;
+    let of_layer = |layer: &Layer| match layer {
+        Layer::Which => 4 * n_uavs.div_ceil(32),
+        Layer::BestServer => BEST_SERVER,
+        _ => 0,
+    };
+    let of_layers = layers.iter().map(of_layer).sum::<usize>();
+    if n_uavs > 1 || of_layers > 0 { UNION_AND_COUNT + of_layers } else { 0 }
+}
 
 /// Least heights of receivers on the ground and on roofs, while a map is made.
 pub(super) const LEAST_HEIGHTS_BYTES_PER_CELL: usize = 16;
@@ -109,6 +150,8 @@ pub(crate) struct Prepared {
     zones: Option<Arc<ZoneMap>>,
     options: MapOptions,
     tolerance: Option<ToleranceFacts>,
+    /// The tile that is mapped, of a list of so many UAVs.
+    tile: Option<(Tile, usize)>,
     began: Instant,
 }
 
@@ -145,7 +188,7 @@ impl Prepared {
         mut each_part: impl FnMut(&[u8]) + Send,
         mut each: impl FnMut(&SiteCoverage),
     ) -> Result<Coverages> {
-        let Prepared { plan, mut scene, uavs, lonlats, zones, options, tolerance, began } = self;
+        let Prepared { plan, mut scene, uavs, lonlats, zones, mut options, tolerance, tile, began } = self;
         let n_measures = plan.layers.iter().filter(|layer| layer.is_measure()).count();
         let (keep, n_held) = match held {
             Held { is_handed_over: true, .. } => (KeepMasks::Never, 0),
@@ -155,7 +198,7 @@ impl Prepared {
         };
         let bytes_per_cell = n_held
             .saturating_mul(1 + 4 * n_measures)
-            .saturating_add(if uavs.len() > 1 { OVERLAY_BYTES_PER_CELL } else { 0 })
+            .saturating_add(overlay_bytes_per_cell(&plan.layers, tile.as_ref().map_or(uavs.len(), |(_, n)| *n)))
             .saturating_add(held.bytes_per_cell)
             .saturating_add(if n_measures > 0 { n_held.max(1).saturating_mul(LEAST_HEIGHTS_BYTES_PER_CELL) } else { 0 })
             .saturating_add(if options.layers.stability { 2 * FIELD_BYTES_PER_CELL } else { 0 });
@@ -169,7 +212,8 @@ impl Prepared {
         scene.timing.build += began.elapsed().as_secs_f64();
         let before_los = Instant::now();
         progress.begin(field.grid().n_cells() as u64 * uavs.len() as u64);
-        let mut digest = MaskDigest::new(field.grid());
+        let shown = options.window.map_or_else(|| field.grid().clone(), |window| field.grid().part(window));
+        let mut digest = MaskDigest::new(&shown);
         let mut facts: Vec<SiteFacts> = Vec::with_capacity(uavs.len());
         let each_part = |cells: &[u8]| {
             rayon::join(|| digest.add(cells), || each_part(cells));
@@ -178,12 +222,21 @@ impl Prepared {
             facts.push(SiteFacts { lonlat: lonlats[facts.len()], ..SiteFacts::of(site, zones.as_deref()) });
             each(site);
         };
-        let mapped = mapper.map_many(&uavs, keep, progress.control(), each_part, each_site);
+        let of_list = tile.as_ref().map(|(tile, n_list)| (tile.uavs.clone(), *n_list));
+        let together = plan.together(of_list);
+        let mapped = mapper.map_many(&uavs, (keep, &together), progress.control(), each_part, each_site);
         progress.end();
         let ManyMaps { sites, overlay } = mapped?;
         scene.timing.los = before_los.elapsed().as_secs_f64();
-        warn_of_no_receivers(&sites, &mut scene.warnings);
-        let only = facts.first().filter(|_| overlay.is_none());
+        drop(mapper);
+        if let Some(window) = options.window.take() {
+            scene.show(window);
+        }
+        // Of a tile that is no wonder.
+        if tile.is_none() {
+            warn_of_no_receivers(&sites, &mut scene.warnings);
+        }
+        let only = facts.first().filter(|_| facts.len() == 1);
         let of_union = |zones: &ZoneMap| overlay.as_ref().map(|overlay| zone_tallies(zones, overlay.union()));
         let report = MapReport {
             facts: scene.facts(Some(method)),
@@ -195,10 +248,10 @@ impl Prepared {
             },
             sites: facts,
             tolerance,
+            tile: tile.map(|(tile, _)| tile.facts(tells_numbers(&plan.layers))),
             idle: (idle.footprints > 0).then_some(idle),
             digest: digest.finish(),
         };
-        drop(mapper);
         Ok(Coverages { scene, sites, overlay, layers: plan.layers, report, why, options })
     }
 }

@@ -5,6 +5,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::stability::{StabilityDocument, StabilityFacts};
+use super::tiles::TileFacts;
 use super::tolerance::{ToleranceDocument, ToleranceFacts};
 use crate::answer::{
     Head, Position, PositionFields, Rows, RunFacts, Share, Timing, WarningFacts, closed_rings, digest_words,
@@ -120,6 +121,8 @@ pub(crate) struct MapReport {
     pub(crate) idle: Option<IdleFootprints>,
     /// What a tolerance led to, where one was given.
     pub(crate) tolerance: Option<ToleranceFacts>,
+    /// Which tile of the ground it is, if it is one.
+    pub(crate) tile: Option<TileFacts>,
     /// Digest of the masks, see [`MaskDigest`].
     pub(crate) digest: String,
 }
@@ -184,6 +187,7 @@ impl MapReport {
         }
         MapDocument {
             head,
+            tile: self.tile.clone(),
             tolerance: self.tolerance.as_ref().map(ToleranceFacts::document),
             footprints: self.idle.as_ref().map(IdleDocument::of),
             sight: self.sight.facts(),
@@ -256,6 +260,9 @@ impl MapReport {
 pub(crate) struct MapDocument {
     #[serde(flatten)]
     head: Head,
+    /// Which tile of the ground this is, if it is one: the counts are those of its cells.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tile: Option<TileFacts>,
     /// What a tolerance led to, where one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     tolerance: Option<ToleranceDocument>,

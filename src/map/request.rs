@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 
 use super::coverages::{Coverage, Coverages};
-use super::plan::{Held, MapPlan, Prepared};
+use super::plan::{Held, MapPlan, PartOf, Prepared};
 use crate::coverage::SiteCoverage;
 use crate::error::Result;
 use crate::export::Layer;
@@ -119,7 +119,7 @@ impl<Answer> CoverageRequest<Answer> {
     fn prepared(self) -> Result<(Prepared, Arc<Progress>)> {
         let CoverageRequest { asked, layers, tolerance, tells_zones, .. } = self;
         let plan = MapPlan { sight: asked.checked()?, layers, tolerance, tells_zones };
-        Ok((plan.prepare(self.scene, &UavsFound::of(&self.uavs)?, None)?, self.progress))
+        Ok((plan.prepare(self.scene, &UavsFound::of(&self.uavs)?, PartOf::default())?, self.progress))
     }
 
     fn make(self, each: impl FnMut(&SiteCoverage)) -> Result<Coverages> {

@@ -7,7 +7,7 @@ use super::coverages::Coverages;
 use super::drawing::draws_each;
 use super::files::{MaskFile, Writer, written_at_once};
 use super::job::{Done, Given, GivenScene, MapJob, encoding_bytes_per_cell};
-use super::plan::Held;
+use super::plan::{Held, PartOf};
 use super::strips::{StripsRun, reason_for_strips};
 use crate::answer::{Output, Spent, Timing, add_outputs};
 use crate::city::GivenSite;
@@ -44,7 +44,7 @@ impl MapJob {
         progress: &Progress,
     ) -> Result<Done> {
         let start = Instant::now();
-        let Given { uavs, scene, grid: whole, unit } = given;
+        let Given { uavs, scene, grid: whole, tile, unit } = given;
         let read_uavs = |grid: &GeoRef| uavs.map_or_else(|| self.uavs.read(grid), Ok);
         let scene = match scene {
             GivenScene::InMemory(scene) => *scene,
@@ -58,16 +58,18 @@ impl MapJob {
             }
         };
         let found = read_uavs(scene.grid())?;
-        self.check_of_sites(&scene, &found.sites, &outputs)?;
+        let n_uavs = tile.map_or(found.sites.len(), |(_, n_list)| n_list);
+        self.check_of_sites(&scene, (&found.sites, n_uavs), &outputs)?;
         let (uav_id, n_sites) =
             (found.sites.first().map(|site| site.id.clone()).unwrap_or_default(), found.sites.len());
 
-        let prepared = self.plan.clone().prepare(scene, &found, whole)?;
+        let prepared = self.plan.clone().prepare(scene, &found, PartOf { whole, tile })?;
         let is_by_zone = self.plan.tells_zones || self.plan.sight.receivers().zone().is_some();
         let direct = written_at_once(&outputs, &self.plan.layers, &self.save)
-            .filter(|_| n_sites == 1 && !is_by_zone && !self.curve.is_wanted());
+            .filter(|_| n_sites == 1 && tile.is_none() && !is_by_zone && !self.curve.is_wanted());
         let shows_masks = |format: Format| {
-            Coverages::needs_masks(format, &self.save) || format.is_picture() && draws_each(&self.plan.layers)
+            Coverages::needs_masks(format, &self.plan.layers, &self.save)
+                || format.is_picture() && draws_each(&self.plan.layers)
         };
         let held = Held {
             keeps_masks: n_sites == 1
@@ -136,12 +138,12 @@ impl MapJob {
     }
 
     /// Refuses what the files cannot be for these UAVs of this scene.
-    fn check_of_sites(&self, scene: &Scene, sites: &[GivenSite], outputs: &[Output]) -> Result<()> {
+    fn check_of_sites(&self, scene: &Scene, (sites, n_uavs): (&[GivenSite], usize), outputs: &[Output]) -> Result<()> {
         if self.save.bare {
             check_bare_names(sites, outputs, self.save.overwrite)?;
         }
         for (path, format) in outputs {
-            check_layers(&self.plan.layers, sites.len(), path, *format)?;
+            check_layers(&self.plan.layers, n_uavs, path, *format)?;
         }
         self.save.check(scene, outputs)?;
         self.save.check_values(&self.plan.layers, sites.len())

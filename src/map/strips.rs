@@ -265,6 +265,7 @@ impl StripsRun<'_> {
             sites: vec![SiteFacts { lonlat: found.sites[0].lonlat, ..SiteFacts::of(&coverage, None) }],
             union: coverage.tally,
             tolerance: None,
+            tile: None,
             idle: None,
             digest: digest.finish(),
         };
@@ -323,6 +324,8 @@ impl Answer for StripFiles<'_> {
                 let result = MapResult {
                     georef: self.scene.grid(),
                     sites: std::slice::from_ref(self.coverage),
+                    n_uavs: 1,
+                    overlay: None,
                     layers: &self.run.job.plan.layers,
                     provenance: &provenance,
                     tif_layout: TiffLayout::default(),

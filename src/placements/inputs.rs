@@ -74,6 +74,10 @@ impl Inputs {
                 (Some(places), spots)
             }
         };
+        let spots = match plan.shard {
+            Some(shard) => shard.part(spots),
+            None => spots,
+        };
         let read_weights = plan.weights.as_deref().filter(|_| plan.goal.whom == Whom::Weights);
         Ok(Inputs {
             places,

@@ -24,7 +24,7 @@ pub use request::PlacementsRequest;
 use search::{Found, Search};
 
 use crate::answer::{Answer, Rows, RunFacts, Spent, encoded};
-use crate::coverage::{Control, KeepMasks, ManyMaps, MapOptions, Mapper, Receivers, Uav, UavGrid};
+use crate::coverage::{Control, KeepMasks, ManyMaps, MapOptions, Mapper, Receivers, Together, Uav, UavGrid};
 use crate::error::{RequestError, Result, Warning};
 use crate::expected::Expected;
 use crate::export::{Batch, Format};
@@ -135,7 +135,13 @@ impl SearchPlan {
         let Found { ranked, winner, refined, several, heat, winners } = search.run(progress)?;
         scene.timing.los = before_los.elapsed().as_secs_f64();
         let winner_maps = match self.map.is_some() && !winners.is_empty() {
-            true => Some(mapper.map_many(&named(winners), KeepMasks::Always, &Control::default(), |_| {}, |_| {})?),
+            true => Some(mapper.map_many(
+                &named(winners),
+                (KeepMasks::Always, &Together::default()),
+                &Control::default(),
+                |_| {},
+                |_| {},
+            )?),
             false => None,
         };
         let report = PlaceReport {

@@ -6,6 +6,7 @@ use super::goal::{Goal, Measure, Whom, have_one_reference};
 use crate::error::{Error, RequestError, Result};
 use crate::quantity::{Height, height_steps};
 use crate::sight::Sight;
+use crate::uav::Shard;
 use crate::zones::Zone;
 
 /// Where candidates are from.
@@ -44,6 +45,8 @@ pub(crate) struct SearchPlan {
     pub(crate) area: Option<PathBuf>,
     /// A raster of what each receiver counts.
     pub(crate) weights: Option<PathBuf>,
+    /// Which part of the candidates is meant, which is not refined; all without one.
+    pub(crate) shard: Option<Shard>,
     /// UAVs that are to see most together.
     pub(crate) count: usize,
     /// Ranks that documents and points list.

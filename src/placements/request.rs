@@ -111,6 +111,7 @@ impl PlacementsRequest {
     /// candidate is left; E501, E502 for too many.
     pub fn run(self) -> Result<Placements> {
         let plan = SearchPlan {
+            shard: None,
             sight: self.asked.checked()?,
             goal: Goal::parse(&self.goal)?,
             from: self.from,

@@ -124,7 +124,8 @@ impl Search<'_> {
     /// The longest and the shortest step of a search around the winner, from the distance of the candidates to a cell.
     fn steps(&self) -> Option<(f64, f64)> {
         let grid = self.field.grid();
-        self.places.map(|places| (places.grid.cell_width(), grid.cell_width().min(grid.cell_height())))
+        let places = self.places.filter(|_| self.plan.shard.is_none());
+        places.map(|places| (places.grid.cell_width(), grid.cell_width().min(grid.cell_height())))
     }
 
     fn refined(&self, from: &Candidate, score: Score) -> Result<Option<(PlaceFacts, u64)>> {

@@ -28,6 +28,8 @@ pub(super) fn add(job: &Placements, batch: &mut Batch, path: &Path, format: Form
     let result = MapResult {
         georef: job.scene.grid(),
         sites: &maps.sites,
+        n_uavs: maps.sites.len(),
+        overlay: None,
         layers: &[Layer::Los],
         provenance: &job.provenance().to_string(),
         tif_layout: TiffLayout::Cog,

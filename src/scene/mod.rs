@@ -136,6 +136,22 @@ impl Scene {
         }
     }
 
+    /// Leaves the receivers of a window alone: a raster keeps the cells around, which stand in the way.
+    pub(crate) fn keep_for(&mut self, receivers: CellWindow, around: CellWindow) {
+        match self.field.prisms() {
+            Some(_) => self.show(receivers),
+            None => self.cut(around),
+        }
+    }
+
+    /// Leaves the receivers of a window alone, and of a raster nothing else.
+    pub(crate) fn show(&mut self, window: CellWindow) {
+        if window != self.grid().window() {
+            let shown = self.field.shown(window);
+            self.replace_field(shown);
+        }
+    }
+
     /// What it was built from; `None` of footprints that were not kept.
     pub(crate) fn solids(&self) -> Option<Cow<'_, Solids>> {
         let of_raster = || self.field.solids_of(self.grid().window()).map(Cow::Owned);

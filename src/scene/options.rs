@@ -185,8 +185,9 @@ impl SceneOptions {
     pub fn open(&self, word: impl AsRef<OsStr>) -> Result<Scene> {
         let start = Instant::now();
         let mut warnings = Vec::new();
-        let read = self.read(word.as_ref(), &mut warnings)?;
-        Scene::built(self, (word.as_ref(), read), warnings, start)
+        let word = skyshed_io::told(word.as_ref());
+        let read = self.read(&word, &mut warnings)?;
+        Scene::built(self, (&word, read), warnings, start)
     }
 
     /// Reads a scene without making it ready.

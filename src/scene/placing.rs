@@ -19,12 +19,20 @@ impl Scene {
     /// # Errors
     /// E2xx for a UAV that cannot be there; E117 for receivers that the scene does not tell apart.
     pub(crate) fn place(&mut self, found: &UavsFound, whole: Option<&GeoRef>, sight: &Sight) -> Result<Vec<Uav>> {
-        self.sources.extend(found.sources.iter().cloned());
-        self.warnings.extend(found.warnings.iter().cloned());
         let whole = whole.unwrap_or(self.grid()).clone();
+        self.warnings.extend(found.warnings.iter().cloned());
         warn_of_uavs_outside(&found.sites, &whole, &mut self.warnings);
-        let radius = sight.radius_on(&whole);
-        let place = |site| place_uav(site, &self.field, &whole, radius);
+        self.place_in_tile(found, &whole, sight)
+    }
+
+    /// Places UAVs over a part of a grid without a word of those outside: it is told once of all parts.
+    ///
+    /// # Errors
+    /// As [`Scene::place`].
+    pub(crate) fn place_in_tile(&mut self, found: &UavsFound, whole: &GeoRef, sight: &Sight) -> Result<Vec<Uav>> {
+        self.sources.extend(found.sources.iter().cloned());
+        let radius = sight.radius_on(whole);
+        let place = |site| place_uav(site, &self.field, whole, radius);
         let uavs = found.sites.iter().map(|given| place(&given.site)).collect::<Result<Vec<Uav>>>()?;
         sight.receivers().check(self.field.is_surface_only())?;
         warn_of_flat_earth(&uavs, self.field.grid(), radius, &mut self.warnings);
@@ -43,7 +51,7 @@ pub(crate) fn warn_of_uavs_outside<S: Borrow<Site>>(sites: &[S], grid: &GeoRef, 
 
 /// Places a UAV; what is wrong outside the grid is told with how far outside.
 pub(crate) fn place_uav(site: &Site, field: &HeightField, grid: &GeoRef, radius: Option<f64>) -> Result<Uav> {
-    Uav::place(site, field, radius).map_err(|error| match way_outside(site, grid) {
+    Uav::place_in_part(site, field, grid, radius).map_err(|error| match way_outside(site, grid) {
         Some(way) => error.within(format!("{way} of the grid")).into(),
         None => error.into(),
     })

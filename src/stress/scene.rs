@@ -10,7 +10,7 @@ use super::report::{NEAR_M, StressSceneReport};
 use crate::answer::{Answer, Rows, Spent};
 use crate::error::{Result, Warning};
 use crate::export::{Batch, Format, Layer};
-use crate::map::{Coverages, Held, MapDrawing, MapPlan, MapReport};
+use crate::map::{Coverages, Held, MapDrawing, MapPlan, MapReport, PartOf};
 use crate::picture::{Look, picture_provenance};
 use crate::progress::Progress;
 use crate::quantity::counted;
@@ -41,7 +41,7 @@ impl StressScene {
         progress: &Progress,
     ) -> Result<StressScene> {
         let plan = MapPlan { sight, layers: vec![Layer::Stability], tolerance: None, tells_zones: false };
-        let prepared = plan.prepare(scene, found, None)?;
+        let prepared = plan.prepare(scene, found, PartOf::default())?;
         let before_los = Instant::now();
         let held = Held { keeps_masks: true, ..Held::default() };
         let mut map = prepared.run(held, progress, |_| {}, |_| {})?;

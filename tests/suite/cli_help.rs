@@ -4,7 +4,8 @@ use crate::cli::scenes;
 use crate::program::Folder;
 
 /// All commands.
-const COMMANDS: &str = "map link track city info zones limits plos place sample compare chart stress completions";
+const COMMANDS: &str =
+    "map link track city info zones limits plos place sample compare chart stress live jobs completions";
 
 #[test]
 fn help_and_version_are_answers() {

@@ -184,9 +184,10 @@ fn what_makes_no_sense_of_a_search_is_refused() {
 }
 
 /// Flags that change what is found: a line without, and the flag.
-const FLAGS: [(&str, &str); 26] = [
+const FLAGS: [(&str, &str); 27] = [
     ("--candidates own.csv", "--height 40"),
     ("--height 10", "--step 10"),
+    ("--height 10", "--shard 2/2"),
     ("--height 10", "--over street"),
     ("--height 10", "--within west.geojson"),
     ("--height 10", "--keep-out west.geojson"),
@@ -242,6 +243,32 @@ fn every_flag_changes_what_is_found() {
         assert_ne!(found(line), found(&format!("{line} {flag}")), "{line} {flag}");
     }
     check_flags_are_known(&folder, "place", &[&FLAGS.map(|(_, flag)| flag)[..], &[OTHER]].concat());
+}
+
+#[test]
+fn shards_of_the_candidates_are_ranked_as_all_are() {
+    let folder = city();
+    let rows = |line: &str| {
+        folder.type_in(&format!("{PLACE} --height 10,15 --radius 20 {line} --csv t.csv -q --overwrite")).done();
+        let table = folder.text("t.csv");
+        let candidates = table.lines().filter(|row| row.starts_with("candidate,"));
+        // Without the rank: kind and rank stand first.
+        candidates.map(|row| row.splitn(3, ',').nth(2).expect("a place").to_string()).collect::<Vec<_>>()
+    };
+    let all = rows("");
+    let of_shards: Vec<Vec<String>> = (1..=5).map(|k| rows(&format!("--shard {k}/5"))).collect();
+    assert!(of_shards.iter().all(|rows| !rows.is_empty()));
+    let mut joined = of_shards.concat();
+    assert_eq!(joined.len(), all.len());
+    let header = folder.text("t.csv");
+    let column =
+        header.lines().next().expect("a header").split(',').position(|name| name == "p_los").expect("a share") - 2;
+    let share = |row: &String| row.split(',').nth(column).and_then(|p| p.parse::<f64>().ok()).unwrap_or(-1.0);
+    joined.sort_by(|a, b| share(b).total_cmp(&share(a)));
+    assert_eq!(joined, all);
+    for flag in ["--count 2", "--map m.tif", "--goal p_los>=0.1 --minimize height"] {
+        assert_eq!(folder.type_in(&format!("{PLACE} --height 10,15 --shard 1/2 {flag}")).error(), "E116");
+    }
 }
 
 #[test]

@@ -52,7 +52,7 @@ fn run_page(name: &str, least: usize) {
             n_run += 1;
             for pair in rest.windows(2).filter(|pair| ["-o", "--map", "--height-curve", "--repairs"].contains(&pair[0]))
             {
-                let name = pair[1].replace("{site}", "square");
+                let name = pair[1].replace("{site}", "square").replace("{row}", "0").replace("{col}", "0");
                 assert!(std::fs::metadata(folder.join(&name)).is_ok_and(|m| m.len() > 0), "{line}: {name}");
             }
         } else if has_program(program) {
@@ -92,6 +92,7 @@ macro_rules! pages {
 pages! {
     commands_page: "commands.md", 29;
     cities_page: "cities.md", 1;
+    cluster_page: "cluster.md", 3;
     exactness_page: "exactness.md", 1;
     models_page: "models.md", 1;
     research_page: "research.md", 1;

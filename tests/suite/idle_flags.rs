@@ -23,6 +23,8 @@ const BASES: &[&str] = &[
     "compare city.geojson --uav 2,2,50 --uav 45,45,30 --json",
     "chart city.geojson --uav 2,2,50 --time 0 --json",
     "stress --scenes 1 --families cell-grazing --json",
+    // Flags stand before the map.
+    "jobs merge @ map city.geojson --uavs sites.csv --radius 25 -o unit-{site}.csv",
     "completions bash",
 ];
 
@@ -40,10 +42,11 @@ const VALUES: &str = "\
     --positions 20 --theta-band 2 --block 30 --plot heat --step 15 --over street --within part.geojson \
     --keep-out part.geojson --candidates sites.csv --clearance 45 --goal margin --area part.geojson \
     --weights slope.asc --minimize height --count 2 --map best.tif --top 1 --zones crossroad:4 --mask mask.asc \
-    --time 0.01 --families cell-slits --scenes 2 --shard 1/2";
+    --time 0.01 --families cell-slits --scenes 2 --shard 1/2 --tile-size 16";
 
 /// Other values of flags that mean something else to a command.
 const OWN_VALUES: &[(&str, &str)] = &[
+    ("map", "--tile 0,0 --tile-size 16"),
     ("plos", "--method 3gpp-tr36777-umi"),
     ("stress", "--method xdraw"),
     ("city", "--data-area part.geojson"),
@@ -126,6 +129,7 @@ fn no_flag_of_any_command_is_taken_in_silence() {
     folder.write("part.geojson", r#"{"type": "Polygon", "coordinates": [[[0,0],[25,0],[25,50],[0,50],[0,0]]]}"#);
     let mask = "1 ".repeat(20 * 50) + &"0 ".repeat(30 * 50);
     folder.write("mask.asc", &format!("ncols 50\nnrows 50\nxllcorner 0\nyllcorner 0\ncellsize 1\n{mask}\n"));
+    folder.type_in("map city.geojson --uavs sites.csv --radius 25 -o unit-{site}.csv -q").done();
     let value_of = |command: &str, flag: &str| {
         let own = OWN_VALUES.iter().filter(|(name, _)| *name == command).map(|(_, words)| *words);
         let mut words = own.chain([VALUES]).flat_map(str::split_whitespace);
@@ -140,7 +144,11 @@ fn no_flag_of_any_command_is_taken_in_silence() {
             _ => folder.flags(command),
         };
         let help = folder.type_in(&format!("{command} --help")).out;
-        let plain = seen(&folder, base);
+        let with = |words: &str| match base.split_once(" @") {
+            Some((head, map)) => format!("{head} {words}{map}"),
+            None => format!("{base} {words}"),
+        };
+        let plain = seen(&folder, &with(""));
         assert_eq!(plain.0, 0, "{base}: {}", plain.1);
         let mut drawn = None;
         for flag in flags.iter().filter(|flag| !["--help", "--version"].contains(&flag.as_str())) {
@@ -150,19 +158,20 @@ fn no_flag_of_any_command_is_taken_in_silence() {
             assert!(value.is_some() || !help.contains(&format!("{flag} <")), "{command} {flag}: give it a value above");
             let line = format!("{flag} {}", value.unwrap_or_default());
             let without = if is_drawn {
-                drawn.get_or_insert_with(|| seen(&folder, &format!("{base} -o drawn.png"))).clone()
+                drawn.get_or_insert_with(|| seen(&folder, &with("-o drawn.png"))).clone()
             } else {
                 plain.clone()
             };
-            let drawing = if is_drawn { " -o drawn.png" } else { "" };
-            let with = seen(&folder, &format!("{base}{drawing} {line}"));
-            let is_refused = with.0 != 0 && with.0 != 1;
+            let drawing = if is_drawn { "-o drawn.png " } else { "" };
+            let line = format!("{drawing}{line}");
+            let found = seen(&folder, &with(&line));
+            let is_refused = found.0 != 0 && found.0 != 1;
             let is_quiet = QUIET.iter().any(|(name, _)| name == flag);
-            if !is_refused && with == without && !is_quiet {
-                silent.push(format!("{base}{drawing} {line}"));
+            if !is_refused && found == without && !is_quiet {
+                silent.push(with(&line));
             }
             if is_refused {
-                assert!(with.1.starts_with("error[E"), "{base} {line}: {}", with.1);
+                assert!(found.1.starts_with("error[E"), "{base} {line}: {}", found.1);
             }
         }
     }

@@ -81,6 +81,7 @@ mod told; // names and degrees of sites, counts, infinite heights, weights: alik
 mod in_range; // rasters with a radius: the part in range, the same of all
 mod streamed; // rasters that do not fit in memory: the maps of memory, what is refused, 50 000 cells a side
 mod map_sites; // a run for each UAV: the files of single runs, what is left alone, killed at any moment
+mod map_tiles; // tiles of the ground, cell for cell those of the whole, and what jobs tell of units
 mod stress; // families of scenes where methods fail: the truth against the oracle, engines against the truth
 mod stability; // which answers turn with the last digit: by hand, by maps made anew, in files
 mod ground_truth; // what a scene is made of: bases, voids, typed ground, holes, lattices, extents, ranges

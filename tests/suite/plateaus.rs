@@ -1,7 +1,7 @@
 //! Shadows of the plateaus of a raster equal `ray` on its columns, cell for cell; and `auto` takes them where they serve.
 
 use skyshed_core::city::Ground;
-use skyshed_core::coverage::{Control, KeepMasks, MapOptions, Mapper, Receivers};
+use skyshed_core::coverage::{Control, KeepMasks, MapOptions, Mapper, Receivers, Together};
 use skyshed_core::height_field::{Columns, Plateaus};
 use skyshed_core::los::{Method, MethodChoice, OnPlateaus, PlateauScene, ShadowGrid, columns_los, plateaus_los};
 use skyshed_core::quantity::{LatticePoint, VOID};
@@ -166,7 +166,9 @@ fn many_threads_that_all_want_what_is_made_once_do_not_wait_for_each_other() {
             let options = MapOptions { method, ..MapOptions::default() };
             let maps = pool.install(|| {
                 let mapper = Mapper::new(&field, &options).unwrap();
-                mapper.map_many(&uavs, KeepMasks::Always, &Control::default(), |_| {}, |_| {}).unwrap()
+                mapper
+                    .map_many(&uavs, (KeepMasks::Always, &Together::default()), &Control::default(), |_| {}, |_| {})
+                    .unwrap()
             });
             assert_eq!(maps.sites.len(), 12);
             assert!(maps.sites[7].mask == map(&field, &uavs[7], &options).mask);

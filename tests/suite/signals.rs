@@ -32,7 +32,7 @@ fn contents(folder: &Folder, line: &str) -> BTreeMap<String, Vec<u8>> {
 
 #[test]
 fn an_interrupt_at_any_moment_ends_a_run_and_leaves_whole_files() {
-    let n_moments = if slow() { 400 } else { 4 };
+    let n_moments = if slow() { 400 } else { 3 };
     let mut random = Random(11);
     for line in [
         "map city.tif --ground 0 --uav 10,10,90 -o a.tif -o a.png -o a.npz -o a.exr -o a.csv",

@@ -225,7 +225,7 @@ fn lidar_rasters_agree_with_an_independent_engine() {
 fn uavs_over_roofs_of_munich_agree_with_the_oracle() {
     for footprints in [false, true] {
         let (field, referee) = Referee::of(munich(footprints).0);
-        let n_links = if slow() { 6_000 } else { 250 };
+        let n_links = if slow() { 6_000 } else { 120 };
         let mut random = Random(11);
         let (mut n, mut n_los) = (0, 0);
         while n < n_links {

@@ -19,7 +19,7 @@ mod _skyshed {
     #[pymodule_export]
     use super::scene::Scene;
     #[pymodule_export]
-    use super::{ask, main};
+    use super::{ask, limit_memory, main, raster_grid};
 }
 
 /// Asks a command of the program in its words.
@@ -27,6 +27,18 @@ mod _skyshed {
 #[pyo3(signature = (words, watch=None))]
 fn ask(py: Python<'_>, words: Vec<OsString>, watch: Option<Py<PyAny>>) -> PyResult<answers::Found> {
     pool::watched(py, watch, move |progress| Ok(skyshed::cli::ask(words, None, progress)?)).map(answers::Found::from)
+}
+
+/// Where the cells lie of a scene of which a run reads no more than it needs; ``None`` of any other.
+#[pyfunction]
+fn raster_grid(py: Python<'_>, word: OsString, words: Vec<OsString>) -> PyResult<Option<scene::Place>> {
+    pool::watched(py, None, move |_| Ok(skyshed::cli::raster_grid(&word, &words)?.map(|grid| scene::place_of(&grid))))
+}
+
+/// Refuses work that would take this process above so many bytes.
+#[pyfunction]
+fn limit_memory(bytes: u64) {
+    skyshed::cli::limit_memory(bytes);
 }
 
 /// Runs the program on a command line and returns its exit code.

@@ -77,6 +77,21 @@ pub(crate) fn shard(text: &str) -> Result<Shard, String> {
     if (1..=of).contains(&k) { Ok(Shard { k, of }) } else { Err(wrong()) }
 }
 
+/// A tile, row and column: `3,12`.
+pub(crate) fn tile(text: &str) -> Result<(usize, usize), String> {
+    let wrong = || format!("found `{text}`, wanted ROW,COL counted from 0");
+    let (row, col) = text.split_once(',').ok_or_else(wrong)?;
+    row.trim().parse().ok().zip(col.trim().parse().ok()).ok_or_else(wrong)
+}
+
+/// The cells along a side of a tile, at least those of a block of a GeoTIFF.
+pub(crate) fn cells_per_side(text: &str) -> Result<usize, String> {
+    const BLOCK: usize = 16;
+    let is_wanted = |n: &usize| *n >= BLOCK && n.is_multiple_of(BLOCK);
+    let wrong = || format!("found `{text}`, wanted a multiple of {BLOCK}");
+    text.trim().parse().ok().filter(is_wanted).ok_or_else(wrong)
+}
+
 /// A number of bytes: `800M`, `4G`, `1.5GiB`, or bytes alone.
 pub(crate) fn memory_size(text: &str) -> Result<u64, String> {
     let wrong = || format!("found `{text}`, wanted a size such as 800M or 4G");

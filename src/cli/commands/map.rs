@@ -8,9 +8,12 @@ use crate::cli::failure::{Failure, Result, refusal_with};
 use crate::cli::interrupt;
 use crate::cli::run::Run;
 use crate::cli::say::{self, WarningsOfRuns};
+use crate::cli::typed::Typed;
 use crate::error::ErrorClass;
 use crate::export::{Format, Layer, MaskValues};
-use crate::map::{CurvePlan, Done, Given, MapJob, MapPlan, Outcome, SITE, SaveOptions, SiteRuns};
+use crate::map::{
+    CurvePlan, Done, Given, MapJob, MapPlan, Outcome, ROW_AND_COL, SITE, SaveOptions, TilesAsked, UnitRuns,
+};
 use crate::picture::Look;
 use crate::quantity::counted;
 use crate::scene::is_raster_scene;
@@ -18,12 +21,13 @@ use crate::uav::UavsAsked;
 use crate::words::pretty;
 
 /// What is said of a batch and its files, not of what a UAV sees.
-const OF_BATCH: [&str; 18] = [
+const OF_BATCH: [&str; 19] = [
     "scene",
     "uav",
     "uavs",
     "skip_bad",
     "shard",
+    "tile",
     "output",
     "height_curve",
     "json",
@@ -39,17 +43,29 @@ const OF_BATCH: [&str; 18] = [
     "hash",
 ];
 
+/// Whether the name of a file holds the row or the column of a tile.
+fn names_tile(path: &std::path::Path) -> bool {
+    ROW_AND_COL.iter().any(|word| path.to_string_lossy().contains(word))
+}
+
 impl MapArgs {
     pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
-        let names_sites = |path: &std::path::PathBuf| path.to_string_lossy().contains(SITE);
-        let job = self.job(run)?;
+        let names_units = |path: &std::path::PathBuf| path.to_string_lossy().contains(SITE) || names_tile(path);
+        let job = self.job(&run.typed, run.words())?;
         if !is_raster_scene(&job.word) || job.scene.project.is_some() {
             run.typed.refuse(&["strips", "scratch"], "but for a raster in its own system")?;
         }
-        let runs = SiteRuns::of(&job, run.given.clone(), &run.progress)?;
-        if self.out.json && job.outputs.iter().chain(&job.curve.outputs).any(names_sites) {
-            let text = "`--json` has no meaning beside files with `{site}` in their names";
-            return Err(refusal_with(116, text, "`-o NAME-{site}.json` writes a document for each UAV"));
+        if self.tile.is_empty() && !job.outputs.iter().any(|path| names_tile(path)) {
+            run.typed.refuse(&["tile_size"], "without tiles")?;
+        }
+        let runs = UnitRuns::of(&job, run.given.clone(), &run.progress)?;
+        if self.out.json && job.outputs.iter().chain(&job.curve.outputs).any(names_units) {
+            let text = "`--json` has no meaning beside files that are named after UAVs or tiles";
+            return Err(refusal_with(
+                116,
+                text,
+                "`-o NAME-{site}.json` writes a document for each UAV, `-o NAME-{row}-{col}.json` for each tile",
+            ));
         }
         match &runs {
             Some(runs) => self.run_sites(run, runs),
@@ -58,7 +74,7 @@ impl MapArgs {
     }
 
     /// What was typed, as a job.
-    fn job(&self, run: &Run) -> Result<MapJob> {
+    pub(super) fn job(&self, typed: &Typed, command: Vec<String>) -> Result<MapJob> {
         Ok(MapJob {
             word: self.scene.scene.clone(),
             scene: self.scene.reading.options()?,
@@ -72,10 +88,11 @@ impl MapArgs {
             strips: self.strips,
             scratch: self.scratch.clone(),
             resume: self.resume,
-            command: run.words(),
+            tiles: TilesAsked { cells_per_side: self.tile_size, only: self.tile.clone() },
+            command,
             unit_command: ["map".into(), self.scene.scene.display().to_string()]
                 .into_iter()
-                .chain(run.typed.flags_but(&OF_BATCH))
+                .chain(typed.flags_but(&OF_BATCH))
                 .collect(),
         })
     }
@@ -112,6 +129,11 @@ impl MapArgs {
         self.picture.look(&self.out, &outputs)
     }
 
+    /// Whether one tile is asked for, whose files are not named after it: a map like any other.
+    fn is_one_tile(&self) -> bool {
+        self.tile.len() == 1 && !self.out.output.iter().any(|path| names_tile(path))
+    }
+
     /// Tells what was found and written.
     fn tell(&self, run: &Run, done: &Done) -> Result<()> {
         if run.keeps {
@@ -130,14 +152,15 @@ impl MapArgs {
     }
 
     /// A run for each UAV; what several have in common is told once, at the end.
-    fn run_sites(&self, run: &Run, runs: &SiteRuns<'_>) -> Result<()> {
+    fn run_sites(&self, run: &Run, runs: &UnitRuns<'_>) -> Result<()> {
         let mut sites = Sites {
             args: self,
             run,
             warnings: Vec::new(),
             said: WarningsOfRuns::default(),
             n: [0; 3],
-            is_by_site: true,
+            is_by_unit: true,
+            is_of_tiles: !self.tile.is_empty() || self.out.output.iter().any(|path| names_tile(path)),
         };
         let outcome = runs.run(&mut |outcome| sites.add(outcome));
         let is_interrupted = outcome.as_ref().is_err_and(|e| e.class() == ErrorClass::Interrupted);
@@ -156,16 +179,21 @@ struct Sites<'a> {
     said: WarningsOfRuns,
     /// UAVs that were mapped, that were there, that were not mapped.
     n: [u64; 3],
-    is_by_site: bool,
+    is_by_unit: bool,
+    is_of_tiles: bool,
 }
 
 impl Sites<'_> {
     fn add(&mut self, outcome: Outcome<'_>) -> Result<()> {
         match outcome {
             Outcome::Warnings(found) => self.warnings = found.to_vec(),
-            Outcome::Done(uav, done) => {
+            Outcome::Done(part, done) => {
+                if self.args.is_one_tile() {
+                    self.is_by_unit = false;
+                    return self.args.tell(self.run, done);
+                }
                 self.n[0] += 1;
-                self.said.add(uav, done.warnings());
+                self.said.add(&part.name(), done.warnings());
                 if !self.run.is_quiet {
                     done.notes(Spent::default()).iter().for_each(|note| say::note(note));
                 }
@@ -180,11 +208,11 @@ impl Sites<'_> {
             Outcome::Failed(_) if self.run.keeps => {}
             Outcome::Failed(error) => say::failure(&Failure::Library(error.clone())),
             Outcome::Together(done) => {
-                self.is_by_site = false;
+                self.is_by_unit = false;
                 self.args.tell(self.run, done)?;
             }
             Outcome::AllThere => {
-                self.is_by_site = false;
+                self.is_by_unit = false;
                 if !self.run.is_quiet {
                     say::note("nothing to do: the files are there, made by the same run");
                 }
@@ -200,16 +228,17 @@ impl Sites<'_> {
             return;
         }
         let nothing_began = self.n == [0; 3];
-        if self.run.is_quiet || !self.is_by_site || (is_failed && nothing_began) {
+        if self.run.is_quiet || !self.is_by_unit || (is_failed && nothing_began) {
             return;
         }
         if !is_interrupted {
             let [n_done, n_there, n_not] = self.n;
+            let (one, many) = if self.is_of_tiles { ("tile", "tiles") } else { ("UAV", "UAVs") };
             let skipped = if n_there > 0 { format!(", {n_there} there already") } else { String::new() };
             let others = if n_not > 0 { format!(", {n_not} not") } else { String::new() };
-            say::note(&format!("{} mapped{skipped}{others}", counted(n_done, "UAV", "UAVs")));
+            say::note(&format!("{} mapped{skipped}{others}", counted(n_done, one, many)));
         }
         say::warnings(&self.warnings);
-        self.said.say();
+        self.said.say(if self.is_of_tiles { "tiles" } else { "UAVs" });
     }
 }

@@ -7,7 +7,7 @@ use clap::Args;
 use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::sight::{SightArgs, UavsArgs};
-use crate::cli::args::words::{Words, number, one_of, range, shard};
+use crate::cli::args::words::{Words, cells_per_side, number, one_of, range, shard, tile};
 use crate::export::Layer;
 use crate::formats::TiffLayout;
 use crate::map::PolygonClasses;
@@ -38,6 +38,13 @@ const LAYERS: Words<Layer> = &[
         Layer::Count,
     ),
     ("which", "Which UAVs see the cell, one bit each", Layer::Which),
+    ("union", "Classes as in `los`, of all UAVs together: 1 where any sees the cell", Layer::Union),
+    (
+        "best-server",
+        "The nearest UAV that sees the cell, by its number in the order of the UAVs from 1, in three dimensions, the first at \
+         equal distances; 0 where none does, nodata where nobody receives",
+        Layer::BestServer,
+    ),
 ];
 
 /// The arrangements of the cells of a GeoTIFF.
@@ -56,7 +63,8 @@ const POLYGONS: Words<PolygonClasses> = &[
 #[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb").long_help(
 "File to write, by extension: .png .svg .pdf .tif .exr .asc .bil .npz .kmz .csv .json .geojson .fgb, `-` for JSON on standard \
 output; repeat for more. Without any the table goes to standard output. With `{site}` in every name each UAV gets files of its \
-own, which appear as soon as they are complete. With `--radius`, a map of a raster is of the part in range, and no more is read")))]
+own, which appear as soon as they are complete; with `{row}` and `{col}` each tile of the ground does, with the layers of all UAVs \
+together. With `--radius`, a map of a raster is of the part in range, and no more is read")))]
 #[command(
     after_help = "Example: skyshed map maps/munich.geojson --uav 691549.7,5334762.2,120 --radius 300 -o munich.png"
 )]
@@ -111,12 +119,20 @@ pub(in crate::cli) struct MapArgs {
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, requires = "polygons",
           help_heading = "Output", hide_short_help = true)]
     pub(super) simplify: Option<f64>,
-    /// Only the K-th of N nearly equal parts of the UAVs of the table, in its order: for schedulers that hand out numbers
-    #[arg(long, value_name = "K/N", value_parser = shard, requires = "uavs", help_heading = "Map", hide_short_help = true)]
+    /// Only the K-th of N nearly equal parts of the UAVs of the table in its order, or of the tiles: for schedulers that hand out
+    /// numbers
+    #[arg(long, value_name = "K/N", value_parser = shard, requires = "uavs", help_heading = "Units of work",
+          hide_short_help = true)]
     pub(super) shard: Option<Shard>,
-    /// Leave what is there already: a UAV is skipped if its files exist and were made by the same run, so that an interrupted
-    /// one goes on where it stopped
-    #[arg(long, help_heading = "Output", hide_short_help = true)]
+    /// Only this tile of the ground, row from the north and column from the west, from 0; repeat for more
+    #[arg(long, value_name = "ROW,COL", value_parser = tile, help_heading = "Units of work", hide_short_help = true)]
+    pub(super) tile: Vec<(usize, usize)>,
+    /// Cells along a side of a tile, a multiple of 16; default 2048
+    #[arg(long, value_name = "N", value_parser = cells_per_side, help_heading = "Units of work", hide_short_help = true)]
+    pub(super) tile_size: Option<usize>,
+    /// Leave what is there already: a UAV or a tile is skipped if its files exist and were made by the same run, so that an
+    /// interrupted one goes on where it stopped
+    #[arg(long, help_heading = "Units of work", hide_short_help = true)]
     pub(super) resume: bool,
     /// Sweep a raster strip by strip from a copy in tiles on disk, also where it fits in memory: the same cells, less memory
     #[arg(long, help_heading = "Output", hide_short_help = true)]

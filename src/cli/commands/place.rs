@@ -8,11 +8,12 @@ use crate::answer::Output;
 use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::sight::SightArgs;
-use crate::cli::args::words::{Words, ZONES, number, one_of};
-use crate::cli::failure::{Result, refusal_with};
+use crate::cli::args::words::{Words, ZONES, number, one_of, shard};
+use crate::cli::failure::{Result, refusal, refusal_with};
 use crate::cli::run::Run;
 use crate::export::Format;
 use crate::placements::{CandidatesFrom, FORMATS, Goal, SearchPlan, Whom, have_one_reference, heights};
+use crate::uav::Shard;
 use crate::zones::Zone;
 
 const MINIMIZE: Words<()> = &[("height", "The UAV's height", ())];
@@ -58,6 +59,10 @@ pub(in crate::cli) struct PlaceArgs {
     /// Leave out rows of the candidates that cannot be read, with a warning that names them
     #[arg(long, requires = "candidates", help_heading = "Candidates", hide_short_help = true)]
     skip_bad: bool,
+    /// Only the K-th of N nearly equal parts of the candidates, in their order; nothing is refined: for schedulers that hand out
+    /// numbers
+    #[arg(long, value_name = "K/N", value_parser = shard, help_heading = "Candidates", hide_short_help = true)]
+    shard: Option<Shard>,
     /// At least so high above the roof or ground directly below [m]
     #[arg(long, value_name = "M", value_parser = number, default_value = "0", allow_hyphen_values = true,
           help_heading = "Candidates", hide_short_help = true)]
@@ -118,6 +123,10 @@ impl PlaceArgs {
 
     fn plan(&self) -> Result<SearchPlan> {
         let goal = Goal::parse(&self.goal)?;
+        if self.shard.is_some() && (self.count > 1 || self.map.is_some() || self.minimize.is_some()) {
+            let text = "`--shard` has no meaning with `--count`, `--map` or `--minimize`, which look at all candidates";
+            return Err(refusal(116, text));
+        }
         let heights = self.height.as_deref().map(heights).transpose()?;
         let from = match &self.candidates {
             Some(path) => CandidatesFrom::File { path: path.clone(), skips_bad: self.skip_bad },
@@ -149,6 +158,7 @@ impl PlaceArgs {
             clearance_m: self.clearance,
             area: self.area.clone(),
             weights: self.weights.clone(),
+            shard: self.shard,
             count: usize::from(self.count),
             top: usize::from(self.top),
             hash: self.scene.reading.hash,

@@ -1,6 +1,6 @@
 //! Remedies for the errors of `src/error/`: requests, places, inputs, limits.
 
-use crate::error::{FitsPage, InputError, LimitError, OfGenerated, PlacesError, RequestError};
+use crate::error::{CheckError, FitsPage, InputError, LimitError, OfGenerated, PlacesError, RequestError};
 use crate::los_probability::models::Model;
 
 pub(super) fn of_request(error: &RequestError) -> Option<String> {
@@ -9,6 +9,12 @@ pub(super) fn of_request(error: &RequestError) -> Option<String> {
         R::Goal { .. } => {
             "wanted p_los or margin, alone or with (street), (crossroad), (courtyard), (rooftop), (area), or p_los(weights)"
         }
+        R::NotNamedAfterTiles(_) => "write `{row}` and `{col}` into every name, and no `{site}`",
+        R::LayerOfTile { .. } => {
+            "`--layers count`, `union`, `which` or `best-server`; `{site}` in names gives each UAV files of its own"
+        }
+        R::NoUnits => "`{site}` in the names of files gives each UAV files of its own, `{row}` and `{col}` each tile",
+        R::PartOfUnits => "leave `--shard` and `--tile` out",
         R::NotNamedAfterUavs(_) => "write `{site}` into every name, or into none",
         R::Scratch(_) => "it holds 4 bytes a cell while the map is made",
         R::OfAnotherRun(_) => "`--overwrite` replaces it",
@@ -116,4 +122,13 @@ fn what_fits(fits: &FitsPage) -> String {
         }
         FitsPage::Cells { cell_m } => format!("`--cell {cell_m}`"),
     }
+}
+
+/// The remedy for a check that does not hold.
+pub(super) fn of_check(error: &CheckError) -> Option<String> {
+    let hint = match error {
+        CheckError::OpenUnits { .. } => "run the map again with `--resume`: what is done is left alone",
+        CheckError::NoDocument(_) => "write a .json beside: `-o NAME-{site}.json`",
+    };
+    Some(hint.into())
 }

@@ -4,15 +4,18 @@ use rayon::prelude::*;
 
 use super::class;
 
-/// Which UAVs see each cell: one word per 32 UAVs, bit k of word w for UAV 32·w + k.
-pub fn which_layer(masks: &[&[u8]]) -> Vec<Vec<u32>> {
-    let n_cells = masks.first().map_or(0, |m| m.len());
-    let word = |group: &[&[u8]]| {
-        (0..n_cells)
-            .map(|i| group.iter().enumerate().fold(0, |bits, (k, m)| bits | (u32::from(m[i] == class::LOS) << k)))
-            .collect()
-    };
-    masks.chunks(32).map(word).collect()
+/// What is made of many masks beside how many UAVs see a cell and whether any does.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Together {
+    /// Whether to tell which UAVs see a cell.
+    pub which: bool,
+    /// Whether to tell the nearest UAV that sees a cell.
+    pub best_server: bool,
+    /// Whether to lay the mask of a single UAV over nothing, too.
+    pub even_of_one: bool,
+    /// The place of each UAV in a list of all of them, of which some are mapped here, and the length of that; as they come and
+    /// their number without one.
+    pub of_list: Option<(Vec<usize>, usize)>,
 }
 
 /// The masks of many UAVs laid over each other one by one, so that none need be kept.
@@ -20,12 +23,47 @@ pub fn which_layer(masks: &[&[u8]]) -> Vec<Vec<u32>> {
 pub struct Overlay {
     union: Vec<u8>,
     count: Vec<u32>,
+    /// UAVs of the list.
+    n_uavs: usize,
+    /// See [`Overlay::which`].
+    which: Vec<Vec<u32>>,
+    best: Option<BestServer>,
+}
+
+/// The nearest UAV of each cell so far.
+#[derive(Debug, Clone)]
+struct BestServer {
+    /// Its number from 1; 0 for none.
+    number: Vec<u32>,
+    /// Its squared distance \[m²\].
+    squared_m2: Vec<f64>,
 }
 
 impl Overlay {
     /// Nothing seen by anyone.
     pub fn new(n_cells: usize) -> Self {
-        Overlay { union: vec![class::NODATA; n_cells], count: vec![0; n_cells] }
+        Overlay {
+            union: vec![class::NODATA; n_cells],
+            count: vec![0; n_cells],
+            n_uavs: 0,
+            which: Vec::new(),
+            best: None,
+        }
+    }
+
+    /// Cells out of range of anyone, but those that are not known; of a list of so many UAVs.
+    pub(super) fn of_cells(known: impl Iterator<Item = bool>, together: &Together, n_uavs: usize) -> Self {
+        let union: Vec<u8> = known.map(|is| if is { class::OUT_OF_RANGE } else { class::NODATA }).collect();
+        let n_cells = union.len();
+        let n_words = if together.which { n_uavs.div_ceil(32) } else { 0 };
+        let best = BestServer { number: vec![0; n_cells], squared_m2: vec![f64::INFINITY; n_cells] };
+        Overlay {
+            union,
+            count: vec![0; n_cells],
+            n_uavs,
+            which: vec![vec![0; n_cells]; n_words],
+            best: together.best_server.then_some(best),
+        }
     }
 
     /// Adds the mask of one UAV.
@@ -41,6 +79,48 @@ impl Overlay {
                 }
             }
         });
+    }
+
+    /// Adds the mask of the `k`-th UAV of a list, in rows of `n_cols`, with its squared distances \[m²\] by row and column.
+    pub(super) fn add_one_of(
+        &mut self,
+        k: usize,
+        (mask, n_cols): (&[u8], usize),
+        squared_m2: impl Fn((usize, usize)) -> f64 + Sync,
+    ) {
+        self.add(mask);
+        if let Some(word) = self.which.get_mut(k / 32) {
+            let seen = word.par_iter_mut().zip(mask).filter(|(_, class)| **class == class::LOS);
+            seen.for_each(|(word, _)| *word |= 1 << (k % 32));
+        }
+        let Some(best) = &mut self.best else { return };
+        let own = u32::try_from(k + 1).unwrap_or(u32::MAX);
+        let rows = best.number.par_chunks_mut(n_cols).zip(best.squared_m2.par_chunks_mut(n_cols));
+        rows.zip(mask.par_chunks(n_cols)).enumerate().for_each(|(row, ((numbers, squares), mask))| {
+            for (col, _) in mask.iter().enumerate().filter(|(_, class)| **class == class::LOS) {
+                let squared = squared_m2((row, col));
+                // At equal distances the first of the list, whatever the order in which they come.
+                if squared < squares[col] || (squared <= squares[col] && own < numbers[col]) {
+                    (numbers[col], squares[col]) = (own, squared);
+                }
+            }
+        });
+    }
+
+    /// How many UAVs there are in the list of all; 0 if that was not told.
+    pub fn n_uavs(&self) -> usize {
+        self.n_uavs
+    }
+
+    /// Which UAVs see each cell, if that was asked for: one word per 32 UAVs, bit k of word w for UAV 32·w + k.
+    pub fn which(&self) -> &[Vec<u32>] {
+        &self.which
+    }
+
+    /// The nearest UAV that sees each cell by its number in the list, from 1, at equal distances the first; 0 for none. `None` if
+    /// that was not asked for.
+    pub fn best_server(&self) -> Option<&[u32]> {
+        self.best.as_ref().map(|best| best.number.as_slice())
     }
 
     /// The mask of all UAVs together: LoS if any sees the cell, NLoS if it is a receiver of one, not a receiver if it is in

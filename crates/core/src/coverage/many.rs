@@ -2,8 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::{Control, Mapper, Overlay, SiteCoverage, Uav};
+use super::{Control, Mapper, Overlay, SiteCoverage, Together, Uav};
 use crate::error::Result;
+use crate::quantity::STEPS_PER_UNIT;
+use crate::raster::CellWindow;
 
 /// How long the masks and layers of maps are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,7 +25,7 @@ pub enum KeepMasks {
 pub struct ManyMaps {
     /// The maps; without masks and layers where they were not to be kept.
     pub sites: Vec<SiteCoverage>,
-    /// All masks laid over each other, for more than one UAV.
+    /// All masks laid over each other, for more than one UAV and for none, and where it is asked for.
     pub overlay: Option<Overlay>,
 }
 
@@ -35,28 +37,32 @@ impl Mapper<'_> {
     pub fn map_many(
         &self,
         uavs: &[Uav],
-        keep: KeepMasks,
+        (keep, together): (KeepMasks, &Together),
         control: &Control,
         mut each_part: impl FnMut(&[u8]) + Send,
         mut each: impl FnMut(&SiteCoverage),
     ) -> Result<ManyMaps> {
         let mut sites: Vec<SiteCoverage> = Vec::with_capacity(uavs.len());
-        let mut overlay = (uavs.len() > 1).then(|| Overlay::new(self.field.grid().n_cells()));
+        let n_list = together.of_list.as_ref().map_or(uavs.len(), |(_, n)| *n);
+        let mut overlay =
+            (uavs.len() != 1 || together.even_of_one).then(|| Overlay::of_cells(self.known_cells(), together, n_list));
+        let window = self.window();
         for chunk in uavs.chunks(maps_at_once()) {
             let maps: Vec<SiteCoverage> = match chunk {
-                [one] => {
-                    let is_held = uavs.len() > 1 || keep != KeepMasks::Never;
+                [one] if self.options.window.is_none() => {
+                    let is_held = overlay.is_some() || keep != KeepMasks::Never;
                     vec![self.map_in_parts(one, control, Some(&mut each_part), is_held)?]
                 }
                 _ => chunk.par_iter().map(|uav| self.map(uav, control)).collect::<Result<_>>()?,
             };
             for mut site in maps {
-                if chunk.len() > 1 {
+                if chunk.len() > 1 || self.options.window.is_some() {
                     each_part(&site.mask);
                 }
                 each(&site);
                 if let Some(overlay) = &mut overlay {
-                    overlay.add(&site.mask);
+                    let k = together.of_list.as_ref().map_or(sites.len(), |(places, _)| places[sites.len()]);
+                    overlay.add_one_of(k, (&site.mask, window.n_cols), self.squared_distances_m2(&site.uav));
                 }
                 if keep != KeepMasks::Always {
                     site = SiteCoverage::of_tally(&site.uav, site.tally);
@@ -65,6 +71,38 @@ impl Mapper<'_> {
             }
         }
         Ok(ManyMaps { sites, overlay })
+    }
+
+    /// The cells that are told of.
+    fn window(&self) -> CellWindow {
+        self.options.window.unwrap_or_else(|| self.field.grid().window())
+    }
+
+    /// Whether something is known of the cells that are told of, row by row.
+    fn known_cells(&self) -> impl Iterator<Item = bool> {
+        let (window, cells) = (self.window(), self.field.cells());
+        let rows = window.row..window.row + window.n_rows;
+        rows.flat_map(move |row| (window.col..window.col + window.n_cols).map(move |col| (row, col)))
+            .map(|(row, col)| cells.open.contains(row, col) || cells.building.contains(row, col))
+    }
+
+    /// The squared distance from a UAV to the receiver of each cell that is told of \[m²\], from whole lattice steps: that of two
+    /// UAVs at one distance is one number.
+    #[expect(clippy::cast_precision_loss, reason = "steps in reach are below 2^53")]
+    fn squared_distances_m2(&self, uav: &Uav) -> impl Fn((usize, usize)) -> f64 + Sync {
+        let (window, n_cols) = (self.window(), self.field.grid().n_cols());
+        let (positions, unit) = (self.engine.positions(), self.options.meters_per_unit);
+        let (step_x, step_y) = positions.step_lengths();
+        let steps_to = positions.steps_from(&uav.station.place);
+        let z = uav.station.z;
+        move |(row, col)| {
+            let cell = (window.row + row, window.col + col);
+            let (dx, dy) = steps_to(cell.0, cell.1);
+            let receiver = self.receivers_at(cell).next().map_or(z, |(kind, _)| kind.height(cell.0 * n_cols + cell.1));
+            let (x, y) = (dx as f64 * step_x * unit, dy as f64 * step_y * unit);
+            let height = (receiver - z) as f64 / f64::from(STEPS_PER_UNIT);
+            x * x + y * y + height * height
+        }
     }
 }
 

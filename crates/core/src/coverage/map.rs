@@ -14,7 +14,7 @@ use super::{Control, HeightLayers, MapOptions, Receivers, Stability, Tally, Uav}
 use crate::error::{MapError, Result};
 use crate::height_field::{Casters, HeightField, Station};
 use crate::los::{GridLos, GridReceivers, Method, WrongMethod, height_by_cell, link_los};
-use crate::raster::{BitGrid, LargeVec};
+use crate::raster::{BitGrid, CellWindow, LargeVec};
 
 /// The coverage of one UAV: shape `[n_rows, n_cols]` each, columns running fastest, row 0 north.
 #[derive(Debug, Clone)]
@@ -40,6 +40,29 @@ impl SiteCoverage {
     /// The coverage of a UAV without layers.
     pub fn of_mask(uav: &Uav, mask: LargeVec<u8>, tally: Tally) -> Self {
         SiteCoverage { mask, ..SiteCoverage::of_tally(uav, tally) }
+    }
+
+    /// The columns of a window alone, of a coverage of its rows, which have so many.
+    fn cropped(self, window: CellWindow, n_cols: usize) -> Self {
+        fn part<T: Copy>(cells: &[T], window: CellWindow, n_cols: usize) -> Vec<T> {
+            let rows = cells.chunks(n_cols);
+            rows.flat_map(|row| &row[window.col..window.col + window.n_cols]).copied().collect()
+        }
+        let of_layer = |layer: Option<Vec<f32>>| layer.map(|layer| part(&layer, window, n_cols));
+        let mask: LargeVec<u8> = part(&self.mask, window, n_cols).into();
+        SiteCoverage {
+            tally: self.tally.with_others_of(&mask),
+            mask,
+            margin: of_layer(self.margin),
+            least_receiver_height: of_layer(self.least_receiver_height),
+            least_height: of_layer(self.least_height),
+            stability: self.stability.map(|of_all| Stability {
+                // Of all rows.
+                turns: part(&of_all.turns[window.row * n_cols..(window.row + window.n_rows) * n_cols], window, n_cols),
+                ..of_all
+            }),
+            uav: self.uav,
+        }
     }
 
     /// The coverage of a UAV without a mask and layers.
@@ -101,9 +124,11 @@ impl<'a> Mapper<'a> {
             return Err(MapError::ApproximateLayers { method: method.name() }.into());
         }
         let cells = field.cells();
-        let within = |cells: &'a BitGrid| match &options.within {
-            Some(within) => Cow::Owned(cells.clone().and(within)),
-            None => Cow::Borrowed(cells),
+        let shape = (field.grid().n_rows(), field.grid().n_cols());
+        let told_of = options.window.map(|window| BitGrid::of_window(shape, window));
+        let within = |cells: &'a BitGrid| {
+            let sets = options.within.iter().chain(&told_of);
+            sets.fold(Cow::Borrowed(cells), |cells, set| Cow::Owned(cells.into_owned().and(set)))
         };
         let ground = || GridReceivers::new(within(&cells.open), field.ground_of_cells(), options.rx_height);
         let roof = || GridReceivers::new(within(&cells.building), field.roof_of_cells(), options.rx_height);
@@ -215,7 +240,11 @@ impl<'a> Mapper<'a> {
     /// Cost: that of the engine (see [`crate::los`]), plus a walk per receiver and solid for layers of heights, of which the
     /// sweep finds margins and ceilings without one. Shared by all threads of the current pool.
     pub fn map(&self, uav: &Uav, control: &Control) -> Result<SiteCoverage> {
-        self.map_in_parts(uav, control, None, true)
+        let map = self.map_in_parts(uav, control, None, true)?;
+        Ok(match self.options.window {
+            Some(window) => map.cropped(window, self.field.grid().n_cols()),
+            None => map,
+        })
     }
 
     /// Maps what a UAV sees, and calls `each_part` with one part of the mask after another, from the north, while others are made. Unless
@@ -228,6 +257,8 @@ impl<'a> Mapper<'a> {
         keep: bool,
     ) -> Result<SiteCoverage> {
         let (n_rows, n_cols) = (self.field.grid().n_rows(), self.field.grid().n_cols());
+        // Rows beyond the window are not told of.
+        let told = self.options.window.map_or(0..n_rows, |window| window.row..window.row + window.n_rows);
         let layers = if keep { self.options.layers } else { HeightLayers::default() };
         let range = self.range_of(uav);
         let map =
@@ -247,20 +278,21 @@ impl<'a> Mapper<'a> {
                 let (margin, least_height, least_receiver_height) = (&mut [][..], &mut [][..], &mut [][..]);
                 map.fill(&decided, &[], row, &mut Row { mask, margin, least_receiver_height, least_height })
             };
-            let tally = in_buffers(0..n_rows, n_cols, n_at_once, fill, &mut hand_over);
+            let tally = in_buffers(told, n_cols, n_at_once, fill, &mut hand_over);
             control.check()?;
             return Ok(SiteCoverage::of_tally(uav, tally));
         }
-        let n_cells = n_rows * n_cols;
+        let (first, n_told) = (told.start, told.len());
+        let n_cells = n_told * n_cols;
         let layer = |wanted: bool| if wanted { vec![f32::NAN; n_cells] } else { Vec::new() };
         let mut mask = LargeVec::<u8>::zeroed(n_cells);
         let mut margin = layer(layers.margin);
         let mut least_receiver_height = layer(layers.least_receiver_height);
         let mut least_height = layer(layers.least_height);
-        let rows = split(&mut mask, n_rows, n_cols)
-            .zip(split(&mut margin, n_rows, n_cols))
-            .zip(split(&mut least_receiver_height, n_rows, n_cols))
-            .zip(split(&mut least_height, n_rows, n_cols))
+        let rows = split(&mut mask, n_told, n_cols)
+            .zip(split(&mut margin, n_told, n_cols))
+            .zip(split(&mut least_receiver_height, n_told, n_cols))
+            .zip(split(&mut least_height, n_told, n_cols))
             .map(|(((mask, margin), least_receiver_height), least_height)| Row {
                 mask,
                 margin,
@@ -268,7 +300,7 @@ impl<'a> Mapper<'a> {
                 least_height,
             })
             .enumerate();
-        let tally = in_bands(rows, n_at_once, |row, out| map.fill(&decided, &found, row, out), &mut hand_over);
+        let tally = in_bands(rows, n_at_once, |row, out| map.fill(&decided, &found, first + row, out), &mut hand_over);
         control.check()?;
         let answers = Answers {
             field: self.field,

@@ -33,7 +33,7 @@ pub use explained_link::{
 };
 pub use height_curve::{HeightCurve, LeastHeights};
 pub use idle::IdleFootprints;
-pub use layers::{Overlay, which_layer};
+pub use layers::{Overlay, Together};
 pub use many::{KeepMasks, ManyMaps, maps_at_once};
 pub use map::{Mapper, Seen, SiteCoverage, map_site};
 pub use margins::{GRAZING_M, MarginSample, MarginStats, WorstReceiver};

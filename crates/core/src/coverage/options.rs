@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use crate::error::{Error, Result};
 use crate::los::MethodChoice;
 use crate::quantity::STEPS_PER_UNIT;
-use crate::raster::BitGrid;
+use crate::raster::{BitGrid, CellWindow};
 
 /// Which cells hold receivers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -28,6 +28,9 @@ pub struct MapOptions {
     pub receivers: Receivers,
     /// Only cells of this set hold receivers, if there is one: those of a zone or an area.
     pub within: Option<BitGrid>,
+    /// The window of cells that is told of, all others only stand in the way; all cells without one. Masks, layers and counts
+    /// are those of the window.
+    pub window: Option<CellWindow>,
     /// Largest horizontal distance from the UAV to a cell center \[CRS units\].
     pub radius: Option<f64>,
     /// Length of a CRS unit \[m\], for elevation angles.
@@ -45,6 +48,7 @@ impl Default for MapOptions {
             rx_height: 3 * STEPS_PER_UNIT / 2,
             receivers: Receivers::Ground,
             within: None,
+            window: None,
             radius: None,
             meters_per_unit: 1.0,
             layers: HeightLayers::default(),

@@ -72,6 +72,11 @@ impl Tally {
         Tally::of_counts(&counts)
     }
 
+    /// These receivers, with the other cells of a mask.
+    pub(super) fn with_others_of(self, mask: &[u8]) -> Self {
+        Tally { receivers: self.receivers, los: self.los, bands: self.bands, ..Tally::of_mask(mask) }
+    }
+
     fn of_counts(counts: &[u64; 256]) -> Self {
         let of = |class: u8| counts[usize::from(class)];
         Tally {

@@ -53,6 +53,24 @@ impl Uav {
         Uav::over(site, field, field.place(site.x, site.y))
     }
 
+    /// Places a site in a part of a raster scene just where it is in the whole, whose lattice rounds it; in other scenes as
+    /// [`Uav::place`] does.
+    ///
+    /// # Errors
+    /// As [`Uav::place`].
+    pub fn place_in_part(site: &Site, field: &HeightField, whole: &GeoRef, radius: Option<f64>) -> Result<Uav, Error> {
+        if field.prisms_frame().is_some() {
+            return Uav::place(site, field, radius);
+        }
+        let frame = cell_frame(whole);
+        check_extent((site.x, site.y), (field.grid(), &[Some(frame), None]), radius)
+            .map_err(|why| refused(site, why))?;
+        let (x, y) = frame.lattice_from_world(site.x, site.y);
+        #[expect(clippy::cast_precision_loss, reason = "lattice positions in reach are below 2^53")]
+        let (x, y) = frame.world_from_lattice(x as f64, y as f64);
+        Uav::over(site, field, field.place(x, y).told_as(site.x, site.y))
+    }
+
     /// Places a site in a scene that is read window by window, as [`Uav::place`] does in one that is in memory.
     ///
     /// # Errors

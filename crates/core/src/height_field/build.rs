@@ -1,5 +1,7 @@
 //! From a scene to its height field: footprints become prisms, and each cell of the receivers' grid ground, roof or nothing.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::known_ground::KnownGround;
@@ -37,7 +39,7 @@ impl HeightField {
                 HeightField { grid: grid.clone(), solid, without_data: voids, cells: no_cells }
             }
             Solids::Vector { footprints, frame, ground, data_area, .. } => {
-                let prisms = prisms_of(&footprints, &mut warnings);
+                let prisms = Arc::new(prisms_of(&footprints, &mut warnings));
                 let is_auto = matches!(data_area, DataArea::NearFootprints);
                 let known_ground = match data_area {
                     DataArea::All => None,
@@ -57,6 +59,7 @@ impl HeightField {
                     Ground::Flat(z) => VectorGround::Flat(z),
                     Ground::Surface => VectorGround::Flat(0),
                 };
+                let (ground, known_ground) = (Arc::new(ground), known_ground.map(Arc::new));
                 let solid = VectorSolid { prisms, frame, ground, roofs: Vec::new(), known_ground, building_ids };
                 let solid = Solid::Vector(solid);
                 let mut field = HeightField { grid: grid.clone(), solid, without_data: None, cells: no_cells };

@@ -114,8 +114,11 @@ impl HeightField {
     pub(super) fn flat_ground(&self) -> Option<i32> {
         match &self.solid {
             Solid::Raster(RasterSolid { ground: Ground::Flat(z), .. }) => Some(*z),
-            Solid::Vector(VectorSolid { ground: VectorGround::Flat(z), .. }) => Some(*z),
-            Solid::Raster(_) | Solid::Vector(_) => None,
+            Solid::Vector(VectorSolid { ground, .. }) => match **ground {
+                VectorGround::Flat(z) => Some(z),
+                VectorGround::Terrain { .. } => None,
+            },
+            Solid::Raster(_) => None,
         }
     }
 

@@ -1,5 +1,7 @@
 //! A scene with one thing changed: its receivers, its buildings, or the heights of its roofs.
 
+use std::sync::Arc;
+
 use super::solid::{RasterSolid, Solid, VectorSolid};
 use super::{CellSets, Columns, HeightField, Piece, Prisms, Ring};
 use crate::quantity::{MAX_HEIGHT_M, VOID, height_steps};
@@ -19,8 +21,8 @@ impl HeightField {
     pub(super) fn without_prisms(&self) -> HeightField {
         let mut field = self.clone();
         if let Solid::Vector(vector) = &mut field.solid {
-            vector.prisms = Prisms::new(Vec::<(Ring, i32, u32)>::new());
-            vector.building_ids = Vec::new();
+            vector.prisms = Arc::new(Prisms::new(Vec::<(Ring, i32, u32)>::new()));
+            vector.building_ids = [].into();
             vector.roofs = vec![VOID; self.grid.n_cells()];
         }
         field.cells = CellSets::of(&field);
@@ -39,7 +41,7 @@ impl HeightField {
         match &mut field.solid {
             Solid::Vector(VectorSolid { prisms, .. }) => {
                 let piece = |p: &Piece| Some((prisms.ring(p).to_vec(), raised(p.top)?, p.building));
-                *prisms = Prisms::new(prisms.pieces().iter().map(piece).collect::<Option<Vec<_>>>()?);
+                *prisms = Arc::new(Prisms::new(prisms.pieces().iter().map(piece).collect::<Option<Vec<_>>>()?));
             }
             Solid::Raster(RasterSolid { columns, .. }) => {
                 let n_cols = columns.n_cols();

@@ -17,7 +17,7 @@ impl HeightField {
 
     /// Where the ground of a vector scene is known, if not everywhere.
     fn known_ground(&self) -> Option<&KnownGround> {
-        self.solid.vector()?.known_ground.as_ref()
+        self.solid.vector()?.known_ground.as_deref()
     }
 
     /// Takes all ground for known where less than a tenth of what is near the footprints is open, and says whether: a lone

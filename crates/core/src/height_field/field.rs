@@ -86,7 +86,7 @@ impl HeightField {
 
     /// The prisms, in a vector scene.
     pub fn prisms(&self) -> Option<&Prisms> {
-        self.solid.vector().map(|vector| &vector.prisms)
+        self.solid.vector().map(|vector| &*vector.prisms)
     }
 
     /// The columns: the surface of a raster scene, or the terrain of a vector scene.
@@ -169,7 +169,7 @@ impl HeightField {
                 Ground::Flat(z) => *z,
                 Ground::Terrain(terrain) => cell_of(&raster.columns).map_or(VOID, |cell| terrain.cells()[cell]),
             },
-            Solid::Vector(vector) => match &vector.ground {
+            Solid::Vector(vector) => match &*vector.ground {
                 VectorGround::Flat(z) => *z,
                 VectorGround::Terrain { columns, .. } => top_of(columns),
             },

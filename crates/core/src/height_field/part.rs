@@ -1,13 +1,37 @@
-//! A part of a raster scene.
+//! A part of a scene.
 
-use super::HeightField;
+use super::solid::{Solid, VectorSolid};
+use super::{CellSets, HeightField};
 use crate::city::{Ground, Solids};
-use crate::raster::{BitGrid, CellWindow, Raster};
+use crate::raster::{CellWindow, Raster};
 
 impl HeightField {
     /// The part of a raster scene over some of its cells, as if no more had been read; `None` of a vector scene.
     pub fn part(&self, window: CellWindow) -> Option<HeightField> {
         Some(HeightField::build(&self.grid.part(window), self.solids_of(window)?).field)
+    }
+
+    /// The scene with receivers in some of its cells alone: a raster as if no more had been read, of footprints with all that
+    /// can block a link.
+    #[must_use]
+    pub fn shown(&self, window: CellWindow) -> HeightField {
+        let Solid::Vector(vector) = &self.solid else { return self.part(window).unwrap_or_else(|| self.clone()) };
+        let n_cols = self.grid.n_cols();
+        let rows = vector.roofs.chunks(n_cols).skip(window.row).take(window.n_rows);
+        let roofs = rows.flat_map(|row| &row[window.col..window.col + window.n_cols]).copied().collect();
+        // Fields one by one: the roofs of the whole are not copied.
+        let VectorSolid { prisms, frame, ground, known_ground, building_ids, .. } = vector;
+        let solid = Solid::Vector(VectorSolid {
+            prisms: prisms.clone(),
+            frame: *frame,
+            ground: ground.clone(),
+            roofs,
+            known_ground: known_ground.clone(),
+            building_ids: building_ids.clone(),
+        });
+        let cells = CellSets { open: self.cells.open.part(window), building: self.cells.building.part(window) };
+        let without_data = self.without_data.as_ref().map(|whole| whole.part(window));
+        HeightField { grid: self.grid.part(window), solid, without_data, cells }
     }
 
     /// What a raster scene was built from, over some of its cells; `None` of a vector scene.
@@ -23,14 +47,7 @@ impl HeightField {
             Ground::Terrain(terrain) => Ground::Terrain(cut(terrain.cells())),
             ground => ground.clone(),
         };
-        let voids = self.without_data.as_ref().map(|whole| {
-            let mut part = BitGrid::new(window.n_rows, window.n_cols);
-            for row in 0..window.n_rows {
-                let is_void = |col: &usize| whole.contains(window.row + row, window.col + col);
-                (0..window.n_cols).filter(is_void).for_each(|col| part.insert(row, col));
-            }
-            part
-        });
+        let voids = self.without_data.as_ref().map(|whole| whole.part(window));
         let building_threshold = raster.building_threshold;
         Some(Solids::Raster { surface: cut(raster.columns.tops()), ground, building_threshold, voids })
     }

@@ -15,6 +15,11 @@ pub struct Place {
 }
 
 impl Place {
+    /// This lattice position, told by the world position that it was rounded from.
+    pub(crate) fn told_as(self, x: f64, y: f64) -> Self {
+        Place { x, y, ..self }
+    }
+
     /// A world position on the lattice of the cells of a grid, in a scene without prisms.
     pub(crate) fn on_cells(grid: &GeoRef, x: f64, y: f64) -> Self {
         Place { x, y, on_prisms: (0, 0), on_columns: cell_frame(grid).lattice_from_world(x, y) }
@@ -46,7 +51,7 @@ impl Station {
 
 /// The lattice on which distances are told: whole steps to a cell of the receivers, so that cells at equal distances on all
 /// sides stay so, whatever their size is. In a raster scene it is that of the columns, in a vector scene no coarser than
-/// that of the prisms.
+/// that of the prisms. It begins at the corner of the whole grid, so that all parts of a grid tell the same distances.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RangeLattice {
     frame: Frame,
@@ -55,7 +60,8 @@ pub(super) struct RangeLattice {
 
 impl RangeLattice {
     pub(super) fn of(receivers: &GeoRef, has_prisms: bool) -> Self {
-        let frame = cell_frame(receivers);
+        let (x_origin, y_origin) = receivers.corner_of_whole();
+        let frame = Frame { x_origin, y_origin, ..cell_frame(receivers) };
         let cells = if has_prisms { frame.unit_x.max(frame.unit_y).ceil().max(1.0) } else { 1.0 };
         RangeLattice { frame, steps_per_cell: cells * f64::from(STEPS_PER_UNIT) }
     }

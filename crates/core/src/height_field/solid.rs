@@ -1,5 +1,7 @@
 //! What a ray can hit in a scene, and what receivers stand on: columns alone, or prisms with the ground below them.
 
+use std::sync::Arc;
+
 use super::known_ground::KnownGround;
 use super::{Columns, Prisms};
 use crate::city::Ground;
@@ -24,17 +26,18 @@ pub(super) struct RasterSolid {
     pub(super) building_threshold: i32,
 }
 
-/// A vector scene: prisms on the ground. A wall that they happen to share with the terrain is not joined.
+/// A vector scene: prisms on the ground. A wall that they happen to share with the terrain is not joined. Parts of a scene
+/// share all but what is told cell by cell.
 #[derive(Debug, Clone)]
 pub(super) struct VectorSolid {
-    pub(super) prisms: Prisms,
+    pub(super) prisms: Arc<Prisms>,
     pub(super) frame: Frame,
-    pub(super) ground: VectorGround,
+    pub(super) ground: Arc<VectorGround>,
     /// Roof of each cell whose center is inside a building, [`crate::quantity::VOID`] elsewhere.
     pub(super) roofs: Vec<i32>,
     /// Where the ground is known, if not everywhere.
-    pub(super) known_ground: Option<KnownGround>,
-    pub(super) building_ids: Vec<String>,
+    pub(super) known_ground: Option<Arc<KnownGround>>,
+    pub(super) building_ids: Arc<[String]>,
 }
 
 /// What prisms stand on.
@@ -52,7 +55,7 @@ impl Solid {
     pub(super) fn columns(&self) -> Option<(&Columns, Frame)> {
         match self {
             Solid::Raster(raster) => Some((&raster.columns, raster.frame)),
-            Solid::Vector(vector) => match &vector.ground {
+            Solid::Vector(vector) => match &*vector.ground {
                 VectorGround::Flat(_) => None,
                 VectorGround::Terrain { columns, frame } => Some((columns, *frame)),
             },

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use fearless_simd::Simd;
 
+use super::CellWindow;
 use crate::dispatch;
 use crate::simd::SimdLevel;
 
@@ -45,6 +46,34 @@ impl BitGrid {
             all.words.chunks_mut(all.words_per_row).for_each(|row| row[row.len() - 1] = last);
         }
         all
+    }
+
+    /// The cells of a window, as a set of their own.
+    #[must_use]
+    pub(crate) fn part(&self, window: CellWindow) -> Self {
+        let mut part = BitGrid::new(window.n_rows, window.n_cols);
+        let (first, shift) = (window.col / 64, window.col % 64);
+        for row in 0..window.n_rows {
+            let of_whole = self.row(window.row + row);
+            for k in 0..part.words_per_row {
+                let word = |at: usize| of_whole.get(first + k + at).copied().unwrap_or(0);
+                let joined = if shift == 0 { word(0) } else { word(0) >> shift | word(1) << (64 - shift) };
+                part.words[row * part.words_per_row + k] = joined & bits_between(0, window.n_cols, k);
+            }
+        }
+        part
+    }
+
+    /// All cells of a window of a grid of this shape.
+    pub(crate) fn of_window((n_rows, n_cols): (usize, usize), window: CellWindow) -> Self {
+        let mut cells = BitGrid::new(n_rows, n_cols);
+        let (from, to) = (window.col, window.col + window.n_cols);
+        for row in window.row..window.row + window.n_rows {
+            for k in from / 64..to.div_ceil(64) {
+                cells.words[row * cells.words_per_row + k] = bits_between(from, to, k);
+            }
+        }
+        cells
     }
 
     /// The cells of some rows alone.
@@ -217,5 +246,23 @@ mod tests {
         assert_eq!(bits_between(3, 5, 1), 0);
         assert_eq!(bits_between(60, 70, 1), 0b11_1111);
         assert_eq!(bits_between(7, 7, 0), 0);
+    }
+
+    #[test]
+    fn a_part_holds_the_cells_of_its_window() {
+        let mut whole = BitGrid::new(5, 200);
+        (0..1000).filter(|k| k % 7 < 3).for_each(|k| whole.insert(k / 200, k % 200));
+        for (col, n_cols) in [(0, 200), (64, 64), (1, 130), (63, 66), (130, 70), (199, 1)] {
+            let window = CellWindow { row: 1, col, n_rows: 3, n_cols };
+            let part = whole.part(window);
+            let wanted: Vec<(usize, usize)> = (0..3)
+                .flat_map(|row| (0..n_cols).map(move |k| (row, k)))
+                .filter(|(row, k)| whole.contains(row + 1, col + k))
+                .collect();
+            assert_eq!(part.cells().collect::<Vec<_>>(), wanted, "{n_cols} columns from {col}");
+            let of_window = BitGrid::of_window((5, 200), window);
+            assert_eq!(of_window.count(), 3 * n_cols as u64);
+            assert_eq!(whole.clone().and(&of_window).count(), wanted.len() as u64);
+        }
     }
 }

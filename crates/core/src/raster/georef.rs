@@ -7,15 +7,28 @@ use super::{Crs, CrsKind};
 /// Cell `(row, col)` covers `x_min + col·cell_width ≤ x < x_min + (col+1)·cell_width` and
 /// `y_max − (row+1)·cell_height ≤ y < y_max − row·cell_height`: half-open towards the north-east, so that a point on an
 /// edge belongs to the cell north or east of it.
-#[derive(Debug, Clone, PartialEq)]
+///
+/// A part of a grid remembers the corner of the whole: the centers of its cells are the very numbers that they are there.
+#[derive(Debug, Clone)]
 pub struct GeoRef {
-    x_min: f64,
-    y_max: f64,
+    /// North-west corner of the whole that this is a part of.
+    corner: (f64, f64),
+    /// First row and column of this part there.
+    first: (usize, usize),
     cell_width: f64,
     cell_height: f64,
     n_cols: usize,
     n_rows: usize,
     crs: Option<Crs>,
+}
+
+impl PartialEq for GeoRef {
+    /// Whether two grids have the same cells, wherever they were cut from.
+    fn eq(&self, other: &GeoRef) -> bool {
+        let numbers = |grid: &GeoRef| [grid.x_min(), grid.y_max(), grid.cell_width, grid.cell_height];
+        let shape = |grid: &GeoRef| (grid.n_rows, grid.n_cols);
+        numbers(self) == numbers(other) && shape(self) == shape(other) && self.crs == other.crs
+    }
 }
 
 /// A rectangle of cells: rows `row..row + n_rows`, columns `col..col + n_cols`.
@@ -52,8 +65,8 @@ impl GeoRef {
         };
         let told_apart = told_apart(x_min, cell_width, n_cols) && told_apart(y_max, -cell_height, n_rows);
         (finite && sensible && countable && told_apart).then_some(GeoRef {
-            x_min,
-            y_max,
+            corner: (x_min, y_max),
+            first: (0, 0),
             cell_width,
             cell_height,
             n_cols,
@@ -65,23 +78,40 @@ impl GeoRef {
     /// West edge \[CRS units\].
     #[inline]
     pub fn x_min(&self) -> f64 {
-        self.x_min
+        self.x_of(0.0)
     }
 
     /// East edge \[CRS units\].
     pub fn x_max(&self) -> f64 {
-        self.x_min + self.cell_width * self.n_cols as f64
+        self.x_of(self.n_cols as f64)
     }
 
     /// South edge \[CRS units\].
     pub fn y_min(&self) -> f64 {
-        self.y_max - self.cell_height * self.n_rows as f64
+        self.y_of(self.n_rows as f64)
     }
 
     /// North edge \[CRS units\].
     #[inline]
     pub fn y_max(&self) -> f64 {
-        self.y_max
+        self.y_of(0.0)
+    }
+
+    /// World x of a position in columns from the west edge.
+    #[inline]
+    fn x_of(&self, col: f64) -> f64 {
+        self.corner.0 + (self.first.1 as f64 + col) * self.cell_width
+    }
+
+    /// World y of a position in rows from the north edge.
+    #[inline]
+    fn y_of(&self, row: f64) -> f64 {
+        self.corner.1 - (self.first.0 as f64 + row) * self.cell_height
+    }
+
+    /// North-west corner of the grid that this one was cut from \[CRS units\]: the same for all its parts.
+    pub(crate) fn corner_of_whole(&self) -> (f64, f64) {
+        self.corner
     }
 
     /// Length of a CRS unit \[m\]; 1 for local coordinates.
@@ -145,8 +175,7 @@ impl GeoRef {
         assert!(window.n_rows > 0 && window.n_cols > 0, "a window holds at least one cell");
         assert!(window.row + window.n_rows <= self.n_rows && window.col + window.n_cols <= self.n_cols);
         GeoRef {
-            x_min: self.x_min + self.cell_width * window.col as f64,
-            y_max: self.y_max - self.cell_height * window.row as f64,
+            first: (self.first.0 + window.row, self.first.1 + window.col),
             n_cols: window.n_cols,
             n_rows: window.n_rows,
             ..self.clone()
@@ -161,8 +190,8 @@ impl GeoRef {
             let (low, high) = ((low - 1.0).floor().max(0.0), (high + 1.0).ceil().min(n as f64));
             (low < high).then_some((low as usize, high as usize))
         };
-        let of_x = |x: f64| (x - self.x_min) / self.cell_width;
-        let of_y = |y: f64| (self.y_max - y) / self.cell_height;
+        let of_x = |x: f64| (x - self.x_min()) / self.cell_width;
+        let of_y = |y: f64| (self.y_max() - y) / self.cell_height;
         let (west, east) = clip(of_x(other.x_min()), of_x(other.x_max()), self.n_cols)?;
         let (north, south) = clip(of_y(other.y_max()), of_y(other.y_min()), self.n_rows)?;
         Some(CellWindow { row: north, col: west, n_rows: south - north, n_cols: east - west })
@@ -176,8 +205,8 @@ impl GeoRef {
             (is_whole && cells.round() >= 0.0 && cells.round() + n_other as f64 <= n as f64)
                 .then_some(cells.round() as usize)
         };
-        let col = offset((other.x_min - self.x_min) / self.cell_width, self.n_cols, other.n_cols)?;
-        let row = offset((self.y_max - other.y_max) / self.cell_height, self.n_rows, other.n_rows)?;
+        let col = offset((other.x_min() - self.x_min()) / self.cell_width, self.n_cols, other.n_cols)?;
+        let row = offset((self.y_max() - other.y_max()) / self.cell_height, self.n_rows, other.n_rows)?;
         let window = CellWindow { row, col, n_rows: other.n_rows, n_cols: other.n_cols };
         self.part(window).same_grid(other).then_some(window)
     }
@@ -191,15 +220,17 @@ impl GeoRef {
             (low, ((high.ceil() + 1.0).clamp(0.0, n as f64) as usize).max(low + 1))
         };
         let (col, end_col) =
-            clip((west - self.x_min) / self.cell_width, (east - self.x_min) / self.cell_width, self.n_cols);
+            clip((west - self.x_min()) / self.cell_width, (east - self.x_min()) / self.cell_width, self.n_cols);
         let (row, end_row) =
-            clip((self.y_max - north) / self.cell_height, (self.y_max - south) / self.cell_height, self.n_rows);
+            clip((self.y_max() - north) / self.cell_height, (self.y_max() - south) / self.cell_height, self.n_rows);
         CellWindow { row, col, n_rows: end_row - row, n_cols: end_col - col }
     }
 
     /// A grid over this extent, grown to whole cells, in cells `factor` times as wide and high, from the same north-west corner.
     pub fn coarser(&self, factor: usize) -> GeoRef {
         GeoRef {
+            corner: (self.x_min(), self.y_max()),
+            first: (0, 0),
             cell_width: self.cell_width * factor as f64,
             cell_height: self.cell_height * factor as f64,
             n_cols: self.n_cols.div_ceil(factor),
@@ -211,17 +242,17 @@ impl GeoRef {
     /// Center of a cell in the plane \[CRS units\].
     #[inline]
     pub fn world_from_cell(&self, row: usize, col: usize) -> (f64, f64) {
-        (self.x_min + (col as f64 + 0.5) * self.cell_width, self.y_max - (row as f64 + 0.5) * self.cell_height)
+        (self.x_of(col as f64 + 0.5), self.y_of(row as f64 + 0.5))
     }
 
     /// A corner of cells in the plane \[CRS units\], from its columns east and rows north of the south-west corner.
     pub fn world_from_corner(&self, [x, y]: [usize; 2]) -> [f64; 2] {
-        [self.x_min + x as f64 * self.cell_width, self.y_min() + y as f64 * self.cell_height]
+        [self.x_min() + x as f64 * self.cell_width, self.y_min() + y as f64 * self.cell_height]
     }
 
     /// Position in cells east and north of the south-west corner, `(0, 0)` being that corner.
     pub fn cells_from_world(&self, x: f64, y: f64) -> (f64, f64) {
-        ((x - self.x_min) / self.cell_width, (y - self.y_max) / self.cell_height + self.n_rows as f64)
+        ((x - self.x_min()) / self.cell_width, (y - self.y_max()) / self.cell_height + self.n_rows as f64)
     }
 
     /// Row and column of the cell that holds a position \[CRS units\], on an edge the one north-east of it; `None` outside.
@@ -236,7 +267,7 @@ impl GeoRef {
     /// Shape, cell size and north-west corner in words, for messages about grids that differ.
     pub fn description(&self) -> String {
         let (width, height) = (self.cell_width, self.cell_height);
-        format!("{}×{} cells of {width}×{height} from ({}, {})", self.n_cols, self.n_rows, self.x_min, self.y_max)
+        format!("{}×{} cells of {width}×{height} from ({}, {})", self.n_cols, self.n_rows, self.x_min(), self.y_max())
     }
 
     /// Whether two grids are the same to within a millionth of a cell, whatever the CRS says.
@@ -244,8 +275,8 @@ impl GeoRef {
         let close = |a: f64, b: f64, unit: f64| (a - b).abs() <= 1e-6 * unit;
         self.n_cols == other.n_cols
             && self.n_rows == other.n_rows
-            && close(self.x_min, other.x_min, self.cell_width)
-            && close(self.y_max, other.y_max, self.cell_height)
+            && close(self.x_min(), other.x_min(), self.cell_width)
+            && close(self.y_max(), other.y_max(), self.cell_height)
             && close(self.x_max(), other.x_max(), self.cell_width)
             && close(self.y_min(), other.y_min(), self.cell_height)
     }

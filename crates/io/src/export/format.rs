@@ -33,12 +33,16 @@ pub enum Format {
     Mitsuba,
     /// Web page.
     Html,
+    /// Table in columns.
+    Parquet,
+    /// Mosaic of rasters.
+    Vrt,
     /// The document on standard output.
     Stdout,
 }
 
 /// What tells a format; of several the first stands for it.
-const EXTENSIONS: [(&str, Format); 16] = [
+const EXTENSIONS: [(&str, Format); 18] = [
     ("png", Format::Png),
     ("svg", Format::Svg),
     ("pdf", Format::Pdf),
@@ -55,6 +59,8 @@ const EXTENSIONS: [(&str, Format); 16] = [
     ("fgb", Format::FlatGeobuf),
     ("xml", Format::Mitsuba),
     ("html", Format::Html),
+    ("parquet", Format::Parquet),
+    ("vrt", Format::Vrt),
 ];
 
 impl Format {

@@ -27,7 +27,7 @@ pub fn check_layers(layers: &[Layer], n_sites: usize, path: &Path, format: Forma
     let n_bands: usize = layers
         .iter()
         .map(|layer| match layer {
-            Layer::Count => 1,
+            Layer::Count | Layer::Union | Layer::BestServer => 1,
             Layer::Which => n_sites.div_ceil(32),
             _ => n_sites,
         })
@@ -42,7 +42,9 @@ pub fn check_layers(layers: &[Layer], n_sites: usize, path: &Path, format: Forma
             WriteFault::SetsBesideMeasures
         }
         // Nodata of counts is the set of 32 UAVs.
-        Format::GeoTiff if has(Layer::Which) && has(Layer::Count) && n_sites >= 32 => WriteFault::SetsBesideCounts,
+        Format::GeoTiff if has(Layer::Which) && (has(Layer::Count) || has(Layer::BestServer)) && n_sites >= 32 => {
+            WriteFault::SetsBesideCounts
+        }
         _ => return Ok(()),
     };
     Err(Error::write(path.display(), fault))
@@ -53,7 +55,7 @@ pub fn check_layers(layers: &[Layer], n_sites: usize, path: &Path, format: Forma
 /// # Errors
 /// Usage error (E107) if the layers do not fit the format; those of [`Batch::add`]; internal errors from the encoders.
 pub fn add_map(batch: &mut Batch, result: &MapResult<'_>, path: &Path, format: Format) -> Result<()> {
-    check_layers(result.layers, result.sites.len(), path, format)?;
+    check_layers(result.layers, result.n_uavs, path, format)?;
     let files = match format {
         Format::GeoTiff => return add_geotiff(batch, result, path),
         Format::Exr => exr(result, path)?,
@@ -94,13 +96,14 @@ fn add_geotiff(batch: &mut Batch, result: &MapResult<'_>, path: &Path) -> Result
     }
     if bands.iter().all(|(_, b)| !matches!(b, Band::Measure(_))) {
         let has_bits = bands.iter().any(|(_, b)| matches!(b, Band::Bits(_)));
-        let is_any_number_a_set = has_bits && result.sites.len() >= u32::BITS as usize;
+        let is_any_number_a_set = has_bits && result.n_uavs >= u32::BITS as usize;
         let values: Vec<(String, Vec<u32>)> = bands
             .into_iter()
             .map(|(name, band)| {
                 let values = match band {
                     Band::Class(mask) => mask.iter().map(|c| u32::from(*c)).collect(),
-                    Band::Count(n) | Band::Bits(n) => n,
+                    Band::Count(n) => n,
+                    Band::Bits(bits) => bits.to_vec(),
                     Band::Measure(_) => Vec::new(),
                 };
                 (name, values)
@@ -195,7 +198,7 @@ fn exr(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
                 Band::Count(n) => {
                     Owned::Float(n.iter().map(|n| if *n == NO_COUNT { f32::NAN } else { exact_f32(*n) }).collect())
                 }
-                Band::Bits(n) => Owned::UInt(n),
+                Band::Bits(n) => Owned::UInt(n.to_vec()),
             };
             (name, channel)
         })

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::coverage::{Overlay, SiteCoverage, class, which_layer};
+use crate::coverage::{Overlay, SiteCoverage, class};
 use crate::formats::TiffLayout;
 use crate::raster::GeoRef;
 
@@ -28,6 +28,10 @@ pub enum Layer {
     Stability,
     /// Which of all UAVs see each cell, a bit for each.
     Which,
+    /// The mask of all UAVs together.
+    Union,
+    /// The nearest of all UAVs that see each cell, by its number.
+    BestServer,
 }
 
 impl Layer {
@@ -41,7 +45,14 @@ impl Layer {
             Layer::Stability => "stability",
             Layer::Count => "count",
             Layer::Which => "which",
+            Layer::Union => "union",
+            Layer::BestServer => "best-server",
         }
+    }
+
+    /// Whether the layer is one of all UAVs together.
+    pub fn is_of_all(self) -> bool {
+        matches!(self, Layer::Count | Layer::Which | Layer::Union | Layer::BestServer)
     }
 
     /// Whether the layer holds a float for each receiver: meters, or the number of moves that turn it.
@@ -56,7 +67,7 @@ impl Layer {
             Layer::LeastReceiverHeight => site.least_receiver_height.as_deref(),
             Layer::LeastHeight => site.least_height.as_deref(),
             Layer::Stability => site.stability.as_ref().map(|s| s.turns.as_slice()),
-            Layer::Los | Layer::Count | Layer::Which => None,
+            _ => None,
         }
     }
 }
@@ -68,6 +79,10 @@ pub struct MapResult<'a> {
     pub georef: &'a GeoRef,
     /// One coverage per UAV.
     pub sites: &'a [SiteCoverage],
+    /// How many UAVs there are in the list of all, of which these are some.
+    pub n_uavs: usize,
+    /// All of them together, where a layer tells of that.
+    pub overlay: Option<&'a Overlay>,
     /// The layers that were asked for, in order.
     pub layers: &'a [Layer],
     /// Provenance as one JSON text.
@@ -104,31 +119,23 @@ impl MaskValues {
     }
 }
 
-/// All masks laid over each other.
-fn overlay_of(masks: &[&[u8]]) -> Overlay {
-    let mut overlay = Overlay::new(masks.first().map_or(0, |mask| mask.len()));
-    masks.iter().for_each(|mask| overlay.add(mask));
-    overlay
-}
-
-/// How many UAVs see each cell, [`NO_COUNT`] where it is a receiver of none.
-pub(super) fn count_of(masks: &[&[u8]]) -> Vec<u32> {
-    let overlay = overlay_of(masks);
-    let count = overlay.count().iter().zip(overlay.union());
-    count.map(|(n, c)| if matches!(*c, class::LOS | class::NLOS) { *n } else { NO_COUNT }).collect()
+/// Numbers of a layer of all UAVs where a cell is a receiver of one, [`NO_COUNT`] elsewhere.
+fn of_receivers(values: &[u32], overlay: &Overlay) -> Vec<u32> {
+    let both = values.iter().zip(overlay.union());
+    both.map(|(n, class)| if matches!(*class, class::LOS | class::NLOS) { *n } else { NO_COUNT }).collect()
 }
 
 /// One band: a name and its values.
 pub(super) enum Band<'a> {
     Class(&'a [u8]),
     Measure(&'a [f32]),
+    /// Numbers, [`NO_COUNT`] where there is none.
     Count(Vec<u32>),
-    Bits(Vec<u32>),
+    Bits(&'a [u32]),
 }
 
 impl<'a> MapResult<'a> {
     pub(super) fn bands(&self) -> Vec<(String, Band<'a>)> {
-        let masks: Vec<&[u8]> = self.sites.iter().map(|s| s.mask.as_slice()).collect();
         let mut bands: Vec<(String, Band<'a>)> = Vec::new();
         for &layer in self.layers {
             for site in self.sites {
@@ -139,14 +146,18 @@ impl<'a> MapResult<'a> {
                 };
                 bands.extend(band.map(|b| (name, b)));
             }
+            let Some(overlay) = self.overlay else { continue };
+            let name = || layer.name().to_string();
             match layer {
-                Layer::Count => {
-                    bands.push(("count".into(), Band::Count(count_of(&masks))));
+                Layer::Count => bands.push((name(), Band::Count(of_receivers(overlay.count(), overlay)))),
+                Layer::BestServer => {
+                    let numbers = overlay.best_server().unwrap_or_default();
+                    bands.push((name(), Band::Count(of_receivers(numbers, overlay))));
                 }
+                Layer::Union => bands.push((name(), Band::Class(overlay.union()))),
                 Layer::Which => {
-                    for (word, bits) in which_layer(&masks).into_iter().enumerate() {
-                        bands.push((format!("which.{word}"), Band::Bits(bits)));
-                    }
+                    let words = overlay.which().iter().enumerate();
+                    bands.extend(words.map(|(k, bits)| (format!("which.{k}"), Band::Bits(bits))));
                 }
                 _ => {}
             }

@@ -1,0 +1,78 @@
+//! A virtual raster over tiles that were written one by one, for GDAL and whoever reads its format.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use super::map_result::{Layer, NO_COUNT};
+use crate::coverage::class;
+use crate::crs::wkt_of;
+use crate::raster::{CellWindow, GeoRef};
+
+/// A file of a mosaic, and the cells of the whole that it holds.
+pub type MosaicTile = (PathBuf, CellWindow);
+
+/// The bands of files that hold layers of all UAVs together: their names, and the type and nodata that they share.
+struct Bands {
+    names: Vec<String>,
+    data_type: &'static str,
+    nodata: Option<u32>,
+}
+
+impl Bands {
+    /// As GeoTIFF files have them, of a list of so many UAVs.
+    fn of(layers: &[Layer], n_uavs: usize) -> Bands {
+        let names = layers.iter().flat_map(|layer| match layer {
+            Layer::Which => (0..n_uavs.div_ceil(32)).map(|word| format!("which.{word}")).collect(),
+            layer => vec![layer.name().to_string()],
+        });
+        let is_any_number_a_set = layers.contains(&Layer::Which) && n_uavs >= 32;
+        let (data_type, nodata) = match layers {
+            [Layer::Union] => ("Byte", Some(u32::from(class::NODATA))),
+            _ => ("UInt32", (!is_any_number_a_set).then_some(NO_COUNT)),
+        };
+        Bands { names: names.collect(), data_type, nodata }
+    }
+}
+
+/// The text of a virtual raster at `path` over tiles of a grid, GeoTIFF files with some layers over a list of so many UAVs.
+///
+/// Names are relative where tiles lie below the folder of the mosaic.
+pub fn vrt(path: &Path, grid: &GeoRef, tiles: &[MosaicTile], (layers, n_uavs): (&[Layer], usize)) -> String {
+    let bands = Bands::of(layers, n_uavs);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut text = format!("<VRTDataset rasterXSize=\"{}\" rasterYSize=\"{}\">\n", grid.n_cols(), grid.n_rows());
+    if let Some(wkt) = grid.crs().and_then(wkt_of) {
+        let _ = writeln!(text, "  <SRS dataAxisToSRSAxisMapping=\"1,2\">{}</SRS>", escaped(&wkt));
+    }
+    let (x, y, width, height) = (grid.x_min(), grid.y_max(), grid.cell_width(), grid.cell_height());
+    let _ = writeln!(text, "  <GeoTransform>{x:?}, {width:?}, 0, {y:?}, 0, {:?}</GeoTransform>", -height);
+    for (band, name) in (1..).zip(&bands.names) {
+        let _ = writeln!(text, "  <VRTRasterBand dataType=\"{}\" band=\"{band}\">", bands.data_type);
+        let _ = writeln!(text, "    <Description>{name}</Description>");
+        if let Some(nodata) = bands.nodata {
+            let _ = writeln!(text, "    <NoDataValue>{nodata}</NoDataValue>");
+        }
+        for (tile, window) in tiles {
+            let below = tile.strip_prefix(folder).ok();
+            let (name, is_relative) = below.map_or((tile.as_path(), 0), |below| (below, 1));
+            let name = escaped(&name.to_string_lossy());
+            let CellWindow { row, col, n_rows, n_cols } = *window;
+            let size = format!("xSize=\"{n_cols}\" ySize=\"{n_rows}\"");
+            let _ = write!(
+                text,
+                "    <SimpleSource>\n      <SourceFilename relativeToVRT=\"{is_relative}\">{name}</SourceFilename>\n      \
+                 <SourceBand>{band}</SourceBand>\n      <SourceProperties RasterXSize=\"{n_cols}\" RasterYSize=\"{n_rows}\" \
+                 DataType=\"{}\" BlockXSize=\"512\" BlockYSize=\"512\"/>\n      <SrcRect xOff=\"0\" yOff=\"0\" {size}/>\n      \
+                 <DstRect xOff=\"{col}\" yOff=\"{row}\" {size}/>\n    </SimpleSource>\n",
+                bands.data_type
+            );
+        }
+        text += "  </VRTRasterBand>\n";
+    }
+    text + "</VRTDataset>\n"
+}
+
+/// A text as XML holds it.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

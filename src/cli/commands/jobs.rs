@@ -1,0 +1,118 @@
+//! `skyshed jobs`: a map in units of work for schedulers: which there are, which are done, what all come to.
+
+use std::ffi::OsString;
+
+use clap::Args;
+
+use crate::answer::Answer;
+use crate::cli::args::output::OutputArgs;
+use crate::cli::args::words::{Words, one_of};
+use crate::cli::failure::{Result, refusal, refusal_with};
+use crate::cli::interrupt;
+use crate::cli::program::Cli;
+use crate::cli::run::{Run, check_scenes};
+use crate::cli::say;
+use crate::error::CheckError;
+use crate::export::Format;
+use crate::jobs::Jobs;
+use crate::memory;
+use crate::threads::in_pool;
+
+/// What is asked of the units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Asked {
+    Plan,
+    Status,
+    Merge,
+}
+
+const ASKED: Words<Asked> = &[
+    (
+        "plan",
+        "A line of JSON for each unit: its name, its files, the word for `--shard` that runs it, time and memory",
+        Asked::Plan,
+    ),
+    ("status", "Which units are done, missing and broken; exit code 6 unless all are done", Asked::Status),
+    (
+        "merge",
+        "What all units come to: a table of the UAVs (.csv, .parquet), a document (.json), and of tiles a mosaic (.vrt) and a \
+         STAC item (.geojson)",
+        Asked::Merge,
+    ),
+];
+
+/// Formats that all units are merged into.
+const FORMATS: [Format; 6] = [Format::Csv, Format::Parquet, Format::Json, Format::Vrt, Format::GeoJson, Format::Stdout];
+
+#[derive(Debug, Args)]
+#[command(mut_arg("output", |a| a.help("File to merge into: .csv .parquet .json .vrt .geojson; repeat for more").long_help("File \
+to merge into, by extension: a table of the UAVs (.csv, .parquet), a document (.json); of tiles also a mosaic (.vrt) and a STAC item \
+(.geojson). Repeat for more; without any the table goes to standard output")))]
+#[command(after_help = "\
+Example: skyshed jobs plan map maps/munich.geojson --uavs maps/sites.csv --radius 300 -o '{site}.tif'")]
+pub(in crate::cli) struct JobsArgs {
+    /// What to tell of the units
+    #[arg(value_name = "WHAT", value_parser = one_of(ASKED))]
+    asked: Asked,
+    #[command(flatten)]
+    pub(in crate::cli) out: OutputArgs,
+    /// `map` and the words behind it, as they are typed to run all units: names of files hold `{site}`, or `{row}` and `{col}`
+    #[arg(value_name = "MAP", required = true, trailing_var_arg = true, allow_hyphen_values = true)]
+    map: Vec<OsString>,
+}
+
+impl JobsArgs {
+    pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
+        memory::limit(self.out.max_memory, interrupt::give_up)?;
+        match self.asked {
+            Asked::Merge => {}
+            Asked::Status => run.typed.refuse(&["output", "overwrite", "csv_text"], "for what is told of units")?,
+            Asked::Plan => {
+                run.typed.refuse(&["output", "overwrite", "csv_text", "json"], "for a plan, which is lines of JSON")?;
+            }
+        }
+        in_pool(self.out.threads, || self.answer(run))?
+    }
+
+    fn answer(&self, run: &Run) -> Result<()> {
+        let words: Vec<OsString> = std::iter::once("skyshed".into()).chain(self.map.iter().cloned()).collect();
+        let (cli, typed) = Cli::from_words(&words).map_err(|e| refusal(101, first_line(&e)))?;
+        let Some(map) = cli.map() else {
+            let found = self.map.first().map_or_else(String::new, |word| word.display().to_string());
+            return Err(refusal_with(101, format!("found `{found}`, wanted `map`"), "jobs are those of a map"));
+        };
+        check_scenes(&[&map.scene.scene])?;
+        let job = map
+            .job(&typed, self.map.iter().map(|word| skyshed_io::told(word).to_string_lossy().into_owned()).collect())?;
+        let jobs = Jobs::of(&job, &run.progress)?;
+        match self.asked {
+            Asked::Plan => jobs.plan().try_for_each(|line| say::plain_answer(format!("{line}\n").as_bytes())),
+            Asked::Status => {
+                let status = jobs.status(run.words());
+                run.emit(&status, &[], (&self.out, &self.out.look()))?;
+                match status.first_open() {
+                    Some((name, why)) => Err(open_units(&status, name, why)),
+                    None => Ok(()),
+                }
+            }
+            Asked::Merge => {
+                let outputs = self.out.checked(&FORMATS, &job.inputs)?;
+                let merged = jobs.merged(run.words())?;
+                run.emit(&merged as &dyn Answer, &outputs, (&self.out, &self.out.look()))
+            }
+        }
+    }
+}
+
+/// That units are not done.
+fn open_units(status: &crate::jobs::Status, name: &str, why: &str) -> crate::cli::failure::Failure {
+    let (n_open, n_units) = (status.n_open(), status.n_units());
+    crate::error::Error::from(CheckError::OpenUnits { n_open, n_units, name: name.into(), why: why.into() }).into()
+}
+
+/// What is wrong with words, without the usage that follows.
+fn first_line(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let line = text.lines().next().unwrap_or_default();
+    line.strip_prefix("error: ").unwrap_or(line).to_string()
+}

@@ -1,0 +1,20 @@
+//! Checks that did not hold.
+
+/// What does not hold though it should (E6xx).
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
+pub enum CheckError {
+    /// E603: units of work that are not done; how many of how many, and one of them with why.
+    #[error("{n_open} of {n_units} units are not done: {name}: {why}")]
+    OpenUnits { n_open: usize, n_units: usize, name: String, why: String },
+    /// E603: units of work whose files do not tell what they hold.
+    #[error("no file of {0} tells what it holds, wanted a .tif, .exr, .npz, .png or .json among them")]
+    NoDocument(String),
+}
+
+impl CheckError {
+    pub(super) fn code(&self) -> u16 {
+        603
+    }
+}

@@ -1,0 +1,51 @@
+//! What a unit of work will take, told without reading its ground.
+
+use crate::expected::Expected;
+use crate::los::Method;
+use crate::map::{Part, Unit, Units};
+use crate::memory::ANY_WORK;
+use crate::raster::CellWindow;
+use crate::scene::is_raster_scene;
+
+/// Nanoseconds for each cell beside the line of sight, on one core of a server of 2023: to read it, to make the field, to write it.
+const NS_PER_CELL: f64 = 45.0;
+
+/// Bytes for each cell of a tile: masks, and what is made of them.
+const BYTES_PER_CELL_OF_TILE: u64 = 16;
+
+/// Bytes for each cell that is read of a raster, and of a scene that is read as a whole.
+const BYTES_PER_CELL: (u64, u64) = (6, 8);
+
+/// About how long a unit takes on one thread \[s\], and how much memory \[bytes\].
+pub(super) fn forecast(unit: &Unit, units: &Units) -> (f64, u64) {
+    let grid = &units.grid;
+    let sight = &unit.job.plan.sight;
+    let is_raster = is_raster_scene(&unit.job.word);
+    let method = if is_raster { Method::Sweep } else { Method::Shadow };
+    let disc = sight.radius_on(grid).map_or(f64::INFINITY, |r| std::f64::consts::PI * r * r);
+    let in_range = disc / (grid.cell_width() * grid.cell_height());
+    let cells = |window: CellWindow| window.n_rows * window.n_cols;
+    let (n_cells, n_uavs) = match &unit.part {
+        Part::Site(site) => {
+            let around = sight.box_in_range(std::slice::from_ref(site), grid);
+            (cells(around.map_or_else(|| grid.window(), |around| grid.window_within(around))), 1)
+        }
+        Part::Tile(tile) => {
+            (cells(grid.window_within(tile.box_with(&tile.own(&units.uavs.sites), grid))), tile.uavs.len())
+        }
+    };
+    // Of a tile no more is decided than its cells.
+    let (most, per_told) = match &unit.part {
+        Part::Site(_) => (n_cells, unit.job.bytes_per_cell() as u64),
+        Part::Tile(tile) => (cells(tile.window), BYTES_PER_CELL_OF_TILE),
+    };
+    #[expect(clippy::cast_precision_loss, reason = "an estimate")]
+    let (n_in_range, rest) = (in_range.min(most as f64), n_cells as f64 * NS_PER_CELL * 1e-9);
+    let layers = unit.job.plan.height_layers();
+    let expected = Expected::of((method, 1), (n_cells, n_in_range), (n_uavs, layers), 0);
+    let read = match is_raster {
+        true => n_cells as u64 * BYTES_PER_CELL.0,
+        false => grid.n_cells() as u64 * BYTES_PER_CELL.1,
+    };
+    (expected.seconds() + rest, read + most as u64 * per_told + ANY_WORK)
+}

@@ -1,0 +1,269 @@
+//! What all units of work come to: a table of the UAVs, a mosaic of the tiles, a document.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
+
+use super::Jobs;
+use super::stac::item;
+use crate::answer::WarningFacts;
+use crate::answer::{Answer, Head, Rows, RunFacts, Share, Spent, columns_of, document_of, rows, warnings_of};
+use crate::coverage::Tally;
+use crate::error::{CheckError, RequestError, Result, Warning};
+use crate::export::{Batch, Format, Layer, MosaicTile, encode_parquet, vrt};
+use crate::map::Part;
+use crate::picture::Look;
+use crate::quantity::{counted, share};
+use crate::words::pretty;
+
+/// What the units of a run come to, all of them done.
+#[derive(Debug)]
+pub(crate) struct Merged {
+    facts: RunFacts,
+    layers: Vec<Layer>,
+    rows: Vec<MergedRow>,
+    n_units: usize,
+    /// The tiles, and what at least one UAV sees in all of them; nothing where the units are UAVs.
+    tiles: Option<Tiles>,
+    /// When the last file was written, in seconds since 1970.
+    last_written: u64,
+}
+
+#[derive(Debug)]
+struct Tiles {
+    cells_per_side: usize,
+    union: Tally,
+    /// Those that are GeoTIFF files, if tiles are.
+    rasters: Vec<MosaicTile>,
+}
+
+/// A UAV in the table of all.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub(crate) struct MergedRow {
+    /// Name of the UAV.
+    site: String,
+    /// East [units of the reference system].
+    x: f64,
+    /// North [units of the reference system].
+    y: f64,
+    /// Height above the datum [m]; empty of a UAV that has no tile in range.
+    height_amsl_m: Option<f64>,
+    /// Height above the ground [m]; empty where none is known.
+    height_agl_m: Option<f64>,
+    /// What the UAV hovers over.
+    placement: Option<String>,
+    /// Receivers in range.
+    receivers: u64,
+    /// Of these, in line of sight.
+    los: u64,
+    /// Share of receivers in line of sight; empty without receivers.
+    p_los: Option<f64>,
+    /// Tiles that hold cells in its range, where tiles are the units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tiles: Option<u64>,
+    /// Digest of the mask, where UAVs are the units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    digest: Option<String>,
+}
+
+/// What all units of a run come to.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct MergeDocument {
+    #[serde(flatten)]
+    head: Head,
+    /// What the units are: sites or tiles.
+    units_are: &'static str,
+    /// How many units there are.
+    units: usize,
+    /// Cells along a side of a tile; null where the units are sites.
+    cells_per_side: Option<usize>,
+    /// Layers of the files.
+    layers: Vec<&'static str>,
+    /// How many UAVs there are.
+    sites: usize,
+    /// What at least one UAV sees in all tiles; null where the units are sites, whose masks lie over each other.
+    union: Option<Share>,
+    /// What was odd.
+    warnings: Vec<WarningFacts>,
+}
+
+/// A number of a document, or a text.
+fn number(of: &Value, name: &str) -> Option<f64> {
+    of.get(name)?.as_f64()
+}
+
+fn count(of: &Value, name: &str) -> u64 {
+    of.get(name).and_then(Value::as_u64).unwrap_or(0)
+}
+
+fn text(of: &Value, name: &str) -> Option<String> {
+    Some(of.get(name)?.as_str()?.to_string())
+}
+
+impl MergedRow {
+    /// A UAV of a document of a map.
+    fn of(site: &Value, digest: Option<String>) -> Option<MergedRow> {
+        let (receivers, los) = (count(site, "receivers"), count(site, "los"));
+        Some(MergedRow {
+            site: text(site, "id")?,
+            x: number(site, "x")?,
+            y: number(site, "y")?,
+            height_amsl_m: number(site, "height_amsl_m"),
+            height_agl_m: number(site, "height_agl_m"),
+            placement: text(site, "placement"),
+            receivers,
+            los,
+            p_los: share(los, receivers),
+            tiles: None,
+            digest,
+        })
+    }
+
+    /// Adds what it sees in a tile.
+    fn add(&mut self, part: MergedRow) {
+        self.receivers += part.receivers;
+        self.los += part.los;
+        self.p_los = share(self.los, self.receivers);
+        self.tiles = self.tiles.map(|n| n + 1);
+        (self.height_amsl_m, self.height_agl_m) = (part.height_amsl_m, part.height_agl_m);
+        self.placement = part.placement;
+    }
+}
+
+impl Jobs<'_> {
+    /// What all units come to.
+    ///
+    /// Cost: a document is read of each.
+    ///
+    /// # Errors
+    /// E603 unless all of them are done.
+    pub(crate) fn merged(&self, command: Vec<String>) -> Result<Merged> {
+        let status = self.status(command.clone());
+        if let Some((name, why)) = status.first_open() {
+            let (n_open, n_units) = (status.n_open(), self.units.parts.len());
+            return Err(CheckError::OpenUnits { n_open, n_units, name: name.into(), why: why.into() }.into());
+        }
+        let document = |part: &Part| {
+            let unit = self.runs.unit(&self.units, part);
+            let read = unit.document().ok_or_else(|| CheckError::NoDocument(part.name()));
+            Ok((read?, unit.written_at()))
+        };
+        let documents: Vec<(Value, u64)> = self.units.parts.par_iter().map(document).collect::<Result<_>>()?;
+        let last_written = documents.iter().map(|(_, at)| *at).max().unwrap_or(0);
+        let sites_of = |document: &Value| document.get("sites").and_then(Value::as_array).cloned().unwrap_or_default();
+        let mut tiles = None;
+        let rows = match self.units.parts.first() {
+            Some(Part::Tile(first)) => {
+                let sites = &self.units.uavs.sites;
+                let mut rows: Vec<MergedRow> = sites
+                    .iter()
+                    .map(|given| MergedRow {
+                        site: given.id.clone(),
+                        x: given.x,
+                        y: given.y,
+                        height_amsl_m: None,
+                        height_agl_m: None,
+                        placement: None,
+                        receivers: 0,
+                        los: 0,
+                        p_los: None,
+                        tiles: Some(0),
+                        digest: None,
+                    })
+                    .collect();
+                let place: HashMap<&str, usize> = sites.iter().enumerate().map(|(k, s)| (s.id.as_str(), k)).collect();
+                let mut union = Tally::default();
+                for (document, _) in &documents {
+                    for row in sites_of(document).iter().filter_map(|site| MergedRow::of(site, None)) {
+                        if let Some(k) = place.get(row.site.as_str()) {
+                            rows[*k].add(row);
+                        }
+                    }
+                    let of_tile = document.get("union").unwrap_or(&Value::Null);
+                    union.receivers += count(of_tile, "receivers");
+                    union.los += count(of_tile, "los");
+                }
+                let raster = |part: &Part| {
+                    let Part::Tile(tile) = part else { return None };
+                    let files = self.runs.unit(&self.units, part).job.outputs;
+                    let is_raster = |path: &std::path::PathBuf| Format::of(path).is_ok_and(|f| f == Format::GeoTiff);
+                    Some((files.into_iter().find(is_raster)?, tile.window))
+                };
+                let rasters = self.units.parts.iter().filter_map(raster).collect();
+                tiles = Some(Tiles { cells_per_side: first.cells_per_side, union, rasters });
+                rows
+            }
+            _ => {
+                let of_site =
+                    |(document, _): &(Value, u64)| MergedRow::of(sites_of(document).first()?, text(document, "digest"));
+                documents.iter().filter_map(of_site).collect()
+            }
+        };
+        let (n_units, layers) = (documents.len(), self.job.plan.layers.clone());
+        let merged = Merged { facts: self.facts(command), layers, rows, n_units, tiles, last_written };
+        // A mosaic of some tiles would have holes that look like nodata.
+        let is_part = self.job.uavs.shard.is_some() || !self.job.tiles.only.is_empty();
+        if is_part { Err(RequestError::PartOfUnits.into()) } else { Ok(merged) }
+    }
+}
+
+impl Merged {
+    /// The tiles that are rasters.
+    fn rasters(&self, path: &Path) -> Result<&[MosaicTile]> {
+        let rasters = self.tiles.as_ref().map_or(&[][..], |tiles| &tiles.rasters);
+        if rasters.is_empty() {
+            return Err(RequestError::NoTilesToJoin(path.display().to_string()).into());
+        }
+        Ok(rasters)
+    }
+}
+
+impl Answer for Merged {
+    fn document(&self, _: Option<Spent>) -> Value {
+        document_of(&MergeDocument {
+            head: self.facts.head("skyshed/jobs-merge/1"),
+            units_are: if self.tiles.is_some() { "tiles" } else { "sites" },
+            units: self.n_units,
+            cells_per_side: self.tiles.as_ref().map(|tiles| tiles.cells_per_side),
+            layers: self.layers.iter().map(|layer| layer.name()).collect(),
+            sites: self.rows.len(),
+            union: self.tiles.as_ref().map(|tiles| Share::from(&tiles.union)),
+            warnings: warnings_of(&self.facts.warnings),
+        })
+    }
+
+    fn table(&self) -> Rows {
+        rows(self.rows.iter().cloned())
+    }
+
+    fn warnings(&self) -> &[Warning] {
+        &self.facts.warnings
+    }
+
+    fn notes(&self, _: Spent) -> Vec<String> {
+        let units = if self.tiles.is_some() { ("tile", "tiles") } else { ("UAV", "UAVs") };
+        vec![format!("{} merged", counted(self.n_units as u64, units.0, units.1))]
+    }
+
+    fn add(&self, batch: &mut Batch, path: &Path, format: Format, _: &Look) -> Result<()> {
+        let bytes = match format {
+            Format::Parquet => {
+                encode_parquet(&columns_of(self.rows.iter().cloned()), &self.document(None).to_string())?
+            }
+            Format::Vrt => {
+                let of_list = (self.layers.as_slice(), self.rows.len());
+                vrt(path, &self.facts.grid, self.rasters(path)?, of_list).into_bytes()
+            }
+            _ => {
+                let rasters = self.rasters(path)?;
+                pretty(&item(path, &self.facts.grid, (rasters, &self.layers), self.last_written, &self.document(None))?)
+                    .into_bytes()
+            }
+        };
+        Ok(batch.add(path, &bytes)?)
+    }
+}

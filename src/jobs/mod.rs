@@ -1,0 +1,98 @@
+//! Runs in units of work for schedulers: which units there are, which are done, and what all of them come to.
+//!
+//! Nothing here runs a unit, and nothing is remembered: a unit is done if its files are there, and these say what they are.
+
+mod forecast;
+mod merged;
+mod stac;
+mod status;
+
+use serde::Serialize;
+
+pub(crate) use merged::{MergeDocument, MergedRow};
+pub(crate) use status::{Status, StatusDocument};
+
+use crate::answer::{RunFacts, document_of};
+use crate::error::{RequestError, Result};
+use crate::map::{MapJob, Part, UnitRuns, Units};
+use crate::progress::Progress;
+use forecast::forecast;
+
+/// A map in units of work.
+pub(crate) struct Jobs<'a> {
+    job: &'a MapJob,
+    runs: UnitRuns<'a>,
+    units: Units,
+}
+
+/// A unit of work before it is run.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub(crate) struct PlannedUnit {
+    /// Kind of document and its version.
+    schema: &'static str,
+    /// What the unit is called: the name of its UAV, or `tile ROW,COL`.
+    name: String,
+    /// Hash of all that its files depend on.
+    unit: String,
+    /// The word for `--shard` that runs this unit alone; null where a shard or a tile was asked for.
+    shard: Option<String>,
+    /// Its files.
+    files: Vec<String>,
+    /// About how long it takes on one thread [s].
+    seconds: f64,
+    /// About how much memory it takes [bytes].
+    memory_bytes: u64,
+}
+
+impl PlannedUnit {
+    /// The schema of its document.
+    const SCHEMA: &'static str = "skyshed/jobs-plan/1";
+}
+
+impl<'a> Jobs<'a> {
+    /// The units of a map.
+    ///
+    /// # Errors
+    /// E116 if it has none; those of the scene and the UAVs.
+    pub(crate) fn of(job: &'a MapJob, progress: &'a Progress) -> Result<Jobs<'a>> {
+        let runs = UnitRuns::of(job, None, progress)?.ok_or(RequestError::NoUnits)?;
+        let units = runs.units()?.ok_or(RequestError::NoUnits)?;
+        Ok(Jobs { job, runs, units })
+    }
+
+    /// The units as lines of JSON, one after the other.
+    ///
+    /// Cost: that of their number.
+    pub(crate) fn plan(&self) -> impl Iterator<Item = String> {
+        let is_all = self.job.uavs.shard.is_none() && self.job.tiles.only.is_empty();
+        let n = self.units.parts.len();
+        self.units.parts.iter().zip(1..).map(move |(part, k): (&Part, usize)| {
+            let unit = self.runs.unit(&self.units, part);
+            let (seconds, memory_bytes) = forecast(&unit, &self.units);
+            let planned = PlannedUnit {
+                schema: PlannedUnit::SCHEMA,
+                name: part.name(),
+                unit: unit.hash,
+                shard: is_all.then(|| format!("{k}/{n}")),
+                files: unit.job.outputs.iter().map(|path| path.display().to_string()).collect(),
+                seconds,
+                memory_bytes,
+            };
+            document_of(&planned).to_string()
+        })
+    }
+
+    /// What documents say of the units.
+    fn facts(&self, command: Vec<String>) -> RunFacts {
+        RunFacts {
+            command,
+            method: None,
+            scene_name: self.job.word.display().to_string(),
+            grid: self.units.grid.clone(),
+            sources: self.units.uavs.sources.clone(),
+            seed: None,
+            warnings: self.units.uavs.warnings.clone(),
+            unit: None,
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Tiles as an item of a SpatioTemporal Asset Catalog, version 1.1.0, with the projection extension 2.0.0.
+
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+
+use crate::crs::{Transformation, from_epsg};
+use crate::error::{RequestError, Result};
+use crate::export::{Layer, MosaicTile};
+use crate::raster::{Crs, GeoRef};
+
+/// Seconds of a day.
+const DAY: u64 = 86_400;
+
+/// The item at `path` over tiles of a grid, written at `seconds` since 1970, with the document of all.
+///
+/// # Errors
+/// E109 without a reference system; E310 if no way leads from it to degrees.
+pub(super) fn item(
+    path: &Path,
+    grid: &GeoRef,
+    (tiles, layers): (&[MosaicTile], &[Layer]),
+    seconds: u64,
+    document: &Value,
+) -> Result<Value> {
+    let no_crs = || RequestError::NoCrs(path.display().to_string());
+    let crs = grid.crs().ok_or_else(no_crs)?;
+    let [west, south, east, north] = [grid.x_min(), grid.y_min(), grid.x_max(), grid.y_max()];
+    let degrees = Transformation::new(crs, &from_epsg(4326)?, ((west + east) / 2.0, (south + north) / 2.0))?;
+    let corners = [(west, south), (east, south), (east, north), (west, north), (west, south)];
+    let ring = corners.into_iter().map(|corner| Ok(degrees.apply(corner)?)).collect::<Result<Vec<(f64, f64)>>>()?;
+    let most = |of: fn(&(f64, f64)) -> f64, pick: fn(f64, f64) -> f64| ring.iter().map(of).reduce(pick);
+    let bbox = [most(|p| p.0, f64::min), most(|p| p.1, f64::min), most(|p| p.0, f64::max), most(|p| p.1, f64::max)];
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let asset = |(tile, window): &MosaicTile| {
+        let name = tile.strip_prefix(folder).unwrap_or(tile).to_string_lossy().into_owned();
+        let part = grid.part(*window);
+        let bands: Vec<Value> = layers.iter().map(|layer| json!({"name": layer.name()})).collect();
+        let asset = json!({
+            "href": name,
+            "type": "image/tiff; application=geotiff; profile=cloud-optimized",
+            "roles": ["data"],
+            "bands": bands,
+            "proj:shape": [part.n_rows(), part.n_cols()],
+            "proj:transform": transform(&part),
+        });
+        (name, asset)
+    };
+    let assets: Map<String, Value> = tiles.iter().map(asset).collect();
+    Ok(json!({
+        "type": "Feature",
+        "stac_version": "1.1.0",
+        "stac_extensions": ["https://stac-extensions.github.io/projection/v2.0.0/schema.json"],
+        "id": path.file_stem().map(|stem| stem.to_string_lossy().into_owned()),
+        "geometry": {"type": "Polygon", "coordinates": [ring]},
+        "bbox": bbox,
+        "properties": {
+            "datetime": time_words(seconds),
+            "proj:code": code_of(crs),
+            "proj:bbox": [west, south, east, north],
+            "proj:shape": [grid.n_rows(), grid.n_cols()],
+            "proj:transform": transform(grid),
+            "skyshed": document,
+        },
+        "links": [],
+        "assets": assets,
+    }))
+}
+
+/// Columns and rows to the plane, row by row of an affine matrix.
+fn transform(grid: &GeoRef) -> [f64; 9] {
+    [grid.cell_width(), 0.0, grid.x_min(), 0.0, -grid.cell_height(), grid.y_max(), 0.0, 0.0, 1.0]
+}
+
+/// The code of a system of a registry, `EPSG:25832`; null without one.
+fn code_of(crs: &Crs) -> Option<String> {
+    let label = crs.label();
+    let code = label.split(|c: char| c == ',' || c.is_whitespace()).next()?;
+    code.starts_with("EPSG:").then(|| code.to_string())
+}
+
+/// A time of the Gregorian calendar in UTC, as RFC 3339 writes it.
+fn time_words(seconds: u64) -> String {
+    let (mut days, of_day) = (seconds / DAY, seconds % DAY);
+    let is_leap = |year: u64| year.is_multiple_of(4) && !year.is_multiple_of(100) || year.is_multiple_of(400);
+    let mut year = 1970;
+    loop {
+        let of_year = if is_leap(year) { 366 } else { 365 };
+        if days < of_year {
+            break;
+        }
+        (days, year) = (days - of_year, year + 1);
+    }
+    let february = if is_leap(year) { 29 } else { 28 };
+    let mut month = 1;
+    for of_month in [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31] {
+        if days < of_month {
+            break;
+        }
+        (days, month) = (days - of_month, month + 1);
+    }
+    let (hour, minute, second) = (of_day / 3600, of_day / 60 % 60, of_day % 60);
+    format!("{year:04}-{month:02}-{:02}T{hour:02}:{minute:02}:{second:02}Z", days + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_those_of_the_calendar() {
+        // `date -u -d @SECONDS +%FT%TZ`
+        for (seconds, wanted) in [
+            (0, "1970-01-01T00:00:00Z"),
+            (951_782_400, "2000-02-29T00:00:00Z"),
+            (1_709_251_199, "2024-02-29T23:59:59Z"),
+            (1_795_867_200, "2026-11-28T12:00:00Z"),
+            (4_107_542_400, "2100-03-01T00:00:00Z"),
+        ] {
+            assert_eq!(time_words(seconds), wanted);
+        }
+    }
+}

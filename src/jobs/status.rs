@@ -1,0 +1,132 @@
+//! Which units of work are done.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
+
+use super::Jobs;
+use crate::answer::{Answer, Head, RunFacts, Spent, document_of};
+use crate::error::{Error, Result, Warning};
+use crate::export::{Batch, Format};
+use crate::map::Found;
+use crate::picture::Look;
+use crate::quantity::counted;
+
+/// What became of the units so far.
+#[derive(Debug)]
+pub(crate) struct Status {
+    facts: RunFacts,
+    n_units: usize,
+    /// Those without files, by name.
+    missing: Vec<String>,
+    /// Those with files that are not theirs, or not whole: name and why.
+    broken: Vec<(String, String)>,
+}
+
+/// Which units of work are done, missing and broken.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct StatusDocument {
+    #[serde(flatten)]
+    head: Head,
+    /// How many units there are.
+    units: usize,
+    /// Units whose files are there.
+    done: usize,
+    /// Units whose files are not there, or not all of them, by name.
+    missing: Vec<String>,
+    /// Units with a file that another run made, or that cannot be read.
+    broken: Vec<BrokenUnit>,
+}
+
+/// A unit with a file that cannot stay.
+#[derive(Debug, Serialize, JsonSchema)]
+struct BrokenUnit {
+    /// Name of the unit.
+    name: String,
+    /// What is wrong with it.
+    why: String,
+}
+
+impl Jobs<'_> {
+    /// Looks at the files of all units.
+    pub(crate) fn status(&self, command: Vec<String>) -> Status {
+        let of_part = |part| {
+            let unit = self.runs.unit(&self.units, part);
+            let state = unit.found().and_then(|found| match (found, unit.fault()) {
+                (Found::All, Some(why)) => Err(why),
+                (found, _) => Ok(found),
+            });
+            (part.name(), state)
+        };
+        let states: Vec<(String, Result<Found>)> = self.units.parts.par_iter().map(of_part).collect();
+        let mut status =
+            Status { facts: self.facts(command), n_units: states.len(), missing: Vec::new(), broken: Vec::new() };
+        for (name, state) in states {
+            match state {
+                Ok(Found::All) => {}
+                Ok(Found::Some | Found::Nothing) => status.missing.push(name),
+                Err(why) => status.broken.push((name, why.to_string())),
+            }
+        }
+        status
+    }
+}
+
+impl Status {
+    /// How many units are not done.
+    pub(crate) fn n_open(&self) -> usize {
+        self.missing.len() + self.broken.len()
+    }
+
+    /// How many units there are.
+    pub(crate) fn n_units(&self) -> usize {
+        self.n_units
+    }
+
+    /// The first unit that is not done, and why.
+    pub(crate) fn first_open(&self) -> Option<(&str, &str)> {
+        let broken = self.broken.first().map(|(name, why)| (name.as_str(), why.as_str()));
+        broken.or_else(|| self.missing.first().map(|name| (name.as_str(), "it has no files yet")))
+    }
+
+    fn n_done(&self) -> usize {
+        self.n_units - self.n_open()
+    }
+}
+
+impl Answer for Status {
+    fn document(&self, _: Option<Spent>) -> Value {
+        let broken = self.broken.iter().map(|(name, why)| BrokenUnit { name: name.clone(), why: why.clone() });
+        document_of(&StatusDocument {
+            head: self.facts.head("skyshed/jobs-status/1"),
+            units: self.n_units,
+            done: self.n_done(),
+            missing: self.missing.clone(),
+            broken: broken.collect(),
+        })
+    }
+
+    fn warnings(&self) -> &[Warning] {
+        &self.facts.warnings
+    }
+
+    fn is_in_words(&self) -> bool {
+        true
+    }
+
+    fn text(&self, _: &Look) -> Result<String> {
+        let units = counted(self.n_units as u64, "unit", "units");
+        let (done, missing, broken) = (self.n_done(), self.missing.len(), self.broken.len());
+        let mut text = format!("{units}: {done} done, {missing} missing, {broken} broken\n");
+        self.missing.iter().for_each(|name| text += &format!("missing {name}\n"));
+        self.broken.iter().for_each(|(name, why)| text += &format!("broken {name}: {why}\n"));
+        Ok(text)
+    }
+
+    fn add(&self, _: &mut Batch, _: &Path, _: Format, _: &Look) -> Result<()> {
+        Err(Error::Fault("a status is a document or words"))
+    }
+}
