@@ -49,6 +49,9 @@ class SceneOptions(_Footprints, total=False):
     crs: object
 
 
+#: Names of the options that say how a scene is read.
+READING = frozenset(SceneOptions.__optional_keys__)
+
 _Kind = TypeVar("_Kind", bound=Answer)
 
 
@@ -87,8 +90,7 @@ class Scene(Grid):
         (1111, 1406)
         """
         words, word = _reading(options), os.fspath(path)
-        of_files = {name: _absolute(value) if name in ("terrain", "data_area") else value for name, value in options.items()}
-        origin = Origin(_absolute(word), _reading(of_files))
+        origin = origin_of(path, options)
         scene = cls(_skyshed.Scene.open(word, words, watch_of(progress)), word, words, origin)
         tell(scene._scene.warnings)
         return scene
@@ -371,6 +373,12 @@ def _reopened(cls: type[Scene], origin: Origin) -> Scene:
     return cls(_skyshed.Scene.open(origin.word, origin.words), origin.word, origin.words, origin)
 
 
+def origin_of(path: PathLike, options: Mapping[str, object]) -> Origin:
+    """What a scene of a file is opened by, wherever a process is."""
+    of_files = {name: _absolute(value) if name in ("terrain", "data_area") else value for name, value in options.items()}
+    return Origin(_absolute(os.fspath(path)), _reading(of_files))
+
+
 def opened_once(origin: Origin) -> Scene:
     """A scene of files, which this process opens once unless one of them changes."""
     paths = [origin.word, *(word.partition("=")[2] for word in origin.words)]
@@ -387,7 +395,7 @@ def _opened(word: str, words: tuple[str, ...], changed: tuple[tuple[str, int, in
 
 def _absolute(path: Any) -> Any:
     """A path that means the same wherever a process is; words that are no path stay."""
-    is_word = path is None or str(path) in ("auto", "all", "-") or str(path).startswith("itu:")
+    is_word = path is None or str(path) in ("auto", "all", "-") or str(path).startswith(("itu:", "http://", "https://", "s3://"))
     return path if is_word else os.path.abspath(os.fspath(path))
 
 

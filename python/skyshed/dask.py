@@ -1,56 +1,43 @@
-"""Many sites over the workers of a Dask cluster: files of each, or P_LoS of all.
+"""Units of work over the workers of a Dask cluster: files of many sites or tiles, P_LoS of many UAVs, ranks of candidates.
 
-A unit of work is one site. Its files depend on the scene, the site and the options alone, appear when they are complete, and are left
-alone where they are. So workers may die, sites may be handed out twice, and a driver that was killed goes on where it was::
+A unit is one site, or one tile of the ground. Its files depend on the scene, the unit and the options alone, appear when they are
+complete, and are left alone where they are. So workers may die, units may be handed out twice, and a driver that was killed goes on
+where it was::
 
     client = Client(processes=True)
-    map_sites(scene, sites, "out/{site}.tif", client=client)
+    map_sites("munich.geojson", sites, "out/{site}.tif", client=client, radius=300)
+    map_tiles("dsm.tif", sites, "out/{row}-{col}.tif", client=client, radius=2000, layers="count")
+
+A worker opens a scene of footprints once; of a raster file it reads what each unit needs. It takes as many threads as its cluster gives
+it, and refuses what would take more than its memory limit. Tasks stand in the dashboard under the names of these functions.
 """
 
 from __future__ import annotations
 
-import csv
-import json
-import os
 import tempfile
-import time
-from collections import Counter
+import uuid
 from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from distributed import Client, as_completed, get_client, get_worker
 from distributed.scheduler import KilledWorker
 
-from skyshed._answers import shares
+from skyshed import _cluster
+from skyshed._cluster import DEATHS, Mapped, SceneOrPath, Tile
 from skyshed._errors import Error, wrong
-from skyshed._scene import Origin, Scene, opened_once
-from skyshed._words import AskedUav, PathLike, files_of, uavs_of, words_of
+from skyshed._scene import Scene
+from skyshed._words import AskedUav, PathLike, words_of
 
 if TYPE_CHECKING:
     import numpy.typing as npt
+    import xarray
 
-#: A task takes about so long [s]: much to a scheduler, little to do again.
-TASK_S = 2.0
-#: Most sites of a task.
-MOST_A_TASK = 500
-#: How often workers may die over one task.
-DEATHS = 10
-
-_Part = TypeVar("_Part")
-
-
-class Mapped(NamedTuple):
-    """What became of the sites of a run."""
-
-    #: Sites whose files were made.
-    mapped: int
-    #: Sites whose files were there.
-    there: int
+__all__ = ["Mapped", "map_sites", "map_tiles", "p_los", "place", "tiles"]
 
 
 def map_sites(
-    scene: Scene,
+    scene: SceneOrPath,
     sites: Iterable[Any],
     out: PathLike | Sequence[PathLike],
     *,
@@ -60,136 +47,141 @@ def map_sites(
 ) -> Mapped:
     """Maps each site into files of its own, over the workers of a cluster; ``{site}`` in ``out`` is its name.
 
-    Sites are as for :meth:`Scene.maps`, options those of ``skyshed map``. Files that are there, made by an equal run, are left alone.
-    ``batch`` sites go to a worker at a time, by default as many as take two seconds.
+    ``scene`` is a :class:`Scene` or the path of one. Sites are as for :meth:`Scene.maps`, options those of ``skyshed map``. Files that
+    are there, made by an equal run, are left alone. ``batch`` sites go to a worker at a time, by default as many as take two seconds.
 
     Raises an :class:`Error` that names the sites that failed, once all others are done.
     """
-    listed: list[AskedUav] = [(x, y, h, id if id is not None else str(k + 1)) for k, (x, y, h, id) in enumerate(_sites(scene, sites))]
-    name, n = Counter(site[3] for site in listed).most_common(1)[0]
-    if n > 1:
-        raise wrong("sites", f"{n} of the name {name!r}", "a name of its own for each", "E207")
-    outputs = [os.path.abspath(file) for file in ([out] if isinstance(out, (str, os.PathLike)) else out)]
-    if not all("{site}" in file for file in outputs):
-        raise wrong("out", repr(out), "names with {site}, such as out/{site}.tif", "E105")
-    for folder in {os.path.dirname(file) for file in outputs if "{site}" not in os.path.dirname(file)}:
-        os.makedirs(folder, exist_ok=True)
-    words = [*words_of({**options, "resume": True}), *files_of(outputs)]
-    done = _over_workers(scene, listed, _map_some, words, client, batch)
-    counts = [part for part, _ in done]
-    failed = [failure for _, failures in done for failure in failures]
-    if failed:
-        told = "; ".join(f"{id}: {why}" for id, why in failed[:5])
-        more = f"; and {len(failed) - 5} more" if len(failed) > 5 else ""
-        text = f"{len(failed)} of {len(listed)} sites failed, the others are done: {told}{more}"
-        # The code of the first, as the program has it.
-        raise Error(text, failed[0][1].code)
-    return Mapped(sum(part.mapped for part in counts), sum(part.there for part in counts))
+    return _cluster.map_sites(_Dask(client), scene, sites, out, batch, options)
+
+
+def map_tiles(
+    scene: SceneOrPath,
+    uavs: Iterable[Any],
+    out: PathLike | Sequence[PathLike],
+    *,
+    tile_size: int = 2048,
+    client: Client | None = None,
+    batch: int | None = None,
+    **options: object,
+) -> Mapped:
+    """Maps what all UAVs see together, tile by tile over the workers of a cluster; ``{row}`` and ``{col}`` in ``out`` are a tile's.
+
+    ``tile_size`` is the number of cells along a side, ``layers`` are of all UAVs: ``count``, ``union``, ``which``, ``best-server``. A tile
+    takes the UAVs that have a cell of it within ``radius``, and of a raster file no more is read than the tile and as far as these
+    stand. ``skyshed jobs merge`` joins the files into a mosaic.
+
+    Raises an :class:`Error` that names the tiles that failed, once all others are done.
+    """
+    return _cluster.map_tiles(_Dask(client), scene, uavs, out, tile_size, batch, options)
 
 
 def p_los(
-    scene: Scene,
-    uavs: Iterable[Any],
-    *,
-    client: Client | None = None,
-    batch: int | None = None,
-    **sight: object,
+    scene: Scene, uavs: Iterable[Any], *, client: Client | None = None, batch: int | None = None, **sight: object
 ) -> npt.NDArray[np.float64]:
     """P_LoS of each of some UAVs, as :meth:`Scene.p_los`, over the workers of a cluster."""
-    listed = _sites(scene, uavs)
-    parts = _over_workers(scene, listed, _count_some, words_of(sight), client, batch)
-    return shares(np.concatenate(parts))
+    return _cluster.p_los(_Dask(client), scene, uavs, batch, sight)
 
 
-def _sites(scene: Scene, sites: Iterable[Any]) -> list[AskedUav]:
-    listed = uavs_of(sites, scene.crs)
-    if not listed:
-        raise wrong("sites", "none", "at least one", "E108")
-    return listed
+def place(
+    scene: SceneOrPath, *, height: object, client: Client | None = None, batch: int | None = None, **options: object
+) -> list[dict[str, str]]:
+    """Candidates to hover at, best first, as ``skyshed place`` ranks them, over the workers of a cluster: rows of its table.
+
+    ``batch`` is the number of parts. Goals are those of ``p_los``; several UAVs are chosen by :meth:`Scene.place`.
+    """
+    return _cluster.place(_Dask(client), scene, height, batch, options)
 
 
-def _over_workers(
-    scene: Scene,
-    sites: list[AskedUav],
-    work: Callable[[Any, list[AskedUav], list[str]], _Part],
-    words: list[str],
-    client: Client | None,
-    batch: int | None,
-) -> list[_Part]:
-    """What workers make of parts of the sites, in their order. A part whose workers die is handed out again."""
-    client = client or get_client()
-    n = batch or _sites_of_task(scene, sites, words)
-    parts = [sites[first : first + n] for first in range(0, len(sites), n)]
-    # Of a file its name goes around; of arrays the scene itself, to each worker once.
-    spread: Any = client.scatter
-    asked: Any = scene._origin or spread(scene, broadcast=True, hash=False)
-    futures = {client.submit(work, asked, part, words, pure=False, retries=2): k for k, part in enumerate(parts)}
-    deaths = dict.fromkeys(range(len(parts)), 0)
-    found: dict[int, _Part] = {}
-    as_done: Any = as_completed
-    running = as_done(futures)
-    for future in running:
-        k = futures.pop(future)
-        try:
-            found[k] = future.result()
-        except KilledWorker:
-            deaths[k] += 1
-            if deaths[k] > DEATHS:
-                names = ", ".join(str(site[3] or site[:3]) for site in parts[k][:5])
-                raise Error(f"workers die over the sites {names} …: is there memory enough?", "E501") from None
-            again = client.submit(work, asked, parts[k], words, pure=False, retries=2)
-            futures[again] = k
-            running.add(again)
-    return [found[k] for k in range(len(parts))]
+def tiles(
+    scene: SceneOrPath, uavs: Iterable[Any], *, layer: str = "count", tile_size: int = 2048, **options: object
+) -> xarray.DataArray:
+    """A layer of all UAVs together as an array of Dask chunks, one for each tile, made when it is computed.
+
+    ``layer`` is ``count``, ``union`` or ``best-server``; where nobody receives, the numbers of the first and the last are 4294967295.
+    """
+    import dask.array
+    import xarray
+    from dask.delayed import delayed
+
+    chunks: Any = dask.array
+
+    if layer not in ("count", "union", "best-server"):
+        raise wrong("layer", repr(layer), "count, union or best-server", "E107")
+    asked, grid, crs, others = _cluster._asked(scene, options)
+    listed = _cluster.named(_cluster._listed(uavs, crs))
+    words = words_of({**others, "layers": layer, "tile_size": tile_size})
+    places = _cluster.places_of(listed)
+    (n_rows, n_cols), (west, width, north, height) = grid.shape, grid.place
+    dtype = np.uint8 if layer == "union" else np.uint32
+    blocks: dict[Tile, Any] = {}
+    for tile in _cluster.tiles_of(grid, tile_size):
+        own = _cluster.near([tile], (grid, tile_size), (listed, places), {**others, "layers": layer})
+        shape = (min(tile_size, n_rows - tile[0] * tile_size), min(tile_size, n_cols - tile[1] * tile_size))
+        array = delayed(_layer_of_tile, pure=True)(asked, tile, own, words, layer)
+        blocks[tile] = chunks.from_delayed(array, shape, dtype)
+    rows = sorted({row for row, _ in blocks})
+    data = chunks.block([[blocks[row, col] for r, col in blocks if r == row] for row in rows])
+    coords = {"y": north - height * (np.arange(n_rows) + 0.5), "x": west + width * (np.arange(n_cols) + 0.5)}
+    return xarray.DataArray(data, dims=("y", "x"), coords=coords, name=layer)
 
 
-def _sites_of_task(scene: Scene, sites: list[AskedUav], words: list[str]) -> int:
-    """Sites that take about two seconds, by what counting one takes here; files take as long again."""
-    start = time.perf_counter()
-    try:
-        scene._scene.counts(sites[:1], [word for word in words if word.startswith(("--radius", "--rx", "--receivers"))])
-    except Error:
-        return 1
-    spent = 2 * (time.perf_counter() - start) + 1e-3
-    return int(min(max(TASK_S / spent, 1), MOST_A_TASK, max(len(sites) // 8, 1)))
-
-
-def _of_worker(asked: Scene | Origin) -> Scene:
-    """The scene of a task, which each worker opens once. A worker's threads are as many as its cluster gives it."""
-    try:
-        os.environ.setdefault("RAYON_NUM_THREADS", str(get_worker().state.nthreads))
-    except ValueError:
-        pass
-    return opened_once(asked) if isinstance(asked, Origin) else asked
-
-
-def _count_some(asked: Scene | Origin, sites: list[AskedUav], words: list[str]) -> npt.NDArray[np.uint64]:
-    return _of_worker(asked)._scene.counts(sites, words)
-
-
-def _map_some(asked: Scene | Origin, sites: list[AskedUav], words: list[str]) -> tuple[Mapped, list[tuple[str, Error]]]:
-    """Files of some sites; those that fail are told one by one."""
-    scene = _of_worker(asked)
-    try:
-        return _map_all(scene, sites, words), []
-    except Error:
-        done = Mapped(0, 0)
-        failed: list[tuple[str, Error]] = []
-        for site in sites:
-            try:
-                own = _map_all(scene, [site], words)
-                done = Mapped(done.mapped + own.mapped, done.there + own.there)
-            except Error as error:
-                failed.append((str(site[3]), error))
-        return done, failed
-
-
-def _map_all(scene: Scene, sites: list[AskedUav], words: list[str]) -> Mapped:
+def _layer_of_tile(asked: Any, tile: Tile, uavs: list[AskedUav], words: list[str], layer: str) -> npt.NDArray[Any]:
+    _prepare()
     with tempfile.TemporaryDirectory(prefix="skyshed-") as folder:
-        path = os.path.join(folder, "sites.csv")
-        with open(path, "w", newline="", encoding="utf-8") as file:
-            csv.writer(file).writerows([("x", "y", "h", "id"), *((repr(x), repr(y), h, id) for x, y, h, id in sites)])
-        word, of_scene = (scene._origin.word, scene._origin.words) if scene._origin else ("memory", [])
-        line = ["map", word, *of_scene, f"--uavs={path}", *words]
-        counts = json.loads(scene._scene.ask(line).document)
-    return Mapped(counts["mapped"], counts["there"])
+        line = [*words, f"--tile={tile[0]},{tile[1]}", f"--output={folder}/tile.npz"]
+        _cluster.ask_map(asked, uavs, line, folder)
+        with np.load(f"{folder}/tile.npz") as arrays:
+            found: npt.NDArray[Any] = arrays[layer.replace("-", "_")]
+            return found
+
+
+def _prepare() -> None:
+    """Keeps to what this worker may take."""
+    try:
+        worker = get_worker()
+    except ValueError:
+        return
+    _cluster.prepare(worker.state.nthreads, getattr(getattr(worker, "memory_manager", None), "memory_limit", None))
+
+
+def _work(work: Callable[..., Any], asked: Any, part: Any, words: list[str]) -> Any:
+    _prepare()
+    return work(asked, part, words)
+
+
+class _Dask:
+    """The workers of a Dask cluster."""
+
+    def __init__(self, client: Client | None) -> None:
+        self._client = client or get_client()
+
+    def share(self, scene: Scene) -> Any:
+        """The scene itself, to each worker once."""
+        scatter: Any = self._client.scatter
+        return scatter(scene, broadcast=True, hash=False)
+
+    def run(self, name: str, work: Callable[..., Any], asked: Any, parts: Sequence[Any], words: list[str]) -> list[Any]:
+        """What workers make of parts, in their order. A part whose workers die is handed out again."""
+        token = uuid.uuid4().hex
+
+        def submit(k: int, again: int = 0) -> Any:
+            return self._client.submit(_work, work, asked, parts[k], words, key=(f"{name}-{token}", k, again), pure=False, retries=2)
+
+        futures = {submit(k): k for k in range(len(parts))}
+        deaths = dict.fromkeys(range(len(parts)), 0)
+        found: dict[int, Any] = {}
+        as_done: Any = as_completed
+        running = as_done(futures)
+        for future in running:
+            k = futures.pop(future)
+            try:
+                found[k] = future.result()
+            except KilledWorker:
+                deaths[k] += 1
+                if deaths[k] > DEATHS:
+                    raise Error(f"workers die over part {k + 1} of {len(parts)} of {name}: is there memory enough?", "E501") from None
+                again = submit(k, deaths[k])
+                futures[again] = k
+                running.add(again)
+        return [found[k] for k in range(len(parts))]

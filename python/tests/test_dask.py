@@ -9,6 +9,8 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +45,34 @@ def client() -> Any:
     cluster.close()
 
 
+@contextmanager
+def killed_workers(client: Any) -> Iterator[list[int]]:
+    """Kills a worker again and again, but none that is starting: its nanny would give up, and the cluster shrink."""
+    stop, killed = threading.Event(), list[int]()
+
+    def kill() -> None:
+        random = np.random.default_rng(1)
+        while not stop.wait(3 if SLOW else 0.04):
+            running = [w for w in client.cluster.workers.values() if getattr(getattr(w.process, "status", None), "name", "") == "running"]
+            known = client.scheduler_info(n_workers=-1)["workers"]
+            processes = [worker.pid for worker in running if worker.worker_address in known and worker.pid]
+            if processes and (SLOW or len(killed) < 3):
+                victim = int(random.choice(processes))
+                try:
+                    os.kill(victim, signal.SIGKILL)
+                    killed.append(victim)
+                except ProcessLookupError:
+                    pass
+
+    killer = threading.Thread(target=kill)
+    killer.start()
+    try:
+        yield killed
+    finally:
+        stop.set()
+        killer.join()
+
+
 @pytest.fixture(scope="module")
 def serial(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """The files of one run of the program."""
@@ -71,29 +101,9 @@ def test_killed_workers_lose_nothing(client: Any, serial: dict[str, str], tmp_pa
     from skyshed.dask import map_sites
 
     munich = Scene.open(MUNICH)
-    stop = threading.Event()
-    killed: list[int] = []
-
-    def kill() -> None:
-        random = np.random.default_rng(1)
-        while not stop.wait(3 if SLOW else 0.4):
-            processes = [worker.pid for worker in client.cluster.workers.values() if getattr(worker, "pid", None)]
-            if processes and (SLOW or len(killed) < 3):
-                victim = int(random.choice(processes))
-                try:
-                    os.kill(victim, signal.SIGKILL)
-                    killed.append(victim)
-                except ProcessLookupError:
-                    pass
-
-    killer = threading.Thread(target=kill)
-    killer.start()
-    try:
-        outputs = [tmp_path / "{site}.tif", tmp_path / "{site}.csv"]
+    outputs = [tmp_path / "{site}.tif", tmp_path / "{site}.csv"]
+    with killed_workers(client) as killed:
         map_sites(munich, sites(N_SITES), outputs, client=client, batch=5, radius=300.0)
-    finally:
-        stop.set()
-        killer.join()
     assert killed
     assert digests(tmp_path) == serial
     # Again, in other batches: all is there.
