@@ -82,6 +82,7 @@ def map_sites(
     batch: int | None,
     options: Mapping[str, object],
 ) -> Mapped:
+    _checked(batch, None, options)
     origin, grid, crs, options = _asked(scene, options)
     listed = named(_listed(sites, crs))
     name, n = Counter(site[3] for site in listed).most_common(1)[0]
@@ -104,6 +105,7 @@ def map_tiles(
     batch: int | None,
     options: Mapping[str, object],
 ) -> Mapped:
+    _checked(batch, tile_size, options)
     origin, grid, crs, options = _asked(scene, options)
     listed = named(_listed(uavs, crs))
     outputs = _outputs(out, ["{row}", "{col}"])
@@ -121,6 +123,7 @@ def p_los(
 ) -> npt.NDArray[np.float64]:
     if not isinstance(scene, Scene):
         raise wrong("scene", repr(scene), "a Scene")
+    _checked(batch, None, {})
     listed = _listed(uavs, scene.crs)
     words = words_of(sight)
     size = batch or _size_of_part(scene, listed, words)
@@ -139,6 +142,7 @@ def place(
     refused = [name for name in ("output", "map", "count", "minimize", "refine", "shard") if options.get(name) not in (None, False, 1)]
     if refused:
         raise wrong(refused[0], repr(options[refused[0]]), "no such option: over many processes candidates are ranked one by one", "E116")
+    _checked(batch, None, options)
     origin, _, _, options = _asked(scene, options)
     n = batch or 8
     words = words_of({**options, "height": height})
@@ -201,11 +205,23 @@ def _outputs(out: PathLike | Sequence[PathLike], wanted: list[str]) -> list[str]
     return outputs
 
 
+def _checked(batch: int | None, tile_size: int | None, options: Mapping[str, object]) -> None:
+    """Refuses what cannot be, and what is decided here."""
+    if batch is not None and batch < 1:
+        raise wrong("batch", repr(batch), "at least 1", "E113")
+    if tile_size is not None and (tile_size < 16 or tile_size % 16):
+        raise wrong("tile_size", repr(tile_size), "a multiple of 16", "E101")
+    for name in ("shard", "tile", "resume", "uav", "uavs", "output"):
+        if options.get(name) not in (None, False):
+            raise wrong(name, repr(options[name]), "no such option: parts are made here", "E116")
+
+
 def _told(done: list[tuple[Mapped, list[tuple[str, Error]]]], what: str, n: int) -> Mapped:
     """The sum of all parts; an error that names the units that failed."""
     failed = [failure for _, failures in done for failure in failures]
     if failed:
-        told = "; ".join(f"{id}: {why}" for id, why in failed[:5])
+        texts = [(id, str(why)) for id, why in failed[:5]]
+        told = "; ".join(text if id in text else f"{id}: {text}" for id, text in texts)
         more = f"; and {len(failed) - 5} more" if len(failed) > 5 else ""
         # The code of the first, as the program has it.
         raise Error(f"{len(failed)} of {n} {what} failed, the others are done: {told}{more}", failed[0][1].code)
@@ -290,7 +306,7 @@ def map_some(asked: Asked, sites: list[AskedUav], words: list[str]) -> tuple[Map
     """Files of some sites; those that fail are told one by one."""
     try:
         return _map(asked, sites, words), []
-    except Error:
+    except (Error, OSError):
         return _one_by_one((str(site[3]), lambda site=site: _map(asked, [site], words)) for site in sites)  # type: ignore[misc]
 
 
@@ -302,7 +318,7 @@ def map_some_tiles(
     own = {tile: [*words, f"--tile={tile[0]},{tile[1]}"] for tile in tiles}
     try:
         return _map(asked, uavs, [*words, *(said[-1] for said in own.values())]), []
-    except Error:
+    except (Error, OSError):
         return _one_by_one((f"tile {row},{col}", lambda said=said: _map(asked, uavs, said)) for (row, col), said in own.items())  # type: ignore[misc]
 
 
@@ -314,6 +330,8 @@ def _one_by_one(runs: Iterable[tuple[str, Callable[[], Mapped]]]) -> tuple[Mappe
             done = Mapped(done.mapped + own.mapped, done.there + own.there)
         except Error as error:
             failed.append((name, error))
+        except OSError as error:
+            failed.append((name, Error(str(error), "E401")))
     return done, failed
 
 

@@ -150,6 +150,13 @@ def _work(work: Callable[..., Any], asked: Any, part: Any, words: list[str]) -> 
     return work(asked, part, words)
 
 
+def _names(part: Any) -> str:
+    """What a part holds, in a few words."""
+    units = part[0] if isinstance(part, tuple) and isinstance(part[0], list) else part
+    names = [f"tile {unit[0]},{unit[1]}" if len(unit) == 2 else str(unit[3]) for unit in units[:3]] if isinstance(units, list) else [str(units)]
+    return ", ".join(names) + (" …" if isinstance(units, list) and len(units) > 3 else "")
+
+
 class _Dask:
     """The workers of a Dask cluster."""
 
@@ -171,6 +178,7 @@ class _Dask:
         futures = {submit(k): k for k in range(len(parts))}
         deaths = dict.fromkeys(range(len(parts)), 0)
         found: dict[int, Any] = {}
+        fatal: list[int] = []
         as_done: Any = as_completed
         running = as_done(futures)
         for future in running:
@@ -180,8 +188,13 @@ class _Dask:
             except KilledWorker:
                 deaths[k] += 1
                 if deaths[k] > DEATHS:
-                    raise Error(f"workers die over part {k + 1} of {len(parts)} of {name}: is there memory enough?", "E501") from None
+                    # All others are done first.
+                    fatal.append(k)
+                    continue
                 again = submit(k, deaths[k])
                 futures[again] = k
                 running.add(again)
+        if fatal:
+            told = ", ".join(_names(parts[k]) for k in fatal[:5])
+            raise Error(f"workers die over {len(fatal)} of {len(parts)} parts of {name}, the others are done: {told}: is there memory enough?", "E501")
         return [found[k] for k in range(len(parts))]

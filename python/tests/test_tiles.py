@@ -168,8 +168,8 @@ def test_the_recipe_of_slurm_makes_all_tiles(
     out.mkdir()
     for k in (3, 1, 2, 2):
         # As `sbatch --array=1-3` runs it, one task queued twice.
-        of_task = {**environment, "SLURM_ARRAY_TASK_ID": str(k), "SLURM_ARRAY_TASK_COUNT": "3", "SLURM_CPUS_PER_TASK": "1"}
-        words = ["bash", str(RECIPES / "slurm.sh"), *map(str, line), "-o", str(out / "{row}-{col}.tif")]
+        of_task = {**environment, "SLURM_ARRAY_TASK_ID": str(k), "SLURM_CPUS_PER_TASK": "1"}
+        words = ["bash", str(RECIPES / "slurm.sh"), "3", *map(str, line), "-o", str(out / "{row}-{col}.tif")]
         subprocess.run(words, env=of_task, check=True)
     assert digests(out) == serial
 
@@ -293,7 +293,7 @@ def test_a_folder_that_cannot_be_written_loses_nothing(client: Any, tmp_path: Pa
     out = tmp_path / "out"
     out.mkdir()
     (out / "0-0.tif").mkdir()
-    with pytest.raises(skyshed.Error, match="1 of 4 tiles failed, the others are done: tile 0,0"):
+    with pytest.raises(skyshed.Error, match="1 of 4 tiles failed, the others are done: .*tile 0,0"):
         map_tiles(file, [(50, 50, "200amsl", "a")], out / "{row}-{col}.tif", **asked)
     assert {path.name for path in out.iterdir()} == {"0-0.tif", "0-1.tif", "1-0.tif", "1-1.tif"}
     with pytest.raises(skyshed.Error):

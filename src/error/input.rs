@@ -8,6 +8,9 @@ pub enum InputError {
     /// E302: a file that cannot be a mask of an earlier run, and why.
     #[error("cannot use {name} as a mask: {why}")]
     Mask { name: String, why: String },
+    /// E302: a scene, or a file beside it, that changes while units of work are made of it.
+    #[error("{0}, or a file beside it, has changed since the run began: its units would be of two scenes")]
+    Changed(String),
     /// E302: a raster that cannot be weights, and why.
     #[error("cannot use {name} as weights: {why}")]
     Weights { name: String, why: String },
@@ -22,7 +25,7 @@ pub enum InputError {
 impl InputError {
     pub(super) fn code(&self) -> u16 {
         match self {
-            InputError::Mask { .. } | InputError::Weights { .. } => 302,
+            InputError::Mask { .. } | InputError::Changed(_) | InputError::Weights { .. } => 302,
             InputError::OtherGrid { .. } => 312,
             InputError::Curve { .. } => 313,
         }

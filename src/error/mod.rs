@@ -48,6 +48,10 @@ pub enum Error {
     /// A check that does not hold.
     #[error("{}", one_line(&.0.to_string()))]
     Check(#[from] CheckError),
+    /// Why a unit of work failed, by the name of the unit.
+    #[error("{name}: {error}")]
+    #[expect(missing_docs, reason = "the variant says what its fields are")]
+    OfUnit { name: String, error: Box<Error> },
     /// E403: a picture could not be drawn; a fault of the program.
     #[error("{}", one_line(&format!("cannot draw the picture: {_0}")))]
     Drawing(String),
@@ -76,6 +80,11 @@ impl Error {
         Error::Io(skyshed_io::Error::Write(path.display().to_string(), fault))
     }
 
+    /// The error of a unit of work, which it names.
+    pub(crate) fn of_unit(self, name: &str) -> Self {
+        if self.to_string().contains(name) { self } else { Error::OfUnit { name: name.into(), error: Box::new(self) } }
+    }
+
     /// The cause.
     pub fn class(&self) -> ErrorClass {
         match self {
@@ -87,6 +96,7 @@ impl Error {
             Error::Input(_) => ErrorClass::File,
             Error::Limit(_) => ErrorClass::Limit,
             Error::Check(_) => ErrorClass::Check,
+            Error::OfUnit { error, .. } => error.class(),
             Error::Drawing(_) | Error::Fault(_) => ErrorClass::Internal,
         }
     }
@@ -102,6 +112,7 @@ impl Error {
             Error::Input(error) => error.code(),
             Error::Limit(error) => error.code(),
             Error::Check(error) => error.code(),
+            Error::OfUnit { error, .. } => return error.code(),
             Error::Drawing(_) => 403,
             Error::Fault(_) => 902,
         };

@@ -26,6 +26,9 @@ pub enum RequestError {
     /// E105: an output that is not named after each tile, beside others that are.
     #[error("cannot write {0}: it is not named after the row and the column of a tile, and nothing else")]
     NotNamedAfterTiles(String),
+    /// E105: a file of a unit of work, which all are merged into.
+    #[error("cannot write {path}: it is a file of {unit}")]
+    FileOfUnit { path: String, unit: String },
     /// E105: no folder for a copy of the raster.
     #[error("cannot use {0} for a copy of the raster: it is no folder")]
     Scratch(String),
@@ -154,7 +157,7 @@ impl RequestError {
         use RequestError as R;
         match self {
             R::Goal { .. } => 101,
-            R::NotNamedAfterUavs(_) | R::NotNamedAfterTiles(_) | R::Scratch(_) => 105,
+            R::NotNamedAfterUavs(_) | R::NotNamedAfterTiles(_) | R::FileOfUnit { .. } | R::Scratch(_) => 105,
             R::OfAnotherRun(_) => 106,
             R::GdalValues { .. } | R::LayerOfTile { .. } => 107,
             R::GoalNeeds { .. } | R::TooFewToCompare(_) => 108,

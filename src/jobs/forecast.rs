@@ -37,7 +37,10 @@ pub(super) fn forecast(unit: &Unit, units: &Units) -> (f64, u64) {
     // Of a tile no more is decided than its cells.
     let (most, per_told) = match &unit.part {
         Part::Site(_) => (n_cells, unit.job.bytes_per_cell() as u64),
-        Part::Tile(tile) => (cells(tile.window), BYTES_PER_CELL_OF_TILE),
+        Part::Tile(tile) => {
+            let of_layers = unit.job.plan.overlay_bytes_per_cell(units.uavs.sites.len());
+            (cells(tile.window), BYTES_PER_CELL_OF_TILE + of_layers as u64)
+        }
     };
     #[expect(clippy::cast_precision_loss, reason = "an estimate")]
     let (n_in_range, rest) = (in_range.min(most as f64), n_cells as f64 * NS_PER_CELL * 1e-9);

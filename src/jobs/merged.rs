@@ -12,9 +12,11 @@ use super::Jobs;
 use super::stac::item;
 use crate::answer::WarningFacts;
 use crate::answer::{Answer, Head, Rows, RunFacts, Share, Spent, columns_of, document_of, rows, warnings_of};
+use crate::city::GivenSite;
 use crate::coverage::Tally;
 use crate::error::{CheckError, RequestError, Result, Warning};
 use crate::export::{Batch, Format, Layer, MosaicTile, encode_parquet, vrt};
+use crate::formats::TiffLayout;
 use crate::map::Part;
 use crate::picture::Look;
 use crate::quantity::{counted, share};
@@ -25,6 +27,8 @@ use crate::words::pretty;
 pub(crate) struct Merged {
     facts: RunFacts,
     layers: Vec<Layer>,
+    /// Whether rasters are optimized for the cloud.
+    is_cog: bool,
     rows: Vec<MergedRow>,
     n_units: usize,
     /// The tiles, and what at least one UAV sees in all of them; nothing where the units are UAVs.
@@ -134,6 +138,75 @@ impl MergedRow {
     }
 }
 
+/// What is read of a unit.
+struct OfUnit {
+    rows: Vec<MergedRow>,
+    union: Tally,
+    written_at: u64,
+}
+
+impl OfUnit {
+    fn of(document: &Value, written_at: u64) -> OfUnit {
+        let sites = document.get("sites").and_then(Value::as_array);
+        let digest = || text(document, "digest");
+        let rows = sites.into_iter().flatten().filter_map(|site| MergedRow::of(site, digest())).collect();
+        let of_union = document.get("union").unwrap_or(&Value::Null);
+        let (receivers, los) = (count(of_union, "receivers"), count(of_union, "los"));
+        let mut union = Tally::default();
+        (union.receivers, union.los) = (receivers, los);
+        OfUnit { rows, union, written_at }
+    }
+}
+
+/// What the units that were read so far come to.
+#[derive(Default)]
+struct Sum {
+    rows: Vec<MergedRow>,
+    /// The row of each UAV, where tiles are the units.
+    place: HashMap<String, usize>,
+    tiles: Option<Tiles>,
+    last_written: u64,
+}
+
+impl Sum {
+    /// Nothing yet of tiles under some UAVs, of which some may have no tile in range.
+    fn of_tiles(cells_per_side: usize, sites: &[GivenSite]) -> Sum {
+        let row = |given: &GivenSite| MergedRow {
+            site: given.id.clone(),
+            x: given.x,
+            y: given.y,
+            height_amsl_m: None,
+            height_agl_m: None,
+            placement: None,
+            receivers: 0,
+            los: 0,
+            p_los: None,
+            tiles: Some(0),
+            digest: None,
+        };
+        Sum {
+            rows: sites.iter().map(row).collect(),
+            place: sites.iter().enumerate().map(|(k, site)| (site.id.clone(), k)).collect(),
+            tiles: Some(Tiles { cells_per_side, union: Tally::default(), rasters: Vec::new() }),
+            last_written: 0,
+        }
+    }
+
+    fn add(&mut self, unit: OfUnit) {
+        self.last_written = self.last_written.max(unit.written_at);
+        let Some(tiles) = &mut self.tiles else {
+            self.rows.extend(unit.rows.into_iter().take(1));
+            return;
+        };
+        tiles.union = tiles.union.plus(&unit.union);
+        for row in unit.rows {
+            if let Some(k) = self.place.get(&row.site) {
+                self.rows[*k].add(row);
+            }
+        }
+    }
+}
+
 impl Jobs<'_> {
     /// What all units come to.
     ///
@@ -147,64 +220,34 @@ impl Jobs<'_> {
             let (n_open, n_units) = (status.n_open(), self.units.parts.len());
             return Err(CheckError::OpenUnits { n_open, n_units, name: name.into(), why: why.into() }.into());
         }
-        let document = |part: &Part| {
+        let read = |part: &Part| {
             let unit = self.runs.unit(&self.units, part);
-            let read = unit.document().ok_or_else(|| CheckError::NoDocument(part.name()));
-            Ok((read?, unit.written_at()))
+            let document = unit.document().ok_or_else(|| CheckError::NoDocument(part.name()))?;
+            Ok(OfUnit::of(&document, unit.written_at()))
         };
-        let documents: Vec<(Value, u64)> = self.units.parts.par_iter().map(document).collect::<Result<_>>()?;
-        let last_written = documents.iter().map(|(_, at)| *at).max().unwrap_or(0);
-        let sites_of = |document: &Value| document.get("sites").and_then(Value::as_array).cloned().unwrap_or_default();
-        let mut tiles = None;
-        let rows = match self.units.parts.first() {
-            Some(Part::Tile(first)) => {
-                let sites = &self.units.uavs.sites;
-                let mut rows: Vec<MergedRow> = sites
-                    .iter()
-                    .map(|given| MergedRow {
-                        site: given.id.clone(),
-                        x: given.x,
-                        y: given.y,
-                        height_amsl_m: None,
-                        height_agl_m: None,
-                        placement: None,
-                        receivers: 0,
-                        los: 0,
-                        p_los: None,
-                        tiles: Some(0),
-                        digest: None,
-                    })
-                    .collect();
-                let place: HashMap<&str, usize> = sites.iter().enumerate().map(|(k, s)| (s.id.as_str(), k)).collect();
-                let mut union = Tally::default();
-                for (document, _) in &documents {
-                    for row in sites_of(document).iter().filter_map(|site| MergedRow::of(site, None)) {
-                        if let Some(k) = place.get(row.site.as_str()) {
-                            rows[*k].add(row);
-                        }
-                    }
-                    let of_tile = document.get("union").unwrap_or(&Value::Null);
-                    union.receivers += count(of_tile, "receivers");
-                    union.los += count(of_tile, "los");
-                }
-                let raster = |part: &Part| {
-                    let Part::Tile(tile) = part else { return None };
-                    let files = self.runs.unit(&self.units, part).job.outputs;
-                    let is_raster = |path: &std::path::PathBuf| Format::of(path).is_ok_and(|f| f == Format::GeoTiff);
-                    Some((files.into_iter().find(is_raster)?, tile.window))
-                };
-                let rasters = self.units.parts.iter().filter_map(raster).collect();
-                tiles = Some(Tiles { cells_per_side: first.cells_per_side, union, rasters });
-                rows
-            }
-            _ => {
-                let of_site =
-                    |(document, _): &(Value, u64)| MergedRow::of(sites_of(document).first()?, text(document, "digest"));
-                documents.iter().filter_map(of_site).collect()
-            }
+        let mut sum = match self.units.parts.first() {
+            Some(Part::Tile(first)) => Sum::of_tiles(first.cells_per_side, &self.units.uavs.sites),
+            _ => Sum::default(),
         };
-        let (n_units, layers) = (documents.len(), self.job.plan.layers.clone());
-        let merged = Merged { facts: self.facts(command), layers, rows, n_units, tiles, last_written };
+        // What is read of many is no more than their rows.
+        const AT_ONCE: usize = 1024;
+        for parts in self.units.parts.chunks(AT_ONCE) {
+            let found: Vec<OfUnit> = parts.par_iter().map(read).collect::<Result<_>>()?;
+            found.into_iter().for_each(|unit| sum.add(unit));
+        }
+        if let Some(tiles) = &mut sum.tiles {
+            let raster = |part: &Part| {
+                let Part::Tile(tile) = part else { return None };
+                let files = self.runs.unit(&self.units, part).job.outputs;
+                let is_raster = |path: &std::path::PathBuf| Format::of(path).is_ok_and(|f| f == Format::GeoTiff);
+                Some((files.into_iter().find(is_raster)?, tile.window))
+            };
+            tiles.rasters = self.units.parts.iter().filter_map(raster).collect();
+        }
+        let Sum { rows, tiles, last_written, .. } = sum;
+        let is_cog = self.job.save.tif_layout.unwrap_or_default() == TiffLayout::Cog;
+        let (n_units, layers) = (self.units.parts.len(), self.job.plan.layers.clone());
+        let merged = Merged { facts: self.facts(command), layers, is_cog, rows, n_units, tiles, last_written };
         // A mosaic of some tiles would have holes that look like nodata.
         let is_part = self.job.uavs.shard.is_some() || !self.job.tiles.only.is_empty();
         if is_part { Err(RequestError::PartOfUnits.into()) } else { Ok(merged) }
@@ -256,12 +299,11 @@ impl Answer for Merged {
             }
             Format::Vrt => {
                 let of_list = (self.layers.as_slice(), self.rows.len());
-                vrt(path, &self.facts.grid, self.rasters(path)?, of_list).into_bytes()
+                vrt(path, &self.facts.grid, self.rasters(path)?, of_list)?.into_bytes()
             }
             _ => {
-                let rasters = self.rasters(path)?;
-                pretty(&item(path, &self.facts.grid, (rasters, &self.layers), self.last_written, &self.document(None))?)
-                    .into_bytes()
+                let tiles = (self.rasters(path)?, self.layers.as_slice(), self.is_cog);
+                pretty(&item(path, &self.facts.grid, tiles, self.last_written, &self.document(None))?).into_bytes()
             }
         };
         Ok(batch.add(path, &bytes)?)

@@ -12,9 +12,11 @@ use serde::Serialize;
 pub(crate) use merged::{MergeDocument, MergedRow};
 pub(crate) use status::{Status, StatusDocument};
 
-use crate::answer::{RunFacts, document_of};
+use std::path::{Path, PathBuf};
+
+use crate::answer::{Output, RunFacts, document_of};
 use crate::error::{RequestError, Result};
-use crate::map::{MapJob, Part, UnitRuns, Units};
+use crate::map::{MapJob, Part, Purpose, UnitRuns, Units};
 use crate::progress::Progress;
 use forecast::forecast;
 
@@ -55,7 +57,7 @@ impl<'a> Jobs<'a> {
     /// # Errors
     /// E116 if it has none; those of the scene and the UAVs.
     pub(crate) fn of(job: &'a MapJob, progress: &'a Progress) -> Result<Jobs<'a>> {
-        let runs = UnitRuns::of(job, None, progress)?.ok_or(RequestError::NoUnits)?;
+        let runs = UnitRuns::of(job, None, (Purpose::Tell, progress))?.ok_or(RequestError::NoUnits)?;
         let units = runs.units()?.ok_or(RequestError::NoUnits)?;
         Ok(Jobs { job, runs, units })
     }
@@ -80,6 +82,22 @@ impl<'a> Jobs<'a> {
             };
             document_of(&planned).to_string()
         })
+    }
+
+    /// Refuses outputs that are files of units.
+    ///
+    /// # Errors
+    /// E105.
+    pub(crate) fn refuse_own_files(&self, outputs: &[Output]) -> Result<()> {
+        let named = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+        let wanted: Vec<PathBuf> = outputs.iter().map(|(path, _)| named(path)).collect();
+        for part in &self.units.parts {
+            let own = self.runs.unit(&self.units, part).job.outputs;
+            if let Some(path) = own.iter().find(|path| wanted.contains(&named(path))) {
+                return Err(RequestError::FileOfUnit { path: path.display().to_string(), unit: part.name() }.into());
+            }
+        }
+        Ok(())
     }
 
     /// What documents say of the units.

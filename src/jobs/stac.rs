@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use crate::crs::{Transformation, from_epsg};
 use crate::error::{RequestError, Result};
-use crate::export::{Layer, MosaicTile};
+use crate::export::{Layer, MosaicTile, Near};
 use crate::raster::{Crs, GeoRef};
 
 /// Seconds of a day.
@@ -19,7 +19,7 @@ const DAY: u64 = 86_400;
 pub(super) fn item(
     path: &Path,
     grid: &GeoRef,
-    (tiles, layers): (&[MosaicTile], &[Layer]),
+    (tiles, layers, is_cog): (&[MosaicTile], &[Layer], bool),
     seconds: u64,
     document: &Value,
 ) -> Result<Value> {
@@ -31,14 +31,14 @@ pub(super) fn item(
     let ring = corners.into_iter().map(|corner| Ok(degrees.apply(corner)?)).collect::<Result<Vec<(f64, f64)>>>()?;
     let most = |of: fn(&(f64, f64)) -> f64, pick: fn(f64, f64) -> f64| ring.iter().map(of).reduce(pick);
     let bbox = [most(|p| p.0, f64::min), most(|p| p.1, f64::min), most(|p| p.0, f64::max), most(|p| p.1, f64::max)];
-    let folder = path.parent().unwrap_or(Path::new(""));
+    let near = Near::of(path);
     let asset = |(tile, window): &MosaicTile| {
-        let name = tile.strip_prefix(folder).unwrap_or(tile).to_string_lossy().into_owned();
+        let name = near.name_of(tile).0.to_string_lossy().into_owned();
         let part = grid.part(*window);
         let bands: Vec<Value> = layers.iter().map(|layer| json!({"name": layer.name()})).collect();
         let asset = json!({
-            "href": name,
-            "type": "image/tiff; application=geotiff; profile=cloud-optimized",
+            "href": encoded(&name),
+            "type": if is_cog { "image/tiff; application=geotiff; profile=cloud-optimized" } else { "image/tiff; application=geotiff" },
             "roles": ["data"],
             "bands": bands,
             "proj:shape": [part.n_rows(), part.n_cols()],
@@ -65,6 +65,13 @@ pub(super) fn item(
         "links": [],
         "assets": assets,
     }))
+}
+
+/// A path as an address holds it.
+fn encoded(path: &str) -> String {
+    let is_plain = |byte: &u8| byte.is_ascii_alphanumeric() || b"-._~/!$&'()*+,;=:@".contains(byte);
+    let one = |byte: u8| if is_plain(&byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") };
+    path.bytes().map(one).collect()
 }
 
 /// Columns and rows to the plane, row by row of an affine matrix.
@@ -106,6 +113,11 @@ fn time_words(seconds: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_are_those_of_addresses() {
+        assert_eq!(encoded("../a b/1#2%41?-ü.tif"), "../a%20b/1%232%2541%3F-%C3%BC.tif");
+    }
 
     #[test]
     fn times_are_those_of_the_calendar() {

@@ -33,7 +33,7 @@ pub use request::CoverageRequest;
 pub use save_options::{PolygonClasses, SaveOptions};
 pub(crate) use tiles::{ROW_AND_COL, TilesAsked};
 pub(crate) use tolerance::{FormDocument, check_tolerance};
-pub(crate) use unit_runs::{Outcome, Part, SITE, Unit, UnitRuns, Units};
+pub(crate) use unit_runs::{Outcome, Part, Purpose, SITE, Unit, UnitRuns, Units};
 pub(crate) use units::Found;
 
 use crate::export::Format;

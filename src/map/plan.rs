@@ -77,6 +77,11 @@ impl MapPlan {
         }
     }
 
+    /// What all masks laid over each other take for each cell, of a list of so many UAVs.
+    pub(crate) fn overlay_bytes_per_cell(&self, n_uavs: usize) -> usize {
+        overlay_bytes_per_cell(&self.layers, n_uavs)
+    }
+
     /// Whether the zones of the scene are found, of which a part does not know all.
     pub(super) fn needs_zones(&self) -> bool {
         self.tells_zones || self.sight.receivers().zone().is_some()

@@ -7,7 +7,7 @@
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::curve::CurvePlan;
 use super::job::{Done, Given, GivenScene, MapJob};
@@ -15,9 +15,10 @@ use super::strips::{check_strips, on_disk, reason_for_strips};
 use super::tiles::{ROW_AND_COL, Tile};
 use super::units::{Found, found, inputs, unit_of_all, unit_of_site, unit_of_tile};
 use crate::city::GivenSite;
-use crate::error::{Error, ErrorClass, PlacesError, RequestError, Result, Warning};
-use crate::export::{Format, Layer, check_folder, site_in_names, with_suffix};
+use crate::error::{Error, ErrorClass, InputError, PlacesError, RequestError, Result, Warning};
+use crate::export::{Format, Layer, check_folder, check_layers, site_in_names, with_suffix};
 use crate::formats::{RasterFile, origin_of};
+use crate::los::MethodChoice;
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::os_words::split;
 use crate::progress::Progress;
@@ -48,6 +49,15 @@ enum Kind {
     Tile,
     /// All UAVs together, over all of the ground.
     All,
+}
+
+/// What units are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// To run them.
+    Map,
+    /// To tell of them: nothing is written.
+    Tell,
 }
 
 /// One UAV, or one tile.
@@ -165,7 +175,11 @@ impl<'a> UnitRuns<'a> {
     ///
     /// # Errors
     /// E105 if some names hold `{site}` and others do not, or only one of `{row}` and `{col}`; E107, E116 for what tiles cannot hold.
-    pub(crate) fn of(job: &'a MapJob, given: Option<Scene>, progress: &'a Progress) -> Result<Option<UnitRuns<'a>>> {
+    pub(crate) fn of(
+        job: &'a MapJob,
+        given: Option<Scene>,
+        (purpose, progress): (Purpose, &'a Progress),
+    ) -> Result<Option<UnitRuns<'a>>> {
         let files: Vec<&PathBuf> = job.outputs.iter().chain(&job.curve.outputs).collect();
         let holds = |path: &Path, word: &str| path.to_string_lossy().contains(word);
         let names_site = |path: &Path| holds(path, SITE);
@@ -186,7 +200,8 @@ impl<'a> UnitRuns<'a> {
         // Folders named after units are made with their files.
         let is_shared =
             |path: &&&PathBuf| !path.parent().is_some_and(|folder| names_site(folder) || names_tile(folder));
-        files.iter().filter(is_shared).try_for_each(|path| check_folder(path))?;
+        let writes = purpose == Purpose::Map;
+        files.iter().filter(is_shared).filter(|_| writes).try_for_each(|path| check_folder(path))?;
         let other = |is_named: &dyn Fn(&Path) -> bool| files.iter().find(|path| !is_named(path));
         let told = |path: &PathBuf| path.display().to_string();
         match kind {
@@ -196,7 +211,11 @@ impl<'a> UnitRuns<'a> {
                 }
             }
             Kind::Tile => {
-                let is_whole = |path: &Path| ROW_AND_COL.iter().all(|word| holds(path, word)) && !names_site(path);
+                // Row 1 and column 11 must not be called as row 11 and column 1 are.
+                let is_apart = |path: &Path| !holds(path, "{row}{col}") && !holds(path, "{col}{row}");
+                let is_whole = |path: &Path| {
+                    ROW_AND_COL.iter().all(|word| holds(path, word)) && is_apart(path) && !names_site(path)
+                };
                 if let Some(path) = other(&is_whole).filter(|_| n_tiles > 0 || n_sites > 0 || job.tiles.only.len() > 1)
                 {
                     return Err(RequestError::NotNamedAfterTiles(told(path)).into());
@@ -228,6 +247,7 @@ impl<'a> UnitRuns<'a> {
                     return Err(error.into());
                 }
                 Err(error) => {
+                    let error = error.of_unit(&part.name());
                     // The first one is told at the end.
                     if failed.is_some() {
                         each(Outcome::Failed(&error))?;
@@ -254,21 +274,24 @@ impl<'a> UnitRuns<'a> {
     fn scenes_and_units(&self) -> Result<(Option<Scenes>, Units)> {
         let (scenes, grid) = self.scenes_or_grid()?;
         let job = self.job;
-        // Of tiles the shard is one of the tiles, each with all of its UAVs.
-        let shard = job.uavs.shard.filter(|_| self.kind == Kind::Tile);
-        let asked = UavsAsked { shard: if shard.is_some() { None } else { job.uavs.shard }, ..job.uavs.clone() };
-        let mut uavs = asked.read(&grid)?;
+        // The shard is one of the units: a tile has all of its UAVs, and names are told apart among all.
+        let shard = job.uavs.shard;
+        let mut uavs = UavsAsked { shard: None, ..job.uavs.clone() }.read(&grid)?;
         if self.kind == Kind::Tile {
             warn_of_uavs_outside(&uavs.sites, &grid, &mut uavs.warnings);
         }
         let parts = match self.kind {
             Kind::Tile => {
+                for path in &job.outputs {
+                    check_layers(&job.plan.layers, uavs.sites.len(), path, Format::of(path)?)?;
+                }
                 let tiles = job.tiles.of((&grid, shard), &uavs.sites, &job.plan.sight)?;
                 tiles.into_iter().map(Part::Tile).collect()
             }
             _ => {
                 check_names(&uavs.sites)?;
-                uavs.sites.iter().cloned().map(Part::Site).collect()
+                let range = shard.map_or(0..uavs.sites.len(), |shard| shard.range(uavs.sites.len()));
+                uavs.sites[range].iter().cloned().map(Part::Site).collect()
             }
         };
         Ok((scenes, Units { uavs, grid, parts, inputs: inputs(job, false)? }))
@@ -359,9 +382,12 @@ impl<'a> UnitRuns<'a> {
 
     /// Runs one unit, unless its files are there.
     fn run_unit(&self, unit: Unit, scenes: &mut Option<Scenes>, units: &Units) -> Result<Option<Done>> {
+        let is_damaged = unit.job.resume && unit.fault().is_some();
         let Unit { part, hash, mut job } = unit;
         if job.resume {
             match found(&job, &hash)? {
+                // A file that is cut short is made again.
+                Found::All if is_damaged => job.save.overwrite = true,
                 Found::All => return Ok(None),
                 // A run that was killed between two files leaves the first.
                 Found::Some => job.save.overwrite = true,
@@ -401,15 +427,32 @@ impl<'a> UnitRuns<'a> {
         };
         make_folders(&job)?;
         let given = Given { uavs: Some(own), scene, grid: Some(grid), tile, unit: Some(hash.clone()) };
+        self.check_inputs(units)?;
         match job.run(given, self.progress) {
-            // Another process was faster.
+            // Another process is faster.
             Err(Error::Io(skyshed_io::Error::Write(_, WriteFault::Exists | WriteFault::ExistsMeanwhile)))
-                if job.resume && found(&job, &hash)? == Found::All =>
+                if job.resume && is_made_by_another(&job, &hash)? =>
             {
                 Ok(None)
             }
-            done => done.map(Some),
+            Ok(done) => match self.check_inputs(units) {
+                Ok(()) => Ok(Some(done)),
+                Err(changed) => {
+                    // Nobody knows what they were made of.
+                    done.written.iter().for_each(|path| drop(std::fs::remove_file(path)));
+                    Err(changed)
+                }
+            },
+            Err(error) => Err(error),
         }
+    }
+
+    /// Refuses inputs that are not those that the units were told by.
+    fn check_inputs(&self, units: &Units) -> Result<()> {
+        if inputs(self.job, false)? == units.inputs {
+            return Ok(());
+        }
+        Err(InputError::Changed(self.job.word.display().to_string()).into())
     }
 
     /// The part of a raster in a box.
@@ -450,6 +493,12 @@ fn check_tiles(job: &MapJob) -> Result<()> {
     if let Some((option, _)) = asked.iter().find(|(_, is_asked)| *is_asked) {
         return Err(Error::idle(option, why));
     }
+    if matches!(job.plan.sight.method(), MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2) {
+        return Err(Error::idle(
+            "method",
+            "with tiles, if it is approximate: it errs otherwise on a part than on the whole",
+        ));
+    }
     match job.plan.sight.receivers().zone() {
         Some(_) => Err(Error::idle("receivers", "of one zone with tiles: zones are found in the whole")),
         None => Ok(()),
@@ -467,6 +516,20 @@ fn check_names(sites: &[GivenSite]) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Waits until the files of a unit that another process makes are complete, but not for ever.
+fn is_made_by_another(job: &MapJob, hash: &str) -> Result<bool> {
+    const PATIENCE: Duration = Duration::from_secs(10);
+    let start = Instant::now();
+    loop {
+        // Between two of its names the file that is there may lack what says what it is.
+        match found(job, hash) {
+            Ok(Found::All) => return Ok(true),
+            last if start.elapsed() > PATIENCE => return last.map(|_| false),
+            _ => std::thread::sleep(Duration::from_millis(20)),
+        }
+    }
 }
 
 /// Makes the folders that are named after a unit.

@@ -57,6 +57,10 @@ pub(super) fn unit(job: &MapJob, what: &dyn Debug, inputs: &str) -> String {
     // What changes no number.
     let scene = SceneOptions { repairs: None, ..scene.clone() };
     let save = SaveOptions { overwrite: false, ..save.clone() };
+    // One file has many names.
+    let named = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let word = named(Path::new(word));
+    let scene = SceneOptions { terrain: scene.terrain.as_deref().map(named), ..scene };
     let of_run = (word, scene, plan, save, curve.heights);
     let mut hasher = Sha256::default();
     hasher.update(format!("{} {of_run:?} {what:?} {inputs}", env!("CARGO_PKG_VERSION")));
@@ -79,7 +83,8 @@ pub(super) fn inputs(job: &MapJob, with_sites: bool) -> Result<String> {
     }
     for file in files.iter().filter(|file| file.exists()).flat_map(|file| parts_of(file)) {
         let metadata = std::fs::metadata(&file).map_err(|e| skyshed_io::cannot_read(&file.as_path().into(), &e))?;
-        text += &format!("{} {} {:?};", file.display(), metadata.len(), metadata.modified().ok());
+        let name = std::fs::canonicalize(&file).unwrap_or(file);
+        text += &format!("{} {} {:?};", name.display(), metadata.len(), metadata.modified().ok());
     }
     Ok(text)
 }
@@ -93,7 +98,10 @@ pub(super) fn inputs(job: &MapJob, with_sites: bool) -> Result<String> {
 /// E106 if one is there that is not of this unit, unless it may be replaced.
 pub(super) fn found(job: &MapJob, unit: &str) -> Result<Found> {
     let files: Vec<&PathBuf> = job.outputs.iter().chain(&job.curve.outputs).collect();
-    let there: Vec<&PathBuf> = files.iter().copied().filter(|file| file.exists()).collect();
+    // A file that was emptied holds nothing of anybody.
+    let is_there =
+        |file: &Path| std::fs::metadata(file).is_ok_and(|metadata| metadata.len() > 0 || !metadata.is_file());
+    let there: Vec<&PathBuf> = files.iter().copied().filter(|file| is_there(file)).collect();
     let other = there.iter().find(|file| !is_of(file, unit));
     let is_left_alone = |file: &PathBuf| {
         let beside = Format::of(file).map_or_else(|_| Vec::new(), |format| sidecars(file, format, job.save.bare));
@@ -103,7 +111,7 @@ pub(super) fn found(job: &MapJob, unit: &str) -> Result<Found> {
         Some(_) if job.save.overwrite => Ok(Found::Nothing),
         Some(other) => Err(RequestError::OfAnotherRun(other.display().to_string()).into()),
         None if there.len() == files.len() => Ok(Found::All),
-        None if !there.is_empty() || files.iter().any(|file| is_left_alone(file)) => Ok(Found::Some),
+        None if files.iter().any(|file| file.exists() || is_left_alone(file)) => Ok(Found::Some),
         None => Ok(Found::Nothing),
     }
 }

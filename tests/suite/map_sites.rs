@@ -276,7 +276,6 @@ fn equal_units_are_equal_bytes_however_they_were_batched() {
     for bad in ["0/3", "4/3", "1", "a/b", "1/0"] {
         assert_eq!(refused(&format!("--uavs sites.csv --shard {bad}")), "E101", "{bad}");
     }
-    assert_eq!(refused("--uav 50,50,90 --shard 1/2"), "E101");
     // More parts than UAVs: some have nothing to do.
     let empty = folder.type_in(&format!("{} --uavs sites.csv --shard 1/9 -o e-{{site}}.tif", line.replace(" -q", "")));
     assert!(empty.done().err.contains("0 UAVs mapped"));

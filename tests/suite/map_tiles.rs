@@ -184,6 +184,8 @@ fn what_a_tile_cannot_be_is_refused() {
         ("--json", "E116"),
         ("--tile 9,0", "E113"),
         ("--tile 9", "E101"),
+        ("-o x{row}{col}.tif", "E105"),
+        ("--method r2", "E116"),
         ("--tile-size 100", "E101"),
         ("--tile-size 0", "E101"),
     ] {
@@ -195,6 +197,9 @@ fn what_a_tile_cannot_be_is_refused() {
         ("map dsm.tif --ground 0 --uavs sites.csv --layers count,margin -o {row}-{col}.tif", "E107"),
         ("map dsm.tif --ground 0 --uavs sites.csv --tile-size 64 -o a.tif", "E116"),
         ("jobs plan map dsm.tif --ground 0 --uavs sites.csv -o a.tif", "E116"),
+        ("jobs plan map dsm.tif --ground 0 --uavs sites.csv --layers count -o {row}-{col}.kmz", "E107"),
+        ("jobs merge --overwrite -o sites.csv map dsm.tif --ground 0 --uavs sites.csv -o {site}.tif", "E105"),
+        ("jobs merge --overwrite -o a.json map dsm.tif --ground 0 --uavs sites.csv -o {site}.json", "E105"),
         ("jobs plan link dsm.tif --uav 1,1,50 --rx 2,2", "E101"),
         ("jobs status -o a.csv map dsm.tif --ground 0 --uavs sites.csv -o {site}.tif", "E116"),
         ("jobs merge -o a.vrt map dsm.tif --ground 0 --uavs sites.csv -o {site}.tif", "E603"),
@@ -286,6 +291,73 @@ fn jobs_tell_what_there_is_to_do_what_is_done_and_what_all_come_to() {
     assert!(answer.err.contains("error[E603]"), "{answer:?}");
     assert_eq!(folder.type_in(&format!("jobs merge -o new.csv {asked}")).error(), "E603");
     assert!(!folder.join("new.csv").exists());
+}
+
+#[test]
+fn what_went_wrong_is_made_again_and_told_by_name() {
+    let folder = Folder::new();
+    folder.type_in("city itu:urban --size 200 --seed 3 -o dsm.tif -q").done();
+    write_uavs(&folder, 6, 200, 4);
+    let asked =
+        "map dsm.tif --ground 0 --uavs sites.csv --radius 60 --layers count --tile-size 64 -o t/{row}-{col}.tif";
+    // Telling of units needs no folder, and makes none.
+    assert_eq!(lines(folder.type_in(&format!("jobs plan {asked}"))).len(), 16);
+    assert!(folder.type_in(&format!("jobs status {asked}")).out.starts_with("16 units: 0 done, 16 missing, 0 broken"));
+    assert!(!folder.join("t").exists());
+    std::fs::create_dir(folder.join("t")).expect("a folder");
+    // A tile that is named twice is one, and one UAV that is typed has units, too.
+    let twice = folder.type_in(&format!("{asked} --tile 1,1 --tile 2,2 --tile 1,1"));
+    assert!(twice.done().err.contains("2 tiles mapped"));
+    folder.type_in("map dsm.tif --ground 0 --uav 100,100,200amsl --layers count --tile-size 64 --shard 2/4 -o u{row}-{col}.tif").done();
+    folder.type_in(&format!("{asked} --resume -q")).done();
+    let whole = std::fs::read(folder.join("t/1-1.tif")).expect("a tile");
+    // Cut short it is broken, and made again.
+    std::fs::write(folder.join("t/1-1.tif"), &whole[..whole.len() - 200]).expect("it is cut");
+    std::fs::write(folder.join("t/0-0.tif"), []).expect("it is emptied");
+    let broken = folder.type_in(&format!("jobs status {asked}")).out;
+    assert!(broken.contains("14 done, 1 missing, 1 broken"), "{broken}");
+    assert!(folder.type_in(&format!("{asked} --resume")).done().err.contains("2 tiles mapped, 14 there already"));
+    assert!(std::fs::read(folder.join("t/1-1.tif")).expect("a tile") == whole);
+    // By any name of the scene and from any folder the units are the same.
+    let other = asked.replace("dsm.tif", "./t/../dsm.tif");
+    assert!(folder.type_in(&format!("jobs status {other}")).done().out.starts_with("16 units: 16 done"));
+    std::fs::create_dir(folder.join("m")).expect("a folder");
+    folder.type_in(&format!("jobs merge -o m/all.vrt -o ./b.vrt {asked}")).done();
+    for (vrt, name) in [("m/all.vrt", ">../t/0-0.tif<"), ("b.vrt", ">t/0-0.tif<")] {
+        assert!(folder.text(vrt).contains(&format!("relativeToVRT=\"1\"{name}")), "{vrt}");
+        RasterFile::open(folder.join(vrt), &mut Vec::new()).unwrap_or_else(|e| panic!("{vrt}: {e}"));
+    }
+    // Two UAVs whose files would be one are told apart among all of them.
+    folder.write("two.csv", "id,x,y,h\na b,20,20,200amsl\na_b,60,20,200amsl\n");
+    let two = "map dsm.tif --ground 0 --uavs two.csv -o {site}.tif --shard 2/2";
+    assert_eq!(folder.type_in(two).error(), "E207");
+    // What fails is named, and the rest is done.
+    std::fs::remove_file(folder.join("t/3-3.tif")).expect("a tile");
+    std::fs::create_dir(folder.join("t/3-3.tif")).expect("a folder of its name");
+    std::fs::remove_file(folder.join("t/0-1.tif")).expect("a tile");
+    let answer = folder.type_in(&format!("{asked} --resume"));
+    assert!(answer.code() != 0 && answer.err.contains("3-3"), "{answer:?}");
+    assert!(answer.err.contains("1 tile mapped, 14 there already, 1 not"), "{answer:?}");
+}
+
+#[test]
+fn several_processes_share_the_units_of_a_folder() {
+    let folder = Folder::new();
+    folder.type_in("city itu:urban --size 200 --seed 3 -o dsm.tif -q").done();
+    write_uavs(&folder, 6, 200, 4);
+    let files = "-o {row}-{col}.tif -o {row}-{col}.asc -o {row}-{col}.csv";
+    let line = format!(
+        "map dsm.tif --ground 0 --uavs sites.csv --radius 60 --layers union --tile-size 32 --resume -q -j 1 {files}"
+    );
+    let run = || folder.type_in(&line).done();
+    std::thread::scope(|scope| (0..4).for_each(|_| drop(scope.spawn(run))));
+    assert!(
+        folder
+            .type_in(&format!("jobs status {}", line.replace(" -q -j 1", "")))
+            .done()
+            .out
+            .starts_with("49 units: 49 done")
+    );
 }
 
 #[test]

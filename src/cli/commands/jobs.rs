@@ -96,7 +96,9 @@ impl JobsArgs {
                 }
             }
             Asked::Merge => {
-                let outputs = self.out.checked(&FORMATS, &job.inputs)?;
+                let inputs = [job.inputs.clone(), job.uavs.table.iter().cloned().collect()].concat();
+                let outputs = self.out.checked(&FORMATS, &inputs)?;
+                jobs.refuse_own_files(&outputs)?;
                 let merged = jobs.merged(run.words())?;
                 run.emit(&merged as &dyn Answer, &outputs, (&self.out, &self.out.look()))
             }

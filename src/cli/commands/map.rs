@@ -12,7 +12,7 @@ use crate::cli::typed::Typed;
 use crate::error::ErrorClass;
 use crate::export::{Format, Layer, MaskValues};
 use crate::map::{
-    CurvePlan, Done, Given, MapJob, MapPlan, Outcome, ROW_AND_COL, SITE, SaveOptions, TilesAsked, UnitRuns,
+    CurvePlan, Done, Given, MapJob, MapPlan, Outcome, Purpose, ROW_AND_COL, SITE, SaveOptions, TilesAsked, UnitRuns,
 };
 use crate::picture::Look;
 use crate::quantity::counted;
@@ -43,6 +43,12 @@ const OF_BATCH: [&str; 19] = [
     "hash",
 ];
 
+/// Some tiles, each once, in their order.
+fn each_once(tiles: &[(usize, usize)]) -> Vec<(usize, usize)> {
+    let mut seen = std::collections::HashSet::new();
+    tiles.iter().filter(|tile| seen.insert(**tile)).copied().collect()
+}
+
 /// Whether the name of a file holds the row or the column of a tile.
 fn names_tile(path: &std::path::Path) -> bool {
     ROW_AND_COL.iter().any(|word| path.to_string_lossy().contains(word))
@@ -58,7 +64,7 @@ impl MapArgs {
         if self.tile.is_empty() && !job.outputs.iter().any(|path| names_tile(path)) {
             run.typed.refuse(&["tile_size"], "without tiles")?;
         }
-        let runs = UnitRuns::of(&job, run.given.clone(), &run.progress)?;
+        let runs = UnitRuns::of(&job, run.given.clone(), (Purpose::Map, &run.progress))?;
         if self.out.json && job.outputs.iter().chain(&job.curve.outputs).any(names_units) {
             let text = "`--json` has no meaning beside files that are named after UAVs or tiles";
             return Err(refusal_with(
@@ -88,7 +94,7 @@ impl MapArgs {
             strips: self.strips,
             scratch: self.scratch.clone(),
             resume: self.resume,
-            tiles: TilesAsked { cells_per_side: self.tile_size, only: self.tile.clone() },
+            tiles: TilesAsked { cells_per_side: self.tile_size, only: each_once(&self.tile) },
             command,
             unit_command: ["map".into(), self.scene.scene.display().to_string()]
                 .into_iter()

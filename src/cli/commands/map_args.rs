@@ -119,9 +119,9 @@ pub(in crate::cli) struct MapArgs {
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, requires = "polygons",
           help_heading = "Output", hide_short_help = true)]
     pub(super) simplify: Option<f64>,
-    /// Only the K-th of N nearly equal parts of the UAVs of the table in its order, or of the tiles: for schedulers that hand out
+    /// Only the K-th of N nearly equal parts of the UAVs in their order, or of the tiles: for schedulers that hand out
     /// numbers
-    #[arg(long, value_name = "K/N", value_parser = shard, requires = "uavs", help_heading = "Units of work",
+    #[arg(long, value_name = "K/N", value_parser = shard, help_heading = "Units of work",
           hide_short_help = true)]
     pub(super) shard: Option<Shard>,
     /// Only this tile of the ground, row from the north and column from the west, from 0; repeat for more

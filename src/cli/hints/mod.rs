@@ -20,6 +20,7 @@ pub(in crate::cli) fn hint(error: &Error) -> Option<String> {
         Error::Places(error) => own::of_places(error),
         Error::Input(error) => own::of_input(error),
         Error::Limit(error) => own::of_limit(error),
+        Error::OfUnit { error, .. } => hint(error),
         Error::Check(error) => own::of_check(error),
         Error::Drawing(_) | Error::Fault(_) => None,
     }

@@ -69,6 +69,7 @@ pub(super) fn of_places(error: &PlacesError) -> Option<String> {
 
 pub(super) fn of_input(error: &InputError) -> Option<String> {
     let hint = match error {
+        InputError::Changed(_) => "run it again: what was made of the scene as it was is of another run",
         InputError::Mask { .. } => "`skyshed map SCENE --uav X,Y,H -o FILE.tif` writes such a mask",
         InputError::OtherGrid { .. } => "make the map again with the scene flags of this comparison",
         InputError::Curve { some_are_good, .. } => {

@@ -38,5 +38,5 @@ pub use ns3_boxes::ns3_boxes;
 pub use parquet::{Column, encode_parquet};
 pub use table::{as_text, encode_table};
 pub use temporary::abandon_files;
-pub use vrt::{MosaicTile, vrt};
+pub use vrt::{MosaicTile, Near, vrt};
 pub use zones::add_zones;

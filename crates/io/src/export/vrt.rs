@@ -1,11 +1,12 @@
 //! A virtual raster over tiles that were written one by one, for GDAL and whoever reads its format.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use super::map_result::{Layer, NO_COUNT};
 use crate::coverage::class;
 use crate::crs::wkt_of;
+use crate::error::{Error, Result, WriteFault};
 use crate::raster::{CellWindow, GeoRef};
 
 /// A file of a mosaic, and the cells of the whole that it holds.
@@ -36,10 +37,13 @@ impl Bands {
 
 /// The text of a virtual raster at `path` over tiles of a grid, GeoTIFF files with some layers over a list of so many UAVs.
 ///
-/// Names are relative where tiles lie below the folder of the mosaic.
-pub fn vrt(path: &Path, grid: &GeoRef, tiles: &[MosaicTile], (layers, n_uavs): (&[Layer], usize)) -> String {
+/// Names are relative to the folder of the mosaic, where that and those of the tiles have names of one root.
+///
+/// # Errors
+/// E401 for a tile whose name is no text.
+pub fn vrt(path: &Path, grid: &GeoRef, tiles: &[MosaicTile], (layers, n_uavs): (&[Layer], usize)) -> Result<String> {
     let bands = Bands::of(layers, n_uavs);
-    let folder = path.parent().unwrap_or(Path::new(""));
+    let near = Near::of(path);
     let mut text = format!("<VRTDataset rasterXSize=\"{}\" rasterYSize=\"{}\">\n", grid.n_cols(), grid.n_rows());
     if let Some(wkt) = grid.crs().and_then(wkt_of) {
         let _ = writeln!(text, "  <SRS dataAxisToSRSAxisMapping=\"1,2\">{}</SRS>", escaped(&wkt));
@@ -53,9 +57,11 @@ pub fn vrt(path: &Path, grid: &GeoRef, tiles: &[MosaicTile], (layers, n_uavs): (
             let _ = writeln!(text, "    <NoDataValue>{nodata}</NoDataValue>");
         }
         for (tile, window) in tiles {
-            let below = tile.strip_prefix(folder).ok();
-            let (name, is_relative) = below.map_or((tile.as_path(), 0), |below| (below, 1));
-            let name = escaped(&name.to_string_lossy());
+            let (name, is_relative) = near.name_of(tile);
+            let name = escaped(name.to_str().ok_or_else(|| {
+                Error::write(path.display(), WriteFault::Refused(format!("the name of {} is no text", tile.display())))
+            })?);
+            let is_relative = u8::from(is_relative);
             let CellWindow { row, col, n_rows, n_cols } = *window;
             let size = format!("xSize=\"{n_cols}\" ySize=\"{n_rows}\"");
             let _ = write!(
@@ -69,7 +75,37 @@ pub fn vrt(path: &Path, grid: &GeoRef, tiles: &[MosaicTile], (layers, n_uavs): (
         }
         text += "  </VRTRasterBand>\n";
     }
-    text + "</VRTDataset>\n"
+    text += "</VRTDataset>\n";
+    Ok(text)
+}
+
+/// The folder that files are named from.
+#[derive(Debug)]
+pub struct Near(PathBuf);
+
+impl Near {
+    /// The folder of a file that is still to be made.
+    pub fn of(path: &Path) -> Near {
+        Near(folder_of(path))
+    }
+
+    /// How a file that is there is called from the folder, and whether that is relative to it.
+    pub fn name_of(&self, file: &Path) -> (PathBuf, bool) {
+        let (folder, name) = (folder_of(file), file.file_name().unwrap_or_default());
+        let (from, to): (Vec<_>, Vec<_>) = (self.0.components().collect(), folder.components().collect());
+        let n_common = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
+        if n_common == 0 {
+            return (folder.join(name), false);
+        }
+        let up = std::iter::repeat_n(Component::ParentDir, from.len() - n_common);
+        (up.chain(to[n_common..].iter().copied()).collect::<PathBuf>().join(name), true)
+    }
+}
+
+/// The folder of a file by its one name.
+fn folder_of(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    std::fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf())
 }
 
 /// A text as XML holds it.
