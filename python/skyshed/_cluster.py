@@ -60,8 +60,6 @@ class Grid(NamedTuple):
     shape: tuple[int, int]
     #: West edge, width of a cell, north edge, height of a cell.
     place: tuple[float, float, float, float]
-    #: Whether a process reads no more of it than it needs.
-    reads_windows: bool
 
 
 class Cluster(Protocol):
@@ -83,7 +81,7 @@ def map_sites(
     options: Mapping[str, object],
 ) -> Mapped:
     _checked(batch, None, options)
-    origin, grid, crs, options = _asked(scene, options)
+    origin, _, crs, options = _asked(scene, options)
     listed = named(_listed(sites, crs))
     name, n = Counter(site[3] for site in listed).most_common(1)[0]
     if n > 1:
@@ -162,18 +160,17 @@ def place(
 def _asked(scene: SceneOrPath, options: Mapping[str, object]) -> tuple[Asked, Grid, str | None, dict[str, object]]:
     """What processes open, where its cells lie, its reference system, and the options that do not say how it is read."""
     if isinstance(scene, Scene):
-        (shape, place, _), origin = scene._scene.place, scene._origin
-        reads_windows = origin is not None and _skyshed.raster_grid(origin.word, origin.words) is not None
-        return origin or scene, Grid(shape, place, reads_windows), scene.crs, dict(options)
+        shape, place, _ = scene._scene.place
+        return scene._origin or scene, Grid(shape, place), scene.crs, dict(options)
     reading = {name: value for name, value in options.items() if name in READING}
     others = {name: value for name, value in options.items() if name not in READING}
     origin = origin_of(scene, reading)
     found = _skyshed.raster_grid(origin.word, origin.words)
     if found is None:
         opened = opened_once(origin)
-        return origin, Grid(opened._scene.place[0], opened._scene.place[1], False), opened.crs, others
+        return origin, Grid(*opened._scene.place[:2]), opened.crs, others
     shape, place, crs = found
-    return origin, Grid(shape, place, True), crs[0] if crs else None, others
+    return origin, Grid(shape, place), crs[0] if crs else None, others
 
 
 def _shared(cluster: Cluster, asked: Asked) -> Any:

@@ -68,8 +68,8 @@ def map_tiles(
     """Maps what all UAVs see together, tile by tile over the workers of a cluster; ``{row}`` and ``{col}`` in ``out`` are a tile's.
 
     ``tile_size`` is the number of cells along a side, ``layers`` are of all UAVs: ``count``, ``union``, ``which``, ``best-server``. A tile
-    takes the UAVs that have a cell of it within ``radius``, and of a raster file no more is read than the tile and as far as these
-    stand. ``skyshed jobs merge`` joins the files into a mosaic.
+    takes the UAVs that have a cell of it within ``radius``; of a raster file no more is read than the ground from the tile to these.
+    ``skyshed jobs merge`` joins the files into a mosaic.
 
     Raises an :class:`Error` that names the tiles that failed, once all others are done.
     """

@@ -162,3 +162,17 @@ def test_shards_are_the_same_units(serial: dict[str, str], tmp_path: Path) -> No
         line = [sys.executable, "-m", "skyshed", "map", MUNICH, *words, "-q", "-o", out / "{site}.tif", "-o", out / "{site}.csv"]
         subprocess.run([*map(str, line), "--resume"], check=True)
     assert digests(out) == serial
+
+
+def test_scenes_in_memory_are_told_apart(client: Any, tmp_path: Path) -> None:
+    from skyshed.dask import map_sites
+
+    def blocks(top: float) -> Scene:
+        return Scene.from_raster(np.pad(np.full((20, 20), top), 40), transform=(1, 0, 0, 0, -1, 100), ground=0)
+
+    asked: dict[str, Any] = {"client": client, "batch": 1}
+    places, out = [(5, 50, 80, "a"), (90, 50, 80, "b")], tmp_path / "{site}.csv"
+    assert map_sites(blocks(25), places, out, **asked).mapped == 2
+    assert map_sites(blocks(25), places, out, **asked) == (0, 2)
+    with pytest.raises(skyshed.Error, match="made by another run"):
+        map_sites(blocks(60), places, out, **asked)

@@ -47,14 +47,18 @@ impl Typed {
     }
 
     /// The flags that were typed but some, each as one word or with its words joined by commas, as they may be typed again; in the
-    /// order of their names, whatever that of the words was.
+    /// order of their names, whatever that of the words was, with numbers in one spelling.
     pub(super) fn flags_but(&self, names: &[&str]) -> Vec<String> {
         let is_flag = |name: &str| name.starts_with(char::is_lowercase) && !names.contains(&name);
         let mut typed: Vec<(&String, &Vec<String>)> =
             self.names.iter().zip(&self.words).filter(|(name, _)| is_flag(name)).collect();
         typed.sort();
         let flag = |(name, words): (&String, &Vec<String>)| {
-            let value = if words.as_slice() == ["true"] { Vec::new() } else { vec![words.join(",")] };
+            // One number has many spellings.
+            let spelled =
+                |word: &String| word.parse::<f64>().map_or_else(|_| word.clone(), |number| number.to_string());
+            let words: Vec<String> = words.iter().map(spelled).collect();
+            let value = if words == ["true"] { Vec::new() } else { vec![words.join(",")] };
             std::iter::once(format!("--{}", name.replace('_', "-"))).chain(value).collect::<Vec<_>>()
         };
         typed.into_iter().flat_map(flag).collect()

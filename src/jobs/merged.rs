@@ -10,8 +10,9 @@ use serde_json::Value;
 
 use super::Jobs;
 use super::stac::item;
-use crate::answer::WarningFacts;
-use crate::answer::{Answer, Head, Rows, RunFacts, Share, Spent, columns_of, document_of, rows, warnings_of};
+use crate::answer::{
+    Answer, Head, Rows, RunFacts, Share, Spent, WarningFacts, columns_of, document_of, rows, warnings_of,
+};
 use crate::city::GivenSite;
 use crate::coverage::Tally;
 use crate::error::{CheckError, RequestError, Result, Warning};
@@ -213,8 +214,12 @@ impl Jobs<'_> {
     /// Cost: a document is read of each.
     ///
     /// # Errors
-    /// E603 unless all of them are done.
+    /// E116 for a part of the units; E603 unless all of them are done.
     pub(crate) fn merged(&self, command: Vec<String>) -> Result<Merged> {
+        // A mosaic of some tiles would have holes that look like nodata.
+        if self.job.uavs.shard.is_some() || !self.job.tiles.only.is_empty() {
+            return Err(RequestError::PartOfUnits.into());
+        }
         let status = self.status(command.clone());
         if let Some((name, why)) = status.first_open() {
             let (n_open, n_units) = (status.n_open(), self.units.parts.len());
@@ -247,10 +252,7 @@ impl Jobs<'_> {
         let Sum { rows, tiles, last_written, .. } = sum;
         let is_cog = self.job.save.tif_layout.unwrap_or_default() == TiffLayout::Cog;
         let (n_units, layers) = (self.units.parts.len(), self.job.plan.layers.clone());
-        let merged = Merged { facts: self.facts(command), layers, is_cog, rows, n_units, tiles, last_written };
-        // A mosaic of some tiles would have holes that look like nodata.
-        let is_part = self.job.uavs.shard.is_some() || !self.job.tiles.only.is_empty();
-        if is_part { Err(RequestError::PartOfUnits.into()) } else { Ok(merged) }
+        Ok(Merged { facts: self.facts(command), layers, is_cog, rows, n_units, tiles, last_written })
     }
 }
 

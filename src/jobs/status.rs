@@ -55,10 +55,7 @@ impl Jobs<'_> {
     pub(crate) fn status(&self, command: Vec<String>) -> Status {
         let of_part = |part| {
             let unit = self.runs.unit(&self.units, part);
-            let state = unit.found().and_then(|found| match (found, unit.fault()) {
-                (Found::All, Some(why)) => Err(why),
-                (found, _) => Ok(found),
-            });
+            let state = unit.found();
             (part.name(), state)
         };
         let states: Vec<(String, Result<Found>)> = self.units.parts.par_iter().map(of_part).collect();
@@ -68,6 +65,7 @@ impl Jobs<'_> {
             match state {
                 Ok(Found::All) => {}
                 Ok(Found::Some | Found::Nothing) => status.missing.push(name),
+                Ok(Found::Damaged) => status.broken.push((name, "a raster of it is cut short".into())),
                 Err(why) => status.broken.push((name, why.to_string())),
             }
         }

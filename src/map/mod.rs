@@ -33,8 +33,8 @@ pub use request::CoverageRequest;
 pub use save_options::{PolygonClasses, SaveOptions};
 pub(crate) use tiles::{ROW_AND_COL, TilesAsked};
 pub(crate) use tolerance::{FormDocument, check_tolerance};
-pub(crate) use unit_runs::{Outcome, Part, Purpose, SITE, Unit, UnitRuns, Units};
-pub(crate) use units::Found;
+pub(crate) use unit_runs::{Outcome, Purpose, UnitRuns, Units};
+pub(crate) use units::{Found, Part, SITE, Unit};
 
 use crate::export::Format;
 

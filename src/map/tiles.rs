@@ -1,15 +1,18 @@
 //! Tiles of the ground: a map with `{row}` and `{col}` in the names of its files, for sums over many UAVs.
 //!
-//! The grid of the scene is cut into squares of cells, from its north-west corner. Each is a unit of work: it takes the UAVs that
-//! have a cell of it in range, reads the ground of the tile and as far as these stand, and writes files that no other tile
-//! writes. So nothing is added up afterwards, and a cell counts what it counts in a map of the whole.
+//! The grid of the scene is cut into squares of cells, from its north-west corner. Each is a unit of work. It takes the UAVs that
+//! have a cell of it in range, reads the ground from the tile to these, and writes files that no other tile writes. So nothing is
+//! added up afterwards, and a cell counts what it counts in a map of the whole.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use serde::Serialize;
 
+use super::job::MapJob;
 use crate::city::GivenSite;
-use crate::error::{Error, Result};
+use crate::error::{Error, RequestError, Result};
+use crate::export::{Format, Layer, MaskValues};
+use crate::los::MethodChoice;
 use crate::raster::{CellWindow, GeoRef};
 use crate::sight::Sight;
 use crate::uav::{Shard, UavsFound};
@@ -59,6 +62,12 @@ pub(crate) struct TileFacts {
 }
 
 impl TilesAsked {
+    /// All tiles, or some, each once whatever was typed.
+    pub(crate) fn of_words(cells_per_side: Option<usize>, only: &[(usize, usize)]) -> Self {
+        let mut seen = HashSet::new();
+        TilesAsked { cells_per_side, only: only.iter().filter(|tile| seen.insert(**tile)).copied().collect() }
+    }
+
     /// The tiles of a grid that are asked for, row by row from the north-west or as they were named, with the UAVs of each; of these
     /// a shard, if one is asked for.
     ///
@@ -116,6 +125,39 @@ impl TilesAsked {
             }
         }
         Ok(tiles)
+    }
+}
+
+/// Refuses what files of tiles cannot hold: what is told of one UAV, or known of the whole alone.
+pub(super) fn check_tiles(job: &MapJob) -> Result<()> {
+    let formats = job.outputs.iter().map(|path| Ok((path, Format::of(path)?))).collect::<Result<Vec<_>>>()?;
+    let tells = |format: &Format| matches!(format, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout);
+    let of_one = job.plan.layers.iter().find(|layer| !layer.is_of_all());
+    if let Some((path, _)) = formats.iter().find(|(_, format)| of_one.is_some() && !tells(format)) {
+        let layer = of_one.copied().unwrap_or(Layer::Los).name();
+        return Err(RequestError::LayerOfTile { path: path.display().to_string(), layer }.into());
+    }
+    let why = "with tiles, which hold all UAVs together";
+    let asked = [
+        ("tolerance", job.plan.tolerance.is_some()),
+        ("zones", job.plan.tells_zones),
+        ("height_curve", job.curve.is_wanted()),
+        ("polygons", job.save.polygons.is_some()),
+        ("bare", job.save.bare),
+        ("gdal_values", job.save.mask_values == MaskValues::Gdal),
+    ];
+    if let Some((option, _)) = asked.iter().find(|(_, is_asked)| *is_asked) {
+        return Err(Error::idle(option, why));
+    }
+    if matches!(job.plan.sight.method(), MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2) {
+        return Err(Error::idle(
+            "method",
+            "with tiles, if it is approximate: it errs otherwise on a part than on the whole",
+        ));
+    }
+    match job.plan.sight.receivers().zone() {
+        Some(_) => Err(Error::idle("receivers", "of one zone with tiles: zones are found in the whole")),
+        None => Ok(()),
     }
 }
 

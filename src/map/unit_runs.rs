@@ -5,33 +5,26 @@
 //! complete, and a run that resumes leaves those alone that are there. So an interrupted run goes on where it stopped, and
 //! another program may hand out units one by one, and hand them out again.
 
-use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::curve::CurvePlan;
 use super::job::{Done, Given, GivenScene, MapJob};
 use super::strips::{check_strips, on_disk, reason_for_strips};
-use super::tiles::{ROW_AND_COL, Tile};
-use super::units::{Found, found, inputs, unit_of_all, unit_of_site, unit_of_tile};
-use crate::city::GivenSite;
-use crate::error::{Error, ErrorClass, InputError, PlacesError, RequestError, Result, Warning};
-use crate::export::{Format, Layer, check_folder, check_layers, site_in_names, with_suffix};
-use crate::formats::{RasterFile, origin_of};
-use crate::los::MethodChoice;
+use super::tiles::{ROW_AND_COL, check_tiles};
+use super::units::{Found, Part, SITE, Unit, check_names, found, inputs, unit_of_all};
+use crate::answer::digest_words;
+use crate::digest::Sha256;
+use crate::error::{Error, ErrorClass, InputError, RequestError, Result, Warning};
+use crate::export::{Format, check_folder, check_layers};
+use crate::formats::RasterFile;
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
-use crate::os_words::split;
 use crate::progress::Progress;
-use crate::raster::GeoRef;
+use crate::raster::{Crs, GeoRef};
 use crate::read::{StreamedSurface, surface_grid};
 use crate::scene::placing::warn_of_uavs_outside;
-use crate::scene::{Scene, SceneOptions, is_raster_scene};
+use crate::scene::{Scene, SceneOptions, built_up, is_raster_scene};
 use crate::uav::{UavsAsked, UavsFound};
-use serde_json::Value;
 use skyshed_io::error::WriteFault;
-
-/// What stands for the name of a UAV in the name of a file.
-pub(crate) const SITE: &str = "{site}";
 
 /// A run for each unit.
 pub(crate) struct UnitRuns<'a> {
@@ -60,72 +53,6 @@ pub(crate) enum Purpose {
     Tell,
 }
 
-/// One UAV, or one tile.
-#[derive(Debug, Clone)]
-pub(crate) enum Part {
-    Site(GivenSite),
-    Tile(Tile),
-}
-
-impl Part {
-    /// What it is called: the name of the UAV, or `tile ROW,COL`.
-    pub(crate) fn name(&self) -> String {
-        match self {
-            Part::Site(site) => site.id.clone(),
-            Part::Tile(tile) => format!("tile {},{}", tile.row, tile.col),
-        }
-    }
-}
-
-/// A unit of work.
-pub(crate) struct Unit {
-    pub(crate) part: Part,
-    /// What its files are made of, a hash.
-    pub(crate) hash: String,
-    /// What it is asked, with files of its own.
-    pub(crate) job: MapJob,
-}
-
-impl Unit {
-    /// Which of its files are there.
-    ///
-    /// # Errors
-    /// E106 if one is there that another run made.
-    pub(crate) fn found(&self) -> Result<Found> {
-        found(&self.job, &self.hash)
-    }
-
-    /// Why one of its files, which are there, is not whole; only of rasters more is looked at than what they say of themselves.
-    pub(crate) fn fault(&self) -> Option<Error> {
-        self.job
-            .outputs
-            .iter()
-            .filter(|path| Format::of(path).is_ok_and(|f| f == Format::GeoTiff))
-            .find_map(|path| RasterFile::open(path, &mut Vec::new()).err().map(Error::from))
-    }
-
-    /// What its files say of it: the document of the map.
-    pub(crate) fn document(&self) -> Option<Value> {
-        let text_of = |path: &PathBuf| {
-            let beside = [path.clone(), with_suffix(path, ".json")];
-            let mut documents = beside.iter().filter(|file| file.extension().is_some_and(|e| e == "json"));
-            origin_of(path.as_path()).or_else(|| documents.find_map(|file| std::fs::read_to_string(file).ok()))
-        };
-        let documents = self.job.outputs.iter().filter_map(text_of);
-        documents
-            .filter_map(|text| serde_json::from_str(&text).ok())
-            .find(|document: &Value| document.get("sites").is_some())
-    }
-
-    /// When the last of its files was written, in seconds since 1970.
-    pub(crate) fn written_at(&self) -> u64 {
-        let at = |path: &PathBuf| std::fs::metadata(path).and_then(|metadata| metadata.modified()).ok();
-        let last = self.job.outputs.iter().filter_map(at).max();
-        let since = last.and_then(|at| at.duration_since(std::time::UNIX_EPOCH).ok());
-        since.map_or(0, |since| since.as_secs())
-    }
-}
-
 /// The units of a run, in order.
 pub(crate) struct Units {
     /// All UAVs of the run.
@@ -133,8 +60,10 @@ pub(crate) struct Units {
     /// The grid of the whole scene.
     pub(crate) grid: GeoRef,
     pub(crate) parts: Vec<Part>,
-    /// What the files are that all read.
+    /// What all are made of: the files that they read, or the scene.
     inputs: String,
+    /// What the files are.
+    files: String,
 }
 
 /// Where the scenes of the runs come from.
@@ -294,48 +223,39 @@ impl<'a> UnitRuns<'a> {
                 uavs.sites[range].iter().cloned().map(Part::Site).collect()
             }
         };
-        Ok((scenes, Units { uavs, grid, parts, inputs: inputs(job, false)? }))
+        let files = inputs(job, false)?;
+        Ok((scenes, Units { uavs, grid, parts, inputs: format!("{files}{}", self.of_memory()), files }))
     }
 
     /// A part as a unit.
     pub(crate) fn unit(&self, units: &Units, part: &Part) -> Unit {
-        let hash = match part {
-            Part::Site(site) => unit_of_site(self.job, site, &units.inputs),
-            Part::Tile(tile) => unit_of_tile(self.job, (tile, &units.uavs.sites), &units.inputs),
-        };
-        let words: Vec<(&str, String)> = match part {
-            Part::Site(site) => vec![(SITE, site_in_names(&site.id))],
-            Part::Tile(tile) => ROW_AND_COL.into_iter().zip([tile.row.to_string(), tile.col.to_string()]).collect(),
-        };
-        let own = |paths: &[PathBuf]| -> Vec<PathBuf> {
-            let named = |path: &PathBuf| {
-                let name = path.as_os_str().to_os_string();
-                words.iter().fold(name, |name, (word, with)| split(&name, word).join(OsStr::new(with)))
-            };
-            paths.iter().map(|path| named(path).into()).collect()
-        };
-        let of_unit = match part {
-            Part::Site(site) => ["--uav".into(), format!("{},{},{}", site.x, site.y, site.height)],
-            Part::Tile(tile) => ["--tile".into(), format!("{},{}", tile.row, tile.col)],
-        };
-        let command = self.job.unit_command.iter().cloned().chain(of_unit).collect();
-        let curve = CurvePlan { outputs: own(&self.job.curve.outputs), ..self.job.curve.clone() };
-        let job = MapJob { outputs: own(&self.job.outputs), curve, command, ..self.job.clone() };
-        Unit { part: part.clone(), hash, job }
+        Unit::of(self.job, (part, &units.uavs.sites), &units.inputs)
     }
 
     /// One run of all UAVs, unless its files are there.
     fn run_together<E: From<Error>>(&self, each: &mut Told<'_, E>) -> Result<(), E> {
-        let unit = unit_of_all(self.job, &inputs(self.job, true)?);
+        let unit = unit_of_all(self.job, &(inputs(self.job, true)? + &self.of_memory()));
         let mut job = self.job.clone();
         match found(&job, &unit)? {
             Found::All => return each(Outcome::AllThere),
-            Found::Some => job.save.overwrite = true,
+            Found::Some | Found::Damaged => job.save.overwrite = true,
             Found::Nothing => {}
         }
         let scene = self.given.clone().map_or(GivenScene::Asked, |scene| GivenScene::InMemory(Box::new(scene)));
         let done = job.run(Given { unit: Some(unit), scene, ..Given::default() }, self.progress)?;
         each(Outcome::Together(&done))
+    }
+
+    /// What tells a scene in memory from another; nothing of one that is read from files, or generated.
+    fn of_memory(&self) -> String {
+        let is_held =
+            |_: &&Scene| !self.job.inputs.iter().any(|file| file.exists()) && built_up(&self.job.word).is_none();
+        let Some(scene) = self.given.as_ref().filter(is_held) else { return String::new() };
+        // What was not kept cannot be told from anything, and is never the same.
+        let bytes = scene.packed().unwrap_or_else(|| format!("{:?}", std::time::SystemTime::now()).into_bytes());
+        let mut hasher = Sha256::default();
+        hasher.update(bytes);
+        format!("{} {:?};", digest_words(hasher), scene.grid().crs().map(Crs::label))
     }
 
     /// The grid of the scenes; with them where they must be read to know it.
@@ -382,15 +302,12 @@ impl<'a> UnitRuns<'a> {
 
     /// Runs one unit, unless its files are there.
     fn run_unit(&self, unit: Unit, scenes: &mut Option<Scenes>, units: &Units) -> Result<Option<Done>> {
-        let is_damaged = unit.job.resume && unit.fault().is_some();
         let Unit { part, hash, mut job } = unit;
         if job.resume {
             match found(&job, &hash)? {
-                // A file that is cut short is made again.
-                Found::All if is_damaged => job.save.overwrite = true,
                 Found::All => return Ok(None),
-                // A run that was killed between two files leaves the first.
-                Found::Some => job.save.overwrite = true,
+                // A run that was killed between two files leaves the first; a disk may lose the end of one.
+                Found::Some | Found::Damaged => job.save.overwrite = true,
                 Found::Nothing => {}
             }
         }
@@ -449,7 +366,7 @@ impl<'a> UnitRuns<'a> {
 
     /// Refuses inputs that are not those that the units were told by.
     fn check_inputs(&self, units: &Units) -> Result<()> {
-        if inputs(self.job, false)? == units.inputs {
+        if inputs(self.job, false)? == units.files {
             return Ok(());
         }
         Err(InputError::Changed(self.job.word.display().to_string()).into())
@@ -472,61 +389,18 @@ impl<'a> UnitRuns<'a> {
     }
 }
 
-/// Refuses what files of tiles cannot hold: what is told of one UAV, or known of the whole alone.
-fn check_tiles(job: &MapJob) -> Result<()> {
-    let formats = job.outputs.iter().map(|path| Ok((path, Format::of(path)?))).collect::<Result<Vec<_>>>()?;
-    let tells = |format: &Format| matches!(format, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout);
-    let of_one = job.plan.layers.iter().find(|layer| !layer.is_of_all());
-    if let Some((path, _)) = formats.iter().find(|(_, format)| of_one.is_some() && !tells(format)) {
-        let layer = of_one.copied().unwrap_or(Layer::Los).name();
-        return Err(RequestError::LayerOfTile { path: path.display().to_string(), layer }.into());
-    }
-    let why = "with tiles, which hold all UAVs together";
-    let asked = [
-        ("tolerance", job.plan.tolerance.is_some()),
-        ("zones", job.plan.tells_zones),
-        ("height_curve", job.curve.is_wanted()),
-        ("polygons", job.save.polygons.is_some()),
-        ("bare", job.save.bare),
-        ("gdal_values", job.save.mask_values == crate::export::MaskValues::Gdal),
-    ];
-    if let Some((option, _)) = asked.iter().find(|(_, is_asked)| *is_asked) {
-        return Err(Error::idle(option, why));
-    }
-    if matches!(job.plan.sight.method(), MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2) {
-        return Err(Error::idle(
-            "method",
-            "with tiles, if it is approximate: it errs otherwise on a part than on the whole",
-        ));
-    }
-    match job.plan.sight.receivers().zone() {
-        Some(_) => Err(Error::idle("receivers", "of one zone with tiles: zones are found in the whole")),
-        None => Ok(()),
-    }
-}
-
-/// Refuses two UAVs of one name, as files have it.
-fn check_names(sites: &[GivenSite]) -> Result<()> {
-    let mut names = std::collections::HashMap::new();
-    for site in sites {
-        let name = site_in_names(&site.id);
-        let file = format!("the files of `{name}`");
-        if let Some(other) = names.insert(name, &site.id) {
-            return Err(PlacesError::SharedFile { a: (*other).clone(), b: site.id.clone(), file }.into());
-        }
-    }
-    Ok(())
-}
-
 /// Waits until the files of a unit that another process makes are complete, but not for ever.
 fn is_made_by_another(job: &MapJob, hash: &str) -> Result<bool> {
-    const PATIENCE: Duration = Duration::from_secs(10);
+    /// With a part of them there, and without: names are given one right after the other.
+    const PATIENCE: [Duration; 2] = [Duration::from_secs(10), Duration::from_millis(500)];
     let start = Instant::now();
     loop {
-        // Between two of its names the file that is there may lack what says what it is.
-        match found(job, hash) {
+        let last = found(job, hash);
+        let patience = PATIENCE[usize::from(last != Ok(Found::Some))];
+        match last {
             Ok(Found::All) => return Ok(true),
-            last if start.elapsed() > PATIENCE => return last.map(|_| false),
+            // A file that is there may lack for a moment what says what it is.
+            last if start.elapsed() > patience => return last.map(|_| false),
             _ => std::thread::sleep(Duration::from_millis(20)),
         }
     }

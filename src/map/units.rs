@@ -1,23 +1,28 @@
-//! Units of work: what a run with files of its own is one of, and which of its files are there.
+//! Units of work: what each is asked, what its files are called, what they are made of, and which of them are there.
 //!
 //! Schedulers hand units out, and hand them out again. Whatever becomes of a run, a file of a unit is complete or not there, and
 //! says which unit made it.
 
+use std::ffi::OsStr;
 use std::fmt::Debug;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use serde_json::Value;
+
+use super::curve::CurvePlan;
 use super::job::MapJob;
 use super::save_options::SaveOptions;
-use super::tiles::Tile;
+use super::tiles::{ROW_AND_COL, Tile};
 use crate::answer::digest_words;
 use crate::city::GivenSite;
 use crate::digest::Sha256;
-use crate::error::{RequestError, Result};
-use crate::export::{Format, Layer, sidecars, with_suffix};
+use crate::error::{PlacesError, RequestError, Result};
+use crate::export::{Format, Layer, sidecars, site_in_names, with_suffix};
 use crate::formats::{RasterFile, origin_of};
+use crate::os_words::split;
 use crate::read::source_of;
-use crate::scene::SceneOptions;
+use crate::scene::{SceneOptions, built_up};
 use skyshed_io::{identity, is_remote};
 
 /// Which files of a unit are there.
@@ -26,7 +31,109 @@ pub(crate) enum Found {
     Nothing,
     /// Some are there, all of them of this unit.
     Some,
+    /// All are there, but a raster among them is cut short; of other files no more is looked at than what they say of themselves.
+    Damaged,
     All,
+}
+
+/// What stands for the name of a UAV in the name of a file.
+pub(crate) const SITE: &str = "{site}";
+
+/// One UAV, or one tile.
+#[derive(Debug, Clone)]
+pub(crate) enum Part {
+    Site(GivenSite),
+    Tile(Tile),
+}
+
+impl Part {
+    /// What it is called: the name of the UAV, or `tile ROW,COL`.
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Part::Site(site) => site.id.clone(),
+            Part::Tile(tile) => format!("tile {},{}", tile.row, tile.col),
+        }
+    }
+}
+
+/// A unit of work.
+pub(crate) struct Unit {
+    pub(crate) part: Part,
+    /// What its files are made of, a hash.
+    pub(crate) hash: String,
+    /// What it is asked, with files of its own.
+    pub(crate) job: MapJob,
+}
+
+impl Unit {
+    /// A part of a job, of the list of all UAVs.
+    pub(super) fn of(whole: &MapJob, (part, all): (&Part, &[GivenSite]), inputs: &str) -> Unit {
+        let hash = match part {
+            Part::Site(site) => unit_of_site(whole, site, inputs),
+            Part::Tile(tile) => unit_of_tile(whole, (tile, all), inputs),
+        };
+        let words: Vec<(&str, String)> = match part {
+            Part::Site(site) => vec![(SITE, site_in_names(&site.id))],
+            Part::Tile(tile) => ROW_AND_COL.into_iter().zip([tile.row.to_string(), tile.col.to_string()]).collect(),
+        };
+        let own = |paths: &[PathBuf]| -> Vec<PathBuf> {
+            let named = |path: &PathBuf| {
+                let name = path.as_os_str().to_os_string();
+                words.iter().fold(name, |name, (word, with)| split(&name, word).join(OsStr::new(with)))
+            };
+            paths.iter().map(|path| named(path).into()).collect()
+        };
+        let of_unit = match part {
+            Part::Site(site) => ["--uav".into(), format!("{},{},{}", site.x, site.y, site.height)],
+            Part::Tile(tile) => ["--tile".into(), format!("{},{}", tile.row, tile.col)],
+        };
+        let command = whole.unit_command.iter().cloned().chain(of_unit).collect();
+        let curve = CurvePlan { outputs: own(&whole.curve.outputs), ..whole.curve.clone() };
+        let job = MapJob { outputs: own(&whole.outputs), curve, command, ..whole.clone() };
+        Unit { part: part.clone(), hash, job }
+    }
+
+    /// Which of its files are there.
+    ///
+    /// # Errors
+    /// E106 if one is there that another run made.
+    pub(crate) fn found(&self) -> Result<Found> {
+        found(&self.job, &self.hash)
+    }
+
+    /// What its files say of it: the document of the map.
+    pub(crate) fn document(&self) -> Option<Value> {
+        let text_of = |path: &PathBuf| {
+            let beside = [path.clone(), with_suffix(path, ".json")];
+            let mut documents = beside.iter().filter(|file| file.extension().is_some_and(|e| e == "json"));
+            origin_of(path.as_path()).or_else(|| documents.find_map(|file| std::fs::read_to_string(file).ok()))
+        };
+        let documents = self.job.outputs.iter().filter_map(text_of);
+        documents
+            .filter_map(|text| serde_json::from_str(&text).ok())
+            .find(|document: &Value| document.get("sites").is_some())
+    }
+
+    /// When the last of its files was written, in seconds since 1970.
+    pub(crate) fn written_at(&self) -> u64 {
+        let at = |path: &PathBuf| std::fs::metadata(path).and_then(|metadata| metadata.modified()).ok();
+        let last = self.job.outputs.iter().filter_map(at).max();
+        let since = last.and_then(|at| at.duration_since(std::time::UNIX_EPOCH).ok());
+        since.map_or(0, |since| since.as_secs())
+    }
+}
+
+/// Refuses two UAVs of one name, as files have it.
+pub(super) fn check_names(sites: &[GivenSite]) -> Result<()> {
+    let mut names = std::collections::HashMap::new();
+    for site in sites {
+        let name = site_in_names(&site.id);
+        let file = format!("the files of `{name}`");
+        if let Some(other) = names.insert(name, &site.id) {
+            return Err(PlacesError::SharedFile { a: (*other).clone(), b: site.id.clone(), file }.into());
+        }
+    }
+    Ok(())
 }
 
 /// The unit of one UAV: a hash of everything that its files depend on.
@@ -52,15 +159,14 @@ pub(super) fn unit_of_all(job: &MapJob, inputs: &str) -> String {
 }
 
 /// The hash of a job, what is told apart within it, and its inputs.
-pub(super) fn unit(job: &MapJob, what: &dyn Debug, inputs: &str) -> String {
+fn unit(job: &MapJob, what: &dyn Debug, inputs: &str) -> String {
     let MapJob { word, scene, plan, save, curve, .. } = job;
     // What changes no number.
     let scene = SceneOptions { repairs: None, ..scene.clone() };
     let save = SaveOptions { overwrite: false, ..save.clone() };
-    // One file has many names.
-    let named = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    let word = named(Path::new(word));
-    let scene = SceneOptions { terrain: scene.terrain.as_deref().map(named), ..scene };
+    // Files have many names each; the inputs tell them by one.
+    let word = built_up(word).map(|_| word);
+    let scene = SceneOptions { terrain: None, ..scene };
     let of_run = (word, scene, plan, save, curve.heights);
     let mut hasher = Sha256::default();
     hasher.update(format!("{} {of_run:?} {what:?} {inputs}", env!("CARGO_PKG_VERSION")));
@@ -105,15 +211,30 @@ pub(super) fn found(job: &MapJob, unit: &str) -> Result<Found> {
     let other = there.iter().find(|file| !is_of(file, unit));
     let is_left_alone = |file: &PathBuf| {
         let beside = Format::of(file).map_or_else(|_| Vec::new(), |format| sidecars(file, format, job.save.bare));
-        !file.exists() && beside.iter().any(|sidecar| sidecar.exists())
+        let is_own = |sidecar: &PathBuf| match sidecar.extension() {
+            Some(extension) if extension == "json" => holds_in(sidecar, unit),
+            // Files of one stem share what places them.
+            _ => !["tif", "tiff", "asc", "bil", "png", "shp"].iter().any(|other| {
+                let other = file.with_extension(other);
+                other.exists() && !files.contains(&&other)
+            }),
+        };
+        !file.exists() && beside.iter().any(|sidecar| sidecar.exists() && is_own(sidecar))
     };
     match other {
         Some(_) if job.save.overwrite => Ok(Found::Nothing),
         Some(other) => Err(RequestError::OfAnotherRun(other.display().to_string()).into()),
-        None if there.len() == files.len() => Ok(Found::All),
+        None if there.len() == files.len() => {
+            Ok(if files.iter().any(|file| is_cut(file)) { Found::Damaged } else { Found::All })
+        }
         None if files.iter().any(|file| file.exists() || is_left_alone(file)) => Ok(Found::Some),
         None => Ok(Found::Nothing),
     }
+}
+
+/// Whether a file is a GeoTIFF whose blocks are not all there.
+fn is_cut(file: &Path) -> bool {
+    Format::of(file).is_ok_and(|format| format == Format::GeoTiff) && RasterFile::open(file, &mut Vec::new()).is_err()
 }
 
 /// The files that an input consists of, and what may stand beside them.
@@ -132,7 +253,6 @@ fn parts_of(input: &Path) -> Vec<PathBuf> {
 /// Whether a file was made by a unit: its hash is in what the file, or the document beside it, says of its origin, or among
 /// its bytes as they are or as members of an archive.
 fn is_of(file: &Path, unit: &str) -> bool {
-    let in_file = |path: &Path| std::fs::File::open(path).is_ok_and(|file| holds(file, unit.as_bytes()));
     let in_archive = |path: &Path| {
         let archive = std::fs::File::open(path).map_err(zip::result::ZipError::from).and_then(zip::ZipArchive::new);
         archive.is_ok_and(|mut archive| {
@@ -140,9 +260,14 @@ fn is_of(file: &Path, unit: &str) -> bool {
         })
     };
     origin_of(file).is_some_and(|origin| origin.contains(unit))
-        || in_file(&with_suffix(file, ".json"))
-        || in_file(file)
+        || holds_in(&with_suffix(file, ".json"), unit)
+        || holds_in(file, unit)
         || in_archive(file)
+}
+
+/// Whether a file holds a text.
+fn holds_in(path: &Path, text: &str) -> bool {
+    std::fs::File::open(path).is_ok_and(|file| holds(file, text.as_bytes()))
 }
 
 /// Whether bytes are among those of a file.

@@ -12,6 +12,7 @@ mod agreement; // every engine against the text cases and the oracle
 mod sweep; // the bracketed sweep equals ray on small rasters with every kind of tie
 mod engines; // whole maps by the engine for the scene are those of a ray per receiver
 mod invariants; // properties of the oracle and of the engines: swap, mirror, quarter turn, split, raise
+mod together; // layers of all UAVs: union, count, which, best server
 mod approximate; // step, xdraw and r2 against restatements of their rules; the sign and size of their errors
 mod shadow; // the engine `shadow` against `ray`, cell for cell
 mod plateaus; // shadows of a raster's plateaus against `ray`, and when they are taken

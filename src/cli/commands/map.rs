@@ -43,12 +43,6 @@ const OF_BATCH: [&str; 19] = [
     "hash",
 ];
 
-/// Some tiles, each once, in their order.
-fn each_once(tiles: &[(usize, usize)]) -> Vec<(usize, usize)> {
-    let mut seen = std::collections::HashSet::new();
-    tiles.iter().filter(|tile| seen.insert(**tile)).copied().collect()
-}
-
 /// Whether the name of a file holds the row or the column of a tile.
 fn names_tile(path: &std::path::Path) -> bool {
     ROW_AND_COL.iter().any(|word| path.to_string_lossy().contains(word))
@@ -94,7 +88,7 @@ impl MapArgs {
             strips: self.strips,
             scratch: self.scratch.clone(),
             resume: self.resume,
-            tiles: TilesAsked { cells_per_side: self.tile_size, only: each_once(&self.tile) },
+            tiles: TilesAsked::of_words(self.tile_size, &self.tile),
             command,
             unit_command: ["map".into(), self.scene.scene.display().to_string()]
                 .into_iter()
