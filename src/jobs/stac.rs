@@ -2,15 +2,13 @@
 
 use std::path::Path;
 
+use chrono::{DateTime, SecondsFormat};
 use serde_json::{Map, Value, json};
 
 use crate::crs::{Transformation, from_epsg};
 use crate::error::{RequestError, Result};
 use crate::export::{Layer, MosaicTile, Near};
 use crate::raster::{Crs, GeoRef};
-
-/// Seconds of a day.
-const DAY: u64 = 86_400;
 
 /// The item at `path` over tiles of a grid, written at `seconds` since 1970, with the document of all.
 ///
@@ -86,28 +84,10 @@ fn code_of(crs: &Crs) -> Option<String> {
     code.starts_with("EPSG:").then(|| code.to_string())
 }
 
-/// A time of the Gregorian calendar in UTC, as RFC 3339 writes it.
-fn time_words(seconds: u64) -> String {
-    let (mut days, of_day) = (seconds / DAY, seconds % DAY);
-    let is_leap = |year: u64| year.is_multiple_of(4) && !year.is_multiple_of(100) || year.is_multiple_of(400);
-    let mut year = 1970;
-    loop {
-        let of_year = if is_leap(year) { 366 } else { 365 };
-        if days < of_year {
-            break;
-        }
-        (days, year) = (days - of_year, year + 1);
-    }
-    let february = if is_leap(year) { 29 } else { 28 };
-    let mut month = 1;
-    for of_month in [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31] {
-        if days < of_month {
-            break;
-        }
-        (days, month) = (days - of_month, month + 1);
-    }
-    let (hour, minute, second) = (of_day / 3600, of_day / 60 % 60, of_day % 60);
-    format!("{year:04}-{month:02}-{:02}T{hour:02}:{minute:02}:{second:02}Z", days + 1)
+/// A time in UTC, as RFC 3339 writes it; null where the calendar ends.
+fn time_words(seconds: u64) -> Option<String> {
+    let time = DateTime::from_timestamp(i64::try_from(seconds).ok()?, 0)?;
+    Some(time.to_rfc3339_opts(SecondsFormat::Secs, true))
 }
 
 #[cfg(test)]
@@ -129,7 +109,7 @@ mod tests {
             (1_795_867_200, "2026-11-28T12:00:00Z"),
             (4_107_542_400, "2100-03-01T00:00:00Z"),
         ] {
-            assert_eq!(time_words(seconds), wanted);
+            assert_eq!(time_words(seconds).as_deref(), Some(wanted));
         }
     }
 }

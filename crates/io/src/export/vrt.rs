@@ -7,6 +7,7 @@ use super::map_result::{Layer, NO_COUNT};
 use crate::coverage::class;
 use crate::crs::wkt_of;
 use crate::error::{Error, Result, WriteFault};
+use crate::formats::xml_text;
 use crate::raster::{CellWindow, GeoRef};
 
 /// A file of a mosaic, and the cells of the whole that it holds.
@@ -46,7 +47,7 @@ pub fn vrt(path: &Path, grid: &GeoRef, tiles: &[MosaicTile], (layers, n_uavs): (
     let near = Near::of(path);
     let mut text = format!("<VRTDataset rasterXSize=\"{}\" rasterYSize=\"{}\">\n", grid.n_cols(), grid.n_rows());
     if let Some(wkt) = grid.crs().and_then(wkt_of) {
-        let _ = writeln!(text, "  <SRS dataAxisToSRSAxisMapping=\"1,2\">{}</SRS>", escaped(&wkt));
+        let _ = writeln!(text, "  <SRS dataAxisToSRSAxisMapping=\"1,2\">{}</SRS>", xml_text(&wkt));
     }
     let (x, y, width, height) = (grid.x_min(), grid.y_max(), grid.cell_width(), grid.cell_height());
     let _ = writeln!(text, "  <GeoTransform>{x:?}, {width:?}, 0, {y:?}, 0, {:?}</GeoTransform>", -height);
@@ -58,9 +59,9 @@ pub fn vrt(path: &Path, grid: &GeoRef, tiles: &[MosaicTile], (layers, n_uavs): (
         }
         for (tile, window) in tiles {
             let (name, is_relative) = near.name_of(tile);
-            let name = escaped(name.to_str().ok_or_else(|| {
-                Error::write(path.display(), WriteFault::Refused(format!("the name of {} is no text", tile.display())))
-            })?);
+            let no_text = || WriteFault::Refused(format!("the name of {} is no text", tile.display()));
+            let name = name.to_str().filter(|name| !name.contains(char::is_control));
+            let name = xml_text(name.ok_or_else(|| Error::write(path.display(), no_text()))?);
             let is_relative = u8::from(is_relative);
             let CellWindow { row, col, n_rows, n_cols } = *window;
             let size = format!("xSize=\"{n_cols}\" ySize=\"{n_rows}\"");
@@ -106,9 +107,4 @@ impl Near {
 fn folder_of(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf())
-}
-
-/// A text as XML holds it.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
