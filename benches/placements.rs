@@ -124,7 +124,7 @@ fn placements(field: &HeightField, height_m: f64) -> Vec<Uav> {
     let mut uavs = Vec::with_capacity(PLACEMENTS);
     while uavs.len() < PLACEMENTS {
         let (x, y) = (grid.x_min() + 1000.0 * random(), grid.y_min() + 1000.0 * random());
-        let site = Site { id: uavs.len().to_string(), x, y, height: Height::AboveGround(height_m) };
+        let site = Site::new(uavs.len().to_string(), (x, y), Height::AboveGround(height_m));
         if field.roof_at(&field.place(x, y)).is_none() {
             uavs.extend(Uav::place(&site, field, None));
         }

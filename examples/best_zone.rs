@@ -51,7 +51,7 @@ fn of_city(city: &BuiltUpCity) -> skyshed::Result<Vec<Vec<Count>>> {
     let parts = ReceiverParts::new(&mapper.receiver_cells(), &zones);
     let blocks = CellBlocks::new(field.grid(), 1.0, city.size_m);
     let of_zone = |zone: &Zone| {
-        let site = |[x, y]: [f64; 2]| Site { id: String::new(), x, y, height: Height::AboveGround(100.0) };
+        let site = |[x, y]: [f64; 2]| Site::new("", (x, y), Height::AboveGround(100.0));
         // A UAV that would be inside a tower is left out.
         let within = [0.0, 0.0, city.size_m, city.size_m];
         let drawn = Drawn { zone: *zone, n: PLACES, within, radius: Some(RADIUS_M), seed: city.seed };

@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let grid = field.grid();
 
     let place = |(id, x, y, height): (&str, f64, f64, f64)| {
-        Uav::place(&Site { id: id.into(), x, y, height: Height::AboveGround(height) }, &field, None)
+        Uav::place(&Site::new(id, (x, y), Height::AboveGround(height)), &field, None)
     };
     let uavs: Vec<Uav> = PLACEMENTS.into_iter().map(place).collect::<skyshed_core::Result<_>>()?;
     let options = MapOptions::default();

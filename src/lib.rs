@@ -64,6 +64,7 @@ pub use plos::{PLos, PLosRequest, PLosValue};
 pub use progress::Progress;
 pub use scene::{Scene, SceneOptions};
 pub use sight::Receivers;
+pub use skyshed_core::city::{Antenna, AntennaFault};
 pub use skyshed_core::coverage::class;
 pub use skyshed_core::los::MethodChoice;
 pub use skyshed_core::quantity::Height;

@@ -14,7 +14,7 @@ use crate::answer::{Answer, Head, RunFacts, Spent, WarningFacts, document_of, wa
 use crate::city::{GivenSite, Site, Solids};
 use crate::coverage;
 use crate::crs::wkt_of;
-use crate::error::{Error, FitsPage, LimitError, Result, Warning};
+use crate::error::{Error, FitsPage, LimitError, RequestError, Result, Warning};
 use crate::export::{Batch, Format};
 use crate::picture::{Look, program};
 use crate::quantity::{Height, counted, meters};
@@ -140,7 +140,7 @@ impl LivePage {
     /// The page of a scene whose solids were kept, with UAVs that can be where they are.
     ///
     /// # Errors
-    /// E902 if they were not.
+    /// E902 if they were not; E113 for antennas that differ.
     pub(crate) fn of(scene: &Scene, uavs: &[Site], sight: Sight, scene_words: Vec<String>) -> Result<LivePage> {
         let (grid, n_footprints) = (scene.grid(), scene.field.n_buildings());
         // Told before all of it is copied.
@@ -149,6 +149,7 @@ impl LivePage {
             let options = SceneOptions::default().size_m(edge_m);
             return Err(too_large(&options, OsStr::new(&scene.word), grid, n_footprints));
         }
+        let sight = one_antenna(uavs, sight)?;
         let solids = scene.solids().ok_or(Error::Fault("a live page needs the solids of its scene"))?;
         let zones = scene.zones().map(|zones| PackedZones::of(zones.codes(), &scene.field.cells().open));
         let packed = pack(scene.grid(), &solids, zones.as_ref());
@@ -239,6 +240,16 @@ impl Answer for LivePage {
     }
 }
 
+/// How line of sight is asked for with the antenna of all UAVs: a page has one.
+fn one_antenna(uavs: &[Site], sight: Sight) -> Result<Sight> {
+    let antenna = |uav: &Site| uav.antenna.or(sight.antenna());
+    let first = uavs.first().map_or(sight.antenna(), antenna);
+    match uavs.iter().find(|uav| antenna(uav) != first) {
+        Some(other) => Err(RequestError::PageAntennas { a: uavs[0].id.clone(), b: other.id.clone() }.into()),
+        None => Ok(sight.with_antenna(first)),
+    }
+}
+
 /// A site as the page knows it.
 fn asked(site: &Site) -> questions::Uav {
     questions::Uav { id: site.id.clone(), x: site.x, y: site.y, height: site.height.into() }
@@ -248,7 +259,7 @@ fn asked(site: &Site) -> questions::Uav {
 fn in_the_middle(scene: &Scene) -> Site {
     let (grid, field) = (scene.grid(), &scene.field);
     let (x, y) = grid.world_from_cell(grid.n_rows() / 2, grid.n_cols() / 2);
-    let site = |height| Site { id: "1".into(), x, y, height };
+    let site = |height| Site::new("1", (x, y), height);
     let above_ground = site(Height::agl(START_HEIGHT_M));
     match coverage::Uav::place(&above_ground, field, None) {
         Ok(_) => above_ground,

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::city::GivenSite;
+use crate::city::{Antenna, GivenSite};
 use crate::coverage::{self, HeightLayers, MapOptions, SiteCoverage};
 use crate::error::{Error, OddRun, RequestError, Result, Warning};
 use crate::height_field::HeightField;
@@ -100,6 +100,8 @@ pub(crate) struct AskedSight {
     pub(crate) rx_height_m: f64,
     /// Range \[m\], if it is limited.
     pub(crate) radius_m: Option<f64>,
+    /// What the antennas of UAVs serve that do not say so themselves.
+    pub(crate) antenna: Antenna,
     /// The engine.
     pub(crate) method: MethodChoice,
 }
@@ -107,7 +109,13 @@ pub(crate) struct AskedSight {
 impl Default for AskedSight {
     /// Receivers 1.5 m above open ground at any distance, by the fastest exact engine.
     fn default() -> Self {
-        AskedSight { receivers: Receivers::Ground, rx_height_m: 1.5, radius_m: None, method: MethodChoice::Auto }
+        AskedSight {
+            receivers: Receivers::Ground,
+            rx_height_m: 1.5,
+            radius_m: None,
+            antenna: Antenna::default(),
+            method: MethodChoice::Auto,
+        }
     }
 }
 
@@ -117,11 +125,17 @@ impl AskedSight {
     /// # Errors
     /// E113.
     pub(crate) fn checked(self) -> Result<Sight> {
-        let AskedSight { receivers, rx_height_m, radius_m, method } = self;
+        let AskedSight { receivers, rx_height_m, radius_m, antenna, method } = self;
         let rx_height = receivers_height(rx_height_m)?;
-        match radius_m {
-            Some(r) if r <= 0.0 => Err(Error::number("the radius", r, "above 0 m")),
-            _ => Ok(Sight { receivers, rx_height_m, rx_height, radius_m, method }),
+        if let Some(r) = radius_m.filter(|r| *r <= 0.0) {
+            return Err(Error::number("the radius", r, "above 0 m"));
+        }
+        let antenna = antenna.checked().map_err(RequestError::Antenna)?;
+        match (antenna.min_radius_m, radius_m) {
+            (Some(min), Some(r)) if min > r => {
+                Err(Error::number("the least radius", min, format!("at most the radius, {} m", tidy(r))))
+            }
+            _ => Ok(Sight { receivers, rx_height_m, rx_height, radius_m, antenna, method }),
         }
     }
 }
@@ -143,6 +157,7 @@ pub(crate) struct Sight {
     /// On the lattice \[1/1024 m\].
     rx_height: i32,
     radius_m: Option<f64>,
+    antenna: Antenna,
     method: MethodChoice,
 }
 
@@ -155,6 +170,34 @@ pub(crate) struct SightFacts {
     pub(crate) receivers: &'static str,
     /// Largest horizontal distance from the UAV [m]; null without a limit.
     pub(crate) radius_m: Option<f64>,
+    /// What the antennas of UAVs serve that have none of their own; null if that is all.
+    pub(crate) antenna: Option<AntennaFacts>,
+}
+
+/// Which receivers an antenna serves; null what is not limited.
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+pub(crate) struct AntennaFacts {
+    /// Least horizontal distance [m], included.
+    min_radius_m: Option<f64>,
+    /// Azimuths from the first, clockwise, to before the second [deg from grid north].
+    sector_deg: Option<[f64; 2]>,
+    /// Least and largest elevation of receivers [deg above the UAV's horizontal], both included.
+    elevation_deg: Option<[f64; 2]>,
+    /// Full angle of a cone straight down [deg].
+    beam_deg: Option<f64>,
+}
+
+/// What tables say of an antenna; nothing of one that serves all.
+pub(crate) fn antenna_words(antenna: Antenna) -> Option<String> {
+    Some(antenna.in_words()).filter(|words| !words.is_empty())
+}
+
+impl AntennaFacts {
+    /// Those of an antenna; nothing of one that serves all.
+    pub(crate) fn of(antenna: Antenna) -> Option<AntennaFacts> {
+        let Antenna { min_radius_m, sector_deg, elevation_deg, beam_deg } = antenna;
+        (antenna != Antenna::default()).then_some(AntennaFacts { min_radius_m, sector_deg, elevation_deg, beam_deg })
+    }
 }
 
 impl Sight {
@@ -167,6 +210,12 @@ impl Sight {
     #[must_use]
     pub(crate) fn of(self, receivers: Receivers) -> Sight {
         Sight { receivers, ..self }
+    }
+
+    /// With another antenna.
+    #[must_use]
+    pub(crate) fn with_antenna(self, antenna: Antenna) -> Sight {
+        Sight { antenna, ..self }
     }
 
     /// Height of the receivers above ground or roof \[m\].
@@ -182,6 +231,16 @@ impl Sight {
     /// Range \[m\], if it is limited.
     pub(crate) fn radius_m(&self) -> Option<f64> {
         self.radius_m
+    }
+
+    /// What the antennas of UAVs serve that do not say so themselves.
+    pub(crate) fn antenna(&self) -> Antenna {
+        self.antenna
+    }
+
+    /// Whether a receiver may be out of range, but for antennas of single UAVs.
+    pub(crate) fn is_limited(&self) -> bool {
+        self.radius_m.is_some() || self.antenna != Antenna::default()
     }
 
     /// The engine that was asked for.
@@ -214,6 +273,7 @@ impl Sight {
             within: self.receivers.zone().and_then(|zone| zones.map(|zones| zones.cells(zone))),
             window: None,
             radius: self.radius_on(grid),
+            antenna: self.antenna,
             meters_per_unit: grid.meters_per_unit(),
             layers: HeightLayers::default(),
             method: self.method,
@@ -222,7 +282,19 @@ impl Sight {
 
     /// As documents tell it.
     pub(crate) fn facts(&self) -> SightFacts {
-        SightFacts { rx_height_m: self.rx_height_m, receivers: self.receivers.name(), radius_m: self.radius_m }
+        SightFacts {
+            rx_height_m: self.rx_height_m,
+            receivers: self.receivers.name(),
+            radius_m: self.radius_m,
+            antenna: AntennaFacts::of(self.antenna),
+        }
+    }
+
+    /// What captions say of the range, after a comma; nothing where it has no limit.
+    pub(crate) fn range_in_words(&self) -> String {
+        let radius = self.radius_m.map_or(String::new(), |r| format!(", range {} m", tidy(r)));
+        let antenna = self.antenna.in_words();
+        if antenna.is_empty() { radius } else { format!("{radius}, {antenna}") }
     }
 
     /// The line of a caption that says for whom a map of a grid was made, and how. `scene` may show less than the grid.
@@ -240,7 +312,7 @@ impl Sight {
             Receivers::All => "ground and roofs",
             _ => "ground",
         };
-        let range = self.radius_m.map_or(String::new(), |r| format!(", range {} m", tidy(r)));
+        let range = self.range_in_words();
         let method = method.map_or("none".into(), Method::in_words);
         format!(
             "Cells of {cell}, receivers {} m above {stands}{range}; method {method}; {}; {}",

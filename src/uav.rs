@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-use crate::city::{GivenSite, Site, Source};
-use crate::error::{PlacesError, Result, Warning, warned};
+use crate::city::{Antenna, GivenSite, Site, Source};
+use crate::error::{PlacesError, RequestError, Result, Warning, warned};
 use crate::quantity::Height;
 use crate::raster::GeoRef;
 use crate::read::{BadRows, read_sites, source_of};
@@ -23,6 +23,7 @@ pub struct Uav {
     x: f64,
     y: f64,
     height: Height,
+    antenna: Antenna,
     lonlat: Option<[f64; 2]>,
 }
 
@@ -31,13 +32,19 @@ impl Uav {
     ///
     /// The place is checked when a scene is asked: E2xx if the UAV cannot be there.
     pub fn new(x: f64, y: f64, height: Height) -> Uav {
-        Uav { id: None, x, y, height, lonlat: None }
+        Uav { id: None, x, y, height, antenna: Antenna::default(), lonlat: None }
     }
 
     /// With a name, which stands in tables and pictures.
     #[must_use]
     pub fn named(self, id: impl Into<String>) -> Uav {
         Uav { id: Some(id.into()), ..self }
+    }
+
+    /// With an antenna of its own: what this does not limit, the request may.
+    #[must_use]
+    pub fn with_antenna(self, antenna: Antenna) -> Uav {
+        Uav { antenna, ..self }
     }
 
     /// Its name, if it has one.
@@ -55,17 +62,23 @@ impl Uav {
         self.height
     }
 
+    /// Its own antenna.
+    pub fn antenna(&self) -> Antenna {
+        self.antenna
+    }
+
     /// The site that stands for the `k`-th of several, counted from 0.
     pub(crate) fn site(&self, k: usize) -> GivenSite {
         let id = self.id.clone().unwrap_or_else(|| (k + 1).to_string());
-        GivenSite { site: Site { id, x: self.x, y: self.y, height: self.height }, lonlat: self.lonlat }
+        let site = Site { antenna: self.antenna, ..Site::new(id, (self.x, self.y), self.height) };
+        GivenSite { site, lonlat: self.lonlat }
     }
 }
 
 impl From<GivenSite> for Uav {
     fn from(given: GivenSite) -> Uav {
-        let GivenSite { site: Site { id, x, y, height }, lonlat } = given;
-        Uav { id: Some(id), x, y, height, lonlat }
+        let GivenSite { site: Site { id, x, y, height, antenna }, lonlat } = given;
+        Uav { id: Some(id), x, y, height, antenna, lonlat }
     }
 }
 
@@ -81,8 +94,11 @@ impl UavsFound {
     /// Those of a list.
     ///
     /// # Errors
-    /// E207 if two have one name.
+    /// E113 for an antenna that cannot be; E207 if two have one name.
     pub(crate) fn of(uavs: &[Uav]) -> Result<UavsFound> {
+        for uav in uavs {
+            uav.antenna.checked().map_err(RequestError::Antenna)?;
+        }
         let sites = uavs.iter().enumerate().map(|(k, uav)| uav.site(k)).collect();
         UavsFound { sites, ..UavsFound::default() }.checked()
     }

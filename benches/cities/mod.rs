@@ -42,6 +42,6 @@ pub(crate) fn uav_in_the_middle(field: &HeightField, height_m: f64) -> Uav {
         .min_by_key(from_middle)
         .expect("open ground near the middle");
     let (x, y) = grid.world_from_cell(row, col);
-    let site = Site { id: "1".into(), x, y, height: Height::AboveGround(height_m) };
+    let site = Site::new("1", (x, y), Height::AboveGround(height_m));
     Uav::place(&site, field, None).expect("in the clear")
 }

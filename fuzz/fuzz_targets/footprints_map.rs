@@ -78,7 +78,7 @@ fuzz_target!(|city: City| {
     let field = HeightField::build(&grid, solids).field;
     let [x, y] = city.place.map(|v| f64::from(v) / 4.0 - 4.0);
     let height = Height::AboveDatum(f64::from(city.uav_height) / 4.0);
-    let Ok(uav) = Uav::place(&Site { id: "1".into(), x, y, height }, &field, None) else { return };
+    let Ok(uav) = Uav::place(&Site::new("1", (x, y), height), &field, None) else { return };
     let rx_height = i32::from(city.rx_height % 32) * 512;
     let map = |method: MethodChoice| {
         let options = MapOptions { rx_height, receivers: Receivers::All, method, ..MapOptions::default() };

@@ -21,7 +21,7 @@ from skyshed import _skyshed
 from skyshed._answers import shares
 from skyshed._errors import Error, wrong
 from skyshed._scene import READING, Origin, Scene, opened_once, origin_of
-from skyshed._words import AskedUav, PathLike, files_of, uavs_of, words_of
+from skyshed._words import AskedUav, PathLike, files_of, table_of, uavs_of, words_of
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -179,7 +179,7 @@ def _shared(cluster: Cluster, asked: Asked) -> Any:
 
 def named(uavs: list[AskedUav]) -> list[AskedUav]:
     """UAVs that all have names: those of the program."""
-    return [(x, y, h, id if id is not None else str(k + 1)) for k, (x, y, h, id) in enumerate(uavs)]
+    return [(x, y, h, id if id is not None else str(k + 1), antenna) for k, (x, y, h, id, antenna) in enumerate(uavs)]
 
 
 def _listed(sites: Iterable[Any], crs: str | None) -> list[AskedUav]:
@@ -225,13 +225,17 @@ def _told(done: list[tuple[Mapped, list[tuple[str, Error]]]], what: str, n: int)
     return Mapped(sum(part.mapped for part, _ in done), sum(part.there for part, _ in done))
 
 
+#: Flags that say who is in range.
+OF_RANGE = ("--radius", "--rx", "--receivers", "--min-radius", "--sector", "--elevation", "--beam")
+
+
 def _size_of_part(scene: SceneOrPath, sites: list[AskedUav], words: list[str]) -> int:
     """Sites that take about two seconds, by what counting one takes here; files take as long again."""
     if not isinstance(scene, Scene):
         return min(20, max(len(sites) // 8, 1))
     start = time.perf_counter()
     try:
-        scene._scene.counts(sites[:1], [word for word in words if word.startswith(("--radius", "--rx", "--receivers"))])
+        scene._scene.counts(sites[:1], [word for word in words if word.startswith(OF_RANGE)])
     except Error:
         return 1
     spent = 2 * (time.perf_counter() - start) + 1e-3
@@ -342,7 +346,7 @@ def ask_map(asked: Asked, uavs: list[AskedUav], words: list[str], folder: str) -
     """Asks for a map; of a raster file no more is read than it needs."""
     path = os.path.join(folder, "sites.csv")
     with open(path, "w", newline="", encoding="utf-8") as file:
-        csv.writer(file).writerows([("x", "y", "h", "id"), *((repr(x), repr(y), h, id) for x, y, h, id in uavs)])
+        csv.writer(file).writerows(table_of(uavs))
     word, of_scene = (asked.word, asked.words) if isinstance(asked, Origin) else ("memory", [])
     line = ["map", word, *of_scene, f"--uavs={path}", *words]
     if isinstance(asked, Origin) and _skyshed.raster_grid(word, of_scene) is not None:

@@ -61,6 +61,10 @@ class Sight(TypedDict, total=False):
     rx_height: float
     receivers: str
     radius: float | None
+    min_radius: float | None
+    sector: tuple[float, float] | None
+    elevation: tuple[float, float] | None
+    beam: float | None
     method: str
 
 
@@ -228,7 +232,9 @@ class Scene(Grid):
         ``"30roof"``, ``"150amsl"``, ``"400ft"``.
 
         ``rx_height`` is the receivers' height above ground or roof [m], by default 1.5; ``receivers`` are ``ground``, ``street``,
-        ``crossroad``, ``courtyard``, ``roof`` or ``all``; ``radius`` is the largest horizontal distance [m]; ``layers`` are ``los``,
+        ``crossroad``, ``courtyard``, ``roof`` or ``all``; ``radius`` is the largest horizontal distance [m]. ``min_radius`` [m], ``sector``
+        (two azimuths, clockwise from grid north), ``elevation`` (two angles from the UAV's horizontal, negative below) and ``beam`` (a full
+        angle straight down) say whom antennas serve [deg]; a UAV may have its own as ``{"x": …, "sector": (90, 180)}``. ``layers`` are ``los``,
         ``margin``, ``ceiling`` and ``least-height``; ``zones`` counts by zone.
         """
         words = words_of({**sight, "layers": layers, "tolerance": tolerance, "zones": zones})
@@ -272,7 +278,7 @@ class Scene(Grid):
         **options: object,
     ) -> Link:
         """One link, decided and explained; ``rx`` is (x, y) or (x, y, height). ``output`` draws it from the side."""
-        x, y, h, _ = uav_of(uav)
+        x, y, h, *_ = uav_of(uav)
         if not isinstance(rx, (tuple, list, np.ndarray)) or len(rx) not in (2, 3):
             raise wrong("rx", repr(rx)[:80], "(x, y) or (x, y, height)", "E103")
         ends = words_of({"uav": (x, y, h), "rx": tuple(rx)})

@@ -8,7 +8,9 @@ import numpy.typing as npt
 _Told = tuple[str, str]
 _Place = tuple[tuple[int, int], tuple[float, float, float, float], tuple[str, str | None] | None]
 _Watch = Callable[[float], object]
-_Uav = tuple[float, float, float | str, str | None]
+_Pair = tuple[float, float] | None
+_Antenna = tuple[float | None, _Pair, _Pair, float | None]
+_Uav = tuple[float, float, float | str, str | None, _Antenna]
 _Held = tuple[str, npt.NDArray[Any], tuple[float, float, float, float], str | None, float | None, bool]
 
 @final

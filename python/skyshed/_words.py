@@ -21,7 +21,13 @@ Uav: TypeAlias = Union[
     "tuple[float, float, Height]", "tuple[float, float, Height, str]", "Mapping[str, Any]", "np.ndarray[Any, Any]"
 ]
 PathLike: TypeAlias = Union[str, "os.PathLike[str]"]
-AskedUav = tuple[float, float, Union[float, str], Union[str, None]]
+Pair = Union["tuple[float, float]", None]
+#: From which distance [m], azimuths, elevations, the beam [deg].
+AskedAntenna = tuple[Union[float, None], Pair, Pair, Union[float, None]]
+AskedUav = tuple[float, float, Union[float, str], Union[str, None], AskedAntenna]
+
+#: What says so in a mapping or a table of UAVs.
+ANTENNA = ("min_radius", "sector", "elevation", "beam")
 
 
 def word(value: object) -> str:
@@ -70,14 +76,44 @@ def _number(name: str, value: object) -> float:
     raise TypeError(f"uav: found {value!r} as {name}, wanted a number")
 
 
+def antenna_of(said: Mapping[str, object]) -> AskedAntenna:
+    """An antenna of what is said of it; nothing, and what is no number in a table, is not limited."""
+
+    def is_said(value: object) -> bool:
+        is_empty = value is None or isinstance(value, str) and not value.strip()
+        return not is_empty and not (isinstance(value, (float, np.floating)) and np.isnan(value))
+
+    def one(name: str) -> float | None:
+        value = said.get(name)
+        return float(_number(name, value)) if is_said(value) else None
+
+    def pair(name: str) -> tuple[float, float] | None:
+        value = said.get(name)
+        if not is_said(value):
+            return None
+        parts: Sequence[Any] = value.replace(";", ",").split(",") if isinstance(value, str) else list(value)  # type: ignore[call-overload]
+        try:
+            low, high = map(float, parts)
+        except (TypeError, ValueError):
+            raise wrong("uav", f"{value!r} as {name}", "two angles, such as (90, 180)", "E102") from None
+        return low, high
+
+    min_radius, sector, elevation, beam = ANTENNA
+    return one(min_radius), pair(sector), pair(elevation), one(beam)
+
+
 def uav_of(uav: Uav) -> AskedUav:
-    """A UAV as (x, y, height, name)."""
+    """A UAV as (x, y, height, name, antenna)."""
     name: object = None
+    antenna = antenna_of({})
     if isinstance(uav, Mapping):
-        unknown = set(uav) - {"x", "y", "h", "id"}
+        unknown = set(uav) - {"x", "y", "h", "id", *ANTENNA}
         if unknown or not {"x", "y", "h"} <= set(uav):
-            raise wrong("uav", f"the keys {sorted(map(str, uav))}", "x, y, h and, if you like, id", "E102")
-        x, y, h, name = uav["x"], uav["y"], uav["h"], uav.get("id")
+            wanted = f"x, y, h and, if you like, id, {', '.join(ANTENNA)}"
+            raise wrong("uav", f"the keys {sorted(map(str, uav))}", wanted, "E102")
+        x, y, h, name, antenna = uav["x"], uav["y"], uav["h"], uav.get("id"), antenna_of(uav)
+    elif isinstance(uav, tuple) and len(uav) == 5 and isinstance(uav[4], tuple):
+        x, y, h, name, antenna = uav
     elif isinstance(uav, (tuple, list, np.ndarray)) and len(uav) in (3, 4):
         x, y, h, *rest = uav
         name = rest[0] if rest else None
@@ -88,7 +124,19 @@ def uav_of(uav: Uav) -> AskedUav:
     for axis, value in (("x", x), ("y", y), ("height", height)):
         if isinstance(value, float) and not np.isfinite(value):
             raise wrong("uav", f"{value} as {axis}", "a number", "E102")
-    return x, y, height, None if name is None else str(name)
+    return x, y, height, None if name is None else str(name), antenna
+
+
+def table_of(uavs: Sequence[AskedUav]) -> list[Sequence[object]]:
+    """UAVs as rows of a table that the program reads, its header first."""
+
+    def said(pair: Pair) -> str:
+        return "" if pair is None else f"{pair[0]!r},{pair[1]!r}"
+
+    rows: list[Sequence[object]] = [("x", "y", "h", "id", *ANTENNA)]
+    for x, y, h, id, (least, sector, elevation, beam) in uavs:
+        rows.append((repr(x), repr(y), h, id, "" if least is None else least, said(sector), said(elevation), "" if beam is None else beam))
+    return rows
 
 
 def located(name: str, places: Any, crs: str | None) -> Any:
@@ -102,7 +150,7 @@ def located(name: str, places: Any, crs: str | None) -> Any:
 
 
 def uavs_of(uavs: Any, crs: str | None = None, height: Height | None = None) -> list[AskedUav]:
-    """UAVs of a list, an array of shape (n, 3), or a table with columns x, y, h and, if you like, id.
+    """UAVs of a list, an array of shape (n, 3), or a table with columns x, y, h and, if you like, id, min_radius, sector, elevation, beam.
 
     A table of geopandas has points instead of x and y, and is brought into the system ``crs``. What the package answers has
     height_agl_m or height_amsl_m instead of h. ``height`` is that of tables without one.
@@ -133,7 +181,10 @@ def uavs_of(uavs: Any, crs: str | None = None, height: Height | None = None) -> 
     else:
         raise wrong("uavs", f"the columns {columns}", "a column h", "E102")
     ids = [str(name) for name in uavs["id"]] if "id" in columns else [None] * len(uavs)
-    return [uav_of(uav) for uav in zip(xs, ys, heights, ids)]  # type: ignore[arg-type]
+    rows = [uav_of(uav) for uav in zip(xs, ys, heights, ids)]  # type: ignore[arg-type]
+    told = {name: list(uavs[name]) for name in ANTENNA if name in columns}
+    antennas = [antenna_of({name: values[k] for name, values in told.items()}) for k in range(len(rows))]
+    return [(*row[:4], antenna) for row, antenna in zip(rows, antennas)]
 
 
 def watch_of(progress: object) -> Callable[[float], object] | None:
@@ -177,9 +228,9 @@ def as_files(given: Mapping[str, Any], crs: str | None, height: Any) -> Iterator
 def _write_table(file: TextIO, rows: Sequence[AskedUav]) -> None:
     if not rows:
         raise wrong("candidates", "none", "at least one", "E209")
-    has_ids = any(id is not None for *_, id in rows)
+    has_ids = any(id is not None for *_, id, _ in rows)
     print("x,y,h,id" if has_ids else "x,y,h", file=file)
-    for x, y, h, id in rows:
+    for x, y, h, id, _ in rows:
         quoted = ',"' + (id or "").replace('"', '""') + '"' if has_ids else ""
         print(f"{x!r},{y!r},{h}{quoted}", file=file)
 

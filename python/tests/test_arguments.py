@@ -64,6 +64,13 @@ HOSTILE: list[tuple[Callable[[], Any], str]] = [
     # Options of a map.
     (lambda: CITY.map(AT, radius=-1), "radius"),
     (lambda: CITY.map(AT, radius=0), "radius"),
+    (lambda: CITY.map(AT, sector=(10, 10)), "sector"),
+    (lambda: CITY.map(AT, sector=90), "sector"),  # type: ignore[arg-type]
+    (lambda: CITY.map(AT, elevation=(10, -10)), "elevation"),
+    (lambda: CITY.map(AT, beam=0), "beam"),
+    (lambda: CITY.map(AT, min_radius=-1), "least radius"),
+    (lambda: CITY.map({"x": 5, "y": 5, "h": 90, "sector": "north"}), "sector"),
+    (lambda: CITY.map({"x": 5, "y": 5, "h": 90, "beam": 400}), "beam"),
     (lambda: CITY.map(AT, radius=math.nan), "radius"),
     (lambda: CITY.map(AT, radius="far"), "radius"),  # type: ignore[arg-type]
     (lambda: CITY.map(AT, radius=[1, 2]), "radius"),  # type: ignore[arg-type]

@@ -36,7 +36,14 @@ def asked(seed: int) -> tuple[tuple[float, float, str], dict[str, Any], list[str
     options: dict[str, Any] = {"rx_height": float(random.integers(0, 4))}
     if seed % 4 == 1:
         options["radius"] = float(random.uniform(20, 60))
-    words = [word for name, value in options.items() for word in (f"--{name.replace('_', '-')}", repr(value))]
+    if seed % 4 == 2:
+        options["sector"] = (float(random.uniform(0, 360)), float(random.uniform(0, 360)))
+        options["min_radius"] = float(random.uniform(0, 9))
+    if seed % 8 == 3:
+        options["elevation"] = (-70.0, float(random.uniform(-40, -20)))
+        options["beam"] = float(random.uniform(60, 150))
+    said = {name: ",".join(map(repr, value)) if isinstance(value, tuple) else repr(value) for name, value in options.items()}
+    words = [word for name, value in said.items() for word in (f"--{name.replace('_', '-')}", value)]
     return uav, options, words
 
 

@@ -145,7 +145,20 @@ pub fn save_options(words: &[OsString], files: &[PathBuf]) -> std::result::Resul
 }
 
 /// What is said of a map.
-const OF_MAP: [&str; 8] = ["scene", "rx_height", "receivers", "radius", "method", "layers", "tolerance", "zones"];
+const OF_MAP: [&str; 12] = [
+    "scene",
+    "rx_height",
+    "receivers",
+    "radius",
+    "min_radius",
+    "sector",
+    "elevation",
+    "beam",
+    "method",
+    "layers",
+    "tolerance",
+    "zones",
+];
 /// What is said of its files.
 const OF_FILES: [&str; 13] = [
     "scene",

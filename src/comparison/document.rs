@@ -322,6 +322,8 @@ pub(crate) struct CompareRow {
     pub(super) rx_height_m: f64,
     /// Largest horizontal distance from the UAV [m]; empty without a limit.
     pub(super) radius_m: Option<f64>,
+    /// What antennas serve, in words; empty if that is all.
+    pub(super) antenna: Option<String>,
     /// Edge of a block of ground [m].
     pub(super) block_m: f64,
     /// Engine that decided line of sight.

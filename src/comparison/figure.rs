@@ -161,7 +161,7 @@ fn caption(of: &Comparison, look: &Look) -> Vec<String> {
     let Comparison { scene, report, .. } = of;
     let intervals = &report.intervals;
     let (receivers, _) = report.sight.receivers().cell_names(&scene.field);
-    let range = if report.sight.radius_m().is_some() { " in range" } else { "" };
+    let range = if report.sight.is_limited() { " in range" } else { "" };
     let share = format!("P_LoS is the share of {receivers}{range} in line of sight");
     let mut lines = if report.has_intervals() {
         vec![

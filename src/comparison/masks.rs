@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::answer::Position;
 use crate::coverage::class;
@@ -10,7 +10,7 @@ use crate::error::{InputError, OddRun, Result, Warning, warned};
 use crate::formats::RasterFile;
 use crate::raster::{GeoRef, LargeVec};
 use crate::read::refuse_two_crs;
-use crate::sight::Sight;
+use crate::sight::{AntennaFacts, Sight};
 use skyshed_io::error::Pair;
 
 /// A mask of an earlier run.
@@ -96,10 +96,11 @@ pub(super) fn read_masks(path: &Path, setting: &Setting<'_>, warnings: &mut Vec<
 
 /// Warns where a map was made for other receivers than those of this run, as far as its file tells.
 fn warn_of_other_receivers(path: &Path, document: &Value, setting: &Setting<'_>, warnings: &mut Vec<Warning>) {
-    let own: [(&'static str, Value); 3] = [
+    let own: [(&'static str, Value); 4] = [
         ("rx_height_m", setting.sight.rx_height_m().into()),
         ("receivers", setting.sight.receivers().name().into()),
         ("radius_m", setting.sight.radius_m().into()),
+        ("antenna", json!(AntennaFacts::of(setting.sight.antenna()))),
     ];
     for (setting, own) in own {
         if let Some(found) = document.get(setting).filter(|found| **found != own) {

@@ -13,7 +13,7 @@ use super::facts::{
 use crate::answer::{Rows, RunFacts, Timing, document_of, rows, warnings_of};
 use crate::city_statistics::bootstrap::{RESAMPLINGS, RatioEstimate};
 use crate::coverage::{GRAZING_M, Tally};
-use crate::sight::Sight;
+use crate::sight::{Sight, antenna_words};
 
 /// Placements side by side, as reported.
 #[derive(Debug, Clone)]
@@ -209,6 +209,7 @@ impl CompareReport {
             blocks: estimate.blocks,
             rx_height_m: self.sight.rx_height_m(),
             radius_m: self.sight.radius_m(),
+            antenna: antenna_words(self.sight.antenna()),
             block_m: self.intervals.block_m,
             method: self.facts.method_name(),
             ..CompareRow::default()

@@ -67,6 +67,12 @@ pub enum RequestError {
     /// E113: a number out of range: what it is, and what is wanted.
     #[error("{what} is `{found}`, wanted {wanted}")]
     Number { what: &'static str, found: f64, wanted: String },
+    /// E113: an antenna that cannot be.
+    #[error(transparent)]
+    Antenna(crate::city::AntennaFault),
+    /// E113: two UAVs of a live page with antennas that differ.
+    #[error("UAVs `{a}` and `{b}` have antennas that differ, wanted one for all of a live page")]
+    PageAntennas { a: String, b: String },
     /// E113: a tolerance out of range.
     #[error("the tolerance is `{0}`, wanted a P_LoS above 0 and below 1")]
     Tolerance(f64),
@@ -163,6 +169,8 @@ impl RequestError {
             R::GoalNeeds { .. } | R::TooFewToCompare(_) => 108,
             R::NoFootprints(_) | R::VerticalLink | R::NoGrid | R::NoTilesToJoin(_) | R::NoCrs(_) => 109,
             R::Number { .. }
+            | R::Antenna(_)
+            | R::PageAntennas { .. }
             | R::Tolerance(_)
             | R::Heights { .. }
             | R::CurveHeights { .. }

@@ -9,7 +9,7 @@ use super::coverages::Coverages;
 use super::curve_report::{CurveFacts, HeightCurveReport};
 use crate::answer::{Answer, Output, Rows, Spent};
 use crate::coverage::HeightCurve;
-use crate::error::{OddRun, RequestError, Result, Warning};
+use crate::error::{Error, OddRun, RequestError, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::picture::{Look, crs_words, picture_provenance, program, written};
 use crate::progress::Progress;
@@ -73,6 +73,11 @@ impl Coverages {
     /// E113; `Interrupted`.
     pub(crate) fn height_curves(&self, asked: Option<[f64; 3]>, progress: &Progress) -> Result<Curves> {
         check_heights(asked)?;
+        let run = self.report.sight.antenna();
+        if self.sites.iter().any(|site| site.uav.antenna.or(run).elevations_deg().is_some()) {
+            let why = "with elevations or a beam: who is in range would change with the height";
+            return Err(Error::idle("a height curve", why));
+        }
         let start = Instant::now();
         let (field, report) = (&self.scene.field, &self.report);
         let rx_height = report.sight.rx_height();
@@ -253,7 +258,7 @@ impl Curves {
             Receivers::Courtyard => "the ground of courtyards",
             Receivers::Ground => "ground",
         };
-        let range = sight.radius_m().map_or(String::new(), |r| format!(", range {} m", tidy(r)));
+        let range = sight.range_in_words();
         let receivers = format!(
             "Receivers {} m above {stands}{range}; method {} (exact at every height); {}; {}",
             tidy(sight.rx_height_m()),

@@ -4,6 +4,7 @@ use super::classes::{ClassMap, MOST_COLORS, least_heights, nearest, seen_alone, 
 use super::coverages::Coverages;
 use super::report::SiteFacts;
 use super::tolerance::in_words as tolerance_in_words;
+use crate::city::Antenna;
 use crate::coverage::{Overlay, SiteCoverage, Stability, Tally, Uav};
 use crate::error::Result;
 use crate::export::{Format, Layer};
@@ -309,7 +310,9 @@ impl MapDrawing<'_> {
     }
 
     fn caption(&self, subject: Subject, receivers_name: &str) -> Vec<String> {
-        let in_range = if self.of.report.sight.radius_m().is_some() { " in range" } else { "" };
+        let of = &self.of.report;
+        let is_limited = of.sight.is_limited() || of.sites.iter().any(|site| site.antenna != Antenna::default());
+        let in_range = if is_limited { " in range" } else { "" };
         let share = |t: &Tally| match t.p_los() {
             Some(p) => format!(
                 "P_LoS = {p:.4} ({} of {} {receivers_name}{in_range})",
@@ -325,13 +328,9 @@ impl MapDrawing<'_> {
         }
         const MOST_SITES: usize = 4;
         for s in self.of.report.sites.iter().take(MOST_SITES) {
-            lines.push(format!(
-                "UAV {}: {} at {}, {}",
-                s.id,
-                s.height_words(),
-                s.position().in_words(),
-                share(&s.tally)
-            ));
+            let (id, height, place, own) = (&s.id, s.height_words(), s.position().in_words(), s.antenna.in_words());
+            let own = if own.is_empty() { own } else { format!(", {own}") };
+            lines.push(format!("UAV {id}: {height} at {place}{own}, {}", share(&s.tally)));
         }
         if self.of.report.sites.len() > MOST_SITES {
             lines.push(format!("and {} more UAVs", self.of.report.sites.len() - MOST_SITES));

@@ -11,10 +11,11 @@ use crate::answer::{
     Head, Position, PositionFields, Rows, RunFacts, Share, Timing, WarningFacts, closed_rings, digest_words,
     document_of, feature, feature_collection, rows, warnings_of,
 };
+use crate::city::Antenna;
 use crate::coverage::{CoveragePolygon, HoversOver, IdleFootprints, SiteCoverage, Tally};
 use crate::digest::Sha256;
 use crate::raster::{Crs, GeoRef};
-use crate::sight::{Sight, SightFacts};
+use crate::sight::{AntennaFacts, Sight, SightFacts, antenna_words};
 use crate::zones::{N_CODES, Zone, ZoneMap};
 
 /// One UAV of a map: where it is, what it hovers over, and what it sees.
@@ -32,6 +33,8 @@ pub struct SiteFacts {
     pub height_amsl_m: f64,
     /// Height above the ground \[m\], if one is known there.
     pub height_agl_m: Option<f64>,
+    /// Its own antenna.
+    pub antenna: Antenna,
     /// What it hovers over: a zone where zones are known, else `ground` or `rooftop`.
     pub placement: &'static str,
     /// Counts.
@@ -60,6 +63,7 @@ impl SiteFacts {
             lonlat: None,
             height_amsl_m: site.uav.height_amsl_m(),
             height_agl_m: site.uav.height_agl_m,
+            antenna: site.uav.antenna,
             placement: zone.unwrap_or(site.uav.placement.name()),
             tally: site.tally,
             zones: zones.filter(|_| !site.mask.is_empty()).map(|zones| zone_tallies(zones, &site.mask)),
@@ -91,6 +95,7 @@ impl SiteFacts {
         };
         SiteDocument {
             hovering: self.hovering(),
+            antenna: AntennaFacts::of(self.antenna),
             seen: (&self.tally).into(),
             zones: self.zones.as_ref().map(ZoneShares::of),
             stability: self.stability.as_ref().map(StabilityFacts::document),
@@ -202,7 +207,7 @@ impl MapReport {
     /// The table: one row per site and zone, and one for the union of several sites.
     pub(crate) fn table(&self) -> Rows {
         let grid = &self.facts.grid;
-        let row = |site: &SiteDocumentHead, zone: &'static str, tally: &Tally| MapRow {
+        let row = |site: &SiteDocumentHead, antenna: &Option<String>, (zone, tally): (&'static str, &Tally)| MapRow {
             site: site.clone(),
             zone,
             receivers: tally.receivers,
@@ -213,19 +218,23 @@ impl MapReport {
             nodata: tally.nodata,
             rx_height_m: self.sight.rx_height_m(),
             radius_m: self.sight.radius_m(),
+            antenna: antenna.clone(),
             method: self.facts.method_name(),
             crs: grid.crs().map(Crs::label),
             cell_width: grid.cell_width(),
             cell_height: grid.cell_height(),
         };
-        let of = |site: SiteDocumentHead, all: &Tally, zones: Option<&[Tally; 4]>| {
+        let of = |site: SiteDocumentHead, antenna: Antenna, all: &Tally, zones: Option<&[Tally; 4]>| {
+            let antenna = antenna_words(antenna);
             let by_zone = Zone::ALL.into_iter().zip(zones.into_iter().flatten());
-            let by_zone = by_zone.map(|(zone, tally)| row(&site, zone.name(), tally));
-            std::iter::once(row(&site, "all", all)).chain(by_zone).collect::<Vec<_>>()
+            let by_zone = by_zone.map(|(zone, tally)| row(&site, &antenna, (zone.name(), tally)));
+            std::iter::once(row(&site, &antenna, ("all", all))).chain(by_zone).collect::<Vec<_>>()
         };
-        let sites = self.sites.iter().flat_map(|s| of(SiteDocumentHead::of(s), &s.tally, s.zones.as_ref()));
+        let run = self.sight.antenna();
+        let sites =
+            self.sites.iter().flat_map(|s| of(SiteDocumentHead::of(s), s.antenna.or(run), &s.tally, s.zones.as_ref()));
         let union =
-            (self.sites.len() > 1).then(|| of(SiteDocumentHead::union(), &self.union, self.union_zones.as_ref()));
+            (self.sites.len() > 1).then(|| of(SiteDocumentHead::union(), run, &self.union, self.union_zones.as_ref()));
         rows(sites.chain(union.into_iter().flatten()))
     }
 
@@ -333,6 +342,8 @@ pub(super) struct Hovering {
 struct SiteDocument {
     #[serde(flatten)]
     hovering: Hovering,
+    /// What its own antenna serves; null without one. What it does not limit, that of the run may.
+    antenna: Option<AntennaFacts>,
     #[serde(flatten)]
     seen: Share,
     /// By zone of the receivers; null where zones were not asked for or are not known.
@@ -482,6 +493,8 @@ pub(crate) struct MapRow {
     rx_height_m: f64,
     /// Largest horizontal distance from the UAV [m]; empty without a limit.
     radius_m: Option<f64>,
+    /// What the antenna serves, in words; empty if that is all.
+    antenna: Option<String>,
     /// Engine that decided line of sight.
     method: String,
     /// Reference system; empty for local coordinates.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::coverages::{Coverage, Coverages};
 use super::plan::{Held, MapPlan, PartOf, Prepared};
+use crate::city::Antenna;
 use crate::coverage::SiteCoverage;
 use crate::error::Result;
 use crate::export::Layer;
@@ -70,6 +71,12 @@ impl<Answer> CoverageRequest<Answer> {
     /// The largest horizontal distance from a UAV to a receiver \[m\]. Default: unlimited.
     pub fn radius_m(mut self, radius_m: f64) -> Self {
         self.asked.radius_m = Some(radius_m);
+        self
+    }
+
+    /// What the antennas of UAVs serve that have none of their own. Default: all.
+    pub fn antenna(mut self, antenna: Antenna) -> Self {
+        self.asked.antenna = antenna;
         self
     }
 

@@ -209,8 +209,7 @@ mod tests {
     fn tiles_cover_the_grid_once_and_take_the_uavs_in_range() {
         let grid = GeoRef::new((0.0, 50.0), (1.0, 1.0), (50, 70), None).expect("a valid grid");
         let sight = AskedSight { radius_m: Some(6.0), ..AskedSight::default() }.checked().expect("a radius");
-        let site =
-            |x: f64, y: f64| -> GivenSite { Site { id: format!("{x} {y}"), x, y, height: Height::agl(9.0) }.into() };
+        let site = |x: f64, y: f64| -> GivenSite { Site::new(format!("{x} {y}"), (x, y), Height::agl(9.0)).into() };
         let sites = [site(10.0, 40.0), site(32.0, 18.0), site(200.0, 18.0)];
         let asked = TilesAsked { cells_per_side: Some(32), only: Vec::new() };
         let tiles = asked.of((&grid, None), &sites, &sight).expect("tiles");

@@ -15,7 +15,7 @@ use super::job::MapJob;
 use super::save_options::SaveOptions;
 use super::tiles::{ROW_AND_COL, Tile};
 use crate::answer::digest_words;
-use crate::city::GivenSite;
+use crate::city::{Antenna, GivenSite};
 use crate::digest::Sha256;
 use crate::error::{PlacesError, RequestError, Result};
 use crate::export::{Format, Layer, sidecars, site_in_names, with_suffix};
@@ -87,7 +87,9 @@ impl Unit {
             Part::Site(site) => ["--uav".into(), format!("{},{},{}", site.x, site.y, site.height)],
             Part::Tile(tile) => ["--tile".into(), format!("{},{}", tile.row, tile.col)],
         };
-        let command = whole.unit_command.iter().cloned().chain(of_unit).collect();
+        let run = whole.plan.sight.antenna();
+        let antenna = if let Part::Site(site) = part { site.antenna.or(run) } else { run };
+        let command = whole.unit_command.iter().cloned().chain(flags_of(antenna)).chain(of_unit).collect();
         let curve = CurvePlan { outputs: own(&whole.curve.outputs), ..whole.curve.clone() };
         let job = MapJob { outputs: own(&whole.outputs), curve, command, ..whole.clone() };
         Unit { part: part.clone(), hash, job }
@@ -121,6 +123,18 @@ impl Unit {
         let since = last.and_then(|at| at.duration_since(std::time::UNIX_EPOCH).ok());
         since.map_or(0, |since| since.as_secs())
     }
+}
+
+/// An antenna as flags say it.
+fn flags_of(antenna: Antenna) -> Vec<String> {
+    let pair = |[a, b]: [f64; 2]| format!("{a},{b}");
+    let flags = [
+        ("--min-radius", antenna.min_radius_m.map(|r| r.to_string())),
+        ("--sector", antenna.sector_deg.map(pair)),
+        ("--elevation", antenna.elevation_deg.map(pair)),
+        ("--beam", antenna.beam_deg.map(|b| b.to_string())),
+    ];
+    flags.into_iter().flat_map(|(flag, value)| value.map(|value| [flag.to_string(), value])).flatten().collect()
 }
 
 /// Refuses two UAVs of one name, as files have it.

@@ -101,7 +101,7 @@ fn caption(job: &Placements, look: &Look) -> Vec<String> {
     };
     let over: Vec<&str> = job.over.iter().map(|zone| zone.name()).collect();
     let over = if over.is_empty() { String::new() } else { format!(" over zones {}", over.join(", ")) };
-    let range = report.sight.radius_m().map_or(String::new(), |r| format!(", range {} m", tidy(r)));
+    let range = report.sight.range_in_words();
     lines.push(format!(
         "Goal {} over {whom}{range}; candidates every {} m{over} at {}; receivers {} m high; method {}; {}; {}",
         report.goal.text,

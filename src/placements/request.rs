@@ -8,6 +8,7 @@ use serde_json::Value;
 use super::report::{PlaceFacts, PlaceValue};
 use super::{CandidatesFrom, FORMATS, Goal, Placements, SearchPlan};
 use crate::answer::{Answer, Spent, add_outputs};
+use crate::city::Antenna;
 use crate::error::{Result, Warning};
 use crate::export::{Batch, OutputRules, check_outputs};
 use crate::los::MethodChoice;
@@ -68,6 +69,12 @@ impl PlacementsRequest {
     /// The largest horizontal distance from a UAV to a receiver \[m\]. Default: unlimited.
     pub fn radius_m(mut self, radius_m: f64) -> Self {
         self.asked.radius_m = Some(radius_m);
+        self
+    }
+
+    /// What the antennas of UAVs serve that have none of their own. Default: all.
+    pub fn antenna(mut self, antenna: Antenna) -> Self {
+        self.asked.antenna = antenna;
         self
     }
 

@@ -64,7 +64,7 @@ fn picture(job: &Placements, maps: &ManyMaps, format: Format, look: &Look) -> Re
         None => render::Layer::Los(mask),
         Some(overlay) => render::Layer::Count { count: overlay.count(), mask, n_sites },
     };
-    let in_range = if sight.radius_m().is_some() { " in range" } else { "" };
+    let in_range = if sight.is_limited() { " in range" } else { "" };
     let share = |tally: &Tally| match tally.p_los() {
         Some(p) => {
             let (los, receivers) = (grouped(tally.los), grouped(tally.receivers));

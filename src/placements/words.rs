@@ -49,7 +49,7 @@ fn all_wanted(report: &PlaceReport) -> String {
 
 /// Whom a share is a share of, where a range says who may be seen.
 fn in_range_or_not(report: &PlaceReport) -> &'static str {
-    if report.sight.radius_m().is_some() { ", in range or not" } else { "" }
+    if report.sight.is_limited() { ", in range or not" } else { "" }
 }
 
 /// What is said of a search: the winner, the refined place, several together with the bound and the gap, what was left out.

@@ -186,7 +186,7 @@ impl SamplePlan {
                 let mut uavs = Vec::with_capacity(places.len());
                 let mut n_without_ground = 0;
                 for (k, [x, y]) in places.iter().enumerate() {
-                    let site = Site { id: (k + 1).to_string(), x: *x, y: *y, height: Height::AboveGround(height) };
+                    let site = Site::new((k + 1).to_string(), (*x, *y), Height::AboveGround(height));
                     match Uav::place(&site, field, radius) {
                         Ok(uav) => uavs.push(uav),
                         Err(CoreError::Uav { why: UavError::InsideBuilding { .. }, .. }) => {}

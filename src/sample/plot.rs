@@ -127,7 +127,7 @@ fn caption(report: &SampledReport, last: Vec<String>) -> Vec<String> {
         let drawn = if heights.len() > 1 { "Bands" } else { "Bars" };
         lines.push(format!("{drawn}: {} % intervals over {}", tidy(100.0 * report.confidence), report.clusters()));
     }
-    let range = report.sight.radius_m().map_or(String::new(), |r| format!(", within {} m of the UAV's place", tidy(r)));
+    let range = report.sight.range_in_words();
     lines.push(format!(
         "Receivers {} m above what they stand on{range}; method {}; {}; {}",
         tidy(report.sight.rx_height_m()),

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::answer::{Head, Rows, RunFacts, WarningFacts, document_of, rows, warnings_of};
 use crate::los_probability::estimate::{Estimate, FEWEST_CLUSTERS};
-use crate::sight::{Sight, SightFacts};
+use crate::sight::{Sight, SightFacts, antenna_words};
 use crate::zones::Zone;
 
 /// P_LoS of receivers in one zone from placements over another.
@@ -103,6 +103,7 @@ impl SampledReport {
             height_m: row.height_m,
             receivers_zone: row.receivers_name(),
             radius_m: self.sight.radius_m(),
+            antenna: antenna_words(self.sight.antenna()),
             rx_height_m: self.sight.rx_height_m(),
             cities: self.n_cities,
             placements: row.n_placements,
@@ -163,6 +164,8 @@ pub(crate) struct SampleRow {
     receivers_zone: &'static str,
     /// Largest horizontal distance from the UAV [m]; empty without a limit.
     radius_m: Option<f64>,
+    /// What antennas serve, in words; empty if that is all.
+    antenna: Option<String>,
     /// Height of the receivers above what they stand on [m].
     rx_height_m: f64,
     /// Cities that were drawn.

@@ -84,12 +84,7 @@ mod tests {
     #[test]
     fn the_way_from_the_grid_is_told_in_kilometers_and_of_a_few() {
         let grid = GeoRef::new((100.0, 200.0), (1.0, 1.0), (50, 50), None).expect("a valid grid");
-        let site = |(k, [x, y]): (usize, &[f64; 2])| Site {
-            id: k.to_string(),
-            x: *x,
-            y: *y,
-            height: Height::AboveGround(9.0),
-        };
+        let site = |(k, [x, y]): (usize, &[f64; 2])| Site::new(k.to_string(), (*x, *y), Height::AboveGround(9.0));
         let told = |places: &[[f64; 2]]| {
             let mut warnings = Vec::new();
             let sites: Vec<Site> = places.iter().enumerate().map(site).collect();

@@ -213,7 +213,7 @@ fn errors_have_the_sign_and_size_that_is_known_of_them() {
         // Over a crossroad near the middle.
         let built_up = BuiltUp::named(name).unwrap();
         let middle = (300.0 / built_up.period()).floor() * built_up.period() + built_up.street_width() / 2.0;
-        let site = Site { id: "1".into(), x: middle, y: middle, height: Height::AboveGround(100.0) };
+        let site = Site::new("1", (middle, middle), Height::AboveGround(100.0));
         let uav = Uav::place(&site, &field, None).unwrap();
         assert_eq!(errors(&field, &uav, MethodChoice::Sweep), (0.0, 0.0));
         let mut shorter = 0.0;

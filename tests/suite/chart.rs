@@ -191,7 +191,7 @@ fn rough_field() -> (HeightField, Uav) {
     let georef = GeoRef::new((0.0, 40.0), (1.0, 1.0), (40, 48), None).unwrap();
     let tops = rough().iter().map(|z| i32::try_from(*z).unwrap() * 1024).collect::<Vec<_>>();
     let field = surface_field(&georef, tops, Ground::Flat(0));
-    let site = Site { id: "1".into(), x: 20.25, y: 17.75, height: Height::AboveGround(35.0) };
+    let site = Site::new("1", (20.25, 17.75), Height::AboveGround(35.0));
     let uav = Uav::place(&site, &field, None).unwrap();
     (field, uav)
 }

@@ -68,6 +68,7 @@ fn the_winner_is_what_a_map_from_there_counts() {
     for (line, map) in [
         ("--height 10,15", ""),
         ("--height 10,15 --radius 20", "--radius 20"),
+        ("--height 10,15 --sector 30,200 --beam 140", "--sector 30,200 --beam 140"),
         ("--height 15 --goal p_los(street)", "--receivers street"),
         ("--height 15 --goal p_los(rooftop)", "--receivers roof"),
     ] {
@@ -77,8 +78,9 @@ fn the_winner_is_what_a_map_from_there_counts() {
             let line = format!("map city.geojson --extent 0,0,50,50 --uav {at} {map} --json -q");
             let site = folder.type_in(&line).done().json()["sites"][0].clone();
             assert_eq!(site["los"], place["los"], "{line}");
-            // Within a radius, too, the share is of all receivers, which the map without one counts.
-            let all = folder.type_in(&line.replace("--radius 20", "")).done().json()["sites"][0].clone();
+            // Within a range, too, the share is of all receivers, which the map without one counts.
+            let of_all = line.replace("--radius 20", "").replace("--sector 30,200 --beam 140", "");
+            let all = folder.type_in(&of_all).done().json()["sites"][0].clone();
             assert_eq!(all["receivers"], place["receivers"], "{line}");
         }
         let ranked: Vec<f64> =
@@ -184,7 +186,7 @@ fn what_makes_no_sense_of_a_search_is_refused() {
 }
 
 /// Flags that change what is found: a line without, and the flag.
-const FLAGS: [(&str, &str); 27] = [
+const FLAGS: [(&str, &str); 31] = [
     ("--candidates own.csv", "--height 40"),
     ("--height 10", "--step 10"),
     ("--height 10", "--shard 2/2"),
@@ -206,6 +208,10 @@ const FLAGS: [(&str, &str); 27] = [
     ("--height 10", "--rx-height 5"),
     ("--height 10", "--receivers roof"),
     ("--height 10", "--radius 15"),
+    ("--height 10", "--min-radius 15"),
+    ("--height 10", "--sector 90,200"),
+    ("--height 10", "--elevation -50,-20"),
+    ("--height 10", "--beam 90"),
     ("--height 10", "--missing levels"),
     ("--height 30", "--height-unit ft"),
     ("--height 10", "--height-field tall"),

@@ -21,7 +21,7 @@ fn squares(buildings: &[([i32; 2], i32)]) -> HeightField {
 }
 
 fn uav(field: &HeightField, (x, y, height): (f64, f64, f64), radius: Option<f64>) -> Uav {
-    Uav::place(&Site { id: "1".into(), x, y, height: Height::AboveGround(height) }, field, radius).unwrap()
+    Uav::place(&Site::new("1", (x, y), Height::AboveGround(height)), field, radius).unwrap()
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn maps_are_the_same_without_what_was_dropped() {
         let field = built(&generated(name, seed, 400.0));
         let (x, y, z) = (random.within(0, 399) as f64, random.within(0, 399) as f64, random.within(100, 300) as f64);
         let radius = random.choose(&[30.0, 100.0, 1000.0]);
-        let Ok(uav) = Uav::place(&Site { id: "1".into(), x, y, height: Height::AboveGround(z) }, &field, None) else {
+        let Ok(uav) = Uav::place(&Site::new("1", (x, y), Height::AboveGround(z)), &field, None) else {
             continue;
         };
         let options = MapOptions { radius: Some(radius), ..MapOptions::default() };

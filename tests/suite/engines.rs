@@ -68,7 +68,7 @@ fn uavs(field: &HeightField, random: &mut Random) -> Vec<Uav> {
         for height in [2.0, 15.0, 40.0, 100.0, 500.0] {
             let over_roof = field.roof_at(&field.place(x, y)).is_some();
             let height = if over_roof { Height::AboveRoof(height - 2.0) } else { Height::AboveGround(height) };
-            found.push(Uav::place(&Site { id: "1".into(), x, y, height }, field, None).unwrap());
+            found.push(Uav::place(&Site::new("1", (x, y), height), field, None).unwrap());
         }
     }
     found

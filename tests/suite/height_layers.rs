@@ -35,7 +35,7 @@ fn compare(field: &HeightField, receivers: Receivers, radius: Option<f64>) -> us
     let mut n = 0;
     for (x, y, up) in [(0.5, 0.5, 60.0), (0.31, 0.62, 15.0), (0.77, 0.4, 250.0)] {
         let (x, y) = (grid.x_min() + x * width, grid.y_min() + y * height);
-        let site = Site { id: "1".into(), x, y, height: Height::AboveGround(up) };
+        let site = Site::new("1", (x, y), Height::AboveGround(up));
         let Ok(uav) = Uav::place(&site, field, None) else { continue };
         let [found, wanted] = [&fast, &ray].map(|mapper| mapper.map(&uav, &Control::default()).unwrap());
         assert_eq!(found.mask, wanted.mask);

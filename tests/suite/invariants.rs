@@ -7,7 +7,7 @@
 )]
 
 use rayon::ThreadPoolBuilder;
-use skyshed_core::city::{DataArea, Footprint, FootprintFaults, Ground, Solids};
+use skyshed_core::city::{Antenna, DataArea, Footprint, FootprintFaults, Ground, Solids};
 use skyshed_core::coverage::{
     Control, HeightLayers, HoversOver, MapOptions, Receivers, SiteCoverage, Uav, class, map_site,
 };
@@ -318,7 +318,7 @@ pub(crate) fn vector_town(random: &mut Random, n: usize) -> HeightField {
 
 pub(crate) fn uav_at(field: &HeightField, x: f64, y: f64, z: i64) -> Uav {
     let station = Station { place: field.place(x, y), z };
-    Uav { id: "1".into(), station, height_agl_m: None, placement: HoversOver::Ground }
+    Uav { id: "1".into(), station, height_agl_m: None, placement: HoversOver::Ground, antenna: Antenna::default() }
 }
 
 /// A few UAVs over the grid, at its border and outside.

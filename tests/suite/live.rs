@@ -134,6 +134,9 @@ fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
     let places = [(150.0, 150.0, 100.0), (40.0, 220.0, 60.0), (30.0, 30.0, 1.0)];
     let mut radius = map(&places[..2]);
     radius["sight"] = json!({"rx_height_m": 2.0, "receivers": "street", "radius_m": 90.0});
+    let mut antenna = map(&places[..2]);
+    antenna["sight"] = json!({"rx_height_m": 1.5, "receivers": "ground", "radius_m": null, "antenna":
+        [7.0, 20.0, 200.0, -80.0, -20.0, 130.0]});
     let questions = [
         map(&places[..2]),
         json!({"do": "digest"}),
@@ -146,6 +149,9 @@ fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
         json!({"do": "digest"}),
         json!({"do": "best", "which": 0, "radius_m": 60.0}),
         json!({"do": "link", "which": 2, "x": 1.0, "y": 1.0}),
+        antenna,
+        json!({"do": "digest"}),
+        json!({"do": "curve", "which": 0}),
     ];
     let answers = ask(&folder.word("page.html"), false, None, &questions);
     let said = |line: &str| folder.type_in(&format!("{line} --json -q")).done().json();
@@ -182,6 +188,11 @@ fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
     let near =
         said("map itu:urban --size 300 --uav 150,150,100 --uav 40,220,60 --receivers street --radius 90 --rx-height 2");
     assert_eq!(answers[7]["digest"], near["digest"]);
+    let served = said(
+        "map itu:urban --size 300 --uav 150,150,100 --uav 40,220,60 --sector 20,200 --elevation -80,-20 --beam 130 --min-radius 7",
+    );
+    assert_eq!(answers[13]["digest"], served["digest"]);
+    assert!(answers[14].to_string().contains("no curve"), "{}", answers[14]);
 
     // Inside a building nothing can hover: the others are mapped, and it says from where on it could.
     let refused = &answers[8]["uavs"][2];

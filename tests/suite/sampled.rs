@@ -43,7 +43,7 @@ pub(crate) fn within(city: &str, radius_m: f64, uav_height_m: f64, placement: Pl
 fn uavs(field: &HeightField, middles: &[[f64; 2]], size_m: f64) -> Vec<Uav> {
     let reach = RADII_M[3];
     let is_inside = |v: f64| v >= reach && v <= size_m - reach;
-    let site = |[x, y]: [f64; 2]| Site { id: "1".into(), x, y, height: Height::AboveGround(HEIGHT_M) };
+    let site = |[x, y]: [f64; 2]| Site::new("1", (x, y), Height::AboveGround(HEIGHT_M));
     let places = middles.iter().filter(|[x, y]| is_inside(*x) && is_inside(*y));
     places.filter_map(|place| Uav::place(&site(*place), field, None).ok()).collect()
 }

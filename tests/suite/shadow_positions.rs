@@ -121,7 +121,7 @@ fn grid_of(mapper: &Mapper<'_>, places: &PlaceGrid, uavs: &[(usize, Uav)]) -> Op
 }
 
 /// Asserts that UAVs counted together see what each sees by rays.
-fn compare_counts(field: &HeightField, places: &PlaceGrid, height: Height, options: &MapOptions) -> u128 {
+pub(crate) fn compare_counts(field: &HeightField, places: &PlaceGrid, height: Height, options: &MapOptions) -> u128 {
     let uavs = uavs_of(field, places, height);
     let mapper = Mapper::new(field, options).unwrap();
     let by_rays = MapOptions { method: MethodChoice::Ray, ..options.clone() };

@@ -34,7 +34,7 @@ fn row(tops: &[i32], ground: Ground) -> HeightField {
 }
 
 fn uav_at(field: &HeightField, x: f64, y: f64, z: i32) -> Uav {
-    let site = Site { id: "1".into(), x, y, height: Height::AboveDatum(meters(z)) };
+    let site = Site::new("1", (x, y), Height::AboveDatum(meters(z)));
     Uav::place(&site, field, None).unwrap()
 }
 

@@ -65,6 +65,8 @@ fn maps_strip_by_strip_are_those_in_memory() {
         format!("--terrain dtm.tif {over} --receivers roof --rx-height 0"),
         format!("--terrain coarse.tif {over}"),
         format!("--terrain dtm.tif {over} --radius 300"),
+        format!("--terrain dtm.tif {over} --sector 340,80 --elevation -40,-9 --receivers all"),
+        format!("--terrain coarse.tif {over} --receivers all --beam 120 --min-radius 40"),
         format!("--terrain dtm.tif {over} --nodata-as block"),
         format!("--ground 70 {over}"),
         over.to_string(),

@@ -71,7 +71,7 @@ fn random_uav(field: &HeightField, random: &mut Random) -> Uav {
         let (row, col) = (random.below(grid.n_rows()), random.below(grid.n_cols()));
         let (x, y) = grid.world_from_cell(row, col);
         let height = random.within(10, 300) as f64;
-        let site = Site { id: "1".into(), x, y, height: Height::AboveGround(height) };
+        let site = Site::new("1", (x, y), Height::AboveGround(height));
         if let Ok(uav) = Uav::place(&site, field, None) {
             return uav;
         }
@@ -131,8 +131,7 @@ fn a_difference_is_counted_by_hand() {
     let grid = GeoRef::new((0.0, 16.0), (1.0, 1.0), (16, 32), None).unwrap();
     let tops = (0..16 * 32).map(|i| if i % 32 == 16 { 20 * 1024 } else { 0 }).collect::<Vec<_>>();
     let field = surface_field(&grid, tops, Ground::Flat(0));
-    let uav =
-        Uav::place(&Site { id: "1".into(), x: 1.5, y: 8.5, height: Height::AboveGround(10.0) }, &field, None).unwrap();
+    let uav = Uav::place(&Site::new("1", (1.5, 8.5), Height::AboveGround(10.0)), &field, None).unwrap();
     // Exact: 16 columns in front are LoS, 15 behind are not: P = 256/496. Pooled by 2: the wall takes columns 16 and 17, so
     // 8 coarse columns are LoS and 7 are not: A = 64/120. By the mean the wall is 10 m, as high as the UAV, and hides the
     // same.

@@ -145,7 +145,7 @@ fn compare(scene: City, truth: &Path, mask: &str, [street, others]: [f64; 2]) ->
     for (band, uav) in facts["uavs"].as_array().unwrap().iter().enumerate() {
         let number = |v: &Value| v.as_f64().unwrap();
         let (id, height) = (uav["id"].as_str().unwrap(), Height::AboveDatum(number(&uav["z"])));
-        let site = Site { id: id.into(), x: number(&uav["xy"][0]), y: number(&uav["xy"][1]), height };
+        let site = Site::new(id, (number(&uav["xy"][0]), number(&uav["xy"][1])), height);
         let placed = Uav::place(&site, &field, None).unwrap();
         let SiteCoverage { mask: ours, tally, .. } = map(&field, &placed, &options());
         // The engine for this kind of scene gives what a ray for each receiver gives.

@@ -1,7 +1,7 @@
 //! What the page asks. Positions are in units of the scene's reference system, names that end in `_m` in meters.
 
 use serde::{Deserialize, Serialize};
-use skyshed_core::city::Site;
+use skyshed_core::city::{Antenna, Site};
 use skyshed_core::quantity::Height;
 
 /// A question of the page.
@@ -86,7 +86,7 @@ pub struct Uav {
 impl Uav {
     /// As the engines know it.
     pub(crate) fn site(&self) -> Site {
-        Site { id: self.id.clone(), x: self.x, y: self.y, height: self.height.into() }
+        Site::new(self.id.clone(), (self.x, self.y), self.height.into())
     }
 }
 
@@ -141,6 +141,18 @@ pub struct Sight {
     pub receivers: Receivers,
     /// Largest horizontal distance, if there is one.
     pub radius_m: Option<f64>,
+    /// What the antennas of all UAVs serve, if not all: the least distance \[m\], two azimuths, two elevations and the beam \[deg\].
+    #[serde(default)]
+    pub antenna: Option<[Option<f64>; 6]>,
+}
+
+impl Sight {
+    /// What the antennas of all UAVs serve.
+    pub(crate) fn antenna(&self) -> Antenna {
+        let [min_radius_m, from, to, low, high, beam_deg] = self.antenna.unwrap_or_default();
+        let pair = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| [a, b]);
+        Antenna { min_radius_m, sector_deg: pair(from, to), elevation_deg: pair(low, high), beam_deg }
+    }
 }
 
 /// Which cells hold receivers.

@@ -7,7 +7,7 @@ use numpy::{PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use skyshed::cli;
-use skyshed::{Height, SceneOptions, Uav};
+use skyshed::{Antenna, Height, SceneOptions, Uav};
 use skyshed_core::raster::GeoRef;
 use skyshed_io::read::HeldBuilding;
 
@@ -27,8 +27,11 @@ pub(crate) enum AskedHeight {
     Said(String),
 }
 
-/// A UAV as it is asked for: east, north, height, name.
-type AskedUav = (f64, f64, AskedHeight, Option<String>);
+/// What an antenna serves: from which distance, azimuths, elevations, the beam.
+type AskedAntenna = (Option<f64>, Option<[f64; 2]>, Option<[f64; 2]>, Option<f64>);
+
+/// A UAV as it is asked for: east, north, height, name, its own antenna.
+type AskedUav = (f64, f64, AskedHeight, Option<String>, AskedAntenna);
 
 /// An array: its name, west edge, width of a cell, north edge, height of a cell, what stands for no height, and whether its
 /// bytes are turned around.
@@ -67,12 +70,13 @@ impl Held<'_> {
 }
 
 fn uavs_of(asked: Vec<AskedUav>) -> Result<Vec<Uav>, Failure> {
-    let uav = |(x, y, height, name): AskedUav| {
+    let uav = |(x, y, height, name, (min_radius_m, sector_deg, elevation_deg, beam_deg)): AskedUav| {
         let height = match height {
             AskedHeight::Above(height_m) => Height::agl(height_m),
             AskedHeight::Said(text) => text.parse().map_err(|text: String| cli::Refusal::of_uav(&text))?,
         };
-        let uav = Uav::new(x, y, height);
+        let antenna = Antenna { min_radius_m, sector_deg, elevation_deg, beam_deg };
+        let uav = Uav::new(x, y, height).with_antenna(antenna);
         Ok(match name {
             Some(name) => uav.named(name),
             None => uav,

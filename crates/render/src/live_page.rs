@@ -86,8 +86,8 @@ pub fn live_page(page: &LivePage<'_>) -> String {
     filled(TEMPLATE, &parts)
 }
 
-/// A script or a style without comments at the beginnings of lines and without indents, which are a third of it. Texts that
-/// span lines are shaders, which lose theirs, too.
+/// A script or a style without comments at the beginnings of lines, types within them and indents, which are a third of it. Texts
+/// that span lines are shaders, which lose theirs, too.
 fn without_comments(source: &str) -> String {
     let mut out = String::with_capacity(source.len());
     let mut is_comment = false;
@@ -100,10 +100,17 @@ fn without_comments(source: &str) -> String {
                 break;
             }
         }
-        if !line.is_empty() && !line.starts_with("//") {
-            out += line;
-            out.push('\n');
+        if line.is_empty() || line.starts_with("//") {
+            continue;
         }
+        while let Some((code, (_, rest))) =
+            line.split_once("/** @").and_then(|(code, of)| Some((code, of.split_once("*/")?)))
+        {
+            out += code;
+            line = rest.trim_start();
+        }
+        out += line;
+        out.push('\n');
     }
     out
 }

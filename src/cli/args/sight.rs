@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::words::{RECEIVERS, length, number, one_of};
-use crate::city::Site;
+use super::words::{RECEIVERS, length, number, one_of, pair};
+use crate::city::{Antenna, Site};
 use crate::cli::failure::{Result, refusal, refusal_with};
 use crate::los::MethodChoice;
 use crate::quantity::{Height, parse_number};
@@ -63,7 +63,7 @@ pub(crate) fn parse_uav(text: &str, id: String) -> Result<Site> {
     let [x, y, h] = parts[..] else { return Err(wrong(format!("found {} values, wanted X,Y,H", parts.len()))) };
     let x = parse_number(x).map_err(|e| wrong(format!("x: {e}")))?;
     let y = parse_number(y).map_err(|e| wrong(format!("y: {e}")))?;
-    Ok(Site { id, x, y, height: h.parse().map_err(wrong)? })
+    Ok(Site::new(id, (x, y), h.parse().map_err(wrong)?))
 }
 
 /// A receiver as typed: `X,Y[,H]`.
@@ -104,6 +104,33 @@ impl RxHeightArgs {
     }
 }
 
+/// What the antennas of UAVs serve, unless a table of them says so.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct AntennaArgs {
+    /// Least horizontal distance from the UAV to a receiver [m]
+    #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, hide_short_help = true)]
+    min_radius: Option<f64>,
+    /// Azimuths of receivers in range, clockwise from grid north [deg]: 90,180 is the south-east
+    ///
+    /// From the first to before the second, so that 90,180 and 180,90 share no receiver. Like `--min-radius`, `--elevation` and `--beam` it
+    /// says who is in range, never what blocks; columns `min_radius`, `sector`, `elevation` and `beam` of `--uavs` say so of each UAV.
+    #[arg(long, value_name = "AZ0,AZ1", value_parser = pair, allow_hyphen_values = true, hide_short_help = true)]
+    sector: Option<[f64; 2]>,
+    /// Elevations of receivers in range, from the UAV's horizontal, negative below [deg]
+    #[arg(long, value_name = "LO,HI", value_parser = pair, allow_hyphen_values = true, hide_short_help = true)]
+    elevation: Option<[f64; 2]>,
+    /// Full angle of a cone straight down with the receivers in range [deg]
+    #[arg(long, value_name = "DEG", value_parser = number, allow_hyphen_values = true, hide_short_help = true)]
+    beam: Option<f64>,
+}
+
+impl AntennaArgs {
+    fn antenna(&self) -> Antenna {
+        let AntennaArgs { min_radius, sector, elevation, beam } = *self;
+        Antenna { min_radius_m: min_radius, sector_deg: sector, elevation_deg: elevation, beam_deg: beam }
+    }
+}
+
 /// How line of sight is asked for.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct SightArgs {
@@ -118,6 +145,8 @@ pub(crate) struct SightArgs {
     /// Largest horizontal distance from the UAV to a receiver [m]
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true)]
     radius: Option<f64>,
+    #[command(flatten)]
+    antenna: AntennaArgs,
     /// Engine; auto is the fastest exact one
     ///
     /// ray (one ray per receiver), sweep (rasters) and shadow (footprints, rasters of flat blocks) are exact; step:K (a
@@ -129,8 +158,14 @@ pub(crate) struct SightArgs {
 impl SightArgs {
     /// As the library takes it; numbers out of range are refused.
     pub(crate) fn checked(&self) -> Result<Sight> {
-        let SightArgs { rx, receivers, radius, method } = self;
-        let asked = AskedSight { receivers: *receivers, rx_height_m: rx.rx_height, radius_m: *radius, method: *method };
+        let SightArgs { rx, receivers, radius, antenna, method } = self;
+        let asked = AskedSight {
+            receivers: *receivers,
+            rx_height_m: rx.rx_height,
+            radius_m: *radius,
+            antenna: antenna.antenna(),
+            method: *method,
+        };
         Ok(asked.checked()?)
     }
 

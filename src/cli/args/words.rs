@@ -69,6 +69,11 @@ pub(crate) fn extent(text: &str) -> Result<[f64; 4], String> {
     exactly(text, ',', "W,S,E,N")
 }
 
+/// Two angles: `90,180`.
+pub(crate) fn pair(text: &str) -> Result<[f64; 2], String> {
+    exactly(text, ',', "two, such as 90,180")
+}
+
 /// One of several parts: `3/16`.
 pub(crate) fn shard(text: &str) -> Result<Shard, String> {
     let wrong = || format!("found `{text}`, wanted K/N with K from 1 to N");

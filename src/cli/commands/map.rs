@@ -21,8 +21,12 @@ use crate::uav::UavsAsked;
 use crate::words::pretty;
 
 /// What is said of a batch and its files, not of what a UAV sees.
-const OF_BATCH: [&str; 19] = [
+const OF_BATCH: [&str; 23] = [
     "scene",
+    "min_radius",
+    "sector",
+    "elevation",
+    "beam",
     "uav",
     "uavs",
     "skip_bad",

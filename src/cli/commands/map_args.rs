@@ -66,6 +66,7 @@ output; repeat for more. Without any the table goes to standard output. With `{s
 own, which appear as soon as they are complete; with `{row}` and `{col}` each tile of the ground does, with the layers of all UAVs \
 together. With `--radius`, a map of a raster is of the part in range, and no more is read")))]
 #[command(
+    mut_arg("sector", |a| a.hide_short_help(false)),
     after_help = "Example: skyshed map maps/munich.geojson --uav 691549.7,5334762.2,120 --radius 300 -o munich.png"
 )]
 pub(in crate::cli) struct MapArgs {

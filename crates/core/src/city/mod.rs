@@ -3,6 +3,7 @@
 //! A [`City`] holds plain data on a georeferenced grid of receivers; positions of footprints and all heights are
 //! already on the lattice ([`crate::quantity`]). What a ray can hit is built from it in [`crate::height_field`].
 
+mod antenna;
 mod area;
 mod built_up;
 mod faults;
@@ -12,6 +13,7 @@ mod scene;
 mod site;
 mod windowed;
 
+pub use antenna::{Antenna, AntennaFault};
 pub use area::Area;
 pub use built_up::{BuildingHeights, BuiltUp};
 pub use faults::{FootprintFault, FootprintFaults, LEFT_OUT};

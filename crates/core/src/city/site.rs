@@ -1,5 +1,6 @@
 //! A site: a position and a height, as they were typed, before a scene is known.
 
+use super::Antenna;
 use crate::quantity::Height;
 
 /// The record of a UAV: a name, a position in the scene's CRS and a height.
@@ -13,6 +14,15 @@ pub struct Site {
     pub y: f64,
     /// Height and what it is above.
     pub height: Height,
+    /// Its own antenna.
+    pub antenna: Antenna,
+}
+
+impl Site {
+    /// A site with the antenna of the run.
+    pub fn new(id: impl Into<String>, (x, y): (f64, f64), height: Height) -> Self {
+        Site { id: id.into(), x, y, height, antenna: Antenna::default() }
+    }
 }
 
 /// A site as it was given.

@@ -6,6 +6,7 @@ use fearless_simd::prelude::*;
 use crate::dispatch;
 
 use super::class;
+use super::range::Range;
 use crate::height_field::CellSets;
 use crate::raster::bits_between;
 
@@ -14,7 +15,8 @@ use crate::raster::bits_between;
 pub(super) struct RowSets<'a> {
     open: &'a [u64],
     building: &'a [u64],
-    in_range: (usize, usize),
+    /// Cells in range, but for their receivers' elevations; not filled if all are.
+    in_range: Vec<u64>,
     receivers: Vec<u64>,
     los: Vec<u64>,
 }
@@ -29,9 +31,16 @@ pub(super) struct WordSets {
 }
 
 impl<'a> RowSets<'a> {
-    /// A row without receivers.
-    pub(super) fn new(cells: &'a CellSets, row: usize, in_range: (usize, usize)) -> Self {
+    /// Row `row` of some cells, which is number `row_of_range` of the whole grid, without receivers.
+    pub(super) fn new(cells: &'a CellSets, row: usize, (range, row_of_range): (&Range<'_>, usize)) -> Self {
         let n_words = cells.open.words_per_row();
+        let mut in_range = Vec::new();
+        if !range.is_everywhere() {
+            in_range = vec![0; n_words];
+            for (from, to) in range.cols(row_of_range) {
+                (from / 64..to.div_ceil(64)).for_each(|word| in_range[word] |= bits_between(from, to, word));
+            }
+        }
         RowSets {
             open: cells.open.row(row),
             building: cells.building.row(row),
@@ -41,21 +50,21 @@ impl<'a> RowSets<'a> {
         }
     }
 
-    /// Adds receivers in range and those of them in line of sight.
-    pub(super) fn add(&mut self, receivers: &[u64], los: &[u64]) {
+    /// Adds those of all receivers of a kind that are in range, and those of them in line of sight.
+    pub(super) fn add(&mut self, all: &[u64], receivers: &[u64], los: &[u64]) {
+        // The elevation of a receiver may be out of range where its cell is not.
+        self.in_range.iter_mut().zip(all.iter().zip(receivers)).for_each(|(within, (all, of))| *within &= !(all & !of));
         self.receivers.iter_mut().zip(receivers).for_each(|(sum, more)| *sum |= more);
         self.los.iter_mut().zip(los).for_each(|(sum, more)| *sum |= more);
     }
 
     pub(super) fn words(&self) -> impl Iterator<Item = WordSets> {
-        let (from, to) = self.in_range;
         (0..self.receivers.len()).map(move |k| {
             let receivers = self.receivers[k];
             // PERF: where all are receivers the other sets are not read: a set without cells is memory that nobody touched, and the
             // kernel need not provide it.
             let known = if receivers == u64::MAX { u64::MAX } else { self.open[k] | self.building[k] };
-            // Most words are in range as a whole.
-            let in_range = if from <= 64 * k && 64 * (k + 1) <= to { u64::MAX } else { bits_between(from, to, k) };
+            let in_range = self.in_range.get(k).copied().unwrap_or(u64::MAX);
             WordSets {
                 receivers,
                 los: self.los[k],
@@ -85,6 +94,10 @@ fn write_words<S: Simd>(simd: S, sets: &RowSets<'_>, mask: &mut [u8]) {
             }
             (u64::MAX, u64::MAX) => {
                 out.fill(class::LOS);
+                continue;
+            }
+            (0, _) if word.out_of_range == u64::MAX => {
+                out.fill(class::OUT_OF_RANGE);
                 continue;
             }
             _ => {}

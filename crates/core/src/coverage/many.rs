@@ -93,11 +93,11 @@ impl Mapper<'_> {
         let (window, n_cols) = (self.window(), self.field.grid().n_cols());
         let (positions, unit) = (self.engine.positions(), self.options.meters_per_unit);
         let (step_x, step_y) = positions.step_lengths();
-        let steps_to = positions.steps_from(&uav.station.place);
+        let at = positions.on_range(&uav.station.place);
         let z = uav.station.z;
         move |(row, col)| {
             let cell = (window.row + row, window.col + col);
-            let (dx, dy) = steps_to(cell.0, cell.1);
+            let (dx, dy) = positions.steps(at, cell);
             let receiver = self.receivers_at(cell).next().map_or(z, |(kind, _)| kind.height(cell.0 * n_cols + cell.1));
             let (x, y) = (dx as f64 * step_x * unit, dy as f64 * step_y * unit);
             let height = (receiver - z) as f64 / f64::from(STEPS_PER_UNIT);

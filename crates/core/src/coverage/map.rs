@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 use super::cell_classes::{RowSets, write_classes};
 use super::cell_heights::{CellHeights, FoundHeights};
 use super::elevation::RowElevations;
-use super::range::Range;
+use super::range::{Heights, Range};
 use super::row_bands::{BAND_CELLS, EachPart, Row, in_bands, in_buffers, split};
 use super::stability::{Answers, Decided, ShiftedRoofs};
 use super::{Control, HeightLayers, MapOptions, Receivers, Stability, Tally, Uav};
@@ -152,6 +152,11 @@ impl<'a> Mapper<'a> {
         (self.engine.method(), self.why)
     }
 
+    /// Whether the antenna of the run serves some elevations alone.
+    pub fn limits_elevations(&self) -> bool {
+        self.options.antenna.elevations_deg().is_some()
+    }
+
     /// The cells that hold receivers, in range or not.
     pub fn receiver_cells(&self) -> BitGrid {
         let grid = self.field.grid();
@@ -167,8 +172,17 @@ impl<'a> Mapper<'a> {
     }
 
     /// The cells in range of a UAV.
-    pub(super) fn range_of(&self, uav: &Uav) -> Range {
-        Range::of(self.engine.positions(), &uav.station.place, self.options.radius)
+    pub(super) fn range_of(&self, uav: &Uav) -> Range<'_> {
+        Range::of(self.engine.positions(), uav, &self.options, self.receiver_heights())
+    }
+
+    /// How high the receivers are.
+    pub(super) fn receiver_heights(&self) -> Heights {
+        let of = |receivers: &GridReceivers<'_>| {
+            let (lowest, highest) = receivers.heights_range();
+            Heights { lowest, highest, are_flat: receivers.are_on_flat_ground() }
+        };
+        Heights::of_all(self.receivers.iter().map(of))
     }
 
     /// How many receivers a UAV has in range, and how many of them are in line of sight: what [`Mapper::map`] counts,
@@ -195,14 +209,26 @@ impl<'a> Mapper<'a> {
 
     /// The cells that hold receivers in range of a UAV.
     pub fn receivers_in_range(&self, uav: &Uav) -> BitGrid {
-        self.range_of(uav).cut(&self.receiver_cells())
+        let range = self.range_of(uav);
+        let grid = self.field.grid();
+        let none = BitGrid::new(grid.n_rows(), grid.n_cols());
+        self.receivers.iter().fold(none, |all, receivers| all.or(&range.cut_receivers(receivers)))
     }
 
-    /// The cells in range of a UAV, whether they hold receivers or not; `None` if all are.
+    /// The cells in range of a UAV, whether they hold receivers or not; `None` if all are. A cell without a receiver has no elevation, so
+    /// that only distance and azimuth leave it out.
     pub fn cells_in_range(&self, uav: &Uav) -> Option<BitGrid> {
         let range = self.range_of(uav);
         let grid = self.field.grid();
-        (!range.is_everywhere()).then(|| range.cut(&BitGrid::full(grid.n_rows(), grid.n_cols())))
+        if range.is_everywhere() {
+            return None;
+        }
+        let mut cells = range.cut(&BitGrid::full(grid.n_rows(), grid.n_cols()));
+        for receivers in self.receivers.iter().filter(|_| range.limits_elevations()) {
+            let in_range = range.cut_receivers(receivers);
+            cells = cells.and(&(*receivers.cells).clone().xor(&in_range).complement());
+        }
+        Some(cells)
     }
 
     /// Whether the receiver of a row and column is in line of sight, in range or not, by one exact ray; `None` without a
@@ -215,8 +241,8 @@ impl<'a> Mapper<'a> {
     }
 
     /// The receivers in range, where not all are, and those in line of sight.
-    fn decide(&self, engine: &GridLos<'_>, uav: &Uav, (receivers, range): (&GridReceivers<'_>, &Range)) -> Decided {
-        let wanted = (!range.is_everywhere()).then(|| range.cut(&receivers.cells));
+    fn decide(&self, engine: &GridLos<'_>, uav: &Uav, (receivers, range): (&GridReceivers<'_>, &Range<'_>)) -> Decided {
+        let wanted = (!range.is_everywhere()).then(|| range.cut_receivers(receivers));
         self.decide_wanted(engine, uav, (receivers, range), wanted)
     }
 
@@ -225,7 +251,7 @@ impl<'a> Mapper<'a> {
         &self,
         engine: &GridLos<'_>,
         uav: &Uav,
-        (receivers, range): (&GridReceivers<'_>, &Range),
+        (receivers, range): (&GridReceivers<'_>, &Range<'_>),
         wanted: Option<BitGrid>,
     ) -> Decided {
         let los = {
@@ -306,7 +332,8 @@ impl<'a> Mapper<'a> {
             field: self.field,
             engine: &self.engine,
             receivers: &self.receivers,
-            radius: self.options.radius,
+            options: &self.options,
+            heights: self.receiver_heights(),
             uav,
             range: &range,
             decided: &decided,
@@ -349,7 +376,7 @@ impl<'a> Mapper<'a> {
 struct OneMap<'m, 'a> {
     mapper: &'m Mapper<'a>,
     uav: &'m Uav,
-    range: &'m Range,
+    range: &'m Range<'m>,
     control: &'m Control,
     heights: CellHeights<'m>,
 }
@@ -364,7 +391,7 @@ impl OneMap<'_, '_> {
         let Mapper { engine, receivers, .. } = self.mapper;
         let of_kind = |receivers: &GridReceivers<'_>| {
             let mut found = FoundHeights::default();
-            let wanted = (!self.range.is_everywhere()).then(|| self.range.cut(&receivers.cells));
+            let wanted = (!self.range.is_everywhere()).then(|| self.range.cut_receivers(receivers));
             if self.is_stopped() {
                 return ((wanted, BitGrid::new(receivers.cells.n_rows(), receivers.cells.n_cols())), found);
             }
@@ -394,10 +421,10 @@ impl OneMap<'_, '_> {
         }
         let mapper = self.mapper;
         let n_cols = mapper.field.grid().n_cols();
-        let mut sets = RowSets::new(mapper.field.cells(), row, self.range.cols(row));
+        let mut sets = RowSets::new(mapper.field.cells(), row, (self.range, row));
         for (k, (receivers, (wanted, los))) in mapper.receivers.iter().zip(decided).enumerate() {
             let wanted = wanted.as_ref().unwrap_or(&receivers.cells).row(row);
-            sets.add(wanted, los.row(row));
+            sets.add(receivers.cells.row(row), wanted, los.row(row));
             tally.add_receivers(&mapper.elevations(self.uav, receivers, row), wanted, los.row(row));
             if let Some(found) = found.get(k) {
                 self.heights.fill(out, mapper.engine.positions(), receivers, row, (wanted, los.row(row)), found);

@@ -86,12 +86,12 @@ impl<'m, 'a> Margins<'m, 'a> {
     fn of(
         mapper: &'m Mapper<'a>,
         engine: &GridLos<'_>,
-        (uav, range): (&'m Uav, &Range),
+        (uav, range): (&'m Uav, &Range<'_>),
         receivers: &'m GridReceivers<'a>,
     ) -> Self {
         let in_range = match range.is_everywhere() {
             true => Cow::Borrowed(&*receivers.cells),
-            false => Cow::Owned(range.cut(&receivers.cells)),
+            false => Cow::Owned(range.cut_receivers(receivers)),
         };
         let found = engine.los_and_least_heights(&uav.station, receivers, &in_range, range.window());
         Margins { mapper, uav, receivers, in_range, found }
@@ -138,7 +138,8 @@ impl Mapper<'_> {
     /// Cost: a walk for each.
     pub fn least_margin_among(&self, uav: &Uav, cells: &[(usize, usize)]) -> Option<f32> {
         let range = self.range_of(uav);
-        let in_range = cells.iter().filter(|cell| range.contains(**cell)).flat_map(|cell| self.receivers_at(*cell));
+        let receivers = cells.iter().flat_map(|cell| self.receivers_at(*cell));
+        let in_range = receivers.filter(|(receivers, cell)| range.contains(receivers, *cell));
         in_range.map(|(receivers, cell)| self.margin_at(uav, receivers, cell)).min_by(f32::total_cmp)
     }
 

@@ -3,6 +3,7 @@
 //! The result of a map is a mask of [`class`]es, a tally of them and, on request, layers of heights. Results do not
 //! depend on the number of threads: every cell is decided alone and all sums are integer counts.
 
+mod bearings;
 mod cell_classes;
 mod cell_heights;
 pub mod class;

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+use crate::city::Antenna;
 use crate::error::{Error, Result};
 use crate::los::MethodChoice;
 use crate::quantity::STEPS_PER_UNIT;
@@ -33,7 +34,9 @@ pub struct MapOptions {
     pub window: Option<CellWindow>,
     /// Largest horizontal distance from the UAV to a cell center \[CRS units\].
     pub radius: Option<f64>,
-    /// Length of a CRS unit \[m\], for elevation angles.
+    /// What the antennas of UAVs serve that do not say so themselves.
+    pub antenna: Antenna,
+    /// Length of a CRS unit \[m\], for elevation angles and antennas.
     pub meters_per_unit: f64,
     /// Which layers of heights to make.
     pub layers: HeightLayers,
@@ -50,6 +53,7 @@ impl Default for MapOptions {
             within: None,
             window: None,
             radius: None,
+            antenna: Antenna::default(),
             meters_per_unit: 1.0,
             layers: HeightLayers::default(),
             method: MethodChoice::Auto,

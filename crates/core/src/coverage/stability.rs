@@ -6,8 +6,8 @@
 //! down. The receivers and the ground they stand on stay. Roofs are the tops of prisms or of building cells; of a
 //! surface model alone, where buildings are not known, all columns move.
 
-use super::range::Range;
-use super::{Control, Uav};
+use super::range::{Heights, Range};
+use super::{Control, MapOptions, Uav};
 use crate::error::Result;
 use crate::height_field::HeightField;
 use crate::los::{GridLos, GridReceivers};
@@ -109,10 +109,11 @@ pub(super) struct Answers<'a> {
     /// Receivers on the ground, on roofs, or both; `decided` for each.
     pub(super) receivers: &'a [GridReceivers<'a>],
     pub(super) decided: &'a [Decided],
-    /// Range \[CRS units\], if it is limited.
-    pub(super) radius: Option<f64>,
+    pub(super) options: &'a MapOptions,
+    /// How high receivers are.
+    pub(super) heights: Heights,
     pub(super) uav: &'a Uav,
-    pub(super) range: &'a Range,
+    pub(super) range: &'a Range<'a>,
 }
 
 impl Answers<'_> {
@@ -155,8 +156,9 @@ impl Answers<'_> {
             _ => (self.field, self.engine),
         };
         // Who is in range does not change: what turns is an answer.
-        let moved = self.uav.moved(field, which.told().1, self.radius).map_err(|e| e.to_string())?;
-        let window = self.range.window_with(&Range::of(engine.positions(), &moved.station.place, self.radius));
+        let moved = self.uav.moved(field, which.told().1, self.options.radius).map_err(|e| e.to_string())?;
+        let range = Range::of(engine.positions(), &moved, self.options, self.heights);
+        let window = self.range.window_with(&range);
         let los = |(receivers, (wanted, _)): (&GridReceivers<'_>, &Decided)| {
             engine.los(&moved.station, receivers, wanted.as_ref().unwrap_or(&receivers.cells), window)
         };

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::cell_classes::{RowSets, write_classes};
 use super::cell_heights::with_margin;
 use super::elevation::RowElevations;
-use super::range::Range;
+use super::range::{Heights, Range};
 use super::row_bands::{Row, split};
 use super::{Control, MapOptions, Receivers, SiteCoverage, Tally, Uav};
 use crate::city::{Ground, Solids, WindowedBase, WindowedSolids, row_bands};
@@ -67,7 +67,7 @@ struct Decided {
 /// A band of whole rows of a map that is being made.
 struct Band<'b> {
     uav: &'b Uav,
-    range: &'b Range,
+    range: &'b Range<'b>,
     decided: &'b [Decided],
     /// What is in the band, and its first row.
     field: &'b HeightField,
@@ -173,7 +173,12 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
     ) -> Result<SiteCoverage> {
         let grid = self.scene.grid();
         let n_cols = grid.n_cols();
-        let range = Range::of(&self.positions, &uav.station.place, self.options.radius);
+        let is_flat = matches!(self.scene.base(), WindowedBase::Flat(_));
+        let heights = Heights::of_all(self.receivers.iter().map(|receivers| {
+            let (lowest, highest) = receivers.heights.range();
+            Heights { lowest, highest, are_flat: is_flat && receivers.stand == Stand::Ground }
+        }));
+        let range = Range::of(&self.positions, uav, self.options, heights);
         let decided: Vec<Decided> = self
             .receivers
             .iter()
@@ -221,10 +226,10 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let (row, n_cols) = (band.first_row + k, grid.n_cols());
         let Station { place, z } = &band.uav.station;
         let mut tally = Tally::default();
-        let mut sets = RowSets::new(band.field.cells(), k, band.range.cols(row));
+        let mut sets = RowSets::new(band.field.cells(), k, (band.range, row));
         for ((receivers, decided), here) in self.receivers.iter().zip(band.decided).zip(&band.receivers) {
             let (wanted, los) = (decided.wanted.as_ref().unwrap_or(&receivers.cells).row(row), decided.los.row(row));
-            sets.add(wanted, los);
+            sets.add(receivers.cells.row(row), wanted, los);
             let elevations = RowElevations {
                 xs: &self.xs,
                 n_cols,
@@ -247,15 +252,38 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         tally
     }
 
+    /// The receivers of one kind that are in range.
+    fn in_range(&self, receivers: &StreamedReceivers, range: &Range<'_>) -> Result<BitGrid> {
+        let heights = receivers.heights.range();
+        let mut wanted = range.cut_between(&receivers.cells, heights);
+        if heights.0 < heights.1 && range.limits_elevations() {
+            // The heights of single receivers are in the scene alone.
+            for window in row_bands(self.scene.grid()) {
+                let field = HeightField::build(&self.scene.grid().part(window), self.scene.solids(window)?).field;
+                range.drop_beyond(&receivers_of(&field, receivers.stand, self.options), window.row, &mut wanted);
+            }
+        }
+        Ok(wanted)
+    }
+
     /// The grid of receivers.
     pub fn grid(&self) -> &GeoRef {
         self.scene.grid()
     }
 
     /// The receivers in range, those in line of sight, and the least heights over their cells.
-    fn decide(&self, uav: &Uav, receivers: &StreamedReceivers, range: &Range, control: &Control) -> Result<Decided> {
+    fn decide(
+        &self,
+        uav: &Uav,
+        receivers: &StreamedReceivers,
+        range: &Range<'_>,
+        control: &Control,
+    ) -> Result<Decided> {
         let layers = self.options.layers;
-        let wanted = (!range.is_everywhere()).then(|| range.cut(&receivers.cells));
+        let wanted = match range.is_everywhere() {
+            true => None,
+            false => Some(self.in_range(receivers, range)?),
+        };
         let scene = StreamedScene {
             columns: &Columns(self.scene),
             max_top: self.max_top,

@@ -1,6 +1,6 @@
 //! A UAV placed in a scene: a checked position with its height above the datum and above the ground.
 
-use crate::city::{Site, WindowedSolids};
+use crate::city::{Antenna, Site, WindowedSolids};
 use crate::error::{Error, UavAttempt, UavError};
 use crate::height_field::{HeightField, Place, Station, cell_frame};
 use crate::quantity::{BLOCKS_ALL, Frame, Height, MAX_EXTENT_UNITS, STEPS_PER_UNIT, VOID, height_steps, meters};
@@ -17,6 +17,8 @@ pub struct Uav {
     pub height_agl_m: Option<f64>,
     /// What it hovers over.
     pub placement: HoversOver,
+    /// Its own antenna.
+    pub antenna: Antenna,
 }
 
 /// What lies below a UAV.
@@ -100,7 +102,7 @@ impl Uav {
     /// A site over a place of a scene.
     fn over(site: &Site, field: &HeightField, place: Place) -> Result<Uav, Error> {
         height_over(field, &place, site.height)
-            .and_then(|z| Uav::hovering(&site.id, field, (place, z)))
+            .and_then(|z| Uav::hovering((&site.id, site.antenna), field, (place, z)))
             .map_err(|why| refused(site, why))
     }
 
@@ -113,7 +115,7 @@ impl Uav {
         z.ok_or(UavError::Height { amsl_m })
             .and_then(|z| {
                 check_extent((place.x, place.y), (field.grid(), &units), radius)?;
-                Uav::hovering(&self.id, field, (place, z))
+                Uav::hovering((&self.id, self.antenna), field, (place, z))
             })
             .map_err(|why| Error::Uav {
                 attempt: UavAttempt::Move { id: self.id.clone(), steps: [east, north, up] },
@@ -122,7 +124,11 @@ impl Uav {
     }
 
     /// A UAV at a place and a height, if it is in the clear there.
-    fn hovering(id: &str, field: &HeightField, (place, z): (Place, i32)) -> Result<Uav, UavError> {
+    fn hovering(
+        (id, antenna): (&str, Antenna),
+        field: &HeightField,
+        (place, z): (Place, i32),
+    ) -> Result<Uav, UavError> {
         let (ground, roof) = (field.ground_at(&place), field.roof_at(&place));
         let ground_m = (ground != VOID).then(|| meters(ground));
         let in_columns = field.inside_columns_below(&place);
@@ -143,6 +149,7 @@ impl Uav {
             station: Station { place, z: i64::from(z) },
             height_agl_m: ground_m.map(|ground_m| amsl_m - ground_m),
             placement: if roof.is_some() { HoversOver::Rooftop } else { HoversOver::Ground },
+            antenna,
         })
     }
 
@@ -171,7 +178,7 @@ pub fn height_over(field: &HeightField, place: &Place, height: Height) -> Result
 }
 
 fn refused(site: &Site, why: UavError) -> Error {
-    let Site { id, x, y, height } = site.clone();
+    let Site { id, x, y, height, .. } = site.clone();
     Error::Uav { attempt: UavAttempt::Place { id, x, y, height }, why }
 }
 

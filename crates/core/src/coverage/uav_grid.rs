@@ -240,7 +240,7 @@ impl<'a> Counting<'a> {
         let weight = (self.weight)(row * self.receivers.cells.n_cols() + col);
         let station = self.station((row, col));
         // The steps from a cell to a place are those from the place to the cell.
-        let range = Range::of(&self.uavs.positions, &station.place, self.mapper.options.radius);
+        let range = Range::of_uavs(&self.uavs.positions, &station, self.uavs.z, &self.mapper.options);
         let mut asked = range.cut(&in_view.positions);
         self.positions.los(in_view, self.mapper.engine.on_shadows(&station), &mut asked);
         self.seen.add(&asked, weight);

@@ -120,11 +120,16 @@ impl GridPositions {
         self.range.step_lengths()
     }
 
-    /// Steps of distances to the east and north, from a place to the center of the cell in a row and column.
+    /// A place on the lattice of distances.
     #[inline]
-    pub fn steps_from(&self, place: &Place) -> impl Fn(usize, usize) -> (i64, i64) + Copy {
-        let (x, y) = self.range.at(place.x, place.y);
-        move |row, col| (self.xs[col].3 - x, self.ys[row].3 - y)
+    pub fn on_range(&self, place: &Place) -> (i64, i64) {
+        self.range.at(place.x, place.y)
+    }
+
+    /// Steps of distances to the east and north, from a place on their lattice to the center of the cell in a row and column.
+    #[inline]
+    pub fn steps(&self, (x, y): (i64, i64), (row, col): (usize, usize)) -> (i64, i64) {
+        (self.xs[col].3 - x, self.ys[row].3 - y)
     }
 
     /// Positions on the columns' lattice: of the columns of cells, west to east, and of their rows, north to south.

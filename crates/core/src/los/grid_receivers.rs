@@ -110,6 +110,17 @@ impl<'a> GridReceivers<'a> {
         (self.range, self.above)
     }
 
+    /// Whether they stand on ground of one height, known as such.
+    pub(crate) fn are_on_flat_ground(&self) -> bool {
+        matches!(self.stands_on, StandsOn::Flat(_))
+    }
+
+    /// Bounds on the heights of the receivers \[1/1024 m above the datum\].
+    pub fn heights_range(&self) -> (i64, i64) {
+        let above = i64::from(self.above);
+        (i64::from(self.range.0) + above, i64::from(self.range.1) + above)
+    }
+
     /// Height of the receiver of a cell \[1/1024 m above the datum\].
     #[inline]
     pub fn height(&self, cell: usize) -> i64 {

@@ -122,6 +122,17 @@ impl BitGrid {
         &mut self.words
     }
 
+    /// The first and the last cell of a row that are in the set, of some columns.
+    pub(crate) fn ends_of_row(&self, row: usize, cols: Range<usize>) -> Option<(usize, usize)> {
+        let words = self.row(row);
+        let mut within =
+            (cols.start / 64..cols.end.div_ceil(64)).map(|k| (k, words[k] & bits_between(cols.start, cols.end, k)));
+        let is_used = |(_, word): &(usize, u64)| *word != 0;
+        let (first, word) = within.clone().find(is_used)?;
+        let (last, last_word) = within.rfind(is_used)?;
+        Some((64 * first + word.trailing_zeros() as usize, 64 * last + 63 - last_word.leading_zeros() as usize))
+    }
+
     /// Whether a cell is in the set.
     #[inline]
     pub fn contains(&self, row: usize, col: usize) -> bool {

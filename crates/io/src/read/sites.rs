@@ -5,11 +5,12 @@ use serde_json::Value;
 use super::source::is_geojson;
 use super::table::{BadRows, BadRowsTold, NUMBER, Position, RowFault, Table, height, readable};
 use super::vector::geojson::{features, named_crs, read_document};
-use crate::city::{GivenSite, Site};
+use crate::city::{Antenna, GivenSite, Site};
 use crate::crs;
 use crate::crs::transform;
 use crate::error::{Error, PlacesIn, ReadFault, Result, Wanted};
 use crate::input::Input;
+use crate::quantity::parse_number;
 use crate::raster::{Crs, CrsKind, GeoRef};
 
 /// Reads sites from a CSV table or GeoJSON points; of `-` from standard input, which is GeoJSON if it begins with a brace.
@@ -17,7 +18,8 @@ use crate::raster::{Crs, CrsKind, GeoRef};
 /// CSV columns: `x,y` in the scene's CRS or `lon,lat` in degrees; `h` (or `height`, `h_m`, `height_m`) such as `120`,
 /// `30roof`, `400ft`; optional `h_above` (`ground`, `roof`, `amsl`) and `id` (or `site`). GeoJSON points are longitude and
 /// latitude (RFC 7946) unless a `crs` member says otherwise, with the same property names; `height_amsl_m`, as written
-/// by this program, serves too. Sites without an id are numbered from `first_number` by their row.
+/// by this program, serves too. Optional as well: what the antenna of a site serves, as `min_radius` \[m\], `sector` and `elevation`
+/// (two angles, as `90,180`; in GeoJSON also `[90, 180]`) and `beam` \[deg\]. Sites without an id are numbered from `first_number` by their row.
 ///
 /// # Errors
 /// File errors naming the lines or features; site errors if positions cannot be brought into the scene's CRS.
@@ -46,6 +48,7 @@ fn read_csv(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>)
         return Err(refuse(format!("line 1: found columns `{}`, wanted a height", table.found())));
     };
     let (above_column, id_column) = (table.column(&["h_above"]), table.column(&["id", "site", "name"]));
+    let antenna_columns = OF_ANTENNA.map(|name| table.column(&[name]));
     let wgs84 = if is_degrees { Some(crs::from_epsg(4326)?) } else { None };
     check_placeable(input, wgs84.as_ref(), grid.crs())?;
 
@@ -57,7 +60,9 @@ fn read_csv(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>)
         refuse_swapped((xy, (x, y)), (wgs84.as_ref(), grid))?;
         let id = id_column.map(|column| row.field(column)).filter(|id| !id.is_empty());
         let id = id.map_or_else(|| (first_number + k).to_string(), str::to_string);
-        Ok(GivenSite { site: Site { id, x, y, height }, lonlat: is_degrees.then_some([xy.0, xy.1]) })
+        let field = |k: usize| Some(row.field(antenna_columns[k]?)).filter(|text| !text.is_empty()).map(str::to_string);
+        let site = Site { antenna: antenna(field)?, ..Site::new(id, (x, y), height) };
+        Ok(GivenSite { site, lonlat: is_degrees.then_some([xy.0, xy.1]) })
     });
     readable(input, rows, bad, |told| refused(input, told, PlacesIn::SiteTable, is_degrees))
 }
@@ -108,7 +113,38 @@ fn site_of(feature: &Value, (crs, grid): (&Crs, &GeoRef), number: usize) -> std:
     refuse_swapped((given, (x, y)), (from, grid))?;
     let id = id.unwrap_or_else(|| number.to_string());
     let is_degrees = from.is_some_and(|crs| matches!(crs.kind(), CrsKind::Geographic));
-    Ok(GivenSite { site: Site { id, x, y, height }, lonlat: is_degrees.then_some([given.0, given.1]) })
+    let of_antenna = |k: usize| property(&[OF_ANTENNA[k]]).map(|text| text.replace(['[', ']'], ""));
+    let site = Site { antenna: antenna(of_antenna)?, ..Site::new(id, (x, y), height) };
+    Ok(GivenSite { site, lonlat: is_degrees.then_some([given.0, given.1]) })
+}
+
+/// The columns of an antenna.
+const OF_ANTENNA: [&str; 4] = ["min_radius", "sector", "elevation", "beam"];
+
+/// An antenna from the texts of [`OF_ANTENNA`], as far as there are any.
+fn antenna(text: impl Fn(usize) -> Option<String>) -> std::result::Result<Antenna, RowFault> {
+    let wrong = |k: usize, found: String| RowFault::Text(format!("`{}`: {found}", OF_ANTENNA[k]));
+    let number = |k: usize| {
+        text(k)
+            .map(|text| parse_number(&text).map_err(|found| wrong(k, format!("{found}, wanted a number"))))
+            .transpose()
+    };
+    let pair = |k: usize| {
+        let read = |text: String| {
+            let parts = text.split([',', ';', ' ']).filter(|part| !part.is_empty());
+            let numbers = parts.map(parse_number).collect::<std::result::Result<Vec<f64>, String>>();
+            let pair = numbers.map(<[f64; 2]>::try_from);
+            match pair {
+                Ok(Ok(pair)) => Ok(pair),
+                Ok(Err(_)) => Err(wrong(k, format!("found `{text}`, wanted two angles such as 90,180"))),
+                Err(found) => Err(wrong(k, format!("{found}, wanted two angles such as 90,180"))),
+            }
+        };
+        text(k).map(read).transpose()
+    };
+    let antenna =
+        Antenna { min_radius_m: number(0)?, sector_deg: pair(1)?, elevation_deg: pair(2)?, beam_deg: number(3)? };
+    antenna.checked().map_err(|fault| RowFault::Text(fault.to_string()))
 }
 
 /// Refuses longitude and latitude that lie outside the scene, but inside when they are exchanged.

@@ -74,7 +74,7 @@ impl Engine {
     pub fn open(bytes: &[u8]) -> Result<Engine, NotPacked> {
         let PackedCity { grid, solids, zones } = unpack(bytes)?;
         let field: &'static HeightField = Box::leak(Box::new(HeightField::build(&grid, solids).field));
-        let sight = Sight { rx_height_m: 1.5, receivers: Receivers::Ground, radius_m: None };
+        let sight = Sight { rx_height_m: 1.5, receivers: Receivers::Ground, radius_m: None, antenna: None };
         let zones = zones.and_then(|zones| {
             let CellSets { open, building } = field.cells();
             let mut codes = zones.codes(open);
@@ -354,6 +354,7 @@ fn mapper(field: &'static HeightField, sight: &Sight, zones: Option<&Zones>) -> 
     if sight.radius_m.is_some_and(|r| !(r > 0.0 && r.is_finite())) {
         return Err("the radius must be above 0 m".into());
     }
+    let antenna = sight.antenna().checked().map_err(|fault| fault.to_string())?;
     let options = MapOptions {
         rx_height: rx_height(sight)?,
         receivers: match sight.receivers {
@@ -363,6 +364,7 @@ fn mapper(field: &'static HeightField, sight: &Sight, zones: Option<&Zones>) -> 
         },
         within: zone_of(sight.receivers).and_then(|zone| zones.and_then(|zones| zones.cells(zone))),
         radius: sight.radius_m.map(|r| r / meters_per_unit),
+        antenna,
         meters_per_unit,
         ..MapOptions::default()
     };

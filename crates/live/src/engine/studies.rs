@@ -20,6 +20,11 @@ pub(super) struct Curve {
 impl Engine {
     pub(super) fn begin_curve(&mut self, which: usize) -> Result<(), String> {
         let rx_height = rx_height(&self.sight)?;
+        if self.mapper.limits_elevations() {
+            return Err(
+                "Who is within the elevations or the beam changes with the height, so that there is no curve".into()
+            );
+        }
         let found = self.found(which)?;
         let least = LeastHeights::of(self.field, &found.uav, rx_height);
         let mut mask = Vec::new();

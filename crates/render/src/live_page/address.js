@@ -11,8 +11,12 @@ const uavWord = (uav) => [uav.x, uav.y, heightTyped(uav.height), encodeURICompon
 /** Several UAVs, separated by semicolons. @param {Uav[]} uavs */
 const uavsWord = (uavs) => uavs.map(uavWord).join(";");
 
-/** A sight as height,where,range; the range may be empty. @param {Sight} sight */
-const sightWord = (sight) => [sight.rx_height_m, sight.receivers, sight.radius_m ?? ""].join(",");
+/** An antenna as six numbers or nulls: from which distance, azimuths, elevations, beam. @param {Antenna} antenna */
+const antennaNumbers = ({ min_radius_m, sector_deg, elevation_deg, beam_deg }) =>
+  [min_radius_m, ...(sector_deg ?? [null, null]), ...(elevation_deg ?? [null, null]), beam_deg];
+
+/** A sight as height,where,range and, if it has one, its antenna; the range may be empty. @param {Sight} sight */
+const sightWord = (sight) => [sight.rx_height_m, sight.receivers, sight.radius_m ?? "", ...(sight.antenna ? antennaNumbers(sight.antenna) : [])].join(",");
 
 /** The fragment of the state, without its #. */
 function addressOf() {
@@ -66,12 +70,12 @@ const RECEIVERS = ["ground", "street", "crossroad", "courtyard", "roof", "all"];
 
 /** @param {string} word @returns {Sight | null} */
 function sightOf(word) {
-  const [heightWord, where, radiusWord] = word.split(",");
+  const [heightWord, where, radiusWord, ...antennaWords] = word.split(",");
   const rx_height_m = finite(heightWord);
   const receivers = RECEIVERS.find((name) => name === where);
   const radius_m = radiusWord ? finite(radiusWord) : null;
   if (rx_height_m === null || rx_height_m < 0 || !receivers || (radiusWord && !(radius_m && radius_m > 0))) return null;
-  return { rx_height_m, receivers, radius_m };
+  return { rx_height_m, receivers, radius_m, antenna: antennaOf(antennaWords.map(finite)) };
 }
 
 /** @param {string} word @returns {Kept | null} */

@@ -45,7 +45,7 @@ async function sendMap() {
   /** @type {MapAnswer} */
   let answer;
   try {
-    answer = await ask({ do: "map", uavs: state.uavs, sight: state.sight, shown: { layer, which }, picture: true });
+    answer = await ask({ do: "map", uavs: state.uavs, sight: sightAsked(state.sight), shown: { layer, which }, picture: true });
   } catch (error) {
     coverage.isAsking = false;
     if (coverage.isStale) void sendMap();

@@ -183,8 +183,11 @@ function settleNewcomer(answer) {
 /** The end of the slider of the range: half of the map's diagonal. */
 const LONGEST_RANGE = Math.ceil((Math.hypot(X_MAX - grid.x_min, grid.y_max - Y_MIN) * grid.meters_per_unit) / 20) * 10;
 
+/** The numbers of the antenna, in the order of the address. */
+const ANTENNA_INPUTS = ["min-radius", "sector-from", "sector-to", "elevation-from", "elevation-to", "beam"];
+
 function showSight() {
-  const { receivers, rx_height_m, radius_m } = state.sight;
+  const { receivers, rx_height_m, radius_m, antenna } = state.sight;
   setValue(selectById("receivers"), receivers);
   setValue(inputById("rx-height"), String(rx_height_m));
   inputById("radius-limited").checked = radius_m === null;
@@ -195,7 +198,13 @@ function showSight() {
   radius.style.setProperty("--part", `${(100 * Number(radius.value)) / Number(radius.max)}%`);
   setValue(inputById("radius"), radius_m === null ? "" : String(radius_m));
   const range = radius_m === null ? say().unlimited : lengthWords(radius_m);
-  setText(htmlById("sight-says"), [say().receiversChoice[receivers], meters(rx_height_m, 2), range].join(" · "));
+  setText(htmlById("sight-says"), [say().receiversChoice[receivers], meters(rx_height_m, 2), range, ...antennaSays(antenna)].join(" · "));
+  const numbers = antenna ? antennaNumbers(antenna) : [];
+  ANTENNA_INPUTS.forEach((id, k) => {
+    // One end alone waits for the other.
+    const isHalf = k >= 1 && k <= 4 && (inputById(id).value === "") !== (inputById(ANTENNA_INPUTS[k % 2 ? k + 1 : k - 1]).value === "");
+    if (!isHalf || typeof numbers[k] === "number") setValue(inputById(id), String(numbers[k] ?? ""));
+  });
   for (const input of document.querySelectorAll('input[name="layer"]')) {
     if (input instanceof HTMLInputElement) input.checked = input.value === shown().layer;
   }
@@ -269,6 +278,9 @@ function listenToPanel() {
   inputById("radius-slider").addEventListener("input", () => setSight({ radius_m: Number(inputById("radius-slider").value) }));
   inputById("radius").addEventListener("change", () => setSight({ radius_m: typed(inputById("radius"), 1e-9) }));
   inputById("radius-limited").addEventListener("change", () => setSight({ radius_m: inputById("radius-limited").checked ? null : Number(inputById("radius-slider").value) }));
+  for (const id of ANTENNA_INPUTS) {
+    inputById(id).addEventListener("change", () => setSight({ antenna: antennaOf(ANTENNA_INPUTS.map((other) => typed(inputById(other), -360))) }));
+  }
   for (const id of ["rx-height", "radius"]) inputById(id).addEventListener("blur", showSight);
   buttonById("language").addEventListener("click", () => {
     state.language = state.language === "de" ? "en" : "de";

@@ -155,6 +155,26 @@ function renameUav(k, id) {
   changed("uavs");
 }
 
+/**
+ * An antenna of numbers that are told: from which distance, two azimuths, two elevations, the beam. Numbers that no antenna has, and ends
+ * without their other end, limit nothing.
+ * @param {(number | null)[]} numbers
+ * @returns {Antenna | null}
+ */
+function antennaOf([min = null, from = null, to = null, low = null, high = null, beam = null]) {
+  const isWithin = (/** @type {number | null} */ v, /** @type {number} */ least, /** @type {number} */ most) => v !== null && v >= least && v <= most;
+  const hasSector = isWithin(from, -360, 360) && isWithin(to, -360, 360) && from !== null && to !== null && (to > from || (to - from) % 360 !== 0);
+  const hasElevation = low !== null && high !== null && isWithin(low, -90, high) && high <= 90;
+  /** @type {Antenna} */
+  const antenna = {
+    min_radius_m: isWithin(min, 0, 1e9) ? min : null,
+    sector_deg: hasSector ? [from, to] : null,
+    elevation_deg: hasElevation ? [low, high] : null,
+    beam_deg: beam && isWithin(beam, 0, 360) ? beam : null,
+  };
+  return Object.values(antenna).some((part) => part !== null) ? antenna : null;
+}
+
 /** @param {Partial<Sight>} part */
 function setSight(part) {
   Object.assign(state.sight, part);

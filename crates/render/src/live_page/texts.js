@@ -72,6 +72,10 @@ const ENGLISH = {
   receiverHeight: (/** @type {string} */ above) => `Height ${above}`,
   above: { ground: "above ground", roof: "above roofs", all: "above ground or roof" },
   radius: "Range", unlimited: "Unlimited",
+  minRadius: "From", sector: "Azimuths", elevations: "Elevations", beam: "Beam straight down", upTo: "to",
+  inAntenna: "in the antenna's range", beamShort: "beam",
+  fromTo: (/** @type {string} */ a, /** @type {string} */ b) => `${a} to ${b}`,
+  fromOn: (/** @type {string} */ length) => `from ${length} on`,
 
   curve: "Share against height",
   heightAxis: (/** @type {boolean} */ aboveGround) => /** @type {string} */ (aboveGround ? "UAV height above ground [m]" : "UAV height above the datum [m]"),
@@ -245,6 +249,10 @@ const GERMAN = {
   receiverHeight: (above) => `Höhe ${above}`,
   above: { ground: "über Grund", roof: "über Dächern", all: "über Grund oder Dach" },
   radius: "Reichweite", unlimited: "Unbegrenzt",
+  minRadius: "Ab", sector: "Azimute", elevations: "Höhenwinkel", beam: "Strahl senkrecht nach unten", upTo: "bis",
+  inAntenna: "im Bereich der Antenne", beamShort: "Strahl",
+  fromTo: (a, b) => `${a} bis ${b}`,
+  fromOn: (length) => `ab ${length}`,
 
   curve: "Anteil nach Höhe",
   heightAxis: (aboveGround) => (aboveGround ? "Höhe der Drohne über Grund [m]" : "Höhe der Drohne über Null [m]"),

@@ -84,7 +84,26 @@ function marginWords(margin_m, standing_m) {
 const ofSelected = () => (state.uavs.length > 1 ? `: ${uavName(selectedUav())}` : "");
 
 /** The range as a part of a sentence: empty where it is unlimited. */
-const withinRange = () => (state.sight.radius_m === null ? "" : ` ${say().within(lengthWords(state.sight.radius_m))}`);
+const withinRange = () =>
+  (state.sight.radius_m === null ? "" : ` ${say().within(lengthWords(state.sight.radius_m))}`) + (state.sight.antenna ? ` ${say().inAntenna}` : "");
+
+const degrees = (/** @type {number} */ deg) => `${number(deg, 2)}°`;
+
+/** A sight as the engine is asked for it: the antenna as numbers. @param {Sight} sight */
+const sightAsked = (sight) => ({ ...sight, antenna: sight.antenna && antennaNumbers(sight.antenna) });
+
+/** What an antenna serves, thing by thing. @param {Antenna | null} antenna */
+function antennaSays(antenna) {
+  const words = say();
+  const { min_radius_m = null, sector_deg = null, elevation_deg = null, beam_deg = null } = antenna ?? {};
+  const pair = (/** @type {[number, number]} */ [a, b]) => words.fromTo(degrees(a), degrees(b));
+  return [
+    min_radius_m === null ? "" : words.fromOn(lengthWords(min_radius_m)),
+    sector_deg === null ? "" : `${words.sector} ${pair(sector_deg)}`,
+    elevation_deg === null ? "" : `${words.elevations} ${pair(elevation_deg)}`,
+    beam_deg === null ? "" : `${words.beamShort} ${degrees(beam_deg)}`,
+  ].filter((part) => part);
+}
 
 /** What the height of receivers is measured from. */
 const receiversAbove = () => say().above[state.sight.receivers === "all" ? "all" : state.sight.receivers === "roof" ? "roof" : "ground"];
@@ -134,6 +153,11 @@ function optionWords(uavs, sight) {
   if (sight.rx_height_m !== 1.5) words.push("--rx-height", String(sight.rx_height_m));
   if (sight.receivers !== "ground") words.push("--receivers", sight.receivers);
   if (sight.radius_m !== null) words.push("--radius", String(sight.radius_m));
+  const { min_radius_m = null, sector_deg = null, elevation_deg = null, beam_deg = null } = sight.antenna ?? {};
+  if (min_radius_m !== null) words.push("--min-radius", String(min_radius_m));
+  if (sector_deg !== null) words.push("--sector", sector_deg.join(","));
+  if (elevation_deg !== null) words.push("--elevation", elevation_deg.join(","));
+  if (beam_deg !== null) words.push("--beam", String(beam_deg));
   return words;
 }
 

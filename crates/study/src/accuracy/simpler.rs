@@ -62,7 +62,7 @@ impl Simpler {
 /// As [`Uav::place`]: coarser cells may hold a building where it hovers.
 pub(crate) fn moved_to(uav: &Uav, field: &HeightField) -> Result<Uav> {
     let (x, y) = (uav.station.place.x, uav.station.place.y);
-    let site = Site { id: uav.id.clone(), x, y, height: Height::AboveDatum(uav.height_amsl_m()) };
+    let site = Site::new(uav.id.clone(), (x, y), Height::AboveDatum(uav.height_amsl_m()));
     let placed = Uav::place(&site, field, None)?;
     // What it is above stays what it was said to be.
     Ok(Uav { station: Station { place: placed.station.place, z: uav.station.z }, ..uav.clone() })

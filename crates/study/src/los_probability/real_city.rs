@@ -159,7 +159,8 @@ impl<'a> RealCity<'a> {
         let mut counts = vec![Count::default(); self.n_blocks() * parts.len()];
         // Whole lattice steps, so that a city and its mirror image agree on who is at the end of a band.
         let positions = self.field.positions();
-        let (steps_to, step_lengths) = (positions.steps_from(&uav.place), positions.step_lengths());
+        let (at, step_lengths) = (positions.on_range(&uav.place), positions.step_lengths());
+        let steps_to = |row: usize, col: usize| positions.steps(at, (row, col));
         for row in 0..n_rows {
             let wanted = self.receivers.cells.row(row);
             let seen = los.row(row);

@@ -169,7 +169,7 @@ pub(super) fn candidate(
     if rules.keep_out.is_some_and(|area| area.contains(spot.x, spot.y)) {
         return Ok(Err(|s| &mut s.keep_out));
     }
-    let site = Site { id: String::new(), x: spot.x, y: spot.y, height: spot.height };
+    let site = Site::new("", (spot.x, spot.y), spot.height);
     let uav = match Uav::place(&site, field, rules.radius) {
         Ok(uav) => uav,
         Err(Core::Uav { why: UavError::InsideBuilding { .. } | UavError::BelowGround { .. }, .. }) => {

@@ -56,7 +56,7 @@ pub enum StreamedHeights {
 
 impl StreamedHeights {
     /// The lowest and the highest receiver.
-    pub(super) fn range(self) -> (i64, i64) {
+    pub(crate) fn range(self) -> (i64, i64) {
         match self {
             StreamedHeights::Flat(z) => (i64::from(z), i64::from(z)),
             StreamedHeights::Over { above, range, .. } => {

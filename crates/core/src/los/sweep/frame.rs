@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use crate::height_field::TILE;
 use crate::quantity::{BLOCKS_ALL, LatticePoint, STEPS_PER_UNIT};
-use crate::raster::CellWindow;
+use crate::raster::{BitGrid, CellWindow};
 
 /// Length of a cell \[lattice steps\].
 pub(super) const CELL: i64 = STEPS_PER_UNIT as i64;
@@ -183,6 +183,56 @@ impl Frame {
     /// The number in the raster of the tiles that a row lies in.
     pub(super) fn tile(&self, row: usize) -> usize {
         self.line(row) / TILE
+    }
+}
+
+impl Frame {
+    /// The bins of the first level, from the leftmost on, that may hold a wanted receiver: a bit each.
+    pub(super) fn wanted_bins(&self, wanted: &BitGrid) -> u32 {
+        let as_usize = |v: i64| usize::try_from(v.max(0)).unwrap_or(0);
+        let window = as_usize(self.window.0)..as_usize(self.window.1);
+        let is_rows = self.quadrant.has_raster_rows();
+        let (rows, cols) = if is_rows { (&self.lines, &window) } else { (&window, &self.lines) };
+        let side = |lateral: usize| as_i64(lateral) * CELL + CELL / 2 - self.uav_lateral;
+        let mut bins = 0;
+        // Raster rows, whichever way those of the quadrant run.
+        for row in rows.clone() {
+            // Only what is in the quadrant: no farther to the side than away.
+            if is_rows && self.center_of(row) <= 0 {
+                continue;
+            }
+            let within = if is_rows {
+                let (middle, reach) = (self.uav_lateral - CELL / 2, self.center_of(row));
+                let first = as_usize((middle - reach + CELL - 1).div_euclid(CELL));
+                first.max(cols.start)..as_usize((middle + reach).div_euclid(CELL) + 1).min(cols.end)
+            } else {
+                let away = side(row).abs().max(1);
+                let n_near =
+                    as_usize((away - self.far_of_first + CELL / 2 + CELL - 1).div_euclid(CELL)).min(cols.len());
+                if self.counts_up() { cols.start + n_near..cols.end } else { cols.start..cols.end - n_near }
+            };
+            let Some((first, last)) = wanted.ends_of_row(row, within) else { continue };
+            let bins_of = |col: usize| {
+                let (side, away) =
+                    if is_rows { (side(col), self.center_of(row)) } else { (side(row), self.center_of(col)) };
+                // One on an edge may be of either bin.
+                [((side << FIRST_LEVEL) - 1).div_euclid(away), (side << FIRST_LEVEL).div_euclid(away)]
+            };
+            let ([a, b], [c, d]) = (bins_of(first), bins_of(last));
+            let (low, high) = (a.min(c).max(-MAX_PARTS), b.max(d).min(MAX_PARTS - 1));
+            (low..=high).for_each(|bin| bins |= 1_u32 << (bin + MAX_PARTS));
+        }
+        bins
+    }
+
+    /// Distance of the centers of a raster row or column.
+    fn center_of(&self, line: usize) -> i64 {
+        let row = if self.counts_up() {
+            as_i64(line) - as_i64(self.lines.start)
+        } else {
+            as_i64(self.lines.end) - 1 - as_i64(line)
+        };
+        self.far_of_first + row * CELL - CELL / 2
     }
 }
 

@@ -32,6 +32,11 @@ impl<'a> Output<'a> {
         }
     }
 
+    /// The bins of the first level of a quadrant that hold a receiver that is asked for.
+    pub(super) fn wanted_bins(&self, frame: &Frame) -> u32 {
+        if self.is_all { u32::MAX } else { frame.wanted_bins(self.wanted) }
+    }
+
     /// Adds a receiver that is in line of sight.
     pub(super) fn add(&self, row: usize, col: usize) {
         self.los.add(row, col / 64, 1 << (col % 64), true);

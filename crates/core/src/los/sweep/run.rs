@@ -99,16 +99,17 @@ pub fn sweep_los(
     let output = Output::new(wanted, heights_from.is_some());
     let frames: Vec<Frame> = Quadrant::ALL.into_iter().filter_map(|quadrant| Frame::new(&asked, quadrant)).collect();
     let parts = parts(shape.0.max(shape.1));
-    let wedges: Vec<(&Frame, i64)> =
-        frames.iter().flat_map(|frame| (-parts..parts).map(move |part| (frame, part))).collect();
-    wedges.into_par_iter().for_each(|(frame, part)| {
+    let frames = frames.iter().map(|frame| (frame, output.wanted_bins(frame)));
+    let wedges: Vec<(&Frame, u32, i64)> =
+        frames.flat_map(|(frame, bins)| (-parts..parts).map(move |part| (frame, bins, part))).collect();
+    wedges.into_par_iter().for_each(|(frame, bins, part)| {
         let passing = Passing { frame, stand, tiles, with_heights: heights_from.is_some() };
         let out = WedgeOutput::new(&output, frame);
         let passed = if heights_from.is_some() {
-            let wedge = Wedge::new((part, parts), Candidates::new);
+            let Some(wedge) = Wedge::new((part, parts), bins, Candidates::new) else { return };
             pass_strips(&source, &passing, &mut [(wedge, out)], level, &|_| true)
         } else {
-            let wedge = Wedge::new((part, parts), |n_bins| Suspects::new(columns, n_bins));
+            let Some(wedge) = Wedge::new((part, parts), bins, |n_bins| Suspects::new(columns, n_bins)) else { return };
             pass_strips(&source, &passing, &mut [(wedge, out)], level, &|_| true)
         };
         passed.expect("rows in memory can be lent");
@@ -141,8 +142,9 @@ pub fn streamed_sweep_los(scene: &StreamedScene<'_>, passed: &(dyn Fn(u64) -> bo
     for frame in Quadrant::ALL.into_iter().filter_map(|quadrant| Frame::new(&asked, quadrant)) {
         let passing = Passing { frame: &frame, stand, tiles: None, with_heights: heights_from.is_some() };
         let parts = parts(usize::try_from(frame.n_lateral).unwrap_or(0).max(frame.n_rows()));
-        let wedge = |part| (Wedge::new((part, parts), Candidates::new), WedgeOutput::new(&output, &frame));
-        let mut wedges: Vec<_> = (-parts..parts).map(wedge).collect();
+        let bins = output.wanted_bins(&frame);
+        let wedge = |part| Some((Wedge::new((part, parts), bins, Candidates::new)?, WedgeOutput::new(&output, &frame)));
+        let mut wedges: Vec<_> = (-parts..parts).filter_map(wedge).collect();
         pass_strips(&source, &passing, &mut wedges, level, passed)?;
     }
     decide_near(columns, &asked, stand, &output)?;

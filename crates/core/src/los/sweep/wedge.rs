@@ -62,16 +62,24 @@ pub(super) struct Wedge<R> {
 }
 
 impl<R: Recall> Wedge<R> {
-    /// Part `part` of `parts` (a power of two, at most 2^[`FIRST_LEVEL`]) to one side of the axis; negative to the other side.
-    pub(super) fn new((part, parts): (i64, i64), recall: impl FnOnce(usize) -> R) -> Self {
+    /// Part `part` of `parts` (a power of two, at most 2^[`FIRST_LEVEL`]) to one side of the axis; negative to the other side. Nothing
+    /// without one of the bins in [`Frame::wanted_bins`].
+    pub(super) fn new((part, parts): (i64, i64), wanted: u32, recall: impl FnOnce(usize) -> R) -> Option<Self> {
         let len = (1_i64 << FIRST_LEVEL) / parts;
-        let n_bins = usize::try_from(len).unwrap_or(1);
+        let (first, n_bins) = (part * len, usize::try_from(len).unwrap_or(1));
+        let mut active = Vec::new();
+        for bin in (0..n_bins).filter(|bin| wanted >> (first + (1 << FIRST_LEVEL) + as_i64(*bin)) & 1 == 1) {
+            append(&mut active, (bin, bin + 1), 0);
+        }
+        if active.is_empty() {
+            return None;
+        }
         let bins = Bins::new(n_bins, recall(n_bins));
-        Wedge {
+        Some(Wedge {
             level: FIRST_LEVEL,
-            first: part * len,
-            active: vec![(0, bins.len)],
-            awake: vec![(0, bins.len)],
+            first,
+            awake: active.clone(),
+            active,
             bins,
             tops: Vec::new(),
             tops_before: Vec::new(),
@@ -81,7 +89,7 @@ impl<R: Recall> Wedge<R> {
             next_enters: Vec::new(),
             open: Vec::new(),
             seen: Vec::new(),
-        }
+        })
     }
 
     /// Whether no later row can tell anything new.

@@ -215,7 +215,7 @@ impl StressScene {
         #[expect(clippy::cast_precision_loss, reason = "lattice positions of small scenes")]
         let (x, y) = self.world.world_from_lattice(self.uav.x as f64, self.uav.y as f64);
         let height = Height::AboveDatum(meters(narrow(self.uav.z)));
-        let uav = Uav::place(&Site { id: self.name.clone(), x, y, height }, &field, None)?;
+        let uav = Uav::place(&Site::new(self.name.clone(), (x, y), height), &field, None)?;
         if self.on_lattice(&uav.station) != self.uav {
             return Err(fault("the UAV is elsewhere on the lattice").into());
         }
