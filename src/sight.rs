@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::city::{Antenna, GivenSite};
 use crate::coverage::{self, HeightLayers, MapOptions, SiteCoverage};
 use crate::error::{Error, OddRun, RequestError, Result, Warning};
-use crate::height_field::HeightField;
+use crate::height_field::{Curvature, HeightField};
 use crate::los::{Method, MethodChoice};
 use crate::picture::{crs_words, program};
 use crate::quantity::{height_steps, tidy};
@@ -102,6 +102,8 @@ pub(crate) struct AskedSight {
     pub(crate) radius_m: Option<f64>,
     /// What the antennas of UAVs serve that do not say so themselves.
     pub(crate) antenna: Antenna,
+    /// K of a curved earth, if it is not taken as flat.
+    pub(crate) earth_k: Option<f64>,
     /// The engine.
     pub(crate) method: MethodChoice,
 }
@@ -114,6 +116,7 @@ impl Default for AskedSight {
             rx_height_m: 1.5,
             radius_m: None,
             antenna: Antenna::default(),
+            earth_k: None,
             method: MethodChoice::Auto,
         }
     }
@@ -125,17 +128,23 @@ impl AskedSight {
     /// # Errors
     /// E113.
     pub(crate) fn checked(self) -> Result<Sight> {
-        let AskedSight { receivers, rx_height_m, radius_m, antenna, method } = self;
+        let AskedSight { receivers, rx_height_m, radius_m, antenna, earth_k, method } = self;
         let rx_height = receivers_height(rx_height_m)?;
         if let Some(r) = radius_m.filter(|r| *r <= 0.0) {
             return Err(Error::number("the radius", r, "above 0 m"));
         }
+        let curvature = match earth_k {
+            // An earth without an end is flat.
+            Some(k) if k == f64::INFINITY => None,
+            Some(k) => Some(Curvature::of_earth_k(k).ok_or_else(|| Error::number("K of the earth", k, "above 0"))?),
+            None => None,
+        };
         let antenna = antenna.checked().map_err(RequestError::Antenna)?;
         match (antenna.min_radius_m, radius_m) {
             (Some(min), Some(r)) if min > r => {
                 Err(Error::number("the least radius", min, format!("at most the radius, {} m", tidy(r))))
             }
-            _ => Ok(Sight { receivers, rx_height_m, rx_height, radius_m, antenna, method }),
+            _ => Ok(Sight { receivers, rx_height_m, rx_height, radius_m, antenna, curvature, method }),
         }
     }
 }
@@ -158,6 +167,7 @@ pub(crate) struct Sight {
     rx_height: i32,
     radius_m: Option<f64>,
     antenna: Antenna,
+    curvature: Option<Curvature>,
     method: MethodChoice,
 }
 
@@ -172,6 +182,8 @@ pub(crate) struct SightFacts {
     pub(crate) radius_m: Option<f64>,
     /// What the antennas of UAVs serve that have none of their own; null if that is all.
     pub(crate) antenna: Option<AntennaFacts>,
+    /// K by which the radius of the earth is multiplied; null over a flat earth.
+    pub(crate) earth_k: Option<f64>,
 }
 
 /// Which receivers an antenna serves; null what is not limited.
@@ -238,6 +250,11 @@ impl Sight {
         self.antenna
     }
 
+    /// The curve of the earth, if it is not taken as flat.
+    pub(crate) fn curvature(&self) -> Option<Curvature> {
+        self.curvature
+    }
+
     /// Whether a receiver may be out of range, but for antennas of single UAVs.
     pub(crate) fn is_limited(&self) -> bool {
         self.radius_m.is_some() || self.antenna != Antenna::default()
@@ -274,6 +291,7 @@ impl Sight {
             window: None,
             radius: self.radius_on(grid),
             antenna: self.antenna,
+            curvature: self.curvature,
             meters_per_unit: grid.meters_per_unit(),
             layers: HeightLayers::default(),
             method: self.method,
@@ -287,6 +305,7 @@ impl Sight {
             receivers: self.receivers.name(),
             radius_m: self.radius_m,
             antenna: AntennaFacts::of(self.antenna),
+            earth_k: self.curvature.map(Curvature::earth_k),
         }
     }
 
@@ -314,13 +333,20 @@ impl Sight {
         };
         let range = self.range_in_words();
         let method = method.map_or("none".into(), Method::in_words);
+        let earth = self.curvature.map_or(String::new(), |curvature| format!("; {}", earth_words(curvature)));
         format!(
-            "Cells of {cell}, receivers {} m above {stands}{range}; method {method}; {}; {}",
+            "Cells of {cell}, receivers {} m above {stands}{range}; method {method}{earth}; {}; {}",
             tidy(self.rx_height_m),
             crs_words(grid),
             program()
         )
     }
+}
+
+/// What captions say of the curve of the earth.
+pub(crate) fn earth_words(curvature: Curvature) -> String {
+    let k = (curvature.earth_k() * 1e4).round() / 1e4;
+    format!("curved earth, K = {k}")
 }
 
 /// W202 for each UAV that has no receiver.

@@ -65,6 +65,8 @@ class Sight(TypedDict, total=False):
     sector: tuple[float, float] | None
     elevation: tuple[float, float] | None
     beam: float | None
+    earth_k: float | str | None
+    curvature_coefficient: float | None
     method: str
 
 
@@ -234,7 +236,8 @@ class Scene(Grid):
         ``rx_height`` is the receivers' height above ground or roof [m], by default 1.5; ``receivers`` are ``ground``, ``street``,
         ``crossroad``, ``courtyard``, ``roof`` or ``all``; ``radius`` is the largest horizontal distance [m]. ``min_radius`` [m], ``sector``
         (two azimuths, clockwise from grid north), ``elevation`` (two angles from the UAV's horizontal, negative below) and ``beam`` (a full
-        angle straight down) say whom antennas serve [deg]; a UAV may have its own as ``{"x": …, "sector": (90, 180)}``. ``layers`` are ``los``,
+        angle straight down) say whom antennas serve [deg]; a UAV may have its own as ``{"x": …, "sector": (90, 180)}``. ``earth_k`` curves the
+        earth below a raster: ``"4/3"`` for radio, ``"7/6"`` for light. ``layers`` are ``los``,
         ``margin``, ``ceiling`` and ``least-height``; ``zones`` counts by zone.
         """
         words = words_of({**sight, "layers": layers, "tolerance": tolerance, "zones": zones})

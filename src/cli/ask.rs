@@ -145,8 +145,10 @@ pub fn save_options(words: &[OsString], files: &[PathBuf]) -> std::result::Resul
 }
 
 /// What is said of a map.
-const OF_MAP: [&str; 12] = [
+const OF_MAP: [&str; 14] = [
     "scene",
+    "earth_k",
+    "curvature_coefficient",
     "rx_height",
     "receivers",
     "radius",

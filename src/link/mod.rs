@@ -3,6 +3,7 @@
 mod profile;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -10,16 +11,17 @@ use serde_json::Value;
 
 use crate::answer::{Answer, Head, RunFacts, Spent, WarningFacts, add_outputs, document_of, warnings_of};
 use crate::city::Site;
-use crate::coverage::{self, ExplainedLink, LinkObstacle, ObstacleKind, explain_link};
+use crate::coverage::{self, CurvedScene, ExplainedLink, LinkObstacle, ObstacleKind, explain_link};
 use crate::error::{PlacesError, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
-use crate::height_field::Station;
+use crate::height_field::{Curvature, Station};
 use crate::los::Method;
 use crate::picture::Look;
 use crate::quantity::{Height, MAX_EXTENT_UNITS, meters, tidy};
 use crate::scene::Scene;
-use crate::scene::limits::warn_of_drop;
+use crate::scene::limits::{check_curvature, warn_of_drop};
 use crate::scene::placing::{place_uav, warn_of_uavs_outside};
+use crate::sight::earth_words;
 use crate::uav::Uav;
 
 /// Formats of a link.
@@ -41,6 +43,19 @@ impl Scene {
     /// # Errors
     /// E2xx if one of the ends cannot be there: inside a building, below the ground, too far from the other.
     pub fn link(&self, uav: Uav, receiver: (f64, f64), height: Height) -> Result<Link> {
+        self.curved_link(uav, (receiver, height), None)
+    }
+
+    /// One link over a curved earth, or a flat one, as [`Scene::link`].
+    ///
+    /// # Errors
+    /// As there; E118 for footprints over a curved earth.
+    pub(crate) fn curved_link(
+        &self,
+        uav: Uav,
+        (receiver, height): ((f64, f64), Height),
+        curvature: Option<Curvature>,
+    ) -> Result<Link> {
         let mut scene = self.clone();
         let site = uav.site(0).site;
         warn_of_uavs_outside(std::slice::from_ref(&site), self.grid(), &mut scene.warnings);
@@ -50,8 +65,11 @@ impl Scene {
         let uav = place_uav(&site, &scene.field, scene.grid(), Some(reach))?;
         let receiver = place_receiver(&scene, (x, y), height)?;
         let distance = (receiver.place.x - site.x).hypot(receiver.place.y - site.y);
-        warn_of_drop(distance * scene.grid().meters_per_unit(), &mut scene.warnings);
-        Ok(explain(scene, uav, receiver))
+        check_curvature(&scene.field, curvature)?;
+        if curvature.is_none() {
+            warn_of_drop(distance * scene.grid().meters_per_unit(), &mut scene.warnings);
+        }
+        Ok(explain(scene, uav, receiver, curvature))
     }
 }
 
@@ -61,6 +79,8 @@ pub struct Link {
     scene: Scene,
     uav: coverage::Uav,
     receiver: Station,
+    /// The scene as the UAV sees it over a curved earth.
+    curved: Option<Arc<CurvedScene>>,
     pub(crate) facts: RunFacts,
     found: LinkFacts,
 }
@@ -82,6 +102,8 @@ struct LinkFacts {
     elevation_deg: f64,
     /// What stands in the way; null if nothing does.
     obstruction: Option<LinkObstruction>,
+    /// K by which the radius of the earth is multiplied; null over a flat earth.
+    earth_k: Option<f64>,
 }
 
 /// An end of a link.
@@ -194,13 +216,15 @@ impl Answer for Link {
     }
 
     fn text(&self, _: &Look) -> Result<String> {
-        let LinkFacts { uav, receiver, los, margin_m, distance_m, elevation_deg, obstruction } = &self.found;
+        let LinkFacts { uav, receiver, los, margin_m, distance_m, elevation_deg, obstruction, earth_k } = &self.found;
         let place = |e: &EndFacts| format!("({}, {}), {} m", tidy(e.x), tidy(e.y), tidy(e.height_amsl_m));
         let verdict = if *los { "LoS" } else { "NLoS" };
         let margin = margin_m.map_or("none: no receiver height is enough".to_string(), |m| format!("{m:.3} m"));
         let mut text = format!("{verdict}: UAV at {} to receiver at {} above the datum\n", place(uav), place(receiver));
         let (distance, angle) = (tidy(*distance_m), tidy(*elevation_deg));
-        text += &format!("distance {distance} m, elevation angle {angle}°, margin {margin}\n");
+        let earth =
+            earth_k.and_then(Curvature::of_earth_k).map_or(String::new(), |of| format!(", {}", earth_words(of)));
+        text += &format!("distance {distance} m, elevation angle {angle}°, margin {margin}{earth}\n");
         if let Some(o) = obstruction {
             let name = match (&o.id, o.row.zip(o.col)) {
                 (Some(id), _) => format!("building `{id}`"),
@@ -238,9 +262,12 @@ fn place_receiver(scene: &Scene, at: (f64, f64), height: Height) -> Result<Stati
 }
 
 /// Decides a link, and finds what stands in its way.
-fn explain(scene: Scene, uav: coverage::Uav, receiver: Station) -> Link {
-    let ExplainedLink { los, margin_m, distance_m, elevation_deg, obstruction } =
-        explain_link(&scene.field, &uav, &receiver);
+fn explain(scene: Scene, uav: coverage::Uav, receiver: Station, curvature: Option<Curvature>) -> Link {
+    let curved = CurvedScene::of(&scene.field, &uav.station.place, curvature);
+    let ExplainedLink { los, margin_m, distance_m, elevation_deg, obstruction } = match &curved {
+        Some(curved) => curved.raised(explain_link(curved.field(), &uav, &curved.lowered(&receiver))),
+        None => explain_link(&scene.field, &uav, &receiver),
+    };
     let end = |at: &Station| {
         let height_amsl_m = i32::try_from(at.z).map_or(f64::NAN, meters);
         EndFacts { x: at.place.x, y: at.place.y, height_amsl_m }
@@ -253,8 +280,9 @@ fn explain(scene: Scene, uav: coverage::Uav, receiver: Station) -> Link {
         distance_m,
         elevation_deg,
         obstruction: obstruction.map(|obstacle| LinkObstruction::of(&scene, obstacle)),
+        earth_k: curvature.map(Curvature::earth_k),
     };
-    Link { facts: scene.facts(Some(Method::Ray)), scene, uav, receiver, found }
+    Link { facts: scene.facts(Some(Method::Ray)), scene, uav, receiver, curved: curved.map(Arc::new), found }
 }
 
 impl LinkObstruction {

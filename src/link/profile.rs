@@ -6,6 +6,7 @@ use crate::coverage::link_profile;
 use crate::error::{RequestError, Result};
 use crate::export::Format;
 use crate::picture::{Look, picture_provenance, written};
+use crate::quantity::meters;
 use crate::render::{self, LinkProfile};
 use crate::words::title_of;
 
@@ -18,17 +19,26 @@ pub(super) fn draw(link: &Link, format: Format, look: &Look) -> Result<Vec<u8>> 
     if found.distance_m <= 0.0 {
         return Err(RequestError::VerticalLink.into());
     }
-    let steps = link_profile(&scene.field, &link.uav, &link.receiver, found.distance_m);
-    let (uav_m, receiver_m) = (found.uav.height_amsl_m, found.receiver.height_amsl_m);
+    // Over a curved earth all is drawn as the UAV sees it: the ray is straight and the ground falls away.
+    let (field, receiver) = match &link.curved {
+        Some(curved) => (curved.field(), curved.lowered(&link.receiver)),
+        None => (&*scene.field, link.receiver),
+    };
+    let steps = link_profile(field, &link.uav, &receiver, found.distance_m);
+    let (uav_m, receiver_m) = (found.uav.height_amsl_m, i32::try_from(receiver.z).map_or(f64::NAN, meters));
+    let fall_m = |x: f64, y: f64| link.curved.as_ref().map_or(0.0, |of| meters(of.drop_at(&scene.field.place(x, y))));
     let obstruction = found.obstruction.as_ref().map(|o| render::Obstruction {
         distance_m: (o.x - found.uav.x).hypot(o.y - found.uav.y) * scene.grid().meters_per_unit(),
-        ray_height_m: o.ray_height_m,
+        ray_height_m: o.ray_height_m - fall_m(o.x, o.y),
         // Nodata that blocks everything is drawn as high as the UAV.
-        roof_height_m: o.roof_height_m.unwrap_or(uav_m.max(receiver_m)),
+        roof_height_m: o.roof_height_m.map_or(uav_m.max(receiver_m), |roof_m| roof_m - fall_m(o.x, o.y)),
     });
     let verdict = if found.los { "line of sight" } else { "no line of sight" };
     let title = look.title_or(|| title_of(&format!("{}: {verdict}", scene.name)));
     let mut caption: Vec<String> = link.text(look)?.lines().map(str::to_string).collect();
+    if link.curved.is_some() {
+        caption.push("Heights from the plane that touches the earth below the UAV".into());
+    }
     caption.extend(scene.last_lines(look));
     let profile = LinkProfile {
         title: &title,

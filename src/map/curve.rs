@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::coverages::Coverages;
 use super::curve_report::{CurveFacts, HeightCurveReport};
 use crate::answer::{Answer, Output, Rows, Spent};
-use crate::coverage::HeightCurve;
+use crate::coverage::{CurvedScene, HeightCurve, SiteCoverage};
 use crate::error::{Error, OddRun, RequestError, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::picture::{Look, crs_words, picture_provenance, program, written};
@@ -82,7 +82,11 @@ impl Coverages {
         let (field, report) = (&self.scene.field, &self.report);
         let rx_height = report.sight.rx_height();
         progress.begin(field.grid().n_cells() as u64 * self.sites.len() as u64);
-        let of = |site| HeightCurve::of(field, site, rx_height, progress.control());
+        let of = |site: &SiteCoverage| {
+            let curved = CurvedScene::of(field, &site.uav.station.place, report.sight.curvature());
+            let field = curved.as_ref().map_or(&**field, |curved| curved.field());
+            HeightCurve::of(field, site, rx_height, progress.control())
+        };
         let curves: Vec<HeightCurve> = self.sites.iter().map(of).collect::<std::result::Result<_, _>>()?;
         progress.end();
         let range = asked.unwrap_or_else(|| default_range(&curves, field.max_top()));

@@ -80,6 +80,12 @@ impl<Answer> CoverageRequest<Answer> {
         self
     }
 
+    /// A curved earth of K times its radius: 4/3 for radio, 7/6 for light. Default: a flat one.
+    pub fn earth_k(mut self, k: f64) -> Self {
+        self.asked.earth_k = Some(k);
+        self
+    }
+
     /// The height of the receivers above ground or roof \[m\]. Default: 1.5.
     pub fn receiver_height_m(mut self, height_m: f64) -> Self {
         self.asked.rx_height_m = height_m;

@@ -219,7 +219,7 @@ impl StripsRun<'_> {
         warn_of_uavs_outside(&found.sites, grid, &mut warnings);
         let uav = self.uav(scene, &found.sites, radius)?;
         plan.sight.receivers().check(scene.base() == WindowedBase::Surface)?;
-        warn_of_flat_earth(std::slice::from_ref(&uav), grid, radius, &mut warnings);
+        warn_of_flat_earth(std::slice::from_ref(&uav), grid, &plan.sight, &mut warnings);
 
         let options = MapOptions { layers: plan.height_layers(), ..plan.sight.options(grid, None) };
         let n_kinds = if plan.sight.receivers() == Receivers::All { 2 } else { 1 };

@@ -34,7 +34,7 @@ use crate::picture::Look;
 use crate::placement::{PlaceGrid, Weights};
 use crate::progress::Progress;
 use crate::scene::Scene;
-use crate::scene::limits::warn_of_flat_earth;
+use crate::scene::limits::check_earth;
 use crate::words::pretty;
 use crate::zones::{Zone, ZoneMap};
 
@@ -106,7 +106,7 @@ impl SearchPlan {
         // The corners see farthest.
         let farthest: Vec<Uav> =
             candidates.kept.first().iter().chain(&candidates.kept.last()).map(|c| c.uav.clone()).collect();
-        warn_of_flat_earth(&farthest, scene.field.grid(), radius, &mut scene.warnings);
+        check_earth(&farthest, &scene.field, &self.sight, &mut scene.warnings)?;
         let options = self.options(&scene, zones.as_deref(), &inputs);
         let (n_uavs, n_cells) = (candidates.kept.len(), scene.grid().n_cells());
         let sets = if self.count > 1 { n_uavs.saturating_mul(n_cells.div_ceil(8)) } else { 0 };

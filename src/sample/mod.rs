@@ -117,7 +117,9 @@ impl SamplePlan {
         }
         self.sight.receivers().check(first.field.is_surface_only())?;
         let farthest_m = self.sight.radius_m().unwrap_or(f64::INFINITY);
-        warn_of_drop_across(first.field.grid(), farthest_m, &mut first.warnings);
+        if self.sight.curvature().is_none() {
+            warn_of_drop_across(first.field.grid(), farthest_m, &mut first.warnings);
+        }
         let grid = first.grid();
         let unit = grid.meters_per_unit();
         let size_m = ((grid.x_max() - grid.x_min()) * unit).min((grid.y_max() - grid.y_min()) * unit);

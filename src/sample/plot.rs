@@ -7,6 +7,7 @@ use crate::export::Format;
 use crate::picture::{Look, crs_words, picture_provenance, program, written};
 use crate::quantity::{counted, tidy};
 use crate::render::{self, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook};
+use crate::sight::antenna_words;
 use crate::words::{title_of, unbreakable};
 use crate::zones::Zone;
 
@@ -127,7 +128,10 @@ fn caption(report: &SampledReport, last: Vec<String>) -> Vec<String> {
         let drawn = if heights.len() > 1 { "Bands" } else { "Bars" };
         lines.push(format!("{drawn}: {} % intervals over {}", tidy(100.0 * report.confidence), report.clusters()));
     }
-    let range = report.sight.range_in_words();
+    let radius =
+        report.sight.radius_m().map_or(String::new(), |r| format!(", within {} m of the UAV's place", tidy(r)));
+    let antenna = antenna_words(report.sight.antenna()).map_or(String::new(), |words| format!(", {words}"));
+    let range = radius + &antenna;
     lines.push(format!(
         "Receivers {} m above what they stand on{range}; method {}; {}; {}",
         tidy(report.sight.rx_height_m()),

@@ -1,13 +1,14 @@
 //! What limits the truth of a map, in warnings and captions: the curve of the earth, unknown ground, missing heights.
 
+use skyshed_core::error::{Error as CoreError, MapError};
+
 use crate::city::HeightGap;
 use crate::coverage::Uav;
-use crate::error::{OddRun, Warning};
-use crate::height_field::HeightField;
+use crate::error::{OddRun, Result, Warning};
+use crate::height_field::{Curvature, EARTH_RADIUS_M, HeightField};
+use crate::quantity::{BLOCKS_ALL, MAX_HEIGHT_M, VOID, meters};
 use crate::raster::GeoRef;
-
-/// Mean radius of the Earth \[m\].
-const EARTH_RADIUS_M: f64 = 6_371_000.0;
+use crate::sight::Sight;
 
 /// What limits the truth of a picture of a scene, in words.
 pub(crate) fn limits_in_words(gap: Option<&HeightGap>, field: &HeightField, warnings: &[Warning]) -> Option<String> {
@@ -30,20 +31,37 @@ pub(crate) fn limits_in_words(gap: Option<&HeightGap>, field: &HeightField, warn
     (!limits.is_empty()).then(|| crate::words::title_of(&limits.join("; ")))
 }
 
-/// Warns where the flat earth of every engine matters: the horizon's drop d²/2R exceeds a meter.
-pub(crate) fn warn_of_flat_earth(uavs: &[Uav], grid: &GeoRef, radius: Option<f64>, warnings: &mut Vec<Warning>) {
-    let unit = grid.meters_per_unit();
-    let farthest = uavs
-        .iter()
-        .map(|uav| {
-            let place = &uav.station.place;
-            let dx = (grid.x_max() - place.x).abs().max((grid.x_min() - place.x).abs());
-            let dy = (grid.y_max() - place.y).abs().max((grid.y_min() - place.y).abs());
-            dx.hypot(dy) * unit
-        })
-        .fold(0.0, f64::max)
-        .min(radius.map_or(f64::INFINITY, |r| r * unit));
-    warn_of_drop(farthest, warnings);
+/// Warns where a flat earth matters: the horizon's drop d²/2R exceeds a meter.
+pub(crate) fn warn_of_flat_earth(uavs: &[Uav], grid: &GeoRef, sight: &Sight, warnings: &mut Vec<Warning>) {
+    if sight.curvature().is_none() {
+        warn_of_drop(farthest_m(uavs, grid, sight), warnings);
+    }
+}
+
+/// Warns likewise; a curved earth must leave all heights of a scene on the lattice.
+///
+/// # Errors
+/// E118.
+pub(crate) fn check_earth(uavs: &[Uav], field: &HeightField, sight: &Sight, warnings: &mut Vec<Warning>) -> Result<()> {
+    warn_of_flat_earth(uavs, field.grid(), sight, warnings);
+    check_curvature(field, sight.curvature())?;
+    let drop_m = sight.curvature().map_or(0.0, |of| of.drop_m(farthest_m(uavs, field.grid(), sight)));
+    let highest_m = match field.max_top() {
+        VOID | BLOCKS_ALL => 0.0,
+        top => meters(top).abs(),
+    };
+    if drop_m + highest_m > MAX_HEIGHT_M { Err(CoreError::from(MapError::TooCurved(drop_m)).into()) } else { Ok(()) }
+}
+
+/// How far away receivers of some UAVs may be \[m\].
+fn farthest_m(uavs: &[Uav], grid: &GeoRef, sight: &Sight) -> f64 {
+    let of = |uav: &Uav| {
+        let place = &uav.station.place;
+        let dx = (grid.x_max() - place.x).abs().max((grid.x_min() - place.x).abs());
+        let dy = (grid.y_max() - place.y).abs().max((grid.y_min() - place.y).abs());
+        dx.hypot(dy) * grid.meters_per_unit()
+    };
+    uavs.iter().map(of).fold(0.0, f64::max).min(sight.radius_m().unwrap_or(f64::INFINITY))
 }
 
 /// Warns likewise where UAVs and receivers may be anywhere on a grid, but no farther apart than some meters.
@@ -57,5 +75,16 @@ pub(crate) fn warn_of_drop(farthest_m: f64, warnings: &mut Vec<Warning>) {
     let drop_m = farthest_m * farthest_m / (2.0 * EARTH_RADIUS_M);
     if drop_m > 1.0 {
         warnings.push(OddRun::FlatEarth { farthest_m, drop_m }.into());
+    }
+}
+
+/// Refuses footprints over a curved earth.
+///
+/// # Errors
+/// E118.
+pub(crate) fn check_curvature(field: &HeightField, curvature: Option<Curvature>) -> Result<()> {
+    match curvature {
+        Some(_) if field.prisms().is_some() => Err(CoreError::from(MapError::CurvedFootprints).into()),
+        _ => Ok(()),
     }
 }

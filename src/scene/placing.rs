@@ -3,7 +3,7 @@
 use std::borrow::Borrow;
 
 use super::Scene;
-use super::limits::warn_of_flat_earth;
+use super::limits::check_earth;
 use crate::city::Site;
 use crate::coverage::Uav;
 use crate::error::{OddRun, Result, Warning};
@@ -17,7 +17,8 @@ impl Scene {
     /// Places UAVs, and keeps where they are from and what was odd about them. `whole` is the grid that the scene is a part of.
     ///
     /// # Errors
-    /// E2xx for a UAV that cannot be there; E117 for receivers that the scene does not tell apart.
+    /// E2xx for a UAV that cannot be there; E117 for receivers that the scene does not tell apart; E118 for an earth that is curved where it
+    /// cannot be.
     pub(crate) fn place(&mut self, found: &UavsFound, whole: Option<&GeoRef>, sight: &Sight) -> Result<Vec<Uav>> {
         let whole = whole.unwrap_or(self.grid()).clone();
         self.warnings.extend(found.warnings.iter().cloned());
@@ -35,7 +36,7 @@ impl Scene {
         let place = |site| place_uav(site, &self.field, whole, radius);
         let uavs = found.sites.iter().map(|given| place(&given.site)).collect::<Result<Vec<Uav>>>()?;
         sight.receivers().check(self.field.is_surface_only())?;
-        warn_of_flat_earth(&uavs, self.field.grid(), radius, &mut self.warnings);
+        check_earth(&uavs, &self.field, sight, &mut self.warnings)?;
         Ok(uavs)
     }
 }

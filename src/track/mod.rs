@@ -10,16 +10,17 @@ use serde_json::Value;
 
 use crate::answer::{Answer, Head, Rows, RunFacts, Spent, WarningFacts, document_of, rows, warnings_of};
 use crate::city::Site;
-use crate::coverage::{Stretch, Track, TrackPoint, TrackState, along_track};
+use crate::coverage::{CurvedScene, Stretch, Track, TrackPoint, TrackState, along_track};
 use crate::error::{Error, LimitError, OddRun, Result, Warning, warned};
 use crate::export::{Batch, Format};
+use crate::height_field::Curvature;
 use crate::link::{EndFacts, check_extent};
 use crate::los::Method;
 use crate::picture::Look;
 use crate::quantity::{counted, meters, tidy};
 use crate::read::{read_track, source_of};
 use crate::scene::Scene;
-use crate::scene::limits::warn_of_drop;
+use crate::scene::limits::{check_curvature, warn_of_drop};
 use crate::scene::placing::{place_uav, warn_of_uavs_outside};
 use crate::sight::Sight;
 use crate::uav::bad_rows;
@@ -83,8 +84,18 @@ impl TrackPlan {
         }
         let uav = place_uav(site, &scene.field, scene.grid(), Some(reach))?;
         let farthest = places.iter().map(|[x, y]| (x - site.x).hypot(y - site.y)).fold(0.0, f64::max);
-        warn_of_drop(farthest * unit, &mut scene.warnings);
-        let track = along_track(&scene.field, &uav, &places, self.sight.rx_height(), self.every_m / unit);
+        let curvature = self.sight.curvature();
+        check_curvature(&scene.field, curvature)?;
+        if curvature.is_none() {
+            warn_of_drop(farthest * unit, &mut scene.warnings);
+        }
+        let curved = CurvedScene::of(&scene.field, &uav.station.place, curvature);
+        let field = curved.as_ref().map_or(&*scene.field, |curved| curved.field());
+        let mut track = along_track(field, &uav, &places, self.sight.rx_height(), self.every_m / unit);
+        if let Some(curved) = &curved {
+            let drop = |[x, y]: [f64; 2]| i64::from(curved.drop_at(&scene.field.place(x, y)));
+            track.points.iter_mut().for_each(|point| point.z = point.z.map(|z| z + drop(point.position)));
+        }
         let n_outside = track.points.iter().filter(|p| p.state == TrackState::NoReceiver).count();
         if n_outside > 0 {
             let odd = OddRun::OffGround { n: n_outside as u64, of: track.points.len() };
@@ -94,6 +105,7 @@ impl TrackPlan {
         Ok(TrackWalk {
             facts: RunFacts { command, ..scene.facts(Some(Method::Ray)) },
             rx_height_m: self.sight.rx_height_m(),
+            earth_k: curvature.map(Curvature::earth_k),
             every_m: self.every_m,
             uav: EndFacts { x: place.x, y: place.y, height_amsl_m: uav.height_amsl_m() },
             track,
@@ -108,6 +120,7 @@ pub(crate) struct TrackWalk {
     scene: Scene,
     facts: RunFacts,
     rx_height_m: f64,
+    earth_k: Option<f64>,
     every_m: f64,
     uav: EndFacts,
     track: Track,
@@ -122,6 +135,8 @@ pub(crate) struct TrackDocument {
     uav: EndFacts,
     /// Height of the user above ground [m].
     rx_height_m: f64,
+    /// K by which the radius of the earth is multiplied; null over a flat earth.
+    earth_k: Option<f64>,
     /// Longest step between two decided places [m].
     every_m: f64,
     /// Lengths of the track [m].
@@ -254,6 +269,7 @@ impl TrackWalk {
             head: self.facts.head("skyshed/track/1"),
             uav: self.uav,
             rx_height_m: self.rx_height_m,
+            earth_k: self.earth_k,
             every_m: self.every_m,
             length_m: Lengths { total: los + nlos + no_receiver, los, nlos, no_receiver },
             p_los,

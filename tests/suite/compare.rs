@@ -433,7 +433,7 @@ fn what_makes_no_sense_is_refused_and_leaves_nothing() {
 }
 
 /// Flags that change the document: a line without it, and the flag.
-const FLAGS: [(&str, &str); 23] = [
+const FLAGS: [(&str, &str); 29] = [
     ("CITY", "--ground 5"),
     ("CITY", "--height-field tall"),
     ("CITY", "--top-field z_top"),
@@ -451,10 +451,16 @@ const FLAGS: [(&str, &str); 23] = [
     ("CITY", "--rx-height 9"),
     ("CITY", "--receivers all"),
     ("CITY", "--radius 50"),
+    ("CITY", "--min-radius 20"),
+    ("CITY", "--sector 10,200"),
+    ("CITY", "--elevation -60,-20"),
+    ("CITY", "--beam 60"),
     ("CITY", "--block 10"),
     ("CITY --block 20", "--seed 2"),
     ("CITY", "--method ray"),
     ("flat.asc --ground 0 --uav 1,1,50 --uav 2,2,9", "--building-threshold 3"),
+    ("flat.asc --ground 0 --uav 1,1,50 --uav 2,2,9", "--earth-k 4/3"),
+    ("flat.asc --ground 0 --uav 1,1,50 --uav 2,2,9", "--curvature-coefficient 0.75"),
     ("holes.asc --ground 0 --uav 0.5,0.5,5 --uav 3.5,3.5,5", "--nodata-as block"),
     ("itu:urban --uav 2,2,50 --uav 9,9,50", "--size 300"),
 ];

@@ -28,7 +28,7 @@ pub(crate) struct Count {
 }
 
 impl Count {
-    fn add(&mut self, is_los: bool) {
+    pub(crate) fn add(&mut self, is_los: bool) {
         self.links += 1;
         self.los += u64::from(is_los);
     }

@@ -66,7 +66,8 @@ pub struct LivePage<'a> {
 
 /// Writes the page.
 pub fn live_page(page: &LivePage<'_>) -> String {
-    let script: String = SCRIPTS.iter().map(|script| without_comments(script)).collect();
+    // Functions are many, and no text holds an arrow.
+    let script = SCRIPTS.iter().map(|script| without_comments(script)).collect::<String>().replace(" => ", "=>");
     let digest = STANDARD.encode(Sha256::digest(&script));
     let policy = format!(
         "default-src 'none'; script-src 'sha256-{digest}' 'wasm-unsafe-eval'; worker-src blob:; style-src 'unsafe-inline'; \
@@ -76,7 +77,7 @@ pub fn live_page(page: &LivePage<'_>) -> String {
         ("policy", policy),
         ("generator", page.generator.to_string()),
         ("title", escape(page.title)),
-        ("css", without_comments(STYLE)),
+        ("css", without_spaces(&without_comments(STYLE))),
         ("js", script),
         ("worker", WORKER.map(without_comments).concat()),
         ("facts", in_script(page.facts)),
@@ -84,6 +85,15 @@ pub fn live_page(page: &LivePage<'_>) -> String {
         ("engine", format!("{ENGINE_LENGTHS} {}", STANDARD.encode(ENGINE))),
     ];
     filled(TEMPLATE, &parts)
+}
+
+/// A style without spaces that mean nothing.
+fn without_spaces(style: &str) -> String {
+    let mut out = style.replace('\n', " ");
+    for mark in ["{", "}", ";", ","] {
+        out = out.replace(&format!(" {mark}"), mark).replace(&format!("{mark} "), mark);
+    }
+    out.replace(": ", ":").replace(";}", "}")
 }
 
 /// A script or a style without comments at the beginnings of lines, types within them and indents, which are a third of it. Texts

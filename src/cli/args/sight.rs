@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::words::{RECEIVERS, length, number, one_of, pair};
+use super::words::{RECEIVERS, fraction, length, number, one_of, pair};
 use crate::city::{Antenna, Site};
 use crate::cli::failure::{Result, refusal, refusal_with};
 use crate::los::MethodChoice;
@@ -99,8 +99,9 @@ pub(crate) struct RxHeightArgs {
 
 impl RxHeightArgs {
     /// Receivers of this height on open ground, at any distance, by the fastest exact engine.
-    pub(crate) fn sight(&self) -> Result<Sight> {
-        Ok(AskedSight { rx_height_m: self.rx_height, ..AskedSight::default() }.checked()?)
+    pub(crate) fn sight(&self, earth: &EarthArgs) -> Result<Sight> {
+        let (rx_height_m, earth_k) = (self.rx_height, earth.earth_k());
+        Ok(AskedSight { rx_height_m, earth_k, ..AskedSight::default() }.checked()?)
     }
 }
 
@@ -131,6 +132,26 @@ impl AntennaArgs {
     }
 }
 
+/// The curve of the earth.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct EarthArgs {
+    /// Curved earth of K times its radius: 4/3 for radio, 7/6 for light, 1 without refraction, inf for none
+    ///
+    /// Heights are lowered by d²/(2·K·6 371 008.8 m), d from the UAV. Without it the earth is flat.
+    #[arg(long, value_name = "K", value_parser = fraction, allow_hyphen_values = true, hide_short_help = true)]
+    earth_k: Option<f64>,
+    /// 1/K of a curved earth, GDAL's word for it: 0.85714 for light, 0.75 for radio, 0 for none
+    #[arg(long, value_name = "C", value_parser = number, allow_hyphen_values = true, conflicts_with = "earth_k",
+          hide_short_help = true)]
+    curvature_coefficient: Option<f64>,
+}
+
+impl EarthArgs {
+    pub(crate) fn earth_k(&self) -> Option<f64> {
+        self.earth_k.or(self.curvature_coefficient.map(|c| 1.0 / c))
+    }
+}
+
 /// How line of sight is asked for.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct SightArgs {
@@ -147,6 +168,8 @@ pub(crate) struct SightArgs {
     radius: Option<f64>,
     #[command(flatten)]
     antenna: AntennaArgs,
+    #[command(flatten)]
+    earth: EarthArgs,
     /// Engine; auto is the fastest exact one
     ///
     /// ray (one ray per receiver), sweep (rasters) and shadow (footprints, rasters of flat blocks) are exact; step:K (a
@@ -158,12 +181,13 @@ pub(crate) struct SightArgs {
 impl SightArgs {
     /// As the library takes it; numbers out of range are refused.
     pub(crate) fn checked(&self) -> Result<Sight> {
-        let SightArgs { rx, receivers, radius, antenna, method } = self;
+        let SightArgs { rx, receivers, radius, antenna, earth, method } = self;
         let asked = AskedSight {
             receivers: *receivers,
             rx_height_m: rx.rx_height,
             radius_m: *radius,
             antenna: antenna.antenna(),
+            earth_k: earth.earth_k(),
             method: *method,
         };
         Ok(asked.checked()?)

@@ -69,6 +69,15 @@ pub(crate) fn extent(text: &str) -> Result<[f64; 4], String> {
     exactly(text, ',', "W,S,E,N")
 }
 
+/// A number, a fraction such as `4/3`, or `inf`.
+pub(crate) fn fraction(text: &str) -> Result<f64, String> {
+    match text.split_once('/') {
+        _ if text == "inf" => Ok(f64::INFINITY),
+        Some((a, b)) => Ok(number(a)? / number(b)?),
+        None => number(text),
+    }
+}
+
 /// Two angles: `90,180`.
 pub(crate) fn pair(text: &str) -> Result<[f64; 2], String> {
     exactly(text, ',', "two, such as 90,180")

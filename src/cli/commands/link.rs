@@ -5,7 +5,7 @@ use clap::Args;
 use crate::answer::Answer;
 use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
-use crate::cli::args::sight::{RxHeightArgs, parse_receiver, parse_uav};
+use crate::cli::args::sight::{EarthArgs, RxHeightArgs, parse_receiver, parse_uav};
 use crate::cli::args::words::number;
 use crate::cli::failure::{Result, refusal};
 use crate::cli::run::Run;
@@ -32,6 +32,8 @@ pub(in crate::cli) struct LinkArgs {
     /// Refuse a receiver that is farther away [m]
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, help_heading = "Link")]
     radius: Option<f64>,
+    #[command(flatten, next_help_heading = "Link")]
+    earth: EarthArgs,
     #[command(flatten)]
     pub(in crate::cli) out: OutputArgs,
     #[command(flatten)]
@@ -42,13 +44,19 @@ impl LinkArgs {
     pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
         run.typed.refuse(&["data_area"], "for a link: its ends are where they are put")?;
         let site = parse_uav(&self.uav, "1".into())?;
-        let asked = AskedSight { rx_height_m: self.height.rx_height, radius_m: self.radius, ..AskedSight::default() };
-        let radius_m = asked.checked()?.radius_m();
+        let asked = AskedSight {
+            rx_height_m: self.height.rx_height,
+            radius_m: self.radius,
+            earth_k: self.earth.earth_k(),
+            ..AskedSight::default()
+        };
+        let sight = asked.checked()?;
+        let radius_m = sight.radius_m();
         let (receiver, height) = parse_receiver(&self.rx, self.height.rx_height)?;
         let outputs = self.out.checked(&FORMATS, &self.scene.files())?;
         let look = self.picture.look(&self.out, &outputs)?;
         let uav = Uav::new(site.x, site.y, site.height).named(site.id);
-        let mut link = run.open(&self.scene)?.link(uav, receiver, height)?;
+        let mut link = run.open(&self.scene)?.curved_link(uav, (receiver, height), sight.curvature())?;
         link.facts.command = run.words();
         if let Some(radius) = radius_m.filter(|radius| link.distance_m() > *radius) {
             let distance = tidy(link.distance_m());

@@ -6,7 +6,7 @@ use clap::Args;
 
 use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
-use crate::cli::args::sight::{RxHeightArgs, parse_uav};
+use crate::cli::args::sight::{EarthArgs, RxHeightArgs, parse_uav};
 use crate::cli::args::words::number;
 use crate::cli::failure::Result;
 use crate::cli::run::Run;
@@ -34,6 +34,8 @@ pub(in crate::cli) struct TrackArgs {
     every: f64,
     #[command(flatten, next_help_heading = "Track")]
     height: RxHeightArgs,
+    #[command(flatten, next_help_heading = "Track")]
+    earth: EarthArgs,
     #[command(flatten)]
     pub(in crate::cli) out: OutputArgs,
     #[command(flatten)]
@@ -49,7 +51,7 @@ impl TrackArgs {
             skips_bad: self.skip_bad,
             hash: self.scene.reading.hash,
             every_m: self.every,
-            sight: self.height.sight()?,
+            sight: self.height.sight(&self.earth)?,
         };
         plan.check()?;
         let inputs = [self.scene.files(), vec![self.track.clone()]].concat();

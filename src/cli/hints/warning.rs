@@ -15,6 +15,7 @@ pub(in crate::cli) fn of_warning(warning: &Warning) -> Option<String> {
         Warning::Io(OddFiles::WholeExtent) => "`--extent` was given, and no `--data-area auto|all|FILE`",
         Warning::Io(OddFiles::Raster(oddity)) => return of_raster(&oddity.odd).map(str::to_string),
         Warning::Io(OddFiles::File(_, odd)) => return of_file(odd),
+        Warning::Run(OddRun::FlatEarth { .. }) => "over rasters `--earth-k 4/3` for radio, `7/6` for light",
         Warning::Run(OddRun::Results { .. }) => "`skyshed info` tells what it is",
         _ => return None,
     };

@@ -6,6 +6,7 @@ use std::sync::atomic::Ordering;
 
 use super::cell_classes::{RowSets, write_classes};
 use super::cell_heights::{CellHeights, FoundHeights};
+use super::curved::CurvedScene;
 use super::elevation::RowElevations;
 use super::range::{Heights, Range};
 use super::row_bands::{BAND_CELLS, EachPart, Row, in_bands, in_buffers, split};
@@ -102,13 +103,13 @@ pub struct Mapper<'a> {
     pub(super) engine: GridLos<'a>,
     /// The engine for many UAVs of which each has a thread of its own.
     pub(super) alone: GridLos<'a>,
-    why: &'static str,
+    pub(super) why: &'static str,
     /// Receivers on the ground, on roofs, or both.
     pub(super) receivers: Vec<GridReceivers<'a>>,
     /// World x of the columns of cells, whole words of them \[CRS units\].
-    xs: Vec<f64>,
+    pub(super) xs: Vec<f64>,
     /// The scene with other roofs, where stability is asked for.
-    roofs: Option<Box<ShiftedRoofs>>,
+    pub(super) roofs: Option<Box<ShiftedRoofs>>,
 }
 
 impl<'a> Mapper<'a> {
@@ -116,10 +117,13 @@ impl<'a> Mapper<'a> {
     ///
     /// # Errors
     /// E118 if the options ask for an engine that cannot decide this scene, or for layers of heights beside an approximate
-    /// one.
+    /// one; footprints over a curved earth.
     pub fn new(field: &'a HeightField, options: &MapOptions) -> Result<Self> {
         let refuse = |wrong: WrongMethod| MapError::Method { why: wrong.why, instead: wrong.instead.name() };
-        let (method, why) = Method::choose(field, options.method).map_err(refuse)?;
+        let (method, why) = Method::choose(field, options.method, options.curvature.is_some()).map_err(refuse)?;
+        if options.curvature.is_some() && field.prisms().is_some() {
+            return Err(MapError::CurvedFootprints.into());
+        }
         if !method.is_exact() && options.layers != HeightLayers::default() {
             return Err(MapError::ApproximateLayers { method: method.name() }.into());
         }
@@ -188,6 +192,9 @@ impl<'a> Mapper<'a> {
     /// How many receivers a UAV has in range, and how many of them are in line of sight: what [`Mapper::map`] counts,
     /// without a mask. For many UAVs at once: each is the work of one thread.
     pub fn count(&self, uav: &Uav) -> (u64, u64) {
+        if let Some(curved) = CurvedScene::around(self, uav) {
+            return curved.mapper(self).count(uav);
+        }
         let range = self.range_of(uav);
         self.receivers.iter().fold((0, 0), |sum, receivers| {
             let (wanted, los) = self.decide(&self.alone, uav, (receivers, &range));
@@ -197,6 +204,9 @@ impl<'a> Mapper<'a> {
 
     /// The receivers that a UAV has in range, and those of them in line of sight, as sets of cells.
     pub fn seen(&self, uav: &Uav) -> Seen {
+        if let Some(curved) = CurvedScene::around(self, uav) {
+            return curved.mapper(self).seen(uav);
+        }
         let grid = self.field.grid();
         let range = self.range_of(uav);
         let none = || BitGrid::new(grid.n_rows(), grid.n_cols());
@@ -209,6 +219,9 @@ impl<'a> Mapper<'a> {
 
     /// The cells that hold receivers in range of a UAV.
     pub fn receivers_in_range(&self, uav: &Uav) -> BitGrid {
+        if let Some(curved) = CurvedScene::around(self, uav) {
+            return curved.mapper(self).receivers_in_range(uav);
+        }
         let range = self.range_of(uav);
         let grid = self.field.grid();
         let none = BitGrid::new(grid.n_rows(), grid.n_cols());
@@ -218,6 +231,9 @@ impl<'a> Mapper<'a> {
     /// The cells in range of a UAV, whether they hold receivers or not; `None` if all are. A cell without a receiver has no elevation, so
     /// that only distance and azimuth leave it out.
     pub fn cells_in_range(&self, uav: &Uav) -> Option<BitGrid> {
+        if let Some(curved) = CurvedScene::around(self, uav) {
+            return curved.mapper(self).cells_in_range(uav);
+        }
         let range = self.range_of(uav);
         let grid = self.field.grid();
         if range.is_everywhere() {
@@ -234,6 +250,9 @@ impl<'a> Mapper<'a> {
     /// Whether the receiver of a row and column is in line of sight, in range or not, by one exact ray; `None` without a
     /// receiver there.
     pub fn is_los(&self, uav: &Uav, (row, col): (usize, usize)) -> Option<bool> {
+        if let Some(curved) = CurvedScene::around(self, uav) {
+            return curved.mapper(self).is_los(uav, (row, col));
+        }
         let (receivers, _) = self.receivers_at((row, col)).next()?;
         let cell = row * self.field.grid().n_cols() + col;
         let receiver = Station { place: self.engine.positions().center(row, col), z: receivers.height(cell) };
@@ -282,9 +301,14 @@ impl<'a> Mapper<'a> {
         mut each_part: Option<EachPart<'_>>,
         keep: bool,
     ) -> Result<SiteCoverage> {
+        if let Some(curved) = CurvedScene::around(self, uav) {
+            curved.check(self)?;
+            let mut map = curved.mapper(self).map_in_parts(uav, control, each_part, keep)?;
+            curved.raise(&mut map, self.told_rows());
+            return Ok(map);
+        }
         let (n_rows, n_cols) = (self.field.grid().n_rows(), self.field.grid().n_cols());
-        // Rows beyond the window are not told of.
-        let told = self.options.window.map_or(0..n_rows, |window| window.row..window.row + window.n_rows);
+        let told = self.told_rows();
         let layers = if keep { self.options.layers } else { HeightLayers::default() };
         let range = self.range_of(uav);
         let map =
@@ -348,6 +372,12 @@ impl<'a> Mapper<'a> {
             stability,
             ..SiteCoverage::of_tally(uav, tally)
         })
+    }
+
+    /// The rows that are told of: those of the window.
+    fn told_rows(&self) -> std::ops::Range<usize> {
+        let n_rows = self.field.grid().n_rows();
+        self.options.window.map_or(0..n_rows, |window| window.row..window.row + window.n_rows)
     }
 
     /// The receivers of a cell, on the ground or on the roof.

@@ -9,6 +9,7 @@ use std::borrow::Cow;
 use rayon::prelude::*;
 
 use super::cell_heights::{least_height_and_margin, with_margin};
+use super::curved::CurvedScene;
 use super::map::Mapper;
 use super::range::Range;
 use super::{SiteCoverage, Uav, class};
@@ -115,6 +116,9 @@ impl Mapper<'_> {
     ///
     /// Cost: that of a map with margins, on the calling thread.
     pub fn worst_margin(&self, uav: &Uav, first: &[(usize, usize)]) -> Option<WorstReceiver> {
+        if let Some(curved) = CurvedScene::around(self, uav) {
+            return curved.mapper(self).worst_margin(uav, first);
+        }
         let range = self.range_of(uav);
         let kinds: Vec<Margins<'_, '_>> =
             self.receivers.iter().map(|kind| Margins::of(self, &self.alone, (uav, &range), kind)).collect();
@@ -137,6 +141,9 @@ impl Mapper<'_> {
     ///
     /// Cost: a walk for each.
     pub fn least_margin_among(&self, uav: &Uav, cells: &[(usize, usize)]) -> Option<f32> {
+        if let Some(curved) = CurvedScene::around(self, uav) {
+            return curved.mapper(self).least_margin_among(uav, cells);
+        }
         let range = self.range_of(uav);
         let receivers = cells.iter().flat_map(|cell| self.receivers_at(*cell));
         let in_range = receivers.filter(|(receivers, cell)| range.contains(receivers, *cell));
@@ -145,6 +152,9 @@ impl Mapper<'_> {
 
     /// Margins of some `most` receivers of a map that this mapper made; of all, if they are fewer, or found at once.
     pub fn margin_sample(&self, map: &SiteCoverage, most: usize) -> MarginSample {
+        if let Some(curved) = CurvedScene::around(self, &map.uav) {
+            return curved.mapper(self).margin_sample(map, most);
+        }
         let n_receivers = usize::try_from(map.tally.receivers).unwrap_or(usize::MAX);
         let range = self.range_of(&map.uav);
         let of_kind = |kind| Margins::of(self, &self.engine, (&map.uav, &range), kind);

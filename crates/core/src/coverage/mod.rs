@@ -7,6 +7,7 @@ mod bearings;
 mod cell_classes;
 mod cell_heights;
 pub mod class;
+mod curved;
 mod elevation;
 mod explained_link;
 mod height_curve;
@@ -29,6 +30,7 @@ mod uav;
 mod uav_grid;
 
 pub use cell_heights::surface_under;
+pub use curved::CurvedScene;
 pub use explained_link::{
     ExplainedLink, LinkObstacle, ObstacleKind, ProfileStep, StepKind, explain_link, link_profile, place_receiver,
 };

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use crate::city::Antenna;
 use crate::error::{Error, Result};
+use crate::height_field::Curvature;
 use crate::los::MethodChoice;
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::{BitGrid, CellWindow};
@@ -36,6 +37,8 @@ pub struct MapOptions {
     pub radius: Option<f64>,
     /// What the antennas of UAVs serve that do not say so themselves.
     pub antenna: Antenna,
+    /// The curve of the earth, if it is not taken as flat.
+    pub curvature: Option<Curvature>,
     /// Length of a CRS unit \[m\], for elevation angles and antennas.
     pub meters_per_unit: f64,
     /// Which layers of heights to make.
@@ -54,6 +57,7 @@ impl Default for MapOptions {
             window: None,
             radius: None,
             antenna: Antenna::default(),
+            curvature: None,
             meters_per_unit: 1.0,
             layers: HeightLayers::default(),
             method: MethodChoice::Auto,

@@ -7,13 +7,14 @@ use rayon::prelude::*;
 
 use super::cell_classes::{RowSets, write_classes};
 use super::cell_heights::with_margin;
+use super::curved::check_curve;
 use super::elevation::RowElevations;
 use super::range::{Heights, Range};
 use super::row_bands::{Row, split};
 use super::{Control, MapOptions, Receivers, SiteCoverage, Tally, Uav};
 use crate::city::{Ground, Solids, WindowedBase, WindowedSolids, row_bands};
 use crate::error::{Error, Fault, MapError, Result};
-use crate::height_field::{GridPositions, HeightField, Station};
+use crate::height_field::{Drops, GridPositions, HeightField, Station};
 use crate::los::{
     ColumnsReader, GridReceivers, MethodChoice, StreamLimits, StreamedHeights, StreamedScene, streamed_sweep_los,
 };
@@ -74,6 +75,8 @@ struct Band<'b> {
     first_row: usize,
     /// The receivers in it, kind by kind.
     receivers: Vec<GridReceivers<'b>>,
+    /// How much lower it is than over a flat earth.
+    drops: Option<&'b Drops>,
 }
 
 /// The windows of a scene as the sweep reads them.
@@ -178,11 +181,18 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             let (lowest, highest) = receivers.heights.range();
             Heights { lowest, highest, are_flat: is_flat && receivers.stand == Stand::Ground }
         }));
+        let drops = self.drops(uav);
+        if let Some(drops) = &drops {
+            check_curve(drops, self.max_top, grid.window())?;
+        }
+        let most = drops.as_ref().map_or(0, |drops| drops.most(grid.window()));
+        let heights =
+            Heights { lowest: heights.lowest - most, are_flat: heights.are_flat && drops.is_none(), ..heights };
         let range = Range::of(&self.positions, uav, self.options, heights);
         let decided: Vec<Decided> = self
             .receivers
             .iter()
-            .map(|receivers| self.decide(uav, receivers, &range, control))
+            .map(|receivers| self.decide((uav, drops.as_ref()), receivers, &range, control))
             .collect::<Result<_>>()?;
         let layers = self.options.layers;
         let layer = |wanted: bool| if wanted { vec![f32::NAN; grid.n_cells()] } else { Vec::new() };
@@ -193,9 +203,10 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let mut mask = Vec::new();
         for window in row_bands(grid) {
             control.check()?;
-            let field = HeightField::build(&grid.part(window), self.scene.solids(window)?).field;
+            let field = self.band(window, drops.as_ref())?;
             let receivers = self.receivers.iter().map(|r| receivers_of(&field, r.stand, self.options)).collect();
-            let band = Band { uav, range: &range, decided: &decided, field: &field, first_row: window.row, receivers };
+            let (first_row, drops) = (window.row, drops.as_ref());
+            let band = Band { uav, range: &range, decided: &decided, field: &field, first_row, receivers, drops };
             mask.resize(window.n_rows * n_cols, 0);
             let rows = mask.chunks_mut(n_cols).zip(heights.by_ref());
             let mut rows: Vec<Row<'_>> = rows
@@ -244,7 +255,8 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             for col in set_bits(wanted) {
                 let is_los = los[col / 64] >> (col % 64) & 1 == 1;
                 let (cell, height) = (k * n_cols + col, heights[row * n_cols + col]);
-                out.set_heights(col, with_margin(height, here.height(cell), here.base(cell), is_los));
+                let (least, margin) = with_margin(height, here.height(cell), here.base(cell), is_los);
+                out.set_heights(col, (band.drops.map_or(least, |drops| drops.raised(least, (row, col))), margin));
             }
         }
         tally.add_others(&sets, n_cols);
@@ -253,17 +265,34 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
     }
 
     /// The receivers of one kind that are in range.
-    fn in_range(&self, receivers: &StreamedReceivers, range: &Range<'_>) -> Result<BitGrid> {
-        let heights = receivers.heights.range();
+    fn in_range(&self, receivers: &StreamedReceivers, range: &Range<'_>, drops: Option<&Drops>) -> Result<BitGrid> {
+        let (lowest, highest) = receivers.heights.range();
+        let heights = (lowest - drops.map_or(0, |drops| drops.most(self.scene.grid().window())), highest);
         let mut wanted = range.cut_between(&receivers.cells, heights);
         if heights.0 < heights.1 && range.limits_elevations() {
             // The heights of single receivers are in the scene alone.
             for window in row_bands(self.scene.grid()) {
-                let field = HeightField::build(&self.scene.grid().part(window), self.scene.solids(window)?).field;
+                let field = self.band(window, drops)?;
                 range.drop_beyond(&receivers_of(&field, receivers.stand, self.options), window.row, &mut wanted);
             }
         }
         Ok(wanted)
+    }
+
+    /// How much lower cells are, as a UAV sees them over a curved earth.
+    fn drops(&self, uav: &Uav) -> Option<Drops> {
+        let MapOptions { curvature, meters_per_unit, .. } = *self.options;
+        Some(Drops::new(&self.positions, &uav.station.place, curvature?, meters_per_unit))
+    }
+
+    /// Some rows of the scene, as seen over a curved earth.
+    fn band(&self, window: CellWindow, drops: Option<&Drops>) -> Result<HeightField> {
+        let field = HeightField::build(&self.scene.grid().part(window), self.scene.solids(window)?).field;
+        let bent = drops.and_then(|drops| {
+            let of_band = drops.of_rows(window.row..window.row + window.n_rows);
+            field.bent(&of_band, field.grid().window())
+        });
+        Ok(bent.unwrap_or(field))
     }
 
     /// The grid of receivers.
@@ -274,7 +303,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
     /// The receivers in range, those in line of sight, and the least heights over their cells.
     fn decide(
         &self,
-        uav: &Uav,
+        (uav, drops): (&Uav, Option<&Drops>),
         receivers: &StreamedReceivers,
         range: &Range<'_>,
         control: &Control,
@@ -282,16 +311,29 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let layers = self.options.layers;
         let wanted = match range.is_everywhere() {
             true => None,
-            false => Some(self.in_range(receivers, range)?),
+            false => Some(self.in_range(receivers, range, drops)?),
         };
+        let flat = Columns(self.scene);
+        let most = drops.map_or(0, |drops| i32::try_from(drops.most(range.window())).unwrap_or(i32::MAX));
+        let (heights, of_one) = match (drops, receivers.heights) {
+            (Some(_), StreamedHeights::Flat(z)) => {
+                (StreamedHeights::Over { is_top: false, above: 0, range: (z.saturating_sub(most), z) }, Some(z))
+            }
+            (Some(_), StreamedHeights::Over { is_top, above, range: (low, high) }) => {
+                (StreamedHeights::Over { is_top, above, range: (low.saturating_sub(most), high) }, None)
+            }
+            (None, heights) => (heights, None),
+        };
+        let curved = drops.map(|drops| CurvedColumns { flat: &flat, drops, base: of_one });
+        let columns: &dyn ColumnsReader = curved.as_ref().map_or(&flat, |curved| curved);
         let scene = StreamedScene {
-            columns: &Columns(self.scene),
+            columns,
             max_top: self.max_top,
             uav: uav.station.on_columns(),
-            receivers: receivers.heights,
+            receivers: heights,
             wanted: wanted.as_ref().unwrap_or(&receivers.cells),
             window: range.window(),
-            heights_from: layers.has_heights().then_some(i64::from(receivers.lowest_base)),
+            heights_from: layers.has_heights().then_some(i64::from(receivers.lowest_base) - i64::from(most)),
             limits: self.limits,
             level: SimdLevel::new(),
         };
@@ -301,6 +343,38 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         })?;
         control.check()?;
         Ok(Decided { wanted, los: swept.los, least_heights: swept.least_heights })
+    }
+}
+
+/// Columns as a UAV sees them over a curved earth.
+struct CurvedColumns<'a> {
+    flat: &'a dyn ColumnsReader,
+    drops: &'a Drops,
+    /// The one base of all receivers over a flat earth, if it is one \[1/1024 m above the datum\].
+    base: Option<i32>,
+}
+
+impl ColumnsReader for CurvedColumns<'_> {
+    fn shape(&self) -> (usize, usize) {
+        self.flat.shape()
+    }
+
+    fn read_tops(&self, window: CellWindow, tops: &mut Vec<i32>) -> Result<()> {
+        self.flat.read_tops(window, tops)?;
+        self.drops.lower(tops, window);
+        Ok(())
+    }
+
+    fn read_bases(&self, window: CellWindow, bases: &mut Vec<i32>) -> Result<()> {
+        match self.base {
+            Some(base) => {
+                bases.clear();
+                bases.resize(window.n_rows * window.n_cols, base);
+            }
+            None => self.flat.read_bases(window, bases)?,
+        }
+        self.drops.lower(bases, window);
+        Ok(())
     }
 }
 

@@ -44,9 +44,13 @@ impl UavGrid {
 
 impl Mapper<'_> {
     /// UAVs over the centers of cells of `grid`, each with the number of its cell, row by row; `None` without any, or if
-    /// they are not all at one height where the grid puts them.
+    /// they are not all at one height where the grid puts them, or the earth is curved.
     pub fn uav_grid<'a>(&self, grid: &GeoRef, uavs: impl IntoIterator<Item = (usize, &'a Uav)>) -> Option<UavGrid> {
         let field = self.field;
+        // Over a curved earth each UAV sees heights of its own.
+        if self.options.curvature.is_some() {
+            return None;
+        }
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
         let positions = field.positions_on(grid);
         let has_prisms = field.prisms().is_some();

@@ -6,7 +6,7 @@ use super::class::ErrorClass;
 use crate::quantity::MAX_EXTENT_UNITS;
 
 /// Why no map can be made as it was asked for.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
 pub enum MapError {
@@ -16,6 +16,14 @@ pub enum MapError {
     /// Layers of heights, which are exact, beside an approximate method.
     #[error("layers of heights with `{method}`, which is approximate: they are exact, and would not agree")]
     ApproximateLayers { method: Cow<'static, str> },
+    /// Footprints over a curved earth.
+    #[error("footprints are mapped over a flat earth alone, found a curvature")]
+    CurvedFootprints,
+    /// A curvature so strong that heights would leave the lattice: how far the earth would fall away within range \[m\].
+    #[error(
+        "within range the earth would fall away by {0:.0} m, wanted at most what leaves all heights within ±32768 m"
+    )]
+    TooCurved(f64),
     /// The method needs the whole scene in memory.
     #[error("the method that was asked for cannot decide this scene, which does not fit in memory")]
     StreamedMethod,

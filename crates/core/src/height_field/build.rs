@@ -29,14 +29,14 @@ impl HeightField {
     pub fn build(grid: &GeoRef, solids: Solids) -> Built {
         let mut warnings = Vec::new();
         let nothing = BitGrid::new(0, 0);
-        let no_cells = CellSets { open: nothing.clone(), building: nothing };
+        let no_cells = Arc::new(CellSets { open: nothing.clone(), building: nothing });
         let mut field = match solids {
             Solids::Raster { surface, ground, building_threshold, voids } => {
                 let georef = surface.georef().clone();
                 let columns = Columns::new(georef.n_rows(), georef.n_cols(), surface.into_cells());
                 let solid =
                     Solid::Raster(RasterSolid { columns, frame: cell_frame(&georef), ground, building_threshold });
-                HeightField { grid: grid.clone(), solid, without_data: voids, cells: no_cells }
+                HeightField { grid: grid.clone(), solid, without_data: voids.map(Arc::new), cells: no_cells }
             }
             Solids::Vector { footprints, frame, ground, data_area, .. } => {
                 let prisms = Arc::new(prisms_of(&footprints, &mut warnings));
@@ -71,7 +71,7 @@ impl HeightField {
                 field
             }
         };
-        field.cells = CellSets::of(&field);
+        field.cells = Arc::new(CellSets::of(&field));
         warnings.extend(field.unknown_ground());
         Built { field, warnings }
     }
@@ -79,7 +79,7 @@ impl HeightField {
     /// Cells of a vector scene below which no terrain is known, if there are any.
     fn unknown_ground(&self) -> Option<Warning> {
         let is_on_terrain = self.prisms().is_some() && self.columns().is_some();
-        let of_data = self.grid.n_cells() as u64 - self.without_data.as_ref().map_or(0, BitGrid::count);
+        let of_data = self.grid.n_cells() as u64 - self.without_data.as_deref().map_or(0, BitGrid::count);
         let cells = of_data - self.cells.open.count() - self.cells.building.count();
         let block = self.max_top() == BLOCKS_ALL;
         (is_on_terrain && cells > 0).then_some(Warning::UnknownGround { cells, block })

@@ -13,7 +13,7 @@ impl HeightField {
         let mut field = HeightField { grid: grid.clone(), ..self.clone() };
         field.find_roofs();
         field.find_cells_without_data();
-        field.cells = CellSets::of(&field);
+        field.cells = Arc::new(CellSets::of(&field));
         field
     }
 
@@ -25,7 +25,7 @@ impl HeightField {
             vector.building_ids = [].into();
             vector.roofs = vec![VOID; self.grid.n_cells()];
         }
-        field.cells = CellSets::of(&field);
+        field.cells = Arc::new(CellSets::of(&field));
         field
     }
 

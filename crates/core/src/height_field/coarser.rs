@@ -38,13 +38,13 @@ impl HeightField {
         let raster = self.solid.raster()?;
         let grid = coarser_grid(self.grid(), factor)?;
         let pooled = |tops: &[i32]| {
-            Raster::new(grid.clone(), pool((tops, self.without_data.as_ref()), self.grid(), (&grid, factor), pooling))
+            Raster::new(grid.clone(), pool((tops, self.without_data.as_deref()), self.grid(), (&grid, factor), pooling))
         };
         let ground = match &raster.ground {
             Ground::Terrain(terrain) => Ground::Terrain(pooled(terrain.cells())),
             ground => ground.clone(),
         };
-        let voids = self.without_data.as_ref().map(|fine| all_of(fine, (grid.n_rows(), grid.n_cols()), factor));
+        let voids = self.without_data.as_deref().map(|fine| all_of(fine, (grid.n_rows(), grid.n_cols()), factor));
         let solids = Solids::Raster {
             surface: pooled(raster.columns.tops()),
             ground,
@@ -85,7 +85,7 @@ impl HeightField {
             surface: terrain.clone(),
             ground: Ground::Terrain(terrain.clone()),
             building_threshold: *building_threshold,
-            voids: self.without_data.clone(),
+            voids: self.without_data.as_deref().cloned(),
         };
         Some(HeightField::build(self.grid(), solids).field)
     }
@@ -110,7 +110,7 @@ impl HeightField {
                 Ground::Terrain(Raster::new(grid.clone(), grounds))
             }
         };
-        let voids = self.without_data.clone();
+        let voids = self.without_data.as_deref().cloned();
         let solids = Solids::Raster { surface, ground, building_threshold: 0, voids };
         Some(HeightField::build(grid, solids).field)
     }

@@ -2,10 +2,11 @@
 
 use std::sync::OnceLock;
 
+use super::Drops;
 use super::plateaus::Plateaus;
 use super::tile_maxima::TileMaxima;
 use crate::quantity::{STEPS_PER_UNIT, VOID};
-use crate::raster::LargeVec;
+use crate::raster::{CellWindow, LargeVec};
 
 /// Edge length of a cell on the lattice of a raster scene.
 const CELL: i64 = STEPS_PER_UNIT as i64;
@@ -21,7 +22,7 @@ pub struct Columns {
     steps: [i64; 2],
     tops: LargeVec<i32>,
     plateaus: Option<Plateaus>,
-    /// The lowest and the highest top.
+    /// The lowest and the highest top; of lowered columns what these are not beyond.
     extremes: (i32, i32),
     tiles: OnceLock<TileMaxima>,
     tiles_of_tiles: OnceLock<TileMaxima>,
@@ -55,6 +56,23 @@ impl Columns {
     pub(crate) fn with_cells_of(mut self, steps: [i64; 2]) -> Self {
         self.steps = steps;
         self
+    }
+
+    /// These columns with other tops within a window of a raster, which drops have lowered.
+    pub(super) fn lowered(&self, tops: LargeVec<i32>, drops: &Drops, window: CellWindow) -> Columns {
+        let (low, high) = self.extremes;
+        let most = i32::try_from(drops.most(window)).unwrap_or(i32::MAX);
+        let low = if low == VOID { VOID } else { low.saturating_sub(most) };
+        Columns {
+            n_cols: self.n_cols,
+            n_rows: self.n_rows,
+            steps: self.steps,
+            tops,
+            plateaus: None,
+            extremes: (low, high),
+            tiles: OnceLock::from(drops.of_tiles(self.tiles())),
+            tiles_of_tiles: OnceLock::new(),
+        }
     }
 
     /// Width and height of a cell \[lattice steps\].

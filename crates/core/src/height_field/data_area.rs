@@ -1,5 +1,7 @@
 //! The data area of a scene: which cells of the receivers' grid lie in the ground that is known.
 
+use std::sync::Arc;
+
 use super::HeightField;
 use super::known_ground::KnownGround;
 use super::solid::Solid;
@@ -11,7 +13,7 @@ impl HeightField {
     /// Finds the cells of the receivers' grid that lie outside of the known ground.
     pub(super) fn find_cells_without_data(&mut self) {
         if let Some(known) = self.known_ground() {
-            self.without_data = Some(known.outside(&self.grid)).filter(|outside| outside.count() > 0);
+            self.without_data = Some(known.outside(&self.grid)).filter(|outside| outside.count() > 0).map(Arc::new);
         }
     }
 
@@ -24,7 +26,7 @@ impl HeightField {
     /// building says nothing of a city.
     pub(super) fn knows_all_as_little_is_open(&mut self) -> bool {
         let Solid::Vector(vector) = &mut self.solid else { return false };
-        let n_known = self.grid.n_cells() as u64 - self.without_data.as_ref().map_or(0, BitGrid::count);
+        let n_known = self.grid.n_cells() as u64 - self.without_data.as_deref().map_or(0, BitGrid::count);
         let n_built = vector.roofs.iter().filter(|roof| **roof != VOID).count() as u64;
         let is_open = n_known > 0 && 10 * n_known.saturating_sub(n_built) >= n_known;
         if vector.known_ground.is_none() || is_open {
@@ -36,7 +38,7 @@ impl HeightField {
 
     /// The cells outside of the data area of a vector scene, if there are any: they hold no receiver, no zone and no candidate.
     pub fn outside_data(&self) -> Option<&BitGrid> {
-        self.without_data.as_ref().filter(|_| self.known_ground().is_some())
+        self.without_data.as_deref().filter(|_| self.known_ground().is_some())
     }
 
     /// The heights \[m\] of those buildings that stand on the receivers' grid and in its data area.

@@ -1,5 +1,7 @@
 //! A scene made ready for rays: its obstacles, and the ground and roofs at every cell and every point.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::positions::RangeLattice;
@@ -18,8 +20,8 @@ pub struct HeightField {
     pub(super) solid: Solid,
     /// The cells of the receivers' grid without data though a ground is known there, if there are any: those outside of the
     /// known ground, and those where a surface model has no height.
-    pub(super) without_data: Option<BitGrid>,
-    pub(super) cells: CellSets,
+    pub(super) without_data: Option<Arc<BitGrid>>,
+    pub(super) cells: Arc<CellSets>,
 }
 
 /// What a cell of the receivers' grid is.
@@ -143,7 +145,7 @@ impl HeightField {
         let n_cols = columns.n_cols();
         let is_void = |cells: &BitGrid| self.prisms().is_none() && cells.contains(cell / n_cols, cell % n_cols);
         let top = columns.tops()[cell];
-        if top == VOID || top == BLOCKS_ALL || self.without_data.as_ref().is_some_and(is_void) {
+        if top == VOID || top == BLOCKS_ALL || self.without_data.as_deref().is_some_and(is_void) {
             return (None, None);
         }
         match &self.solid {
@@ -187,7 +189,7 @@ impl HeightField {
         let cell = raster.columns.cell_at(place.on_columns.0, place.on_columns.1)?;
         let n_cols = raster.columns.n_cols();
         let is_void = |cells: &BitGrid| cells.contains(cell / n_cols, cell % n_cols);
-        if self.without_data.as_ref().is_some_and(is_void) {
+        if self.without_data.as_deref().is_some_and(is_void) {
             return None;
         }
         match raster.kind_of(raster.columns.top_at(cell), cell) {

@@ -4,6 +4,7 @@
 //! vector scene. A [`HeightField`] is either or both, each on its own lattice, together with what receivers stand on.
 //! Nothing here decides who sees whom; that is [`crate::los`].
 
+mod bent;
 mod build;
 mod casters;
 mod cell_sets;
@@ -24,6 +25,7 @@ mod solid;
 mod tile_maxima;
 mod triangulate;
 
+pub use bent::{Curvature, Drops, EARTH_RADIUS_M};
 pub use build::Built;
 pub use casters::{Caster, CasterBlock, Casters};
 pub use cell_sets::StandsOn;

@@ -1,5 +1,7 @@
 //! A part of a scene.
 
+use std::sync::Arc;
+
 use super::solid::{Solid, VectorSolid};
 use super::{CellSets, HeightField};
 use crate::city::{Ground, Solids};
@@ -29,8 +31,9 @@ impl HeightField {
             known_ground: known_ground.clone(),
             building_ids: building_ids.clone(),
         });
-        let cells = CellSets { open: self.cells.open.part(window), building: self.cells.building.part(window) };
-        let without_data = self.without_data.as_ref().map(|whole| whole.part(window));
+        let cells =
+            Arc::new(CellSets { open: self.cells.open.part(window), building: self.cells.building.part(window) });
+        let without_data = self.without_data.as_ref().map(|whole| Arc::new(whole.part(window)));
         HeightField { grid: self.grid.part(window), solid, without_data, cells }
     }
 

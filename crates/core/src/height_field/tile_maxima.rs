@@ -38,6 +38,24 @@ impl TileMaxima {
         TileMaxima { per_row, maxima, lowest, highest }
     }
 
+    /// The maxima of so many rows and columns of cells that are all alike.
+    pub(crate) fn of_one(value: i32, (n_rows, n_cols): (usize, usize)) -> TileMaxima {
+        let per_row = n_cols.div_ceil(TILE);
+        TileMaxima { per_row, maxima: vec![value; n_rows.div_ceil(TILE) * per_row], lowest: value, highest: value }
+    }
+
+    /// Other maxima, given row and column of each tile and what it has.
+    pub(super) fn map(&self, of: impl Fn(usize, usize, i32) -> i32) -> TileMaxima {
+        let maxima: Vec<i32> = self
+            .maxima
+            .iter()
+            .enumerate()
+            .map(|(k, highest)| of(k / self.per_row, k % self.per_row, *highest))
+            .collect();
+        let extremes = maxima.iter().fold((self.lowest, i32::MIN), |(low, high), z| (low, high.max(*z)));
+        TileMaxima { per_row: self.per_row, maxima, lowest: extremes.0, highest: extremes.1 }
+    }
+
     /// Tiles to a row.
     pub fn per_row(&self) -> usize {
         self.per_row

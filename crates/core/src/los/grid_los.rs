@@ -87,7 +87,7 @@ pub struct GridLos<'a> {
     field: &'a HeightField,
     method: Method,
     engine: Engine<'a>,
-    positions: GridPositions,
+    positions: Arc<GridPositions>,
     /// What casts shadows, if not all prisms do: none that is left out can hide a receiver that will be asked about.
     pub(crate) casters: Option<Arc<Casters>>,
     /// The vector instructions that it uses: no result depends on them.
@@ -108,11 +108,24 @@ impl<'a> GridLos<'a> {
             field,
             method,
             engine: Engine::new(field, method, &positions)?,
-            positions,
+            positions: Arc::new(positions),
             casters: None,
             level: SimdLevel::new(),
             is_one_band: false,
         })
+    }
+
+    /// This engine over the same raster scene with other heights.
+    pub(crate) fn over<'b>(&self, field: &'b HeightField) -> GridLos<'b> {
+        let engine = match (&self.engine, field.columns()) {
+            (Engine::Step(_, length), Some(columns)) => Engine::Step(columns, *length),
+            (Engine::Xdraw(_), Some(columns)) => Engine::Xdraw(columns),
+            (Engine::R2(_), Some(columns)) => Engine::R2(columns),
+            (Engine::Sweep(_), Some(columns)) => Engine::Sweep(columns),
+            _ => Engine::Ray,
+        };
+        let GridLos { method, level, is_one_band, .. } = *self;
+        GridLos { field, method, engine, positions: Arc::clone(&self.positions), casters: None, level, is_one_band }
     }
 
     /// The engine in use.

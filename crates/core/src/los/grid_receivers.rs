@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
-use crate::height_field::{Columns, StandsOn, TileMaxima};
-use crate::raster::{BitGrid, set_bits};
+use crate::height_field::{Columns, Drops, StandsOn, TileMaxima};
+use crate::raster::{BitGrid, CellWindow, set_bits};
 
 /// Receivers of one kind on the cells of a grid, ready for many UAVs.
 #[derive(Debug, Clone)]
@@ -53,6 +53,25 @@ impl<'a> GridReceivers<'a> {
             }
         };
         GridReceivers { cells, stands_on, above, range, tiles: OnceLock::new() }
+    }
+
+    /// Receivers on the same cells of a scene whose heights drops have lowered within a window.
+    pub(crate) fn lowered<'b>(
+        &'b self,
+        stands_on: StandsOn<'b>,
+        drops: &Drops,
+        window: CellWindow,
+    ) -> GridReceivers<'b> {
+        let most = i32::try_from(drops.most(window)).unwrap_or(i32::MAX);
+        let range = (self.range.0.saturating_sub(most), self.range.1);
+        let tiles = OnceLock::new();
+        if let StandsOn::Flat(z) = self.stands_on {
+            let (n_rows, n_cols) = (self.cells.n_rows(), self.cells.n_cols());
+            let _ = tiles.set(drops.of_tiles(&TileMaxima::of_one(z, (n_rows, n_cols))));
+        } else if !matches!(stands_on, StandsOn::Tops(_)) {
+            let _ = tiles.set(drops.of_tiles(self.tiles()));
+        }
+        GridReceivers { cells: Cow::Borrowed(&*self.cells), stands_on, above: self.above, range, tiles }
     }
 
     /// Height of what the receiver of a cell stands on \[1/1024 m above the datum\].

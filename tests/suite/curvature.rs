@@ -1,0 +1,211 @@
+//! The curve of the earth over rasters: every engine against the oracle over columns that are lowered in exact arithmetic.
+
+use serde_json::Value;
+use skyshed_core::city::Ground;
+use skyshed_core::coverage::{HeightLayers, MapOptions, Mapper, Receivers, Uav, class};
+use skyshed_core::height_field::{CellKind, Curvature, HeightField};
+use skyshed_core::los::MethodChoice;
+use skyshed_core::quantity::VOID;
+use skyshed_core::raster::{GeoRef, Raster};
+
+use crate::invariants::{map, uav_at};
+use crate::oracle;
+use crate::program::Folder;
+use crate::referee::{Count, over_seeds};
+use crate::support::{Random, raster_field, slow};
+
+/// K as a fraction: those of radio and light, and such that a few cells bend by meters.
+const EARTHS: [(i128, i128); 5] = [(4, 3), (7, 6), (1, 1), (1, 100_000), (1, 700_000)];
+
+/// How much lower a cell is seen so many lattice steps of 1/1024 m away, rounded half up.
+fn drop((p, q): (i128, i128), dx: i64, dy: i64) -> i64 {
+    // d² / 2KR with R = 6 371 008.8 m, in steps.
+    let squared = i128::from(dx) * i128::from(dx) + i128::from(dy) * i128::from(dy);
+    let (num, den) = (squared * q * 10, 1024 * 2 * p * 63_710_088);
+    i64::try_from((2 * num + den).div_euclid(2 * den)).unwrap()
+}
+
+fn curvature((p, q): (i128, i128)) -> Curvature {
+    Curvature::of_earth_k(p as f64 / q as f64).unwrap()
+}
+
+/// A raster with steps of relief, houses and holes on cells of 1 m.
+fn scene(random: &mut Random) -> HeightField {
+    let (n_rows, n_cols) = (random.index(5, 45), random.index(5, 45));
+    let grid = GeoRef::new((40.0, 90.0), (1.0, 1.0), (n_rows, n_cols), None).unwrap();
+    let kind = random.within(0, 2);
+    let cells: Vec<i32> = (0..n_rows * n_cols)
+        .map(|_| match (random.within(0, 19), kind) {
+            (0, _) => VOID,
+            (1..=4, _) => i32::try_from(random.within(1, 9000)).unwrap(),
+            (_, 0) => 0,
+            _ => i32::try_from(random.within(-700, 700)).unwrap(),
+        })
+        .collect();
+    let ground = match random.within(0, 2) {
+        0 => Ground::Surface,
+        1 => Ground::Flat(0),
+        _ => {
+            let terrain =
+                cells.iter().enumerate().map(|(k, z)| if k % 3 == 0 || *z == VOID { *z } else { (*z).min(99) });
+            Ground::Terrain(Raster::new(grid.clone(), terrain.collect::<Vec<_>>()))
+        }
+    };
+    raster_field(Raster::new(grid, cells), ground)
+}
+
+/// Compares a map of each engine with the oracle, cell by cell.
+fn compare(field: &HeightField, uav: &Uav, earth: (i128, i128), receivers: Receivers, count: &mut Count) {
+    let grid = field.grid();
+    let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
+    let curvature = Some(curvature(earth));
+    let options = MapOptions { curvature, receivers, ..MapOptions::default() };
+    let positions = field.positions();
+    let here = uav.station.on_columns();
+    let steps = |cell: usize| {
+        let place = positions.center(cell / n_cols, cell % n_cols);
+        let there = skyshed_core::height_field::Station { place, z: 0 }.on_columns();
+        (there.x, there.y)
+    };
+    let lower = |cell: usize| {
+        let (x, y) = steps(cell);
+        drop(earth, x - here.x, y - here.y)
+    };
+    let tops = field.columns().unwrap().tops();
+    let heights = (0..tops.len()).map(|k| (tops[k] != VOID).then(|| i64::from(tops[k]) - lower(k))).collect();
+    let columns = oracle::Columns { n_cols, n_rows, heights };
+    let found = map(field, uav, &options);
+    let mapper = Mapper::new(field, &options).unwrap();
+    assert_eq!(mapper.count(uav), (found.tally.receivers, found.tally.los));
+    for method in [MethodChoice::Ray, MethodChoice::Sweep] {
+        assert_eq!(map(field, uav, &MapOptions { method, ..options.clone() }).mask, found.mask, "{method:?}");
+    }
+    for cell in 0..tops.len() {
+        let place = positions.center(cell / n_cols, cell % n_cols);
+        let base = match field.cell_kind(cell, &place) {
+            CellKind::Open(z) if receivers != Receivers::Roof => z,
+            CellKind::Building(z) if receivers != Receivers::Ground => z,
+            _ => continue,
+        };
+        let (x, y) = steps(cell);
+        let receiver = [x, y, i64::from(base) + 1536 - lower(cell)];
+        let wanted = oracle::columns_los(&columns, [here.x, here.y, here.z], receiver);
+        let of =
+            || format!("K {earth:?}, {receivers:?}, UAV {here:?}, receiver {receiver:?} in cell {cell}\n{columns:?}");
+        assert_eq!(found.mask[cell], if wanted { class::LOS } else { class::NLOS }, "{}", of());
+        count.add(wanted);
+    }
+}
+
+#[test]
+fn rasters_over_a_curved_earth_are_those_of_the_oracle() {
+    let count = over_seeds(if slow() { 4000 } else { 250 }, 34, |seed, random, count| {
+        let field = scene(random);
+        let grid = field.grid();
+        let (width, depth) = (grid.x_max() - grid.x_min(), grid.y_max() - grid.y_min());
+        let along = |random: &mut Random, low: f64, length: f64| match random.within(0, 2) {
+            0 => low + (length * 0.5).floor() + 0.5,
+            1 => low + random.within(0, 1023) as f64 / 1024.0 * length,
+            _ => low + (random.within(-4, 6) as f64 / 2.0 * length).floor(),
+        };
+        let (x, y) = (along(random, grid.x_min(), width), along(random, grid.y_min(), depth));
+        let uav = uav_at(&field, x, y, random.choose(&[1536, 2048, 5000, 9000, 20_000, 60_000]));
+        let earth = EARTHS[usize::try_from(seed).unwrap() % EARTHS.len()];
+        compare(&field, &uav, earth, random.choose(&[Receivers::Ground, Receivers::Roof, Receivers::All]), count);
+    });
+    count.assert_both(20_000);
+}
+
+#[test]
+fn layers_over_a_curved_earth_are_those_of_walks() {
+    let layers = HeightLayers { margin: true, least_receiver_height: true, least_height: true, stability: false };
+    over_seeds(if slow() { 2000 } else { 100 }, 35, |_, random, _| {
+        let field = scene(random);
+        let grid = field.grid();
+        let uav = uav_at(&field, grid.x_min() + 2.5, grid.y_min() + 2.5, random.choose(&[3000, 9000, 40_000]));
+        let curvature = Some(curvature((1, 300_000)));
+        let options = MapOptions { layers, curvature, receivers: Receivers::All, ..MapOptions::default() };
+        let (a, b) =
+            (map(&field, &uav, &options), map(&field, &uav, &MapOptions { method: MethodChoice::Ray, ..options }));
+        let bits = |of: &Option<Vec<f32>>| of.as_ref().unwrap().iter().map(|z| z.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&a.margin), bits(&b.margin));
+        assert_eq!(bits(&a.least_receiver_height), bits(&b.least_receiver_height));
+        assert_eq!(bits(&a.least_height), bits(&b.least_height));
+        // A receiver is in line of sight from its least height up, above the datum.
+        let (least, margin) = (a.least_receiver_height.unwrap(), a.margin.unwrap());
+        let positions = field.positions();
+        for cell in (0..least.len()).filter(|cell| matches!(a.mask[*cell], class::LOS | class::NLOS)) {
+            let place = positions.center(cell / grid.n_cols(), cell % grid.n_cols());
+            if let CellKind::Open(z) | CellKind::Building(z) = field.cell_kind(cell, &place) {
+                let height = f64::from(z + 1536) / 1024.0;
+                if !least[cell].is_finite() || !margin[cell].is_finite() {
+                    continue;
+                }
+                let by_margin = height - f64::from(margin[cell]);
+                assert!((by_margin - f64::from(least[cell])).abs() < 1e-3 * (1.0 + f64::from(least[cell].abs())));
+            }
+        }
+    });
+}
+
+#[test]
+fn an_earth_that_is_hardly_curved_is_flat() {
+    let mut random = Random(36);
+    for _ in 0..20 {
+        let field = scene(&mut random);
+        let uav = uav_at(&field, field.grid().x_min() + 3.5, field.grid().y_min() + 1.5, 5000);
+        let curvature = Curvature::of_earth_k(1e12);
+        let flat = map(&field, &uav, &MapOptions::default());
+        assert_eq!(map(&field, &uav, &MapOptions { curvature, ..MapOptions::default() }).mask, flat.mask);
+    }
+    assert_eq!([0.0, -1.0, f64::NAN, f64::INFINITY].map(Curvature::of_earth_k), [None; 4]);
+}
+
+#[test]
+fn flags_bend_rasters_and_are_refused_over_footprints() {
+    let folder = Folder::new();
+    let cells: Vec<String> = (0..400).map(|k| (k * 7919 % 97 / 12).to_string()).collect();
+    folder.write(
+        "dsm.asc",
+        &format!("ncols 20\nnrows 20\nxllcorner 0\nyllcorner 0\ncellsize 900\n{}\n", cells.join(" ")),
+    );
+    let document = |words: &str| folder.type_in(&format!("map dsm.asc --uav 9000,9000,30 {words} --json")).done();
+    let (flat, radio) = (document(""), document("--earth-k 4/3"));
+    assert!(flat.warnings().contains(&"W201") && flat.err.contains("`--earth-k 4/3`"), "{}", flat.err);
+    assert!(!radio.warnings().contains(&"W201"), "{}", radio.err);
+    let (flat, radio) = (flat.json(), radio.json());
+    assert_ne!(flat["digest"], radio["digest"]);
+    assert_eq!((&flat["earth_k"], &radio["earth_k"]), (&Value::Null, &Value::from(4.0 / 3.0)));
+    assert_eq!(document("--curvature-coefficient 0.75").json()["digest"], radio["digest"]);
+    for flat_again in ["--earth-k inf", "--curvature-coefficient 0", "--earth-k 1e12"] {
+        assert_eq!(document(flat_again).json()["digest"], flat["digest"], "{flat_again}");
+    }
+    // A link is that of the map, a track and a curve run over the same scene.
+    let link =
+        folder.type_in("link dsm.asc --uav 9000,9000,30 --rx 450,450 --earth-k 0.05 --json -o link.png").done().json();
+    assert_eq!((&link["los"], &link["earth_k"]), (&Value::Bool(false), &Value::from(0.05)));
+    let heights = |words: &str| {
+        let of = format!("map dsm.asc --uav 9000,9000,30 {words} --height-curve c.json -o m.json --overwrite -q");
+        folder.type_in(&of).done();
+        (folder.json("c.json")["sites"][0].clone(), folder.json("m.json")["sites"][0]["los"].as_u64())
+    };
+    let (curve, los) = heights("--earth-k 0.05");
+    assert_ne!(curve, heights("").0);
+    assert!(los > Some(0));
+    folder.write("walk.csv", "x,y\n9000,9000\n450,450\n");
+    let track = |words: &str| {
+        folder.type_in(&format!("track dsm.asc --uav 9000,9000,30 --track walk.csv --every 30 {words} --json")).done()
+    };
+    assert_ne!(track("").json()["length_m"], track("--earth-k 0.05").json()["length_m"]);
+    folder.refuses("map itu:urban --size 200 --uav 9,9,90 --earth-k 4/3 --json", "E118", &["footprints", "--earth-k"]);
+    folder.refuses("link itu:urban --size 200 --uav 9,9,90 --rx 40,9 --earth-k 4/3", "E118", &["footprints"]);
+    folder.refuses(
+        "map dsm.asc --uav 9000,9000,30 --earth-k 1e-5 --json",
+        "E118",
+        &["fall away", "larger `--earth-k`"],
+    );
+    folder.refuses("map dsm.asc --uav 9000,9000,30 --earth-k 0 --json", "E113", &["K of the earth"]);
+    folder.refuses("map dsm.asc --uav 9000,9000,30 --earth-k 4/x", "E101", &["4/x"]);
+    folder.refuses("live dsm.asc --uav 9000,9000,30 --earth-k 4/3 -o p.html", "E116", &["earth_k"]);
+    folder.refuses("map dsm.asc --uav 9000,9000,30 --earth-k 4/3 --method shadow --json", "E118", &["curved"]);
+}
