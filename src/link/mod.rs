@@ -265,7 +265,7 @@ fn place_receiver(scene: &Scene, at: (f64, f64), height: Height) -> Result<Stati
 fn explain(scene: Scene, uav: coverage::Uav, receiver: Station, curvature: Option<Curvature>) -> Link {
     let curved = CurvedScene::of(&scene.field, &uav.station.place, curvature);
     let ExplainedLink { los, margin_m, distance_m, elevation_deg, obstruction } = match &curved {
-        Some(curved) => curved.raised(explain_link(curved.field(), &uav, &curved.lowered(&receiver))),
+        Some(curved) => curved.raised(&uav, &receiver, explain_link(curved.field(), &uav, &curved.lowered(&receiver))),
         None => explain_link(&scene.field, &uav, &receiver),
     };
     let end = |at: &Station| {

@@ -6,7 +6,7 @@ use crate::coverage::link_profile;
 use crate::error::{RequestError, Result};
 use crate::export::Format;
 use crate::picture::{Look, picture_provenance, written};
-use crate::quantity::meters;
+use crate::quantity::{meters, tidy};
 use crate::render::{self, LinkProfile};
 use crate::words::title_of;
 
@@ -37,12 +37,17 @@ pub(super) fn draw(link: &Link, format: Format, look: &Look) -> Result<Vec<u8>> 
     let title = look.title_or(|| title_of(&format!("{}: {verdict}", scene.name)));
     let mut caption: Vec<String> = link.text(look)?.lines().map(str::to_string).collect();
     if link.curved.is_some() {
-        caption.push("Heights from the plane that touches the earth below the UAV".into());
+        let fall_m = tidy(found.receiver.height_amsl_m - receiver_m);
+        caption.push(format!("As the UAV sees it: the earth falls away, by {fall_m} m at the receiver"));
     }
     caption.extend(scene.last_lines(look));
     let profile = LinkProfile {
         title: &title,
         caption: &caption,
+        heights: match link.curved {
+            Some(_) => "Height above the datum, less the fall of the earth [m]",
+            None => "Height above the datum [m]",
+        },
         distance_m: found.distance_m,
         uav_m,
         receiver_m,

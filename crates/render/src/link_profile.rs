@@ -22,6 +22,8 @@ pub struct LinkProfile<'a> {
     pub title: &'a str,
     /// Lines below; long ones are wrapped.
     pub caption: &'a [String],
+    /// What heights are, on their axis.
+    pub heights: &'a str,
     /// Horizontal length of the link \[m\].
     pub distance_m: f64,
     /// Height of the UAV \[m\].
@@ -107,7 +109,7 @@ fn axes(profile: &LinkProfile<'_>, Window { x, y, .. }: &Window) -> [Axis; 2] {
     let distances = furniture::ticks(0.0, profile.distance_m, 8.0);
     let x = x.axis_at("Distance from the UAV [m]", Direction::Across, WIDTH, distances);
     let heights = furniture::ticks(y.ends[0], y.ends[1], 6.0);
-    let y = y.axis_at("Height above the datum [m]", Direction::Up, HEIGHT, heights);
+    let y = y.axis_at(profile.heights, Direction::Up, HEIGHT, heights);
     [Axis { has_grid: false, ..x }, Axis { name_at: 82.0, ..y }]
 }
 

@@ -48,8 +48,12 @@ impl CurvedScene {
         Station { z: station.z - i64::from(self.drop_at(&station.place)), ..*station }
     }
 
-    /// What was found of a link here, with the heights that stand in the way above the datum again.
-    pub fn raised(&self, mut link: ExplainedLink) -> ExplainedLink {
+    /// What was found of a link here, with the heights that stand in the way above the datum again, and the elevation of the UAV from the
+    /// horizontal of the receiver: from there the UAV is as much lower as the receiver is from the UAV.
+    pub fn raised(&self, uav: &Uav, receiver: &Station, mut link: ExplainedLink) -> ExplainedLink {
+        let receiver_m = i32::try_from(receiver.z).map_or(f64::NAN, meters);
+        let rise_m = uav.height_amsl_m() - receiver_m - meters(self.drop_at(&receiver.place));
+        link.elevation_deg = rise_m.atan2(link.distance_m).to_degrees();
         if let Some(obstacle) = &mut link.obstruction {
             let drop_m = meters(self.drop_at(&self.field.place(obstacle.x, obstacle.y)));
             obstacle.ray_height_m += drop_m;
