@@ -1,4 +1,4 @@
-//! A map as reported: the document `skyshed/map/1`, its table and its features.
+//! A map as reported: the document `skyshed/map/1` and its features.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -8,14 +8,14 @@ use super::stability::{StabilityDocument, StabilityFacts};
 use super::tiles::TileFacts;
 use super::tolerance::{ToleranceDocument, ToleranceFacts};
 use crate::answer::{
-    Head, Position, PositionFields, Rows, RunFacts, Share, Timing, WarningFacts, closed_rings, digest_words,
-    document_of, feature, feature_collection, rows, warnings_of,
+    Head, Position, PositionFields, RunFacts, Share, Timing, WarningFacts, closed_rings, digest_words, document_of,
+    feature, feature_collection, warnings_of,
 };
 use crate::city::Antenna;
 use crate::coverage::{CoveragePolygon, HoversOver, IdleFootprints, SiteCoverage, Tally};
 use crate::digest::Sha256;
-use crate::raster::{Crs, GeoRef};
-use crate::sight::{AntennaFacts, Sight, SightFacts, antenna_words};
+use crate::raster::GeoRef;
+use crate::sight::{AntennaFacts, Sight, SightFacts};
 use crate::zones::{N_CODES, Zone, ZoneMap};
 
 /// One UAV of a map: where it is, what it hovers over, and what it sees.
@@ -202,40 +202,6 @@ impl MapReport {
             warnings: warnings_of(&self.facts.warnings),
             digest: self.digest.clone(),
         }
-    }
-
-    /// The table: one row per site and zone, and one for the union of several sites.
-    pub(crate) fn table(&self) -> Rows {
-        let grid = &self.facts.grid;
-        let row = |site: &SiteDocumentHead, antenna: &Option<String>, (zone, tally): (&'static str, &Tally)| MapRow {
-            site: site.clone(),
-            zone,
-            receivers: tally.receivers,
-            los: tally.los,
-            p_los: tally.p_los(),
-            not_receivers: tally.not_receivers,
-            out_of_range: tally.out_of_range,
-            nodata: tally.nodata,
-            rx_height_m: self.sight.rx_height_m(),
-            radius_m: self.sight.radius_m(),
-            antenna: antenna.clone(),
-            method: self.facts.method_name(),
-            crs: grid.crs().map(Crs::label),
-            cell_width: grid.cell_width(),
-            cell_height: grid.cell_height(),
-        };
-        let of = |site: SiteDocumentHead, antenna: Antenna, all: &Tally, zones: Option<&[Tally; 4]>| {
-            let antenna = antenna_words(antenna);
-            let by_zone = Zone::ALL.into_iter().zip(zones.into_iter().flatten());
-            let by_zone = by_zone.map(|(zone, tally)| row(&site, &antenna, (zone.name(), tally)));
-            std::iter::once(row(&site, &antenna, ("all", all))).chain(by_zone).collect::<Vec<_>>()
-        };
-        let run = self.sight.antenna();
-        let sites =
-            self.sites.iter().flat_map(|s| of(SiteDocumentHead::of(s), s.antenna.or(run), &s.tally, s.zones.as_ref()));
-        let union =
-            (self.sites.len() > 1).then(|| of(SiteDocumentHead::union(), run, &self.union, self.union_zones.as_ref()));
-        rows(sites.chain(union.into_iter().flatten()))
     }
 
     /// The sites as GeoJSON points with their results, in the scene's CRS.
@@ -436,71 +402,4 @@ impl IdleDocument {
             out_of_reach: idle.out_of_reach,
         }
     }
-}
-
-/// The UAV of a row.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
-struct SiteDocumentHead {
-    /// Name of the UAV; `union` for all of them together.
-    site: String,
-    #[serde(flatten)]
-    position: PositionFields,
-    /// Height of the UAV above the datum [m].
-    height_amsl_m: Option<f64>,
-    /// Height of the UAV above the ground [m]; empty where no ground is known.
-    height_agl_m: Option<f64>,
-    /// What the UAV hovers over: a zone, or ground or rooftop where zones are not known.
-    placement: &'static str,
-}
-
-impl SiteDocumentHead {
-    fn of(site: &SiteFacts) -> Self {
-        SiteDocumentHead {
-            site: site.id.clone(),
-            position: site.position().into(),
-            height_amsl_m: Some(site.height_amsl_m),
-            height_agl_m: site.height_agl_m,
-            placement: site.placement,
-        }
-    }
-
-    fn union() -> Self {
-        let position = PositionFields::default();
-        SiteDocumentHead { site: "union".into(), position, height_amsl_m: None, height_agl_m: None, placement: "" }
-    }
-}
-
-/// A row of a map's table.
-#[derive(Debug, Serialize, JsonSchema)]
-pub(crate) struct MapRow {
-    #[serde(flatten)]
-    site: SiteDocumentHead,
-    /// Zone of the receivers, or all.
-    zone: &'static str,
-    /// Receivers in range.
-    receivers: u64,
-    /// Those in line of sight.
-    los: u64,
-    /// Share of the receivers in line of sight; empty without a receiver.
-    p_los: Option<f64>,
-    /// Cells in range that hold no receiver, such as buildings.
-    not_receivers: u64,
-    /// Cells out of range.
-    out_of_range: u64,
-    /// Cells without data.
-    nodata: u64,
-    /// Height of the receivers above what they stand on [m].
-    rx_height_m: f64,
-    /// Largest horizontal distance from the UAV [m]; empty without a limit.
-    radius_m: Option<f64>,
-    /// What the antenna serves, in words; empty if that is all.
-    antenna: Option<String>,
-    /// Engine that decided line of sight.
-    method: String,
-    /// Reference system; empty for local coordinates.
-    crs: Option<String>,
-    /// Width of a cell [units of the reference system].
-    cell_width: f64,
-    /// Height of a cell [units of the reference system].
-    cell_height: f64,
 }

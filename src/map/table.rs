@@ -1,0 +1,115 @@
+//! A map as a table: a row per UAV and zone.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::report::{MapReport, SiteFacts};
+use crate::answer::{PositionFields, Rows, rows};
+use crate::city::Antenna;
+use crate::coverage::Tally;
+use crate::raster::Crs;
+use crate::sight::antenna_words;
+use crate::zones::Zone;
+
+/// A row of a map's table.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(crate) struct MapRow {
+    #[serde(flatten)]
+    site: SiteDocumentHead,
+    /// Zone of the receivers, or all.
+    zone: &'static str,
+    /// Receivers in range.
+    receivers: u64,
+    /// Those in line of sight.
+    los: u64,
+    /// Share of the receivers in line of sight; empty without a receiver.
+    p_los: Option<f64>,
+    /// Cells in range that hold no receiver, such as buildings.
+    not_receivers: u64,
+    /// Cells out of range.
+    out_of_range: u64,
+    /// Cells without data.
+    nodata: u64,
+    /// Height of the receivers above what they stand on [m].
+    rx_height_m: f64,
+    /// Largest horizontal distance from the UAV [m]; empty without a limit.
+    radius_m: Option<f64>,
+    /// What the antenna serves, in words; empty if that is all.
+    antenna: Option<String>,
+    /// Engine that decided line of sight.
+    method: String,
+    /// Reference system; empty for local coordinates.
+    crs: Option<String>,
+    /// Width of a cell [units of the reference system].
+    cell_width: f64,
+    /// Height of a cell [units of the reference system].
+    cell_height: f64,
+}
+
+/// The UAV of a row.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+struct SiteDocumentHead {
+    /// Name of the UAV; `union` for all of them together.
+    site: String,
+    #[serde(flatten)]
+    position: PositionFields,
+    /// Height of the UAV above the datum [m].
+    height_amsl_m: Option<f64>,
+    /// Height of the UAV above the ground [m]; empty where no ground is known.
+    height_agl_m: Option<f64>,
+    /// What the UAV hovers over: a zone, or ground or rooftop where zones are not known.
+    placement: &'static str,
+}
+
+impl SiteDocumentHead {
+    fn of(site: &SiteFacts) -> Self {
+        SiteDocumentHead {
+            site: site.id.clone(),
+            position: site.position().into(),
+            height_amsl_m: Some(site.height_amsl_m),
+            height_agl_m: site.height_agl_m,
+            placement: site.placement,
+        }
+    }
+
+    fn union() -> Self {
+        let position = PositionFields::default();
+        SiteDocumentHead { site: "union".into(), position, height_amsl_m: None, height_agl_m: None, placement: "" }
+    }
+}
+
+impl MapReport {
+    /// The table: one row per site and zone, and one for the union of several sites.
+    pub(crate) fn table(&self) -> Rows {
+        let grid = &self.facts.grid;
+        let row = |site: &SiteDocumentHead, antenna: &Option<String>, (zone, tally): (&'static str, &Tally)| MapRow {
+            site: site.clone(),
+            zone,
+            receivers: tally.receivers,
+            los: tally.los,
+            p_los: tally.p_los(),
+            not_receivers: tally.not_receivers,
+            out_of_range: tally.out_of_range,
+            nodata: tally.nodata,
+            rx_height_m: self.sight.rx_height_m(),
+            radius_m: self.sight.radius_m(),
+            antenna: antenna.clone(),
+            method: self.facts.method_name(),
+            crs: grid.crs().map(Crs::label),
+            cell_width: grid.cell_width(),
+            cell_height: grid.cell_height(),
+        };
+        let of = |site: SiteDocumentHead, antenna: Antenna, all: &Tally, zones: Option<&[Tally; 4]>| {
+            let antenna = antenna_words(antenna);
+            let by_zone = Zone::ALL.into_iter().zip(zones.into_iter().flatten());
+            let by_zone = by_zone.map(|(zone, tally)| row(&site, &antenna, (zone.name(), tally)));
+            std::iter::once(row(&site, &antenna, ("all", all))).chain(by_zone).collect::<Vec<_>>()
+        };
+        let run = self.sight.antenna();
+        let sites =
+            self.sites.iter().flat_map(|s| of(SiteDocumentHead::of(s), s.antenna.or(run), &s.tally, s.zones.as_ref()));
+        let union =
+            (self.sites.len() > 1).then(|| of(SiteDocumentHead::union(), run, &self.union, self.union_zones.as_ref()));
+        rows(sites.chain(union.into_iter().flatten()))
+    }
+}
