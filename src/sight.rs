@@ -345,7 +345,9 @@ impl Sight {
 
 /// What captions say of the curve of the earth.
 pub(crate) fn earth_words(curvature: Curvature) -> String {
-    let k = (curvature.earth_k() * 1e4).round() / 1e4;
+    let k = curvature.earth_k();
+    // Five digits are told.
+    let k = format!("{k:.4e}").parse().unwrap_or(k);
     format!("curved earth, K = {k}")
 }
 

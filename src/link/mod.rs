@@ -69,7 +69,7 @@ impl Scene {
         if curvature.is_none() {
             warn_of_drop(distance * scene.grid().meters_per_unit(), &mut scene.warnings);
         }
-        Ok(explain(scene, uav, receiver, curvature))
+        explain(scene, uav, receiver, curvature)
     }
 }
 
@@ -262,8 +262,8 @@ fn place_receiver(scene: &Scene, at: (f64, f64), height: Height) -> Result<Stati
 }
 
 /// Decides a link, and finds what stands in its way.
-fn explain(scene: Scene, uav: coverage::Uav, receiver: Station, curvature: Option<Curvature>) -> Link {
-    let curved = CurvedScene::of(&scene.field, &uav.station.place, curvature);
+fn explain(scene: Scene, uav: coverage::Uav, receiver: Station, curvature: Option<Curvature>) -> Result<Link> {
+    let curved = CurvedScene::of(&scene.field, &uav.station.place, curvature)?;
     let ExplainedLink { los, margin_m, distance_m, elevation_deg, obstruction } = match &curved {
         Some(curved) => curved.raised(&uav, &receiver, explain_link(curved.field(), &uav, &curved.lowered(&receiver))),
         None => explain_link(&scene.field, &uav, &receiver),
@@ -282,7 +282,7 @@ fn explain(scene: Scene, uav: coverage::Uav, receiver: Station, curvature: Optio
         obstruction: obstruction.map(|obstacle| LinkObstruction::of(&scene, obstacle)),
         earth_k: curvature.map(Curvature::earth_k),
     };
-    Link { facts: scene.facts(Some(Method::Ray)), scene, uav, receiver, curved: curved.map(Arc::new), found }
+    Ok(Link { facts: scene.facts(Some(Method::Ray)), scene, uav, receiver, curved: curved.map(Arc::new), found })
 }
 
 impl LinkObstruction {

@@ -83,7 +83,7 @@ impl Coverages {
         let rx_height = report.sight.rx_height();
         progress.begin(field.grid().n_cells() as u64 * self.sites.len() as u64);
         let of = |site: &SiteCoverage| {
-            let curved = CurvedScene::of(field, &site.uav.station.place, report.sight.curvature());
+            let curved = CurvedScene::of(field, &site.uav.station.place, report.sight.curvature())?;
             let field = curved.as_ref().map_or(&**field, |curved| curved.field());
             HeightCurve::of(field, site, rx_height, progress.control())
         };

@@ -3,10 +3,9 @@
 use skyshed_core::error::{Error as CoreError, MapError};
 
 use crate::city::HeightGap;
-use crate::coverage::Uav;
+use crate::coverage::{Uav, check_drop};
 use crate::error::{OddRun, Result, Warning};
 use crate::height_field::{Curvature, EARTH_RADIUS_M, HeightField};
-use crate::quantity::{BLOCKS_ALL, MAX_HEIGHT_M, VOID, meters};
 use crate::raster::GeoRef;
 use crate::sight::Sight;
 
@@ -46,11 +45,7 @@ pub(crate) fn check_earth(uavs: &[Uav], field: &HeightField, sight: &Sight, warn
     warn_of_flat_earth(uavs, field.grid(), sight, warnings);
     check_curvature(field, sight.curvature())?;
     let drop_m = sight.curvature().map_or(0.0, |of| of.drop_m(farthest_m(uavs, field.grid(), sight)));
-    let highest_m = match field.max_top() {
-        VOID | BLOCKS_ALL => 0.0,
-        top => meters(top).abs(),
-    };
-    if drop_m + highest_m > MAX_HEIGHT_M { Err(CoreError::from(MapError::TooCurved(drop_m)).into()) } else { Ok(()) }
+    Ok(check_drop(drop_m, field.lowest_known())?)
 }
 
 /// How far away receivers of some UAVs may be \[m\].

@@ -89,7 +89,7 @@ impl TrackPlan {
         if curvature.is_none() {
             warn_of_drop(farthest * unit, &mut scene.warnings);
         }
-        let curved = CurvedScene::of(&scene.field, &uav.station.place, curvature);
+        let curved = CurvedScene::of(&scene.field, &uav.station.place, curvature)?;
         let field = curved.as_ref().map_or(&*scene.field, |curved| curved.field());
         let mut track = along_track(field, &uav, &places, self.sight.rx_height(), self.every_m / unit);
         if let Some(curved) = &curved {

@@ -204,8 +204,38 @@ fn flags_bend_rasters_and_are_refused_over_footprints() {
         "E118",
         &["fall away", "larger `--earth-k`"],
     );
+    // Every answer refuses what would leave the lattice, also where nothing of it is told.
+    for k in ["1e-5", "1e-12"] {
+        let link = format!("link dsm.asc --uav 9000,9000,30 --rx 450,450 --earth-k {k}");
+        folder.refuses(&link, "E118", &["fall away"]);
+        folder.refuses(&format!("track dsm.asc --uav 9000,9000,30 --track walk.csv --earth-k {k}"), "E118", &["fall"]);
+        let place = format!("place dsm.asc --height 30 --step 4000 --earth-k {k} -o place.csv");
+        folder.refuses(&place, "E118", &["fall away"]);
+    }
     folder.refuses("map dsm.asc --uav 9000,9000,30 --earth-k 0 --json", "E113", &["K of the earth"]);
     folder.refuses("map dsm.asc --uav 9000,9000,30 --earth-k 4/x", "E101", &["4/x"]);
     folder.refuses("live dsm.asc --uav 9000,9000,30 --earth-k 4/3 -o p.html", "E116", &["earth_k"]);
     folder.refuses("map dsm.asc --uav 9000,9000,30 --earth-k 4/3 --method shadow --json", "E118", &["curved"]);
+}
+
+#[test]
+fn walls_of_nodata_and_low_ground_stand_on_a_curved_earth() {
+    let folder = Folder::new();
+    let raster = |name: &str, low: &str| {
+        let cells: Vec<&str> = (0..400).map(|k| if k % 37 == 6 { "-9999" } else { low }).collect();
+        let head = "ncols 20\nnrows 20\nxllcorner 0\nyllcorner 0\ncellsize 900\nNODATA_value -9999";
+        folder.write(name, &format!("{head}\n{}\n", cells.join(" ")));
+    };
+    raster("walls.asc", "0");
+    let map = |words: &str| {
+        folder.type_in(&format!("map walls.asc --nodata-as block --uav 9000,9000,30 {words} --json")).done().json()
+    };
+    assert_eq!(map("--earth-k 1e12")["digest"], map("")["digest"]);
+    let los = |map: &Value| map["sites"][0]["los"].as_u64();
+    assert!(los(&map("--earth-k 0.05")) < los(&map("")));
+    // The earth falls by 12.7 km in the corners: from ground at 20 km below the datum that is too much, from the datum it is not.
+    raster("low.asc", "-20200");
+    let of = |name: &str| format!("map {name} --uav 9000,9000,30 --earth-k 0.001 --json");
+    assert_eq!(folder.type_in(&of("walls.asc")).done().json()["earth_k"], 0.001);
+    folder.refuses(&of("low.asc"), "E118", &["12"]);
 }

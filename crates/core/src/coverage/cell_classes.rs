@@ -15,7 +15,7 @@ use crate::raster::bits_between;
 pub(super) struct RowSets<'a> {
     open: &'a [u64],
     building: &'a [u64],
-    /// Cells in range, but for their receivers' elevations; not filled if all are.
+    /// Cells in range; of receivers that elevations leave out, see [`RowSets::add`]. Not filled if all are.
     in_range: Vec<u64>,
     receivers: Vec<u64>,
     los: Vec<u64>,

@@ -9,7 +9,7 @@ use super::{ExplainedLink, MapOptions, ObstacleKind, Receivers, Uav};
 use crate::error::{MapError, Result};
 use crate::height_field::{Curvature, Drops, HeightField, Place, Station};
 use crate::los::GridReceivers;
-use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, meters};
+use crate::quantity::{MAX_HEIGHT_M, meters};
 use crate::raster::CellWindow;
 
 /// A raster scene as one UAV sees it over a curved earth: all heights lowered by what the earth falls away from it.
@@ -23,11 +23,15 @@ pub struct CurvedScene {
 
 impl CurvedScene {
     /// All of a scene as a UAV at a place sees it; `None` over a flat earth, and over footprints.
-    pub fn of(field: &HeightField, place: &Place, curvature: Option<Curvature>) -> Option<CurvedScene> {
-        let drops = Drops::new(&field.positions(), place, curvature?, field.grid().meters_per_unit());
+    ///
+    /// # Errors
+    /// E118 for an earth so curved that heights would leave the lattice.
+    pub fn of(field: &HeightField, place: &Place, curvature: Option<Curvature>) -> Result<Option<CurvedScene>> {
+        let Some(curvature) = curvature else { return Ok(None) };
+        let drops = Drops::new(&field.positions(), place, curvature, field.grid().meters_per_unit());
         let window = field.grid().window();
-        let field = field.bent(&drops, window)?;
-        Some(CurvedScene { field, drops, window })
+        check_drop(drops.most_m(window), field.lowest_known())?;
+        Ok(field.bent(&drops, window).map(|field| CurvedScene { field, drops, window }))
     }
 
     /// The scene with its heights lowered.
@@ -128,7 +132,7 @@ impl CurvedScene {
     /// # Errors
     /// E118.
     pub(super) fn check(&self, of: &Mapper<'_>) -> Result<()> {
-        check_curve(&self.drops, of.field.max_top(), self.window)
+        check_drop(self.drops.most_m(self.window), of.field.lowest_known())
     }
 
     /// Brings heights of receivers back to those above the datum, in the rows of a map.
@@ -141,17 +145,11 @@ impl CurvedScene {
     }
 }
 
-/// Refuses what would bend heights out of the lattice.
+/// Refuses an earth that falls away by so many meters that the lowest known height of a scene \[1/1024 m\] would leave the lattice.
 ///
 /// # Errors
 /// E118.
-pub(super) fn check_curve(drops: &Drops, max_top: i32, window: CellWindow) -> Result<()> {
-    let in_meters = |steps: i64| {
-        #[expect(clippy::cast_precision_loss, reason = "to be compared with what is far smaller")]
-        let meters = steps as f64 / f64::from(STEPS_PER_UNIT);
-        meters
-    };
-    let most_m = in_meters(drops.most(window));
-    let is_within = most_m + in_meters(i64::from(max_top).abs().min(1 << 25)) <= MAX_HEIGHT_M;
-    if is_within { Ok(()) } else { Err(MapError::TooCurved(most_m).into()) }
+pub fn check_drop(drop_m: f64, lowest: Option<i32>) -> Result<()> {
+    let is_within = drop_m <= MAX_HEIGHT_M + meters(lowest.unwrap_or(0));
+    if is_within { Ok(()) } else { Err(MapError::TooCurved(drop_m).into()) }
 }

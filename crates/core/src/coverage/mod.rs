@@ -30,7 +30,7 @@ mod uav;
 mod uav_grid;
 
 pub use cell_heights::surface_under;
-pub use curved::CurvedScene;
+pub use curved::{CurvedScene, check_drop};
 pub use explained_link::{
     ExplainedLink, LinkObstacle, ObstacleKind, ProfileStep, StepKind, explain_link, link_profile, place_receiver,
 };

@@ -23,7 +23,8 @@ pub(super) type Span = (usize, usize);
 pub(super) struct Range<'a> {
     around: Around<'a>,
     limits: Limits,
-    /// The cells that distance and azimuth leave in range, of receivers on flat ground also their elevation; `None` if all are.
+    /// The cells that distance and azimuth leave in range, and where all receivers stand on flat ground their elevations too; `None` if
+    /// all are.
     cells: Option<Spans>,
     /// Where elevations are limited.
     elevations: Option<Elevated>,
@@ -91,8 +92,8 @@ impl Heights {
 
 impl<'a> Range<'a> {
     /// The cells whose centers are at most `radius` \[CRS units\] from a place.
-    pub(super) fn disc(positions: &'a GridPositions, place: &Place, radius: Option<f64>) -> Self {
-        let limits = Limits { radius: radius.map(|r| in_steps(positions, r)), ..Limits::default() };
+    pub(super) fn disc(positions: &'a GridPositions, place: &Place, radius: f64) -> Self {
+        let limits = Limits { radius: Some(in_steps(positions, radius)), ..Limits::default() };
         Range::new(positions, place, limits, None)
     }
 
@@ -139,7 +140,7 @@ impl<'a> Range<'a> {
         self.elevations.is_some()
     }
 
-    /// The columns of a row that distance and azimuth leave in range.
+    /// The columns of a row that hold the cells in range, but that receivers not on flat ground may be beyond the elevations.
     pub(super) fn cols(&self, row: usize) -> impl Iterator<Item = Span> + Clone + use<'_> {
         let whole = (0, self.around.positions.shape().1);
         let (one, several) = match &self.cells {
@@ -184,7 +185,7 @@ impl<'a> Range<'a> {
         CellWindow { row, col, n_rows: end_row - row, n_cols: end_col - col }
     }
 
-    /// The cells of a set that distance and azimuth leave in range.
+    /// The cells of a set that are in range, but that receivers not on flat ground may be beyond the elevations.
     pub(super) fn cut(&self, cells: &BitGrid) -> BitGrid {
         match &self.cells {
             None => cells.clone(),
@@ -289,7 +290,7 @@ impl<'a> Around<'a> {
 }
 
 impl Limits {
-    /// The cells of a grid within the limits; `None` if there are none. With elevations, those where some receiver may be in range
+    /// The cells of a grid within the limits; `None` where nothing is limited. With elevations, those where some receiver may be in range
     /// that is between two heights above the place \[1/1024 m\].
     fn cells(&self, around: &Around<'_>, elevations: Option<(&Elevations, (i64, i64))>) -> Option<Spans> {
         let Limits { radius, min_radius, sector } = *self;
@@ -405,7 +406,7 @@ fn remove(spans: &mut Vec<Span>, (from, to): Span) {
 
 /// Whether a set holds a cell whose center is at most `radius` \[CRS units\] from a place.
 pub fn any_in_range(positions: &GridPositions, place: &Place, radius: f64, cells: &BitGrid) -> bool {
-    let range = Range::disc(positions, place, Some(radius));
+    let range = Range::disc(positions, place, radius);
     let CellWindow { row, n_rows, .. } = range.window();
     (row..row + n_rows).any(|row| {
         range.cols(row).any(|(from, to)| {

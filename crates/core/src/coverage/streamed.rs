@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::cell_classes::{RowSets, write_classes};
 use super::cell_heights::with_margin;
-use super::curved::check_curve;
+use super::curved::check_drop;
 use super::elevation::RowElevations;
 use super::range::{Heights, Range};
 use super::row_bands::{Row, split};
@@ -32,6 +32,8 @@ pub struct StreamedMapper<'a, S> {
     options: &'a MapOptions,
     receivers: Vec<StreamedReceivers>,
     max_top: i32,
+    /// The lowest known top, if there is any.
+    lowest_known: Option<i32>,
     /// World x of the columns of cells, whole words of them \[CRS units\].
     xs: Vec<f64>,
     positions: GridPositions,
@@ -135,11 +137,12 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         };
         let mut cells: Vec<BitGrid> = stands.iter().map(|_| BitGrid::new(grid.n_rows(), grid.n_cols())).collect();
         let mut ranges = vec![(i32::MAX, i32::MIN); stands.len()];
-        let mut max_top = VOID;
+        let (mut max_top, mut lowest_known) = (VOID, None);
         for window in row_bands(grid) {
             control.check()?;
             let field = HeightField::build(&grid.part(window), scene.solids(window)?).field;
             max_top = max_top.max(field.max_top());
+            lowest_known = lowest_known.into_iter().chain(field.lowest_known()).min();
             for ((stand, cells), range) in stands.iter().zip(&mut cells).zip(&mut ranges) {
                 let receivers = receivers_of(&field, *stand, options);
                 let per_row = cells.words_per_row();
@@ -160,7 +163,16 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let mut xs: Vec<f64> = (0..grid.n_cols()).map(|col| grid.world_from_cell(0, col).0).collect();
         xs.resize(grid.n_cols().div_ceil(64) * 64, 0.0);
         let positions = GridPositions::on_cells(grid);
-        Ok(StreamedMapper { scene, options, receivers, max_top, xs, positions, limits: StreamLimits::default() })
+        Ok(StreamedMapper {
+            scene,
+            options,
+            receivers,
+            max_top,
+            lowest_known,
+            xs,
+            positions,
+            limits: StreamLimits::default(),
+        })
     }
 
     /// Maps what a UAV sees, and hands the mask to `visit`, a few whole rows at a time from the north; the coverage that is
@@ -183,7 +195,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         }));
         let drops = self.drops(uav);
         if let Some(drops) = &drops {
-            check_curve(drops, self.max_top, grid.window())?;
+            check_drop(drops.most_m(grid.window()), self.lowest_known)?;
         }
         let most = drops.as_ref().map_or(0, |drops| drops.most(grid.window()));
         let heights =

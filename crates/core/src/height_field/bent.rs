@@ -112,6 +112,13 @@ impl Drops {
         most
     }
 
+    /// The largest drop of a window that is not empty \[m\].
+    pub(crate) fn most_m(&self, window: CellWindow) -> f64 {
+        #[expect(clippy::cast_precision_loss, reason = "to be compared with what is far smaller")]
+        let most = self.most(window) as f64;
+        most / f64::from(STEPS_PER_UNIT)
+    }
+
     /// Cells lowered by their drops within a window; all others mean nothing. Threads of the current pool share the work.
     ///
     /// PERF: memory outside the window is not touched, so that the kernel need not provide it.

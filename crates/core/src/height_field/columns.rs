@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use super::Drops;
 use super::plateaus::Plateaus;
 use super::tile_maxima::TileMaxima;
-use crate::quantity::{STEPS_PER_UNIT, VOID};
+use crate::quantity::{BLOCKS_ALL, STEPS_PER_UNIT, VOID};
 use crate::raster::{CellWindow, LargeVec};
 
 /// Edge length of a cell on the lattice of a raster scene.
@@ -24,6 +24,7 @@ pub struct Columns {
     plateaus: Option<Plateaus>,
     /// The lowest and the highest top; of lowered columns what these are not beyond.
     extremes: (i32, i32),
+    lowest_known: OnceLock<Option<i32>>,
     tiles: OnceLock<TileMaxima>,
     tiles_of_tiles: OnceLock<TileMaxima>,
 }
@@ -48,7 +49,17 @@ impl Columns {
             Some(plateaus) => plateaus.extremes(),
             None => tiles.get_or_init(|| TileMaxima::of(&tops, n_cols)).extremes(),
         };
-        Columns { n_cols, n_rows, steps: [CELL; 2], tops, plateaus, extremes, tiles, tiles_of_tiles: OnceLock::new() }
+        Columns {
+            n_cols,
+            n_rows,
+            steps: [CELL; 2],
+            tops,
+            plateaus,
+            extremes,
+            lowest_known: OnceLock::new(),
+            tiles,
+            tiles_of_tiles: OnceLock::new(),
+        }
     }
 
     /// Makes cells of other sizes than 1024 × 1024 lattice steps: those of a terrain below footprints.
@@ -70,6 +81,7 @@ impl Columns {
             tops,
             plateaus: None,
             extremes: (low, high),
+            lowest_known: OnceLock::new(),
             tiles: OnceLock::from(drops.of_tiles(self.tiles())),
             tiles_of_tiles: OnceLock::new(),
         }
@@ -155,6 +167,15 @@ impl Columns {
     /// The lowest top, [`VOID`] if any cell is void.
     pub(crate) fn min_top(&self) -> i32 {
         self.extremes.0
+    }
+
+    /// The lowest top of cells with a known height, if there are any.
+    pub(crate) fn lowest_known(&self) -> Option<i32> {
+        let known = |z: &i32| *z != VOID && *z != BLOCKS_ALL;
+        *self.lowest_known.get_or_init(|| match self.min_top() {
+            VOID => self.tops.iter().copied().filter(known).min(),
+            low => Some(low).filter(known),
+        })
     }
 
     /// Top of the cell `east` cells from the west and `north` cells from the south edge; [`VOID`] outside.

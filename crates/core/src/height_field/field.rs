@@ -214,6 +214,11 @@ impl HeightField {
         prisms.max(self.columns().map_or(VOID, Columns::max_top))
     }
 
+    /// The lowest known top of a raster \[1/1024 m\], if it has any.
+    pub fn lowest_known(&self) -> Option<i32> {
+        self.columns().and_then(Columns::lowest_known)
+    }
+
     /// The surface seen from above at each cell \[m above the datum\], NaN where void.
     pub fn surface_m(&self) -> Vec<f32> {
         self.each_cell(|kind, _| match kind {
