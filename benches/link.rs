@@ -95,8 +95,8 @@ fn links(field: &HeightField, uav: &Station, case: Case) -> Vec<(Station, bool)>
                 return None;
             }
             let mut receiver = Station { place, z: height };
-            let (prisms, columns) = link_least_receiver_heights(field, uav, &receiver);
-            let lowest = prisms.lowest_step()?.max(columns.lowest_step()?);
+            let least = link_least_receiver_heights(field, uav, &receiver);
+            let lowest = least.prisms.lowest_step()?.max(least.columns.lowest_step()?);
             let wanted = match case {
                 Case::Near => true,
                 Case::Far => lowest <= height,

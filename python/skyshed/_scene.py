@@ -237,7 +237,7 @@ class Scene(Grid):
         ``crossroad``, ``courtyard``, ``roof`` or ``all``; ``radius`` is the largest horizontal distance [m]. ``min_radius`` [m], ``sector``
         (two azimuths, clockwise from grid north), ``elevation`` (two angles from the UAV's horizontal, negative below) and ``beam`` (a full
         angle straight down) say whom antennas serve [deg]; a UAV may have its own as ``{"x": …, "sector": (90, 180)}``. ``earth_k`` curves the
-        earth below a raster: ``"4/3"`` for radio, ``"7/6"`` for light. ``layers`` are ``los``,
+        earth: ``"4/3"`` for radio, ``"7/6"`` for light. ``layers`` are ``los``,
         ``margin``, ``ceiling`` and ``least-height``; ``zones`` counts by zone.
         """
         words = words_of({**sight, "layers": layers, "tolerance": tolerance, "zones": zones})

@@ -19,7 +19,7 @@ use crate::los::Method;
 use crate::picture::Look;
 use crate::quantity::{Height, MAX_EXTENT_UNITS, meters, tidy};
 use crate::scene::Scene;
-use crate::scene::limits::{check_curvature, warn_of_drop};
+use crate::scene::limits::warn_of_drop;
 use crate::scene::placing::{place_uav, warn_of_uavs_outside};
 use crate::sight::earth_words;
 use crate::uav::Uav;
@@ -49,7 +49,7 @@ impl Scene {
     /// One link over a curved earth, or a flat one, as [`Scene::link`].
     ///
     /// # Errors
-    /// As there; E118 for footprints over a curved earth.
+    /// As there; E118 for an earth so curved that heights would leave the lattice.
     pub(crate) fn curved_link(
         &self,
         uav: Uav,
@@ -65,7 +65,6 @@ impl Scene {
         let uav = place_uav(&site, &scene.field, scene.grid(), Some(reach))?;
         let receiver = place_receiver(&scene, (x, y), height)?;
         let distance = (receiver.place.x - site.x).hypot(receiver.place.y - site.y);
-        check_curvature(&scene.field, curvature)?;
         if curvature.is_none() {
             warn_of_drop(distance * scene.grid().meters_per_unit(), &mut scene.warnings);
         }
@@ -292,6 +291,7 @@ impl LinkObstruction {
             ObstacleKind::Terrain(cell) => ("terrain", None, Some(cell)),
             ObstacleKind::Cell(cell) => ("cell", None, Some(cell)),
             ObstacleKind::Nodata(cell) => ("nodata", None, Some(cell)),
+            ObstacleKind::Horizon => ("horizon", None, None),
         };
         LinkObstruction {
             kind,

@@ -20,11 +20,13 @@ pub(super) fn draw(link: &Link, format: Format, look: &Look) -> Result<Vec<u8>> 
         return Err(RequestError::VerticalLink.into());
     }
     // Over a curved earth all is drawn as the UAV sees it: the ray is straight and the ground falls away.
-    let (field, receiver) = match &link.curved {
-        Some(curved) => (curved.field(), curved.lowered(&link.receiver)),
-        None => (&*scene.field, link.receiver),
+    let (steps, receiver) = match &link.curved {
+        Some(curved) => {
+            let steps = link_profile(curved.field(), &link.uav, &curved.lowered(&link.receiver), found.distance_m);
+            (curved.seen_steps(steps, found.distance_m), curved.seen(&link.receiver))
+        }
+        None => (link_profile(&scene.field, &link.uav, &link.receiver, found.distance_m), link.receiver),
     };
-    let steps = link_profile(field, &link.uav, &receiver, found.distance_m);
     let (uav_m, receiver_m) = (found.uav.height_amsl_m, i32::try_from(receiver.z).map_or(f64::NAN, meters));
     let fall_m = |x: f64, y: f64| link.curved.as_ref().map_or(0.0, |of| meters(of.drop_at(&scene.field.place(x, y))));
     let obstruction = found.obstruction.as_ref().map(|o| render::Obstruction {

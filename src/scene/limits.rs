@@ -1,11 +1,9 @@
 //! What limits the truth of a map, in warnings and captions: the curve of the earth, unknown ground, missing heights.
 
-use skyshed_core::error::{Error as CoreError, MapError};
-
 use crate::city::HeightGap;
 use crate::coverage::{Uav, check_drop};
 use crate::error::{OddRun, Result, Warning};
-use crate::height_field::{Curvature, EARTH_RADIUS_M, HeightField};
+use crate::height_field::{EARTH_RADIUS_M, HeightField};
 use crate::raster::GeoRef;
 use crate::sight::Sight;
 
@@ -43,7 +41,6 @@ pub(crate) fn warn_of_flat_earth(uavs: &[Uav], grid: &GeoRef, sight: &Sight, war
 /// E118.
 pub(crate) fn check_earth(uavs: &[Uav], field: &HeightField, sight: &Sight, warnings: &mut Vec<Warning>) -> Result<()> {
     warn_of_flat_earth(uavs, field.grid(), sight, warnings);
-    check_curvature(field, sight.curvature())?;
     let drop_m = sight.curvature().map_or(0.0, |of| of.drop_m(farthest_m(uavs, field.grid(), sight)));
     Ok(check_drop(drop_m, field.lowest_known())?)
 }
@@ -70,16 +67,5 @@ pub(crate) fn warn_of_drop(farthest_m: f64, warnings: &mut Vec<Warning>) {
     let drop_m = farthest_m * farthest_m / (2.0 * EARTH_RADIUS_M);
     if drop_m > 1.0 {
         warnings.push(OddRun::FlatEarth { farthest_m, drop_m }.into());
-    }
-}
-
-/// Refuses footprints over a curved earth.
-///
-/// # Errors
-/// E118.
-pub(crate) fn check_curvature(field: &HeightField, curvature: Option<Curvature>) -> Result<()> {
-    match curvature {
-        Some(_) if field.prisms().is_some() => Err(CoreError::from(MapError::CurvedFootprints).into()),
-        _ => Ok(()),
     }
 }

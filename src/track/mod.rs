@@ -20,7 +20,7 @@ use crate::picture::Look;
 use crate::quantity::{counted, meters, tidy};
 use crate::read::{read_track, source_of};
 use crate::scene::Scene;
-use crate::scene::limits::{check_curvature, warn_of_drop};
+use crate::scene::limits::warn_of_drop;
 use crate::scene::placing::{place_uav, warn_of_uavs_outside};
 use crate::sight::Sight;
 use crate::uav::bad_rows;
@@ -85,7 +85,6 @@ impl TrackPlan {
         let uav = place_uav(site, &scene.field, scene.grid(), Some(reach))?;
         let farthest = places.iter().map(|[x, y]| (x - site.x).hypot(y - site.y)).fold(0.0, f64::max);
         let curvature = self.sight.curvature();
-        check_curvature(&scene.field, curvature)?;
         if curvature.is_none() {
             warn_of_drop(farthest * unit, &mut scene.warnings);
         }
@@ -93,7 +92,7 @@ impl TrackPlan {
         let field = curved.as_ref().map_or(&*scene.field, |curved| curved.field());
         let mut track = along_track(field, &uav, &places, self.sight.rx_height(), self.every_m / unit);
         if let Some(curved) = &curved {
-            let drop = |[x, y]: [f64; 2]| i64::from(curved.drop_at(&scene.field.place(x, y)));
+            let drop = |[x, y]: [f64; 2]| i64::from(curved.lowered_by(&scene.field.place(x, y)));
             track.points.iter_mut().for_each(|point| point.z = point.z.map(|z| z + drop(point.position)));
         }
         let n_outside = track.points.iter().filter(|p| p.state == TrackState::NoReceiver).count();

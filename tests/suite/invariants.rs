@@ -289,13 +289,13 @@ pub(crate) fn raster_town(random: &mut Random, n: usize) -> HeightField {
     raster_field(Raster::new(grid, cells), Ground::Flat(0))
 }
 
-/// Footprints on flat ground, on `n` by `n` cells of 1 m.
-fn vector_field(footprints: Vec<Footprint>, n: usize) -> HeightField {
+/// Footprints on a ground, on `n` by `n` cells of 1 m.
+fn vector_field(footprints: Vec<Footprint>, ground: Ground, n: usize) -> HeightField {
     let grid = GeoRef::new((0.0, n as f64), (1.0, 1.0), (n, n), None).unwrap();
     let solids = Solids::Vector {
         footprints,
         frame: Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 },
-        ground: Ground::Flat(0),
+        ground,
         faults: FootprintFaults::default(),
         data_area: DataArea::All,
     };
@@ -304,6 +304,11 @@ fn vector_field(footprints: Vec<Footprint>, n: usize) -> HeightField {
 
 /// A town of random polygons, 7 m apart, on flat ground; edges run through cell centers.
 pub(crate) fn vector_town(random: &mut Random, n: usize) -> HeightField {
+    vector_town_on(random, Ground::Flat(0), n)
+}
+
+/// Such a town on another ground.
+pub(crate) fn vector_town_on(random: &mut Random, ground: Ground, n: usize) -> HeightField {
     let blocks = i32::try_from(n / 7).unwrap();
     let footprint = |k: i32| {
         let (east, north) = (k % blocks * 14, k / blocks * 14);
@@ -313,7 +318,7 @@ pub(crate) fn vector_town(random: &mut Random, n: usize) -> HeightField {
         let top = i32::try_from(random.within(1, 12)).unwrap() * 1024;
         Footprint { id: k.to_string(), polygons: vec![vec![ring]], top, base: Some(0) }
     };
-    vector_field((0..blocks * blocks).map(footprint).collect(), n)
+    vector_field((0..blocks * blocks).map(footprint).collect(), ground, n)
 }
 
 pub(crate) fn uav_at(field: &HeightField, x: f64, y: f64, z: i64) -> Uav {
@@ -458,7 +463,7 @@ fn a_receiver_on_a_roof_sees_what_its_own_roof_does_not_hide() {
     // roof sees none of it, and one level with the receivers sees them all.
     let ring = vec![[4096, 4096], [8192, 4096], [8192, 8192], [4096, 8192]];
     let house = Footprint { id: "a".into(), polygons: vec![vec![ring]], top: 10_240, base: Some(0) };
-    let field = vector_field(vec![house], 12);
+    let field = vector_field(vec![house], Ground::Flat(0), 12);
     for (x, z, rx_height, n_los) in
         [(6.0, 20_480, 1536, 16), (0.5, 5_000, 0, 0), (0.5, 11_776, 1536, 16), (0.5, 10_240, 0, 16)]
     {

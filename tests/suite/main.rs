@@ -85,6 +85,7 @@ mod map_sites; // a run for each UAV: the files of single runs, what is left alo
 mod map_tiles; // tiles of the ground, cell for cell those of the whole, and what jobs tell of units
 mod stress; // families of scenes where methods fail: the truth against the oracle, engines against the truth
 mod curvature; // the curve of the earth against the oracle in exact arithmetic
+mod curved_footprints; // and over footprints, whose roofs are curved like the earth
 mod antennas; // who is in range of a sector, a beam, between elevations: by the definition in whole numbers
 mod stability; // which answers turn with the last digit: by hand, by maps made anew, in files
 mod ground_truth; // what a scene is made of: bases, voids, typed ground, holes, lattices, extents, ranges

@@ -137,7 +137,7 @@ impl AntennaArgs {
 pub(crate) struct EarthArgs {
     /// Curved earth of K times its radius: 4/3 for radio, 7/6 for light, 1 without refraction, inf for none
     ///
-    /// Heights are lowered by d²/(2·K·6 371 008.8 m), d from the UAV. Without it the earth is flat.
+    /// At a distance d the earth is lower by d²/(2·K·6 371 008.8 m). Without it the earth is flat.
     #[arg(long, value_name = "K", value_parser = fraction, allow_hyphen_values = true, hide_short_help = true)]
     earth_k: Option<f64>,
     /// 1/K of a curved earth, GDAL's word for it: 0.85714 for light, 0.75 for radio, 0 for none

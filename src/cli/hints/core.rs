@@ -33,9 +33,6 @@ fn of_map(error: &MapError) -> Option<String> {
             return Some(format!("`--method auto` takes `{instead}` here; `ray` decides any scene"));
         }
         MapError::ApproximateLayers { .. } => "`--method auto`, or `--layers los` alone",
-        MapError::CurvedFootprints => {
-            "leave out `--earth-k` and `--curvature-coefficient`, or map a raster: `skyshed city SCENE -o city.tif`"
-        }
         MapError::TooCurved(_) => "a larger `--earth-k`, or a smaller `--radius`",
         MapError::StreamedMethod => "`--method auto` takes `sweep` here",
         MapError::StreamedLayers => "`--layers los,margin,ceiling`, and receivers in no zone",

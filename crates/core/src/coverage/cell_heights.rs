@@ -84,9 +84,8 @@ impl<'a> CellHeights<'a> {
 
 /// The least visible height of a receiver \[m above the datum\], not below what it stands on, and its margin \[m\], whose sign is exact.
 pub(super) fn least_height_and_margin(field: &HeightField, uav: &Uav, receiver: &Station, base: i32) -> (f32, f32) {
-    let (b, t) = link_least_receiver_heights(field, &uav.station, receiver);
-    let is_los = b.is_met_by(receiver.z) && t.is_met_by(receiver.z);
-    with_margin(b.height_steps().max(t.height_steps()), receiver.z, base, is_los)
+    let least = link_least_receiver_heights(field, &uav.station, receiver);
+    with_margin(least.height_steps(), receiver.z, base, least.is_los)
 }
 
 /// A least visible height \[m\] and the margin of a receiver at height `z` on `base`, in line of sight or not, from a least height \[1/1024 m\].

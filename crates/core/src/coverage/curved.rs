@@ -1,28 +1,31 @@
-//! What a UAV sees over a curved earth: a raster scene with the heights that it sees, mapped as over a flat one.
+//! What a UAV sees over a curved earth: a raster scene with the heights that it sees, mapped as over a flat one, or footprints whose engines
+//! reckon with the curve.
 
 use std::ops::Range;
 
 use super::map::{Mapper, SiteCoverage};
 use super::range::{Heights, Range as InRange};
 use super::stability::ShiftedRoofs;
-use super::{ExplainedLink, MapOptions, ObstacleKind, Receivers, Uav};
+use super::{ExplainedLink, MapOptions, ObstacleKind, ProfileStep, Receivers, StepKind, Uav};
 use crate::error::{MapError, Result};
 use crate::height_field::{Curvature, Drops, HeightField, Place, Station};
 use crate::los::GridReceivers;
 use crate::quantity::{MAX_HEIGHT_M, meters};
 use crate::raster::CellWindow;
 
-/// A raster scene as one UAV sees it over a curved earth: all heights lowered by what the earth falls away from it.
+/// A scene as one UAV sees it over a curved earth. In a raster all heights are lower by what the earth falls away from it; footprints and
+/// receivers among them keep theirs.
 #[derive(Debug)]
 pub struct CurvedScene {
     field: HeightField,
+    curvature: Curvature,
     drops: Drops,
     /// The cells that are as it sees them: all that matter to it.
     window: CellWindow,
 }
 
 impl CurvedScene {
-    /// All of a scene as a UAV at a place sees it; `None` over a flat earth, and over footprints.
+    /// All of a scene as a UAV at a place sees it; `None` over a flat earth.
     ///
     /// # Errors
     /// E118 for an earth so curved that heights would leave the lattice.
@@ -31,25 +34,59 @@ impl CurvedScene {
         let drops = Drops::new(&field.positions(), place, curvature, field.grid().meters_per_unit());
         let window = field.grid().window();
         check_drop(drops.most_m(window), field.lowest_known())?;
-        Ok(field.bent(&drops, window).map(|field| CurvedScene { field, drops, window }))
+        let field = field.bent(place, curvature, &drops, window);
+        Ok(Some(CurvedScene { field, curvature, drops, window }))
     }
 
-    /// The scene with its heights lowered.
+    /// The scene as it is seen.
     pub fn field(&self) -> &HeightField {
         &self.field
     }
 
     /// How much lower the cell is that holds a place, the nearest one outside \[1/1024 m\].
     pub fn drop_at(&self, place: &Place) -> i32 {
-        let grid = self.field.grid();
-        let x = place.x.clamp(grid.x_min(), grid.x_max() - 0.5 * grid.cell_width());
-        let y = place.y.clamp(grid.y_min() + 0.5 * grid.cell_height(), grid.y_max());
-        grid.cell_at(x, y).map_or(0, |(row, col)| self.drops.at(row, col))
+        self.drops.at_place(self.field.grid(), place)
     }
 
-    /// An end of a link as the UAV sees it.
+    /// By how much heights of the field are lower than above the datum at a place \[1/1024 m\]: 0 among footprints.
+    pub fn lowered_by(&self, place: &Place) -> i32 {
+        if self.field.prisms().is_some() { 0 } else { self.drop_at(place) }
+    }
+
+    /// An end of a link, with its height as the field tells heights.
     pub fn lowered(&self, station: &Station) -> Station {
+        Station { z: station.z - i64::from(self.lowered_by(&station.place)), ..*station }
+    }
+
+    /// An end of a link as much lower as the UAV sees it.
+    pub fn seen(&self, station: &Station) -> Station {
         Station { z: station.z - i64::from(self.drop_at(&station.place)), ..*station }
+    }
+
+    /// The side view of a link of some length \[m\] as the UAV sees it. Ground and roofs of footprints are curved there, which many short
+    /// steps draw.
+    pub fn seen_steps(&self, steps: Vec<ProfileStep>, distance_m: f64) -> Vec<ProfileStep> {
+        const PARTS: f64 = 256.0;
+        // A roof no longer than some of them is one step.
+        const WHOLE: f64 = 4.0;
+        if self.field.prisms().is_none() {
+            return steps;
+        }
+        let lowered = |step: &ProfileStep| {
+            let length = distance_m / PARTS;
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most so many parts")]
+            let n = ((step.to_m - step.from_m) / length).ceil().clamp(1.0, PARTS) as u32;
+            let is_whole = step.kind == StepKind::Building && step.to_m - step.from_m <= WHOLE * length;
+            let n = if is_whole { 1 } else { n };
+            let at = |k: u32| step.from_m + (step.to_m - step.from_m) * f64::from(k) / f64::from(n);
+            let part = |k: u32| {
+                let (from_m, to_m) = (at(k), at(k + 1));
+                let fall_m = self.curvature.drop_m(0.5 * (from_m + to_m));
+                ProfileStep { from_m, to_m, height_m: step.height_m - fall_m, kind: step.kind }
+            };
+            (0..n).map(part).collect::<Vec<_>>()
+        };
+        steps.iter().flat_map(lowered).collect()
     }
 
     /// What was found of a link here, with the heights that stand in the way above the datum again, and the elevation of the UAV from the
@@ -58,16 +95,22 @@ impl CurvedScene {
         let receiver_m = i32::try_from(receiver.z).map_or(f64::NAN, meters);
         let rise_m = uav.height_amsl_m() - receiver_m - meters(self.drop_at(&receiver.place));
         link.elevation_deg = rise_m.atan2(link.distance_m).to_degrees();
-        if let Some(obstacle) = &mut link.obstruction {
-            let drop_m = meters(self.drop_at(&self.field.place(obstacle.x, obstacle.y)));
-            obstacle.ray_height_m += drop_m;
-            obstacle.top_m = obstacle.top_m.map(|top_m| match obstacle.kind {
-                ObstacleKind::Cell((row, col)) | ObstacleKind::Terrain((row, col)) => {
-                    top_m + meters(self.drops.at(row, col))
-                }
-                _ => top_m,
-            });
+        let Some(obstacle) = &mut link.obstruction else { return link };
+        if self.field.prisms().is_some() {
+            // The ray sags between its ends, b·t(1 − t) with the drop b of one end from the other.
+            let (from, to) = (&uav.station.place, &receiver.place);
+            let (dx, dy) = (to.x - from.x, to.y - from.y);
+            let t =
+                ((obstacle.x - from.x) * dx + (obstacle.y - from.y) * dy) / (dx * dx + dy * dy).max(f64::MIN_POSITIVE);
+            obstacle.ray_height_m -= self.curvature.drop_m(link.distance_m) * t * (1.0 - t);
+        } else {
+            obstacle.ray_height_m += meters(self.drop_at(&self.field.place(obstacle.x, obstacle.y)));
         }
+        obstacle.top_m = obstacle.top_m.map(|top_m| match (obstacle.kind, self.field.bent_terrain()) {
+            (ObstacleKind::Cell((row, col)), _) => top_m + meters(self.drops.at(row, col)),
+            (ObstacleKind::Terrain(cell), Some(terrain)) => top_m + meters(terrain.drop_of(cell)),
+            _ => top_m,
+        });
         link
     }
 
@@ -75,17 +118,20 @@ impl CurvedScene {
     pub(super) fn around(mapper: &Mapper<'_>, uav: &Uav) -> Option<CurvedScene> {
         let options = &mapper.options;
         let positions = mapper.engine.positions();
-        let drops = Drops::new(positions, &uav.station.place, options.curvature?, options.meters_per_unit);
+        let (place, curvature) = (&uav.station.place, options.curvature?);
+        let drops = Drops::new(positions, place, curvature, options.meters_per_unit);
         let all = mapper.field.grid().window();
         let heights = mapper.receiver_heights();
         // Receivers may be lower by as much as any cell is.
         let lowered = Heights { lowest: heights.lowest - drops.most(all), are_flat: false, ..heights };
         let window = InRange::of(positions, uav, options, lowered).window();
-        if window.n_rows == 0 || window.n_cols == 0 || drops.most(window) == 0 {
+        // Rasters are lowered by whole steps of the lattice, prisms are exact.
+        let is_flat = || mapper.field.prisms().is_none() && drops.most(window) == 0;
+        if window.n_rows == 0 || window.n_cols == 0 || is_flat() {
             return None;
         }
-        let field = mapper.field.bent(&drops, window)?;
-        Some(CurvedScene { field, drops, window })
+        let field = mapper.field.bent(place, curvature, &drops, window);
+        Some(CurvedScene { field, curvature, drops, window })
     }
 
     /// What maps the scene that the UAV sees, with what a mapper of the scene has made ready.
@@ -112,6 +158,9 @@ impl CurvedScene {
             Receivers::All => k == 1,
         };
         let lowered = |(k, receivers): (usize, &'b GridReceivers<'_>)| {
+            if field.prisms().is_some() {
+                return receivers.borrowed();
+            }
             let stands_on = if roofs(k) { field.roof_of_cells() } else { field.ground_of_cells() };
             receivers.lowered(stands_on, &self.drops, self.window)
         };
@@ -135,9 +184,11 @@ impl CurvedScene {
         check_drop(self.drops.most_m(self.window), of.field.lowest_known())
     }
 
-    /// Brings heights of receivers back to those above the datum, in the rows of a map.
+    /// Brings heights of receivers of a raster back to those above the datum, in the rows of a map.
     pub(super) fn raise(&self, map: &mut SiteCoverage, rows: Range<usize>) {
-        let Some(heights) = &mut map.least_receiver_height else { return };
+        let Some(heights) = map.least_receiver_height.as_mut().filter(|_| self.field.prisms().is_none()) else {
+            return;
+        };
         let n_cols = self.field.grid().n_cols();
         for (row, heights) in rows.zip(heights.chunks_mut(n_cols)) {
             heights.iter_mut().enumerate().for_each(|(col, z)| *z = self.drops.raised(*z, (row, col)));

@@ -3,7 +3,9 @@
 use super::{Uav, height_over};
 use crate::error::UavError;
 use crate::height_field::{HeightField, Station};
-use crate::los::{LeastHeight, Obstruction, columns_crossed, link_least_receiver_heights, prisms_crossed};
+use crate::los::{
+    HORIZON, LeastHeight, LeastHeights, Obstruction, columns_crossed, link_least_receiver_heights, prisms_crossed,
+};
 use crate::quantity::{BLOCKS_ALL, Height, STEPS_PER_UNIT, VOID, meters};
 
 /// What was found of a link.
@@ -43,6 +45,8 @@ pub enum ObstacleKind {
     Building(u32),
     /// A cell of the terrain below footprints, by row and column.
     Terrain((usize, usize)),
+    /// Flat ground, beyond the horizon of a curved earth.
+    Horizon,
     /// A cell of a surface model.
     Cell((usize, usize)),
     /// Nodata that blocks everything.
@@ -92,8 +96,8 @@ pub fn place_receiver(field: &HeightField, (x, y): (f64, f64), height: Height) -
 
 /// Decides a link, and finds what stands in its way.
 pub fn explain_link(field: &HeightField, uav: &Uav, receiver: &Station) -> ExplainedLink {
-    let (prisms, columns) = link_least_receiver_heights(field, &uav.station, receiver);
-    let los = prisms.is_met_by(receiver.z) && columns.is_met_by(receiver.z);
+    let least_heights = link_least_receiver_heights(field, &uav.station, receiver);
+    let LeastHeights { prisms, columns, is_los: los, .. } = least_heights;
     let steps = f64::from(STEPS_PER_UNIT);
     #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
     let (uav_z, receiver_z) = (uav.station.z as f64 / steps, receiver.z as f64 / steps);
@@ -108,13 +112,13 @@ pub fn explain_link(field: &HeightField, uav: &Uav, receiver: &Station) -> Expla
         (None, VOID) => f64::NEG_INFINITY,
         (None, ground) => f64::from(ground),
     };
-    let least = prisms.height_steps().max(columns.height_steps()).max(floor) / steps;
+    let least = least_heights.height_steps().max(floor) / steps;
     let margin = receiver_z - least;
     let margin = if los { margin.max(0.0) } else { margin.min(-f64::MIN_POSITIVE) };
 
     let higher = match (&prisms, &columns) {
         (LeastHeight::At(p), LeastHeight::At(c)) => {
-            let (a, b) = (prisms.height_steps(), columns.height_steps());
+            let (a, b) = (prisms.height_steps(), least_heights.columns_height_steps());
             let prisms_win = a > b || (a >= b && p.near <= c.near);
             if prisms_win { Some((*p, true)) } else { Some((*c, false)) }
         }
@@ -143,6 +147,9 @@ pub fn explain_link(field: &HeightField, uav: &Uav, receiver: &Station) -> Expla
 }
 
 fn kind_of(field: &HeightField, obstruction: &Obstruction, of_prisms: bool) -> ObstacleKind {
+    if obstruction.obstacle == HORIZON {
+        return ObstacleKind::Horizon;
+    }
     if let Some(prisms) = field.prisms().filter(|_| of_prisms) {
         return ObstacleKind::Building(prisms.pieces()[obstruction.obstacle].building);
     }

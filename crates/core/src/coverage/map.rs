@@ -117,13 +117,10 @@ impl<'a> Mapper<'a> {
     ///
     /// # Errors
     /// E118 if the options ask for an engine that cannot decide this scene, or for layers of heights beside an approximate
-    /// one; footprints over a curved earth.
+    /// one.
     pub fn new(field: &'a HeightField, options: &MapOptions) -> Result<Self> {
         let refuse = |wrong: WrongMethod| MapError::Method { why: wrong.why, instead: wrong.instead.name() };
         let (method, why) = Method::choose(field, options.method, options.curvature.is_some()).map_err(refuse)?;
-        if options.curvature.is_some() && field.prisms().is_some() {
-            return Err(MapError::CurvedFootprints.into());
-        }
         if !method.is_exact() && options.layers != HeightLayers::default() {
             return Err(MapError::ApproximateLayers { method: method.name() }.into());
         }

@@ -141,12 +141,11 @@ impl Walker<'_> {
         let receiver = self.receiver(position);
         let state = self.state(position);
         let margin_m = receiver.and_then(|receiver| {
-            let (prisms, columns) = link_least_receiver_heights(self.field, &self.uav.station, &receiver);
+            let least = link_least_receiver_heights(self.field, &self.uav.station, &receiver);
             let ground = i64::from(self.field.ground_at(&receiver.place));
             #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
             let (z, ground) = (receiver.z as f64, ground as f64);
-            let margin =
-                (z - prisms.height_steps().max(columns.height_steps()).max(ground)) / f64::from(STEPS_PER_UNIT);
+            let margin = (z - least.height_steps().max(ground)) / f64::from(STEPS_PER_UNIT);
             // The sign is decided exactly; rounding must not turn it.
             let margin = if state == TrackState::Los { margin.max(0.0) } else { margin.min(-f64::MIN_POSITIVE) };
             margin.is_finite().then_some(margin)

@@ -3,45 +3,21 @@
 //! A ray that is straight over a curved earth stays a straight line when heights are measured from the plane that touches the earth below the
 //! UAV. There a point at distance d is lower by d²/2KR: K times the radius R of the earth stands for refraction, which bends rays
 //! (ITU-R P.834: K = 4/3 for radio in a standard atmosphere). Columns are lowered as a whole, by what their centers are, rounded
-//! to the lattice, so that every engine decides over a curved earth what it decides over a flat one.
+//! to the lattice, so that every engine decides over a curved earth what it decides over a flat one. Prisms are not lowered: engines reckon
+//! with the curve of their roofs.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
 
-use super::solid::{RasterSolid, Solid};
-use super::{GridPositions, HeightField, Place, TILE, TileMaxima};
+use super::solid::{RasterSolid, Solid, VectorGround, VectorSolid};
+use super::{Bulge, Columns, Curvature, CurvedGround, GridPositions, HeightField, Place, TILE, TileMaxima};
 use crate::city::Ground;
 use crate::dispatch;
-use crate::quantity::{BLOCKS_ALL, STEPS_PER_UNIT, VOID, meters};
-use crate::raster::{CellWindow, LargeVec, Raster};
-
-/// Mean radius of the Earth \[m\], of the ellipsoid WGS 84.
-pub const EARTH_RADIUS_M: f64 = 6_371_008.8;
-
-/// The curve of the earth, as rays see it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Curvature {
-    earth_k: f64,
-}
-
-impl Curvature {
-    /// Of an earth with K times its radius, K above 0; `None` of other numbers.
-    pub fn of_earth_k(earth_k: f64) -> Option<Self> {
-        (earth_k.is_finite() && earth_k > 0.0).then_some(Curvature { earth_k })
-    }
-
-    /// K, by which the radius of the earth is multiplied.
-    pub fn earth_k(self) -> f64 {
-        self.earth_k
-    }
-
-    /// How far the earth falls away at a distance \[m\].
-    pub fn drop_m(self, distance_m: f64) -> f64 {
-        distance_m * distance_m / (2.0 * self.earth_k * EARTH_RADIUS_M)
-    }
-}
+use crate::quantity::{BLOCKS_ALL, Frame, STEPS_PER_UNIT, VOID, meters};
+use crate::raster::{CellWindow, GeoRef, LargeVec, Raster};
 
 /// How much lower than over a flat earth the cells of a grid are, seen from a place.
 #[derive(Debug, Clone)]
@@ -77,10 +53,31 @@ impl Drops {
         }
     }
 
+    /// Of the cells of a terrain below prisms.
+    fn of_columns(columns: &Columns, frame: Frame, place: &Place, curvature: Curvature, meters_per_unit: f64) -> Drops {
+        let (x, y) = place.on_columns;
+        let of = |steps: i64, unit: f64| {
+            #[expect(clippy::cast_precision_loss, reason = "steps in reach are below 2^53")]
+            let units = steps as f64 / f64::from(STEPS_PER_UNIT) * unit;
+            f64::from(STEPS_PER_UNIT) * curvature.drop_m(units * meters_per_unit)
+        };
+        Drops {
+            by_col: (0..columns.n_cols()).map(|col| of(columns.center(0, col).0 - x, frame.unit_x)).collect(),
+            by_row: (0..columns.n_rows()).map(|row| of(columns.center(row, 0).1 - y, frame.unit_y)).collect(),
+        }
+    }
+
     /// The drop of a cell \[1/1024 m\].
     #[inline]
     pub fn at(&self, row: usize, col: usize) -> i32 {
         rounded(self.by_col[col], self.by_row[row])
+    }
+
+    /// The drop of the cell that holds a place, the nearest one outside \[1/1024 m\].
+    pub(crate) fn at_place(&self, grid: &GeoRef, place: &Place) -> i32 {
+        let x = place.x.clamp(grid.x_min(), grid.x_max() - 0.5 * grid.cell_width());
+        let y = place.y.clamp(grid.y_min() + 0.5 * grid.cell_height(), grid.y_max());
+        grid.cell_at(x, y).map_or(0, |(row, col)| self.at(row, col))
     }
 
     /// Those of some rows alone.
@@ -184,27 +181,91 @@ fn rounded(a: f64, b: f64) -> i32 {
     steps
 }
 
+/// The terrain below footprints as a UAV sees it over a curved earth.
+#[derive(Debug)]
+pub(crate) struct BentTerrain {
+    pub(super) columns: Columns,
+    /// How much lower its cells are.
+    drops: Drops,
+    /// How much lower against it receivers on the cells of the grid are.
+    pub(crate) receiver_drops: Drops,
+}
+
+impl BentTerrain {
+    /// How much lower against the terrain a receiver at a place is \[1/1024 m\].
+    pub(crate) fn receiver_drop(&self, grid: &GeoRef, place: &Place) -> i64 {
+        i64::from(self.receiver_drops.at_place(grid, place))
+    }
+
+    /// How much lower a cell of it is \[1/1024 m\].
+    pub(crate) fn drop_of(&self, (row, col): (usize, usize)) -> i32 {
+        self.drops.at(row, col)
+    }
+}
+
 impl HeightField {
     /// A raster scene with its heights lowered within a window, and only there; of a vector scene `None`. What is open ground and what
     /// is a building stays. Receivers stand on ground that is lowered as well.
-    pub(crate) fn bent(&self, drops: &Drops, window: CellWindow) -> Option<HeightField> {
-        let raster = self.solid.raster()?;
-        let tops = drops.lowered(HeightsOf::Cells(raster.columns.tops()), window);
-        let columns = raster.columns.lowered(tops, drops, window);
-        let terrain =
-            |heights: HeightsOf<'_>| Ground::Terrain(Raster::new(self.grid.clone(), drops.lowered(heights, window)));
-        let ground = match &raster.ground {
-            Ground::Surface => Ground::Surface,
-            Ground::Flat(z) => terrain(HeightsOf::One(*z)),
-            Ground::Terrain(of) => terrain(HeightsOf::Cells(of.cells())),
+    pub(crate) fn bent_raster(&self, drops: &Drops, window: CellWindow) -> Option<HeightField> {
+        let solid = Solid::Raster(self.solid.raster()?.bent(&self.grid, drops, window));
+        Some(self.with_bent(solid, None))
+    }
+
+    /// The scene over a curved earth as it is seen from a place, with the drops of its cells.
+    ///
+    /// A raster is lowered within a window ([`HeightField::bent_raster`]). In a vector scene all keep their heights above the datum; prisms tell of the earth
+    /// ([`Prisms::earth`](super::Prisms::earth)), and the terrain stands in the way as it is seen, for receivers that are lower as well
+    /// ([`HeightField::seen_on_columns`]).
+    pub(crate) fn bent(&self, place: &Place, curvature: Curvature, drops: &Drops, window: CellWindow) -> HeightField {
+        let meters_per_unit = self.grid.meters_per_unit();
+        let vector = match &self.solid {
+            Solid::Raster(raster) => {
+                return self.with_bent(Solid::Raster(raster.bent(&self.grid, drops, window)), None);
+            }
+            Solid::Vector(vector) => vector,
         };
-        let solid = Solid::Raster(RasterSolid {
-            columns,
-            frame: raster.frame,
-            ground,
-            building_threshold: raster.building_threshold,
-        });
+        let terrain = match &*vector.ground {
+            VectorGround::Flat(_) => None,
+            VectorGround::Terrain { columns, frame } => {
+                let of_cells = Drops::of_columns(columns, *frame, place, curvature, meters_per_unit);
+                Some(Arc::new(columns.bent(of_cells, drops)))
+            }
+        };
+        let earth = Bulge::new(curvature, vector.frame.unit_x * meters_per_unit);
+        let earth = earth.map(|bulge| CurvedGround { bulge, ground: self.flat_ground() });
+        let solid = VectorSolid { prisms: vector.prisms.on_earth(earth), ..vector.clone() };
+        self.with_bent(Solid::Vector(solid), terrain)
+    }
+
+    fn with_bent(&self, solid: Solid, bent_terrain: Option<Arc<BentTerrain>>) -> HeightField {
         let (without_data, cells) = (self.without_data.clone(), self.cells.clone());
-        Some(HeightField { grid: self.grid.clone(), solid, without_data, cells })
+        HeightField { grid: self.grid.clone(), solid, without_data, cells, bent_terrain }
+    }
+}
+
+impl Columns {
+    /// A terrain below footprints that is lower by the drops of its cells, for receivers that are lower by drops of theirs.
+    fn bent(&self, drops: Drops, receiver_drops: &Drops) -> BentTerrain {
+        let whole = CellWindow { row: 0, col: 0, n_rows: self.n_rows(), n_cols: self.n_cols() };
+        let tops = drops.lowered(HeightsOf::Cells(self.tops()), whole);
+        BentTerrain { columns: self.lowered(tops, &drops, whole), drops, receiver_drops: receiver_drops.clone() }
+    }
+}
+
+impl RasterSolid {
+    fn bent(&self, grid: &GeoRef, drops: &Drops, window: CellWindow) -> RasterSolid {
+        let tops = drops.lowered(HeightsOf::Cells(self.columns.tops()), window);
+        let terrain =
+            |heights: HeightsOf<'_>| Ground::Terrain(Raster::new(grid.clone(), drops.lowered(heights, window)));
+        RasterSolid {
+            columns: self.columns.lowered(tops, drops, window),
+            frame: self.frame,
+            ground: match &self.ground {
+                Ground::Surface => Ground::Surface,
+                Ground::Flat(z) => terrain(HeightsOf::One(*z)),
+                Ground::Terrain(of) => terrain(HeightsOf::Cells(of.cells())),
+            },
+            building_threshold: self.building_threshold,
+        }
     }
 }

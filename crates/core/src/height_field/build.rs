@@ -36,10 +36,16 @@ impl HeightField {
                 let columns = Columns::new(georef.n_rows(), georef.n_cols(), surface.into_cells());
                 let solid =
                     Solid::Raster(RasterSolid { columns, frame: cell_frame(&georef), ground, building_threshold });
-                HeightField { grid: grid.clone(), solid, without_data: voids.map(Arc::new), cells: no_cells }
+                HeightField {
+                    grid: grid.clone(),
+                    solid,
+                    without_data: voids.map(Arc::new),
+                    cells: no_cells,
+                    bent_terrain: None,
+                }
             }
             Solids::Vector { footprints, frame, ground, data_area, .. } => {
-                let prisms = Arc::new(prisms_of(&footprints, &mut warnings));
+                let prisms = prisms_of(&footprints, &mut warnings);
                 let is_auto = matches!(data_area, DataArea::NearFootprints);
                 let known_ground = match data_area {
                     DataArea::All => None,
@@ -60,9 +66,10 @@ impl HeightField {
                     Ground::Surface => VectorGround::Flat(0),
                 };
                 let (ground, known_ground) = (Arc::new(ground), known_ground.map(Arc::new));
-                let solid = VectorSolid { prisms, frame, ground, roofs: Vec::new(), known_ground, building_ids };
+                let solid = VectorSolid { prisms, frame, ground, roofs: Arc::default(), known_ground, building_ids };
                 let solid = Solid::Vector(solid);
-                let mut field = HeightField { grid: grid.clone(), solid, without_data: None, cells: no_cells };
+                let mut field =
+                    HeightField { grid: grid.clone(), solid, without_data: None, cells: no_cells, bent_terrain: None };
                 field.find_roofs();
                 field.find_cells_without_data();
                 if is_auto && field.knows_all_as_little_is_open() {

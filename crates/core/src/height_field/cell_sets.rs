@@ -130,7 +130,9 @@ impl HeightField {
                 Ground::Flat(_) => None,
                 Ground::Terrain(terrain) => Some(terrain.cells()),
             },
-            Solid::Vector(_) => self.columns().filter(|_| self.columns_are_on_grid()).map(Columns::tops),
+            Solid::Vector(_) => {
+                self.solid.columns().filter(|_| self.columns_are_on_grid()).map(|(columns, _)| columns.tops())
+            }
         }
     }
 

@@ -21,9 +21,9 @@ impl HeightField {
     pub(super) fn without_prisms(&self) -> HeightField {
         let mut field = self.clone();
         if let Solid::Vector(vector) = &mut field.solid {
-            vector.prisms = Arc::new(Prisms::new(Vec::<(Ring, i32, u32)>::new()));
+            vector.prisms = Prisms::new(Vec::<(Ring, i32, u32)>::new());
             vector.building_ids = [].into();
-            vector.roofs = vec![VOID; self.grid.n_cells()];
+            vector.roofs = Arc::new(vec![VOID; self.grid.n_cells()]);
         }
         field.cells = Arc::new(CellSets::of(&field));
         field
@@ -41,7 +41,8 @@ impl HeightField {
         match &mut field.solid {
             Solid::Vector(VectorSolid { prisms, .. }) => {
                 let piece = |p: &Piece| Some((prisms.ring(p).to_vec(), raised(p.top)?, p.building));
-                *prisms = Arc::new(Prisms::new(prisms.pieces().iter().map(piece).collect::<Option<Vec<_>>>()?));
+                *prisms = Prisms::new(prisms.pieces().iter().map(piece).collect::<Option<Vec<_>>>()?)
+                    .on_earth(prisms.earth());
             }
             Solid::Raster(RasterSolid { columns, .. }) => {
                 let n_cols = columns.n_cols();

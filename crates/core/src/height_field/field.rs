@@ -6,9 +6,9 @@ use rayon::prelude::*;
 
 use super::positions::RangeLattice;
 use super::solid::{RasterSolid, Solid, VectorGround};
-use super::{Columns, GridPositions, Place, Plateaus, Prisms, cell_frame};
+use super::{BentTerrain, Columns, GridPositions, Place, Plateaus, Prisms, Station, cell_frame};
 use crate::city::Ground;
-use crate::quantity::{BLOCKS_ALL, Frame, STEPS_PER_UNIT, VOID, meters};
+use crate::quantity::{BLOCKS_ALL, Frame, LatticePoint, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::{BitGrid, CellLattice, GeoRef};
 
 /// The obstacles of a scene and what receivers stand on.
@@ -22,6 +22,8 @@ pub struct HeightField {
     /// known ground, and those where a surface model has no height.
     pub(super) without_data: Option<Arc<BitGrid>>,
     pub(super) cells: Arc<CellSets>,
+    /// The terrain below footprints as a UAV sees it over a curved earth, where that is not as it is.
+    pub(super) bent_terrain: Option<Arc<BentTerrain>>,
 }
 
 /// What a cell of the receivers' grid is.
@@ -88,12 +90,32 @@ impl HeightField {
 
     /// The prisms, in a vector scene.
     pub fn prisms(&self) -> Option<&Prisms> {
-        self.solid.vector().map(|vector| &*vector.prisms)
+        self.solid.vector().map(|vector| &vector.prisms)
     }
 
-    /// The columns: the surface of a raster scene, or the terrain of a vector scene.
+    /// The columns that stand in the way: the surface of a raster scene, or the terrain of a vector scene.
     pub fn columns(&self) -> Option<&Columns> {
-        self.solid.columns().map(|(columns, _)| columns)
+        match &self.bent_terrain {
+            Some(bent) => Some(&bent.columns),
+            None => self.solid.columns().map(|(columns, _)| columns),
+        }
+    }
+
+    /// The terrain below footprints as a UAV sees it over a curved earth, where that is not as it is.
+    pub(crate) fn bent_terrain(&self) -> Option<&BentTerrain> {
+        self.bent_terrain.as_deref()
+    }
+
+    /// A receiver on the lattice of the columns, as high as it is against them.
+    #[inline]
+    pub(crate) fn seen_on_columns(&self, receiver: &Station) -> LatticePoint {
+        let on_columns = receiver.on_columns();
+        match &self.bent_terrain {
+            None => on_columns,
+            Some(bent) => {
+                LatticePoint { z: on_columns.z - bent.receiver_drop(&self.grid, &receiver.place), ..on_columns }
+            }
+        }
     }
 
     /// The frame of the prisms' lattice.
@@ -205,7 +227,7 @@ impl HeightField {
 
     /// The height below which the vertical line at a place is inside the columns; [`VOID`] if it is not.
     pub fn inside_columns_below(&self, place: &Place) -> i32 {
-        self.columns().map_or(VOID, |c| c.solid_below(place.on_columns.0, place.on_columns.1))
+        self.solid.columns().map_or(VOID, |(c, _)| c.solid_below(place.on_columns.0, place.on_columns.1))
     }
 
     /// The highest obstacle \[1/1024 m\], [`VOID`] if there is none.

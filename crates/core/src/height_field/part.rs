@@ -27,14 +27,14 @@ impl HeightField {
             prisms: prisms.clone(),
             frame: *frame,
             ground: ground.clone(),
-            roofs,
+            roofs: Arc::new(roofs),
             known_ground: known_ground.clone(),
             building_ids: building_ids.clone(),
         });
         let cells =
             Arc::new(CellSets { open: self.cells.open.part(window), building: self.cells.building.part(window) });
         let without_data = self.without_data.as_ref().map(|whole| Arc::new(whole.part(window)));
-        HeightField { grid: self.grid.part(window), solid, without_data, cells }
+        HeightField { grid: self.grid.part(window), solid, without_data, cells, bent_terrain: None }
     }
 
     /// What a raster scene was built from, over some of its cells; `None` of a vector scene.

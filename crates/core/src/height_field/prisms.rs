@@ -1,5 +1,8 @@
 //! Prisms: the solid of a vector scene, cut into convex pieces and found through a grid of buckets.
 
+use std::sync::Arc;
+
+use super::Bulge;
 use super::casters::Casters;
 use crate::overlay::bounds_of;
 use crate::quantity::VOID;
@@ -15,14 +18,30 @@ pub struct Piece {
     pub building: u32,
 }
 
-/// The closed union B of the prisms of a vector scene.
+/// The closed union B of the prisms of a vector scene. Copies share what they are.
 #[derive(Debug, Clone)]
 pub struct Prisms {
+    parts: Arc<Parts>,
+    earth: Option<CurvedGround>,
+}
+
+/// What prisms are over a flat earth.
+#[derive(Debug)]
+struct Parts {
     vertices: Vec<[i32; 2]>,
     pieces: Vec<Piece>,
     buckets: Buckets,
     casters: Casters,
     max_top: i32,
+}
+
+/// A curved earth below prisms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CurvedGround {
+    /// By how much it falls away.
+    pub bulge: Bulge,
+    /// The height of flat ground, which stands in the way beyond the horizon \[1/1024 m above the datum\]; `None` where columns do.
+    pub ground: Option<i32>,
 }
 
 /// A grid of square buckets, each listing the pieces whose bounding box meets its closed square.
@@ -74,40 +93,51 @@ impl Prisms {
         let ring = |p: &Piece| &vertices[p.first as usize..(p.first + p.len) as usize];
         let (buckets, casters) =
             rayon::join(|| build_buckets(&vertices, &pieces), || Casters::new(pieces.iter().map(|p| (p.top, ring(p)))));
-        Prisms { vertices, pieces, buckets, casters, max_top }
+        Prisms { parts: Arc::new(Parts { vertices, pieces, buckets, casters, max_top }), earth: None }
+    }
+
+    /// These prisms on an earth that is curved, or flat again.
+    pub fn on_earth(&self, earth: Option<CurvedGround>) -> Prisms {
+        Prisms { parts: Arc::clone(&self.parts), earth }
+    }
+
+    /// The curve of the earth below them; `None` if it is flat.
+    #[inline]
+    pub fn earth(&self) -> Option<CurvedGround> {
+        self.earth
     }
 
     /// All convex pieces.
     pub fn pieces(&self) -> &[Piece] {
-        &self.pieces
+        &self.parts.pieces
     }
 
     /// The ring of a piece.
     #[inline]
     pub fn ring(&self, piece: &Piece) -> &[[i32; 2]] {
-        &self.vertices[piece.first as usize..(piece.first + piece.len) as usize]
+        &self.parts.vertices[piece.first as usize..(piece.first + piece.len) as usize]
     }
 
     /// The grid that finds pieces by place.
     pub(crate) fn buckets(&self) -> &Buckets {
-        &self.buckets
+        &self.parts.buckets
     }
 
     /// The prisms as casters of shadows.
     pub fn casters(&self) -> &Casters {
-        &self.casters
+        &self.parts.casters
     }
 
     /// The highest top, [`VOID`] if there is no prism.
     pub fn max_top(&self) -> i32 {
-        self.max_top
+        self.parts.max_top
     }
 
     /// The pieces whose closed ring contains the lattice position.
     fn touching(&self, x: i64, y: i64) -> impl Iterator<Item = (usize, &[[i32; 2]])> {
-        let (east, north) = self.buckets.index_of(x, y);
-        let items = self.buckets.at(east, north).map_or(&[][..], |(_, items)| items);
-        items.iter().map(|&i| (i as usize, self.ring(&self.pieces[i as usize]))).filter(move |(_, ring)| {
+        let (east, north) = self.parts.buckets.index_of(x, y);
+        let items = self.parts.buckets.at(east, north).map_or(&[][..], |(_, items)| items);
+        items.iter().map(|&i| (i as usize, self.ring(&self.parts.pieces[i as usize]))).filter(move |(_, ring)| {
             let n = ring.len();
             (0..n).all(|k| side(ring[k], ring[(k + 1) % n], x, y) >= 0)
         })
@@ -128,7 +158,7 @@ impl Prisms {
         let mut all_around: Option<(i32, usize)> = None;
         let mut sectors: Vec<Sector> = Vec::new();
         for (i, ring) in self.touching(x, y) {
-            let roof = (self.pieces[i].top, i);
+            let roof = (self.parts.pieces[i].top, i);
             match sector_at(ring, x, y) {
                 None => all_around = all_around.max(Some(roof)),
                 // Of walls on one another the highest counts.
@@ -160,7 +190,7 @@ impl Prisms {
     /// point on an edge to what lies east, then north of it. `None` off all footprints.
     pub fn roof_at(&self, x: i64, y: i64) -> Option<(i32, u32)> {
         let holding = self.touching(x, y).filter(|(_, ring)| holds_half_open(ring, x, y));
-        holding.map(|(i, _)| (self.pieces[i].top, self.pieces[i].building)).max()
+        holding.map(|(i, _)| (self.parts.pieces[i].top, self.parts.pieces[i].building)).max()
     }
 }
 

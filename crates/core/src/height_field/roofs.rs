@@ -1,5 +1,7 @@
 //! Which cells of the receivers' grid are roofs of a vector scene.
 
+use std::sync::Arc;
+
 use std::ops::Range;
 
 use super::solid::Solid;
@@ -14,7 +16,7 @@ impl HeightField {
     pub(super) fn find_roofs(&mut self) {
         let Some(roofs) = self.prisms().map(|prisms| self.roofs_of(prisms)) else { return };
         if let Solid::Vector(vector) = &mut self.solid {
-            vector.roofs = roofs;
+            vector.roofs = Arc::new(roofs);
         }
     }
 

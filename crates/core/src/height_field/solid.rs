@@ -30,11 +30,11 @@ pub(super) struct RasterSolid {
 /// share all but what is told cell by cell.
 #[derive(Debug, Clone)]
 pub(super) struct VectorSolid {
-    pub(super) prisms: Arc<Prisms>,
+    pub(super) prisms: Prisms,
     pub(super) frame: Frame,
     pub(super) ground: Arc<VectorGround>,
     /// Roof of each cell whose center is inside a building, [`crate::quantity::VOID`] elsewhere.
-    pub(super) roofs: Vec<i32>,
+    pub(super) roofs: Arc<Vec<i32>>,
     /// Where the ground is known, if not everywhere.
     pub(super) known_ground: Option<Arc<KnownGround>>,
     pub(super) building_ids: Arc<[String]>,

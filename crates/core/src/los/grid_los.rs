@@ -1,5 +1,6 @@
 //! One UAV against a whole grid of receivers, by the engine of a method.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -10,7 +11,9 @@ use super::{
     Swept, UavPositions, WrongMethod, columns_least_receiver_height, link_los, plateaus_los, r2_los,
     shadow_least_heights, shadow_least_receiver_heights, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
-use crate::height_field::{Casters, Columns, GridPositions, HeightField, Plateau, Plateaus, Prisms, Station};
+use crate::height_field::{
+    Casters, Columns, CurvedGround, GridPositions, HeightField, Plateau, Plateaus, Prisms, Station,
+};
 use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, CellWindow, bits_between, set_bits};
 use crate::simd::SimdLevel;
@@ -36,7 +39,7 @@ enum Engine<'a> {
 #[derive(Debug, Clone)]
 struct PrismShadows<'a> {
     prisms: &'a Prisms,
-    grid: ShadowGrid,
+    grid: Cow<'a, ShadowGrid>,
 }
 
 impl<'a> Engine<'a> {
@@ -44,7 +47,7 @@ impl<'a> Engine<'a> {
     fn new(field: &'a HeightField, method: Method, positions: &GridPositions) -> Result<Self, WrongMethod> {
         let shadows = |prisms| {
             let (xs, ys) = positions.on_prisms();
-            PrismShadows { prisms, grid: ShadowGrid::new(xs, ys) }
+            PrismShadows { prisms, grid: Cow::Owned(ShadowGrid::new(xs, ys)) }
         };
         Ok(match (method, field.prisms(), field.columns()) {
             (Method::Ray, ..) => Engine::Ray,
@@ -115,17 +118,25 @@ impl<'a> GridLos<'a> {
         })
     }
 
-    /// This engine over the same raster scene with other heights.
-    pub(crate) fn over<'b>(&self, field: &'b HeightField) -> GridLos<'b> {
-        let engine = match (&self.engine, field.columns()) {
-            (Engine::Step(_, length), Some(columns)) => Engine::Step(columns, *length),
-            (Engine::Xdraw(_), Some(columns)) => Engine::Xdraw(columns),
-            (Engine::R2(_), Some(columns)) => Engine::R2(columns),
-            (Engine::Sweep(_), Some(columns)) => Engine::Sweep(columns),
+    /// This engine over the same scene as it is seen over a curved earth.
+    pub(crate) fn over<'b>(&'b self, field: &'b HeightField) -> GridLos<'b> {
+        let shadows =
+            |shadows: &'b PrismShadows<'_>, prisms| PrismShadows { prisms, grid: Cow::Borrowed(&*shadows.grid) };
+        let engine = match (&self.engine, field.prisms(), field.columns()) {
+            (Engine::Step(_, length), _, Some(columns)) => Engine::Step(columns, *length),
+            (Engine::Xdraw(_), _, Some(columns)) => Engine::Xdraw(columns),
+            (Engine::R2(_), _, Some(columns)) => Engine::R2(columns),
+            (Engine::Sweep(_), _, Some(columns)) => Engine::Sweep(columns),
+            (Engine::Shadow(of), Some(prisms), _) => Engine::Shadow(shadows(of, prisms)),
+            (Engine::ShadowSweep(of, _), Some(prisms), Some(columns)) => {
+                Engine::ShadowSweep(shadows(of, prisms), columns)
+            }
+            (Engine::ShadowRay(of), Some(prisms), _) => Engine::ShadowRay(shadows(of, prisms)),
             _ => Engine::Ray,
         };
-        let GridLos { method, level, is_one_band, .. } = *self;
-        GridLos { field, method, engine, positions: Arc::clone(&self.positions), casters: None, level, is_one_band }
+        let GridLos { method, level, is_one_band, ref casters, .. } = *self;
+        let (positions, casters) = (Arc::clone(&self.positions), casters.clone());
+        GridLos { field, method, engine, positions, casters, level, is_one_band }
     }
 
     /// The engine in use.
@@ -147,7 +158,7 @@ impl<'a> GridLos<'a> {
         receivers: &[GridReceivers<'_>],
     ) -> Option<UavPositions<'b>> {
         let prisms = match &self.engine {
-            Engine::Shadow(PrismShadows { prisms, .. }) => *prisms,
+            Engine::Shadow(PrismShadows { prisms, .. }) if prisms.earth().is_none() => *prisms,
             Engine::Plateaus(_, plateaus, _) if receivers.iter().all(|r| stand_beside(r, plateaus, z)) => {
                 plateaus.prisms()
             }
@@ -241,7 +252,11 @@ impl<'a> GridLos<'a> {
             let swept = self.sweep(columns, uav, receivers, (wanted, window), Some(lowest));
             Some((swept.los, GridHeights::exact(swept.least_heights?, wanted.n_cols())))
         };
-        let cast = |shadows| {
+        let cast = |shadows: &PrismShadows<'_>| {
+            // Where shadows end on a curved earth no plane tells.
+            if shadows.prisms.earth().is_some() {
+                return None;
+            }
             let heights = shadow_least_receiver_heights(&self.all_casters(shadows, wanted), uav.on_prisms(), lowest)?;
             Some((self.by_shadows(shadows, uav, receivers, wanted), heights))
         };
@@ -278,6 +293,9 @@ impl<'a> GridLos<'a> {
         else {
             return None;
         };
+        if shadows.prisms.earth().is_some() {
+            return None;
+        }
         let mut heights = shadow_least_heights(&self.all_casters(shadows, wanted), uav.on_prisms(), from, height)?;
         self.raise_past_columns(&mut heights, wanted, |columns, (row, col), known| {
             let receiver = Station { place: self.positions.center(row, col), z: i64::from(height(row, col)) };
@@ -325,6 +343,8 @@ impl<'a> GridLos<'a> {
         (wanted, window): (&BitGrid, CellWindow),
         heights_from: Option<i64>,
     ) -> Swept {
+        let seen = self.field.bent_terrain().map(|terrain| receivers.seen_on_columns(&terrain.receiver_drops));
+        let receivers = seen.as_ref().unwrap_or(receivers);
         let (lowest, highest) = receivers.range;
         let above = receivers.above;
         let heights = match receivers.bases() {
@@ -346,11 +366,54 @@ impl<'a> GridLos<'a> {
     ) -> BitGrid {
         let casters = self.casters.as_deref().unwrap_or(shadows.prisms.casters());
         let scene = ShadowScene { casters, ..self.all_casters(shadows, wanted) };
+        if let Some(earth) = shadows.prisms.earth()
+            && let Some(between) = with_lowest_place_between(&scene, earth, uav.on_prisms(), receivers)
+        {
+            let others = wanted.clone().and(&between.complement());
+            let asked = self.by_rays(uav, receivers, &between);
+            return self.by_shadows(shadows, uav, receivers, &others).or(&asked);
+        }
         match receivers.level() {
             Some(z) => shadow_los(&scene, uav.on_prisms(), z).los,
             None => shadow_los_relief(&scene, uav.on_prisms(), &height_by_cell(receivers)).los,
         }
     }
+}
+
+/// The wanted cells whose rays on a curved earth neither fall nor rise all the way, but have their lowest place between the ends, if
+/// there are any; all of receivers that stand at one height which is not below the UAV.
+fn with_lowest_place_between(
+    scene: &ShadowScene<'_>,
+    earth: CurvedGround,
+    uav: LatticePoint,
+    receivers: &GridReceivers<'_>,
+) -> Option<BitGrid> {
+    // The square of the distance up to which that is so of none, narrowed by more than it can err.
+    let reach = |z: i64| {
+        #[expect(clippy::cast_precision_loss, reason = "a difference of heights, at most 2^28")]
+        let apart = (uav.z - z) as f64;
+        let apart = if receivers.level().is_some() { apart } else { apart.abs() };
+        apart / earth.bulge.coefficient() * (1.0 - 1e-9)
+    };
+    #[expect(clippy::cast_precision_loss, reason = "squares of lengths are below 2^56")]
+    let squares = |of: &[i64], at: i64| of.iter().map(|v| ((v - at) * (v - at)) as f64).collect::<Vec<f64>>();
+    let (east, north) = (squares(&scene.grid.xs, uav.x), squares(&scene.grid.ys, uav.y));
+    let most = |of: &[f64]| of.iter().fold(0.0_f64, |most, square| most.max(*square));
+    let (lowest, highest) = receivers.heights_range();
+    let farthest = most(&east) + most(&north);
+    if (highest < uav.z && farthest < reach(highest)) || (lowest > uav.z && farthest < reach(lowest)) {
+        return None;
+    }
+    let n_cols = east.len();
+    let mut between = BitGrid::new(north.len(), n_cols);
+    let per_row = between.words_per_row();
+    between.words_mut().par_chunks_mut(per_row.max(1)).enumerate().for_each(|(row, words)| {
+        for col in set_bits(scene.wanted.row(row)) {
+            let is_between = east[col] + north[row] >= reach(receivers.height(row * n_cols + col));
+            words[col / 64] |= u64::from(is_between) << (col % 64);
+        }
+    });
+    (between.count() > 0).then_some(between)
 }
 
 /// Heights of receivers by row and column \[1/1024 m above the datum\].

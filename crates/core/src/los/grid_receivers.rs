@@ -55,6 +55,29 @@ impl<'a> GridReceivers<'a> {
         GridReceivers { cells, stands_on, above, range, tiles: OnceLock::new() }
     }
 
+    /// These receivers, without what may have been found out about them.
+    pub(crate) fn borrowed(&self) -> GridReceivers<'_> {
+        let stands_on = match &self.stands_on {
+            StandsOn::Flat(z) => StandsOn::Flat(*z),
+            StandsOn::Cells(heights) => StandsOn::Cells(Cow::Borrowed(heights)),
+            StandsOn::Tops(columns) => StandsOn::Tops(columns),
+        };
+        let GridReceivers { above, range, .. } = *self;
+        GridReceivers { cells: Cow::Borrowed(&*self.cells), stands_on, above, range, tiles: OnceLock::new() }
+    }
+
+    /// Receivers on the same cells, against a terrain that is as a UAV sees it.
+    pub(super) fn seen_on_columns(&self, drops: &Drops) -> GridReceivers<'static> {
+        let (n_rows, n_cols) = (self.cells.n_rows(), self.cells.n_cols());
+        let mut bases = vec![0; n_rows * n_cols];
+        bases.par_chunks_mut(n_cols.max(1)).enumerate().for_each(|(row, bases)| {
+            for col in set_bits(self.cells.row(row)) {
+                bases[col] = self.base(row * n_cols + col) - drops.at(row, col);
+            }
+        });
+        GridReceivers::new((*self.cells).clone(), StandsOn::Cells(Cow::Owned(bases)), self.above)
+    }
+
     /// Receivers on the same cells of a scene whose heights drops have lowered within a window.
     pub(crate) fn lowered<'b>(
         &'b self,

@@ -40,6 +40,7 @@ mod link;
 mod method;
 mod obstruction;
 mod prisms_ray;
+mod sag;
 mod shadow;
 mod sweep;
 
@@ -51,10 +52,10 @@ pub use grid_heights::GridHeights;
 pub use grid_los::GridLos;
 pub(crate) use grid_los::height_by_cell;
 pub use grid_receivers::GridReceivers;
+pub use link::{LeastHeights, link_least_receiver_heights, link_los};
 pub(crate) use link::{link_least_height, link_least_step};
-pub use link::{link_least_receiver_heights, link_los};
 pub use method::{Method, MethodChoice, WrongMethod};
-pub use obstruction::{LeastHeight, Obstruction};
+pub use obstruction::{HORIZON, LeastHeight, Obstruction};
 pub use prisms_ray::{
     prisms_crossed, prisms_least_height, prisms_least_receiver_height, prisms_least_step, prisms_los,
 };

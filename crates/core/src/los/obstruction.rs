@@ -5,6 +5,10 @@ use std::cmp::Ordering;
 use crate::quantity::{BLOCKS_ALL, LatticePoint};
 
 use super::cell_walk::Crossing;
+use super::sag::Sag;
+
+/// The number of the obstacle that flat ground is, where the earth is curved.
+pub const HORIZON: usize = usize::MAX;
 
 /// Makes a bound computed in doubles, negative as seen from the UAV, too high rather than too low: a few roundings of
 /// 2^-53 each, on both sides of a comparison, are far below 1e-12.
@@ -22,7 +26,7 @@ pub enum LeastHeight {
 /// An interval of the ray over one obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Obstruction {
-    /// Index of the cell ([`crate::height_field::Columns::tops`]) or of the piece.
+    /// Index of the cell ([`crate::height_field::Columns::tops`]) or of the piece, or [`HORIZON`].
     pub obstacle: usize,
     /// Top of the obstacle \[1/1024 m above the datum\].
     pub top: i32,
@@ -33,13 +37,15 @@ pub struct Obstruction {
     bound: Bound,
 }
 
-/// The bound that an interval puts on the receiver's height: `z_U + num/den`, or no height at all.
+/// The bound that an interval puts on the receiver's height: `z_U + num/den + rise`, or no height at all.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Bound {
     uav_z: i64,
     num: i128,
     /// Positive; 0 means that no receiver height is enough.
     den: i128,
+    /// What the curve of the earth adds, rounded; 0 over a flat one, where bounds are exact.
+    rise: f64,
 }
 
 impl LeastHeight {
@@ -51,22 +57,22 @@ impl LeastHeight {
         }
     }
 
-    /// Whether a receiver at height `z` \[1/1024 m\] is at or above the least visible height; exact.
+    /// Whether a receiver at height `z` \[1/1024 m\] is at or above the least visible height; exact over a flat earth.
     pub fn is_met_by(&self, z: i64) -> bool {
         match self {
             LeastHeight::Clear => true,
-            LeastHeight::At(o) => o.bound.den > 0 && i128::from(z - o.bound.uav_z) * o.bound.den >= o.bound.num,
+            LeastHeight::At(o) => o.bound.is_met_by(z),
         }
     }
 
     /// The lowest lattice height \[1/1024 m above the datum\] at or above the least visible height; exact. The lowest `i64` where clear,
-    /// `None` where no height is enough.
+    /// `None` where no height is enough. Over a flat earth alone.
     pub fn lowest_step(&self) -> Option<i64> {
         match self {
             LeastHeight::Clear => Some(i64::MIN),
             LeastHeight::At(o) if o.bound.den == 0 => None,
             LeastHeight::At(o) => {
-                let Bound { uav_z, num, den } = o.bound;
+                let Bound { uav_z, num, den, .. } = o.bound;
                 // Rounded up; heights are below 2^28, so what is cut off here is out of reach of every height.
                 let above = (-(-num).div_euclid(den)).clamp(-(1 << 40), 1 << 40);
                 i64::try_from(above).ok().map(|above| uav_z + above)
@@ -78,8 +84,7 @@ impl LeastHeight {
     pub(super) fn above_uav(&self) -> f64 {
         match self {
             LeastHeight::Clear => f64::NEG_INFINITY,
-            LeastHeight::At(o) if o.bound.den == 0 => f64::INFINITY,
-            LeastHeight::At(o) => ratio(o.bound.num, o.bound.den),
+            LeastHeight::At(o) => o.bound.above_uav(),
         }
     }
 
@@ -111,9 +116,43 @@ impl Obstruction {
         let at = if excess <= 0 { near } else { far };
         // Behind a nodata cell that blocks everything no height is enough.
         let den = if top == BLOCKS_ALL { 0 } else { i128::from(at.n) };
-        let bound = Bound { uav_z: uav.z, num: i128::from(excess) * i128::from(at.d), den };
+        let bound = Bound { uav_z: uav.z, num: i128::from(excess) * i128::from(at.d), den, rise: 0.0 };
         let from_receiver = |c: Crossing| ratio(i128::from(c.d - c.n), i128::from(c.d));
         Obstruction { obstacle, top, near: from_receiver(near), far: from_receiver(far), bound }
+    }
+
+    /// This interval over a link that sags: at the fraction s of the way from the UAV it asks for `(H − z_U)/s + b(1 − s)` above it, which is most
+    /// at an end of the interval, or at `√((z_U − H)/b)` in between.
+    pub(super) fn over_curve(self, uav: LatticePoint, sag: Sag) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "a difference of heights, at most 2^28")]
+        let excess = (i64::from(self.top) - uav.z) as f64;
+        let (from, to) = (1.0 - self.far, 1.0 - self.near);
+        let s = if excess >= 0.0 { from } else { sag.binding(-excess).clamp(from, to) };
+        let rise = sag.rise_at_end(s);
+        if s > from && s < to {
+            let bound = Bound { num: 0, den: 1, rise: excess / s + rise, ..self.bound };
+            return Obstruction { near: 1.0 - s, far: 1.0 - s, bound, ..self };
+        }
+        // A roof below the UAV may bind at its end towards the UAV, beyond the horizon.
+        let is_at_other_end = excess < 0.0 && s < to;
+        let bound = if is_at_other_end {
+            Bound { num: 0, den: 1, rise: excess / s + rise, ..self.bound }
+        } else {
+            Bound { rise, ..self.bound }
+        };
+        Obstruction { bound, ..self }
+    }
+
+    /// The flat ground of a curved earth in the way of a link, if it is not below it whatever the height of the end is.
+    pub(super) fn of_horizon(ground: i32, uav: LatticePoint, sag: Sag) -> Option<Self> {
+        #[expect(clippy::cast_precision_loss, reason = "a difference of heights, at most 2^28")]
+        let below = (uav.z - i64::from(ground)) as f64;
+        let s = sag.binding(below);
+        (0.0..1.0).contains(&s).then(|| {
+            let straight = if below > 0.0 { -below / s } else { 0.0 };
+            let bound = Bound { uav_z: uav.z, num: 0, den: 1, rise: straight + sag.rise_at_end(s) };
+            Obstruction { obstacle: HORIZON, top: ground, near: 1.0 - s, far: 1.0 - s, bound }
+        })
     }
 }
 
@@ -138,7 +177,21 @@ impl Bound {
     fn value(&self) -> f64 {
         #[expect(clippy::cast_precision_loss, reason = "heights are far below 2^53")]
         let uav_z = self.uav_z as f64;
-        if self.den == 0 { f64::INFINITY } else { uav_z + ratio(self.num, self.den) }
+        uav_z + self.above_uav()
+    }
+
+    fn above_uav(&self) -> f64 {
+        if self.den == 0 { f64::INFINITY } else { ratio(self.num, self.den) + self.rise }
+    }
+
+    fn is_met_by(&self, z: i64) -> bool {
+        #[expect(clippy::cast_precision_loss, reason = "heights are far below 2^53")]
+        let is_above = |least: f64| (z - self.uav_z) as f64 >= least;
+        match self.rise {
+            _ if self.den == 0 => false,
+            0.0 => i128::from(z - self.uav_z) * self.den >= self.num,
+            _ => is_above(self.above_uav()),
+        }
     }
 
     /// Exact order of two bounds from the same UAV.
@@ -150,9 +203,10 @@ impl Bound {
             (false, true) => return Ordering::Less,
             (false, false) => {}
         }
-        // Far apart even if every conversion and division below erred by 2^-50.
-        let (a, b) = (ratio(self.num, self.den), ratio(other.num, other.den));
-        if (a - b).abs() > 1e-12 * (a.abs() + b.abs()) {
+        let (a, b) = (self.above_uav(), other.above_uav());
+        // Far apart even if every conversion and division above erred by 2^-50.
+        let is_curved = self.rise != 0.0 || other.rise != 0.0;
+        if is_curved || (a - b).abs() > 1e-12 * (a.abs() + b.abs()) {
             return a.total_cmp(&b);
         }
         compare_ratios((self.num, self.den), (other.num, other.den))

@@ -4,11 +4,14 @@
 //! crosses the interior; if it runs along an edge, the piece covers one side of the ray only, and the ray is inside the
 //! solid where pieces cover both sides (a shared wall, or the diagonal of a triangulated roof), up to the lower top.
 //! Crossings of the interior are tested at once, the rare edges are kept and paired at the end.
+//!
+//! Over a curved earth the link sags ([`Sag`]), and flat ground stands in the way like a roof without an end.
 
 use std::ops::ControlFlow;
 
 use super::cell_walk::{CellWalk, Crossing};
 use super::obstruction::{LeastHeight, Obstruction, surely_binds_less};
+use super::sag::Sag;
 use crate::height_field::{Piece, Prisms};
 use crate::quantity::LatticePoint;
 
@@ -18,7 +21,12 @@ use crate::quantity::LatticePoint;
 /// differ by at most 2^27 lattice steps along each axis (not checked); orientations then fit in i64, heights against
 /// slanted edges in i128.
 pub fn prisms_los(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) -> bool {
-    let lower = uav.z.min(receiver.z);
+    let sag = Sag::new(prisms.earth(), receiver.x - uav.x, receiver.y - uav.y);
+    let lower = uav.z.min(receiver.z) - sag.map_or(0, |sag| sag.most());
+    let ray = Ray { sag, ..Ray::new(uav, receiver) };
+    if ray.is_below_horizon(prisms) {
+        return false;
+    }
     if i64::from(prisms.max_top()) <= lower {
         return true;
     }
@@ -26,7 +34,6 @@ pub fn prisms_los(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) ->
         // Between coinciding ends the open segment is empty.
         return uav.z == receiver.z || i64::from(prisms.solid_below(uav.x, uav.y)) <= lower;
     }
-    let ray = Ray::new(uav, receiver);
     let mut edges: Vec<Edge> = Vec::new();
     let crossed = visit_buckets(
         prisms,
@@ -67,6 +74,13 @@ pub fn prisms_least_height(prisms: &Prisms, uav: LatticePoint, receiver: Lattice
 /// The least lattice height of a UAV at `uav`'s position, not below `floor`, from which the link to `receiver` is LoS;
 /// `None` where no height is enough. Exact.
 pub fn prisms_least_step(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint, floor: i64) -> Option<i64> {
+    if prisms.earth().is_some() {
+        // Heights are rounded there; `ray` says which step is the first.
+        let sees = |z: i64| prisms_los(prisms, LatticePoint { z, ..uav }, receiver);
+        #[expect(clippy::cast_possible_truncation, reason = "saturates far beyond all heights")]
+        let about = prisms_least_height_above(prisms, uav, receiver, floor).height_steps().clamp(-1e12, 1e12) as i64;
+        return (floor.max(about - 2)..=floor.max(about + 2)).find(|z| sees(*z));
+    }
     // A prism below the receiver binds nothing above its own top.
     if i64::from(prisms.max_top()) <= floor.min(receiver.z) {
         return Some(floor);
@@ -104,7 +118,13 @@ fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Wal
         }
         return least;
     }
-    let ray = Ray::new(pivot, end);
+    let sag = Sag::new(prisms.earth(), end.x - pivot.x, end.y - pivot.y);
+    let ray = Ray { sag, ..Ray::new(pivot, end) };
+    if let Some((sag, ground)) = sag.zip(prisms.earth().and_then(|earth| earth.ground))
+        && let Some(horizon) = Obstruction::of_horizon(ground, pivot, sag)
+    {
+        least.raise(horizon);
+    }
     let mut edges: Vec<Edge> = Vec::new();
     #[expect(clippy::cast_precision_loss, reason = "a difference of heights, at most 2^28")]
     let floor_above_pivot = floor.map_or(f64::NEG_INFINITY, |floor| (floor - pivot.z) as f64);
@@ -115,7 +135,7 @@ fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Wal
             Walk::TowardsPivot => (rest(last), rest(first)),
             Walk::AwayFromPivot => (first, last),
         };
-        !surely_binds_less(max_top, pivot.z, to, from, least_cell.get())
+        ray.may_bind(max_top, to, from, least_cell.get())
     };
     let start = match walk {
         Walk::TowardsPivot => (end, pivot),
@@ -124,8 +144,8 @@ fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Wal
     let _ = visit_buckets(prisms, start, may_bind, |index, piece| {
         match ray.meet(prisms.ring(piece)) {
             Meeting::Interior(interval) => {
-                if !surely_binds_less(piece.top, pivot.z, interval.near, interval.far, least_cell.get()) {
-                    least.raise(interval.obstruction(index, piece.top, pivot));
+                if ray.may_bind(piece.top, interval.near, interval.far, least_cell.get()) {
+                    least.raise(ray.obstruction(index, piece.top, &interval));
                     least_cell.set(least.above_uav().max(floor_above_pivot));
                 }
             }
@@ -137,7 +157,7 @@ fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Wal
         ControlFlow::Continue(())
     });
     for (edge, interval) in shared_edges(&edges) {
-        least.raise(interval.obstruction(edge.piece, edge.top, pivot));
+        least.raise(ray.obstruction(edge.piece, edge.top, &interval));
     }
     least
 }
@@ -161,7 +181,7 @@ pub fn prisms_crossed(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint
         |_, _, _| true,
         |index, piece| {
             if let Meeting::Interior(interval) = ray.meet(prisms.ring(piece)) {
-                let obstruction = interval.obstruction(index, piece.top, uav);
+                let obstruction = Obstruction::new(index, piece.top, uav, interval.near, interval.far);
                 crossed.push((index, obstruction.near, obstruction.far));
             }
             ControlFlow::Continue(())
@@ -180,6 +200,8 @@ struct Ray {
     dy: i64,
     /// Rise from the UAV to the receiver.
     dz: i64,
+    /// Over a curved earth.
+    sag: Option<Sag>,
 }
 
 /// An open interval of the ray, clipped to the link; parameters from the UAV.
@@ -211,15 +233,30 @@ enum Meeting {
     Edge(Side, Interval),
 }
 
-impl Interval {
-    fn obstruction(&self, piece: usize, top: i32, uav: LatticePoint) -> Obstruction {
-        Obstruction::new(piece, top, uav, self.near, self.far)
-    }
-}
-
 impl Ray {
     fn new(uav: LatticePoint, receiver: LatticePoint) -> Self {
-        Ray { uav, receiver, dx: receiver.x - uav.x, dy: receiver.y - uav.y, dz: receiver.z - uav.z }
+        Ray { uav, receiver, dx: receiver.x - uav.x, dy: receiver.y - uav.y, dz: receiver.z - uav.z, sag: None }
+    }
+
+    /// Whether the flat ground of a curved earth is in the way: the ray is below it at its lowest place, between the ends.
+    fn is_below_horizon(&self, prisms: &Prisms) -> bool {
+        let Some((sag, ground)) = self.sag.zip(prisms.earth().and_then(|earth| earth.ground)) else { return false };
+        let above = self.uav.z - i64::from(ground);
+        let (start, end) = (Crossing { n: 0, d: 1 }, Crossing { n: 1, d: 1 });
+        above.min(above + self.dz) < sag.most() && sag.dips_between(above, self.dz, start, end)
+    }
+
+    /// What a roof over an interval asks of the end of the link that is not the pivot.
+    fn obstruction(&self, piece: usize, top: i32, interval: &Interval) -> Obstruction {
+        let straight = Obstruction::new(piece, top, self.uav, interval.near, interval.far);
+        self.sag.map_or(straight, |sag| straight.over_curve(self.uav, sag))
+    }
+
+    /// Whether that may be more than a height which is so much above the pivot.
+    fn may_bind(&self, top: i32, near: Crossing, far: Crossing, above_uav: f64) -> bool {
+        #[expect(clippy::cast_precision_loss, reason = "rounded up by a step")]
+        let rise = self.sag.map_or(0.0, |sag| sag.rise_at_end(far.n as f64 / far.d as f64) + 1.0);
+        !surely_binds_less(top, self.uav.z, near, far, above_uav - rise)
     }
 
     /// Twice the signed area of the UAV, the receiver and `v`: positive left of the ray.
@@ -293,9 +330,12 @@ impl Ray {
         Some(Interval { far, near })
     }
 
-    /// Whether a solid of the given top blocks the ray over an interval: at the end nearest the lower terminal.
+    /// Whether a solid of the given top blocks the ray over an interval: over a flat earth at the end nearest the lower terminal.
     #[inline]
     fn is_blocked(&self, top: i32, interval: &Interval) -> bool {
+        if let Some(sag) = self.sag {
+            return sag.dips(self.uav.z - i64::from(top), self.dz, interval.far, interval.near);
+        }
         let at = if self.dz <= 0 { interval.near } else { interval.far };
         let excess = i64::from(top) - self.uav.z;
         // z = z_U + (n/d)·dz, so blocked ⇔ excess·d > n·dz. The f64 products are off by less than 3·2^-53 relative.
@@ -318,8 +358,9 @@ impl Ray {
     fn dips_below(&self, top: i32, near: Crossing, far: Crossing) -> bool {
         let lowest = if self.dz <= 0 { near } else { far };
         #[expect(clippy::cast_precision_loss, reason = "used with a margin of one lattice step")]
-        let fraction = lowest.n as f64 / lowest.d as f64;
-        f64::from(top) > self.height_from_receiver(fraction) - 1.0
+        let fraction = |c: Crossing| c.n as f64 / c.d as f64;
+        let sag = self.sag.map_or(0.0, |sag| sag.most_between(fraction(near), fraction(far)));
+        f64::from(top) > self.height_from_receiver(fraction(lowest)) - sag - 1.0
     }
 }
 

@@ -86,6 +86,7 @@ impl Engine {
                     ObstacleKind::Terrain(cell) => ("terrain", of_cell(cell)),
                     ObstacleKind::Cell(cell) => ("cell", of_cell(cell)),
                     ObstacleKind::Nodata(cell) => ("nodata", of_cell(cell)),
+                    ObstacleKind::Horizon => ("horizon", None),
                 };
                 let (x, y, ray_height_m) = (obstacle.x, obstacle.y, obstacle.ray_height_m);
                 Obstruction { kind, name, x, y, ray_height_m, roof_height_m: obstacle.top_m }

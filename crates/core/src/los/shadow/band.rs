@@ -6,7 +6,7 @@ use super::super::prisms_ray::prisms_los;
 use super::cast::Cast;
 use super::ceiling::Ceiling;
 use super::geometry::as_f64;
-use super::outline::{LANES, Outline, Plane, Reach};
+use super::outline::{LANES, Outline, Plane};
 use super::scene::{Receivers, ShadowScene};
 use super::spans::{Lanes, below_ceiling, maybe_spans, spans};
 use super::words::{bits_outside, clear, for_each_bit};
@@ -53,10 +53,12 @@ impl BandJob<'_> {
         let mut band = Band::new(words, self.scene.wanted.words_per_row());
         let tiles = self.tile_heights();
         if let Some((lowest, highest)) = self.heights(&tiles) {
+            // On a curved earth outlines tell of receivers below the UAV alone.
+            let is_level = lowest == highest && (self.plane.curve == 0.0 || lowest < self.plane.uav.z);
             let mut outline = Outline::default();
             let mut ceiling = Ceiling::default();
             for block in cast.blocks() {
-                let Some(reach) = Reach::new(self.plane.uav.z, block.max_top, lowest) else { continue };
+                let Some(reach) = self.plane.reach(block.bounds, block.max_top, lowest) else { continue };
                 let [w, s, e, n] = block.bounds;
                 let box_ring = [[w, s], [e, s], [e, n], [w, n]];
                 let is_in_view = outline.cast(self.plane, &box_ring, block.bounds, reach.from(block.begin));
@@ -64,12 +66,16 @@ impl BandJob<'_> {
                     continue;
                 }
                 for (caster, ring, begin) in cast.of_block(block) {
-                    let Some(reach) = Reach::new(self.plane.uav.z, caster.top, lowest) else { break };
+                    let Some(reach) = self.plane.reach(caster.bounds, caster.top, lowest) else { break };
                     if outline.cast(self.plane, ring, caster.bounds, reach.from(begin)) {
-                        if lowest == highest {
+                        if is_level {
                             self.hide(simd, &outline, &mut band);
                         } else {
-                            ceiling.cast(self.plane, ring, caster.top);
+                            if self.plane.curve == 0.0 {
+                                ceiling.cast(self.plane, ring, caster.top);
+                            } else {
+                                ceiling.cast_curved(self.plane, ring, (caster.top, caster.bounds), reach.far());
+                            }
                             self.hide_relief(simd, &outline, &ceiling, &tiles, &mut band);
                         }
                     }
@@ -223,8 +229,8 @@ impl BandJob<'_> {
                 }
                 let (lowest, highest) = tiles[tile_row * words_per_row + word];
                 let ends = (as_f64(word * 64), as_f64(word * 64 + 63));
-                let (low, high) = ceiling.range((self.plane.q[first], self.plane.q[last]), ends);
-                if lowest < ceiling.cap && lowest <= high {
+                let (low, high) = ceiling.range(self.plane, (self.plane.q[first], self.plane.q[last]), ends);
+                if lowest < ceiling.cap_maybe && lowest <= high {
                     band.tiles_to_do.push((word, highest < low && highest < ceiling.cap));
                 }
             }
@@ -252,7 +258,7 @@ impl BandJob<'_> {
                             (u64::MAX, 0)
                         } else {
                             let heights = &heights[(row + k) * width + word * 64..][..64];
-                            below_ceiling(simd, ceiling, self.plane.q[row + k], as_f64(word * 64), heights)
+                            below_ceiling(simd, self.plane, ceiling, self.plane.q[row + k], as_f64(word * 64), heights)
                         };
                         band.words[at] &= !(sure & below);
                         let doubts = sure & near | maybe & (below | near);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::geometry::{FULL_TURN, as_f64, bearing, distance_squared};
 use super::horizon::sort_by_horizon;
-use super::outline::{Plane, Reach};
+use super::outline::Plane;
 use crate::height_field::{Caster, CasterBlock, Casters};
 use crate::quantity::LatticePoint;
 
@@ -42,14 +42,15 @@ impl<'a> Cast<'a> {
     pub(super) fn new(all: &'a Casters, plane: &Plane, (lowest, highest): (i64, i64)) -> Self {
         let uav = plane.uav;
         // What hides a receiver has a shadow there: blocks that have none on receivers hide none of the others' either.
-        let is_in_view = |block: &&CasterBlock| plane.meets(block.bounds, Reach::new(uav.z, block.max_top, lowest));
+        let is_in_view =
+            |block: &&CasterBlock| plane.meets(block.bounds, plane.reach(block.bounds, block.max_top, lowest));
         let mut in_view: Vec<&CasterBlock> = all.blocks().iter().filter(is_in_view).collect();
         in_view.sort_by_cached_key(|block| outward(block, uav));
         let numbers: Vec<u32> = in_view.iter().flat_map(|block| block.numbers()).collect();
         let caster = |k: u32| &all.all()[k as usize];
         let begins = if highest < uav.z && are_long(&in_view, plane, lowest) {
             let prisms = numbers.iter().map(|k| (all.ring(caster(*k)), i64::from(caster(*k).top)));
-            sort_by_horizon(uav, highest, prisms, std::iter::empty::<([[i32; 2]; 0], i64)>()).prisms
+            sort_by_horizon((uav, plane.curve), highest, prisms, std::iter::empty::<([[i32; 2]; 0], i64)>()).prisms
         } else {
             vec![Some(1.0); numbers.len()]
         };
@@ -94,8 +95,9 @@ fn are_long(blocks: &[&CasterBlock], plane: &Plane, z: i64) -> bool {
     let most = as_f64(plane.rows.1 - plane.rows.0);
     let rows_and_casters = blocks.iter().map(|block| {
         let distance = as_f64(distance_squared(block.bounds, (uav.x, uav.y))).sqrt();
-        let rows =
-            Reach::new(uav.z, block.max_top, z).map_or(0.0, |reach| reach.behind(distance) * plane.rows_per_step);
+        let rows = plane
+            .reach(block.bounds, block.max_top, z)
+            .map_or(0.0, |reach| reach.behind(distance) * plane.rows_per_step);
         let n_casters = as_f64(block.numbers().len());
         (rows.min(most) * n_casters, n_casters)
     });

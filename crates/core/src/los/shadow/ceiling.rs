@@ -1,7 +1,8 @@
 //! The planes below which one caster hides receivers at differing heights. The derivation is in the essay of
 //! [`super`].
 
-use super::geometry::{cross, sub};
+use super::curve::HEIGHT_SLACK;
+use super::geometry::{as_f64, cross, sub};
 use super::outline::{Plane, ROUNDING};
 
 /// A plane of heights over the grid: `at + per_col · column + per_q · q` \[lattice steps\].
@@ -17,8 +18,10 @@ pub(super) struct Slope {
 pub(super) struct Ceiling {
     /// Planes through the UAV and one upper edge each: the far ones of a roof below the UAV, else the near ones.
     pub(super) slopes: Vec<Slope>,
-    /// Receivers at this height or above are seen in any case \[lattice steps\].
+    /// Receivers at this height or above are not surely hidden \[lattice steps\].
     pub(super) cap: f64,
+    /// Receivers at this height or above are seen in any case \[lattice steps\].
+    pub(super) cap_maybe: f64,
     /// Receivers nearer to a plane than this are in doubt \[lattice steps\].
     pub(super) margin: f64,
 }
@@ -32,6 +35,7 @@ impl Ceiling {
         #[expect(clippy::cast_precision_loss, reason = "differences of heights are below 2^53")]
         let (rise_steps, uav_z) = (rise as f64, plane.uav.z as f64);
         self.cap = if rise > 0 { f64::INFINITY } else { f64::from(top) };
+        self.cap_maybe = self.cap;
         self.slopes.clear();
         let from_uav = |v: [i32; 2]| [i64::from(v[0]) - ux, i64::from(v[1]) - uy];
         let mut a = from_uav(ring[ring.len() - 1]);
@@ -56,18 +60,76 @@ impl Ceiling {
         self.margin = ROUNDING * (magnitude + uav_z.abs() + 1.0) + steepest * plane.unevenness;
     }
 
-    /// Bounds on the least of the planes over rows with `q` from `q.0` to `q.1` and columns from `cols.0` to `cols.1`.
+    /// Makes this the ceiling on a curved earth of a ring whose shadow reaches so many times as far as it is away, at most.
+    ///
+    /// Measured from the plane below the UAV the upper edges are arcs, lower by c d² at both ends, which the planes go through. The roof is
+    /// nowhere higher than c r² above them, as seen from the plane below it. Receivers are lower as well, which [`Ceiling::fall`]
+    /// makes up for.
+    #[inline(never)]
+    pub(super) fn cast_curved(&mut self, plane: &Plane, ring: &[[i32; 2]], (top, bounds): (i32, [i32; 4]), far: f64) {
+        let (c, (ux, uy)) = (plane.curve, (plane.uav.x, plane.uav.y));
+        let [w, s, e, n] = bounds.map(i64::from);
+        let r = 0.5 * as_f64(e - w).hypot(as_f64(n - s));
+        let distance = (0.5 * as_f64(w + e - 2 * ux)).hypot(0.5 * as_f64(s + n - 2 * uy));
+        let (above_roof, uav_z) = (as_f64(plane.uav.z - i64::from(top)), as_f64(plane.uav.z));
+        let below = above_roof - c * distance * distance;
+        let thickness = c * r * r + HEIGHT_SLACK;
+        let farthest = plane.farthest();
+        let factor = far.min(farthest / (distance - r).max(1.0));
+        self.slopes.clear();
+        self.cap = if below < 0.0 { f64::INFINITY } else { f64::from(top) };
+        // Before the horizon of the roof no ray comes down behind it that was above it.
+        let is_before_horizon = c * farthest * (distance + r) < above_roof * (1.0 - 1e-9);
+        self.cap_maybe = if is_before_horizon { self.cap } else { f64::INFINITY };
+        if below.abs() < thickness {
+            self.slopes.push(Slope { at: 0.0, per_col: 0.0, per_q: 0.0 });
+            (self.cap_maybe, self.margin) = (f64::INFINITY, f64::INFINITY);
+            return;
+        }
+        let from_uav = |v: [i32; 2]| [i64::from(v[0]) - ux, i64::from(v[1]) - uy];
+        let drop = |v: [i64; 2]| c * (as_f64(v[0]) * as_f64(v[0]) + as_f64(v[1]) * as_f64(v[1]));
+        let columns = plane.origin.abs() + plane.last_column;
+        let (mut magnitude, mut steepest) = (0.0_f64, 0.0_f64);
+        let mut a = from_uav(ring[ring.len() - 1]);
+        for &vertex in ring {
+            let b = from_uav(vertex);
+            let edge = sub(b, a);
+            let k = cross(edge, a);
+            if (below > 0.0 && k < 0) || (below < 0.0 && k > 0) {
+                let k = as_f64(k);
+                let slope = (-above_roof - drop(a)) / k;
+                let turn = (drop(a) - drop(b)) / k;
+                let [ex, ey, ax, ay] = [edge[0], edge[1], a[0], a[1]].map(as_f64);
+                let per_q = ex * slope - ax * turn;
+                let per_col = (ay * turn - ey * slope) * plane.step;
+                self.slopes.push(Slope { at: uav_z - per_col * plane.origin, per_col, per_q });
+                let terms_q = ex.abs() * slope.abs() + ax.abs() * turn.abs();
+                let terms_col = (ay.abs() * turn.abs() + ey.abs() * slope.abs()) * plane.step;
+                magnitude = magnitude.max(terms_q * plane.q_max + terms_col * columns);
+                steepest = steepest.max(per_col.abs());
+            }
+            a = b;
+        }
+        let falls = c * farthest * farthest + 2.0 * c * farthest * plane.unevenness * plane.step;
+        self.margin = 4.0 * ROUNDING * (magnitude + uav_z.abs() + falls + 1.0)
+            + (steepest + 2.0 * c * farthest * plane.step) * plane.unevenness
+            + thickness * factor;
+    }
+
+    /// Bounds on the least of the planes over rows with `q` from `q.0` to `q.1` and columns from `cols.0` to `cols.1`, above receivers as they are
+    /// over the datum.
     ///
     /// The least of several planes is concave, so over a rectangle it is lowest at a corner.
     #[inline(always)]
-    pub(super) fn range(&self, q: (f64, f64), cols: (f64, f64)) -> (f64, f64) {
-        let (mut low, mut high) = (self.cap, self.cap);
+    pub(super) fn range(&self, plane: &Plane, q: (f64, f64), cols: (f64, f64)) -> (f64, f64) {
+        let (mut low, mut high) = (f64::INFINITY, f64::INFINITY);
         for s in &self.slopes {
             let (a, b) = (s.at + s.per_q * q.0, s.at + s.per_q * q.1);
             let (c, d) = (s.per_col * cols.0, s.per_col * cols.1);
             low = low.min(a.min(b) + c.min(d));
             high = high.min(a.max(b) + c.max(d));
         }
-        (low - self.margin, high + self.margin)
+        let (least, most) = plane.falls(q, cols);
+        (low + least - self.margin, high + most + self.margin)
     }
 }

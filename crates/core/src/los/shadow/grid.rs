@@ -5,8 +5,8 @@ use super::geometry::as_f64;
 /// Where receivers stand in the plane.
 #[derive(Debug, Clone)]
 pub struct ShadowGrid {
-    pub(super) xs: Vec<i64>,
-    pub(super) ys: Vec<i64>,
+    pub(in super::super) xs: Vec<i64>,
+    pub(in super::super) ys: Vec<i64>,
     /// Distance of neighboring columns and rows, on average \[lattice steps\].
     pub(super) steps: (f64, f64),
     /// How far a column may be from where the average puts it \[columns\].

@@ -18,6 +18,9 @@
 //! out of all shadows then, nor anybody on its boundary; nor do several together, since what hides one is nearer than it.
 //! `ray` says the same of receivers among those that are left.
 //!
+//! On a curved earth lines to points at distance d drop by (h_U − z)/d + c d ([`super::curve`]); their bounds take both terms where they are least, or
+//! largest.
+//!
 //! All this is of receivers below the UAV. One that is not sees past all prisms below the UAV; from it, those that are not below the
 //! UAV hide each other in other ways, and none of them is left out.
 
@@ -65,7 +68,7 @@ pub(super) struct Sorted {
 /// Each is a convex counterclockwise ring, with the height of the roof over it or of the receivers within
 /// \[1/1024 m above the datum\].
 pub(super) fn sort_by_horizon<R: AsRef<[[i32; 2]]>, G: AsRef<[[i32; 2]]>>(
-    uav: LatticePoint,
+    (uav, curve): (LatticePoint, f64),
     highest: i64,
     prisms: impl ExactSizeIterator<Item = (R, i64)>,
     groups: impl Iterator<Item = (G, i64)>,
@@ -76,8 +79,8 @@ pub(super) fn sort_by_horizon<R: AsRef<[[i32; 2]]>, G: AsRef<[[i32; 2]]>>(
     let mut sorted = Sorted { prisms: vec![None; n_prisms], groups: Vec::new() };
     // Lines to receivers below the UAV drop by more than the least positive number.
     let least_drop = if highest < uav.z { f32::MIN_POSITIVE } else { 0.0 };
-    let of_prism = |(ring, top): (R, i64)| Seen::from(uav, (ring.as_ref(), top), (least_drop, 0.0), n_bins);
-    let of_group = |(ring, z): (G, i64)| Seen::from(uav, (ring.as_ref(), z), (0.0, f32::INFINITY), n_bins);
+    let of_prism = |(ring, top): (R, i64)| Seen::from((uav, curve), (ring.as_ref(), top), (least_drop, 0.0), n_bins);
+    let of_group = |(ring, z): (G, i64)| Seen::from((uav, curve), (ring.as_ref(), z), (0.0, f32::INFINITY), n_bins);
     let mut seen: Vec<Seen> = prisms.map(of_prism).collect();
     seen.extend(groups.map(of_group));
     sorted.groups.resize(seen.len() - n_prisms, Sight::Some);
@@ -194,7 +197,12 @@ fn lower(bins: &mut [f32], to: f32) {
 
 impl Seen {
     /// `if_not_below` are the drops of what is not below the UAV.
-    fn from(uav: LatticePoint, (ring, z): (&[[i32; 2]], i64), if_not_below: (f32, f32), n_bins: u32) -> Seen {
+    fn from(
+        (uav, curve): (LatticePoint, f64),
+        (ring, z): (&[[i32; 2]], i64),
+        if_not_below: (f32, f32),
+        n_bins: u32,
+    ) -> Seen {
         let mut bounds = [i32::MAX, i32::MAX, i32::MIN, i32::MIN];
         // What does not surround the UAV is seen within half a turn.
         let from_uav = |v: [i32; 2]| [i64::from(v[0]) - uav.x, i64::from(v[1]) - uav.y];
@@ -228,8 +236,16 @@ impl Seen {
             (touched, if filled.0 < filled.1 { filled } else { (0, 0) })
         };
         #[expect(clippy::cast_possible_truncation, reason = "rounded within the slack")]
-        let drop = |distance: u32, slack: f64| (as_f64(uav.z - z) / f64::from(distance) * (1.0 + slack)) as f32;
-        let drops = if z < uav.z { (drop(far, -SLACK), drop(near, SLACK)) } else { if_not_below };
+        let drop = |distance: u32, curved: u32, slack: f64| {
+            ((as_f64(uav.z - z) / f64::from(distance) + curve * f64::from(curved)) * (1.0 + slack)) as f32
+        };
+        let drops = if z < uav.z {
+            (drop(far, near, -SLACK), drop(near, far, SLACK))
+        } else {
+            #[expect(clippy::cast_possible_truncation, reason = "rounded within the slack")]
+            let most = ((curve * f64::from(far) - as_f64(z - uav.z) / f64::from(far)) * (1.0 + SLACK)) as f32;
+            (if_not_below.0, if_not_below.1.max(most))
+        };
         Seen { touched, filled, distances: (near, far), drops }
     }
 }
@@ -255,7 +271,7 @@ mod tests {
     fn begins(prisms: &[([i32; 4], i32)]) -> Vec<Option<f64>> {
         let rings: Vec<_> = prisms.iter().map(|(bounds, _)| rectangle(*bounds)).collect();
         let prisms = rings.iter().zip(prisms).map(|(ring, (_, top))| (ring, i64::from(top * M)));
-        sort_by_horizon(UAV, 0, prisms, std::iter::empty::<([[i32; 2]; 0], i64)>()).prisms
+        sort_by_horizon((UAV, 0.0), 0, prisms, std::iter::empty::<([[i32; 2]; 0], i64)>()).prisms
     }
 
     #[test]
@@ -324,7 +340,7 @@ mod tests {
             let tops: Vec<i32> = blocks.iter().map(|(_, top)| top * M).collect();
             let prisms = || rings.iter().zip(&tops).map(|(ring, top)| (ring, i64::from(*top)));
             let groups = || rings.iter().zip(&tops).map(|(ring, top)| (ring, i64::from(top + 3 * M / 2)));
-            let sorted = sort_by_horizon(uav, 0, prisms(), groups());
+            let sorted = sort_by_horizon((uav, 0.0), 0, prisms(), groups());
             let solids = |keep: &dyn Fn(usize) -> bool| {
                 let kept = (0..rings.len()).filter(|k| keep(*k)).zip(0..);
                 Prisms::new(kept.map(|(k, number)| (rings[k], tops[k], number)))

@@ -18,6 +18,7 @@ use crate::raster::BitGrid;
 pub fn shadow_los(scene: &ShadowScene<'_>, uav: LatticePoint, z: i64) -> ShadowLos {
     match plane_of(scene.grid, scene.wanted, uav) {
         Some(plane) => {
+            let plane = plane.on_earth(scene.prisms);
             let cast = Cast::new(scene.casters, &plane, (z, z));
             cast_all(scene, scene.wanted.in_rows(plane.rows.0..plane.rows.1), &plane, &Receivers::Level(z), &cast)
         }
@@ -48,6 +49,7 @@ pub fn shadow_los_relief(
     let wanted = scene.wanted;
     let (relief, (lowest, highest)) = Receivers::relief(wanted, height);
     let Some(plane) = plane_of(scene.grid, wanted, uav) else { return nothing(scene) };
+    let plane = plane.on_earth(scene.prisms);
     let cast = Cast::new(scene.casters, &plane, (i64::from(lowest), i64::from(highest)));
     cast_all(scene, wanted.in_rows(plane.rows.0..plane.rows.1), &plane, &relief, &cast)
 }

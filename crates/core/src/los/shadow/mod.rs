@@ -50,13 +50,16 @@
 //! 64 rows of a shadow are skipped where no wanted cell is left in the tiles of 64 × 64 cells that they meet, and whole blocks
 //! likewise.
 //!
-//! **Possible extensions.** Heights that fall with the distance from the UAV (curvature) change where a shadow ends, so they belong in
-//! [`outline`]'s `Reach` and, since the end is then no straight line, in one more bound of its rows. A roof that is a plane makes the end of a
+//! **Curved earth** ([`curve`]). Shadows end along a curve there, which is between two lines that are some µm of height apart; what is between
+//! them is in doubt.
+//!
+//! **Possible extensions.** A roof that is a plane makes the end of a
 //! shadow the projection of its upper edges, each at a height of its own: in `Outline::cast` and in the edges of [`least_heights`].
 
 mod band;
 mod cast;
 mod ceiling;
+mod curve;
 mod geometry;
 mod grid;
 mod horizon;

@@ -1,7 +1,9 @@
 //! The shadow of one caster: the half-planes whose intersection it is. The derivation is in the essay of [`super`].
 
+use super::curve::{self, Bend, CurvedReach};
 use super::geometry::{as_f64, cross, sub};
 use super::grid::ShadowGrid;
+use crate::height_field::Prisms;
 use crate::quantity::LatticePoint;
 
 /// Rows whose bounds are computed at once.
@@ -14,6 +16,9 @@ pub(super) const LANES: usize = 8;
 /// the sums by u; together less than 8u of all magnitudes. The rest, as much again, covers adding the margin itself.
 pub(super) const ROUNDING: f64 = 1.0 / (1_u64 << 49) as f64;
 
+/// Bent edges lead north or south by at least this \[lattice steps\].
+const FLATTEST: f64 = 1e-100;
+
 /// Beyond every place of a grid and its UAV \[lattice steps\].
 const FAR: f64 = (1_u64 << 40) as f64;
 
@@ -25,11 +30,13 @@ pub(super) struct Reach {
     near: f64,
     /// Where it ends, relative to the far edges; infinite if never.
     far: f64,
+    /// What more its end is on a curved earth.
+    bend: Option<Bend>,
 }
 
 impl Reach {
     /// From the near edges on without an end.
-    pub(super) const ENDLESS: Reach = Reach { near: 1.0, far: f64::INFINITY };
+    pub(super) const ENDLESS: Reach = Reach { near: 1.0, far: f64::INFINITY, bend: None };
 
     /// The reach for a roof at `top`, seen by receivers at `z`; `None` if it hides nothing from them.
     #[inline(always)]
@@ -40,12 +47,17 @@ impl Reach {
         if top <= z && top <= uav_z {
             None
         } else if top < uav_z {
-            Some(Reach { near: 1.0, far: quotient(uav_z - z, uav_z - top) })
+            Some(Reach { far: quotient(uav_z - z, uav_z - top), ..Reach::ENDLESS })
         } else if top >= z {
-            Some(Reach { near: 1.0, far: f64::INFINITY })
+            Some(Reach::ENDLESS)
         } else {
-            Some(Reach { near: quotient(z - uav_z, top - uav_z), far: f64::INFINITY })
+            Some(Reach { near: quotient(z - uav_z, top - uav_z), ..Reach::ENDLESS })
         }
+    }
+
+    /// Where it ends, relative to the far edges; infinite if never.
+    pub(super) fn far(self) -> f64 {
+        self.far
     }
 
     /// How far behind what is at a distance from the UAV the shadow reaches, in its unit.
@@ -63,7 +75,7 @@ impl Reach {
     /// lattice step wider than rounding can matter \[lattice steps\].
     #[inline(always)]
     fn extent(self, bounds: [i32; 4], u: (i64, i64)) -> [f64; 4] {
-        let Reach { near, far } = self;
+        let Reach { near, far, .. } = self;
         #[expect(clippy::cast_precision_loss, reason = "differences of at most 2^33")]
         let relative = |v: i32, u: i64| (i64::from(v) - u) as f64;
         let least = |v: f64| if v < 0.0 { (far * v).max(-FAR) } else { near * v } - 1.0;
@@ -97,6 +109,8 @@ pub(super) struct Plane {
     pub(super) last_column: f64,
     /// Rows to the lattice step.
     pub(super) rows_per_step: f64,
+    /// What the earth falls away by at a distance of one lattice step \[1/1024 m\]; 0 where it is flat.
+    pub(super) curve: f64,
     /// How far a column may be from where the even spacing puts it \[columns\].
     pub(super) unevenness: f64,
 }
@@ -126,8 +140,48 @@ impl Plane {
             step: grid.steps.0,
             last_column: as_f64(grid.xs.len()),
             rows_per_step: 1.0 / grid.steps.1,
+            curve: 0.0,
             unevenness: grid.unevenness,
         }
+    }
+
+    /// The plane on a curved earth below prisms, or on a flat one.
+    pub(super) fn on_earth(self, prisms: &Prisms) -> Plane {
+        Plane { curve: prisms.earth().map_or(0.0, |earth| earth.bulge.coefficient()), ..self }
+    }
+
+    /// How far the shadow of a roof within `bounds` reaches on receivers at `z`; `None` if it hides none of them.
+    #[inline(always)]
+    pub(super) fn reach(&self, bounds: [i32; 4], top: i32, z: i64) -> Option<Reach> {
+        if self.curve == 0.0 {
+            return Reach::new(self.uav.z, top, z);
+        }
+        match curve::reach(self, bounds, top, z) {
+            CurvedReach::Nowhere => None,
+            CurvedReach::Endless => Some(Reach::ENDLESS),
+            CurvedReach::UpTo(far, bend) => Some(Reach { far, bend: Some(bend), ..Reach::ENDLESS }),
+        }
+    }
+
+    /// At least as far from the UAV as any wanted cell \[lattice steps\].
+    pub(super) fn farthest(&self) -> f64 {
+        self.east.0.abs().max(self.east.1.abs()).hypot(self.q_max) + 1.0
+    }
+
+    /// What the earth falls away by at least and at most over some rows and columns \[1/1024 m\].
+    #[inline(always)]
+    pub(super) fn falls(&self, q: (f64, f64), cols: (f64, f64)) -> (f64, f64) {
+        if self.curve == 0.0 {
+            return (0.0, 0.0);
+        }
+        let squares = |(a, b): (f64, f64)| {
+            let least = if a * b < 0.0 { 0.0 } else { a.abs().min(b.abs()) };
+            let most = a.abs().max(b.abs());
+            (least * least, most * most)
+        };
+        let east = |col: f64| (col - self.origin) * self.step;
+        let (of_q, of_cols) = (squares(q), squares((east(cols.0), east(cols.1))));
+        (self.curve * (of_q.0 + of_cols.0), self.curve * (of_q.1 + of_cols.1))
     }
 
     /// The plane of these rows and columns as another UAV sees it.
@@ -189,6 +243,15 @@ pub(super) struct Line {
     pub(super) per_q: f64,
 }
 
+/// A bound on a curved earth: that of what is surely inside is farther in, that of what may be inside farther out \[columns\].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct BentLine {
+    pub(super) at: f64,
+    pub(super) per_q: f64,
+    pub(super) inward: f64,
+    pub(super) outward: f64,
+}
+
 /// The half-planes of one shadow.
 #[derive(Debug, Default)]
 pub(super) struct Outline {
@@ -196,6 +259,9 @@ pub(super) struct Outline {
     pub(super) west: Vec<Line>,
     /// Lines that bound it in the east.
     pub(super) east: Vec<Line>,
+    /// Bounds in the west and in the east on a curved earth.
+    pub(super) bent_west: Vec<BentLine>,
+    pub(super) bent_east: Vec<BentLine>,
     /// Cells nearer to a line than this are in doubt \[columns\].
     pub(super) margin: f64,
     south: f64,
@@ -234,6 +300,8 @@ impl Outline {
                 self.add(plane, edge, near * offset, &mut magnitude);
             } else if k == 0 {
                 self.add(plane, edge, 0.0, &mut magnitude);
+            } else if let Some(bend) = &reach.bend {
+                self.add_bent(plane, bend, edge, offset);
             } else if far < f64::INFINITY {
                 self.add(plane, edge, far * offset, &mut magnitude);
             }
@@ -333,6 +401,8 @@ impl Outline {
         }
         self.west.clear();
         self.east.clear();
+        self.bent_west.clear();
+        self.bent_east.clear();
         true
     }
 
@@ -368,6 +438,37 @@ impl Outline {
         }
     }
 
+    /// Adds the end of a shadow on a curved earth behind an edge with its `K`.
+    #[inline(never)]
+    fn add_bent(&mut self, plane: &Plane, bend: &Bend, edge: [i64; 2], k: f64) {
+        #[expect(clippy::cast_precision_loss, reason = "differences of at most 2^33")]
+        let far = bend.far_edge(edge.map(|v| v as f64), k);
+        let [ex, mut ey] = far.edge;
+        // Any other line than one along the rows; this one is it within all margins.
+        if ey.abs() < FLATTEST {
+            ey = FLATTEST;
+        }
+        let reciprocal = plane.per_step / ey;
+        let middle = if far.maybe.is_finite() { 0.5 * (far.sure + far.maybe) } else { far.sure };
+        let (at, per_q) = (-middle * reciprocal, ex * reciprocal);
+        let columns = plane.origin.abs() + plane.last_column;
+        let terms = at.abs() + (far.terms[0] * plane.q_max + far.terms[1] * columns * plane.step) * reciprocal.abs();
+        let rounding = 4.0 * ROUNDING * (terms + columns + 1.0) + plane.unevenness;
+        let margin = |to: f64| (to - middle).abs() * reciprocal.abs() + rounding;
+        let is_known = far.sure.is_finite();
+        let line = BentLine {
+            at: if is_known { at + plane.origin } else { 0.0 },
+            per_q: if is_known { per_q } else { 0.0 },
+            inward: if is_known { margin(far.sure) } else { f64::INFINITY },
+            outward: margin(far.maybe),
+        };
+        if ey > 0.0 {
+            self.bent_east.push(line);
+        } else {
+            self.bent_west.push(line);
+        }
+    }
+
     /// The rows that the shadow may meet, and those that surely lie between its horizontal lines.
     #[inline(always)]
     pub(super) fn rows(&self, plane: &Plane) -> Rows {
@@ -391,8 +492,18 @@ impl Outline {
     pub(super) fn columns_between(&self, plane: &Plane, first: usize, last: usize) -> Option<(usize, usize)> {
         let (a, b) = (plane.q[first], plane.q[last]);
         let ends = |l: &Line| (l.at + l.per_q * a, l.at + l.per_q * b);
-        let west = self.west.iter().map(ends).fold(-FAR, |w, (a, b)| w.max(a.min(b))) - self.margin - 1.0;
-        let east = self.east.iter().map(ends).fold(FAR, |e, (a, b)| e.min(a.max(b))) + self.margin + 1.0;
+        let bent_ends = |l: &BentLine| (l.at + l.per_q * a, l.at + l.per_q * b);
+        let mut west = self.west.iter().map(ends).fold(-FAR, |w, (a, b)| w.max(a.min(b))) - self.margin;
+        let mut east = self.east.iter().map(ends).fold(FAR, |e, (a, b)| e.min(a.max(b))) + self.margin;
+        for line in &self.bent_west {
+            let (a, b) = bent_ends(line);
+            west = west.max(a.min(b) - line.outward);
+        }
+        for line in &self.bent_east {
+            let (a, b) = bent_ends(line);
+            east = east.min(a.max(b) + line.outward);
+        }
+        let (west, east) = (west - 1.0, east + 1.0);
         plane.wanted_columns(west, east)
     }
 

@@ -139,7 +139,7 @@ impl PlateauView {
         let at = |plateau: &Plateau, above: i32| (plateaus.ring(plateau), i64::from(plateau.top) + i64::from(above));
         // The shadows of what is left are cast later, once the prisms are joined.
         let sorted = sort_by_horizon(
-            uav,
+            (uav, 0.0),
             uav.z,
             raised.iter().map(|plateau| at(plateau, 0)),
             apart.iter().filter(|plateau| is_in_window(plateau)).map(|plateau| at(plateau, above)),

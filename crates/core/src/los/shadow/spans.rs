@@ -9,7 +9,7 @@ use fearless_simd::{f64x8, u64x8};
 
 use super::ceiling::{Ceiling, Slope};
 use super::geometry::as_f64;
-use super::outline::{LANES, Line, Outline, Plane};
+use super::outline::{BentLine, LANES, Line, Outline, Plane};
 
 /// Cells `.0[k]...1[k]` of eight rows.
 pub(super) type Lanes = ([u64; LANES], [u64; LANES]);
@@ -21,10 +21,15 @@ pub(super) struct Spans {
     pub(super) is_all_sure: bool,
 }
 
-/// The western and the eastern bound of an outline \[columns\] in the eight rows from `row` on, half a column beyond the
-/// wanted ones where there is none.
+/// The western and the eastern bounds of an outline \[columns\] in the eight rows from `row` on, half a column beyond the
+/// wanted ones where there is none: of what is surely inside, and of what may be.
+struct Bounds<S: Simd> {
+    sure: (f64x8<S>, f64x8<S>),
+    maybe: (f64x8<S>, f64x8<S>),
+}
+
 #[inline(always)]
-fn bounds<S: Simd>(simd: S, plane: &Plane, outline: &Outline, row: usize) -> (f64x8<S>, f64x8<S>) {
+fn bounds<S: Simd>(simd: S, plane: &Plane, outline: &Outline, row: usize) -> Bounds<S> {
     let splat = |v: f64| f64x8::splat(simd, v);
     let q = f64x8::from_slice(simd, &plane.q[row..row + LANES]);
     let bound = |line: &Line| splat(line.at) + splat(line.per_q) * q;
@@ -36,7 +41,20 @@ fn bounds<S: Simd>(simd: S, plane: &Plane, outline: &Outline, row: usize) -> (f6
     for line in &outline.east {
         east = east.min(bound(line));
     }
-    (west, east)
+    let margin = splat(outline.margin);
+    let mut bounds = Bounds { sure: (west + margin, east - margin), maybe: (west - margin, east + margin) };
+    let bent = |line: &BentLine| splat(line.at) + splat(line.per_q) * q;
+    for line in &outline.bent_west {
+        let at = bent(line);
+        bounds.sure.0 = bounds.sure.0.max(at + splat(line.inward));
+        bounds.maybe.0 = bounds.maybe.0.max(at - splat(line.outward));
+    }
+    for line in &outline.bent_east {
+        let at = bent(line);
+        bounds.sure.1 = bounds.sure.1.min(at - splat(line.inward));
+        bounds.maybe.1 = bounds.maybe.1.min(at + splat(line.outward));
+    }
+    bounds
 }
 
 /// Whole numbers of columns, clamped to the wanted ones.
@@ -52,11 +70,11 @@ fn to_columns<S: Simd>(simd: S, plane: &Plane, v: f64x8<S>) -> [u64; LANES] {
 /// The cells that are surely inside an outline in the eight rows from `row` on.
 #[inline(always)]
 pub(super) fn spans<S: Simd>(simd: S, plane: &Plane, outline: &Outline, row: usize) -> Spans {
-    let (west, east) = bounds(simd, plane, outline, row);
-    let (margin, one) = (f64x8::splat(simd, outline.margin), f64x8::splat(simd, 1.0));
+    let Bounds { sure: (west, east), maybe: (maybe_west, maybe_east) } = bounds(simd, plane, outline, row);
+    let one = f64x8::splat(simd, 1.0);
     // The last column that may be outside in the west, and the first in the east.
-    let (outside_west, outside_east) = ((west + margin).floor(), (east - margin).ceil());
-    let in_doubt = outside_west.simd_ge(west - margin) | outside_east.simd_le(east + margin);
+    let (outside_west, outside_east) = (west.floor(), east.ceil());
+    let in_doubt = outside_west.simd_ge(maybe_west) | outside_east.simd_le(maybe_east);
     Spans {
         sure: (to_columns(simd, plane, outside_west + one), to_columns(simd, plane, outside_east)),
         is_all_sure: !in_doubt.any_true(),
@@ -66,17 +84,23 @@ pub(super) fn spans<S: Simd>(simd: S, plane: &Plane, outline: &Outline, row: usi
 /// The cells that may be inside an outline in the eight rows from `row` on.
 #[inline(always)]
 pub(super) fn maybe_spans<S: Simd>(simd: S, plane: &Plane, outline: &Outline, row: usize) -> Lanes {
-    let (west, east) = bounds(simd, plane, outline, row);
-    let (margin, one) = (f64x8::splat(simd, outline.margin), f64x8::splat(simd, 1.0));
-    let end = (east + margin).floor() + one;
-    (to_columns(simd, plane, (west - margin).ceil()), to_columns(simd, plane, end))
+    let Bounds { maybe: (west, east), .. } = bounds(simd, plane, outline, row);
+    let end = east.floor() + f64x8::splat(simd, 1.0);
+    (to_columns(simd, plane, west.ceil()), to_columns(simd, plane, end))
 }
 
 /// Which of the 64 receivers from column `first` on of a row are surely below a ceiling, and which are too near to tell.
 #[inline(always)]
-pub(super) fn below_ceiling<S: Simd>(simd: S, ceiling: &Ceiling, q: f64, first: f64, heights: &[f64]) -> (u64, u64) {
+pub(super) fn below_ceiling<S: Simd>(
+    simd: S,
+    plane: &Plane,
+    ceiling: &Ceiling,
+    q: f64,
+    first: f64,
+    heights: &[f64],
+) -> (u64, u64) {
     let splat = |v: f64| f64x8::splat(simd, v);
-    let (cap, margin) = (splat(ceiling.cap), splat(ceiling.margin));
+    let (cap, cap_maybe, margin) = (splat(ceiling.cap), splat(ceiling.cap_maybe), splat(ceiling.margin));
     let lane = f64x8::from_slice(simd, &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
     let (mut below, mut near) = (0, 0);
     for (k, heights) in heights.chunks_exact(LANES).enumerate() {
@@ -86,9 +110,13 @@ pub(super) fn below_ceiling<S: Simd>(simd: S, ceiling: &Ceiling, q: f64, first: 
         for Slope { at, per_col, per_q } in &ceiling.slopes {
             bound = bound.min(splat(at + per_q * q) + splat(*per_col) * col);
         }
-        let is_below_cap = z.simd_lt(cap);
-        let is_below = z.simd_lt(bound - margin) & is_below_cap;
-        let may_be = z.simd_le(bound + margin) & is_below_cap;
+        if plane.curve != 0.0 {
+            // The receivers are lower as seen from the UAV.
+            let east = (col - splat(plane.origin)) * splat(plane.step);
+            bound = bound + splat(plane.curve * (q * q)) + splat(plane.curve) * (east * east);
+        }
+        let is_below = z.simd_lt(bound - margin) & z.simd_lt(cap);
+        let may_be = z.simd_le(bound + margin) & z.simd_lt(cap_maybe);
         below |= is_below.to_bitmask() << (k * LANES);
         near |= may_be.to_bitmask() << (k * LANES);
     }

@@ -1,0 +1,141 @@
+//! Where shadows end on a curved earth.
+//!
+//! **Method.** Measured from the plane that touches the earth below the UAV, all at distance d is lower by c d², c = 1/2KR, and rays are
+//! straight. Heights measured from any other plane instead are a shear of these, which leaves rays straight as well: from the one that touches
+//! the earth in the middle m of a caster the UAV is at h' = h_U − c|m|², receivers at p are at z − c|p − m|², and the roof is flat but for
+//! c r², with r the half diagonal of the caster (some µm). So the caster is one with a flat roof at H, known to within c r², and its
+//! shadow falls on a paraboloid. Seen through the roof's middle it ends at s̄ m, the nearer root of
+//!
+//! ```text
+//!   (h_U − z) − s (h_U − H + c|m|²) + s² c|m|² = 0
+//! ```
+//!
+//! where receivers are about as high as on the plane that touches the paraboloid there: L(p) = α + γ·p, γ = −2c (s̄ − 1) m. They are
+//! lower than L, by at most c r'² within r' of s̄ m, where all of the shadow's end lies. On the plane L the shadow ends where
+//! L(p) = h' + (H − h')(E × p)/K, in the words of [`super`]: with f = (h' − α)/(h' − H) behind the line
+//!
+//! ```text
+//!   E' × p > f K,   E' = E + K/(h' − H)·(γ_y, −γ_x)
+//! ```
+//!
+//! and a difference ε of heights shifts f K by ε |K|/(h' − H). What is surely hidden is on L with the roof lowered by c r² (all receivers
+//! are below L); what may be hidden is on L lowered by c r'².
+//!
+//! **Horizon.** All this is of receivers before the horizon of their own height, c|p|² < h_U − z: their rays fall all the way. There a ray
+//! through a roof meets the height of the receivers for the first time at the nearer root; a roof that is not above the receivers hides none of
+//! them; and the ground, which is not above them either, none. Rays that rise all the way, to z ≥ h_U + c|p|², are hidden by roofs above the UAV
+//! alone, as over a flat earth ([`super::ceiling`]). Whoever is between, where the ray falls and then rises, is asked about alone. The horizon of prisms
+//! ([`super::horizon`]) is a matter of straight rays, and holds with drops that are larger by c d.
+
+use super::geometry::as_f64;
+use super::outline::Plane;
+
+/// Roundings of heights are far below this \[1/1024 m\].
+pub(super) const HEIGHT_SLACK: f64 = 1.0 / 1024.0;
+
+/// The end of a shadow on a curved earth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Bend {
+    /// How the plane of the receivers rises to the east and the north.
+    gamma: [f64; 2],
+    /// f: how far behind the far edges the shadow ends, as a factor.
+    far: f64,
+    /// By how much the roof is below the UAV \[1/1024 m\].
+    below: f64,
+    /// By how much receivers may be higher than is reckoned with where they are hidden, and lower where they are not \[1/1024 m\].
+    higher: f64,
+    lower: f64,
+}
+
+/// A far edge of a caster as it bounds a shadow: `cross(edge, p − u)` is more than `sure` where receivers are surely hidden, and more
+/// than `maybe` where they may be.
+pub(super) struct FarEdge {
+    pub(super) edge: [f64; 2],
+    /// What the edge without a bend adds to the magnitude of its terms.
+    pub(super) terms: [f64; 2],
+    pub(super) sure: f64,
+    pub(super) maybe: f64,
+}
+
+/// How far a shadow reaches on a curved earth.
+pub(super) enum CurvedReach {
+    /// It hides nobody.
+    Nowhere,
+    /// The roof is above the UAV and the shadow has no end, or that is farther than all receivers.
+    Endless,
+    /// It ends at a factor of the distance from the UAV at most.
+    UpTo(f64, Bend),
+}
+
+/// The reach for a roof at `top` within bounds (west, south, east, north), over receivers at `z` or higher whose rays fall, or rise, all the way;
+/// all are in the wanted part of the plane.
+pub(super) fn reach(plane: &Plane, [w, s, e, n]: [i32; 4], top: i32, z: i64) -> CurvedReach {
+    let (c, uav, farthest, top) = (plane.curve, plane.uav, plane.farthest(), i64::from(top));
+    if top <= z.min(uav.z) {
+        return CurvedReach::Nowhere;
+    }
+    if z >= uav.z {
+        return CurvedReach::Endless;
+    }
+    let middle = |low: i32, high: i32, at: i64| 0.5 * as_f64(i64::from(low) + i64::from(high) - 2 * at);
+    let m = [middle(w, e, uav.x), middle(s, n, uav.y)];
+    let r = 0.5 * as_f64(i64::from(e) - i64::from(w)).hypot(as_f64(i64::from(n) - i64::from(s)));
+    let (above_receivers, above_roof) = (as_f64(uav.z - z), as_f64(uav.z - top));
+    let distance_squared = m[0] * m[0] + m[1] * m[1];
+    let distance = distance_squared.sqrt();
+    let fall = c * distance_squared;
+    let below = above_roof - fall;
+    let cap = c * r * r + HEIGHT_SLACK;
+    if below < -cap {
+        return CurvedReach::Endless;
+    }
+    // The nearer root for a point of the roof at a distance; it grows with that.
+    let root_below = |above_roof: f64, distance: f64| {
+        let fall = c * distance * distance;
+        let sum = above_roof + fall;
+        let square = sum * sum - 4.0 * fall * above_receivers;
+        if square > 0.0 && sum > 0.0 { 2.0 * above_receivers / (sum + square.sqrt()) } else { f64::INFINITY }
+    };
+    let root = |distance: f64| root_below(above_roof, distance);
+    let nearest = distance - r;
+    if nearest > 0.0 && below > cap && root_below(above_roof + cap, nearest) * nearest > farthest {
+        return CurvedReach::Endless;
+    }
+    let horizon = |distance: f64| if distance > 0.0 { (above_receivers / c).sqrt() / distance } else { f64::INFINITY };
+    let (least, most) = (root(nearest.max(0.0)), root(distance + r));
+    let end = root(distance).min(horizon(distance));
+    let last = if most.is_finite() { most } else { horizon(nearest) };
+    let is_known = below > cap && last.is_finite() && least.is_finite();
+    if !is_known {
+        let bend = Bend { gamma: [0.0; 2], far: 1.0, below: 1.0, higher: f64::INFINITY, lower: f64::INFINITY };
+        return CurvedReach::UpTo(f64::INFINITY, bend);
+    }
+    let off = last * r + (last - end).max(end - least) * distance;
+    // Receivers on the plane are below the roof wherever they are below or before it, so that all before the end are hidden on it.
+    let at_roof = c * (end - 1.0) * (distance_squared * (end - 1.0) + 2.0 * r * distance);
+    let is_bounded = most.is_finite() && as_f64(z - top) + at_roof < 0.0;
+    let bend = Bend {
+        gamma: m.map(|m| -2.0 * c * (end - 1.0) * m),
+        far: (above_receivers - fall * end * end) / below,
+        below,
+        higher: cap * last + HEIGHT_SLACK,
+        lower: if is_bounded { c * off * off + HEIGHT_SLACK * (1.0 + last) } else { f64::INFINITY },
+    };
+    CurvedReach::UpTo(most, bend)
+}
+
+impl Bend {
+    /// An edge that does not face the UAV, with its `K`.
+    #[inline(always)]
+    pub(super) fn far_edge(&self, [ex, ey]: [f64; 2], k: f64) -> FarEdge {
+        let ratio = k / self.below;
+        let [by_x, by_y] = [ratio * self.gamma[1], -ratio * self.gamma[0]];
+        let end = k * self.far;
+        FarEdge {
+            edge: [ex + by_x, ey + by_y],
+            terms: [ex.abs() + by_x.abs(), ey.abs() + by_y.abs()],
+            sure: end - ratio * self.higher,
+            maybe: end + ratio * self.lower,
+        }
+    }
+}

@@ -1,0 +1,298 @@
+//! The curve of the earth over footprints: rays against the oracle, whole maps against both.
+
+use num_bigint::BigInt;
+use num_rational::Ratio;
+use serde_json::Value;
+use skyshed_core::city::Ground;
+use skyshed_core::coverage::{MapOptions, Mapper, Receivers, class};
+use skyshed_core::height_field::{Bulge, CellKind, CurvedGround, HeightField, Station};
+use skyshed_core::los::{MethodChoice, prisms_least_height, prisms_least_receiver_height, prisms_los};
+use skyshed_core::quantity::LatticePoint;
+use skyshed_core::raster::{GeoRef, Raster};
+
+use crate::curvature::{EARTHS, curvature, drop};
+use crate::invariants::{map, uav_at, vector_town, vector_town_on};
+use crate::oracle::{self, Earth, Prism};
+use crate::program::Folder;
+use crate::referee::over_seeds;
+use crate::shadow::scaled_scene;
+use crate::support::{ENVIRONMENTS, Random, city, point, prisms_of, slow};
+
+/// drop d² with d in steps of 1/1024 m, the drop in these as well: d² / 2KR with R = 6 371 008.8 m.
+fn earth((p, q): (i128, i128), ground: Option<i64>) -> Earth {
+    Earth { drop: Ratio::new(BigInt::from(q * 10), BigInt::from(1024 * 2 * p * 63_710_088)), ground }
+}
+
+fn bulge(of: (i128, i128)) -> Bulge {
+    Bulge::new(curvature(of), 1.0).unwrap()
+}
+
+#[test]
+fn rays_over_curved_roofs_are_those_of_the_oracle() {
+    let count = over_seeds(if slow() { 200_000 } else { 12_000 }, 341, |seed, random, count| {
+        let scene = scaled_scene(random);
+        // So curved that some meters bend by meters, or by a step.
+        let of = random.choose(&[(1, 700_000), (1, 3_000_000), (1, 100_000), (1, 1000), (4, 3)]);
+        let ground = random.choose(&[None, Some(0), Some(-1024)]);
+        let earth = earth(of, ground);
+        let prisms = prisms_of(&scene);
+        let on_earth =
+            prisms.on_earth(Some(CurvedGround { bulge: bulge(of), ground: ground.map(|z| i32::try_from(z).unwrap()) }));
+        let end = |random: &mut Random| {
+            let at = |random: &mut Random| random.within(-2, 14) * 512 + random.choose(&[0, 0, 0, 1, 13]);
+            let top = scene[random.below(scene.len())].top;
+            let z = random.choose(&[0, 0, 1, 512, 1536, top, top + 1, 3 * 1024, 7 * 1024, 20 * 1024]);
+            [at(random), at(random), z]
+        };
+        for _ in 0..12 {
+            let (uav, receiver) = (end(random), end(random));
+            let wanted = oracle::prisms_los_on_earth(&scene, &earth, uav, receiver);
+            let what = || format!("seed {seed}: {of:?}, ground {ground:?}, {uav:?} to {receiver:?}, {scene:?}");
+            assert_eq!(prisms_los(&on_earth, point(uav), point(receiver)), wanted, "{}", what());
+            assert_eq!(prisms_los(&on_earth, point(receiver), point(uav)), wanted, "reverse, {}", what());
+            count.add(wanted);
+        }
+    });
+    count.assert_both(20_000);
+}
+
+#[test]
+#[expect(clippy::cast_possible_truncation, reason = "a height in steps")]
+fn least_heights_over_curved_roofs_are_where_the_oracle_turns() {
+    over_seeds(if slow() { 40_000 } else { 2500 }, 342, |seed, random, _| {
+        let scene = scaled_scene(random);
+        let of = random.choose(&[(1, 700_000), (1, 3_000_000), (1, 100_000)]);
+        let ground = random.choose(&[None, Some(0)]);
+        let earth = earth(of, ground);
+        let curved = CurvedGround { bulge: bulge(of), ground: ground.map(|z| i32::try_from(z).unwrap()) };
+        let prisms = prisms_of(&scene).on_earth(Some(curved));
+        let at = |random: &mut Random| random.within(-2, 14) * 512;
+        for _ in 0..6 {
+            let uav = [at(random), at(random), random.choose(&[0, 1536, 4096, 9000])];
+            let receiver = [at(random), at(random), 0];
+            if uav[..2] == receiver[..2] {
+                continue;
+            }
+            let of_receiver = prisms_least_receiver_height(&prisms, point(uav), point(receiver)).height_steps();
+            let of_uav = prisms_least_height(&prisms, point(receiver), point(uav)).height_steps();
+            let what = || format!("seed {seed}: {of:?}, ground {ground:?}, {uav:?} to {receiver:?}, {scene:?}");
+            let are_equal = of_receiver.to_bits() == of_uav.to_bits() || (of_receiver - of_uav).abs() < 1e-6;
+            assert!(are_equal, "{of_receiver} {of_uav}, {}", what());
+            let sees = |z: i64| oracle::prisms_los_on_earth(&scene, &earth, uav, [receiver[0], receiver[1], z]);
+            // Ground bounds no end that is on it.
+            let lowest = ground.unwrap_or(-90_000);
+            if of_receiver == f64::INFINITY {
+                assert!(!sees(1 << 26), "{}", what());
+            } else if of_receiver > lowest as f64 + 1.0 {
+                let step = |z: f64| i64::try_from(z.ceil() as i128).unwrap();
+                assert!(sees(step(of_receiver + 1e-3)), "{of_receiver}, {}", what());
+                assert!(!sees(step(of_receiver - 1e-3) - 1), "{of_receiver}, {}", what());
+            } else {
+                assert!(sees(lowest + 2), "{of_receiver}, {}", what());
+            }
+        }
+    });
+}
+
+/// The prisms of a field as the oracle takes them.
+fn of_field(field: &HeightField) -> Vec<Prism> {
+    let prisms = field.prisms().unwrap();
+    let ring = |piece| prisms.ring(piece).iter().map(|v| v.map(i64::from)).collect();
+    prisms.pieces().iter().map(|piece| Prism { rings: vec![ring(piece)], top: i64::from(piece.top) }).collect()
+}
+
+/// Receivers of a map: their cells, and where they are on the lattice of the prisms.
+fn receivers_of(field: &HeightField, receivers: Receivers) -> Vec<(usize, LatticePoint)> {
+    let positions = field.positions();
+    let n_cols = field.grid().n_cols();
+    let of = |cell: usize| {
+        let place = positions.center(cell / n_cols, cell % n_cols);
+        let base = match field.cell_kind(cell, &place) {
+            CellKind::Open(z) if receivers != Receivers::Roof => z,
+            CellKind::Building(z) if receivers != Receivers::Ground => z,
+            _ => return None,
+        };
+        Some((cell, Station { place, z: i64::from(base) + 1536 }.on_prisms()))
+    };
+    (0..field.grid().n_cells()).filter_map(of).collect()
+}
+
+#[test]
+fn maps_of_footprints_on_a_curved_earth_are_those_of_the_oracle() {
+    let count = over_seeds(if slow() { 600 } else { 30 }, 343, |seed, random, count| {
+        let field = vector_town(random, 35);
+        let scene = of_field(&field);
+        let of = EARTHS[usize::try_from(seed).unwrap() % EARTHS.len()];
+        let receivers = random.choose(&[Receivers::Ground, Receivers::Roof, Receivers::All]);
+        let (x, y) =
+            (random.within(-20, 55) as f64 + random.choose(&[0.0, 0.5, 0.25]), random.within(-9, 40) as f64 + 0.5);
+        let uav = uav_at(&field, x, y, random.choose(&[1500, 1537, 4096, 9000, 13_000, 20_000, 60_000]));
+        let options = MapOptions { curvature: Some(curvature(of)), receivers, ..MapOptions::default() };
+        let found = map(&field, &uav, &options);
+        let mapper = Mapper::new(&field, &options).unwrap();
+        assert_eq!(mapper.count(&uav), (found.tally.receivers, found.tally.los));
+        let by_rays = map(&field, &uav, &MapOptions { method: MethodChoice::Ray, ..options.clone() });
+        assert!(by_rays.mask == found.mask, "seed {seed}: {of:?} {receivers:?} {:?}", uav.station);
+        let here = uav.station.on_prisms();
+        let earth = earth(of, Some(0));
+        for (cell, there) in receivers_of(&field, receivers) {
+            let wanted =
+                oracle::prisms_los_on_earth(&scene, &earth, [here.x, here.y, here.z], [there.x, there.y, there.z]);
+            let what = || format!("seed {seed}: {of:?} {receivers:?} {here:?} {there:?} {scene:?}");
+            assert_eq!(found.mask[cell], if wanted { class::LOS } else { class::NLOS }, "{}", what());
+            count.add(wanted);
+        }
+    });
+    count.assert_both(2000);
+}
+
+#[test]
+fn footprints_on_a_terrain_are_hidden_by_either() {
+    let count = over_seeds(if slow() { 400 } else { 24 }, 344, |seed, random, count| {
+        let n = 28;
+        let grid = GeoRef::new((0.0, n as f64), (1.0, 1.0), (n, n), None).unwrap();
+        let heights: Vec<i32> = (0..n * n)
+            .map(|_| if random.chance(4) { 6000 } else { i32::try_from(random.within(0, 900)).unwrap() })
+            .collect();
+        let field = vector_town_on(random, Ground::Terrain(Raster::new(grid, heights.clone())), n);
+        let scene = of_field(&field);
+        let of = random.choose(&[(4, 3), (1, 100_000), (1, 400_000)]);
+        let uav = uav_at(&field, random.within(0, 27) as f64 + 0.5, 13.5, random.choose(&[9000, 13_000, 30_000]));
+        let (here, on_columns) = (uav.station.on_prisms(), uav.station.on_columns());
+        // The terrain and the receivers against it are lower by what the earth falls away by at the centers of cells, rounded.
+        let fall = |cell: usize| {
+            let center = |k: usize| 1024 * i64::try_from(k).unwrap() + 512;
+            drop(of, center(cell % n) - on_columns.x, center(n - 1 - cell / n) - on_columns.y)
+        };
+        let lowered = heights.iter().enumerate().map(|(cell, z)| Some(i64::from(*z) - fall(cell))).collect();
+        let columns = oracle::Columns { n_cols: n, n_rows: n, heights: lowered };
+        let earth = earth(of, None);
+        let receivers = random.choose(&[Receivers::Ground, Receivers::Roof, Receivers::All]);
+        let options = MapOptions { curvature: Some(curvature(of)), receivers, ..MapOptions::default() };
+        let found = map(&field, &uav, &options);
+        let by_rays = map(&field, &uav, &MapOptions { method: MethodChoice::Ray, ..options });
+        assert!(found.mask == by_rays.mask, "seed {seed}");
+        for (cell, there) in receivers_of(&field, receivers) {
+            let past_prisms =
+                oracle::prisms_los_on_earth(&scene, &earth, [here.x, here.y, here.z], [there.x, there.y, there.z]);
+            let on_column = field.positions().center(cell / n, cell % n);
+            let on_column = Station { place: on_column, z: there.z - fall(cell) }.on_columns();
+            let past_columns = oracle::columns_los(
+                &columns,
+                [on_columns.x, on_columns.y, on_columns.z],
+                [on_column.x, on_column.y, on_column.z],
+            );
+            let wanted = past_prisms && past_columns;
+            let what = || format!("seed {seed}: {of:?} {receivers:?} {here:?} {there:?} in {cell}");
+            assert_eq!(found.mask[cell], if wanted { class::LOS } else { class::NLOS }, "{}", what());
+            count.add(wanted);
+        }
+    });
+    count.assert_both(2000);
+}
+
+#[test]
+fn shadows_of_a_wide_city_end_where_those_of_rays_do() {
+    // Cells of odd size, kilometers away, from over the roofs, from among them and from so low that some shadows have no end.
+    let size = if slow() { 8000.0 } else { 2500.0 };
+    for (k, name) in ["urban", "high-rise"].into_iter().enumerate() {
+        let field = city(name, size, 17.3, 9);
+        for (j, of) in [(4, 3), (7, 6), (1, 130)].into_iter().enumerate() {
+            for z in [25, 99, 130] {
+                let mut random = Random((100 * k + 10 * j) as u64 + z);
+                let mut along = || random.within(0, 1000) as f64 / 1000.0 * size;
+                let uav = uav_at(&field, along(), along(), i64::try_from(z).unwrap() * 1024);
+                let options = MapOptions { curvature: Some(curvature(of)), ..MapOptions::default() };
+                let by_rays = map(&field, &uav, &MapOptions { method: MethodChoice::Ray, ..options.clone() });
+                let found = map(&field, &uav, &options);
+                assert!(found.mask == by_rays.mask, "{name} {of:?} {:?}", uav.station);
+                let flat = map(&field, &uav, &MapOptions::default());
+                // Every ray sags.
+                let is_gained = |(curved, flat): (&u8, &u8)| *curved == class::LOS && *flat != class::LOS;
+                assert!(!found.mask.iter().zip(&*flat.mask).any(is_gained), "{name} {of:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn shadows_over_curved_cities_are_those_of_rays() {
+    let n = if slow() { 1500.0 } else { 400.0 };
+    for (k, name) in ENVIRONMENTS.iter().enumerate() {
+        let field = city(name, n, 1.0, 5);
+        for (j, of) in [(4, 3), (7, 6), (1, 1000), (1, 20_000), (1, 50_000)].into_iter().enumerate() {
+            for receivers in [Receivers::Ground, Receivers::All] {
+                let mut random = Random(1000 + (10 * k + j) as u64);
+                let along = |random: &mut Random| random.within(-50, 450) as f64 * n / 400.0 + 0.25;
+                let uav =
+                    uav_at(&field, along(&mut random), along(&mut random), random.choose(&[20, 60, 150, 400]) * 1024);
+                let options = MapOptions { curvature: Some(curvature(of)), receivers, ..MapOptions::default() };
+                let by_rays = map(&field, &uav, &MapOptions { method: MethodChoice::Ray, ..options.clone() });
+                let found = map(&field, &uav, &options);
+                let differ = found.mask.iter().zip(&*by_rays.mask).filter(|(a, b)| a != b).count();
+                assert_eq!(differ, 0, "{name} {of:?} {receivers:?} {:?}", uav.station);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_command_tells_the_same_of_a_curved_city() {
+    let folder = Folder::new();
+    // The earth falls away by 20 m over a kilometer.
+    let (scene, k) = ("itu:urban --size 1000 --seed 3", "--earth-k 0.004");
+    let map = |words: &str| {
+        let run = folder.type_in(&format!("map {scene} --uav 13,17,60 {words} -o m.tif -o m.json --overwrite --json"));
+        (run.done().json(), folder.json("m.json"))
+    };
+    let (flat, _) = map("");
+    let (curved, _) = map(k);
+    let los = |map: &Value| map["sites"][0]["los"].as_u64().unwrap();
+    assert!(los(&curved) < los(&flat) && los(&curved) > 1000, "{} of {}", los(&curved), los(&flat));
+    assert_eq!((&curved["earth_k"], &curved["method"]), (&Value::from(0.004), &Value::from("shadow")));
+    assert_eq!(map("--earth-k inf").0["digest"], flat["digest"]);
+    assert_eq!(map(&format!("{k} --method ray")).0["digest"], curved["digest"]);
+    // A height curve at the height of the UAV.
+    folder.type_in(&format!("map {scene} --uav 13,17,60 {k} --height-curve c.csv --overwrite -o m.json -q")).done();
+    let at_60 = |line: &&str| line.split(',').any(|v| v == "60" || v == "60.0");
+    let curve = folder.text("c.csv");
+    assert!(curve.lines().any(|line| at_60(&line) && line.contains(&los(&curved).to_string())), "{}", los(&curved));
+    // A search counts UAV by UAV.
+    let place = |words: &str| {
+        folder.type_in(&format!("place {scene} --height 60 --step 200 {words} -o p.csv --overwrite -q")).done();
+        folder.text("p.csv")
+    };
+    assert_ne!(place(k), place(""));
+    // Links and tracks sag: beyond the horizon the ground is in the way.
+    let link = |words: &str| {
+        folder
+            .type_in(&format!("link {scene} --uav 13,17,60 --rx {words} --json -o link.png --overwrite"))
+            .done()
+            .json()
+    };
+    let (far, near) = (link(&format!("990,990 {k}")), link("990,990"));
+    assert_eq!(far["los"], Value::Bool(false));
+    assert!(far["margin_m"].as_f64() < near["margin_m"].as_f64());
+    // Where no house is, the ground alone is in the way.
+    let house = "{\"type\":\"Polygon\",\"coordinates\":[[[0,0],[9,0],[9,9],[0,9],[0,0]]]}";
+    folder.write(
+        "house.geojson",
+        &format!("{{\"type\":\"Feature\",\"properties\":{{\"height\":5}},\"geometry\":{house}}}"),
+    );
+    let words = "link house.geojson --crs EPSG:32632 --extent 0,0,1000,1000 --uav 13,500,15 --rx 987,500,15amsl --earth-k 0.0005 --json -o link.png --overwrite";
+    let horizon = folder.type_in(words).done().json();
+    let obstruction = &horizon["obstruction"];
+    assert_eq!(obstruction["kind"], "horizon", "{horizon}");
+    let at = |name: &str| obstruction[name].as_f64().unwrap();
+    // The horizon of a UAV at 15 m is √(2KR · 15 m) away; the ray is lower there by b t(1 − t), b = L²/2KR.
+    let (sag, t) = (974.0 * 974.0 / 6371.0088, (15.0 * 6371.0088_f64).sqrt() / 974.0);
+    assert!((at("x") - 13.0 - t * 974.0).abs() < 0.01, "{horizon}");
+    assert!((at("ray_height_m") - (15.0 - sag * t * (1.0 - t))).abs() < 0.01, "{horizon}");
+    folder.write("walk.csv", "x,y\n100,100\n900,900\n");
+    let track = |words: &str| {
+        let of = format!("track {scene} --uav 13,17,60 --track walk.csv --every 5 {words} --json");
+        folder.type_in(&of).done().json()
+    };
+    let los_m = |words: &str| track(words)["length_m"]["los"].as_f64().unwrap();
+    assert!(los_m(k) < los_m(""));
+}
