@@ -59,6 +59,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         height: "60 m",
         col: (uavs[k].station.place.x - grid.x_min()) / grid.cell_width(),
         row: (grid.y_max() - uavs[k].station.place.y) / grid.cell_height(),
+        is_observer: false,
     };
     let drawn: Vec<CompareMap<'_>> = (0..maps.len())
         .map(|k| CompareMap { title: &uavs[k].id, detail: &details[k], mask: &maps[k].mask, mark: Some(mark(k)) })

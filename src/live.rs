@@ -150,9 +150,6 @@ impl LivePage {
             return Err(too_large(&options, OsStr::new(&scene.word), grid, n_footprints));
         }
         let sight = one_antenna(uavs, sight)?;
-        if sight.curvature().is_some() {
-            return Err(Error::idle("earth_k", "for a live page, which is of a flat earth"));
-        }
         let solids = scene.solids().ok_or(Error::Fault("a live page needs the solids of its scene"))?;
         let zones = scene.zones().map(|zones| PackedZones::of(zones.codes(), &scene.field.cells().open));
         let packed = pack(scene.grid(), &solids, zones.as_ref());
@@ -184,9 +181,8 @@ impl LivePage {
 
     /// What the script of the page is told.
     fn facts_of_page(&self, title: &str, look: &Look) -> Value {
-        let SightFacts { rx_height_m, receivers, radius_m, antenna, earth_k: _ } = self.sight.facts();
-        let sight =
-            json!({"rx_height_m": rx_height_m, "receivers": receivers, "radius_m": radius_m, "antenna": antenna});
+        let SightFacts { rx_height_m, receivers, radius_m, antenna, earth_k } = self.sight.facts();
+        let sight = json!({"rx_height_m": rx_height_m, "receivers": receivers, "radius_m": radius_m, "antenna": antenna, "earth_k": earth_k});
         let grid = self.scene.grid();
         let crs = grid
             .crs()

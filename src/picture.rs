@@ -107,7 +107,7 @@ pub(crate) fn window_of(grid: &GeoRef, boxes: impl Iterator<Item = [f64; 4]>) ->
 /// The mark of a UAV at a place, on a map of a grid.
 pub(crate) fn mark<'a>(shown: &GeoRef, (x, y): (f64, f64), label: &'a str, height: &'a str) -> Mark<'a> {
     let (col, row) = ((x - shown.x_min()) / shown.cell_width(), (shown.y_max() - y) / shown.cell_height());
-    Mark { label, height, col, row }
+    Mark { label, height, col, row, is_observer: false }
 }
 
 /// A drawn picture as a file that says where it comes from, or why there is none.

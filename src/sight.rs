@@ -30,17 +30,20 @@ pub enum Receivers {
     Roof,
     /// Ground and roofs.
     All,
+    /// Over all ground, buildings that reach no higher included: places of a drone above the ground.
+    Air,
 }
 
 impl Receivers {
     /// All of them.
-    pub const ALL: [Receivers; 6] = [
+    pub const ALL: [Receivers; 7] = [
         Receivers::Ground,
         Receivers::Street,
         Receivers::Crossroad,
         Receivers::Courtyard,
         Receivers::Roof,
         Receivers::All,
+        Receivers::Air,
     ];
 
     /// The word in documents and tables.
@@ -52,7 +55,18 @@ impl Receivers {
             Receivers::Courtyard => "courtyard",
             Receivers::Roof => "roof",
             Receivers::All => "all",
+            Receivers::Air => "air",
         }
+    }
+
+    /// What whoever looks at them is called: a UAV, or an observer of places in the air.
+    pub(crate) fn looked_at_by(self) -> &'static str {
+        if self == Receivers::Air { "observer" } else { "UAV" }
+    }
+
+    /// What they are counted as.
+    pub(crate) fn counted_as(self) -> &'static str {
+        if self == Receivers::Air { "places in the air" } else { "receivers" }
     }
 
     /// The zone that it restricts open ground to, if it does.
@@ -61,7 +75,7 @@ impl Receivers {
             Receivers::Street => Some(Zone::Street),
             Receivers::Crossroad => Some(Zone::Crossroad),
             Receivers::Courtyard => Some(Zone::Courtyard),
-            Receivers::Ground | Receivers::Roof | Receivers::All => None,
+            Receivers::Ground | Receivers::Roof | Receivers::All | Receivers::Air => None,
         }
     }
 
@@ -87,6 +101,7 @@ impl Receivers {
             Receivers::Courtyard => ("courtyard cells", "Buildings"),
             Receivers::Roof => ("roof cells", "Open ground"),
             Receivers::All => ("cells", "Nodata"),
+            Receivers::Air => ("places in the air", "Higher buildings"),
         }
     }
 }
@@ -285,6 +300,7 @@ impl Sight {
             receivers: match self.receivers {
                 Receivers::Roof => coverage::Receivers::Roof,
                 Receivers::All => coverage::Receivers::All,
+                Receivers::Air => coverage::Receivers::Air,
                 _ => coverage::Receivers::Ground,
             },
             within: self.receivers.zone().and_then(|zone| zones.map(|zones| zones.cells(zone))),
@@ -334,8 +350,9 @@ impl Sight {
         let range = self.range_in_words();
         let method = method.map_or("none".into(), Method::in_words);
         let earth = self.curvature.map_or(String::new(), |curvature| format!("; {}", earth_words(curvature)));
+        let who = if self.receivers == Receivers::Air { "places of a drone" } else { "receivers" };
         format!(
-            "Cells of {cell}, receivers {} m above {stands}{range}; method {method}{earth}; {}; {}",
+            "Cells of {cell}, {who} {} m above {stands}{range}; method {method}{earth}; {}; {}",
             tidy(self.rx_height_m),
             crs_words(grid),
             program()

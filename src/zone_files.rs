@@ -165,6 +165,7 @@ impl ZoneFiles {
             layer: render::Layer::Classes { index: &index, palette: &palette, mask: &mask },
             surface_m: Some(&surface),
             uavs: &[],
+            is_in_air: false,
             receivers_name: "open-ground cells",
             others_name: "Rooftop",
             counts: None,

@@ -80,12 +80,12 @@ impl Coverages {
         }
         let start = Instant::now();
         let (field, report) = (&self.scene.field, &self.report);
-        let rx_height = report.sight.rx_height();
+        let receivers = (report.sight.options(field.grid(), None).receivers, report.sight.rx_height());
         progress.begin(field.grid().n_cells() as u64 * self.sites.len() as u64);
         let of = |site: &SiteCoverage| {
             let curved = CurvedScene::of(field, &site.uav.station.place, report.sight.curvature())?;
             let field = curved.as_ref().map_or(&**field, |curved| curved.field());
-            HeightCurve::of(field, site, rx_height, progress.control())
+            HeightCurve::of(field, site, receivers, progress.control())
         };
         let curves: Vec<HeightCurve> = self.sites.iter().map(of).collect::<std::result::Result<_, _>>()?;
         progress.end();
@@ -257,6 +257,7 @@ impl Curves {
             _ if self.scene.field.is_surface_only() => "the surface",
             Receivers::Roof => "roofs",
             Receivers::All => "ground and roofs",
+            Receivers::Air => "the ground, buildings included,",
             Receivers::Street => "the ground of streets",
             Receivers::Crossroad => "the ground of crossroads",
             Receivers::Courtyard => "the ground of courtyards",

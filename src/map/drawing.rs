@@ -12,7 +12,8 @@ use crate::picture::{Look, crop, mark, shown_classes, window_of, written};
 use crate::quantity::tidy;
 use crate::raster::CellWindow;
 use crate::render::{self, MOST_MAP_PANELS, MOST_WITH_HEIGHTS, MapClass, MapPanel, MapPanels, MapPicture, Mark};
-use crate::words::unbreakable;
+use crate::sight::Receivers;
+use crate::words::{title_of, unbreakable};
 
 /// A map to draw.
 pub(crate) struct MapDrawing<'a> {
@@ -101,7 +102,10 @@ impl MapDrawing<'_> {
             .sites
             .iter()
             .zip(words)
-            .map(|(site, (height, label))| mark(&part, (site.x, site.y), label, height))
+            .map(|(site, (height, label))| Mark {
+                is_observer: self.is_in_air(),
+                ..mark(&part, (site.x, site.y), label, height)
+            })
             .collect();
         let surface = crop(&self.of.scene.field.above_ground_m(), n_cols, window);
         let (receivers_name, others_name) = self.of.report.sight.receivers().cell_names(&self.of.scene.field);
@@ -140,6 +144,7 @@ impl MapDrawing<'_> {
             layer: layers[0],
             surface_m,
             uavs: &marks,
+            is_in_air: self.is_in_air(),
             receivers_name,
             others_name,
             counts: self.counts,
@@ -176,7 +181,7 @@ impl MapDrawing<'_> {
     /// What marks are called, in a crowd by their ids alone.
     fn labels(&self, subject: Subject) -> Vec<String> {
         let is_crowd = subject != Subject::Each && self.of.sites.len() > MOST_WITH_HEIGHTS;
-        let label = |s: &SiteFacts| if is_crowd { s.id.clone() } else { format!("UAV {}", s.id) };
+        let label = |s: &SiteFacts| if is_crowd { s.id.clone() } else { format!("{} {}", self.who(), s.id) };
         self.of.report.sites.iter().map(label).collect()
     }
 
@@ -197,7 +202,28 @@ impl MapDrawing<'_> {
         }
     }
 
+    fn is_in_air(&self) -> bool {
+        self.of.report.sight.receivers() == Receivers::Air
+    }
+
+    /// What those are called who look, at the beginning of a line.
+    fn who(&self) -> String {
+        title_of(self.of.report.sight.receivers().looked_at_by())
+    }
+
     fn subject_words(&self, subject: Subject) -> &'static str {
+        if self.is_in_air() {
+            return match (self.drawn_layer(), subject) {
+                (Layer::Margin, _) => "Margin of a drone's line of sight over",
+                (Layer::LeastReceiverHeight, _) => "Least height of a drone in sight over",
+                (Layer::LeastHeight, _) => "Least height of an observer who sees a drone over",
+                (Layer::Stability, _) => "Stability of a drone's line of sight over",
+                (_, Subject::One) => "Where an observer sees a drone over",
+                (_, Subject::Any) => "Where at least one observer sees a drone over",
+                (_, Subject::Best) => "The nearest observer who sees a drone over",
+                _ => "Where the observers see a drone over",
+            };
+        }
         match (self.drawn_layer(), subject) {
             (Layer::Margin, _) => "Margin of line of sight in",
             (Layer::LeastReceiverHeight, _) => "Least receiver height in line of sight in",
@@ -327,13 +353,14 @@ impl MapDrawing<'_> {
             lines.push(format!("Seen by at least one: {}", share(&self.of.report.union)));
         }
         const MOST_SITES: usize = 4;
+        let who = self.who();
         for s in self.of.report.sites.iter().take(MOST_SITES) {
             let (id, height, place, own) = (&s.id, s.height_words(), s.position().in_words(), s.antenna.in_words());
             let own = if own.is_empty() { own } else { format!(", {own}") };
-            lines.push(format!("UAV {id}: {height} at {place}{own}, {}", share(&s.tally)));
+            lines.push(format!("{who} {id}: {height} at {place}{own}, {}", share(&s.tally)));
         }
         if self.of.report.sites.len() > MOST_SITES {
-            lines.push(format!("and {} more UAVs", self.of.report.sites.len() - MOST_SITES));
+            lines.push(format!("and {} more {who}s", self.of.report.sites.len() - MOST_SITES));
         }
         lines.extend(self.reading(subject));
         if let (Layer::Stability, [SiteFacts { stability: Some(stability), .. }]) =

@@ -19,7 +19,7 @@ use crate::raster::GeoRef;
 use crate::read::StreamedSurface;
 use crate::scene::{Scene, SceneOptions, is_raster_scene};
 use crate::uav::{UavsAsked, UavsFound};
-use crate::words::{idle_in_words, p_los_words};
+use crate::words::{idle_in_words, p_los_words, title_of};
 
 /// What is asked of which scene, for which UAVs, into which files.
 #[derive(Debug, Clone)]
@@ -120,9 +120,11 @@ impl Answer for Done {
         let report = &self.report;
         let dropped = report.idle.iter().filter(|idle| idle.dropped() > 0).map(idle_in_words);
         let mut notes: Vec<String> = dropped.chain(report.tolerance.iter().map(tolerance_in_words)).collect();
+        let receivers = report.sight.receivers();
+        let (who, whom) = (title_of(receivers.looked_at_by()), receivers.counted_as());
         notes.extend(report.sites.iter().map(|site| {
             let share = p_los_words(site.tally.p_los());
-            format!("UAV {}: P_LoS {share}, {} of {} receivers", site.id, site.tally.los, site.tally.receivers)
+            format!("{who} {}: P_LoS {share}, {} of {} {whom}", site.id, site.tally.los, site.tally.receivers)
         }));
         notes.push(format!(
             "method {} ({}; {}): line of sight {:.3} s of {:.2} s",

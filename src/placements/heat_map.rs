@@ -52,6 +52,7 @@ pub(super) fn draw(job: &Placements, places: &PlaceGrid, format: Format, look: &
         layer: Layer::Heat { values: &of_cells, outlines: &outlines, name, unit: of_unit, none },
         surface_m: None,
         uavs: &marks,
+        is_in_air: false,
         receivers_name: "receivers",
         others_name: "Buildings",
         counts: None,

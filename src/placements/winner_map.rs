@@ -95,6 +95,7 @@ fn picture(job: &Placements, maps: &ManyMaps, format: Format, look: &Look) -> Re
         layer,
         surface_m: Some(&surface),
         uavs: &marks,
+        is_in_air: false,
         receivers_name,
         others_name,
         counts: None,

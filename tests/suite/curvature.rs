@@ -212,7 +212,6 @@ fn flags_bend_rasters() {
     }
     folder.refuses("map dsm.asc --uav 9000,9000,30 --earth-k 0 --json", "E113", &["K of the earth"]);
     folder.refuses("map dsm.asc --uav 9000,9000,30 --earth-k 4/x", "E101", &["4/x"]);
-    folder.refuses("live dsm.asc --uav 9000,9000,30 --earth-k 4/3 -o p.html", "E116", &["earth_k"]);
     folder.refuses("map dsm.asc --uav 9000,9000,30 --earth-k 4/3 --method shadow --json", "E118", &["curved"]);
 }
 

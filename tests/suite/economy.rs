@@ -120,6 +120,11 @@ fn what_limits_a_map_is_what_maps_of_the_changed_scene_say() {
     let aside = [("151", "150"), ("149", "150"), ("150", "151"), ("150", "149")].map(|(x, y)| moved(x, y));
     let aside = aside.into_iter().fold(0.0, farther);
     assert!(change(&needs, "UAV position", "1 m").abs() >= aside.abs() - 1e-12);
+    let curved = p_los(&folder, &format!("{scene} --uav 150,150,60 --earth-k 4/3")) - own;
+    assert_close(change(&needs, "shape of the earth", "curved"), curved, "a curved earth");
+    let flat = folder.type_in(&format!("limits {scene} --uav 150,150,60 --earth-k 0.001 --json")).done().json();
+    let bent = p_los(&folder, &format!("{scene} --uav 150,150,60 --earth-k 0.001"));
+    assert_close(change(&flat, "shape of the earth", "a flat earth"), own - bent, "a flat earth");
     // The same cities by their seeds.
     let others: Vec<f64> = (2..12).map(|k| p_los(&folder, &format!("{scene} --uav 150,150,60 --seed {k}"))).collect();
     let mean = others.iter().sum::<f64>() / 10.0;

@@ -26,7 +26,7 @@ fn map_at(field: &HeightField, uav: &Uav, options: &MapOptions, z: i32) -> SiteC
 }
 
 fn curve_of(field: &HeightField, map: &SiteCoverage, options: &MapOptions) -> HeightCurve {
-    HeightCurve::of(field, map, options.rx_height, &Control::default()).unwrap()
+    HeightCurve::of(field, map, (options.receivers, options.rx_height), &Control::default()).unwrap()
 }
 
 /// Compares a curve with maps at its lowest height, at heights among its steps, and at one step below each of those.

@@ -100,7 +100,7 @@ fn masks_of_all_receivers_and_ranges_are_those_of_the_program() {
     let munich = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
     let munich = munich.display();
     folder.type_in(&format!("live {munich} -o page.html -q")).done();
-    let receivers = ["ground", "street", "crossroad", "courtyard", "roof", "all"];
+    let receivers = ["ground", "street", "crossroad", "courtyard", "roof", "all", "air"];
     let sights: Vec<(&str, f64, Option<f64>)> =
         receivers.iter().flat_map(|which| [(*which, 1.5, None), (*which, 20.0, Some(333.3))]).collect();
     let questions: Vec<Value> = sights
@@ -137,6 +137,8 @@ fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
     let mut antenna = map(&places[..2]);
     antenna["sight"] = json!({"rx_height_m": 1.5, "receivers": "ground", "radius_m": null, "antenna":
         [7.0, 20.0, 200.0, -80.0, -20.0, 130.0]});
+    let mut curved = map(&places[..2]);
+    curved["sight"] = json!({"rx_height_m": 60.0, "receivers": "air", "radius_m": null, "earth_k": 0.0005});
     let questions = [
         map(&places[..2]),
         json!({"do": "digest"}),
@@ -152,6 +154,9 @@ fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
         antenna,
         json!({"do": "digest"}),
         json!({"do": "curve", "which": 0}),
+        curved,
+        json!({"do": "digest"}),
+        json!({"do": "link", "which": 0, "x": 20.5, "y": 12.5}),
     ];
     let answers = ask(&folder.word("page.html"), false, None, &questions);
     let said = |line: &str| folder.type_in(&format!("{line} --json -q")).done().json();
@@ -193,6 +198,11 @@ fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
     );
     assert_eq!(answers[13]["digest"], served["digest"]);
     assert!(answers[14].to_string().contains("no curve"), "{}", answers[14]);
+
+    let in_air = "--uav 150,150,100 --uav 40,220,60 --receivers air --rx-height 60 --earth-k 0.0005";
+    assert_eq!(answers[16]["digest"], said(&format!("map itu:urban --size 300 {in_air}"))["digest"]);
+    let link = said("link itu:urban --size 300 --uav 150,150,100 --rx 20.5,12.5,60 --earth-k 0.0005");
+    assert_eq!((&answers[17]["los"], &answers[17]["margin_m"]), (&link["los"], &link["margin_m"]));
 
     // Inside a building nothing can hover: the others are mapped, and it says from where on it could.
     let refused = &answers[8]["uavs"][2];

@@ -87,6 +87,7 @@ mod stress; // families of scenes where methods fail: the truth against the orac
 mod curvature; // the curve of the earth against the oracle in exact arithmetic
 mod curved_footprints; // and over footprints, whose roofs are curved like the earth
 mod antennas; // who is in range of a sector, a beam, between elevations: by the definition in whole numbers
+mod in_air; // places of a drone: who they are, and whom an observer sees
 mod stability; // which answers turn with the last digit: by hand, by maps made anew, in files
 mod ground_truth; // what a scene is made of: bases, voids, typed ground, holes, lattices, extents, ranges
 mod data_area; // where the data end: known ground, missing heights; whole discs, bands of angles, goals within a radius

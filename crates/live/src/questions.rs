@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use skyshed_core::city::{Antenna, Site};
+use skyshed_core::height_field::Curvature;
 use skyshed_core::quantity::Height;
 
 /// A question of the page.
@@ -144,9 +145,17 @@ pub struct Sight {
     /// What the antennas of all UAVs serve, if not all: the least distance \[m\], two azimuths, two elevations and the beam \[deg\].
     #[serde(default)]
     pub antenna: Option<[Option<f64>; 6]>,
+    /// K of a curved earth, if it is not taken as flat.
+    #[serde(default)]
+    pub earth_k: Option<f64>,
 }
 
 impl Sight {
+    /// The curve of the earth, if it has one.
+    pub(crate) fn curvature(&self) -> Option<Curvature> {
+        self.earth_k.and_then(Curvature::of_earth_k)
+    }
+
     /// What the antennas of all UAVs serve.
     pub(crate) fn antenna(&self) -> Antenna {
         let [min_radius_m, from, to, low, high, beam_deg] = self.antenna.unwrap_or_default();
@@ -166,6 +175,7 @@ pub enum Receivers {
     Courtyard,
     Roof,
     All,
+    Air,
 }
 
 /// What the picture shows.

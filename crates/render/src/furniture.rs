@@ -36,6 +36,8 @@ pub(crate) enum Swatch {
     Hatched,
     /// The symbol of a UAV.
     Uav,
+    /// An observer.
+    Observer,
 }
 
 /// Names longer than this are shortened \[px\].
@@ -60,8 +62,9 @@ pub(crate) fn legend_entry(swatch: Swatch, name: &str, detail: &str) -> Block {
             drawing.place(&stripes, 1.0, 4.0);
         }
         Swatch::Uav => uav_symbol(&mut drawing, [1.0 + SIDE / 2.0, 4.0 + SIDE / 2.0], 23.0),
+        Swatch::Observer => observer_symbol(&mut drawing, [1.0 + SIDE / 2.0, 4.0 + SIDE / 2.0], 23.0),
     }
-    if !matches!(swatch, Swatch::Uav) {
+    if !matches!(swatch, Swatch::Uav | Swatch::Observer) {
         drawing.rect(place, &outline);
     }
     let left = SIDE + 15.0;
@@ -87,6 +90,18 @@ pub(crate) fn uav_symbol(drawing: &mut Drawing, [x, y]: [f64; 2], radius: f64) {
     }
     for corner in corners {
         drawing.circle(corner, 0.52 * rotor, "fill=\"#FFFFFF\"");
+    }
+}
+
+/// Draws someone who looks up, with a white halo, `radius` \[px\] around `center`.
+pub(crate) fn observer_symbol(drawing: &mut Drawing, [x, y]: [f64; 2], radius: f64) {
+    let (head, shoulders) = (0.32 * radius, 0.55 * radius);
+    let (neck, feet) = (y - 0.05 * radius, y + 0.85 * radius);
+    for (color, grow) in [("#FFFFFF", 0.17 * radius), ("#101418", 0.0)] {
+        let fill = format!("fill=\"{color}\" stroke=\"{color}\" stroke-width=\"{:.2}\"", 2.0 * grow);
+        drawing.circle([x, y - 0.45 * radius], head + grow, &format!("fill=\"{color}\""));
+        let body = [[-0.55, 0.0], [0.55, 0.0], [1.0, 1.0], [-1.0, 1.0]];
+        drawing.polygon(&body.map(|[dx, t]| [x + dx * shoulders, neck + t * (feet - neck)]), &fill);
     }
 }
 

@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn maps_share_one_scale_and_one_legend() {
-        let mark = Mark { label: "1", height: "60 m above ground", col: 1.0, row: 1.0 };
+        let mark = Mark { label: "1", height: "60 m above ground", col: 1.0, row: 1.0, is_observer: false };
         let mask = [1, 1, 1, 2];
         let map = |values| {
             let layer = Layer::Field { values, name: "Least receiver height", unit: "m", mask: &mask };

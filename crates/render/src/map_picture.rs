@@ -5,12 +5,13 @@
 
 use skyshed_core::coverage::Tally;
 
+use super::colors;
 use super::furniture::{self, Block, Swatch};
 use super::map_layers::{self, Layer};
 use super::map_legend::{self, LegendWords};
 use super::marks::{self, MOST_WITH_HEIGHTS, Mark, draw_marks};
 use super::page::{MARGIN, Page};
-use super::paint::{Canvas, LARGE};
+use super::paint::{Canvas, LARGE, RAISED};
 use super::sheet::{Drawing, Sheet};
 use super::value_range::ValueRange;
 
@@ -39,6 +40,8 @@ pub struct MapPicture<'a> {
     pub surface_m: Option<&'a [f32]>,
     /// UAVs.
     pub uavs: &'a [Mark<'a>],
+    /// Whether receivers are in the air: buildings below them are darker.
+    pub is_in_air: bool,
     /// What receivers are, in the plural, such as `street cells`.
     pub receivers_name: &'a str,
     /// What class 2 is, in the plural and capitalized, such as `Buildings`.
@@ -58,7 +61,10 @@ pub fn draw_map(picture: &MapPicture<'_>) -> Result<Sheet, String> {
     let canvas = Canvas::new([n_cols, n_rows], cell_m, surface_m, LARGE)?;
     layer.check([n_cols, n_rows])?;
     let range = map_layers::range_of(&[layer]);
-    let painted = map_layers::painted(layer, &canvas, range.as_ref());
+    let mut painted = map_layers::painted(layer, &canvas, range.as_ref());
+    if picture.is_in_air {
+        canvas.darken_raised(&mut painted.image);
+    }
     let size = canvas.size();
     let ([map_w, map_h], px_per_cell) = (size, canvas.px_per_cell());
     let (marks, n_labels) = draw_marks(picture.uavs, size, px_per_cell, cell_m);
@@ -100,23 +106,29 @@ fn legend(picture: &MapPicture<'_>, of_colors: Vec<u64>, range: Option<&ValueRan
     }
     let words = LegendWords { receivers_name, others_name, has_counts: true, has_rings: layer.has_rings() };
     let mut legend = map_legend::entries(layer, &histogram, range, picture.surface_m.is_some(), words);
+    if picture.is_in_air && picture.surface_m.is_some() {
+        let swatch = Swatch::Range(colors::shade(colors::LOS, RAISED), colors::shade(colors::NLOS, RAISED));
+        legend.push(furniture::legend_entry(swatch, "Over a building", "darker"));
+    }
+    let is_observed = picture.uavs.iter().any(|uav| uav.is_observer);
+    let (swatch, who) = if is_observed { (Swatch::Observer, "Observer") } else { (Swatch::Uav, "UAV") };
     let uavs = match picture.uavs {
         [] => None,
         [uav] => {
-            let is_named = uav.label.to_lowercase().contains("uav");
+            let is_named = uav.label.to_lowercase().contains(&who.to_lowercase());
             let name =
-                if is_named { uav.label.to_string() } else { format!("UAV {}", uav.label).trim_end().to_string() };
+                if is_named { uav.label.to_string() } else { format!("{who} {}", uav.label).trim_end().to_string() };
             Some((name, marks::detail(uav, [n_cols, n_rows].map(|n| n as f64), picture.cell_m)))
         }
         uavs => Some((
-            format!("{} UAVs", uavs.len()),
+            format!("{} {who}s", uavs.len()),
             match uavs.len() {
                 n if n_labels < n => format!("labels of {n_labels} of {n}; the table has all"),
                 n => if n > MOST_WITH_HEIGHTS { "id" } else { "id and height" }.to_string(),
             },
         )),
     };
-    legend.extend(uavs.map(|(name, detail)| furniture::legend_entry(Swatch::Uav, &name, &detail)));
+    legend.extend(uavs.map(|(name, detail)| furniture::legend_entry(swatch, &name, &detail)));
     legend
 }
 
@@ -153,6 +165,7 @@ mod tests {
             layer,
             surface_m: None,
             uavs: &[],
+            is_in_air: false,
             receivers_name: "street cells",
             others_name: "Buildings",
             counts: None,

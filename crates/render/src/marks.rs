@@ -15,6 +15,8 @@ pub struct Mark<'a> {
     pub col: f64,
     /// Distance from the northern border \[cells\]; may lie outside the grid.
     pub row: f64,
+    /// Whether it is an observer on the ground, not a UAV.
+    pub is_observer: bool,
 }
 
 /// A rectangle: left, top, right, bottom \[px\].
@@ -39,6 +41,7 @@ struct Placed {
     /// The place itself, where another mark is already.
     moved_from: Option<[f64; 2]>,
     words: [String; 2],
+    is_observer: bool,
 }
 
 /// More UAVs than this have labels without heights, beside their marks or nowhere.
@@ -79,6 +82,7 @@ pub(crate) fn draw_marks(
     for mark in placed.iter().rev() {
         match mark.outward {
             Some(outward) => arrow(&mut drawing, mark.at, outward, radius),
+            None if mark.is_observer => furniture::observer_symbol(&mut drawing, mark.at, radius),
             None => furniture::uav_symbol(&mut drawing, mark.at, radius),
         }
     }
@@ -138,7 +142,8 @@ fn place(uav: &Mark<'_>, size: [f64; 2], px_per_cell: [f64; 2], cell_m: (f64, f6
     let beyond = outward.map(|_| format!("{} outside", lettering::length(distance_m)));
     let height = Some(uav.height.to_string()).filter(|words| !words.is_empty());
     let details: Vec<String> = height.into_iter().chain(beyond).collect();
-    Placed { at, outward, moved_from: None, words: [uav.label.to_string(), details.join(" · ")] }
+    let words = [uav.label.to_string(), details.join(" · ")];
+    Placed { at, outward, moved_from: None, words, is_observer: uav.is_observer }
 }
 
 /// Puts marks at one place one below the other, or above where the map ends.
@@ -251,7 +256,7 @@ mod tests {
     use super::*;
 
     fn mark(label: &str, col: f64, row: f64) -> Mark<'_> {
-        Mark { label, height: "60 m", col, row }
+        Mark { label, height: "60 m", col, row, is_observer: false }
     }
 
     fn plates(svg: &str) -> Vec<Bounds> {

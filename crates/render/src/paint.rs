@@ -22,6 +22,8 @@ const LARGEST_CELL_PX: f64 = 320.0;
 /// Strength of the hillshade on buildings, and on what is out of range.
 const RELIEF: f64 = 0.45;
 const FAINT_RELIEF: f64 = 0.22;
+/// How light colors are over buildings.
+pub(crate) const RAISED: f64 = 0.8;
 
 /// How cells map to pixels along one axis.
 #[derive(Clone, Copy, Debug)]
@@ -163,6 +165,22 @@ impl<'a> Canvas<'a> {
         let [width, height] = self.axes.map(|axis| u32::try_from(axis.n_px).expect("an image is smaller than that"));
         let image = RgbaImage::from_raw(width, height, pixels).expect("the buffer has this size");
         Painted { image, histogram }
+    }
+}
+
+impl Canvas<'_> {
+    /// Darkens pixels of an image of this canvas where the surface is above the ground.
+    pub(crate) fn darken_raised(&self, image: &mut RgbaImage) {
+        let (Some(surface_m), [across, down]) = (self.surface_m, self.axes) else { return };
+        for (x, y, pixel) in image.enumerate_pixels_mut() {
+            let col = across.cells_of_work(across.work_of_px(x as usize)).start;
+            let row = down.cells_of_work(down.work_of_px(y as usize)).start;
+            if surface_m[row * across.n_cells + col] > 0.5 {
+                let [r, g, b, a] = pixel.0;
+                let [r, g, b] = colors::shade([r, g, b], RAISED);
+                pixel.0 = [r, g, b, a];
+            }
+        }
     }
 }
 

@@ -33,6 +33,7 @@ pub(crate) const RECEIVERS: Words<Receivers> = &[
     ("courtyard", "Open ground that buildings enclose", Receivers::Courtyard),
     ("roof", "Building cells, standing on the roof", Receivers::Roof),
     ("all", "Ground and roofs", Receivers::All),
+    ("air", "Over all ground, lower buildings included: where a drone may be", Receivers::Air),
 ];
 
 pub(crate) const ZONES: Words<Zone> = &[

@@ -153,7 +153,7 @@ impl CurvedScene {
             method,
         };
         let roofs = |k: usize| match of.options.receivers {
-            Receivers::Ground => false,
+            Receivers::Ground | Receivers::Air => false,
             Receivers::Roof => true,
             Receivers::All => k == 1,
         };

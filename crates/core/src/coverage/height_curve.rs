@@ -13,7 +13,7 @@ use std::sync::atomic::Ordering;
 use rayon::prelude::*;
 
 use super::cell_heights::surface_under;
-use super::{Control, SiteCoverage, Uav, class};
+use super::{Control, Receivers, SiteCoverage, Uav, class};
 use crate::error::Result;
 use crate::height_field::{CellKind, GridPositions, HeightField, Station};
 use crate::los::{GridLos, Method, link_least_step};
@@ -42,9 +42,9 @@ pub struct HeightCurve {
 impl HeightCurve {
     /// The curve over the place of a map's UAV, for the receivers of that map.
     ///
-    /// `rx_height` is the height of the receivers above what they stand on \[1/1024 m\], as in the options of the map.
-    pub fn of(field: &HeightField, map: &SiteCoverage, rx_height: i32, control: &Control) -> Result<Self> {
-        let mut least = LeastHeights::of(field, &map.uav, rx_height);
+    /// `receivers` are those of the options of the map, and how high they are above what they stand on \[1/1024 m\].
+    pub fn of(field: &HeightField, map: &SiteCoverage, receivers: (Receivers, i32), control: &Control) -> Result<Self> {
+        let mut least = LeastHeights::of(field, &map.uav, receivers);
         least.add(&map.mask, 0, control);
         control.check()?;
         Ok(least.curve())
@@ -117,6 +117,8 @@ pub struct LeastHeights<'a> {
     field: &'a HeightField,
     uav: Uav,
     rx_height: i32,
+    /// Whether receivers over buildings are above the ground, not the roof.
+    are_in_air: bool,
     /// What finds those of many receivers at once, past footprints.
     at_once: Option<GridLos<'a>>,
     positions: GridPositions,
@@ -125,13 +127,14 @@ pub struct LeastHeights<'a> {
 }
 
 impl<'a> LeastHeights<'a> {
-    /// None yet, over the place of a UAV; `rx_height` is that of the receivers \[1/1024 m\].
-    pub fn of(field: &'a HeightField, uav: &Uav, rx_height: i32) -> Self {
+    /// None yet, over the place of a UAV; with the receivers' height above what they stand on \[1/1024 m\].
+    pub fn of(field: &'a HeightField, uav: &Uav, (receivers, rx_height): (Receivers, i32)) -> Self {
+        let are_in_air = receivers == Receivers::Air;
         let lowest = lowest_uav_height(field, uav);
         let (shadow, on_terrain) = (Method::Shadow, Method::ShadowRay);
         let at_once = GridLos::new(field, if field.columns().is_some() { on_terrain } else { shadow }).ok();
         let positions = field.positions();
-        LeastHeights { field, uav: uav.clone(), rx_height, at_once, positions, lowest, found: Vec::new() }
+        LeastHeights { field, uav: uav.clone(), rx_height, are_in_air, at_once, positions, lowest, found: Vec::new() }
     }
 
     /// Adds the receivers of rows of a mask from `first_row` on; fewer if it is stopped.
@@ -167,7 +170,9 @@ impl<'a> LeastHeights<'a> {
     /// Height of the receiver of a cell \[1/1024 m above the datum\].
     fn height_of(&self, row: usize, col: usize) -> i32 {
         let cell = row * self.field.grid().n_cols() + col;
-        match self.field.cell_kind(cell, &self.positions.center(row, col)) {
+        let place = self.positions.center(row, col);
+        match self.field.cell_kind(cell, &place) {
+            CellKind::Building(_) if self.are_in_air => self.field.ground_at(&place) + self.rx_height,
             CellKind::Open(stands_on) | CellKind::Building(stands_on) => stands_on + self.rx_height,
             _ => self.rx_height,
         }

@@ -1,12 +1,13 @@
 //! Footprints that cannot hide any receiver of a run from any of its UAVs: dropped before work starts, and counted.
 //!
-//! Every link lies in the box around the UAVs and the receivers in range, and nowhere below the lowest of them. So a prism
+//! Every link lies in the box around the UAVs and the receivers in range, and nowhere below the lowest of them, but for what it sags
+//! by over a curved earth. So a prism
 //! that is not higher than that blocks none, nor does one whose bounding box lies outside. What is left may still hide nobody,
 //! which only its shadows tell.
 
 use super::Uav;
 use super::map::Mapper;
-use crate::height_field::{Caster, Prisms, Station};
+use crate::height_field::{Caster, Drops, Prisms, Station};
 use crate::overlay::bounds_of;
 
 /// Footprints of a scene, by what they can do to a run.
@@ -14,7 +15,7 @@ use crate::overlay::bounds_of;
 pub struct IdleFootprints {
     /// All of them.
     pub footprints: u64,
-    /// Not higher than any end of any link.
+    /// Not higher than any link is anywhere.
     pub too_low: u64,
     /// Outside the box of all links, or partly that and else too low.
     pub out_of_reach: u64,
@@ -32,7 +33,7 @@ impl IdleFootprints {
 struct LinkBox {
     /// West, south, east, north.
     bounds: [i64; 4],
-    /// The lowest end of a link \[1/1024 m above the datum\].
+    /// Nowhere below this is a link \[1/1024 m above the datum\].
     lowest: i64,
 }
 
@@ -68,6 +69,7 @@ impl Mapper<'_> {
 
     fn links_of(&self, uavs: &[Uav]) -> LinkBox {
         let mut links = LinkBox { bounds: [i64::MAX, i64::MAX, i64::MIN, i64::MIN], lowest: i64::MAX };
+        let mut sag = 0;
         for uav in uavs {
             let place = uav.station.on_prisms();
             links.add(place.x, place.y);
@@ -75,6 +77,12 @@ impl Mapper<'_> {
             let window = self.range_of(uav).window();
             if window.n_rows == 0 || window.n_cols == 0 {
                 continue;
+            }
+            if let Some(curvature) = self.options.curvature {
+                let drops =
+                    Drops::new(self.engine.positions(), &uav.station.place, curvature, self.options.meters_per_unit);
+                // A link sags by a quarter of what its end drops by.
+                sag = sag.max(drops.most(window) / 4 + 1);
             }
             let last = (window.row + window.n_rows - 1, window.col + window.n_cols - 1);
             for (row, col) in [(window.row, window.col), last] {
@@ -87,7 +95,7 @@ impl Mapper<'_> {
         let [west, south, east, north] = links.bounds;
         LinkBox {
             bounds: [west - 1, south - 1, east + 1, north + 1],
-            lowest: links.lowest.min(lowest.unwrap_or(i64::MAX)) - 1,
+            lowest: links.lowest.min(lowest.unwrap_or(i64::MAX)) - 1 - sag,
         }
     }
 }

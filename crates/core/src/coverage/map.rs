@@ -133,10 +133,16 @@ impl<'a> Mapper<'a> {
         };
         let ground = || GridReceivers::new(within(&cells.open), field.ground_of_cells(), options.rx_height);
         let roof = || GridReceivers::new(within(&cells.building), field.roof_of_cells(), options.rx_height);
+        let air = || {
+            let free = field.free_above_ground(options.rx_height);
+            let free = options.within.iter().chain(&told_of).fold(free, |cells, set| cells.and(set));
+            GridReceivers::new(free, field.ground_of_cells(), options.rx_height)
+        };
         let receivers = match options.receivers {
             Receivers::Ground => vec![ground()],
             Receivers::Roof => vec![roof()],
             Receivers::All => vec![ground(), roof()],
+            Receivers::Air => vec![air()],
         };
         let n_cols = field.grid().n_cols();
         let mut xs: Vec<f64> = (0..n_cols).map(|col| field.grid().world_from_cell(0, col).0).collect();

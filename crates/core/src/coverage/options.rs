@@ -19,6 +19,8 @@ pub enum Receivers {
     Roof,
     /// Both.
     All,
+    /// Over all ground, also where a building is that reaches no higher: places of a drone at a height above the ground.
+    Air,
 }
 
 /// How a map is made.

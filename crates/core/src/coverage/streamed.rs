@@ -46,6 +46,8 @@ pub struct StreamedMapper<'a, S> {
 enum Stand {
     Ground,
     Roof,
+    /// Over all ground that is free at their height.
+    Air,
 }
 
 /// Receivers of one kind.
@@ -134,6 +136,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             Receivers::Ground => &[Stand::Ground],
             Receivers::Roof => &[Stand::Roof],
             Receivers::All => &[Stand::Ground, Stand::Roof],
+            Receivers::Air => &[Stand::Air],
         };
         let mut cells: Vec<BitGrid> = stands.iter().map(|_| BitGrid::new(grid.n_rows(), grid.n_cols())).collect();
         let mut ranges = vec![(i32::MAX, i32::MIN); stands.len()];
@@ -191,7 +194,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let is_flat = matches!(self.scene.base(), WindowedBase::Flat(_));
         let heights = Heights::of_all(self.receivers.iter().map(|receivers| {
             let (lowest, highest) = receivers.heights.range();
-            Heights { lowest, highest, are_flat: is_flat && receivers.stand == Stand::Ground }
+            Heights { lowest, highest, are_flat: is_flat && receivers.stand != Stand::Roof }
         }));
         let drops = self.drops(uav);
         if let Some(drops) = &drops {
@@ -395,16 +398,22 @@ fn receivers_of<'f>(field: &'f HeightField, stand: Stand, options: &MapOptions) 
     match stand {
         Stand::Ground => GridReceivers::new(&field.cells().open, field.ground_of_cells(), options.rx_height),
         Stand::Roof => GridReceivers::new(&field.cells().building, field.roof_of_cells(), options.rx_height),
+        Stand::Air => {
+            let free = field.free_above_ground(options.rx_height);
+            GridReceivers::new(free, field.ground_of_cells(), options.rx_height)
+        }
     }
 }
 
 /// How high receivers are, given the lowest and the highest of what they stand on.
 fn heights_of(stand: Stand, base: WindowedBase, (low, high): (i32, i32), above: i32) -> StreamedHeights {
     match (stand, base) {
-        (Stand::Ground, WindowedBase::Flat(z)) => StreamedHeights::Flat(z + above),
+        (Stand::Ground | Stand::Air, WindowedBase::Flat(z)) => StreamedHeights::Flat(z + above),
         _ if low > high => StreamedHeights::Flat(above),
         _ if low == high => StreamedHeights::Flat(low + above),
-        (Stand::Ground, WindowedBase::Terrain) => StreamedHeights::Over { is_top: false, above, range: (low, high) },
+        (Stand::Ground | Stand::Air, WindowedBase::Terrain) => {
+            StreamedHeights::Over { is_top: false, above, range: (low, high) }
+        }
         _ => StreamedHeights::Over { is_top: true, above, range: (low, high) },
     }
 }

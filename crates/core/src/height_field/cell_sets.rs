@@ -109,7 +109,33 @@ pub enum StandsOn<'a> {
     Tops(&'a Columns),
 }
 
+impl StandsOn<'_> {
+    /// That of a cell.
+    #[inline]
+    pub(crate) fn at(&self, cell: usize) -> i32 {
+        match self {
+            StandsOn::Flat(z) => *z,
+            StandsOn::Cells(heights) => heights[cell],
+            StandsOn::Tops(columns) => columns.top_at(cell),
+        }
+    }
+}
+
 impl HeightField {
+    /// The cells that are free at a height above the ground \[1/1024 m\]: open ground, and buildings that reach no higher.
+    pub(crate) fn free_above_ground(&self, above: i32) -> BitGrid {
+        let (ground, roofs) = (self.ground_of_cells(), self.roof_of_cells());
+        let n_cols = self.grid.n_cols();
+        let mut free = self.cells.open.clone();
+        for (row, col) in self.cells.building.cells() {
+            let cell = row * n_cols + col;
+            if roofs.at(cell) - ground.at(cell) <= above {
+                free.insert(row, col);
+            }
+        }
+        free
+    }
+
     /// The one height of the ground under all open cells, if it is flat.
     pub(super) fn flat_ground(&self) -> Option<i32> {
         match &self.solid {

@@ -373,7 +373,9 @@ impl<'a> GridLos<'a> {
             let asked = self.by_rays(uav, receivers, &between);
             return self.by_shadows(shadows, uav, receivers, &others).or(&asked);
         }
-        match receivers.level() {
+        // On a curved earth outlines tell of receivers below the UAV alone.
+        let is_outlined = |z: &i64| shadows.prisms.earth().is_none() || *z < uav.z;
+        match receivers.level().filter(is_outlined) {
             Some(z) => shadow_los(&scene, uav.on_prisms(), z).los,
             None => shadow_los_relief(&scene, uav.on_prisms(), &height_by_cell(receivers)).los,
         }
@@ -381,7 +383,7 @@ impl<'a> GridLos<'a> {
 }
 
 /// The wanted cells whose rays on a curved earth neither fall nor rise all the way, but have their lowest place between the ends, if
-/// there are any; all of receivers that stand at one height which is not below the UAV.
+/// there are any.
 fn with_lowest_place_between(
     scene: &ShadowScene<'_>,
     earth: CurvedGround,
@@ -392,8 +394,7 @@ fn with_lowest_place_between(
     let reach = |z: i64| {
         #[expect(clippy::cast_precision_loss, reason = "a difference of heights, at most 2^28")]
         let apart = (uav.z - z) as f64;
-        let apart = if receivers.level().is_some() { apart } else { apart.abs() };
-        apart / earth.bulge.coefficient() * (1.0 - 1e-9)
+        apart.abs() / earth.bulge.coefficient() * (1.0 - 1e-9)
     };
     #[expect(clippy::cast_precision_loss, reason = "squares of lengths are below 2^56")]
     let squares = |of: &[i64], at: i64| of.iter().map(|v| ((v - at) * (v - at)) as f64).collect::<Vec<f64>>();

@@ -100,11 +100,7 @@ impl<'a> GridReceivers<'a> {
     /// Height of what the receiver of a cell stands on \[1/1024 m above the datum\].
     #[inline]
     pub fn base(&self, cell: usize) -> i32 {
-        match &self.stands_on {
-            StandsOn::Flat(z) => *z,
-            StandsOn::Cells(heights) => heights[cell],
-            StandsOn::Tops(columns) => columns.top_at(cell),
-        }
+        self.stands_on.at(cell)
     }
 
     /// Copies what receivers stand on in cells of one row, from cell `first` on.

@@ -74,7 +74,8 @@ impl Engine {
     pub fn open(bytes: &[u8]) -> Result<Engine, NotPacked> {
         let PackedCity { grid, solids, zones } = unpack(bytes)?;
         let field: &'static HeightField = Box::leak(Box::new(HeightField::build(&grid, solids).field));
-        let sight = Sight { rx_height_m: 1.5, receivers: Receivers::Ground, radius_m: None, antenna: None };
+        let sight =
+            Sight { rx_height_m: 1.5, receivers: Receivers::Ground, radius_m: None, antenna: None, earth_k: None };
         let zones = zones.and_then(|zones| {
             let CellSets { open, building } = field.cells();
             let mut codes = zones.codes(open);
@@ -340,7 +341,17 @@ fn zone_of(receivers: Receivers) -> Option<Zone> {
         Receivers::Street => Some(Zone::Street),
         Receivers::Crossroad => Some(Zone::Crossroad),
         Receivers::Courtyard => Some(Zone::Courtyard),
-        Receivers::Ground | Receivers::Roof | Receivers::All => None,
+        Receivers::Ground | Receivers::Roof | Receivers::All | Receivers::Air => None,
+    }
+}
+
+/// Which cells hold receivers, but for zones.
+fn receivers_of(sight: &Sight) -> coverage::Receivers {
+    match sight.receivers {
+        Receivers::Roof => coverage::Receivers::Roof,
+        Receivers::All => coverage::Receivers::All,
+        Receivers::Air => coverage::Receivers::Air,
+        _ => coverage::Receivers::Ground,
     }
 }
 
@@ -357,14 +368,11 @@ fn mapper(field: &'static HeightField, sight: &Sight, zones: Option<&Zones>) -> 
     let antenna = sight.antenna().checked().map_err(|fault| fault.to_string())?;
     let options = MapOptions {
         rx_height: rx_height(sight)?,
-        receivers: match sight.receivers {
-            Receivers::Roof => coverage::Receivers::Roof,
-            Receivers::All => coverage::Receivers::All,
-            _ => coverage::Receivers::Ground,
-        },
+        receivers: receivers_of(sight),
         within: zone_of(sight.receivers).and_then(|zone| zones.and_then(|zones| zones.cells(zone))),
         radius: sight.radius_m.map(|r| r / meters_per_unit),
         antenna,
+        curvature: sight.curvature(),
         meters_per_unit,
         ..MapOptions::default()
     };

@@ -1,12 +1,16 @@
 //! What is at a place: a cell, and the link to its receiver.
 
-use skyshed_core::coverage::{ObstacleKind, StepKind, explain_link, link_profile, place_receiver};
+use skyshed_core::coverage::{
+    CurvedScene, ExplainedLink, ObstacleKind, ProfileStep, StepKind, Uav, explain_link, link_profile, place_receiver,
+};
+use skyshed_core::error::Result;
 use skyshed_core::height_field::{CellKind, Station};
 use skyshed_core::quantity::{Height, VOID, meters};
 use skyshed_core::zones::Zone;
 
 use super::Engine;
 use crate::answers::{CellFacts, End, False, LinkFacts, Obstruction, Step, True};
+use crate::questions::Receivers;
 
 impl Engine {
     pub(super) fn cell(&self, x: f64, y: f64, which: usize) -> CellFacts {
@@ -32,7 +36,7 @@ impl Engine {
         let is_asked = sees.get(which).is_some_and(Option::is_some);
         let margin = || {
             let receiver = self.receiver_at(row, col).ok()?;
-            explain_link(self.field, &self.found(which).ok()?.uav, &receiver).margin_m
+            self.seen_link(&self.found(which).ok()?.uav, &receiver).ok()?.0.margin_m
         };
         CellFacts {
             inside: true,
@@ -48,12 +52,32 @@ impl Engine {
     }
 
     /// The receiver of a cell, on the roof of a building.
-    fn receiver_at(&self, row: usize, col: usize) -> Result<Station, String> {
+    fn receiver_at(&self, row: usize, col: usize) -> std::result::Result<Station, String> {
         let (x, y) = self.field.grid().world_from_cell(row, col);
         let height_m = self.sight.rx_height_m;
         let is_building = self.field.cells().building.contains(row, col);
-        let height = if is_building { Height::roof(height_m) } else { Height::agl(height_m) };
+        let is_on_roof = is_building && self.sight.receivers != Receivers::Air;
+        let height = if is_on_roof { Height::roof(height_m) } else { Height::agl(height_m) };
         place_receiver(self.field, (x, y), height).map_err(|why| why.to_string())
+    }
+
+    /// A link, its side view and its receiver, all as high as the UAV sees them, over a curved earth lower than they are.
+    fn seen_link(&self, uav: &Uav, receiver: &Station) -> Result<(ExplainedLink, Vec<ProfileStep>, Station)> {
+        let Some(curved) = CurvedScene::of(self.field, &uav.station.place, self.sight.curvature())? else {
+            let found = explain_link(self.field, uav, receiver);
+            let steps = link_profile(self.field, uav, receiver, found.distance_m);
+            return Ok((found, steps, *receiver));
+        };
+        let lowered = curved.lowered(receiver);
+        let mut found = curved.raised(uav, receiver, explain_link(curved.field(), uav, &lowered));
+        if let Some(obstacle) = &mut found.obstruction {
+            let fall_m = meters(curved.drop_at(&self.field.place(obstacle.x, obstacle.y)));
+            obstacle.ray_height_m -= fall_m;
+            obstacle.top_m = obstacle.top_m.map(|top_m| top_m - fall_m);
+        }
+        let steps = link_profile(curved.field(), uav, &lowered, found.distance_m);
+        let steps = curved.seen_steps(steps, found.distance_m);
+        Ok((found, steps, curved.seen(receiver)))
     }
 
     pub(super) fn link(&self, which: usize, x: f64, y: f64) -> LinkFacts {
@@ -65,8 +89,10 @@ impl Engine {
             Ok(ends) => ends,
             Err(words) => return LinkFacts::Refused { ok: False, words },
         };
-        let found = explain_link(self.field, uav, &receiver);
-        let steps = link_profile(self.field, uav, &receiver, found.distance_m);
+        let (found, steps, receiver) = match self.seen_link(uav, &receiver) {
+            Ok(seen) => seen,
+            Err(why) => return LinkFacts::Refused { ok: False, words: why.to_string() },
+        };
         let end = |at: &Station| {
             let amsl_m = i32::try_from(at.z).map_or(f64::NAN, meters);
             End { x: at.place.x, y: at.place.y, amsl_m }

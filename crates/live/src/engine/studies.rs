@@ -4,7 +4,7 @@ use skyshed_core::coverage::{self, Control, LeastHeights};
 use skyshed_core::quantity::{meters, share};
 use skyshed_core::raster::BitGrid;
 
-use super::{Engine, mapper, rx_height};
+use super::{Engine, mapper, receivers_of, rx_height};
 use crate::answers::{ComparedFacts, CurveFacts, False, True};
 use crate::best_place::Search;
 use crate::questions::Kept;
@@ -25,8 +25,11 @@ impl Engine {
                 "Who is within the elevations or the beam changes with the height, so that there is no curve".into()
             );
         }
+        if self.sight.curvature().is_some() {
+            return Err("Over a curved earth the program has the curve: skyshed map --height-curve".into());
+        }
         let found = self.found(which)?;
-        let least = LeastHeights::of(self.field, &found.uav, rx_height);
+        let least = LeastHeights::of(self.field, &found.uav, (receivers_of(&self.sight), rx_height));
         let mut mask = Vec::new();
         self.cells.mask(&mut mask, &found.seen.los, found.in_range.as_ref());
         self.curve = Some(Curve { least, mask, next_row: 0 });

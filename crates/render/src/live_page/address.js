@@ -15,8 +15,14 @@ const uavsWord = (uavs) => uavs.map(uavWord).join(";");
 const antennaNumbers = ({ min_radius_m, sector_deg, elevation_deg, beam_deg }) =>
   [min_radius_m, ...(sector_deg ?? [null, null]), ...(elevation_deg ?? [null, null]), beam_deg];
 
-/** A sight as height,where,range and, if it has one, its antenna; the range may be empty. @param {Sight} sight */
-const sightWord = (sight) => [sight.rx_height_m, sight.receivers, sight.radius_m ?? "", ...(sight.antenna ? antennaNumbers(sight.antenna) : [])].join(",");
+/** An antenna without limits. @type {Antenna} */
+const NO_ANTENNA = { min_radius_m: null, sector_deg: null, elevation_deg: null, beam_deg: null };
+
+/** A sight as height,where,range and, if it has any, its antenna and K of the earth; all but the first two may be empty. @param {Sight} sight */
+function sightWord({ rx_height_m, receivers, radius_m, antenna, earth_k }) {
+  const more = antenna || earth_k ? antennaNumbers(antenna ?? NO_ANTENNA) : [];
+  return [rx_height_m, receivers, radius_m ?? "", ...more, ...(earth_k ? [earth_k] : [])].join(",");
+}
 
 /** The fragment of the state, without its #. */
 function addressOf() {
@@ -66,7 +72,7 @@ function uavsOf(word) {
 }
 
 /** @type {Receivers[]} */
-const RECEIVERS = ["ground", "street", "crossroad", "courtyard", "roof", "all"];
+const RECEIVERS = ["ground", "street", "crossroad", "courtyard", "roof", "all", "air"];
 
 /** @param {string} word @returns {Sight | null} */
 function sightOf(word) {
@@ -75,7 +81,8 @@ function sightOf(word) {
   const receivers = RECEIVERS.find((name) => name === where);
   const radius_m = radiusWord ? finite(radiusWord) : null;
   if (rx_height_m === null || rx_height_m < 0 || !receivers || (radiusWord && !(radius_m && radius_m > 0))) return null;
-  return { rx_height_m, receivers, radius_m, antenna: antennaOf(antennaWords.map(finite)) };
+  const earth_k = finite(antennaWords[6] ?? "");
+  return { rx_height_m, receivers, radius_m, antenna: antennaOf(antennaWords.slice(0, 6).map(finite)), earth_k: earth_k && earth_k > 0 ? earth_k : null };
 }
 
 /** @param {string} word @returns {Kept | null} */

@@ -130,7 +130,7 @@ function showOpened(opened) {
   htmlById("slower").hidden = opened.simd;
   // What the scene does not have cannot be chosen.
   for (const option of selectById("height-kind").options) option.disabled = option.value === "roof" && facts.surface_only;
-  for (const option of selectById("receivers").options) option.disabled = !opened.has_buildings && option.value !== "ground" && option.value !== "all";
+  for (const option of selectById("receivers").options) option.disabled = !opened.has_buildings && !["ground", "all", "air"].includes(option.value);
   showKeptRows();
   askCompare();
   placeOverlay();

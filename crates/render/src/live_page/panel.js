@@ -16,7 +16,7 @@ function makeUavList() {
       bringIntoView(state.uavs[k].x, state.uavs[k].y);
     });
     const name = make("input", {
-      type: "text", id: `name-${k + 1}`, "aria-label": words.rename(uavName(uav)), placeholder: `${words.uav} ${uav.id}`, maxlength: 80, autocomplete: "off", spellcheck: "false",
+      type: "text", id: `name-${k + 1}`, "aria-label": words.rename(uavName(uav)), placeholder: `${isInAir() ? words.observer : words.uav} ${uav.id}`, maxlength: 80, autocomplete: "off", spellcheck: "false",
     });
     name.value = /^\d+$/.test(uav.id) ? "" : uav.id;
     name.addEventListener("focus", () => select(k));
@@ -183,11 +183,41 @@ function settleNewcomer(answer) {
 /** The end of the slider of the range: half of the map's diagonal. */
 const LONGEST_RANGE = Math.ceil((Math.hypot(X_MAX - grid.x_min, grid.y_max - Y_MIN) * grid.meters_per_unit) / 20) * 10;
 
+/** Heights of a pilot's eyes and of the drone, and those that a page goes back to [m]. */
+const IN_AIR = { uav_m: 1.7, rx_height_m: 100 };
+const ON_GROUND = { uav_m: 120, rx_height_m: 1.5 };
+
+/**
+ * Takes other receivers. To places of a drone UAVs become observers on the ground, and back, unless their heights, and that of the
+ * receivers, are so already.
+ * @param {Receivers} receivers
+ */
+function setReceivers(receivers) {
+  const [was, is] = [isInAir(), receivers === "air"];
+  /** @type {Partial<Sight>} */
+  const part = { receivers };
+  if (was !== is) {
+    const to = is ? IN_AIR : ON_GROUND;
+    if (is ? state.sight.rx_height_m < 20 : state.sight.rx_height_m >= 20) part.rx_height_m = to.rx_height_m;
+    for (const uav of state.uavs) if (is ? uav.height.m >= 20 : uav.height.m < 20) uav.height = { kind: "agl", m: to.uav_m };
+    changed("place");
+  }
+  setSight(part);
+  changed("uavs");
+}
+
 /** The numbers of the antenna, in the order of the address. */
 const ANTENNA_INPUTS = ["min-radius", "sector-from", "sector-to", "elevation-from", "elevation-to", "beam"];
 
+function showTitle() {
+  const title = say().title(facts.name, facts.title);
+  setText(htmlById("title"), title);
+  document.title = title;
+}
+
 function showSight() {
-  const { receivers, rx_height_m, radius_m, antenna } = state.sight;
+  showTitle();
+  const { receivers, rx_height_m, radius_m, antenna, earth_k } = state.sight;
   setValue(selectById("receivers"), receivers);
   setValue(inputById("rx-height"), String(rx_height_m));
   inputById("radius-limited").checked = radius_m === null;
@@ -198,7 +228,8 @@ function showSight() {
   radius.style.setProperty("--part", `${(100 * Number(radius.value)) / Number(radius.max)}%`);
   setValue(inputById("radius"), radius_m === null ? "" : String(radius_m));
   const range = radius_m === null ? say().unlimited : lengthWords(radius_m);
-  setText(htmlById("sight-says"), [say().receiversChoice[receivers], meters(rx_height_m, 2), range, ...antennaSays(antenna)].join(" · "));
+  setText(htmlById("sight-says"), [say().receiversChoice[receivers], meters(rx_height_m, 2), range, ...antennaSays(antenna), ...earthSays(earth_k)].join(" · "));
+  setValue(inputById("earth-k"), String(earth_k ?? ""));
   const numbers = antenna ? antennaNumbers(antenna) : [];
   ANTENNA_INPUTS.forEach((id, k) => {
     // One end alone waits for the other.
@@ -226,9 +257,7 @@ function showTexts() {
     for (const option of selectById(select).options) option.text = texts[option.value];
   }
   for (const label of document.querySelectorAll("[data-layer]")) setText(label, words.layers[label.getAttribute("data-layer") ?? ""]);
-  const title = say().title(facts.name, facts.title);
-  setText(htmlById("title"), title);
-  document.title = title;
+  showTitle();
   setText(buttonById("language"), state.language === "de" ? "EN" : "DE");
   htmlById("keys").replaceChildren(...say().keysList.flatMap(([what, does]) => [make("dt", {}, what), make("dd", {}, does)]));
 }
@@ -270,7 +299,8 @@ function listenToPanel() {
   for (const input of document.querySelectorAll('input[name="layer"]')) {
     if (input instanceof HTMLInputElement) input.addEventListener("change", () => setLayer(/** @type {Layer} */ (input.value)));
   }
-  selectById("receivers").addEventListener("change", () => setSight({ receivers: /** @type {Receivers} */ (selectById("receivers").value) }));
+  selectById("receivers").addEventListener("change", () => setReceivers(/** @type {Receivers} */ (selectById("receivers").value)));
+  inputById("earth-k").addEventListener("change", () => setSight({ earth_k: typed(inputById("earth-k"), 1e-9) }));
   inputById("rx-height").addEventListener("input", () => {
     const rx_height_m = typed(inputById("rx-height"), 0);
     if (rx_height_m !== null) setSight({ rx_height_m });

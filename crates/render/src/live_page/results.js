@@ -39,8 +39,8 @@ function otherRows() {
   const words = say();
   /** @type {LegendRow[]} */
   const rows = [];
-  if (engine.opened?.has_buildings && !["roof", "all"].includes(state.sight.receivers)) rows.push({ name: words.buildings, fill: "buildings", cells: null, isReceiver: false });
-  if (!["ground", "all"].includes(state.sight.receivers)) rows.push({ name: words.others, fill: "ground", cells: null, isReceiver: false });
+  if (engine.opened?.has_buildings && !["roof", "all", "air"].includes(state.sight.receivers)) rows.push({ name: words.buildings, fill: "buildings", cells: null, isReceiver: false });
+  if (!["ground", "all", "air"].includes(state.sight.receivers)) rows.push({ name: words.others, fill: "ground", cells: null, isReceiver: false });
   if (state.sight.radius_m !== null || state.sight.antenna) rows.push({ name: words.outOfRange, fill: "away", cells: null, isReceiver: false });
   return [...rows, { name: words.noData, fill: "hatched", cells: null, isReceiver: false }];
 }

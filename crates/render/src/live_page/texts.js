@@ -4,8 +4,8 @@
 const ENGLISH = {
   language: "Language",
   theme: "Light or dark",
-  title: (/** @type {string} */ _name, /** @type {string} */ title) => title,
-  uav: "UAV",
+  title: (/** @type {string} */ name, /** @type {string} */ title) => (isInAir() ? `Where an observer sees a drone over ${name}` : title),
+  uav: "UAV", observer: "Observer",
   map: "Map of the city. Arrow keys move it below the cross, plus and minus zoom, Enter asks for the link to the cell in the middle.",
   panel: "Results and settings",
   sheet: "Show or hide results and settings",
@@ -21,10 +21,10 @@ const ENGLISH = {
   /** Of a surface model alone, which tells no ground: what stands there, in a sentence, and above it. */
   surface: { name: "surface", of: "the surface", above: "above the surface", axis: "UAV height above the surface [m]" },
   receiversChoice: {
-    ground: "open ground", street: "streets", crossroad: "crossroads", courtyard: "courtyards", roof: "roofs", all: "ground and roofs",
+    ground: "open ground", street: "streets", crossroad: "crossroads", courtyard: "courtyards", roof: "roofs", all: "ground and roofs", air: "a drone in the air",
   },
   receiversNames: {
-    ground: "open ground", street: "streets", crossroad: "crossroads", courtyard: "courtyards", roof: "roofs", all: "ground and roofs",
+    ground: "open ground", street: "streets", crossroad: "crossroads", courtyard: "courtyards", roof: "roofs", all: "ground and roofs", air: "the places of a drone",
   },
   cellsOf: (/** @type {string} */ los, /** @type {string} */ all) => `${los} of ${all} cells`,
   noReceivers: "There are no receivers here.",
@@ -74,6 +74,7 @@ const ENGLISH = {
   radius: "Range", unlimited: "Unlimited",
   minRadius: "From", sector: "Azimuths", elevations: "Elevations", beam: "Beam straight down", upTo: "to",
   inAntenna: "in the antenna's range", beamShort: "beam",
+  earthK: "Curved earth, K", curvedEarth: (/** @type {string} */ k) => `curved earth, K = ${k}`,
   fromTo: (/** @type {string} */ a, /** @type {string} */ b) => `${a} to ${b}`,
   fromOn: (/** @type {string} */ length) => `from ${length} on`,
 
@@ -173,6 +174,7 @@ const ENGLISH = {
   said: (/** @type {string} */ share, /** @type {string} */ name) => `${name}: ${share} in line of sight`,
   captionUav: (/** @type {string} */ name, /** @type {string} */ height, /** @type {string} */ place, /** @type {string} */ p, /** @type {string} */ cells) =>
     `${name}: ${height} at ${place}, P_LoS = ${p} (${cells})`,
+  captionAir: (/** @type {string} */ cell, /** @type {string} */ rx, /** @type {string} */ above) => `Cells of ${cell} m, a drone ${rx} m ${above}`,
   captionCells: (/** @type {string} */ cell, /** @type {string} */ rx, /** @type {string} */ above) => `Cells of ${cell} m, receivers ${rx} m ${above}`,
   captionRadius: (/** @type {string} */ radius) => `within ${radius} m`,
   captionAll: (/** @type {string} */ p) => `At least one UAV: P_LoS = ${p}`,
@@ -183,7 +185,7 @@ const ENGLISH = {
 const GERMAN = {
   language: "Sprache",
   theme: "Hell oder dunkel",
-  title: (name) => `Was eine Drohne sieht: ${name}`,
+  title: (name) => (isInAir() ? `Wo man eine Drohne sieht: ${name}` : `Was eine Drohne sieht: ${name}`),
   uav: "Drohne",
   map: "Karte der Stadt. Pfeiltasten bewegen sie unter dem Kreuz, Plus und Minus zoomen, Eingabe fragt nach der Verbindung zur Zelle in der Mitte.",
   panel: "Ergebnisse und Einstellungen",
@@ -198,11 +200,12 @@ const GERMAN = {
   ofReceivers: (what) => `von ${what} in Sicht`,
   within: (range) => `im Umkreis von ${range}`,
   surface: { name: "Oberfläche", of: "der Oberfläche", above: "über der Oberfläche", axis: "Höhe der Drohne über der Oberfläche [m]" },
+  observer: "Beobachter",
   receiversChoice: {
-    ground: "offener Boden", street: "Straßen", crossroad: "Kreuzungen", courtyard: "Höfe", roof: "Dächer", all: "Boden und Dächer",
+    ground: "offener Boden", street: "Straßen", crossroad: "Kreuzungen", courtyard: "Höfe", roof: "Dächer", all: "Boden und Dächer", air: "eine Drohne in der Luft",
   },
   receiversNames: {
-    ground: "offenem Boden", street: "Straßen", crossroad: "Kreuzungen", courtyard: "Höfen", roof: "Dächern", all: "Boden und Dächern",
+    ground: "offenem Boden", street: "Straßen", crossroad: "Kreuzungen", courtyard: "Höfen", roof: "Dächern", all: "Boden und Dächern", air: "den Plätzen einer Drohne",
   },
   cellsOf: (los, all) => `${los} von ${all} Zellen`,
   noReceivers: "Hier gibt es keine Empfänger.",
@@ -251,6 +254,7 @@ const GERMAN = {
   radius: "Reichweite", unlimited: "Unbegrenzt",
   minRadius: "Ab", sector: "Azimute", elevations: "Höhenwinkel", beam: "Strahl senkrecht nach unten", upTo: "bis",
   inAntenna: "im Bereich der Antenne", beamShort: "Strahl",
+  earthK: "Krumme Erde, K", curvedEarth: (k) => `krumme Erde, K = ${k}`,
   fromTo: (a, b) => `${a} bis ${b}`,
   fromOn: (length) => `ab ${length}`,
 
@@ -349,6 +353,7 @@ const GERMAN = {
 
   said: (share, name) => `${name}: ${share} in Sichtverbindung`,
   captionUav: (name, height, place, p, cells) => `${name}: ${height} bei ${place}, P_LoS = ${p} (${cells})`,
+  captionAir: (cell, rx, above) => `Zellen von ${cell} m, eine Drohne ${rx} m ${above}`,
   captionCells: (cell, rx, above) => `Zellen von ${cell} m, Empfänger ${rx} m ${above}`,
   captionRadius: (radius) => `im Umkreis von ${radius} m`,
   captionAll: (p) => `Mindestens eine Drohne: P_LoS = ${p}`,

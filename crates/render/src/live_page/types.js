@@ -7,10 +7,10 @@
  * @typedef {'agl' | 'roof' | 'amsl'} HeightKind above the ground, above the roof below, above the datum
  * @typedef {{kind: HeightKind, m: number}} Height
  * @typedef {{id: string, x: number, y: number, height: Height}} Uav
- * @typedef {'ground' | 'street' | 'crossroad' | 'courtyard' | 'roof' | 'all'} Receivers
+ * @typedef {'ground' | 'street' | 'crossroad' | 'courtyard' | 'roof' | 'all' | 'air'} Receivers
  * @typedef {{min_radius_m: number | null, sector_deg: [number, number] | null, elevation_deg: [number, number] | null,
  *   beam_deg: number | null}} Antenna null is not limited
- * @typedef {{rx_height_m: number, receivers: Receivers, radius_m: number | null, antenna: Antenna | null}} Sight
+ * @typedef {{rx_height_m: number, receivers: Receivers, radius_m: number | null, antenna: Antenna | null, earth_k: number | null}} Sight
  * @typedef {'one' | 'union' | 'count' | 'who'} Layer
  *
  * @typedef {{receivers: number, los: number}} Share

@@ -65,7 +65,10 @@ const heightWords = (height) => `${meters(height.m)} ${say().kinds[height.kind]}
 const heightShort = (height) => `${meters(height.m)} ${say().kindsShort[height.kind]}`.trimEnd();
 
 /** A name for reading: a mere number is that of a UAV. @param {Uav} uav */
-const uavName = (uav) => (/^\d+$/.test(uav.id) ? `${say().uav} ${uav.id}` : uav.id);
+const uavName = (uav) => (/^\d+$/.test(uav.id) ? `${isInAir() ? say().observer : say().uav} ${uav.id}` : uav.id);
+
+/** Whether receivers are places of a drone, which an observer looks at. */
+const isInAir = () => state.sight.receivers === "air";
 
 /** A place for reading. @param {{x: number, y: number}} at */
 const placeWords = ({ x, y }) => `x ${coordinate(x)}, y ${coordinate(y)}`;
@@ -104,6 +107,9 @@ function antennaSays(antenna) {
     beam_deg === null ? "" : `${words.beamShort} ${degrees(beam_deg)}`,
   ].filter((part) => part);
 }
+
+/** That the earth is curved, if it is. @param {number | null} k */
+const earthSays = (k) => (k ? [say().curvedEarth(number(k, 4))] : []);
 
 /** What the height of receivers is measured from. */
 const receiversAbove = () => say().above[state.sight.receivers === "all" ? "all" : state.sight.receivers === "roof" ? "roof" : "ground"];
@@ -158,6 +164,7 @@ function optionWords(uavs, sight) {
   if (sector_deg !== null) words.push("--sector", sector_deg.join(","));
   if (elevation_deg !== null) words.push("--elevation", elevation_deg.join(","));
   if (beam_deg !== null) words.push("--beam", String(beam_deg));
+  if (sight.earth_k) words.push("--earth-k", String(sight.earth_k));
   return words;
 }
 

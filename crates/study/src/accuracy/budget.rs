@@ -4,7 +4,7 @@ use super::economy::Setup;
 use super::simpler::Simpler;
 use crate::coverage::{MapOptions, Mapper, Uav};
 use crate::error::Result;
-use crate::height_field::{HeightField, Pooling, Station};
+use crate::height_field::{Curvature, HeightField, Pooling, Station};
 use crate::los::MethodChoice;
 use crate::quantity::height_steps;
 
@@ -21,6 +21,8 @@ pub enum Part {
     UavHeight,
     /// How high the buildings are, all of them wrong alike.
     RoofHeights,
+    /// The curve of the earth.
+    Earth,
     /// That the city is one draw of many.
     Cities,
 }
@@ -34,6 +36,7 @@ impl Part {
             Part::UavPlace => "UAV position",
             Part::UavHeight => "UAV height",
             Part::RoofHeights => "building heights",
+            Part::Earth => "shape of the earth",
             Part::Cities => "one city of many",
         }
     }
@@ -61,6 +64,9 @@ pub struct Uncertain {
     pub meters_per_unit: f64,
 }
 
+/// K of rays of radio in a standard atmosphere.
+const RADIO_K: f64 = 4.0 / 3.0;
+
 /// More receivers than this are not compared with `ray`.
 const MOST_RAYS: u64 = 1 << 23;
 
@@ -78,6 +84,7 @@ pub fn error_budget(
     lines.push(place_line(setup, p_los, uncertain));
     lines.push(height_line(setup, p_los, uncertain));
     lines.push(roof_line(setup, p_los, uncertain));
+    lines.push(earth_line(setup, p_los));
     lines.push(city_line(setup, cities));
     let size = |line: &BudgetLine| line.change.as_ref().map_or(-1.0, |c| c.abs());
     lines.sort_by(|a, b| size(b).total_cmp(&size(a)).then(a.part.cmp(&b.part)));
@@ -187,6 +194,19 @@ fn roof_line(setup: &Setup<'_>, p_los: f64, uncertain: &Uncertain) -> BudgetLine
         part: Part::RoofHeights,
         changed: format!("all roofs {} m higher and lower", crate::quantity::tidy(uncertain.roofs_m)),
         change: largest([steps, -steps].into_iter().map(raised)),
+    }
+}
+
+/// What it is worth that the earth is curved, as radio sees it, where it was taken as flat; or flat where it was not.
+fn earth_line(setup: &Setup<'_>, p_los: f64) -> BudgetLine {
+    let is_flat = (setup.options)(setup.field).curvature.is_none();
+    let curvature = if is_flat { Curvature::of_earth_k(RADIO_K) } else { None };
+    let options = |field: &HeightField| MapOptions { curvature, ..(setup.options)(field) };
+    let changed = if is_flat { "curved, with the refraction of radio (K = 4/3)" } else { "a flat earth" };
+    BudgetLine {
+        part: Part::Earth,
+        changed: changed.into(),
+        change: change_of(Setup { options: &options, ..*setup }.p_los(), p_los),
     }
 }
 
