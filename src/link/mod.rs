@@ -119,7 +119,7 @@ pub(crate) struct EndFacts {
 /// What stands in the way of a link: the obstacle that asks for the highest receiver.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct LinkObstruction {
-    /// `building`, `terrain`, `cell` of a surface model, or `nodata` that blocks everything.
+    /// `building`, `terrain`, `cell` of a surface model, `nodata` that blocks everything, or the `horizon` of flat ground.
     pub kind: &'static str,
     /// Id of the building.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -15,7 +15,7 @@ use report::{SampledReport, SampledRow};
 
 use crate::answer::{Answer, Rows, RunFacts, Spent};
 use crate::city::Site;
-use crate::coverage::{Mapper, Uav};
+use crate::coverage::{Mapper, Uav, check_drop};
 use crate::error::{Error, OddRun, PlacesError, RequestError, Result, Warning};
 use crate::export::{Batch, Format};
 use crate::los::Method;
@@ -26,7 +26,7 @@ use crate::placement::{Drawn, DrawnPlaces, ReceiverParts, SampledCounts, middles
 use crate::progress::Progress;
 use crate::quantity::{Height, counted, tidy};
 use crate::raster::CellBlocks;
-use crate::scene::limits::warn_of_drop_across;
+use crate::scene::limits::{across_m, warn_of_drop_across};
 use crate::scene::{Scene, SceneOptions};
 use crate::sight::Sight;
 use crate::zones::Zone;
@@ -117,8 +117,12 @@ impl SamplePlan {
         }
         self.sight.receivers().check(first.field.is_surface_only())?;
         let farthest_m = self.sight.radius_m().unwrap_or(f64::INFINITY);
-        if self.sight.curvature().is_none() {
-            warn_of_drop_across(first.field.grid(), farthest_m, &mut first.warnings);
+        match self.sight.curvature() {
+            None => warn_of_drop_across(first.field.grid(), farthest_m, &mut first.warnings),
+            Some(curvature) => {
+                let drop_m = curvature.drop_m(across_m(first.field.grid()).min(farthest_m));
+                check_drop(drop_m, first.field.lowest_known())?;
+            }
         }
         let grid = first.grid();
         let unit = grid.meters_per_unit();

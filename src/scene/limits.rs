@@ -58,8 +58,12 @@ fn farthest_m(uavs: &[Uav], grid: &GeoRef, sight: &Sight) -> f64 {
 
 /// Warns likewise where UAVs and receivers may be anywhere on a grid, but no farther apart than some meters.
 pub(crate) fn warn_of_drop_across(grid: &GeoRef, most_m: f64, warnings: &mut Vec<Warning>) {
-    let across = (grid.x_max() - grid.x_min()).hypot(grid.y_max() - grid.y_min()) * grid.meters_per_unit();
-    warn_of_drop(across.min(most_m), warnings);
+    warn_of_drop(across_m(grid).min(most_m), warnings);
+}
+
+/// From corner to corner \[m\].
+pub(crate) fn across_m(grid: &GeoRef) -> f64 {
+    (grid.x_max() - grid.x_min()).hypot(grid.y_max() - grid.y_min()) * grid.meters_per_unit()
 }
 
 /// Warns likewise of receivers up to so far away \[m\].

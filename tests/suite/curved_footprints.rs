@@ -5,10 +5,14 @@ use num_rational::Ratio;
 use serde_json::Value;
 use skyshed_core::city::Ground;
 use skyshed_core::coverage::{MapOptions, Mapper, Receivers, class};
-use skyshed_core::height_field::{Bulge, CellKind, CurvedGround, HeightField, Station};
-use skyshed_core::los::{MethodChoice, prisms_least_height, prisms_least_receiver_height, prisms_los};
+use skyshed_core::height_field::{Bulge, CellKind, CurvedGround, HeightField, Prisms, Station};
+use skyshed_core::los::{
+    MethodChoice, ShadowGrid, ShadowScene, prisms_least_height, prisms_least_receiver_height, prisms_los, shadow_los,
+    shadow_los_relief,
+};
 use skyshed_core::quantity::LatticePoint;
 use skyshed_core::raster::{GeoRef, Raster};
+use skyshed_core::simd::SimdLevel;
 
 use crate::curvature::{EARTHS, curvature, drop};
 use crate::invariants::{map, uav_at, vector_town, vector_town_on};
@@ -16,7 +20,8 @@ use crate::oracle::{self, Earth, Prism};
 use crate::program::Folder;
 use crate::referee::over_seeds;
 use crate::shadow::scaled_scene;
-use crate::support::{ENVIRONMENTS, Random, city, point, prisms_of, slow};
+use crate::shapes::turn;
+use crate::support::{ENVIRONMENTS, Random, cells_where, city, point, prisms_of, slow};
 
 /// drop d² with d in steps of 1/1024 m, the drop in these as well: d² / 2KR with R = 6 371 008.8 m.
 fn earth((p, q): (i128, i128), ground: Option<i64>) -> Earth {
@@ -144,6 +149,97 @@ fn maps_of_footprints_on_a_curved_earth_are_those_of_the_oracle() {
         }
     });
     count.assert_both(2000);
+}
+
+/// A convex counterclockwise ring of some corners around a middle, most of them oblong or with a corner far out.
+fn ring(random: &mut Random, [x, y]: [i64; 2], size: i64) -> Vec<[i64; 2]> {
+    loop {
+        let stretch = random.choose(&[1, 1, 4, 20]);
+        let n = random.index(3, 7);
+        let mut corners: Vec<[i64; 2]> =
+            (0..n).map(|_| [x + random.within(-size, size), y + random.within(-size, size) / stretch]).collect();
+        // The hull, by turning around the middle of the corners.
+        corners.sort_by_key(|c| (c[0], c[1]));
+        corners.dedup();
+        let half = |of: &mut dyn Iterator<Item = [i64; 2]>| {
+            let mut hull: Vec<[i64; 2]> = Vec::new();
+            for c in of {
+                while hull.len() >= 2 && turn(hull[hull.len() - 2], hull[hull.len() - 1], c) <= 0 {
+                    hull.pop();
+                }
+                hull.push(c);
+            }
+            hull.pop();
+            hull
+        };
+        let lower = half(&mut corners.iter().copied());
+        let upper = half(&mut corners.iter().rev().copied());
+        let hull = [lower, upper].concat();
+        if hull.len() >= 3 {
+            return hull;
+        }
+    }
+}
+
+/// Single roofs, of which most are neither rectangles nor small, seen from near the plane that touches the earth below them, by receivers
+/// some steps below the roof and anywhere.
+#[test]
+fn roofs_near_the_height_of_the_uav_hide_what_rays_say() {
+    let count = over_seeds(if slow() { 400_000 } else { 20_000 }, 345, |seed, random, count| {
+        let (of, size, far) = random.choose(&[
+            ((4, 3), 40_000, 2_000_000),
+            ((1, 250), 40_000, 400_000),
+            ((1, 1000), 900_000, 4_000_000),
+            ((1, 100_000), 30_000, 60_000),
+        ]);
+        let middle = [random.within(-far, far), random.within(-far, far)];
+        let ring = ring(random, middle, size);
+        let drop_at = |at: [i64; 2]| {
+            let squared = (at[0] * at[0] + at[1] * at[1]) as f64;
+            squared * bulge(of).coefficient()
+        };
+        let (fall, bulges) = (drop_at(middle), bulge(of).coefficient() * (2 * size * size) as f64);
+        let slope = 2.0 * bulge(of).coefficient() * size as f64 * f64::hypot(middle[0] as f64, middle[1] as f64);
+        let step = |v: f64| i64::try_from(v as i128).unwrap();
+        let below =
+            random.choose(&[fall, fall + bulges, fall - bulges, fall + slope, fall + 3.0 * bulges, fall + 9000.0]);
+        let top = -step(below) + random.within(-2, 2);
+        let uav = LatticePoint { x: 0, y: 0, z: 0 };
+        let piece = ring.iter().map(|v| v.map(|v| i32::try_from(v).unwrap())).collect::<Vec<_>>();
+        let top_of = |z: i64| i32::try_from(z.clamp(-(1 << 25), 1 << 25)).unwrap();
+        let prisms = Prisms::new([(piece, top_of(top), 0)]);
+        let prisms = prisms.on_earth(Some(CurvedGround { bulge: bulge(of), ground: None }));
+        // Receivers around and behind the roof, before their horizon.
+        let spread = 3 * size;
+        let mut xs: Vec<i64> = (0..12).map(|_| middle[0] + random.within(-spread, spread)).collect();
+        let mut ys: Vec<i64> = (0..12).map(|_| middle[1] + random.within(-spread, spread)).collect();
+        (xs.sort_unstable(), ys.sort_unstable_by(|a, b| b.cmp(a)));
+        (xs.dedup(), ys.dedup());
+        let level = top_of(top) - top_of(random.choose(&[1, 2, 3, step(bulges) / 2 + 1, step(bulges) + 9, 2000]));
+        let is_level = random.chance(50);
+        let height = |row: usize, col: usize| {
+            if is_level { level } else { level - i32::try_from((row * 7919 + col * 104_729) % 3000).unwrap() }
+        };
+        let falls = |row: usize, col: usize| drop_at([xs[col], ys[row]]) < 0.999 * -f64::from(height(row, col));
+        let wanted = cells_where((ys.len(), xs.len()), falls);
+        let grid = ShadowGrid::new(xs.clone(), ys.clone());
+        let (casters, level_of_simd) = (prisms.casters(), SimdLevel::new());
+        let scene =
+            ShadowScene { prisms: &prisms, casters, grid: &grid, wanted: &wanted, level: level_of_simd, n_bands: 1 };
+        let found = match is_level {
+            true => shadow_los(&scene, uav, i64::from(level)),
+            false => shadow_los_relief(&scene, uav, &height),
+        };
+        for (row, col) in wanted.cells() {
+            let receiver = LatticePoint { x: xs[col], y: ys[row], z: i64::from(height(row, col)) };
+            let is_los = prisms_los(&prisms, uav, receiver);
+            let what = || format!("seed {seed}: {of:?}, {ring:?} at {top}, {receiver:?}, level {is_level}");
+            assert_eq!(found.los.contains(row, col), is_los, "{}", what());
+            count.add(is_los);
+        }
+    });
+    // Most receivers are beside the shadow.
+    assert!(count.los > 1_000_000 && count.links - count.los > 100_000, "{count:?}");
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Families of scenes where methods fail: the truth about them is that of the oracle, exact engines are right on all of
 //! them, approximate ones are not; and the command says so.
 
+use num_bigint::BigInt;
+use num_rational::Ratio;
 use rayon::prelude::*;
 use serde_json::Value;
 use skyshed_core::quantity::{LatticePoint, VOID};
@@ -23,9 +25,19 @@ fn by_oracle(scene: &StressScene, receiver: LatticePoint) -> bool {
     let (uav, receiver) = ([scene.uav.x, scene.uav.y, scene.uav.z], [receiver.x, receiver.y, receiver.z]);
     match &scene.solid {
         StressSolid::Columns { board, .. } => {
-            let heights = board.tops.iter().map(|top| (*top != VOID).then_some(i64::from(*top))).collect();
+            // Lower by d²/p, to the nearest step.
+            let fall = |x: i64, y: i64| {
+                let squared = (x - uav[0]).pow(2) + (y - uav[1]).pow(2);
+                scene.earth.map_or(0, |p| (Ratio::new(squared, p) + Ratio::new(1, 2)).floor().to_integer())
+            };
+            let middle = |k: usize| 1024 * i64::try_from(k).unwrap() + 512;
+            let fall_of =
+                |cell: usize| fall(middle(cell % board.n_cols), middle(board.n_rows - 1 - cell / board.n_cols));
+            let lowered = |(cell, top): (usize, &i32)| (*top != VOID).then(|| i64::from(*top) - fall_of(cell));
+            let heights = board.tops.iter().enumerate().map(lowered).collect();
             let columns = oracle::Columns { n_cols: board.n_cols, n_rows: board.n_rows, heights };
-            oracle::columns_los(&columns, uav, receiver)
+            let [x, y, z] = receiver;
+            oracle::columns_los(&columns, uav, [x, y, z - fall(x, y)])
         }
         StressSolid::Prisms(prisms) => {
             let ring = |r: &Vec<[i32; 2]>| r.iter().map(|v| v.map(i64::from)).collect();
@@ -33,7 +45,14 @@ fn by_oracle(scene: &StressScene, receiver: LatticePoint) -> bool {
                 rings: p.rings.iter().map(ring).collect(),
                 top: i64::from(p.top),
             };
-            oracle::prisms_los(&prisms.iter().map(prism).collect::<Vec<_>>(), uav, receiver)
+            let prisms: Vec<_> = prisms.iter().map(prism).collect();
+            match scene.earth {
+                None => oracle::prisms_los(&prisms, uav, receiver),
+                Some(p) => {
+                    let earth = oracle::Earth { drop: Ratio::new(BigInt::from(1), BigInt::from(p)), ground: Some(0) };
+                    oracle::prisms_los_on_earth(&prisms, &earth, uav, receiver)
+                }
+            }
         }
     }
 }

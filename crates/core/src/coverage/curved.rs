@@ -10,7 +10,7 @@ use super::{ExplainedLink, MapOptions, ObstacleKind, ProfileStep, Receivers, Ste
 use crate::error::{MapError, Result};
 use crate::height_field::{Curvature, Drops, HeightField, Place, Station};
 use crate::los::GridReceivers;
-use crate::quantity::{MAX_HEIGHT_M, meters};
+use crate::quantity::{MAX_HEIGHT_M, height_steps, meters};
 use crate::raster::CellWindow;
 
 /// A scene as one UAV sees it over a curved earth. In a raster all heights are lower by what the earth falls away from it; footprints and
@@ -19,6 +19,8 @@ use crate::raster::CellWindow;
 pub struct CurvedScene {
     field: HeightField,
     curvature: Curvature,
+    /// Where the UAV is.
+    place: Place,
     drops: Drops,
     /// The cells that are as it sees them: all that matter to it.
     window: CellWindow,
@@ -35,7 +37,7 @@ impl CurvedScene {
         let window = field.grid().window();
         check_drop(drops.most_m(window), field.lowest_known())?;
         let field = field.bent(place, curvature, &drops, window);
-        Ok(Some(CurvedScene { field, curvature, drops, window }))
+        Ok(Some(CurvedScene { field, curvature, place: *place, drops, window }))
     }
 
     /// The scene as it is seen.
@@ -43,9 +45,14 @@ impl CurvedScene {
         &self.field
     }
 
-    /// How much lower the cell is that holds a place, the nearest one outside \[1/1024 m\].
+    /// How much lower a place is: in a raster the cell that holds it, the nearest one outside \[1/1024 m\].
     pub fn drop_at(&self, place: &Place) -> i32 {
-        self.drops.at_place(self.field.grid(), place)
+        if self.field.prisms().is_none() {
+            return self.drops.at_place(self.field.grid(), place);
+        }
+        let units = (place.x - self.place.x).hypot(place.y - self.place.y);
+        let drop_m = self.curvature.drop_m(units * self.field.grid().meters_per_unit());
+        height_steps(drop_m.min(MAX_HEIGHT_M)).unwrap_or(0)
     }
 
     /// By how much heights of the field are lower than above the datum at a place \[1/1024 m\]: 0 among footprints.
@@ -123,7 +130,7 @@ impl CurvedScene {
         let all = mapper.field.grid().window();
         let heights = mapper.receiver_heights();
         // Receivers may be lower by as much as any cell is.
-        let lowered = Heights { lowest: heights.lowest - drops.most(all), are_flat: false, ..heights };
+        let lowered = Heights { lowest: heights.lowest.saturating_sub(drops.most(all)), are_flat: false, ..heights };
         let window = InRange::of(positions, uav, options, lowered).window();
         // Rasters are lowered by whole steps of the lattice, prisms are exact.
         let is_flat = || mapper.field.prisms().is_none() && drops.most(window) == 0;
@@ -131,7 +138,7 @@ impl CurvedScene {
             return None;
         }
         let field = mapper.field.bent(place, curvature, &drops, window);
-        Some(CurvedScene { field, curvature, drops, window })
+        Some(CurvedScene { field, curvature, place: *place, drops, window })
     }
 
     /// What maps the scene that the UAV sees, with what a mapper of the scene has made ready.

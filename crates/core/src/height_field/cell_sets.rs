@@ -129,7 +129,8 @@ impl HeightField {
         let mut free = self.cells.open.clone();
         for (row, col) in self.cells.building.cells() {
             let cell = row * n_cols + col;
-            if roofs.at(cell) - ground.at(cell) <= above {
+            let base = ground.at(cell);
+            if base != VOID && roofs.at(cell) - base <= above {
                 free.insert(row, col);
             }
         }

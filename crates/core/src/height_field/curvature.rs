@@ -48,7 +48,7 @@ impl Bulge {
         let coefficient = steps * curvature.drop_m(meters_per_unit / steps);
         // The power of two by which 32 bits stand before the point.
         #[expect(clippy::cast_possible_truncation, reason = "exponents of doubles are small")]
-        let shift = (31 - coefficient.log2().floor() as i32).clamp(0, MOST_SHIFT);
+        let shift = 31_i32.saturating_sub(coefficient.log2().floor() as i32).clamp(0, MOST_SHIFT);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
         let mantissa = (coefficient * 2_f64.powi(shift)).round() as u32;
         (mantissa > 0).then_some(Bulge { mantissa, shift: shift.unsigned_abs() })

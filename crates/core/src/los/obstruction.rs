@@ -127,20 +127,18 @@ impl Obstruction {
         #[expect(clippy::cast_precision_loss, reason = "a difference of heights, at most 2^28")]
         let excess = (i64::from(self.top) - uav.z) as f64;
         let (from, to) = (1.0 - self.far, 1.0 - self.near);
-        let s = if excess >= 0.0 { from } else { sag.binding(-excess).clamp(from, to) };
+        let s = if excess >= 0.0 { from } else { sag.binding(-excess).max(from).min(to) };
         let rise = sag.rise_at_end(s);
         if s > from && s < to {
             let bound = Bound { num: 0, den: 1, rise: excess / s + rise, ..self.bound };
             return Obstruction { near: 1.0 - s, far: 1.0 - s, bound, ..self };
         }
         // A roof below the UAV may bind at its end towards the UAV, beyond the horizon.
-        let is_at_other_end = excess < 0.0 && s < to;
-        let bound = if is_at_other_end {
-            Bound { num: 0, den: 1, rise: excess / s + rise, ..self.bound }
-        } else {
-            Bound { rise, ..self.bound }
-        };
-        Obstruction { bound, ..self }
+        if excess < 0.0 && s < to {
+            let bound = Bound { num: 0, den: 1, rise: excess / s + rise, ..self.bound };
+            return Obstruction { near: self.far, bound, ..self };
+        }
+        Obstruction { bound: Bound { rise, ..self.bound }, ..self }
     }
 
     /// The flat ground of a curved earth in the way of a link, if it is not below it whatever the height of the end is.

@@ -5,7 +5,7 @@ mod studies;
 
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use skyshed_core::coverage::{self, MapOptions, Mapper, Seen as SeenCells, surface_under};
+use skyshed_core::coverage::{self, MapOptions, Mapper, Seen as SeenCells, check_drop, surface_under};
 use skyshed_core::error::Error;
 use skyshed_core::height_field::{CellSets, HeightField};
 use skyshed_core::quantity::{BLOCKS_ALL, VOID, height_steps, meters, share};
@@ -366,6 +366,11 @@ fn mapper(field: &'static HeightField, sight: &Sight, zones: Option<&Zones>) -> 
         return Err("the radius must be above 0 m".into());
     }
     let antenna = sight.antenna().checked().map_err(|fault| fault.to_string())?;
+    if let Some(curvature) = sight.curvature() {
+        let grid = field.grid();
+        let across = (grid.x_max() - grid.x_min()).hypot(grid.y_max() - grid.y_min()) * meters_per_unit;
+        check_drop(curvature.drop_m(2.0 * across), field.lowest_known()).map_err(|e| e.to_string())?;
+    }
     let options = MapOptions {
         rx_height: rx_height(sight)?,
         receivers: receivers_of(sight),

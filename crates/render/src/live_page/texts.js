@@ -115,7 +115,7 @@ const ENGLISH = {
   linkSees: "in line of sight",
   linkBlocked: "no line of sight",
   blockedBy: {
-    building: "blocked by a building", terrain: "blocked by the ground", cell: "blocked by a cell of the surface", nodata: "blocked where there are no data",
+    building: "blocked by a building", terrain: "blocked by the ground", cell: "blocked by a cell of the surface", nodata: "blocked where there are no data", horizon: "beyond the horizon",
   },
   blockedByNamed: (/** @type {string} */ name) => `blocked by building ${name}`,
   shownOnRoof: "no receiver here; shown for one on the roof",
@@ -295,7 +295,7 @@ const GERMAN = {
   linkSees: "in Sicht",
   linkBlocked: "nicht in Sicht",
   blockedBy: {
-    building: "verdeckt von einem Gebäude", terrain: "verdeckt vom Gelände", cell: "verdeckt von einer Zelle der Oberfläche", nodata: "verdeckt, wo Daten fehlen",
+    building: "verdeckt von einem Gebäude", terrain: "verdeckt vom Gelände", cell: "verdeckt von einer Zelle der Oberfläche", nodata: "verdeckt, wo Daten fehlen", horizon: "hinter dem Horizont",
   },
   blockedByNamed: (name) => `verdeckt von Gebäude ${name}`,
   shownOnRoof: "kein Empfänger hier; gezeigt für einen auf dem Dach",

@@ -28,7 +28,7 @@
  * @typedef {{inside: boolean, row: number, col: number, ground_m: number | null, roof_m: number | null,
  *   kind: 'open' | 'building' | 'void', zone: string | null, sees: (boolean | null)[], margin_m: number | null}} CellAnswer
  * @typedef {{x: number, y: number, amsl_m: number}} Place
- * @typedef {{kind: 'building' | 'terrain' | 'cell' | 'nodata', name: string | null, x: number, y: number,
+ * @typedef {{kind: 'building' | 'terrain' | 'cell' | 'nodata' | 'horizon', name: string | null, x: number, y: number,
  *   ray_height_m: number, roof_height_m: number | null}} Obstruction
  * @typedef {{from_m: number, to_m: number, height_m: number, kind: 'terrain' | 'building'}} ProfileStep
  *   distances are from the UAV

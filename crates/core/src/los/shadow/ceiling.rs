@@ -62,15 +62,18 @@ impl Ceiling {
 
     /// Makes this the ceiling on a curved earth of a ring whose shadow reaches so many times as far as it is away, at most.
     ///
-    /// Measured from the plane below the UAV the upper edges are arcs, lower by c d² at both ends, which the planes go through. The roof is
-    /// nowhere higher than c r² above them, as seen from the plane below it. Receivers are lower as well, which [`Ceiling::fall`]
+    /// Measured from the plane that touches the earth in the middle of the roof, this is flat but for c r². The planes go through the edges of
+    /// the flat roof, and all are sheared alike into heights as the UAV sees them. Receivers are lower as well, which [`Plane::falls`]
     /// makes up for.
     #[inline(never)]
     pub(super) fn cast_curved(&mut self, plane: &Plane, ring: &[[i32; 2]], (top, bounds): (i32, [i32; 4]), far: f64) {
         let (c, (ux, uy)) = (plane.curve, (plane.uav.x, plane.uav.y));
         let [w, s, e, n] = bounds.map(i64::from);
         let r = 0.5 * as_f64(e - w).hypot(as_f64(n - s));
-        let distance = (0.5 * as_f64(w + e - 2 * ux)).hypot(0.5 * as_f64(s + n - 2 * uy));
+        let middle = [0.5 * as_f64(w + e - 2 * ux), 0.5 * as_f64(s + n - 2 * uy)];
+        let distance = middle[0].hypot(middle[1]);
+        // What heights over the flat roof fall by to the east and the north.
+        let shear = middle.map(|m| 2.0 * c * m);
         let (above_roof, uav_z) = (as_f64(plane.uav.z - i64::from(top)), as_f64(plane.uav.z));
         let below = above_roof - c * distance * distance;
         let thickness = c * r * r + HEIGHT_SLACK;
@@ -87,7 +90,6 @@ impl Ceiling {
             return;
         }
         let from_uav = |v: [i32; 2]| [i64::from(v[0]) - ux, i64::from(v[1]) - uy];
-        let drop = |v: [i64; 2]| c * (as_f64(v[0]) * as_f64(v[0]) + as_f64(v[1]) * as_f64(v[1]));
         let columns = plane.origin.abs() + plane.last_column;
         let (mut magnitude, mut steepest) = (0.0_f64, 0.0_f64);
         let mut a = from_uav(ring[ring.len() - 1]);
@@ -96,15 +98,13 @@ impl Ceiling {
             let edge = sub(b, a);
             let k = cross(edge, a);
             if (below > 0.0 && k < 0) || (below < 0.0 && k > 0) {
-                let k = as_f64(k);
-                let slope = (-above_roof - drop(a)) / k;
-                let turn = (drop(a) - drop(b)) / k;
-                let [ex, ey, ax, ay] = [edge[0], edge[1], a[0], a[1]].map(as_f64);
-                let per_q = ex * slope - ax * turn;
-                let per_col = (ay * turn - ey * slope) * plane.step;
+                let slope = -below / as_f64(k);
+                let [ex, ey] = edge.map(as_f64);
+                let per_q = ex * slope - shear[1];
+                let per_col = (-ey * slope - shear[0]) * plane.step;
                 self.slopes.push(Slope { at: uav_z - per_col * plane.origin, per_col, per_q });
-                let terms_q = ex.abs() * slope.abs() + ax.abs() * turn.abs();
-                let terms_col = (ay.abs() * turn.abs() + ey.abs() * slope.abs()) * plane.step;
+                let terms_q = (ex * slope).abs() + shear[1].abs();
+                let terms_col = ((ey * slope).abs() + shear[0].abs()) * plane.step;
                 magnitude = magnitude.max(terms_q * plane.q_max + terms_col * columns);
                 steepest = steepest.max(per_col.abs());
             }

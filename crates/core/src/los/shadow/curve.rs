@@ -61,7 +61,7 @@ pub(super) struct FarEdge {
 pub(super) enum CurvedReach {
     /// It hides nobody.
     Nowhere,
-    /// The roof is above the UAV and the shadow has no end, or that is farther than all receivers.
+    /// The roof is above the UAV, as seen from the plane below it, and the shadow has no end; or that is farther than all receivers.
     Endless,
     /// It ends at a factor of the distance from the UAV at most.
     UpTo(f64, Bend),
@@ -86,10 +86,15 @@ pub(super) fn reach(plane: &Plane, [w, s, e, n]: [i32; 4], top: i32, z: i64) -> 
     let fall = c * distance_squared;
     let below = above_roof - fall;
     let cap = c * r * r + HEIGHT_SLACK;
+    let unknown = || {
+        let bend = Bend { gamma: [0.0; 2], far: 1.0, below: 1.0, higher: f64::INFINITY, lower: f64::INFINITY };
+        CurvedReach::UpTo(f64::INFINITY, bend)
+    };
     if below < -cap {
-        return CurvedReach::Endless;
+        // The UAV and all receivers are below the roof wherever that is lowest.
+        return if as_f64(top - z) > cap { CurvedReach::Endless } else { unknown() };
     }
-    // The nearer root for a point of the roof at a distance; it grows with that.
+    // The nearer root for a point of the roof at a distance before the horizon; it grows with that.
     let root_below = |above_roof: f64, distance: f64| {
         let fall = c * distance * distance;
         let sum = above_roof + fall;
@@ -98,6 +103,10 @@ pub(super) fn reach(plane: &Plane, [w, s, e, n]: [i32; 4], top: i32, z: i64) -> 
     };
     let root = |distance: f64| root_below(above_roof, distance);
     let nearest = distance - r;
+    // Beyond the horizon of the receivers the nearer root is before the roof.
+    if c * (distance + r) * (distance + r) >= above_receivers * (1.0 - 1e-9) {
+        return unknown();
+    }
     if nearest > 0.0 && below > cap && root_below(above_roof + cap, nearest) * nearest > farthest {
         return CurvedReach::Endless;
     }
@@ -107,8 +116,7 @@ pub(super) fn reach(plane: &Plane, [w, s, e, n]: [i32; 4], top: i32, z: i64) -> 
     let last = if most.is_finite() { most } else { horizon(nearest) };
     let is_known = below > cap && last.is_finite() && least.is_finite();
     if !is_known {
-        let bend = Bend { gamma: [0.0; 2], far: 1.0, below: 1.0, higher: f64::INFINITY, lower: f64::INFINITY };
-        return CurvedReach::UpTo(f64::INFINITY, bend);
+        return unknown();
     }
     let off = last * r + (last - end).max(end - least) * distance;
     // Receivers on the plane are below the roof wherever they are below or before it, so that all before the end are hidden on it.

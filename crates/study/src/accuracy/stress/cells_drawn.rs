@@ -134,6 +134,15 @@ pub(super) fn magnitudes(draw: &mut Draw) -> StressScene {
     scene
 }
 
+/// A town on an earth so curved that its far side is meters lower: beyond the horizon, or behind roofs that a flat earth would clear.
+pub(super) fn curved(draw: &mut Draw) -> StressScene {
+    let board = town(draw, 20, &[CELL, 2 * CELL, 4 * CELL, 9 * CELL]);
+    let at = anywhere(draw);
+    let uav = above(&board, at, draw.within(CELL, 14 * CELL));
+    let earth = Some(2 * draw.within(20_000, 600_000) + 1);
+    StressScene { earth, ..StressScene::of_board(board, uav) }
+}
+
 /// A town, to be laid onto itself in eight ways.
 pub(super) fn mirrored(draw: &mut Draw) -> StressScene {
     let board = town(draw, 25, &[2 * CELL, 4 * CELL, 15 * CELL]);

@@ -55,7 +55,7 @@ const fn mirrored(family: Family) -> Family {
 }
 
 /// All families. The place in this list is part of the key of their random numbers.
-pub const FAMILIES: [Family; 21] = [
+pub const FAMILIES: [Family; 23] = [
     cells(
         "cell-grazing",
         "rays just touch roofs, or miss by 1 mm",
@@ -183,6 +183,18 @@ pub const FAMILIES: [Family; 21] = [
         "a favored direction: the eight images of a town must have the eight images of the answer",
         prisms_drawn::mirrored,
     )),
+    cells(
+        "cell-curved",
+        "the earth bends by meters",
+        "heights that a method lowers by another rule: columns and receivers are lower by what the earth falls away by at their middles",
+        cells_drawn::curved,
+    ),
+    prisms(
+        "prism-curved",
+        "roofs bulge, rays sag",
+        "shadows with straight ends: rays sag over a curved earth, touch roofs in their middle, and the ground beyond the horizon",
+        prisms_drawn::curved,
+    ),
 ];
 
 /// Number of symmetries of a square.

@@ -30,6 +30,12 @@ fn uav(draw: &mut Draw, over_all: i64) -> LatticePoint {
     LatticePoint { x, y: south, z: draw.within(CELL, 12 * CELL) }
 }
 
+/// Houses with shared walls on an earth so curved that their roofs bulge by a step or by meters.
+pub(super) fn curved(draw: &mut Draw) -> StressScene {
+    let earth = Some(2 * draw.choose(&[9_000, 40_000, 300_000, 5_000_000]) + 1);
+    StressScene { earth, ..shared_walls(draw) }
+}
+
 /// Blocks cut into houses of equal and unequal heights that share their walls, some of them through the middle of cells.
 pub(super) fn shared_walls(draw: &mut Draw) -> StressScene {
     let mut prisms = Vec::new();

@@ -3,7 +3,7 @@
 use crate::city::{DataArea, Footprint, FootprintFaults, Ground, Site, Solids};
 use crate::coverage::{MapOptions, Receivers, Uav};
 use crate::error::{Result, StressError};
-use crate::height_field::{Built, CellKind, HeightField, Station};
+use crate::height_field::{Built, CellKind, Curvature, EARTH_RADIUS_M, HeightField, Station};
 use crate::overlay::even_odd;
 use crate::quantity::{Frame, Height, LatticePoint, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::{GeoRef, Raster};
@@ -112,6 +112,9 @@ pub struct StressScene {
     pub uav: LatticePoint,
     /// Height of the receivers above what they stand on \[1/1024 m\].
     pub rx_height: i32,
+    /// An odd number p, so that at a distance of d steps the earth falls away by d²/p; `None` where it is flat. No drop is halfway between
+    /// two steps then.
+    pub earth: Option<i64>,
     /// Receivers whose answer is known without any computation.
     pub known: Vec<Known>,
 }
@@ -149,6 +152,7 @@ impl StressScene {
             n_cols,
             uav,
             rx_height: narrow(3 * CELL / 2),
+            earth: None,
             known: Vec::new(),
         }
     }
@@ -181,7 +185,11 @@ impl StressScene {
 
     /// How maps of the scene are made, by any method.
     pub fn options(&self) -> MapOptions {
-        MapOptions { rx_height: self.rx_height, receivers: Receivers::All, ..MapOptions::default() }
+        // d² in steps over p is 1024 d²/2KR in meters.
+        #[expect(clippy::cast_precision_loss, reason = "a small number")]
+        let earth_k = |p: i64| p as f64 / (2.0 * f64::from(STEPS_PER_UNIT) * EARTH_RADIUS_M);
+        let curvature = self.earth.map(earth_k).and_then(Curvature::of_earth_k);
+        MapOptions { rx_height: self.rx_height, receivers: Receivers::All, curvature, ..MapOptions::default() }
     }
 
     /// The scene as methods take it, its world coordinates rounded to the lattice as those of every scene.

@@ -4,11 +4,11 @@
 //! It shares no code with the engines: there is no walk from cell to cell, no culling, no triangulation and no repair, only
 //! all crossings, sorted, and a look at both sides of the link between them. That is slow, and scenes are small.
 
-use super::scene::{Ready, StressScene, StressSolid};
+use super::scene::{Board, CELL, Ready, StressScene, StressSolid, narrow};
 use super::truth_columns::{self, columns_truth};
 use super::truth_prisms::{self, prisms_truth};
 use crate::error::{Result, StressError};
-use crate::quantity::LatticePoint;
+use crate::quantity::{LatticePoint, VOID};
 
 /// Whether each receiver of a scene is LoS, in the order of [`Ready::receivers`].
 ///
@@ -25,9 +25,16 @@ pub fn truth(scene: &StressScene, ready: &Ready) -> Result<Vec<bool>> {
     if ready.receivers.iter().any(|(_, p)| far(p) > most) || scene.reach() > most {
         return Err(StressError::TooLarge { scene: scene.name.clone() }.into());
     }
-    let answer = |receiver: &LatticePoint| match &scene.solid {
-        StressSolid::Columns { board, .. } => columns_truth(board, scene.uav, *receiver),
-        StressSolid::Prisms(prisms) => prisms_truth(prisms, scene.uav, *receiver),
+    let board = match &scene.solid {
+        StressSolid::Columns { board, .. } => Some(board_as_seen(board, scene)),
+        StressSolid::Prisms(_) => None,
+    };
+    let answer = |receiver: &LatticePoint| match (&scene.solid, &board) {
+        (StressSolid::Prisms(prisms), _) => prisms_truth(prisms, scene.earth, scene.uav, *receiver),
+        (StressSolid::Columns { board, .. }, seen) => {
+            let z = receiver.z - fall(scene, (receiver.x, receiver.y));
+            columns_truth(seen.as_ref().unwrap_or(board), scene.uav, LatticePoint { z, ..*receiver })
+        }
     };
     let answers: Vec<bool> = ready.receivers.iter().map(|(_, receiver)| answer(receiver)).collect();
     for known in &scene.known {
@@ -39,4 +46,22 @@ pub fn truth(scene: &StressScene, ready: &Ready) -> Result<Vec<bool>> {
         }
     }
     Ok(answers)
+}
+
+/// How much lower a place is as the UAV sees it, to the nearest step.
+fn fall(scene: &StressScene, (x, y): (i64, i64)) -> i64 {
+    let Some(p) = scene.earth else { return 0 };
+    let (dx, dy) = (x - scene.uav.x, y - scene.uav.y);
+    (2 * (dx * dx + dy * dy) + p).div_euclid(2 * p)
+}
+
+/// A board with its columns lower by what the earth falls away by at their middles.
+fn board_as_seen(board: &Board, scene: &StressScene) -> Board {
+    let mut seen = board.clone();
+    for (cell, top) in seen.tops.iter_mut().enumerate().filter(|(_, top)| **top != VOID) {
+        let steps = |n: usize| i64::try_from(n).unwrap_or(0) * CELL + CELL / 2;
+        let at = (steps(cell % board.n_cols), steps(board.n_rows - 1 - cell / board.n_cols));
+        *top = narrow(i64::from(*top) - fall(scene, at));
+    }
+    seen
 }

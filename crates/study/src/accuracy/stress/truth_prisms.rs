@@ -14,7 +14,7 @@
 //!
 //! Numbers: with all positions within 2^20 steps of each other (1024 m), t is a fraction of terms up to 2^41, the middle
 //! has a denominator up to 2^83 and coordinates up to 2^103 over it, and the cross product of these with an edge is below
-//! 2^125, inside i128.
+//! 2^125, inside i128. On a curved earth links are at most 2^16 steps long, and p is below 2^24: products are below 2^116.
 
 use super::scene::StressPrism;
 use crate::quantity::LatticePoint;
@@ -28,18 +28,49 @@ type Plane = [i128; 2];
 /// A fraction with a positive denominator.
 type Fraction = (i128, i128);
 
-/// Whether a link is LoS.
-pub(super) fn prisms_truth(prisms: &[StressPrism], uav: LatticePoint, receiver: LatticePoint) -> bool {
+/// Whether a link is LoS; over an earth that falls away by d²/p at d steps, if it has a p.
+pub(super) fn prisms_truth(
+    prisms: &[StressPrism],
+    earth: Option<i64>,
+    uav: LatticePoint,
+    receiver: LatticePoint,
+) -> bool {
     let [u, r] = [uav, receiver].map(|p| [i128::from(p.x), i128::from(p.y)]);
     let (low, climb) = (i128::from(uav.z), i128::from(receiver.z - uav.z));
     if u == r {
         return climb == 0 || height_at(prisms, u).is_none_or(|top| low.min(low + climb) >= i128::from(top));
+    }
+    if let Some(p) = earth {
+        let squared = [0, 1].map(|k| (r[k] - u[k]) * (r[k] - u[k])).into_iter().sum::<i128>();
+        let sag = Sag { squared, p: i128::from(p), climb };
+        // The ground is solid, too.
+        return intervals(prisms, u, r).all(|of| sag.is_clear(low - i128::from(of.height.unwrap_or(0).max(0)), &of));
     }
     intervals(prisms, u, r).all(|interval| {
         let Some(top) = interval.height else { return true };
         let (n, d) = if climb < 0 { interval.to } else { interval.from };
         i128::from(top) * d <= low * d + climb * n
     })
+}
+
+/// A link that sags by b t(1 − t) with b = squared/p, and climbs.
+struct Sag {
+    squared: i128,
+    p: i128,
+    climb: i128,
+}
+
+impl Sag {
+    /// Whether a link that begins `above` a roof is nowhere below it on an interval: at neither end, and not at the lowest place
+    /// t* = (b − climb)/2b, if that is between.
+    fn is_clear(&self, above: i128, interval: &Interval) -> bool {
+        let Sag { squared, p, climb } = *self;
+        let is_above = |(n, d): Fraction| (above * d + climb * n) * d * p >= squared * n * (d - n);
+        let fall = squared - climb * p;
+        let (from, to) = (interval.from, interval.to);
+        let turns = fall * from.1 > 2 * squared * from.0 && fall * to.1 < 2 * squared * to.0;
+        is_above(from) && is_above(to) && (!turns || 4 * squared * p * above >= fall * fall)
+    }
 }
 
 /// The height up to which the vertical line at a position is inside the solid; `None` where it is not. Around the
