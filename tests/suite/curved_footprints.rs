@@ -184,6 +184,7 @@ fn ring(random: &mut Random, [x, y]: [i64; 2], size: i64) -> Vec<[i64; 2]> {
 /// Single roofs, of which most are neither rectangles nor small, seen from near the plane that touches the earth below them, by receivers
 /// some steps below the roof and anywhere.
 #[test]
+#[expect(clippy::cast_possible_truncation, reason = "heights in steps")]
 fn roofs_near_the_height_of_the_uav_hide_what_rays_say() {
     let count = over_seeds(if slow() { 400_000 } else { 20_000 }, 345, |seed, random, count| {
         let (of, size, far) = random.choose(&[
@@ -213,8 +214,10 @@ fn roofs_near_the_height_of_the_uav_hide_what_rays_say() {
         let spread = 3 * size;
         let mut xs: Vec<i64> = (0..12).map(|_| middle[0] + random.within(-spread, spread)).collect();
         let mut ys: Vec<i64> = (0..12).map(|_| middle[1] + random.within(-spread, spread)).collect();
-        (xs.sort_unstable(), ys.sort_unstable_by(|a, b| b.cmp(a)));
-        (xs.dedup(), ys.dedup());
+        xs.sort_unstable();
+        xs.dedup();
+        ys.sort_unstable_by(|a, b| b.cmp(a));
+        ys.dedup();
         let level = top_of(top) - top_of(random.choose(&[1, 2, 3, step(bulges) / 2 + 1, step(bulges) + 9, 2000]));
         let is_level = random.chance(50);
         let height = |row: usize, col: usize| {
