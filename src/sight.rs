@@ -64,6 +64,11 @@ impl Receivers {
         if self == Receivers::Air { "observer" } else { "UAV" }
     }
 
+    /// One of those.
+    pub(crate) fn looked_at_by_one(self) -> &'static str {
+        if self == Receivers::Air { "an observer" } else { "a UAV" }
+    }
+
     /// What they are counted as.
     pub(crate) fn counted_as(self) -> &'static str {
         if self == Receivers::Air { "places in the air" } else { "receivers" }

@@ -2,6 +2,7 @@
 
 use crate::coverage::IdleFootprints;
 use crate::quantity::tidy;
+pub(crate) use crate::render::capitalized;
 use crate::render::grouped;
 
 /// The version of the program.
@@ -33,12 +34,6 @@ pub(crate) fn unbreakable(text: &str) -> String {
         rest = after;
     }
     joined + rest
-}
-
-/// A name with a capital.
-pub(crate) fn capitalized(name: &str) -> String {
-    let mut letters = name.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The height of a UAV in words.

@@ -2,7 +2,7 @@
 
 use crate::coverage::class;
 use crate::quantity::tidy;
-use crate::render::{ALONE_COLORS, LEAST_HEIGHT_COLORS, MapClass, ONLY_COLORS, grouped, percent};
+use crate::render::{ALONE_COLORS, LEAST_HEIGHT_COLORS, MapClass, ONLY_COLORS, capitalized, grouped, percent};
 
 /// Up to so many UAVs have a color each.
 pub(super) const MOST_COLORS: usize = ONLY_COLORS.len() - 2;
@@ -46,7 +46,7 @@ fn is_receiver(of_mask: u8) -> bool {
 }
 
 /// Which of a few UAVs, by their ids, sees a cell: none, only one of them, several.
-pub(super) fn who_sees(sites: &[(&str, &[u8])], count: &[u32], union: &[u8]) -> ClassMap {
+pub(super) fn who_sees(who: &str, sites: &[(&str, &[u8])], count: &[u32], union: &[u8]) -> ClassMap {
     let several = sites.len() + 1;
     let index = |cell: usize| match count[cell] {
         0 => 0,
@@ -55,29 +55,31 @@ pub(super) fn who_sees(sites: &[(&str, &[u8])], count: &[u32], union: &[u8]) -> 
     };
     let index = (0..union.len()).map(|cell| u8::try_from(index(cell)).unwrap_or(u8::MAX)).collect();
     let mut classes = vec![("Seen by none".to_string(), ONLY_COLORS[0])];
-    classes.extend(sites.iter().enumerate().map(|(k, (id, _))| (format!("Only by UAV {id}"), ONLY_COLORS[1 + k])));
-    let last = if sites.len() == 2 { "By both UAVs" } else { "By several UAVs" };
-    classes.push((last.to_string(), ONLY_COLORS[ONLY_COLORS.len() - 1]));
+    classes.extend(sites.iter().enumerate().map(|(k, (id, _))| (format!("Only by {who} {id}"), ONLY_COLORS[1 + k])));
+    let last = if sites.len() == 2 { "both" } else { "several" };
+    classes.push((format!("By {last} {who}s"), ONLY_COLORS[ONLY_COLORS.len() - 1]));
     ClassMap::new(index, union, classes)
 }
 
 /// The nearest of a few UAVs that sees a cell, by its number from 1, or none.
-pub(super) fn nearest(ids: &[&str], number: &[u32], union: &[u8]) -> ClassMap {
+pub(super) fn nearest(who: &str, ids: &[&str], number: &[u32], union: &[u8]) -> ClassMap {
     let index = number.iter().map(|number| u8::try_from(*number).unwrap_or(u8::MAX)).collect();
-    let names = std::iter::once("Seen by none".to_string()).chain(ids.iter().map(|id| format!("UAV {id}")));
+    let names =
+        std::iter::once("Seen by none".to_string()).chain(ids.iter().map(|id| capitalized(&format!("{who} {id}"))));
     ClassMap::new(index, union, names.zip(ONLY_COLORS).collect())
 }
 
 /// Who sees a cell, to one UAV of many: none, only others, this and others, only this one.
-pub(super) fn seen_alone(mask: &[u8], count: &[u32], union: &[u8]) -> ClassMap {
+pub(super) fn seen_alone(who: &str, mask: &[u8], count: &[u32], union: &[u8]) -> ClassMap {
     let index = |cell: usize| match (mask[cell] == class::LOS, count[cell]) {
         (_, 0) => 0,
         (false, _) => 1,
         (true, 2..) => 2,
         (true, 1) => 3,
     };
-    let names = ["Seen by none", "Only by others", "By this UAV and others", "Only by this UAV"];
-    let classes = names.into_iter().map(str::to_string).zip(ALONE_COLORS).collect();
+    let [both, only] = [format!("By this {who} and others"), format!("Only by this {who}")];
+    let names = ["Seen by none".to_string(), "Only by others".to_string(), both, only];
+    let classes = names.into_iter().zip(ALONE_COLORS).collect();
     ClassMap::new((0..union.len()).map(index).collect(), union, classes)
 }
 
@@ -109,19 +111,19 @@ mod tests {
     #[test]
     fn a_cell_is_that_of_its_only_uav_of_several_or_of_none() {
         let sites = [("a", &MASKS[0][..]), ("b", &MASKS[1]), ("c", &MASKS[2])];
-        let map = who_sees(&sites, &COUNT, &UNION);
+        let map = who_sees("UAV", &sites, &COUNT, &UNION);
         assert_eq!(map.index()[..4], [0, 1, 4, 3]);
         let names: Vec<&str> = map.palette().iter().map(|class| class.name).collect();
         assert_eq!(names, ["Seen by none", "Only by UAV a", "Only by UAV b", "Only by UAV c", "By several UAVs"]);
         // Buildings are no share of anything.
         assert_eq!(map.palette()[1].detail, "25.0\u{202F}% · 1");
-        assert_eq!(who_sees(&sites[..2], &COUNT, &UNION).palette()[3].name, "By both UAVs");
+        assert_eq!(who_sees("UAV", &sites[..2], &COUNT, &UNION).palette()[3].name, "By both UAVs");
     }
 
     #[test]
     fn to_one_uav_of_many_a_cell_is_seen_by_it_alone_with_others_by_others_or_by_none() {
-        assert_eq!(seen_alone(&MASKS[0], &COUNT, &UNION).index()[..4], [0, 3, 2, 1]);
-        assert_eq!(seen_alone(&MASKS[2], &COUNT, &UNION).index()[..4], [0, 1, 1, 3]);
+        assert_eq!(seen_alone("UAV", &MASKS[0], &COUNT, &UNION).index()[..4], [0, 3, 2, 1]);
+        assert_eq!(seen_alone("UAV", &MASKS[2], &COUNT, &UNION).index()[..4], [0, 1, 1, 3]);
     }
 
     #[test]

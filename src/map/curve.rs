@@ -17,7 +17,7 @@ use crate::quantity::{MAX_HEIGHT_M, height_steps, meters, tidy};
 use crate::render::{self, HeightCurveLine, HeightCurvePlot};
 use crate::scene::Scene;
 use crate::sight::Receivers;
-use crate::words::unbreakable;
+use crate::words::{capitalized, unbreakable};
 
 /// Formats of a curve.
 const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json];
@@ -168,7 +168,7 @@ impl Answer for Curves {
 
     fn notes(&self, _spent: Spent) -> Vec<String> {
         let curves = self.curves().filter(|curve| curve.receivers() > 0);
-        let found = curves.map(|curve| format!("UAV {}: {}", curve.uav().id, reaches(curve)));
+        let found = curves.map(|curve| format!("{}: {}", self.name_of(&curve.uav().id), reaches(curve)));
         let method = self.report.facts.method_name();
         found.chain([format!("height curve, method {method} (exact): {:.2} s", self.seconds)]).collect()
     }
@@ -200,7 +200,7 @@ impl Curves {
             .curves()
             .map(|c| c.steps().iter().filter_map(|(z, _)| Some((above(c, *z), c.p_los_at(*z)?))).collect())
             .collect();
-        let labels: Vec<String> = self.curves().map(|c| format!("UAV {}", c.uav().id)).collect();
+        let labels: Vec<String> = self.curves().map(|c| self.name_of(&c.uav().id)).collect();
         let lines: Vec<HeightCurveLine<'_>> = self
             .curves()
             .zip(steps.iter().zip(&labels))
@@ -211,23 +211,36 @@ impl Curves {
                 marked_m: asked(curve),
             })
             .collect();
-        let title = look.title_or(|| {
-            unbreakable(&format!(
-                "P_LoS against the height of {} over {}",
-                whom(self.report.sites.len()),
-                self.scene.name
-            ))
-        });
+        let title = look
+            .title_or(|| unbreakable(&format!("P_LoS against the height of {} over {}", self.whom(), self.scene.name)));
         let caption = self.caption(look);
         let plot = HeightCurvePlot {
             title: &title,
             caption: &caption,
-            height_name: if is_agl { "UAV height above ground" } else { "UAV height above the datum" },
+            height_name: &self.name_of(if is_agl { "height above ground" } else { "height above the datum" }),
             heights_m,
             curves: &lines,
         };
         let provenance = picture_provenance(&self.provenance());
         written(render::draw_height_curve(&plot), &look.form(format), &provenance)
+    }
+
+    /// What those are called who look.
+    fn looked_at_by(&self) -> &'static str {
+        self.report.sight.receivers().looked_at_by()
+    }
+
+    /// One of those who look, or something of them, at the beginning of a line.
+    fn name_of(&self, what: &str) -> String {
+        capitalized(&format!("{} {what}", self.looked_at_by()))
+    }
+
+    /// Whose height it is.
+    fn whom(&self) -> String {
+        match self.report.sites.len() {
+            1 => self.report.sight.receivers().looked_at_by_one().to_string(),
+            _ => format!("{}s", self.looked_at_by()),
+        }
     }
 
     fn caption(&self, look: &Look) -> Vec<String> {
@@ -247,10 +260,10 @@ impl Curves {
             } else {
                 String::new()
             };
-            lines.push(format!("UAV {} at {place}: {p_los}{roof}", site.id));
+            lines.push(format!("{} at {place}: {p_los}{roof}", self.name_of(&site.id)));
         }
         if self.report.sites.len() > MOST_SITES {
-            lines.push(format!("and {} more UAVs", self.report.sites.len() - MOST_SITES));
+            lines.push(format!("and {} more {}s", self.report.sites.len() - MOST_SITES, self.looked_at_by()));
         }
         let sight = &self.report.sight;
         let stands = match sight.receivers() {
@@ -276,10 +289,6 @@ impl Curves {
         lines.extend(self.scene.last_lines(look));
         lines
     }
-}
-
-fn whom(n: usize) -> &'static str {
-    if n == 1 { "a UAV" } else { "UAVs" }
 }
 
 /// A height in words, rounded up to a centimeter: what is written must be high enough.

@@ -13,7 +13,7 @@ use crate::quantity::tidy;
 use crate::raster::CellWindow;
 use crate::render::{self, MOST_MAP_PANELS, MOST_WITH_HEIGHTS, MapClass, MapPanel, MapPanels, MapPicture, Mark};
 use crate::sight::Receivers;
-use crate::words::{title_of, unbreakable};
+use crate::words::{capitalized, unbreakable};
 
 /// A map to draw.
 pub(crate) struct MapDrawing<'a> {
@@ -160,6 +160,7 @@ impl MapDrawing<'_> {
         (count, best): (&'b [u32], &[u32]),
         union: &'b [u8],
     ) -> Vec<Shown<'b>> {
+        let who = self.looked_at_by();
         match subject {
             Subject::Count => {
                 let n_sites = u32::try_from(self.of.sites.len()).unwrap_or(u32::MAX);
@@ -168,11 +169,11 @@ impl MapDrawing<'_> {
             Subject::Any => vec![Shown::Layer(render::Layer::Los(union))],
             Subject::Best => {
                 let names: Vec<&str> = self.of.report.sites.iter().map(|site| site.id.as_str()).collect();
-                vec![Shown::Classes(nearest(&names, best, union), union)]
+                vec![Shown::Classes(nearest(who, &names, best, union), union)]
             }
             Subject::Who => {
                 let named: Vec<(&str, &[u8])> = sites.iter().map(|s| (s.uav.id.as_str(), s.mask.as_slice())).collect();
-                vec![Shown::Classes(who_sees(&named, count, union), union)]
+                vec![Shown::Classes(who_sees(who, &named, count, union), union)]
             }
             Subject::One | Subject::Each => sites.iter().map(|site| self.shown_of(site, count, union)).collect(),
         }
@@ -181,7 +182,9 @@ impl MapDrawing<'_> {
     /// What marks are called, in a crowd by their ids alone.
     fn labels(&self, subject: Subject) -> Vec<String> {
         let is_crowd = subject != Subject::Each && self.of.sites.len() > MOST_WITH_HEIGHTS;
-        let label = |s: &SiteFacts| if is_crowd { s.id.clone() } else { format!("{} {}", self.who(), s.id) };
+        let label = |s: &SiteFacts| {
+            if is_crowd { s.id.clone() } else { capitalized(&format!("{} {}", self.looked_at_by(), s.id)) }
+        };
         self.of.report.sites.iter().map(label).collect()
     }
 
@@ -206,9 +209,9 @@ impl MapDrawing<'_> {
         self.of.report.sight.receivers() == Receivers::Air
     }
 
-    /// What those are called who look, at the beginning of a line.
-    fn who(&self) -> String {
-        title_of(self.of.report.sight.receivers().looked_at_by())
+    /// What those are called who look.
+    fn looked_at_by(&self) -> &'static str {
+        self.of.report.sight.receivers().looked_at_by()
     }
 
     fn subject_words(&self, subject: Subject) -> &'static str {
@@ -281,7 +284,9 @@ impl MapDrawing<'_> {
             values.as_deref().map(|values| Shown::Layer(render::Layer::Field { values, name, unit: "m", mask }))
         };
         let wanted = match self.drawn_layer() {
-            Layer::Which if !union.is_empty() => Some(Shown::Classes(seen_alone(mask, count, union), union)),
+            Layer::Which if !union.is_empty() => {
+                Some(Shown::Classes(seen_alone(self.looked_at_by(), mask, count, union), union))
+            }
             Layer::Los | Layer::Count | Layer::Which | Layer::Union | Layer::BestServer => None,
             Layer::Margin => field(&site.margin, "Margin: receiver height less least visible height"),
             Layer::LeastReceiverHeight => field(&site.least_receiver_height, "Least receiver height, above the datum"),
@@ -353,11 +358,11 @@ impl MapDrawing<'_> {
             lines.push(format!("Seen by at least one: {}", share(&self.of.report.union)));
         }
         const MOST_SITES: usize = 4;
-        let who = self.who();
+        let who = self.looked_at_by();
         for s in self.of.report.sites.iter().take(MOST_SITES) {
             let (id, height, place, own) = (&s.id, s.height_words(), s.position().in_words(), s.antenna.in_words());
             let own = if own.is_empty() { own } else { format!(", {own}") };
-            lines.push(format!("{who} {id}: {height} at {place}{own}, {}", share(&s.tally)));
+            lines.push(capitalized(&format!("{who} {id}: {height} at {place}{own}, {}", share(&s.tally))));
         }
         if self.of.report.sites.len() > MOST_SITES {
             lines.push(format!("and {} more {who}s", self.of.report.sites.len() - MOST_SITES));

@@ -143,11 +143,12 @@ impl Writer<'_> {
     /// Overlays for globes: line of sight of each UAV, and for several also of any, which alone is visible at first.
     fn kmz(&self, path: &Path) -> Result<Vec<u8>> {
         let Some(degrees) = LonLatGrid::over(self.of.scene.field.grid())? else { return Err(no_crs(path)) };
+        let who = self.of.report.sight.receivers().looked_at_by();
         let mut shown: Vec<(String, &[u8], Tally)> = Vec::new();
         let overlay = self.of.overlay.as_ref().filter(|_| self.of.sites.len() > 1);
-        shown.extend(overlay.map(|o| ("Seen by at least one UAV".to_string(), o.union(), self.of.report.union)));
+        shown.extend(overlay.map(|o| (format!("Seen by at least one {who}"), o.union(), self.of.report.union)));
         let sites = self.of.sites.iter().zip(&self.of.report.sites);
-        shown.extend(sites.map(|(site, facts)| (format!("Seen by UAV {}", site.uav.id), &*site.mask, facts.tally)));
+        shown.extend(sites.map(|(site, facts)| (format!("Seen by {who} {}", site.uav.id), &*site.mask, facts.tally)));
         let provenance = self.provenance_words();
         let mut overlays = Vec::new();
         let mut pictures = Vec::new();

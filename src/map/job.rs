@@ -19,7 +19,7 @@ use crate::raster::GeoRef;
 use crate::read::StreamedSurface;
 use crate::scene::{Scene, SceneOptions, is_raster_scene};
 use crate::uav::{UavsAsked, UavsFound};
-use crate::words::{idle_in_words, p_los_words, title_of};
+use crate::words::{capitalized, idle_in_words, p_los_words};
 
 /// What is asked of which scene, for which UAVs, into which files.
 #[derive(Debug, Clone)]
@@ -121,7 +121,7 @@ impl Answer for Done {
         let dropped = report.idle.iter().filter(|idle| idle.dropped() > 0).map(idle_in_words);
         let mut notes: Vec<String> = dropped.chain(report.tolerance.iter().map(tolerance_in_words)).collect();
         let receivers = report.sight.receivers();
-        let (who, whom) = (title_of(receivers.looked_at_by()), receivers.counted_as());
+        let (who, whom) = (capitalized(receivers.looked_at_by()), receivers.counted_as());
         notes.extend(report.sites.iter().map(|site| {
             let share = p_los_words(site.tally.p_los());
             format!("{who} {}: P_LoS {share}, {} of {} {whom}", site.id, site.tally.los, site.tally.receivers)

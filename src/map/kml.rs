@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::formats::{LonLatGrid, xml_text};
 use crate::quantity::tidy;
 use crate::raster::GeoRef;
-use crate::words::p_los_words;
+use crate::words::{capitalized, p_los_words};
 
 /// A picture laid over the ground.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -56,7 +56,7 @@ pub(super) fn kml(report: &MapReport, degrees: &LonLatGrid, overlays: &[KmlOverl
         text += &format!(
             "<Placemark>\n<name>{}</name>\n<description>{}</description>\n<Point>\n<extrude>1</extrude>\n\
              <altitudeMode>{mode}</altitudeMode>\n<coordinates>{lon},{lat},{height}</coordinates>\n</Point>\n</Placemark>\n",
-            xml_text(&format!("UAV {}", site.id)),
+            xml_text(&capitalized(&format!("{} {}", report.sight.receivers().looked_at_by(), site.id))),
             xml_text(&words)
         );
     }

@@ -99,6 +99,28 @@ pages! {
     walkthrough_page: "walkthrough.md", 5;
 }
 
+/// Pictures hold the command that made them, and the files that it read.
+#[test]
+fn no_picture_of_the_pages_tells_of_a_folder_of_a_machine() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let mut n = 0;
+    for entry in std::fs::read_dir(docs).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|ending| ending != "png") {
+            continue;
+        }
+        let file = std::fs::read(&path).unwrap();
+        let Some(begin) = file.windows(COMMAND.len()).position(|of| of == COMMAND) else { continue };
+        let text: Vec<u8> = file[begin..].iter().copied().take_while(|b| *b >= b' ').collect();
+        assert!(!text.windows(2).any(|pair| pair == b"\"/"), "{}", path.display());
+        n += 1;
+    }
+    assert!(n > 10, "{n}");
+}
+
+/// Where a picture begins to tell of its command.
+const COMMAND: &[u8] = b"\"command\":[";
+
 #[test]
 fn commands_of_the_readme_stand_in_the_manual() {
     let (readme, manual) = (page("README.md"), page("docs/commands.md"));

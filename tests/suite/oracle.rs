@@ -60,9 +60,16 @@
 //! `(x, y) / w`, and comparisons are made by cross-multiplying. The integers start as `i128` and turn into big integers
 //! when an operation would overflow, so the result is exact for every `i64` input.
 
+mod curved;
+mod int;
+
 use num_bigint::BigInt;
 use num_rational::Ratio;
 use std::cmp::Ordering;
+
+use int::Int;
+
+pub(crate) use curved::{Earth, prisms_los_on_earth};
 
 /// A point in lattice units: x east, y north, z up [1/1024 m, horizontally 1/1024 cell in a raster].
 pub(crate) type P3 = [i64; 3];
@@ -117,43 +124,6 @@ pub(crate) fn columns_los(columns: &Columns, uav: P3, receiver: P3) -> bool {
 /// Decides whether the link is LoS among the prisms, none of which is exempt.
 pub(crate) fn prisms_los(prisms: &[Prism], uav: P3, receiver: P3) -> bool {
     uav == receiver || is_los(&prism_stretches(prisms, plan(uav), plan(receiver)), uav[2], receiver[2])
-}
-
-/// An earth that falls away by `drop` times the square of the distance [lattice units], and the flat ground on it.
-#[derive(Clone, Debug)]
-pub(crate) struct Earth {
-    pub(crate) drop: Ratio<BigInt>,
-    /// Height of the ground, which is solid [1/1024 m]. Both ends of a link are at or above it.
-    pub(crate) ground: Option<i64>,
-}
-
-/// Decides whether the link is LoS among the prisms on a curved earth: heights are above a datum that is curved as well.
-///
-/// From the plane that touches the earth below the UAV a point at distance d is lower by drop d², and the ray is straight. At t it is above
-/// a roof by
-///
-/// ```text
-/// z_u + t (z_r - drop L² - z_u)  -  (top - drop t² L²)  =  z_u - top + t rise - drop L² t (1 - t)
-/// ```
-///
-/// which is a parabola in t. A stretch blocks iff that is negative somewhere on it: at one of its ends, or at the vertex.
-pub(crate) fn prisms_los_on_earth(prisms: &[Prism], earth: &Earth, uav: P3, receiver: P3) -> bool {
-    let whole = |v: i64| Ratio::from(BigInt::from(v));
-    let squared: BigInt =
-        difference(plan(uav), plan(receiver)).map(|d| BigInt::from(d) * BigInt::from(d)).into_iter().sum();
-    let (rise, sag) = (whole(receiver[2]) - whole(uav[2]), &earth.drop * Ratio::from(squared));
-    uav == receiver
-        || prism_stretches(prisms, plan(uav), plan(receiver)).iter().all(|stretch| {
-            let Some(height) = stretch.height.max(earth.ground) else { return true };
-            let above = |t: &Ratio<BigInt>| {
-                let one = whole(1);
-                whole(uav[2]) - whole(height) + t * &rise - &sag * t * (one - t)
-            };
-            let [from, to] = [&stretch.from, &stretch.to].map(|t| Ratio::new(t.num.to_big(), t.den.to_big()));
-            let is_clear = |t: &Ratio<BigInt>| above(t) >= whole(0);
-            let vertex = if sag == whole(0) { from.clone() } else { (&sag - &rise) / (&sag * whole(2)) };
-            is_clear(&from) && is_clear(&to) && (vertex <= from || vertex >= to || is_clear(&vertex))
-        })
 }
 
 /// Returns the least receiver height at `receiver` (x, y) that makes the link LoS in the raster.
@@ -477,59 +447,3 @@ fn stretches_between(mut breakpoints: Vec<Fraction>, height_at: impl Fn(&Fractio
         })
         .collect()
 }
-
-// ---------------------------------------------------------------------------------------------------------------------
-// Integers.
-
-/// An integer of any size, a machine integer as long as it fits.
-#[derive(Clone, Debug)]
-enum Int {
-    Small(i128),
-    Big(BigInt),
-}
-
-impl Int {
-    fn to_big(&self) -> BigInt {
-        match self {
-            Int::Small(value) => BigInt::from(*value),
-            Int::Big(value) => value.clone(),
-        }
-    }
-
-    fn from(value: i64) -> Int {
-        Int::Small(i128::from(value))
-    }
-
-    fn cmp(&self, other: &Int) -> Ordering {
-        match (self, other) {
-            (Int::Small(a), Int::Small(b)) => a.cmp(b),
-            _ => self.to_big().cmp(&other.to_big()),
-        }
-    }
-
-    /// The value compared with 0.
-    fn sign(&self) -> Ordering {
-        self.cmp(&Int::Small(0))
-    }
-}
-
-macro_rules! exact_operator {
-    ($operator:ident, $method:ident, $checked:ident) => {
-        impl std::ops::$operator for &Int {
-            type Output = Int;
-
-            fn $method(self, other: &Int) -> Int {
-                if let (Int::Small(a), Int::Small(b)) = (self, other)
-                    && let Some(result) = a.$checked(*b)
-                {
-                    return Int::Small(result);
-                }
-                Int::Big(self.to_big().$method(other.to_big()))
-            }
-        }
-    };
-}
-
-exact_operator!(Add, add, checked_add);
-exact_operator!(Sub, sub, checked_sub);
-exact_operator!(Mul, mul, checked_mul);

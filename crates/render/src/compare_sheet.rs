@@ -194,7 +194,7 @@ impl Painter<'_> {
             (self.pairs[0], neither, "Neither sees it"),
         ]);
         let n_maps = u32::try_from(sheet.maps.len()).unwrap_or(u32::MAX);
-        let counts = map_legend::count_legend(n_maps, &self.counts_palette, &self.counts);
+        let counts = map_legend::count_legend("UAV", n_maps, &self.counts_palette, &self.counts);
 
         let parts =
             [("Line of sight", classes), ("From the first to the second", pairs), ("How many see a cell", counts)];

@@ -126,6 +126,12 @@ pub(crate) fn escape(text: &str) -> String {
     out
 }
 
+/// A name with a capital.
+pub fn capitalized(name: &str) -> String {
+    let mut letters = name.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// Writes a count with narrow spaces between groups of three digits, as legends do; for use in captions.
 pub fn grouped(n: u64) -> String {
     let mut out = n.to_string();

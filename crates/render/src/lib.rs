@@ -73,7 +73,7 @@ pub use curve_lines::{CurveLine, CurvePoint};
 pub use curve_sheet::{CurvePanel, CurveSheet, draw_curve_sheet};
 pub use heat_sheet::{HeatAxis, HeatPanel, HeatSheet, draw_heat_sheet};
 pub use height_curve::{HeightCurveLine, HeightCurvePlot, draw_height_curve};
-pub use lettering::{grouped, percent};
+pub use lettering::{capitalized, grouped, percent};
 pub use line_look::LineLook;
 pub use link_profile::{LinkProfile, Obstruction, draw_link_profile};
 pub use live_page::{LivePage, live_page};

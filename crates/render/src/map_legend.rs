@@ -2,7 +2,7 @@
 
 use super::colors::{self, Ramp, Rgb};
 use super::furniture::{self, Block, DETAIL, Scale, Swatch};
-use super::lettering::{grouped, percent};
+use super::lettering::{capitalized, grouped, percent};
 use super::map_layers::{self, HEAT, Layer, MapClass};
 use super::sheet::{Drawing, Sheet};
 use super::value_range::ValueRange;
@@ -19,6 +19,8 @@ pub(crate) struct LegendWords<'a> {
     pub(crate) receivers_name: &'a str,
     /// What class 2 is, in the plural and capitalized.
     pub(crate) others_name: &'a str,
+    /// What sees receivers, in the singular.
+    pub(crate) who: &'a str,
     /// Whether cells are counted.
     pub(crate) has_counts: bool,
     /// Whether the few cells that a move turns have rings.
@@ -67,7 +69,7 @@ pub(crate) fn entries(
             };
             [(1, "Line of sight"), (0, "No line of sight")].into_iter().filter_map(entry).collect()
         }
-        Layer::Count { n_sites, .. } => count_legend(n_sites, &colors, histogram),
+        Layer::Count { n_sites, .. } => count_legend(words.who, n_sites, &colors, histogram),
         Layer::Classes { palette, .. } => {
             let entry = |(class, n): (&MapClass<'_>, &u64)| {
                 let detail = if class.detail.is_empty() { cells(*n) } else { class.detail.to_string() };
@@ -138,8 +140,8 @@ pub(crate) fn special_legend<'a>(
     special.into_iter().zip(numbers).filter(|(_, n)| **n > 0).map(|((swatch, name), n)| (swatch, name, *n)).collect()
 }
 
-/// Entries for the numbers of UAVs that occur; a color bar for many UAVs.
-pub(crate) fn count_legend(n_sites: u32, palette: &[Rgb], histogram: &[u64]) -> Vec<Block> {
+/// Entries for the numbers of those that see a cell; a color bar for many. `who` they are, in the singular.
+pub(crate) fn count_legend(who: &str, n_sites: u32, palette: &[Rgb], histogram: &[u64]) -> Vec<Block> {
     let receivers: u64 = histogram[..palette.len()].iter().sum();
     let entry = |k: u32, name: &str| {
         let n = histogram[k as usize];
@@ -149,15 +151,15 @@ pub(crate) fn count_legend(n_sites: u32, palette: &[Rgb], histogram: &[u64]) -> 
     let none = entry(0, "Seen by none");
     if n_sites <= MOST_COUNT_ENTRIES {
         let name = |k: u32| match k {
-            1 if n_sites == 1 => "Seen by the UAV".to_string(),
-            1 => "By 1 UAV".to_string(),
-            2 if n_sites == 2 => "By both UAVs".to_string(),
-            k if k == n_sites => format!("By all {k} UAVs"),
-            k => format!("By {k} UAVs"),
+            1 if n_sites == 1 => format!("Seen by the {who}"),
+            1 => format!("By 1 {who}"),
+            2 if n_sites == 2 => format!("By both {who}s"),
+            k if k == n_sites => format!("By all {k} {who}s"),
+            k => format!("By {k} {who}s"),
         };
         return none.into_iter().chain((1..=n_sites).filter_map(|k| entry(k, &name(k)))).collect();
     }
     let scale = Scale { low: 1.0, high: f64::from(n_sites), open_low: false, open_high: false };
-    let title = format!("UAVs that see a cell (of {n_sites})");
+    let title = capitalized(&format!("{who}s that see a cell (of {n_sites})"));
     std::iter::once(furniture::color_bar(&title, scale, &Ramp::Seen.steps(64), 420.0)).chain(none).collect()
 }

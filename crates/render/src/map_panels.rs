@@ -80,7 +80,8 @@ pub fn draw_map_panels(sheet: &MapPanels<'_>) -> Result<Sheet, String> {
     });
     let panels = panels.collect();
     let has_rings = layers.iter().any(Layer::has_rings);
-    let words = LegendWords { receivers_name: "", others_name: sheet.others_name, has_counts: false, has_rings };
+    let words =
+        LegendWords { receivers_name: "", others_name: sheet.others_name, who: "UAV", has_counts: false, has_rings };
     let mut legend = map_legend::entries(layers[0], &histogram, range.as_ref(), sheet.surface_m.is_some(), words);
     legend.push(furniture::legend_entry(Swatch::Uav, "UAV", ""));
 

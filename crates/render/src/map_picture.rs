@@ -7,6 +7,7 @@ use skyshed_core::coverage::Tally;
 
 use super::colors;
 use super::furniture::{self, Block, Swatch};
+use super::lettering::capitalized;
 use super::map_layers::{self, Layer};
 use super::map_legend::{self, LegendWords};
 use super::marks::{self, MOST_WITH_HEIGHTS, Mark, draw_marks};
@@ -104,20 +105,18 @@ fn legend(picture: &MapPicture<'_>, of_colors: Vec<u64>, range: Option<&ValueRan
         let nlos = tally.receivers - tally.los;
         histogram = vec![nlos, tally.los, tally.not_receivers, tally.out_of_range, tally.nodata, 0];
     }
-    let words = LegendWords { receivers_name, others_name, has_counts: true, has_rings: layer.has_rings() };
+    let (swatch, who) = if picture.is_in_air { (Swatch::Observer, "observer") } else { (Swatch::Uav, "UAV") };
+    let words = LegendWords { receivers_name, others_name, who, has_counts: true, has_rings: layer.has_rings() };
     let mut legend = map_legend::entries(layer, &histogram, range, picture.surface_m.is_some(), words);
     if picture.is_in_air && picture.surface_m.is_some() {
         let swatch = Swatch::Range(colors::shade(colors::LOS, RAISED), colors::shade(colors::NLOS, RAISED));
         legend.push(furniture::legend_entry(swatch, "Over a building", "darker"));
     }
-    let is_observed = picture.uavs.iter().any(|uav| uav.is_observer);
-    let (swatch, who) = if is_observed { (Swatch::Observer, "Observer") } else { (Swatch::Uav, "UAV") };
     let uavs = match picture.uavs {
         [] => None,
         [uav] => {
             let is_named = uav.label.to_lowercase().contains(&who.to_lowercase());
-            let name =
-                if is_named { uav.label.to_string() } else { format!("{who} {}", uav.label).trim_end().to_string() };
+            let name = if is_named { uav.label.to_string() } else { capitalized(&format!("{who} {}", uav.label)) };
             Some((name, marks::detail(uav, [n_cols, n_rows].map(|n| n as f64), picture.cell_m)))
         }
         uavs => Some((

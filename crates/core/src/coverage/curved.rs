@@ -123,10 +123,26 @@ impl CurvedScene {
 
     /// The scene of a mapper as a UAV sees it; `None` if it is what it is over a flat earth.
     pub(super) fn around(mapper: &Mapper<'_>, uav: &Uav) -> Option<CurvedScene> {
+        let (place, curvature) = (&uav.station.place, mapper.options.curvature?);
+        let (drops, window) = CurvedScene::drops_around(mapper, uav, curvature)?;
+        let field = mapper.field.bent(place, curvature, &drops, window);
+        Some(CurvedScene { field, curvature, place: *place, drops, window })
+    }
+
+    /// Refuses a map from which heights would be bent out of the lattice.
+    ///
+    /// # Errors
+    /// E118.
+    pub(super) fn check_around(mapper: &Mapper<'_>, uav: &Uav) -> Result<()> {
+        let around = mapper.options.curvature.and_then(|of| CurvedScene::drops_around(mapper, uav, of));
+        around.map_or(Ok(()), |(drops, window)| check_drop(drops.most_m(window), mapper.field.lowest_known()))
+    }
+
+    /// The drops of the cells, and the window of those that matter to a UAV; `None` where that changes nothing.
+    fn drops_around(mapper: &Mapper<'_>, uav: &Uav, curvature: Curvature) -> Option<(Drops, CellWindow)> {
         let options = &mapper.options;
         let positions = mapper.engine.positions();
-        let (place, curvature) = (&uav.station.place, options.curvature?);
-        let drops = Drops::new(positions, place, curvature, options.meters_per_unit);
+        let drops = Drops::new(positions, &uav.station.place, curvature, options.meters_per_unit);
         let all = mapper.field.grid().window();
         let heights = mapper.receiver_heights();
         // Receivers may be lower by as much as any cell is.
@@ -134,11 +150,7 @@ impl CurvedScene {
         let window = InRange::of(positions, uav, options, lowered).window();
         // Rasters are lowered by whole steps of the lattice, prisms are exact.
         let is_flat = || mapper.field.prisms().is_none() && drops.most(window) == 0;
-        if window.n_rows == 0 || window.n_cols == 0 || is_flat() {
-            return None;
-        }
-        let field = mapper.field.bent(place, curvature, &drops, window);
-        Some(CurvedScene { field, curvature, place: *place, drops, window })
+        (window.n_rows > 0 && window.n_cols > 0 && !is_flat()).then_some((drops, window))
     }
 
     /// What maps the scene that the UAV sees, with what a mapper of the scene has made ready.
@@ -181,14 +193,6 @@ impl CurvedScene {
             roofs: layers.stability.then(|| Box::new(ShiftedRoofs::of(field))),
             options,
         }
-    }
-
-    /// Refuses what would bend heights out of the lattice.
-    ///
-    /// # Errors
-    /// E118.
-    pub(super) fn check(&self, of: &Mapper<'_>) -> Result<()> {
-        check_drop(self.drops.most_m(self.window), of.field.lowest_known())
     }
 
     /// Brings heights of receivers of a raster back to those above the datum, in the rows of a map.

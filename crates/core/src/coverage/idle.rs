@@ -1,9 +1,8 @@
 //! Footprints that cannot hide any receiver of a run from any of its UAVs: dropped before work starts, and counted.
 //!
 //! Every link lies in the box around the UAVs and the receivers in range, and nowhere below the lowest of them, but for what it sags
-//! by over a curved earth. So a prism
-//! that is not higher than that blocks none, nor does one whose bounding box lies outside. What is left may still hide nobody,
-//! which only its shadows tell.
+//! by over a curved earth. So a prism that is not higher than that blocks none, nor does one whose bounding box lies outside. What is
+//! left may still hide nobody, which only its shadows tell.
 
 use super::Uav;
 use super::map::Mapper;

@@ -213,9 +213,9 @@ impl HeightField {
 
     /// The scene over a curved earth as it is seen from a place, with the drops of its cells.
     ///
-    /// A raster is lowered within a window ([`HeightField::bent_raster`]). In a vector scene all keep their heights above the datum; prisms tell of the earth
-    /// ([`Prisms::earth`](super::Prisms::earth)), and the terrain stands in the way as it is seen, for receivers that are lower as well
-    /// ([`HeightField::seen_on_columns`]).
+    /// A raster is lowered within a window ([`HeightField::bent_raster`]). In a vector scene all keep their heights above the datum:
+    /// prisms tell of the earth ([`Prisms::earth`](super::Prisms::earth)), and the terrain stands in the way as it is seen, for receivers
+    /// that are lower as well ([`HeightField::seen_on_columns`]).
     pub(crate) fn bent(&self, place: &Place, curvature: Curvature, drops: &Drops, window: CellWindow) -> HeightField {
         let meters_per_unit = self.grid.meters_per_unit();
         let vector = match &self.solid {

@@ -42,8 +42,8 @@ impl Sag {
 
     /// How far it sags at most \[1/1024 m\], rounded up.
     pub(super) fn most(&self) -> i64 {
-        #[expect(clippy::cast_possible_truncation, reason = "saturates")]
-        let most = (self.scale * (0.25 * (1.0 + FILTER))).ceil() as i64;
+        #[expect(clippy::cast_possible_truncation, reason = "farther than all heights")]
+        let most = (self.scale * (0.25 * (1.0 + FILTER))).ceil().min(1e12) as i64;
         most
     }
 

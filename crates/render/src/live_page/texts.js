@@ -177,7 +177,7 @@ const ENGLISH = {
   captionAir: (/** @type {string} */ cell, /** @type {string} */ rx, /** @type {string} */ above) => `Cells of ${cell} m, a drone ${rx} m ${above}`,
   captionCells: (/** @type {string} */ cell, /** @type {string} */ rx, /** @type {string} */ above) => `Cells of ${cell} m, receivers ${rx} m ${above}`,
   captionRadius: (/** @type {string} */ radius) => `within ${radius} m`,
-  captionAll: (/** @type {string} */ p) => `At least one UAV: P_LoS = ${p}`,
+  captionAll: (/** @type {string} */ p) => `At least one ${isInAir() ? "observer" : "UAV"}: P_LoS = ${p}`,
   localCoordinates: "local coordinates",
 };
 
@@ -356,7 +356,7 @@ const GERMAN = {
   captionAir: (cell, rx, above) => `Zellen von ${cell} m, eine Drohne ${rx} m ${above}`,
   captionCells: (cell, rx, above) => `Zellen von ${cell} m, Empfänger ${rx} m ${above}`,
   captionRadius: (radius) => `im Umkreis von ${radius} m`,
-  captionAll: (p) => `Mindestens eine Drohne: P_LoS = ${p}`,
+  captionAll: (p) => `Mindestens ${isInAir() ? "ein Beobachter" : "eine Drohne"}: P_LoS = ${p}`,
   localCoordinates: "lokale Koordinaten",
 };
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::geometry::{FULL_TURN, as_f64, bearing, distance_squared};
 use super::horizon::sort_by_horizon;
-use super::outline::Plane;
+use super::plane::Plane;
 use crate::height_field::{Caster, CasterBlock, Casters};
 use crate::quantity::LatticePoint;
 
@@ -118,8 +118,9 @@ fn outward(block: &CasterBlock, uav: LatticePoint) -> (u32, u64) {
 mod tests {
     use super::*;
     use crate::height_field::Prisms;
-    use crate::los::ShadowGrid;
-    use crate::los::shadow::scene::plane_of;
+    use fearless_simd::Level;
+
+    use crate::los::{ShadowGrid, ShadowScene};
     use crate::raster::BitGrid;
 
     const M: i64 = 1024;
@@ -143,7 +144,9 @@ mod tests {
             let places = || (0..2000).map(|k| k * M + offset);
             let grid = ShadowGrid::new(places().collect(), places().rev().collect());
             let uav = LatticePoint { x: x * M, y: y * M, z: z * M };
-            let plane = plane_of(&grid, &BitGrid::full(2000, 2000), uav).expect("wanted");
+            let (wanted, level) = (BitGrid::full(2000, 2000), Level::new());
+            let scene = ShadowScene { prisms: &prisms, casters, grid: &grid, wanted: &wanted, level, n_bands: 1 };
+            let plane = scene.plane(&wanted, uav).expect("wanted");
             let cast = Cast::new(casters, &plane, range);
             let late = cast.begun.iter().filter(|(_, begin)| *begin > 1.01).count();
             assert!(cast.begun.len() < 2200 && late > cast.begun.len() / 20, "{} {late}", cast.begun.len());

@@ -3,7 +3,8 @@
 
 use super::curve::HEIGHT_SLACK;
 use super::geometry::{as_f64, cross, sub};
-use super::outline::{Plane, ROUNDING};
+use super::outline::ROUNDING;
+use super::plane::Plane;
 
 /// A plane of heights over the grid: `at + per_col · column + per_q · q` \[lattice steps\].
 #[derive(Debug, Clone, Copy)]

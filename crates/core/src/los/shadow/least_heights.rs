@@ -19,8 +19,9 @@ use rayon::prelude::*;
 use super::super::grid_heights::GridHeights;
 use super::geometry::{as_f64, cross, sub};
 use super::horizon::sort_by_horizon;
-use super::outline::{LANES, Outline, Plane, Reach};
-use super::scene::{Receivers, ShadowScene, cells_at_uav, plane_of};
+use super::outline::{LANES, Outline, Reach};
+use super::plane::Plane;
+use super::scene::{Receivers, ShadowScene, cells_at_uav};
 use super::spans::{Lanes, maybe_spans, spans};
 use crate::dispatch;
 use crate::height_field::{Caster, CasterBlock};
@@ -71,7 +72,7 @@ fn least_heights(scene: &ShadowScene<'_>, uav: LatticePoint, heights_of: &Height
     let n_cols = scene.wanted.n_cols();
     let per_row = n_cols.next_multiple_of(LANES);
     let largest = as_f64(uav.z.abs().max(heights_of.largest()));
-    let Some(plane) = plane_of(scene.grid, scene.wanted, uav) else {
+    let Some(plane) = scene.plane(scene.wanted, uav) else {
         return Some(GridHeights::rounded(Vec::new(), per_row, 0, largest));
     };
     if !are_products_exact(scene, &plane) {

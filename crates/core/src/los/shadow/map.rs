@@ -5,20 +5,20 @@ use rayon::prelude::*;
 
 use super::band::{BandJob, TILE};
 use super::cast::Cast;
-use super::outline::Plane;
-use super::scene::{Receivers, ShadowLos, ShadowScene, cells_at_uav, plane_of};
+use super::plane::Plane;
+use super::scene::{Receivers, ShadowLos, ShadowScene, cells_at_uav};
 use crate::quantity::LatticePoint;
 use crate::raster::BitGrid;
 
 /// Finds the wanted cells whose receivers, all at height `z` \[1/1024 m above the datum\], are in line of sight of `uav`
-/// past the prisms: cell for cell what [`super::super::prisms_los`] says.
+/// past the prisms: cell for cell what [`super::super::prisms_los`] says. On a curved earth they must be below the UAV, with rays that fall
+/// all the way; [`GridLos`](super::super::GridLos) asks about others alone.
 ///
 /// Cost: the rows of the shadows; see the module. Positions may differ by at most 2^27 lattice steps along each axis (not
 /// checked).
 pub fn shadow_los(scene: &ShadowScene<'_>, uav: LatticePoint, z: i64) -> ShadowLos {
-    match plane_of(scene.grid, scene.wanted, uav) {
+    match scene.plane(scene.wanted, uav) {
         Some(plane) => {
-            let plane = plane.on_earth(scene.prisms);
             let cast = Cast::new(scene.casters, &plane, (z, z));
             cast_all(scene, scene.wanted.in_rows(plane.rows.0..plane.rows.1), &plane, &Receivers::Level(z), &cast)
         }
@@ -28,7 +28,7 @@ pub fn shadow_los(scene: &ShadowScene<'_>, uav: LatticePoint, z: i64) -> ShadowL
 
 /// Like [`shadow_los`], for `cells` in place of the wanted ones of the scene.
 pub(super) fn shadow_los_among(scene: &ShadowScene<'_>, cells: BitGrid, uav: LatticePoint, z: i64) -> BitGrid {
-    match plane_of(scene.grid, &cells, uav) {
+    match scene.plane(&cells, uav) {
         Some(plane) => {
             let cast = Cast::new(scene.casters, &plane, (z, z));
             cast_all(scene, cells, &plane, &Receivers::Level(z), &cast).los
@@ -38,7 +38,7 @@ pub(super) fn shadow_los_among(scene: &ShadowScene<'_>, cells: BitGrid, uav: Lat
 }
 
 /// Like [`shadow_los`] for receivers at differing heights: `height(row, col)` \[1/1024 m above the datum\] of each wanted
-/// cell.
+/// cell. On a curved earth each ray must fall, or rise, all the way.
 ///
 /// Cost: one comparison, eight receivers at a time, for each shadow that their tile does not settle.
 pub fn shadow_los_relief(
@@ -48,8 +48,7 @@ pub fn shadow_los_relief(
 ) -> ShadowLos {
     let wanted = scene.wanted;
     let (relief, (lowest, highest)) = Receivers::relief(wanted, height);
-    let Some(plane) = plane_of(scene.grid, wanted, uav) else { return nothing(scene) };
-    let plane = plane.on_earth(scene.prisms);
+    let Some(plane) = scene.plane(wanted, uav) else { return nothing(scene) };
     let cast = Cast::new(scene.casters, &plane, (i64::from(lowest), i64::from(highest)));
     cast_all(scene, wanted.in_rows(plane.rows.0..plane.rows.1), &plane, &relief, &cast)
 }

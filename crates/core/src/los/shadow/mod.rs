@@ -66,6 +66,7 @@ mod horizon;
 mod least_heights;
 mod map;
 mod outline;
+mod plane;
 mod plateaus;
 mod positions;
 mod scene;

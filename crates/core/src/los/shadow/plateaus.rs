@@ -31,8 +31,9 @@ use super::geometry::as_f64;
 use super::grid::ShadowGrid;
 use super::horizon::{Sight, sort_by_horizon};
 use super::map::{shadow_los, shadow_los_among};
-use super::outline::{LANES, Outline, Plane, Reach, Rows};
-use super::scene::{ShadowScene, plane_of};
+use super::outline::{LANES, Outline, Reach, Rows};
+use super::plane::Plane;
+use super::scene::{ShadowScene, flat_plane_of};
 use super::spans::{maybe_spans, spans};
 use super::words::{bits_outside, clear, for_each_bit};
 use crate::height_field::{Columns, Piece, Plateau, Plateaus, Prisms};
@@ -98,7 +99,7 @@ pub fn plateaus_los(scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPl
     let mut los = match receivers {
         OnPlateaus::Level(z) => shadow_los(&at_level(z), uav, z).los,
         OnPlateaus::Above(above) => {
-            let Some(plane) = plane_of(scene.grid, scene.wanted, uav) else { return scene.wanted.clone() };
+            let Some(plane) = flat_plane_of(scene.grid, scene.wanted, uav) else { return scene.wanted.clone() };
             let mut on_ground = scene.wanted.in_rows(plane.rows.0..plane.rows.1);
             plateaus.apart().iter().for_each(|plateau| clear_plateau(&mut on_ground, plateau, plane.rows));
             let z = height(plateaus.ground());

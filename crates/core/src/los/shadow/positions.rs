@@ -25,8 +25,9 @@ use crate::dispatch;
 use super::band::{Band, BandJob};
 use super::geometry::distance_squared;
 use super::grid::ShadowGrid;
-use super::outline::{LANES, Outline, Plane, Reach};
-use super::scene::{Receivers, ShadowScene, cells_at_uav, extent_of, plane_of};
+use super::outline::{LANES, Outline, Reach};
+use super::plane::Plane;
+use super::scene::{Receivers, ShadowScene, cells_at_uav, extent_of};
 use super::spans::{maybe_spans, spans};
 use super::words::{bits_outside, clear};
 use crate::height_field::{Caster, Casters, Prisms};
@@ -127,7 +128,7 @@ impl UavPositions<'_> {
         let scene = self.scene(&whole.positions);
         let [west, south, east, north] = tile.bounds;
         let (lowest, highest) = tile.heights;
-        let Some(plane) = plane_of(scene.grid, scene.wanted, LatticePoint { x: west, y: south, z: highest }) else {
+        let Some(plane) = scene.plane(scene.wanted, LatticePoint { x: west, y: south, z: highest }) else {
             return nothing();
         };
         let corners = [(west, south), (east, south), (east, north), (west, north)];
@@ -176,7 +177,7 @@ impl UavPositions<'_> {
     fn hide<S: Simd>(&self, simd: S, in_view: &InView, receiver: LatticePoint, asked: &mut BitGrid) {
         let wanted = asked.clone();
         let scene = self.scene(&wanted);
-        let Some(plane) = plane_of(scene.grid, scene.wanted, receiver) else { return };
+        let Some(plane) = scene.plane(scene.wanted, receiver) else { return };
         let (words_per_row, n_rows) = (wanted.words_per_row(), wanted.n_rows());
         let (receivers, at_uav) = (&Receivers::Level(self.z), &cells_at_uav(scene.grid, &plane, scene.wanted));
         let job = BandJob { scene: &scene, plane: &plane, receivers, rows: (0, n_rows), at_uav };

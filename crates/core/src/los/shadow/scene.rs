@@ -4,7 +4,7 @@ use fearless_simd::Level;
 use rayon::prelude::*;
 
 use super::grid::ShadowGrid;
-use super::outline::Plane;
+use super::plane::Plane;
 use super::words::for_each_bit;
 use crate::height_field::{Casters, Prisms};
 use crate::quantity::LatticePoint;
@@ -102,8 +102,16 @@ pub(super) fn extent_of(cells: &BitGrid, rows: (usize, usize), cols: (usize, usi
 /// The first of some rows or columns, and the one after the last.
 type Span = (usize, usize);
 
-/// The plane as seen from a UAV; `None` if no cell is wanted.
-pub(super) fn plane_of(grid: &ShadowGrid, wanted: &BitGrid, uav: LatticePoint) -> Option<Plane> {
+impl ShadowScene<'_> {
+    /// The plane as a UAV sees it, for some cells in place of the wanted ones; `None` if there are none.
+    pub(super) fn plane(&self, cells: &BitGrid, uav: LatticePoint) -> Option<Plane> {
+        let curve = self.prisms.earth().map_or(0.0, |earth| earth.bulge.coefficient());
+        Some(Plane { curve, ..flat_plane_of(self.grid, cells, uav)? })
+    }
+}
+
+/// The plane on a flat earth as seen from a UAV; `None` if no cell is wanted.
+pub(super) fn flat_plane_of(grid: &ShadowGrid, wanted: &BitGrid, uav: LatticePoint) -> Option<Plane> {
     let (rows, cols) = extent_of(wanted, (0, wanted.n_rows()), (0, wanted.n_cols()))?;
     Some(Plane::new(grid, uav, rows, cols))
 }
