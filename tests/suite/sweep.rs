@@ -2,7 +2,7 @@
 //! so it does strip by strip, whatever the strips.
 
 use skyshed_core::error::Result;
-use skyshed_core::height_field::{Columns, TileMaxima};
+use skyshed_core::height_field::{Columns, HeightsOf, SeenHeights, TileMaxima};
 use skyshed_core::los::{
     ColumnsReader, ReceiverHeights, StreamLimits, StreamedHeights, StreamedScene, Swept, columns_least_receiver_height,
     columns_los, streamed_sweep_los, sweep_los,
@@ -30,9 +30,10 @@ fn standable(columns: &Columns, window: CellWindow) -> BitGrid {
 }
 
 /// Receivers over each cell of a base.
-fn over<'a>(base: &'a [i32], above: i32, tiles: Option<&'a TileMaxima>) -> ReceiverHeights<'a> {
+fn over<'a>((base, n_cols): (&'a [i32], usize), above: i32, tiles: Option<&'a TileMaxima>) -> ReceiverHeights<'a> {
     let lowest = base.iter().copied().filter(|z| *z != VOID).min().unwrap_or(0);
-    ReceiverHeights::Over { base, above, lowest, highest: *base.iter().max().unwrap(), tiles }
+    let highest = *base.iter().max().unwrap();
+    ReceiverHeights::Over { base: SeenHeights::over_flat_earth(base, n_cols), above, lowest, highest, tiles }
 }
 
 /// Compares one scene at one level with `ray`, in memory and strip by strip.
@@ -46,7 +47,7 @@ fn compare(
 ) -> Count {
     let height = |cell: usize| match receivers {
         ReceiverHeights::Flat(z) => i64::from(z),
-        ReceiverHeights::Over { base, above, .. } => i64::from(base[cell]) + i64::from(above),
+        ReceiverHeights::Over { base, above, .. } => i64::from(base.at(cell)) + i64::from(above),
     };
     let found = sweep_los(columns, uav, receivers, wanted, window, None, level);
     let ray = |row: usize, col: usize| {
@@ -125,8 +126,9 @@ fn streamed(
     let (heights, base) = match receivers {
         ReceiverHeights::Flat(z) => (StreamedHeights::Flat(z), &[][..]),
         ReceiverHeights::Over { base, above, lowest, highest, .. } => {
-            let is_top = std::ptr::eq(base, columns.tops());
-            (StreamedHeights::Over { is_top, above, range: (lowest, highest) }, base)
+            let HeightsOf::Cells(cells) = base.heights else { panic!("each cell has its own") };
+            let is_top = std::ptr::eq(cells, columns.tops());
+            (StreamedHeights::Over { is_top, above, range: (lowest, highest) }, cells)
         }
     };
     let scene = StreamedScene {
@@ -183,10 +185,10 @@ fn small_random_rasters_with_heights_around_the_uav_agree_with_ray() {
         let receivers = match random.within(0, 3) {
             0 => ReceiverHeights::Flat(i32::try_from(uav_z + random.within(-30_000, 3000)).unwrap()),
             1 => ReceiverHeights::Flat(-18 * 1024),
-            2 => over(columns.tops(), random.choose(&[0, 1, 1536]), None),
+            2 => over((columns.tops(), columns.n_cols()), random.choose(&[0, 1, 1536]), None),
             _ => {
                 base = columns.tops().iter().map(|t| if *t == VOID { VOID } else { *t / 2 - 5000 }).collect();
-                over(&base, 1536, None)
+                over((&base, columns.n_cols()), 1536, None)
             }
         };
         wanted = match receivers {
@@ -244,11 +246,11 @@ fn towns_in_which_most_bins_sleep_agree_with_ray() {
         let (other, tiles): (Vec<i32>, TileMaxima);
         let receivers = match random.within(0, 2) {
             0 => ReceiverHeights::Flat(random.choose(&[0, 1536, 30 * 1024])),
-            1 => over(columns.tops(), 1536, None),
+            1 => over((columns.tops(), columns.n_cols()), 1536, None),
             _ => {
                 other = cells(1).collect();
                 tiles = TileMaxima::of(&other, n_cols);
-                over(&other, 1536, random.choose(&[None, Some(&tiles)]))
+                over((&other, columns.n_cols()), 1536, random.choose(&[None, Some(&tiles)]))
             }
         };
         let window = window_towards(random, uav, (n_rows, n_cols));
@@ -275,7 +277,7 @@ fn uavs_at_the_ends_of_the_lattice_agree_with_ray() {
             };
             let (x, y) = (far(&mut random, n_cols), far(&mut random, n_rows));
             let uav = LatticePoint { x, y, z: random.choose(&[1 << 25, 30_000_000, 5 << 20, 60 << 10]) };
-            let (window, receivers) = (whole(&columns), over(columns.tops(), 1536, None));
+            let (window, receivers) = (whole(&columns), over((columns.tops(), columns.n_cols()), 1536, None));
             let wanted = standable(&columns, window);
             count += compare(&columns, uav, receivers, &wanted, window, random.choose(&levels));
         }
@@ -300,7 +302,7 @@ fn ranges_at_the_end_of_rasters_far_longer_than_any_map_agree_with_ray() {
             let x = if n_cols > n_rows { at(n_cols) } else { 20 * 1024 };
             // The last rows are to the south, where y is 0.
             let y = if n_rows > n_cols { i64::try_from(n_before).unwrap() * 1024 } else { 30 * 1024 + 5 };
-            let (uav, receivers) = (LatticePoint { x, y, z }, over(columns.tops(), 1536, None));
+            let (uav, receivers) = (LatticePoint { x, y, z }, over((columns.tops(), columns.n_cols()), 1536, None));
             let wanted = standable(&columns, window);
             count += compare(&columns, uav, receivers, &wanted, window, random.choose(&levels));
         }

@@ -2,11 +2,12 @@
 //! reckon with the curve.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::map::{Mapper, SiteCoverage};
 use super::range::{Heights, Range as InRange};
 use super::stability::ShiftedRoofs;
-use super::{ExplainedLink, MapOptions, ObstacleKind, ProfileStep, Receivers, StepKind, Uav};
+use super::{ExplainedLink, MapOptions, ObstacleKind, ProfileStep, StepKind, Uav};
 use crate::error::{MapError, Result};
 use crate::height_field::{Curvature, Drops, HeightField, Place, Station};
 use crate::los::GridReceivers;
@@ -21,7 +22,7 @@ pub struct CurvedScene {
     curvature: Curvature,
     /// Where the UAV is.
     place: Place,
-    drops: Drops,
+    drops: Arc<Drops>,
     /// The cells that are as it sees them: all that matter to it.
     window: CellWindow,
 }
@@ -33,7 +34,7 @@ impl CurvedScene {
     /// E118 for an earth so curved that heights would leave the lattice.
     pub fn of(field: &HeightField, place: &Place, curvature: Option<Curvature>) -> Result<Option<CurvedScene>> {
         let Some(curvature) = curvature else { return Ok(None) };
-        let drops = Drops::new(&field.positions(), place, curvature, field.grid().meters_per_unit());
+        let drops = Arc::new(Drops::new(&field.positions(), place, curvature, field.grid().meters_per_unit()));
         let window = field.grid().window();
         check_drop(drops.most_m(window), field.lowest_known())?;
         let field = field.bent(place, curvature, &drops, window);
@@ -139,10 +140,10 @@ impl CurvedScene {
     }
 
     /// The drops of the cells, and the window of those that matter to a UAV; `None` where that changes nothing.
-    fn drops_around(mapper: &Mapper<'_>, uav: &Uav, curvature: Curvature) -> Option<(Drops, CellWindow)> {
+    fn drops_around(mapper: &Mapper<'_>, uav: &Uav, curvature: Curvature) -> Option<(Arc<Drops>, CellWindow)> {
         let options = &mapper.options;
         let positions = mapper.engine.positions();
-        let drops = Drops::new(positions, &uav.station.place, curvature, options.meters_per_unit);
+        let drops = Arc::new(Drops::new(positions, &uav.station.place, curvature, options.meters_per_unit));
         let all = mapper.field.grid().window();
         let heights = mapper.receiver_heights();
         // Receivers may be lower by as much as any cell is.
@@ -171,24 +172,16 @@ impl CurvedScene {
             layers,
             method,
         };
-        let roofs = |k: usize| match of.options.receivers {
-            Receivers::Ground | Receivers::Air => false,
-            Receivers::Roof => true,
-            Receivers::All => k == 1,
-        };
-        let lowered = |(k, receivers): (usize, &'b GridReceivers<'_>)| {
-            if field.prisms().is_some() {
-                return receivers.borrowed();
-            }
-            let stands_on = if roofs(k) { field.roof_of_cells() } else { field.ground_of_cells() };
-            receivers.lowered(stands_on, &self.drops, self.window)
+        let seen = |receivers: &'b GridReceivers<'_>| match field.prisms() {
+            Some(_) => receivers.borrowed(),
+            None => receivers.lowered(&self.drops, self.window),
         };
         Mapper {
             field,
             engine: of.engine.over(field),
             alone: of.alone.over(field),
             why: of.why,
-            receivers: of.receivers.iter().enumerate().map(lowered).collect(),
+            receivers: of.receivers.iter().map(seen).collect(),
             xs: of.xs.clone(),
             roofs: layers.stability.then(|| Box::new(ShiftedRoofs::of(field))),
             options,

@@ -305,7 +305,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let field = HeightField::build(&self.scene.grid().part(window), self.scene.solids(window)?).field;
         let bent = drops.and_then(|drops| {
             let of_band = drops.of_rows(window.row..window.row + window.n_rows);
-            field.bent_raster(&of_band, field.grid().window())
+            field.bent_raster(of_band)
         });
         Ok(bent.unwrap_or(field))
     }

@@ -14,10 +14,9 @@ use rayon::prelude::*;
 
 use super::solid::{RasterSolid, Solid, VectorGround, VectorSolid};
 use super::{Bulge, Columns, Curvature, CurvedGround, GridPositions, HeightField, Place, TILE, TileMaxima};
-use crate::city::Ground;
 use crate::dispatch;
 use crate::quantity::{BLOCKS_ALL, Frame, STEPS_PER_UNIT, VOID, meters};
-use crate::raster::{CellWindow, GeoRef, LargeVec, Raster};
+use crate::raster::{CellWindow, GeoRef, LargeVec};
 
 /// How much lower than over a flat earth the cells of a grid are, seen from a place.
 #[derive(Debug, Clone)]
@@ -27,13 +26,91 @@ pub struct Drops {
     by_row: Vec<f64>,
 }
 
-/// Heights that are lowered \[1/1024 m above the datum\].
+/// Heights over a flat earth \[1/1024 m above the datum\].
 #[derive(Debug, Clone, Copy)]
-enum HeightsOf<'a> {
+pub enum HeightsOf<'a> {
     /// One for all cells.
     One(i32),
-    /// Of each cell of a grid.
+    /// Of each cell of a grid, row by row from the north-west.
     Cells(&'a [i32]),
+}
+
+/// Heights of the cells of a grid as a UAV sees them: lower by the drops of a curved earth, if it is curved.
+#[derive(Debug, Clone, Copy)]
+pub struct SeenHeights<'a> {
+    /// Over a flat earth.
+    pub heights: HeightsOf<'a>,
+    /// Cells to a row.
+    pub n_cols: usize,
+    /// How much lower each is.
+    pub drops: Option<&'a Drops>,
+}
+
+impl<'a> SeenHeights<'a> {
+    /// Heights of cells over a flat earth.
+    pub fn over_flat_earth(cells: &'a [i32], n_cols: usize) -> Self {
+        SeenHeights { heights: HeightsOf::Cells(cells), n_cols, drops: None }
+    }
+
+    /// That of a cell.
+    #[inline]
+    pub fn at(&self, cell: usize) -> i32 {
+        let z = match self.heights {
+            HeightsOf::One(z) => z,
+            HeightsOf::Cells(cells) => cells[cell],
+        };
+        self.drops.map_or(z, |drops| drops.lowered(z, (cell / self.n_cols, cell % self.n_cols)))
+    }
+
+    /// Copies those of cells of one row, from cell `first` on.
+    pub(crate) fn copy(&self, first: usize, out: &mut [i32]) {
+        let by_cell = self.drops.map(|drops| (&drops.by_col[first % self.n_cols..], drops.by_row[first / self.n_cols]));
+        match (self.heights, by_cell) {
+            (HeightsOf::One(z), None) => out.fill(z),
+            (HeightsOf::One(z), Some((by_col, of_row))) => lower_one(z, by_col, of_row, out),
+            (HeightsOf::Cells(cells), by_cell) => {
+                out.copy_from_slice(&cells[first..first + out.len()]);
+                if let Some((by_col, of_row)) = by_cell {
+                    lower(out, by_col, of_row);
+                }
+            }
+        }
+    }
+
+    /// All of them, if they are in memory one by one.
+    pub(crate) fn in_memory(&self) -> Option<&'a [i32]> {
+        match (self.heights, self.drops) {
+            (HeightsOf::Cells(cells), None) => Some(cells),
+            _ => None,
+        }
+    }
+
+    /// Heights of cells over a flat earth, and what their lines and their places in these contribute to drops; lines are rows or columns.
+    pub(crate) fn parts(&self, are_rows: bool) -> (&'a [i32], Option<[&'a [f64]; 2]>) {
+        let cells = match self.heights {
+            HeightsOf::One(_) => &[],
+            HeightsOf::Cells(cells) => cells,
+        };
+        (cells, self.drops.map(|drops| drops.parts(are_rows)))
+    }
+
+    /// The highest by tile.
+    pub(crate) fn tiles(&self) -> TileMaxima {
+        match (self.heights, self.drops) {
+            (HeightsOf::Cells(cells), None) => TileMaxima::of(cells, self.n_cols),
+            (heights, Some(drops)) => TileMaxima::of(&drops.lowered_all(heights), self.n_cols),
+            (HeightsOf::One(_), None) => TileMaxima::of(&[], self.n_cols),
+        }
+    }
+
+    /// Whether these are the very same.
+    pub(crate) fn is(&self, other: &SeenHeights<'_>) -> bool {
+        let is_same = |a: Option<&Drops>, b: Option<&Drops>| a.map(std::ptr::from_ref) == b.map(std::ptr::from_ref);
+        match (self.heights, other.heights) {
+            (HeightsOf::Cells(a), HeightsOf::Cells(b)) => std::ptr::eq(a, b) && is_same(self.drops, other.drops),
+            _ => false,
+        }
+    }
 }
 
 impl Drops {
@@ -116,25 +193,38 @@ impl Drops {
         most / f64::from(STEPS_PER_UNIT)
     }
 
-    /// Cells lowered by their drops within a window; all others mean nothing. Threads of the current pool share the work.
-    ///
-    /// PERF: memory outside the window is not touched, so that the kernel need not provide it.
-    fn lowered(&self, heights: HeightsOf<'_>, window: CellWindow) -> LargeVec<i32> {
+    /// A height over a cell, lowered.
+    #[inline]
+    pub(crate) fn lowered(&self, z: i32, (row, col): (usize, usize)) -> i32 {
+        lower_known(z, self.at(row, col))
+    }
+
+    /// Lowers cells of a row, from a column on.
+    pub(crate) fn lower_row(&self, (row, first): (usize, usize), cells: &mut [i32]) {
+        lower(cells, &self.by_col[first..], self.by_row[row]);
+    }
+
+    /// Lowers cells of a column, from a row on.
+    pub(crate) fn lower_col(&self, (first, col): (usize, usize), cells: &mut [i32]) {
+        lower(cells, &self.by_row[first..], self.by_col[col]);
+    }
+
+    /// One height over cells of a column, from a row on, lowered.
+    pub(crate) fn lower_one_by_col(&self, z: i32, (first, col): (usize, usize), out: &mut [i32]) {
+        lower_one(z, &self.by_row[first..], self.by_col[col], out);
+    }
+
+    /// What rows or columns contribute, and then what columns or rows do: the drop of a cell is the sum, [`rounded`].
+    pub(crate) fn parts(&self, has_rows: bool) -> [&[f64]; 2] {
+        if has_rows { [&self.by_row, &self.by_col] } else { [&self.by_col, &self.by_row] }
+    }
+
+    /// All cells lowered by their drops. Threads of the current pool share the work.
+    pub(super) fn lowered_all(&self, heights: HeightsOf<'_>) -> LargeVec<i32> {
         let n_cols = self.by_col.len();
+        let seen = SeenHeights { heights, n_cols, drops: Some(self) };
         let mut lowered = LargeVec::<i32>::zeroed(self.by_row.len() * n_cols);
-        let rows = &mut lowered[window.row * n_cols..(window.row + window.n_rows) * n_cols];
-        let by_col = &self.by_col[window.col..window.col + window.n_cols];
-        rows.par_chunks_mut(n_cols).enumerate().for_each(|(k, row)| {
-            let (row_number, row) = (window.row + k, &mut row[window.col..window.col + window.n_cols]);
-            match heights {
-                HeightsOf::One(z) => row.fill(z),
-                HeightsOf::Cells(cells) => {
-                    let first = row_number * n_cols + window.col;
-                    row.copy_from_slice(&cells[first..first + window.n_cols]);
-                }
-            }
-            lower(row, by_col, self.by_row[row_number]);
-        });
+        lowered.par_chunks_mut(n_cols).enumerate().for_each(|(row, cells)| seen.copy(row * n_cols, cells));
         lowered
     }
 
@@ -151,30 +241,55 @@ impl Drops {
     }
 }
 
-/// Lowers known heights of a row.
-fn lower(row: &mut [i32], by_col: &[f64], of_row: f64) {
-    dispatch!(Level::new(), simd => lower_with(simd, row, by_col, of_row));
+/// Lowers known heights of a line.
+fn lower(cells: &mut [i32], by_cell: &[f64], of_line: f64) {
+    dispatch!(Level::new(), simd => lower_with(simd, cells, by_cell, of_line));
+}
+
+/// One height over all cells of a line, lowered.
+fn lower_one(z: i32, by_cell: &[f64], of_line: f64, out: &mut [i32]) {
+    dispatch!(Level::new(), simd => lower_one_with(simd, z, by_cell, of_line, out));
 }
 
 /// PERF: compiled for the instructions of this machine, where the compiler makes vectors of it.
 #[inline(always)]
-fn lower_with<S: Simd>(simd: S, row: &mut [i32], by_col: &[f64], of_row: f64) {
+fn lower_with<S: Simd>(simd: S, cells: &mut [i32], by_cell: &[f64], of_line: f64) {
     simd.vectorize(
         #[inline(always)]
         || {
-            for (z, of_col) in row.iter_mut().zip(by_col) {
-                let low = z.wrapping_sub(rounded(*of_col, of_row));
-                *z = if *z == VOID || *z == BLOCKS_ALL { *z } else { low };
+            for (z, of_cell) in cells.iter_mut().zip(by_cell) {
+                *z = lower_known(*z, rounded(*of_cell, of_line));
             }
         },
     );
+}
+
+/// PERF: as above.
+#[inline(always)]
+fn lower_one_with<S: Simd>(simd: S, z: i32, by_cell: &[f64], of_line: f64, out: &mut [i32]) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            for (out, of_cell) in out.iter_mut().zip(by_cell) {
+                *out = z.wrapping_sub(rounded(*of_cell, of_line));
+            }
+        },
+    );
+}
+
+/// A height lowered by a drop, if it is known.
+#[inline(always)]
+fn lower_known(z: i32, drop: i32) -> i32 {
+    // PERF: lowered whatever it is, so that a vector chooses.
+    let low = z.wrapping_sub(drop);
+    if z == VOID || z == BLOCKS_ALL { z } else { low }
 }
 
 /// The nearest whole number to a sum of two that are not negative, below 2^31.
 ///
 /// PERF: adding 2^52 leaves it in the lowest bits of the double, which the compiler does for a vector at once.
 #[inline(always)]
-fn rounded(a: f64, b: f64) -> i32 {
+pub(crate) fn rounded(a: f64, b: f64) -> i32 {
     const ONE_PER_STEP: f64 = (1_u64 << 52) as f64;
     #[expect(clippy::cast_possible_truncation, reason = "the lowest bits alone")]
     let steps = (a + b + ONE_PER_STEP).to_bits() as i32;
@@ -186,9 +301,9 @@ fn rounded(a: f64, b: f64) -> i32 {
 pub(crate) struct BentTerrain {
     pub(super) columns: Columns,
     /// How much lower its cells are.
-    drops: Drops,
+    drops: Arc<Drops>,
     /// How much lower against it receivers on the cells of the grid are.
-    pub(crate) receiver_drops: Drops,
+    pub(crate) receiver_drops: Arc<Drops>,
 }
 
 impl BentTerrain {
@@ -204,23 +319,29 @@ impl BentTerrain {
 }
 
 impl HeightField {
-    /// A raster scene with its heights lowered within a window, and only there; of a vector scene `None`. What is open ground and what
-    /// is a building stays. Receivers stand on ground that is lowered as well.
-    pub(crate) fn bent_raster(&self, drops: &Drops, window: CellWindow) -> Option<HeightField> {
-        let solid = Solid::Raster(self.solid.raster()?.bent(&self.grid, drops, window));
+    /// A raster scene with its heights lowered; of a vector scene `None`. What is open ground and what is a building stays. Receivers
+    /// stand on ground that is lowered as well.
+    pub(crate) fn bent_raster(&self, drops: Drops) -> Option<HeightField> {
+        let solid = Solid::Raster(self.solid.raster()?.bent(Arc::new(drops), self.grid.window()));
         Some(self.with_bent(solid, None))
     }
 
     /// The scene over a curved earth as it is seen from a place, with the drops of its cells.
     ///
-    /// A raster is lowered within a window ([`HeightField::bent_raster`]). In a vector scene all keep their heights above the datum:
+    /// A raster is lowered ([`HeightField::bent_raster`]); what is within a window matters. In a vector scene all keep their heights above the datum:
     /// prisms tell of the earth ([`Prisms::earth`](super::Prisms::earth)), and the terrain stands in the way as it is seen, for receivers
     /// that are lower as well ([`HeightField::seen_on_columns`]).
-    pub(crate) fn bent(&self, place: &Place, curvature: Curvature, drops: &Drops, window: CellWindow) -> HeightField {
+    pub(crate) fn bent(
+        &self,
+        place: &Place,
+        curvature: Curvature,
+        drops: &Arc<Drops>,
+        window: CellWindow,
+    ) -> HeightField {
         let meters_per_unit = self.grid.meters_per_unit();
         let vector = match &self.solid {
             Solid::Raster(raster) => {
-                return self.with_bent(Solid::Raster(raster.bent(&self.grid, drops, window)), None);
+                return self.with_bent(Solid::Raster(raster.bent(Arc::clone(drops), window)), None);
             }
             Solid::Vector(vector) => vector,
         };
@@ -228,7 +349,7 @@ impl HeightField {
             VectorGround::Flat(_) => None,
             VectorGround::Terrain { columns, frame } => {
                 let of_cells = Drops::of_columns(columns, *frame, place, curvature, meters_per_unit);
-                Some(Arc::new(columns.bent(of_cells, drops)))
+                Some(Arc::new(columns.bent(Arc::new(of_cells), drops)))
             }
         };
         let earth = Bulge::new(curvature, vector.frame.unit_x * meters_per_unit);
@@ -245,27 +366,17 @@ impl HeightField {
 
 impl Columns {
     /// A terrain below footprints that is lower by the drops of its cells, for receivers that are lower by drops of theirs.
-    fn bent(&self, drops: Drops, receiver_drops: &Drops) -> BentTerrain {
+    fn bent(&self, drops: Arc<Drops>, receiver_drops: &Arc<Drops>) -> BentTerrain {
         let whole = CellWindow { row: 0, col: 0, n_rows: self.n_rows(), n_cols: self.n_cols() };
-        let tops = drops.lowered(HeightsOf::Cells(self.tops()), whole);
-        BentTerrain { columns: self.lowered(tops, &drops, whole), drops, receiver_drops: receiver_drops.clone() }
+        let columns = self.lowered(Arc::clone(&drops), whole);
+        BentTerrain { columns, drops, receiver_drops: Arc::clone(receiver_drops) }
     }
 }
 
 impl RasterSolid {
-    fn bent(&self, grid: &GeoRef, drops: &Drops, window: CellWindow) -> RasterSolid {
-        let tops = drops.lowered(HeightsOf::Cells(self.columns.tops()), window);
-        let terrain =
-            |heights: HeightsOf<'_>| Ground::Terrain(Raster::new(grid.clone(), drops.lowered(heights, window)));
-        RasterSolid {
-            columns: self.columns.lowered(tops, drops, window),
-            frame: self.frame,
-            ground: match &self.ground {
-                Ground::Surface => Ground::Surface,
-                Ground::Flat(z) => terrain(HeightsOf::One(*z)),
-                Ground::Terrain(of) => terrain(HeightsOf::Cells(of.cells())),
-            },
-            building_threshold: self.building_threshold,
-        }
+    fn bent(&self, drops: Arc<Drops>, window: CellWindow) -> RasterSolid {
+        let RasterSolid { frame, building_threshold, .. } = *self;
+        let columns = self.columns.lowered(Arc::clone(&drops), window);
+        RasterSolid { columns, frame, ground: Arc::clone(&self.ground), drops: Some(drops), building_threshold }
     }
 }

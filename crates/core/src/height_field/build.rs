@@ -34,8 +34,7 @@ impl HeightField {
             Solids::Raster { surface, ground, building_threshold, voids } => {
                 let georef = surface.georef().clone();
                 let columns = Columns::new(georef.n_rows(), georef.n_cols(), surface.into_cells());
-                let solid =
-                    Solid::Raster(RasterSolid { columns, frame: cell_frame(&georef), ground, building_threshold });
+                let solid = Solid::Raster(RasterSolid::new(columns, cell_frame(&georef), ground, building_threshold));
                 HeightField {
                     grid: grid.clone(),
                     solid,

@@ -65,13 +65,13 @@ impl RasterSolid {
         let n = S::i32s::LEN;
         let (void, blocks_all) = (S::i32s::splat(simd, VOID), S::i32s::splat(simd, BLOCKS_ALL));
         let tops = &self.columns.tops()[row.clone()];
-        let is_surface_only = matches!(self.ground, Ground::Surface);
+        let is_surface_only = matches!(*self.ground, Ground::Surface);
         for (k, tops) in tops.chunks(64).enumerate() {
             let mut padded = [VOID; 64];
             padded[..tops.len()].copy_from_slice(tops);
             let mut grounds = [0; 64];
             let (mut n_open, mut n_building) = (0_u64, 0_u64);
-            match &self.ground {
+            match &*self.ground {
                 Ground::Surface => {}
                 Ground::Flat(z) => grounds = [*z; 64],
                 Ground::Terrain(terrain) => {
@@ -140,7 +140,10 @@ impl HeightField {
     /// The one height of the ground under all open cells, if it is flat.
     pub(super) fn flat_ground(&self) -> Option<i32> {
         match &self.solid {
-            Solid::Raster(RasterSolid { ground: Ground::Flat(z), .. }) => Some(*z),
+            Solid::Raster(RasterSolid { ground, drops: None, .. }) => match **ground {
+                Ground::Flat(z) => Some(z),
+                _ => None,
+            },
             Solid::Vector(VectorSolid { ground, .. }) => match **ground {
                 VectorGround::Flat(z) => Some(z),
                 VectorGround::Terrain { .. } => None,
@@ -150,15 +153,19 @@ impl HeightField {
     }
 
     /// The ground of each open cell where it is stored cell by cell on the receivers' grid.
-    fn ground_on_grid(&self) -> Option<&[i32]> {
+    fn ground_on_grid(&self) -> Option<Cow<'_, [i32]>> {
         match &self.solid {
-            Solid::Raster(RasterSolid { ground, columns, .. }) => match ground {
-                Ground::Surface => Some(columns.tops()),
-                Ground::Flat(_) => None,
-                Ground::Terrain(terrain) => Some(terrain.cells()),
+            Solid::Raster(raster) => match raster.ground() {
+                None => Some(Cow::Borrowed(raster.columns.tops())),
+                Some(ground) => match (ground.in_memory(), ground.drops) {
+                    (Some(cells), _) => Some(Cow::Borrowed(cells)),
+                    (None, Some(drops)) => Some(drops.lowered_all(ground.heights).into_vec().into()),
+                    (None, None) => None,
+                },
             },
             Solid::Vector(_) => {
-                self.solid.columns().filter(|_| self.columns_are_on_grid()).map(|(columns, _)| columns.tops())
+                let on_grid = self.solid.columns().filter(|_| self.columns_are_on_grid());
+                on_grid.map(|(columns, _)| Cow::Borrowed(columns.tops()))
             }
         }
     }
@@ -176,7 +183,7 @@ impl HeightField {
             };
         }
         if let Some(cells) = self.ground_on_grid() {
-            return StandsOn::Cells(Cow::Borrowed(cells));
+            return StandsOn::Cells(cells);
         }
         // A terrain on a grid of its own.
         let n_cols = self.grid().n_cols();

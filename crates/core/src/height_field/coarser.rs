@@ -40,7 +40,7 @@ impl HeightField {
         let pooled = |tops: &[i32]| {
             Raster::new(grid.clone(), pool((tops, self.without_data.as_deref()), self.grid(), (&grid, factor), pooling))
         };
-        let ground = match &raster.ground {
+        let ground = match &*raster.ground {
             Ground::Terrain(terrain) => Ground::Terrain(pooled(terrain.cells())),
             ground => ground.clone(),
         };
@@ -78,9 +78,8 @@ impl HeightField {
         if self.prisms().is_some() {
             return self.columns().is_some().then(|| self.without_prisms());
         }
-        let RasterSolid { ground: Ground::Terrain(terrain), building_threshold, .. } = self.solid.raster()? else {
-            return None;
-        };
+        let RasterSolid { ground, building_threshold, .. } = self.solid.raster()?;
+        let Ground::Terrain(terrain) = &**ground else { return None };
         let solids = Solids::Raster {
             surface: terrain.clone(),
             ground: Ground::Terrain(terrain.clone()),

@@ -1,10 +1,10 @@
 //! Columns: the solid of a raster, each cell a flat-topped column.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
-use super::Drops;
 use super::plateaus::Plateaus;
 use super::tile_maxima::TileMaxima;
+use super::{Drops, HeightsOf, SeenHeights};
 use crate::quantity::{BLOCKS_ALL, STEPS_PER_UNIT, VOID};
 use crate::raster::{CellWindow, LargeVec};
 
@@ -20,7 +20,9 @@ pub struct Columns {
     n_cols: usize,
     n_rows: usize,
     steps: [i64; 2],
-    tops: LargeVec<i32>,
+    /// As they are over a flat earth.
+    tops: Arc<LargeVec<i32>>,
+    bent: Option<Bent>,
     plateaus: Option<Plateaus>,
     /// The lowest and the highest top; of lowered columns what these are not beyond.
     extremes: (i32, i32),
@@ -29,10 +31,19 @@ pub struct Columns {
     tiles_of_tiles: OnceLock<TileMaxima>,
 }
 
+/// How tops are seen over a curved earth.
+#[derive(Debug, Clone)]
+struct Bent {
+    drops: Arc<Drops>,
+    /// All tops, once somebody has asked for them.
+    tops: OnceLock<LargeVec<i32>>,
+}
+
 impl PartialEq for Columns {
     /// What else there is follows from the tops.
     fn eq(&self, other: &Self) -> bool {
-        (self.n_cols, self.n_rows, self.steps) == (other.n_cols, other.n_rows, other.steps) && self.tops == other.tops
+        (self.n_cols, self.n_rows, self.steps) == (other.n_cols, other.n_rows, other.steps)
+            && self.tops() == other.tops()
     }
 }
 
@@ -53,7 +64,8 @@ impl Columns {
             n_cols,
             n_rows,
             steps: [CELL; 2],
-            tops,
+            tops: Arc::new(tops),
+            bent: None,
             plateaus,
             extremes,
             lowest_known: OnceLock::new(),
@@ -69,8 +81,8 @@ impl Columns {
         self
     }
 
-    /// These columns with other tops within a window of a raster, which drops have lowered.
-    pub(super) fn lowered(&self, tops: LargeVec<i32>, drops: &Drops, window: CellWindow) -> Columns {
+    /// These columns lower by drops, of which those within a window matter. No top is lowered before it is asked for.
+    pub(super) fn lowered(&self, drops: Arc<Drops>, window: CellWindow) -> Columns {
         let (low, high) = self.extremes;
         let most = i32::try_from(drops.most(window)).unwrap_or(i32::MAX);
         let low = if low == VOID { VOID } else { low.saturating_sub(most) };
@@ -78,12 +90,13 @@ impl Columns {
             n_cols: self.n_cols,
             n_rows: self.n_rows,
             steps: self.steps,
-            tops,
+            tops: Arc::clone(&self.tops),
             plateaus: None,
             extremes: (low, high),
             lowest_known: OnceLock::new(),
             tiles: OnceLock::from(drops.of_tiles(self.tiles())),
             tiles_of_tiles: OnceLock::new(),
+            bent: Some(Bent { drops, tops: OnceLock::new() }),
         }
     }
 
@@ -111,23 +124,44 @@ impl Columns {
     /// Top of the cell at an index into [`Columns::tops`], which need not be in memory as a whole for it.
     #[inline]
     pub(crate) fn top_at(&self, index: usize) -> i32 {
-        self.tops.value(index)
+        let top = self.tops.value(index);
+        self.bent.as_ref().map_or(top, |bent| bent.drops.lowered(top, (index / self.n_cols, index % self.n_cols)))
     }
 
     /// Copies tops from an index into [`Columns::tops`] on, all in one row, which need not be in memory as a whole for it.
     #[inline]
     pub(crate) fn copy_tops(&self, first: usize, out: &mut [i32]) {
         self.tops.copy(first, out);
+        if let Some(bent) = &self.bent {
+            bent.drops.lower_row((first / self.n_cols, first % self.n_cols), out);
+        }
     }
 
     /// All tops, if they are in memory one by one.
     pub(crate) fn tops_in_memory(&self) -> Option<&[i32]> {
-        self.tops.in_memory()
+        self.bent.as_ref().map_or(self.tops.in_memory(), |bent| bent.tops.get().map(LargeVec::as_slice))
     }
 
     /// All tops, row by row from the north-west cell.
     pub fn tops(&self) -> &[i32] {
-        &self.tops
+        let Some(Bent { drops, tops }) = &self.bent else { return &self.tops };
+        // Made outside of the lock, as tiles are.
+        match tops.get() {
+            Some(tops) => tops,
+            None => {
+                let lowered = drops.lowered_all(HeightsOf::Cells(&self.tops));
+                tops.get_or_init(|| lowered)
+            }
+        }
+    }
+
+    /// All tops as they are over a flat earth, and by how much each is seen lower.
+    pub(crate) fn seen_tops(&self) -> SeenHeights<'_> {
+        SeenHeights {
+            heights: HeightsOf::Cells(&self.tops),
+            n_cols: self.n_cols,
+            drops: self.bent.as_ref().map(|bent| &*bent.drops),
+        }
     }
 
     /// The highest tops of tiles of cells; of a raster of plateaus found when it is first asked for.
@@ -136,7 +170,7 @@ impl Columns {
         match self.tiles.get() {
             Some(tiles) => tiles,
             None => {
-                let tiles = TileMaxima::of(&self.tops, self.n_cols);
+                let tiles = TileMaxima::of(self.tops(), self.n_cols);
                 self.tiles.get_or_init(|| tiles)
             }
         }
@@ -173,7 +207,7 @@ impl Columns {
     pub(crate) fn lowest_known(&self) -> Option<i32> {
         let known = |z: &i32| *z != VOID && *z != BLOCKS_ALL;
         *self.lowest_known.get_or_init(|| match self.min_top() {
-            VOID => self.tops.iter().copied().filter(known).min(),
+            VOID => self.tops().iter().copied().filter(known).min(),
             low => Some(low).filter(known),
         })
     }

@@ -78,7 +78,7 @@ impl HeightField {
     /// The surface of a raster scene as few rectangles of one height, if it is that and the ground below it is flat or not
     /// known.
     pub fn plateaus(&self) -> Option<&Plateaus> {
-        let raster = self.solid.raster().filter(|raster| !matches!(raster.ground, Ground::Terrain(_)))?;
+        let raster = self.solid.raster().filter(|raster| !matches!(*raster.ground, Ground::Terrain(_)))?;
         Some(&raster.columns).filter(|_| self.columns_are_on_grid())?.plateaus()
     }
 
@@ -140,7 +140,7 @@ impl HeightField {
 
     /// Whether receivers stand on a surface model because nothing below it is known.
     pub fn is_surface_only(&self) -> bool {
-        self.solid.raster().is_some_and(|raster| matches!(raster.ground, Ground::Surface))
+        self.solid.raster().is_some_and(|raster| matches!(*raster.ground, Ground::Surface))
     }
 
     /// What a cell is; `place` is its center.
@@ -151,7 +151,7 @@ impl HeightField {
             return CellKind::Void;
         }
         match &self.solid {
-            Solid::Raster(raster) => raster.kind_of(raster.columns.tops()[index], index),
+            Solid::Raster(raster) => raster.kind_of(raster.columns.top_at(index), index),
             Solid::Vector(vector) => match (self.ground_at(place), vector.roofs[index]) {
                 (VOID, VOID) => CellKind::Void,
                 (ground, VOID) => CellKind::Open(ground),
@@ -166,7 +166,7 @@ impl HeightField {
         let Some((columns, _)) = self.solid.columns() else { return (None, None) };
         let n_cols = columns.n_cols();
         let is_void = |cells: &BitGrid| self.prisms().is_none() && cells.contains(cell / n_cols, cell % n_cols);
-        let top = columns.tops()[cell];
+        let top = columns.top_at(cell);
         if top == VOID || top == BLOCKS_ALL || self.without_data.as_deref().is_some_and(is_void) {
             return (None, None);
         }
@@ -187,11 +187,11 @@ impl HeightField {
             _ => VOID,
         };
         match &self.solid {
-            Solid::Raster(raster) => match &raster.ground {
+            Solid::Raster(raster) => match &*raster.ground {
                 Ground::Surface => top_of(&raster.columns),
                 // Ground that was typed has no end.
-                Ground::Flat(z) => *z,
-                Ground::Terrain(terrain) => cell_of(&raster.columns).map_or(VOID, |cell| terrain.cells()[cell]),
+                Ground::Flat(z) if raster.drops.is_none() => *z,
+                _ => cell_of(&raster.columns).and_then(|cell| raster.ground_of(cell)).unwrap_or(VOID),
             },
             Solid::Vector(vector) => match &*vector.ground {
                 VectorGround::Flat(z) => *z,
@@ -333,11 +333,7 @@ impl HeightField {
 impl RasterSolid {
     /// The ground below a cell, if it is known apart from the surface.
     fn ground_of(&self, cell: usize) -> Option<i32> {
-        match &self.ground {
-            Ground::Surface => None,
-            Ground::Flat(z) => Some(*z),
-            Ground::Terrain(terrain) => Some(terrain.cells()[cell]),
-        }
+        self.ground().map(|ground| ground.at(cell))
     }
 
     /// What a cell is, given the top of its column.

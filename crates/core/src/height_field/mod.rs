@@ -26,8 +26,8 @@ mod solid;
 mod tile_maxima;
 mod triangulate;
 
-pub(crate) use bent::BentTerrain;
-pub use bent::Drops;
+pub(crate) use bent::{BentTerrain, rounded};
+pub use bent::{Drops, HeightsOf, SeenHeights};
 pub use build::Built;
 pub use casters::{Caster, CasterBlock, Casters};
 pub use cell_sets::StandsOn;

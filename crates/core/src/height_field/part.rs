@@ -46,7 +46,7 @@ impl HeightField {
             let cells: Vec<i32> = rows.flat_map(|row| &row[window.col..window.col + window.n_cols]).copied().collect();
             Raster::new(grid.clone(), cells)
         };
-        let ground = match &raster.ground {
+        let ground = match &*raster.ground {
             Ground::Terrain(terrain) => Ground::Terrain(cut(terrain.cells())),
             ground => ground.clone(),
         };

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::known_ground::KnownGround;
-use super::{Columns, Prisms};
+use super::{Columns, Drops, HeightsOf, Prisms, SeenHeights};
 use crate::city::Ground;
 use crate::quantity::Frame;
 
@@ -20,8 +20,10 @@ pub(super) enum Solid {
 pub(super) struct RasterSolid {
     pub(super) columns: Columns,
     pub(super) frame: Frame,
-    /// What lies below the surface; a terrain is on the same grid.
-    pub(super) ground: Ground,
+    /// What lies below the surface over a flat earth; a terrain is on the same grid.
+    pub(super) ground: Arc<Ground>,
+    /// How much lower it is seen over a curved one, as the columns are.
+    pub(super) drops: Option<Arc<Drops>>,
     /// A cell more than this above the ground is a building \[1/1024 m\].
     pub(super) building_threshold: i32,
 }
@@ -48,6 +50,23 @@ pub(super) enum VectorGround {
     Flat(i32),
     /// A terrain on a grid of its own.
     Terrain { columns: Columns, frame: Frame },
+}
+
+impl RasterSolid {
+    /// Over a flat earth.
+    pub(super) fn new(columns: Columns, frame: Frame, ground: Ground, building_threshold: i32) -> Self {
+        RasterSolid { columns, frame, ground: Arc::new(ground), drops: None, building_threshold }
+    }
+
+    /// The ground of each cell, if it is known apart from the surface.
+    pub(super) fn ground(&self) -> Option<SeenHeights<'_>> {
+        let heights = match &*self.ground {
+            Ground::Surface => return None,
+            Ground::Flat(z) => HeightsOf::One(*z),
+            Ground::Terrain(terrain) => HeightsOf::Cells(terrain.cells()),
+        };
+        Some(SeenHeights { heights, n_cols: self.columns.n_cols(), drops: self.drops.as_deref() })
+    }
 }
 
 impl Solid {

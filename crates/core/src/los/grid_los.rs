@@ -348,8 +348,8 @@ impl<'a> GridLos<'a> {
         let (lowest, highest) = receivers.range;
         let above = receivers.above;
         let heights = match receivers.bases() {
-            Some((base, _)) if lowest < highest => {
-                let tiles = (!std::ptr::eq(base, columns.tops())).then(|| receivers.tiles());
+            base if lowest < highest => {
+                let tiles = (!base.is(&columns.seen_tops())).then(|| receivers.tiles());
                 ReceiverHeights::Over { base, above, lowest, highest, tiles }
             }
             _ => ReceiverHeights::Flat(lowest + above),

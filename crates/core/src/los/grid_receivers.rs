@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
-use crate::height_field::{Columns, Drops, StandsOn, TileMaxima};
+use crate::height_field::{Columns, Drops, HeightsOf, SeenHeights, StandsOn, TileMaxima};
 use crate::raster::{BitGrid, CellWindow, set_bits};
 
 /// Receivers of one kind on the cells of a grid, ready for many UAVs.
@@ -13,8 +13,10 @@ use crate::raster::{BitGrid, CellWindow, set_bits};
 pub struct GridReceivers<'a> {
     /// The cells that hold one.
     pub cells: Cow<'a, BitGrid>,
-    /// What they stand on.
+    /// What they stand on over a flat earth.
     stands_on: StandsOn<'a>,
+    /// How much lower it is seen over a curved one.
+    drops: Option<&'a Drops>,
     /// How high they are above it \[1/1024 m\].
     pub(super) above: i32,
     /// The lowest and the highest of `stands_on` over the cells.
@@ -52,7 +54,7 @@ impl<'a> GridReceivers<'a> {
                 if low > high { (0, 0) } else { (low, high) }
             }
         };
-        GridReceivers { cells, stands_on, above, range, tiles: OnceLock::new() }
+        GridReceivers { cells, stands_on, drops: None, above, range, tiles: OnceLock::new() }
     }
 
     /// These receivers, without what may have been found out about them.
@@ -62,8 +64,8 @@ impl<'a> GridReceivers<'a> {
             StandsOn::Cells(heights) => StandsOn::Cells(Cow::Borrowed(heights)),
             StandsOn::Tops(columns) => StandsOn::Tops(columns),
         };
-        let GridReceivers { above, range, .. } = *self;
-        GridReceivers { cells: Cow::Borrowed(&*self.cells), stands_on, above, range, tiles: OnceLock::new() }
+        let GridReceivers { above, range, drops, .. } = *self;
+        GridReceivers { cells: Cow::Borrowed(&*self.cells), stands_on, drops, above, range, tiles: OnceLock::new() }
     }
 
     /// Receivers on the same cells, against a terrain that is as a UAV sees it.
@@ -79,28 +81,22 @@ impl<'a> GridReceivers<'a> {
     }
 
     /// Receivers on the same cells of a scene whose heights drops have lowered within a window.
-    pub(crate) fn lowered<'b>(
-        &'b self,
-        stands_on: StandsOn<'b>,
-        drops: &Drops,
-        window: CellWindow,
-    ) -> GridReceivers<'b> {
+    pub(crate) fn lowered<'b>(&'b self, drops: &'b Drops, window: CellWindow) -> GridReceivers<'b> {
         let most = i32::try_from(drops.most(window)).unwrap_or(i32::MAX);
         let range = (self.range.0.saturating_sub(most), self.range.1);
-        let tiles = OnceLock::new();
-        if let StandsOn::Flat(z) = self.stands_on {
-            let (n_rows, n_cols) = (self.cells.n_rows(), self.cells.n_cols());
-            let _ = tiles.set(drops.of_tiles(&TileMaxima::of_one(z, (n_rows, n_cols))));
-        } else if !matches!(stands_on, StandsOn::Tops(_)) {
-            let _ = tiles.set(drops.of_tiles(self.tiles()));
-        }
-        GridReceivers { cells: Cow::Borrowed(&*self.cells), stands_on, above: self.above, range, tiles }
+        let tiles = OnceLock::from(match &self.stands_on {
+            StandsOn::Flat(z) => drops.of_tiles(&TileMaxima::of_one(*z, (self.cells.n_rows(), self.cells.n_cols()))),
+            StandsOn::Tops(columns) => drops.of_tiles(columns.tiles()),
+            StandsOn::Cells(_) => drops.of_tiles(self.tiles()),
+        });
+        GridReceivers { drops: Some(drops), range, tiles, ..self.borrowed() }
     }
 
     /// Height of what the receiver of a cell stands on \[1/1024 m above the datum\].
     #[inline]
     pub fn base(&self, cell: usize) -> i32 {
-        self.stands_on.at(cell)
+        let (base, n_cols) = (self.stands_on.at(cell), self.cells.n_cols());
+        self.drops.map_or(base, |drops| drops.lowered(base, (cell / n_cols, cell % n_cols)))
     }
 
     /// Copies what receivers stand on in cells of one row, from cell `first` on.
@@ -110,11 +106,16 @@ impl<'a> GridReceivers<'a> {
             StandsOn::Cells(heights) => out.copy_from_slice(&heights[first..first + out.len()]),
             StandsOn::Tops(columns) => columns.copy_tops(first, out),
         }
+        if let Some(drops) = self.drops {
+            let n_cols = self.cells.n_cols();
+            drops.lower_row((first / n_cols, first % n_cols), out);
+        }
     }
 
     /// Whether receivers stand on the tops of these very columns.
     pub(super) fn is_on_tops_of(&self, columns: &Columns) -> bool {
         match &self.stands_on {
+            _ if self.drops.is_some() => false,
             StandsOn::Flat(_) => false,
             // What is not held in memory is not compared.
             StandsOn::Cells(heights) => columns.tops_in_memory().is_some_and(|tops| std::ptr::eq(tops, &**heights)),
@@ -122,13 +123,15 @@ impl<'a> GridReceivers<'a> {
         }
     }
 
-    /// What the receivers stand on, cell by cell, and how high they are above it \[1/1024 m\]; `None` on flat ground.
-    pub fn bases(&self) -> Option<(&[i32], i32)> {
-        match &self.stands_on {
-            StandsOn::Flat(_) => None,
-            StandsOn::Cells(heights) => Some((heights, self.above)),
-            StandsOn::Tops(columns) => Some((columns.tops(), self.above)),
-        }
+    /// What the receivers stand on, cell by cell.
+    pub fn bases(&self) -> SeenHeights<'_> {
+        let heights = match &self.stands_on {
+            StandsOn::Flat(z) => HeightsOf::One(*z),
+            StandsOn::Cells(heights) => HeightsOf::Cells(heights),
+            // Receivers that are lowered stand on the tops of a flat earth.
+            StandsOn::Tops(columns) => HeightsOf::Cells(columns.tops()),
+        };
+        SeenHeights { heights, n_cols: self.cells.n_cols(), drops: self.drops }
     }
 
     /// The highest of what all cells hold that receivers stand on, by tile; found when it is first asked for.
@@ -137,7 +140,7 @@ impl<'a> GridReceivers<'a> {
         match self.tiles.get() {
             Some(tiles) => tiles,
             None => {
-                let tiles = TileMaxima::of(self.bases().map_or(&[], |(bases, _)| bases), self.cells.n_cols());
+                let tiles = self.bases().tiles();
                 self.tiles.get_or_init(|| tiles)
             }
         }
@@ -150,7 +153,7 @@ impl<'a> GridReceivers<'a> {
 
     /// Whether they stand on ground of one height, known as such.
     pub(crate) fn are_on_flat_ground(&self) -> bool {
-        matches!(self.stands_on, StandsOn::Flat(_))
+        matches!(self.stands_on, StandsOn::Flat(_)) && self.drops.is_none()
     }
 
     /// Bounds on the heights of the receivers \[1/1024 m above the datum\].

@@ -89,8 +89,8 @@
 //!
 //! # Where what comes next belongs
 //!
-//! Heights that depend on the UAV (the earth's curvature) are lowered where tops become heights above the UAV, in
-//! [`wedge`]'s `above_uav` and in [`receivers`], tiles where they are asked for their highest. A top that is a plane over its cell has
+//! Heights that depend on the UAV (the earth's curvature) are lowered in [`row_source`], some rows at a time, and one by one where step 5
+//! asks for single cells. A top that is a plane over its cell has
 //! two heights at a and two at e instead of one: those under each edge there; a candidate row then keeps the plane.
 
 mod bounds;

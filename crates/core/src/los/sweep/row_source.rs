@@ -1,7 +1,8 @@
 //! Step 2: rows of a quadrant in memory, wherever they come from.
 //!
 //! Rows of a raster in memory are lent as they are. Its columns are turned into rows, a strip of 64 at a time, and so are those
-//! that a reader hands out: memory is read in rows throughout.
+//! that a reader hands out: memory is read in rows throughout. Over a curved earth rows are copied, 16 at a time, and lowered: a lowered
+//! raster would be as much memory again, whose first touch costs more than line of sight does.
 
 use std::ops::Range;
 
@@ -12,7 +13,7 @@ use super::frame::{Frame, as_i64};
 use super::simd::turn;
 use crate::dispatch;
 use crate::error::Result;
-use crate::height_field::{Columns, TILE_BITS, TileMaxima};
+use crate::height_field::{Columns, HeightsOf, SeenHeights, TILE_BITS, TileMaxima};
 use crate::raster::CellWindow;
 
 /// How high receivers are.
@@ -96,13 +97,59 @@ pub(super) trait RowSource: Sync {
 /// Columns in memory, and what receivers stand on where that is neither flat nor a top.
 pub(super) struct InMemory<'a> {
     pub(super) columns: &'a Columns,
-    pub(super) bases: &'a [i32],
+    pub(super) bases: Option<SeenHeights<'a>>,
     pub(super) level: Level,
+}
+
+/// Raster rows that are lowered at once: few, so that they are in the cache when they are passed.
+const LOWERED: usize = 16;
+
+impl<'a> InMemory<'a> {
+    /// Tops and bases, if both are in memory as the UAV sees them.
+    fn as_seen(&self) -> Option<(&'a [i32], &'a [i32])> {
+        let bases = self.bases.map_or(Some(&[][..]), |bases| bases.in_memory());
+        self.columns.seen_tops().in_memory().zip(bases)
+    }
+
+    /// Some lines of a frame as the UAV sees them, from cell `lateral.start` to before `lateral.end`.
+    fn copy(
+        &self,
+        seen: &SeenHeights<'_>,
+        frame: &Frame,
+        (lines, lateral): (&Range<usize>, &Range<usize>),
+        out: &mut Vec<i32>,
+    ) {
+        let width = lateral.len();
+        if out.len() < lines.len() * width {
+            out.resize(lines.len() * width, 0);
+        }
+        if frame.quadrant.has_raster_rows() {
+            for (line, out) in lines.clone().zip(out.chunks_mut(width.max(1))) {
+                seen.copy(line * seen.n_cols + lateral.start, out);
+            }
+            return;
+        }
+        if let HeightsOf::Cells(cells) = seen.heights {
+            dispatch!(self.level, simd => turn(simd, cells, seen.n_cols, lines, lateral, out));
+        }
+        for (line, out) in lines.clone().zip(out.chunks_mut(width.max(1))) {
+            match (seen.heights, seen.drops) {
+                (HeightsOf::One(z), None) => out.fill(z),
+                (HeightsOf::One(z), Some(drops)) => drops.lower_one_by_col(z, (lateral.start, line), out),
+                (HeightsOf::Cells(_), Some(drops)) => drops.lower_col((lateral.start, line), out),
+                (HeightsOf::Cells(_), None) => {}
+            }
+        }
+    }
 }
 
 impl RowSource for InMemory<'_> {
     fn strip(&self, frame: &Frame) -> usize {
-        if frame.quadrant.has_raster_rows() { usize::MAX } else { super::simd::STRIP }
+        match (frame.quadrant.has_raster_rows(), self.as_seen()) {
+            (true, Some(_)) => usize::MAX,
+            (true, None) => LOWERED,
+            (false, _) => super::simd::STRIP,
+        }
     }
 
     fn rows<'b>(
@@ -114,17 +161,23 @@ impl RowSource for InMemory<'_> {
     ) -> Result<Rows<'b>> {
         let (n_cols, lines) = (self.columns.n_cols(), frame.lines_of(&numbers));
         let is_inward = !frame.counts_up();
-        if frame.quadrant.has_raster_rows() {
+        if let Some((tops, bases)) = self.as_seen().filter(|_| frame.quadrant.has_raster_rows()) {
             let cells = lines.start * n_cols..lines.end * n_cols;
-            let bases = if self.bases.is_empty() { self.bases } else { &self.bases[cells.clone()] };
-            return Ok(Rows { numbers, first: 0, width: n_cols, tops: &self.columns.tops()[cells], bases, is_inward });
+            let bases = if bases.is_empty() { bases } else { &bases[cells.clone()] };
+            return Ok(Rows { numbers, first: 0, width: n_cols, tops: &tops[cells], bases, is_inward });
         }
-        let (level, width) = (self.level, lateral.len());
-        dispatch!(level, simd => turn(simd, self.columns.tops(), n_cols, &lines, &lateral, &mut buffer.tops));
-        if !self.bases.is_empty() {
-            dispatch!(level, simd => turn(simd, self.bases, n_cols, &lines, &lateral, &mut buffer.bases));
+        self.copy(&self.columns.seen_tops(), frame, (&lines, &lateral), &mut buffer.tops);
+        if let Some(bases) = &self.bases {
+            self.copy(bases, frame, (&lines, &lateral), &mut buffer.bases);
         }
-        Ok(Rows { numbers, first: lateral.start, width, tops: &buffer.tops, bases: &buffer.bases, is_inward })
+        Ok(Rows {
+            numbers,
+            first: lateral.start,
+            width: lateral.len(),
+            tops: &buffer.tops,
+            bases: &buffer.bases,
+            is_inward,
+        })
     }
 }
 
@@ -134,21 +187,24 @@ impl ColumnsReader for InMemory<'_> {
     }
 
     fn read_tops(&self, window: CellWindow, tops: &mut Vec<i32>) -> Result<()> {
-        copy(self.columns.tops(), self.columns.n_cols(), window, tops);
+        copy(&self.columns.seen_tops(), window, tops);
         Ok(())
     }
 
     fn read_bases(&self, window: CellWindow, bases: &mut Vec<i32>) -> Result<()> {
-        copy(self.bases, self.columns.n_cols(), window, bases);
+        if let Some(seen) = &self.bases {
+            copy(seen, window, bases);
+        }
         Ok(())
     }
 }
 
-/// Copies a window of cells, of which a row has `n_cols`.
-fn copy(cells: &[i32], n_cols: usize, window: CellWindow, out: &mut Vec<i32>) {
+/// Copies a window of cells.
+fn copy(seen: &SeenHeights<'_>, window: CellWindow, out: &mut Vec<i32>) {
     out.clear();
-    for row in window.row..window.row + window.n_rows {
-        out.extend_from_slice(&cells[row * n_cols + window.col..][..window.n_cols]);
+    out.resize(window.n_rows * window.n_cols, 0);
+    for (row, out) in (window.row..).zip(out.chunks_mut(window.n_cols.max(1))) {
+        seen.copy(row * seen.n_cols + window.col, out);
     }
 }
 

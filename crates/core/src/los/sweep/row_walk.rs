@@ -4,8 +4,8 @@
 //! is over the higher of the two at its lowest point in the row, the row is clear; only else are the cells looked at one
 //! by one, as `ray` does. The cell is carried from row to row by adding to a remainder.
 
-use crate::height_field::{TILE_BITS, TileMaxima};
-use crate::quantity::STEPS_PER_UNIT;
+use crate::height_field::{TILE_BITS, TileMaxima, rounded};
+use crate::quantity::{BLOCKS_ALL, STEPS_PER_UNIT, VOID};
 
 const CELL: i64 = STEPS_PER_UNIT as i64;
 
@@ -81,8 +81,14 @@ impl LinkOverRows {
 /// Where the cells of some lines are found.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RowCells<'a> {
-    /// Tops of the cells, line by line.
+    /// Tops of the cells, line by line, over a flat earth.
     pub(super) tops: &'a [i32],
+    /// How much lower they are seen.
+    pub(super) falls: Option<Falls<'a>>,
+    /// The receiver's cell: its line, and its place in the line, as numbers of rows and columns of the raster.
+    pub(super) at: (i64, i64),
+    /// How the number of the line changes on the way to the UAV, by 1.
+    pub(super) step: i64,
     /// Index of the receiver's cell; where its line is not among `tops`, what it would be, wrapped around.
     pub(super) own: usize,
     /// Steps to the same cell of the next line towards the UAV, and to the next cell of a line, as lateral numbers rise.
@@ -91,15 +97,30 @@ pub(super) struct RowCells<'a> {
     pub(super) tiles: Option<RowTiles<'a>>,
 }
 
+/// How much lower cells are seen over a curved earth: the sum of what their line and their place in it contribute, rounded.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Falls<'a> {
+    pub(super) across: &'a [f64],
+    pub(super) along: &'a [f64],
+}
+
+impl Falls<'_> {
+    /// The top of a cell as it is seen.
+    #[inline(always)]
+    pub(super) fn lowered(&self, top: i64, line: i64, lateral: i64) -> i64 {
+        let of = |parts: &[f64], at: i64| usize::try_from(at).map_or(0.0, |at| parts[at]);
+        if top == i64::from(BLOCKS_ALL) {
+            return top;
+        }
+        // What blocks nothing is below all heights, however much lower.
+        top - i64::from(rounded(of(self.across, line), of(self.along, lateral)))
+    }
+}
+
 /// Where the tiles are found that lines of cells pass.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RowTiles<'a> {
     pub(super) tiles: &'a TileMaxima,
-    /// The receiver's cell: its line, and its place in the line, as numbers of rows and columns of the raster.
-    pub(super) line: i64,
-    pub(super) lateral: i64,
-    /// How the number of the line changes on the way to the UAV, by 1.
-    pub(super) step: i64,
     /// Steps to the tile of the next lines, and to the next tile of the same lines, as numbers rise.
     pub(super) strides: (i64, i64),
 }
@@ -118,10 +139,28 @@ impl RowTiles<'_> {
 impl LinkOverRows {
     /// Whether none of the lines from `near` to `far` \[lattice steps from the UAV\] blocks the link; the receiver's own is not
     /// among them.
-    pub(super) fn is_clear(&self, cells: &RowCells<'_>, (near, far): (i64, i64)) -> bool {
+    pub(super) fn is_clear(&self, cells: &RowCells<'_>, edges: (i64, i64)) -> bool {
+        let tops = cells.tops;
+        match &cells.falls {
+            None => self.is_clear_of(cells, edges, |cell, _, _| i64::from(tops[cell])),
+            Some(falls) => self.is_clear_of(cells, edges, |cell, line, passed| {
+                let (line, lateral) = (cells.at.0 + line * cells.step, cells.at.1 + passed * self.sideways);
+                falls.lowered(i64::from(tops[cell]), line, lateral)
+            }),
+        }
+    }
+
+    /// The same, given the top of a cell: of its index, so many lines and lateral cells from the receiver.
+    #[inline(always)]
+    fn is_clear_of(
+        &self,
+        cells: &RowCells<'_>,
+        (near, far): (i64, i64),
+        top_of: impl Fn(usize, i64, i64) -> i64,
+    ) -> bool {
         let LinkOverRows { along, z, climb, most, .. } = *self;
         debug_assert!(far + CELL / 2 <= self.length.steps && along <= self.length.steps);
-        let RowCells { tops, own, strides, tiles } = *cells;
+        let RowCells { own, strides, tiles, at: (own_line, lateral), step, .. } = *cells;
         #[expect(clippy::cast_possible_truncation, reason = "an array has far fewer than 2^63 cells")]
         let (stride, sideways) = (strides.0 as isize, (strides.1 * self.sideways) as isize);
         // EXACT: lengths are at most 2^26 and so is `along`, so all products are below 2^64 / 4.
@@ -140,20 +179,19 @@ impl LinkOverRows {
         };
         let steps = Steps { whole, growth: CELL * along, rise: CELL * climb, stride, sideways };
         let mut lines_left = n_lines;
-        let mut line = tiles.map_or(0, |tiles| tiles.line + lines * tiles.step);
+        let mut line = own_line + lines * step;
         let tiles = tiles.map(|tiles| (tiles, Passed::of(LINES, along, length)));
         while lines_left > 0 {
             // Lines to be looked at, unless a tile spares them.
             let mut n = lines_left;
             if let Some((tiles, over_tile)) = &tiles {
-                let step = tiles.step;
                 let within = line & (LINES - 1);
                 n = lines_left.min(if step > 0 { LINES - within } else { within + 1 });
                 line += n * step;
                 // Cells that the ray can pass meanwhile: nine in a row, or fewer, lie in the tiles of the first and the last.
                 let reach = n.min(over_tile.borders + 1);
                 if at.beside >= reach {
-                    let from = tiles.lateral + self.sideways * (most - at.beside);
+                    let from = lateral + self.sideways * (most - at.beside);
                     let last = line - step;
                     let highest = tiles.maximum(last, from).max(tiles.maximum(last, from + self.sideways * reach));
                     if i64::from(highest) * length <= at.clear_below + ((n - 1) * CELL * climb).min(0) {
@@ -179,11 +217,18 @@ impl LinkOverRows {
                 // The ray enters the line in `cell`, and leaves it there or in the next one.
                 let (first, second, after) = steps.over_one(at);
                 let steps_over = after.beside != at.beside;
-                let second = if steps_over && at.beside == 0 { i32::MIN } else { tops[second] };
-                if i64::from(tops[first].max(second)) * length > at.clear_below {
-                    let n = first_n + (n_lines - lines_left) * CELL;
-                    let met = RowMet { n, passed: most - at.beside, rest: after.rest, steps_over };
-                    if self.is_blocked(met, (tops[first], second)) {
+                let (passed_lines, passed) = (n_lines - lines_left, most - at.beside);
+                let top = |cell: usize, passed: i64| top_of(cell, lines + passed_lines, passed);
+                let second = if steps_over && at.beside == 0 {
+                    i64::from(VOID)
+                } else {
+                    top(second, passed + i64::from(steps_over))
+                };
+                let first = top(first, passed);
+                if first.max(second) * length > at.clear_below {
+                    let n = first_n + passed_lines * CELL;
+                    let met = RowMet { n, passed, rest: after.rest, steps_over };
+                    if self.is_blocked(met, (first, second)) {
                         return false;
                     }
                 }
@@ -196,11 +241,11 @@ impl LinkOverRows {
 
     /// Whether one line blocks, given the tops of the cells in which the ray enters and leaves it.
     #[inline(never)]
-    fn is_blocked(&self, at: RowMet, (first, second): (i32, i32)) -> bool {
+    fn is_blocked(&self, at: RowMet, (first, second): (i64, i64)) -> bool {
         let LinkOverRows { along, z, climb, .. } = *self;
         let length = self.length.steps;
         let RowMet { n, passed, rest, steps_over } = at;
-        let (first, second) = (i64::from(first) - z, i64::from(second) - z);
+        let (first, second) = (first - z, second - z);
         let end = (n + CELL).min(length);
         // Where the ray steps over, if that is short of the UAV and not at a corner, where both indices step at once.
         let border = CELL / 2 + passed * CELL;

@@ -16,7 +16,7 @@ use super::undecided::Recall;
 use super::wedge::{Passing, Wedge};
 use crate::dispatch;
 use crate::error::Result;
-use crate::height_field::{Columns, TileMaxima};
+use crate::height_field::{Columns, SeenHeights, TileMaxima};
 use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, CellWindow};
 
@@ -41,7 +41,7 @@ pub enum ReceiverHeights<'a> {
     /// Above a base for each cell, row by row from the north-west \[1/1024 m\].
     Over {
         /// What receivers stand on.
-        base: &'a [i32],
+        base: SeenHeights<'a>,
         /// How high they are above it.
         above: i32,
         /// The lowest of `base`, or anything lower.
@@ -85,13 +85,13 @@ pub fn sweep_los(
         return Swept { los: wanted.clone(), least_heights: no_heights(wanted, heights_from), undecided: 0 };
     };
     let (stand, bases, own_tiles) = match receivers {
-        ReceiverHeights::Flat(z) => (Stand::Flat(z), &[][..], None),
-        ReceiverHeights::Over { base, above, .. } if std::ptr::eq(base, columns.tops()) => {
-            (Stand::OnTops(above), &[][..], None)
+        ReceiverHeights::Flat(z) => (Stand::Flat(z), None, None),
+        ReceiverHeights::Over { base, above, .. } if base.is(&columns.seen_tops()) => {
+            (Stand::OnTops(above), None, None)
         }
         ReceiverHeights::Over { base, above, tiles, .. } => {
-            let tiles = tiles.map_or_else(|| Cow::Owned(TileMaxima::of(base, columns.n_cols())), Cow::Borrowed);
-            (Stand::OnBases(above), base, Some(tiles))
+            let tiles = tiles.map_or_else(|| Cow::Owned(base.tiles()), Cow::Borrowed);
+            (Stand::OnBases(above), Some(base), Some(tiles))
         }
     };
     let tiles = Some(Tiles { tops: columns.tiles(), bases: own_tiles.as_deref() });
