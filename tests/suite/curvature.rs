@@ -5,7 +5,7 @@ use skyshed_core::city::Ground;
 use skyshed_core::coverage::{HeightLayers, MapOptions, Mapper, Receivers, Uav, class};
 use skyshed_core::height_field::{CellKind, Curvature, HeightField};
 use skyshed_core::los::MethodChoice;
-use skyshed_core::quantity::VOID;
+use skyshed_core::quantity::{BLOCKS_ALL, VOID};
 use skyshed_core::raster::{GeoRef, Raster};
 
 use crate::invariants::{map, uav_at};
@@ -114,6 +114,60 @@ fn rasters_over_a_curved_earth_are_those_of_the_oracle() {
         compare(&field, &uav, earth, random.choose(&[Receivers::Ground, Receivers::Roof, Receivers::All]), count);
     });
     count.assert_both(20_000);
+}
+
+/// A raster of some hundred cells a side: rough ground, blocks of houses, cells without data and such that block everything.
+fn wide_scene(random: &mut Random) -> HeightField {
+    let (n_rows, n_cols) = (random.index(120, 300), random.index(120, 300));
+    let grid = GeoRef::new((40.0, 90.0), (1.0, 1.0), (n_rows, n_cols), None).unwrap();
+    let (pitch, tallest) = (random.index(9, 25), random.within(3000, 40_000));
+    let houses: Vec<i64> = (0..n_rows * n_cols).map(|_| random.within(0, tallest)).collect();
+    let cells: Vec<i32> = (0..n_rows * n_cols)
+        .map(|k| {
+            let (row, col) = (k / n_cols, k % n_cols);
+            let is_house = row % pitch < pitch / 2 && col % pitch < pitch / 2;
+            let house = if is_house { houses[row / pitch * n_cols + col / pitch] } else { 0 };
+            match random.within(0, 1999) {
+                0..=3 => VOID,
+                4 => BLOCKS_ALL,
+                _ => i32::try_from(house + random.within(0, 300)).unwrap(),
+            }
+        })
+        .collect();
+    let ground = match random.within(0, 2) {
+        0 => Ground::Surface,
+        1 => Ground::Flat(0),
+        _ => {
+            let low = |z: &i32| if *z == VOID || *z == BLOCKS_ALL { VOID } else { (*z).min(280) };
+            Ground::Terrain(Raster::new(grid.clone(), cells.iter().map(low).collect::<Vec<_>>()))
+        }
+    };
+    raster_field(Raster::new(grid, cells), ground)
+}
+
+#[test]
+fn wide_rasters_over_a_curved_earth_are_swept_as_rays_pass_them() {
+    let count = over_seeds(if slow() { 400 } else { 24 }, 37, |seed, random, count| {
+        let field = wide_scene(random);
+        let grid = field.grid();
+        let at = |random: &mut Random, low: f64, high: f64| {
+            low + ((high - low) * random.within(-1, 5) as f64 / 4.0).floor() + 0.5
+        };
+        let (x, y) = (at(random, grid.x_min(), grid.x_max()), at(random, grid.y_min(), grid.y_max()));
+        let uav = uav_at(&field, x, y, random.choose(&[42_000, 50_000, 90_000]));
+        let earth = random.choose(&[(4, 3), (1, 1000), (1, 20_000), (1, 100_000)]);
+        let receivers = random.choose(&[Receivers::Ground, Receivers::Roof, Receivers::All]);
+        let options = MapOptions { curvature: Some(curvature(earth)), receivers, ..MapOptions::default() };
+        let [swept, walked] = [MethodChoice::Sweep, MethodChoice::Ray]
+            .map(|method| map(&field, &uav, &MapOptions { method, ..options.clone() }).mask);
+        for (cell, (swept, walked)) in swept.iter().zip(&walked).enumerate() {
+            assert_eq!(swept, walked, "seed {seed}, K {earth:?}, {receivers:?}, cell {cell}");
+            if *walked == class::LOS || *walked == class::NLOS {
+                count.add(*walked == class::LOS);
+            }
+        }
+    });
+    count.assert_both(100_000);
 }
 
 #[test]
