@@ -20,8 +20,27 @@ fn contenders(names: &[&str]) -> Vec<Contender> {
     names.iter().map(|name| Contender::of(name.parse().unwrap())).collect()
 }
 
+/// Whether the antenna of a scene serves a receiver: wedges of 45° by which side of their edges it is on.
+fn is_served(scene: &StressScene, receiver: LatticePoint) -> bool {
+    const EDGES: [(i64, i64); 9] = [(0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1)];
+    let Some(served) = scene.served else { return true };
+    let (x, y) = (receiver.x - scene.uav.x, receiver.y - scene.uav.y);
+    let squared = x * x + y * y;
+    // Straight below is to the north.
+    let (x, y) = if squared == 0 { (0, 1) } else { (x, y) };
+    let to_the_right = |(along_x, along_y): (i64, i64)| x * along_y - y * along_x;
+    let wedge = (0..8).find(|k| to_the_right(EDGES[*k]) >= 0 && to_the_right(EDGES[k + 1]) < 0).unwrap();
+    let [from, to] = served.eighths.map(|eighth| usize::try_from(eighth).unwrap());
+    let is_in_sector = if from < to { (from..to).contains(&wedge) } else { wedge >= from || wedge < to };
+    let fall = scene.uav.z - receiver.z;
+    is_in_sector && squared >= (1024 * served.least).pow(2) && !(served.is_flat && fall > 0 && fall.pow(2) > squared)
+}
+
 /// The answer of the tests' own oracle.
 fn by_oracle(scene: &StressScene, receiver: LatticePoint) -> bool {
+    if !is_served(scene, receiver) {
+        return false;
+    }
     let (uav, receiver) = ([scene.uav.x, scene.uav.y, scene.uav.z], [receiver.x, receiver.y, receiver.z]);
     match &scene.solid {
         StressSolid::Columns { board, .. } => {

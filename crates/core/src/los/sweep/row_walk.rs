@@ -150,7 +150,7 @@ impl LinkOverRows {
         }
     }
 
-    /// The same, given the top of a cell: of its index, so many lines and lateral cells from the receiver.
+    /// [`LinkOverRows::is_clear`], given what tells the top of a cell by its index, so many lines and lateral cells from the receiver.
     #[inline(always)]
     fn is_clear_of(
         &self,

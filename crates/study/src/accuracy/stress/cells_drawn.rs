@@ -143,6 +143,15 @@ pub(super) fn curved(draw: &mut Draw) -> StressScene {
     StressScene { earth, ..StressScene::of_board(board, uav) }
 }
 
+/// Towers around a UAV over the middle of a cell that serves a sector; whole cells above the receivers, so that some are at 45°.
+pub(super) fn sectors(draw: &mut Draw) -> StressScene {
+    let scene = needles(draw);
+    let middle = |at: i64| at.div_euclid(CELL) * CELL + CELL / 2;
+    let z = draw.choose(&[5, 10, 13]) * CELL + i64::from(scene.rx_height);
+    let uav = LatticePoint { x: middle(scene.uav.x), y: middle(scene.uav.y), z };
+    StressScene { uav, served: Some(draw.served()), ..scene }
+}
+
 /// A town, to be laid onto itself in eight ways.
 pub(super) fn mirrored(draw: &mut Draw) -> StressScene {
     let board = town(draw, 25, &[2 * CELL, 4 * CELL, 15 * CELL]);

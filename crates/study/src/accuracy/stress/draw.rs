@@ -3,6 +3,8 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
+use super::served::Served;
+
 /// The stream of one scene, a function of the seed, the number of the family and that of the scene alone.
 #[derive(Debug, Clone)]
 pub(super) struct Draw(ChaCha8Rng);
@@ -23,6 +25,13 @@ impl Draw {
     /// Yes in so many of a hundred cases.
     pub(super) fn chance(&mut self, percent: i64) -> bool {
         self.within(0, 99) < percent
+    }
+
+    /// Whom an antenna serves.
+    pub(super) fn served(&mut self) -> Served {
+        let from = self.within(0, 7);
+        let to = (from + self.within(1, 7)) % 8;
+        Served { eighths: [from, to], least: self.choose(&[0, 1, 5]), is_flat: self.chance(50) }
     }
 
     /// One of some values, of which there is at least one.

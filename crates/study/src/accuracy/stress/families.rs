@@ -55,7 +55,7 @@ const fn mirrored(family: Family) -> Family {
 }
 
 /// All families. The place in this list is part of the key of their random numbers.
-pub const FAMILIES: [Family; 23] = [
+pub const FAMILIES: [Family; 25] = [
     cells(
         "cell-grazing",
         "rays just touch roofs, or miss by 1 mm",
@@ -194,6 +194,18 @@ pub const FAMILIES: [Family; 23] = [
         "roofs bulge, rays sag",
         "shadows with straight ends: rays sag over a curved earth, touch roofs in their middle, and the ground beyond the horizon",
         prisms_drawn::curved,
+    ),
+    cells(
+        "cell-sectors",
+        "receivers on the edge of a sector",
+        "angles and distances in floats: receivers exactly on the edges of a sector, at its least radius and at its elevation, among towers",
+        cells_drawn::sectors,
+    ),
+    prisms(
+        "prism-sectors",
+        "receivers on the edge of a sector",
+        "angles and distances in floats: receivers exactly on the edges of a sector, at its least radius and at its elevation, among houses",
+        prisms_drawn::sectors,
     ),
 ];
 

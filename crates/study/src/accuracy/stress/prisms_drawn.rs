@@ -36,6 +36,16 @@ pub(super) fn curved(draw: &mut Draw) -> StressScene {
     StressScene { earth, ..shared_walls(draw) }
 }
 
+/// Houses with shared walls, and a UAV over the middle of a cell that serves a sector; whole cells above the receivers on the ground, so
+/// that some are at 45°.
+pub(super) fn sectors(draw: &mut Draw) -> StressScene {
+    let scene = shared_walls(draw);
+    let mut along = || draw.within(0, N - 1) * CELL + CELL / 2;
+    let (x, y) = (along(), along());
+    let z = draw.choose(&[16, 20]) * CELL + i64::from(scene.rx_height);
+    StressScene { uav: LatticePoint { x, y, z }, served: Some(draw.served()), ..scene }
+}
+
 /// Blocks cut into houses of equal and unequal heights that share their walls, some of them through the middle of cells.
 pub(super) fn shared_walls(draw: &mut Draw) -> StressScene {
     let mut prisms = Vec::new();

@@ -1,5 +1,6 @@
 //! A stress scene: a small board of cells or some footprints, one UAV, a receiver in every cell, all on the lattice.
 
+use super::served::Served;
 use crate::city::{DataArea, Footprint, FootprintFaults, Ground, Site, Solids};
 use crate::coverage::{MapOptions, Receivers, Uav};
 use crate::error::{Result, StressError};
@@ -115,6 +116,8 @@ pub struct StressScene {
     /// An odd number p, so that at a distance of d steps the earth falls away by d²/p; `None` where it is flat. No drop is halfway between
     /// two steps then.
     pub earth: Option<i64>,
+    /// Whom the UAV serves, if not all: others are not seen.
+    pub served: Option<Served>,
     /// Receivers whose answer is known without any computation.
     pub known: Vec<Known>,
 }
@@ -153,6 +156,7 @@ impl StressScene {
             uav,
             rx_height: narrow(3 * CELL / 2),
             earth: None,
+            served: None,
             known: Vec::new(),
         }
     }
@@ -183,13 +187,19 @@ impl StressScene {
         corners.max(self.uav.x.abs()).max(self.uav.y.abs())
     }
 
+    /// Whether the UAV serves a receiver.
+    pub fn serves(&self, receiver: LatticePoint) -> bool {
+        self.served.is_none_or(|served| served.holds(self.uav, receiver))
+    }
+
     /// How maps of the scene are made, by any method.
     pub fn options(&self) -> MapOptions {
         // d² in steps over p is 1024 d²/2KR in meters.
         #[expect(clippy::cast_precision_loss, reason = "a small number")]
         let earth_k = |p: i64| p as f64 / (2.0 * f64::from(STEPS_PER_UNIT) * EARTH_RADIUS_M);
         let curvature = self.earth.map(earth_k).and_then(Curvature::of_earth_k);
-        MapOptions { rx_height: self.rx_height, receivers: Receivers::All, curvature, ..MapOptions::default() }
+        let antenna = self.served.map(Served::antenna).unwrap_or_default();
+        MapOptions { rx_height: self.rx_height, receivers: Receivers::All, curvature, antenna, ..MapOptions::default() }
     }
 
     /// The scene as methods take it, its world coordinates rounded to the lattice as those of every scene.

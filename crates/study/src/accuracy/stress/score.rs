@@ -91,7 +91,7 @@ pub struct FamilyScore {
     pub breaks: &'static str,
     /// Receivers in all its scenes.
     pub receivers: u64,
-    /// Those of them that are LoS.
+    /// Those of them that are LoS and served.
     pub los: u64,
     /// What each method did, in the order asked for.
     pub outcomes: Vec<Outcome>,
@@ -181,7 +181,9 @@ fn outcome(scene: &StressScene, ready: &Ready, answers: &[bool], method: MethodC
     let options = MapOptions { method, ..scene.options() };
     let seen = Mapper::new(&ready.field, &options)?.seen(&ready.uav);
     let n_cols = scene.n_cols;
-    if seen.receivers.count() != ready.receivers.len() as u64 {
+    let served = || ready.receivers.iter().filter(|(_, receiver)| scene.serves(*receiver));
+    let is_in_range = |cell: &usize| seen.receivers.contains(cell / n_cols, cell % n_cols);
+    if seen.receivers.count() != served().count() as u64 || !served().all(|(cell, _)| is_in_range(cell)) {
         return Err(StressError::Receivers { scene: scene.name.clone() }.into());
     }
     let mut wrong = Wrong::default();

@@ -10,7 +10,7 @@ use super::truth_prisms::{self, prisms_truth};
 use crate::error::{Result, StressError};
 use crate::quantity::{LatticePoint, VOID};
 
-/// Whether each receiver of a scene is LoS, in the order of [`Ready::receivers`].
+/// Whether each receiver of a scene is served and LoS, in the order of [`Ready::receivers`].
 ///
 /// Cost: for each receiver the number of grid lines, or of edges squared.
 ///
@@ -36,7 +36,8 @@ pub fn truth(scene: &StressScene, ready: &Ready) -> Result<Vec<bool>> {
             columns_truth(seen.as_ref().unwrap_or(board), scene.uav, LatticePoint { z, ..*receiver })
         }
     };
-    let answers: Vec<bool> = ready.receivers.iter().map(|(_, receiver)| answer(receiver)).collect();
+    let answers: Vec<bool> =
+        ready.receivers.iter().map(|(_, receiver)| scene.serves(*receiver) && answer(receiver)).collect();
     for known in &scene.known {
         let cell = known.row * scene.n_cols + known.col;
         let found = ready.receivers.iter().position(|(c, _)| *c == cell).map(|k| answers[k]);
