@@ -157,6 +157,7 @@ fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
         curved,
         json!({"do": "digest"}),
         json!({"do": "link", "which": 0, "x": 20.5, "y": 12.5}),
+        json!({"do": "curve", "which": 0}),
     ];
     let answers = ask(&folder.word("page.html"), false, None, &questions);
     let said = |line: &str| folder.type_in(&format!("{line} --json -q")).done().json();
@@ -184,11 +185,14 @@ fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
     assert_eq!((&answers[4]["sees"][0], &answers[4]["margin_m"]), (&link["los"], &link["margin_m"]));
 
     // The curve counts at its UAV's height what the map counts.
-    let (heights, los) = (answers[5]["heights_m"].as_array().unwrap(), answers[5]["los"].as_array().unwrap());
-    let below = heights.iter().filter(|height| height.as_f64().unwrap() <= 100.0).count();
-    assert_eq!(los[below - 1], two["sites"][0]["los"]);
-    let all = los.last().unwrap();
-    assert!(all.as_u64() <= answers[5]["receivers"].as_u64());
+    let check_curve = |curve: &Value, map: &Value| {
+        let (heights, los) = (curve["heights_m"].as_array().unwrap(), curve["los"].as_array().unwrap());
+        let below = heights.iter().filter(|height| height.as_f64().unwrap() <= 100.0).count();
+        assert_eq!(los[below - 1], map["sites"][0]["los"]);
+        assert_eq!(curve["receivers"], map["sites"][0]["receivers"]);
+        assert!(los.last().unwrap().as_u64() <= curve["receivers"].as_u64());
+    };
+    check_curve(&answers[5], &two);
 
     let near =
         said("map itu:urban --size 300 --uav 150,150,100 --uav 40,220,60 --receivers street --radius 90 --rx-height 2");
@@ -200,7 +204,9 @@ fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
     assert!(answers[14].to_string().contains("no curve"), "{}", answers[14]);
 
     let in_air = "--uav 150,150,100 --uav 40,220,60 --receivers air --rx-height 60 --earth-k 0.0005";
-    assert_eq!(answers[16]["digest"], said(&format!("map itu:urban --size 300 {in_air}"))["digest"]);
+    let curved = said(&format!("map itu:urban --size 300 {in_air}"));
+    assert_eq!(answers[16]["digest"], curved["digest"]);
+    check_curve(&answers[18], &curved);
     let link = said("link itu:urban --size 300 --uav 150,150,100 --rx 20.5,12.5,60 --earth-k 0.0005");
     assert_eq!((&answers[17]["los"], &answers[17]["margin_m"]), (&link["los"], &link["margin_m"]));
 

@@ -137,6 +137,17 @@ impl<'a> LeastHeights<'a> {
         LeastHeights { field, uav: uav.clone(), rx_height, are_in_air, at_once, positions, lowest, found: Vec::new() }
     }
 
+    /// These after heights that were found before, of other rows of the same map.
+    #[must_use]
+    pub fn after(self, found: Vec<i32>) -> Self {
+        LeastHeights { found, ..self }
+    }
+
+    /// The heights found \[1/1024 m above the datum\], to go on with later.
+    pub fn into_found(self) -> Vec<i32> {
+        self.found
+    }
+
     /// Adds the receivers of rows of a mask from `first_row` on; fewer if it is stopped.
     pub fn add(&mut self, mask: &[u8], first_row: usize, control: &Control) {
         let (n_rows, n_cols) = (self.field.grid().n_rows(), self.field.grid().n_cols());

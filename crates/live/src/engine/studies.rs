@@ -1,6 +1,6 @@
 //! What takes longer than a map: P_LoS against height, the best place near, sets of UAVs side by side.
 
-use skyshed_core::coverage::{self, Control, LeastHeights};
+use skyshed_core::coverage::{self, Control, CurvedScene, LeastHeights, Uav};
 use skyshed_core::quantity::{meters, share};
 use skyshed_core::raster::BitGrid;
 
@@ -12,41 +12,48 @@ use crate::questions::Kept;
 /// A curve that is being made.
 #[derive(Debug)]
 pub(super) struct Curve {
-    least: LeastHeights<'static>,
+    uav: Uav,
+    /// The scene as the UAV sees it, if the earth is curved.
+    curved: Option<CurvedScene>,
+    /// The heights of the rows before the next one.
+    found: Vec<i32>,
     mask: Vec<u8>,
     next_row: usize,
 }
 
 impl Engine {
     pub(super) fn begin_curve(&mut self, which: usize) -> Result<(), String> {
-        let rx_height = rx_height(&self.sight)?;
         if self.mapper.limits_elevations() {
             return Err(
                 "Who is within the elevations or the beam changes with the height, so that there is no curve".into()
             );
         }
-        if self.sight.curvature().is_some() {
-            return Err("Over a curved earth the program has the curve: skyshed map --height-curve".into());
-        }
         let found = self.found(which)?;
-        let least = LeastHeights::of(self.field, &found.uav, (receivers_of(&self.sight), rx_height));
+        let uav = found.uav.clone();
+        let curved =
+            CurvedScene::of(self.field, &uav.station.place, self.sight.curvature()).map_err(|e| e.to_string())?;
         let mut mask = Vec::new();
         self.cells.mask(&mut mask, &found.seen.los, found.in_range.as_ref());
-        self.curve = Some(Curve { least, mask, next_row: 0 });
+        self.curve = Some(Curve { uav, curved, found: Vec::new(), mask, next_row: 0 });
         Ok(())
     }
 
     pub(super) fn curve_rows(&mut self, rows: usize) -> Result<CurveFacts, String> {
         let (n_cols, n_rows) = self.shape();
+        let receivers = (receivers_of(&self.sight), rx_height(&self.sight)?);
         let curve = self.curve.as_mut().ok_or("no curve was begun")?;
+        let field = curve.curved.as_ref().map_or(self.field, CurvedScene::field);
+        let mut least = LeastHeights::of(field, &curve.uav, receivers).after(std::mem::take(&mut curve.found));
         let end = n_rows.min(curve.next_row + rows.max(1));
         let cells = curve.next_row * n_cols..end * n_cols;
-        curve.least.add(&curve.mask[cells], curve.next_row, &Control::default());
+        least.add(&curve.mask[cells], curve.next_row, &Control::default());
         curve.next_row = end;
         if end < n_rows {
+            curve.found = least.into_found();
             return Ok(CurveFacts::Going { share: end as f64 / n_rows as f64 });
         }
-        let curve = self.curve.take().ok_or("no curve was begun")?.least.curve();
+        let curve = least.curve();
+        self.curve = None;
         Ok(CurveFacts::Done {
             done: True,
             receivers: curve.receivers(),
