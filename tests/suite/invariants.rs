@@ -290,7 +290,7 @@ pub(crate) fn raster_town(random: &mut Random, n: usize) -> HeightField {
 }
 
 /// Footprints on a ground, on `n` by `n` cells of 1 m.
-fn vector_field(footprints: Vec<Footprint>, ground: Ground, n: usize) -> HeightField {
+pub(crate) fn vector_field(footprints: Vec<Footprint>, ground: Ground, n: usize) -> HeightField {
     let grid = GeoRef::new((0.0, n as f64), (1.0, 1.0), (n, n), None).unwrap();
     let solids = Solids::Vector {
         footprints,

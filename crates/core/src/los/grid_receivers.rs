@@ -68,6 +68,13 @@ impl<'a> GridReceivers<'a> {
         GridReceivers { cells: Cow::Borrowed(&*self.cells), stands_on, drops, above, range, tiles: OnceLock::new() }
     }
 
+    /// These receivers so much higher \[1/1024 m\], whatever they stand on.
+    pub(crate) fn raised(&self, by: i32) -> GridReceivers<'_> {
+        let mut receivers = self.borrowed();
+        receivers.above += by;
+        receivers
+    }
+
     /// Receivers on the same cells, against a terrain that is as a UAV sees it.
     pub(super) fn seen_on_columns(&self, drops: &Drops) -> GridReceivers<'static> {
         let (n_rows, n_cols) = (self.cells.n_rows(), self.cells.n_cols());

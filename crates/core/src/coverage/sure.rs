@@ -1,0 +1,124 @@
+//! What is sure of a map where heights of buildings are known to within an error.
+//!
+//! The lower all buildings are, the more receivers on the ground a UAV sees. So two exact maps bound all others: with every building as
+//! low, and with every building as high as its error lets it be. Nothing is said of how errors are distributed, nor whether buildings
+//! share them. A receiver on a roof is as much higher or lower as its roof. It is taken as high where buildings are low, and as low where
+//! they are high, which bounds what any heights give, if not as closely.
+
+use super::curved::CurvedScene;
+use super::{Mapper, Receivers, Uav};
+use crate::city::Antenna;
+use crate::error::{MapError, Result};
+use crate::height_field::HeightField;
+use crate::los::{GridLos, GridReceivers};
+use crate::quantity::STEPS_PER_UNIT;
+use crate::raster::BitGrid;
+
+/// A scene with all buildings as low, and as high, as errors of their heights let them be. Of a surface model alone, where buildings are
+/// not known, all columns are lower and higher, and receivers stay where they are.
+#[derive(Debug)]
+pub struct HeightBounds {
+    low: HeightField,
+    high: HeightField,
+    /// By how much \[1/1024 m\].
+    steps: i32,
+}
+
+/// The receivers of a UAV, by what is sure of them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Sure {
+    /// Those in range, by the heights that are known.
+    pub receivers: BitGrid,
+    /// Those in line of sight whatever the heights within their bounds are.
+    pub surely: BitGrid,
+    /// Those in line of sight for some heights within them: `surely`, and others.
+    pub possibly: BitGrid,
+}
+
+impl HeightBounds {
+    /// The scene with heights of buildings that are off by at most so much \[m\], rounded up to 1/1024 m; `None` if a roof would leave
+    /// ±32 768 m then.
+    pub fn of(field: &HeightField, error_m: f64) -> Option<Self> {
+        #[expect(clippy::cast_possible_truncation, reason = "saturates, and is refused then")]
+        let steps = (error_m * f64::from(STEPS_PER_UNIT)).ceil() as i32;
+        let raised = |steps: i32| field.with_roofs_raised(steps);
+        (0..=1 << 25).contains(&steps).then_some(())?;
+        Some(HeightBounds { low: raised(-steps)?, high: raised(steps)?, steps })
+    }
+}
+
+impl Mapper<'_> {
+    /// What is sure of the receivers of a UAV, whatever heights buildings have within some bounds of the same scene. Who is in range does
+    /// not change.
+    ///
+    /// Cost: twice the line of sight of a map, by the same engine.
+    ///
+    /// # Errors
+    /// E118 for an earth so curved that heights would leave the lattice; those of [`Uav::place`] if the UAV is inside a building that is as
+    /// high as it may be.
+    pub fn sure(&self, uav: &Uav, bounds: &HeightBounds) -> Result<Sure> {
+        CurvedScene::check_around(self, uav)?;
+        uav.moved(&bounds.high, [0; 3], self.options.radius)?;
+        let in_range: Vec<BitGrid> = match CurvedScene::around(self, uav) {
+            Some(curved) => curved.mapper(self).in_range_by_kind(uav),
+            None => self.in_range_by_kind(uav),
+        };
+        let HeightBounds { low, high, steps } = bounds;
+        let none = || BitGrid::new(self.field.grid().n_rows(), self.field.grid().n_cols());
+        Ok(Sure {
+            possibly: self.with_buildings(low, *steps)?.los_of(uav, &in_range),
+            surely: self.with_buildings(high, -steps)?.los_of(uav, &in_range),
+            receivers: in_range.iter().fold(none(), |all, of_kind| all.or(of_kind)),
+        })
+    }
+
+    /// The receivers in range of a UAV over a flat earth, kind by kind.
+    fn in_range_by_kind(&self, uav: &Uav) -> Vec<BitGrid> {
+        let range = self.range_of(uav);
+        self.receivers.iter().map(|receivers| range.cut_receivers(receivers)).collect()
+    }
+
+    /// The same receivers in a scene with buildings of other heights, those on roofs so much higher \[1/1024 m\].
+    fn with_buildings<'b>(&'b self, field: &'b HeightField, roofs_by: i32) -> Result<Mapper<'b>> {
+        let is_roof = |k: usize| match self.options.receivers {
+            Receivers::Ground | Receivers::Air => false,
+            Receivers::Roof => true,
+            Receivers::All => k == 1,
+        };
+        let of_kind = |(k, receivers): (usize, &'b GridReceivers<'_>)| {
+            if is_roof(k) { receivers.raised(roofs_by) } else { receivers.borrowed() }
+        };
+        let method = self.engine.method();
+        let refuse =
+            |wrong: crate::los::WrongMethod| MapError::Method { why: wrong.why, instead: wrong.instead.name() };
+        let engine = GridLos::new(field, method).map_err(refuse)?;
+        // Who is in range is known, and heights do not change it.
+        let antenna = Antenna { elevation_deg: None, beam_deg: None, ..self.options.antenna };
+        Ok(Mapper {
+            field,
+            alone: engine.clone(),
+            engine,
+            why: self.why,
+            receivers: self.receivers.iter().enumerate().map(of_kind).collect(),
+            xs: Vec::new(),
+            roofs: None,
+            options: super::MapOptions { antenna, ..self.options.clone() },
+        })
+    }
+
+    /// Some receivers, kind by kind, that are in line of sight, whatever their elevation.
+    fn los_of(&self, uav: &Uav, wanted: &[BitGrid]) -> BitGrid {
+        let antenna = Antenna { elevation_deg: None, beam_deg: None, ..uav.antenna };
+        let uav = Uav { antenna, ..uav.clone() };
+        if let Some(curved) = CurvedScene::around(self, &uav) {
+            return curved.mapper(self).los_of(&uav, wanted);
+        }
+        let window = self.range_of(&uav).window();
+        let los = self
+            .receivers
+            .iter()
+            .zip(wanted)
+            .map(|(receivers, wanted)| self.engine.los(&uav.station, receivers, wanted, window));
+        los.reduce(|all, of_kind| all.or(&of_kind)).unwrap_or_else(|| BitGrid::new(0, 0))
+    }
+}
