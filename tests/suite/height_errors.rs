@@ -69,7 +69,7 @@ fn check(
         let found = seen(&redrawn(), uav, options);
         // All that are sure are seen, and none but those that may be.
         for (row, col) in sure.surely.cells() {
-            assert!(found.los.contains(row, col), "({row}, {col}) of {what}; receiver {}", found.receivers.contains(row, col));
+            assert!(found.los.contains(row, col), "({row}, {col}), {what}");
         }
         assert_eq!(found.los.count_in(&sure.possibly), found.los.count(), "{what}");
     }
