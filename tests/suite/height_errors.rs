@@ -2,7 +2,8 @@
 
 use skyshed_core::city::{Footprint, Ground};
 use skyshed_core::coverage::{HeightBounds, MapOptions, Mapper, Receivers, Uav};
-use skyshed_core::height_field::{Curvature, HeightField};
+use skyshed_core::height_field::{Curvature, HeightField, Station};
+use skyshed_core::los::{link_height_limits, link_los};
 use skyshed_core::raster::{GeoRef, Raster};
 
 use crate::invariants::{uav_at, vector_field};
@@ -15,7 +16,7 @@ const N: usize = 36;
 fn houses(random: &mut Random) -> Vec<Footprint> {
     let house = |k: i32| {
         let [x, y] = [k % 5 * 7, k / 5 * 7].map(|v| (v + 1) * 1024);
-        let side = |random: &mut Random| i32::try_from(random.choose(&[3, 4, 7])).unwrap() * 1024;
+        let side = |random: &mut Random| random.choose(&[3, 4, 7]) * 1024;
         let (w, d) = (side(random), side(random));
         let ring = vec![[x, y], [x + w, y], [x + w, y + d], [x, y + d]];
         let top = i32::try_from(random.within(3, 14)).unwrap() * 1024;
@@ -81,7 +82,7 @@ fn no_heights_within_their_bounds_leave_what_is_sure() {
     let count = over_seeds(if slow() { 600 } else { 60 }, 351, |seed, random, count| {
         let most = random.choose(&[1, 300, 1024, 3000]);
         let z = random.choose(&[9, 16, 40]) * 1024 + 700;
-        let (x, y) = (random.within(0, N as i64 - 1) as f64 + 0.5, random.within(0, N as i64 - 1) as f64 + 0.5);
+        let [x, y] = [(); 2].map(|()| random.below(N) as f64 + 0.5);
         let houses = houses(random);
         let field = vector_field(houses.clone(), Ground::Flat(0), N);
         let uav = uav_at(&field, x, y, z);
@@ -101,4 +102,72 @@ fn no_heights_within_their_bounds_leave_what_is_sure() {
         count.links += a.0 + b.0 + a.1 + b.1;
     });
     assert!(count.los > 5000 && count.links - count.los > 5000, "{count:?}");
+}
+
+/// The probability of line of sight is the share of all combinations of heights in which a ray is clear, also where it runs along the wall
+/// between two houses.
+#[test]
+fn the_probability_of_a_link_is_that_of_all_combinations_of_heights() {
+    let count = over_seeds(if slow() { 300 } else { 24 }, 352, |seed, random, count| {
+        // Houses wall to wall, walls in the middle of cells, where rays from the middle of cells run along them.
+        let n = random.index(2, 6);
+        let mut west = 3 * 1024 + 512;
+        let blocks: Vec<([i32; 2], [i32; 2])> = (0..n)
+            .map(|_| {
+                let east = west + random.choose(&[1, 2, 3]) * 1024;
+                let south = random.choose(&[2, 3, 3]) * 1024 + 512;
+                let corners = ([west, south], [east, south + random.choose(&[3, 5]) * 1024]);
+                west = if random.chance(70) { east } else { east + 1024 };
+                corners
+            })
+            .collect();
+        // Powers of two, so that shares are exact.
+        let tops: Vec<Vec<i32>> = (0..n)
+            .map(|_| {
+                (0..random.choose(&[1, 2, 2, 4])).map(|_| i32::try_from(random.within(1, 9)).unwrap() * 1024).collect()
+            })
+            .collect();
+        let with = |of: &dyn Fn(usize) -> i32| {
+            let house = |(k, (low, high)): (usize, &([i32; 2], [i32; 2]))| Footprint {
+                id: k.to_string(),
+                polygons: vec![vec![vec![*low, [high[0], low[1]], *high, [low[0], high[1]]]]],
+                top: of(k),
+                base: Some(0),
+            };
+            vector_field(blocks.iter().enumerate().map(house).collect(), Ground::Flat(0), 16)
+        };
+        let field = with(&|k| tops[k][0]);
+        let y = random.below(16) as f64 + random.choose(&[0.5, 0.25]);
+        // In line with a wall, or anywhere.
+        let walls: Vec<i32> = blocks.iter().map(|(low, _)| low[0]).collect();
+        let x =
+            if random.chance(60) { f64::from(random.choose(&walls)) / 1024.0 } else { random.below(16) as f64 + 0.5 };
+        let uav = uav_at(&field, x, y, random.choose(&[10, 13, 20]) * 1024);
+        let n_fields: usize = tops.iter().map(Vec::len).product();
+        let drawn: Vec<HeightField> = (0..n_fields)
+            .map(|all| {
+                let top = |k: usize| {
+                    let before: usize = tops[..k].iter().map(Vec::len).product();
+                    tops[k][all / before % tops[k].len()]
+                };
+                with(&top)
+            })
+            .collect();
+        let share = |building: u32, limit: i64| {
+            let of = &tops[usize::try_from(building).unwrap()];
+            of.iter().filter(|top| i64::from(**top) <= limit).count() as f64 / of.len() as f64
+        };
+        let positions = field.positions();
+        for (row, col) in field.cells().open.cells() {
+            let receiver = Station { place: positions.center(row, col), z: random.choose(&[0, 1536, 3000]) };
+            let limits = link_height_limits(&field, &uav.station, &receiver, 8 * 1024).expect("flat ground");
+            let clear = drawn.iter().filter(|field| link_los(field, &uav.station, &receiver)).count();
+            let what = || format!("seed {seed}: {blocks:?} {tops:?}, UAV {:?}, {receiver:?}: {limits:?}", uav.station);
+            let wanted = clear as f64 / n_fields as f64;
+            assert_eq!(limits.probability(&share).to_bits(), wanted.to_bits(), "{}", what());
+            count.links += u64::from(clear > 0 && clear < n_fields);
+            count.ties += u64::from(!limits.walls.is_empty());
+        }
+    });
+    assert!(count.links > 300 && count.ties > 30, "{count:?}");
 }

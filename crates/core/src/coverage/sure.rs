@@ -1,7 +1,7 @@
 //! What is sure of a map where heights of buildings are known to within an error.
 //!
 //! The lower all buildings are, the more receivers on the ground a UAV sees. So two exact maps bound all others: with every building as
-//! low, and with every building as high as its error lets it be. Nothing is said of how errors are distributed, nor whether buildings
+//! low, and with every building as high as its error lets it be. Nothing is said of how likely errors are, nor whether buildings
 //! share them. A receiver on a roof is as much higher or lower as its roof. It is taken as high where buildings are low, and as low where
 //! they are high, which bounds what any heights give, if not as closely.
 
@@ -78,7 +78,7 @@ impl Mapper<'_> {
         self.receivers.iter().map(|receivers| range.cut_receivers(receivers)).collect()
     }
 
-    /// The same receivers in a scene with buildings of other heights, those on roofs so much higher \[1/1024 m\].
+    /// What maps a scene with buildings of other heights, for these receivers, of which those on roofs are so much higher \[1/1024 m\].
     fn with_buildings<'b>(&'b self, field: &'b HeightField, roofs_by: i32) -> Result<Mapper<'b>> {
         let is_roof = |k: usize| match self.options.receivers {
             Receivers::Ground | Receivers::Air => false,

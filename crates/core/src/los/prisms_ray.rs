@@ -10,6 +10,7 @@
 use std::ops::ControlFlow;
 
 use super::cell_walk::{CellWalk, Crossing};
+use super::height_limits::HeightLimits;
 use super::obstruction::{LeastHeight, Obstruction, surely_binds_less};
 use super::sag::Sag;
 use crate::height_field::{Piece, Prisms};
@@ -96,6 +97,49 @@ pub(super) fn prisms_least_height_above(
     floor: i64,
 ) -> LeastHeight {
     bound_from(prisms, receiver, uav, Walk::AwayFromPivot, Some(floor))
+}
+
+/// How high each building may be so that a link is clear, whatever their heights are as long as no top is more than `reach` above the one
+/// that is known \[1/1024 m\]; `None` where flat ground of a curved earth is in the way.
+///
+/// Cost: the pieces listed by the buckets along the link in which the ray is below the highest top with that on it.
+pub(super) fn prisms_height_limits(
+    prisms: &Prisms,
+    uav: LatticePoint,
+    receiver: LatticePoint,
+    reach: i32,
+) -> Option<HeightLimits> {
+    let mut limits = HeightLimits::default();
+    let building = |piece: usize| prisms.pieces()[piece].building;
+    if uav.x == receiver.x && uav.y == receiver.y {
+        if let Some((_, piece)) = prisms.solid_at(uav.x, uav.y).filter(|_| uav.z != receiver.z) {
+            limits.limit(building(piece), uav.z.min(receiver.z));
+        }
+        return Some(limits);
+    }
+    let sag = Sag::new(prisms.earth(), receiver.x - uav.x, receiver.y - uav.y);
+    let ray = Ray { sag, ..Ray::new(uav, receiver) };
+    if ray.is_below_horizon(prisms) {
+        return None;
+    }
+    let mut edges: Vec<Edge> = Vec::new();
+    let _ = visit_buckets(
+        prisms,
+        (receiver, uav),
+        |max_top, near, far| ray.dips_below(max_top.saturating_add(reach), near, far),
+        |index, piece| {
+            match ray.meet(prisms.ring(piece)) {
+                Meeting::Interior(interval) => limits.limit(piece.building, ray.highest_clear(&interval)),
+                Meeting::Edge(side, interval) => edges.push(Edge { piece: index, top: piece.top, side, interval }),
+                Meeting::Nothing => {}
+            }
+            ControlFlow::Continue(())
+        },
+    );
+    for (a, b, interval) in walls_along(&edges) {
+        limits.wall(building(a.piece), building(b.piece), ray.highest_clear(&interval));
+    }
+    Some(limits)
 }
 
 /// Which way buckets are visited.
@@ -347,6 +391,23 @@ impl Ray {
         i128::from(excess) * i128::from(at.d) > i128::from(at.n) * i128::from(self.dz)
     }
 
+    /// The highest top that does not block the ray over an interval.
+    fn highest_clear(&self, interval: &Interval) -> i64 {
+        let at = if self.dz <= 0 { interval.near } else { interval.far };
+        // EXACT: heights are below 2^28, so the quotient is, too.
+        let rise = (i128::from(at.n) * i128::from(self.dz)).div_euclid(i128::from(at.d));
+        let straight = self.uav.z + i64::try_from(rise).unwrap_or(0);
+        let Some(sag) = self.sag else { return straight };
+        let is_blocked = |top: i64| sag.dips(self.uav.z - top, self.dz, interval.far, interval.near);
+        // A link that sags is lower by no more than that.
+        let (mut clear, mut blocked) = (straight - sag.most() - 2, straight + 1);
+        while blocked - clear > 1 {
+            let middle = clear + (blocked - clear) / 2;
+            if is_blocked(middle) { blocked = middle } else { clear = middle }
+        }
+        clear
+    }
+
     /// Height of the ray at fraction `t` from the receiver, to within one lattice step.
     #[expect(clippy::cast_precision_loss, reason = "used with a margin of one lattice step")]
     fn height_from_receiver(&self, t: f64) -> f64 {
@@ -364,15 +425,19 @@ impl Ray {
     }
 }
 
-/// The pairs of opposite edges along the ray that overlap in an interval with length: shared walls.
+/// The shared walls along the ray, each as the edge of the lower top.
 fn shared_edges(edges: &[Edge]) -> impl Iterator<Item = (&Edge, Interval)> {
+    walls_along(edges).map(|(a, b, interval)| (if a.top <= b.top { a } else { b }, interval))
+}
+
+/// The pairs of opposite edges along the ray that overlap in an interval with length: shared walls.
+fn walls_along(edges: &[Edge]) -> impl Iterator<Item = (&Edge, &Edge, Interval)> {
     let less = |a: Crossing, b: Crossing| i128::from(a.n) * i128::from(b.d) < i128::from(b.n) * i128::from(a.d);
     let pairs = edges.iter().enumerate().flat_map(|(i, a)| edges[i + 1..].iter().map(move |b| (a, b)));
     pairs.filter(|(a, b)| a.side != b.side).filter_map(move |(a, b)| {
         let far = if less(a.interval.far, b.interval.far) { b.interval.far } else { a.interval.far };
         let near = if less(a.interval.near, b.interval.near) { a.interval.near } else { b.interval.near };
-        let lower = if a.top <= b.top { a } else { b };
-        less(far, near).then_some((lower, Interval { far, near }))
+        less(far, near).then_some((a, b, Interval { far, near }))
     })
 }
 
