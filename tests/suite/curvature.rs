@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use skyshed_core::city::Ground;
-use skyshed_core::coverage::{HeightLayers, MapOptions, Mapper, Receivers, Uav, class};
+use skyshed_core::coverage::{HeightLayers, MapOptions, Mapper, Receivers, SiteCoverage, Uav, class};
 use skyshed_core::height_field::{CellKind, Curvature, HeightField};
 use skyshed_core::los::MethodChoice;
 use skyshed_core::quantity::{BLOCKS_ALL, VOID};
@@ -172,7 +172,7 @@ fn wide_rasters_over_a_curved_earth_are_swept_as_rays_pass_them() {
 
 #[test]
 fn layers_over_a_curved_earth_are_those_of_walks() {
-    let layers = HeightLayers { margin: true, least_receiver_height: true, least_height: true, stability: false };
+    let layers = HeightLayers { margin: true, least_receiver_height: true, least_height: true, stability: true };
     over_seeds(if slow() { 2000 } else { 100 }, 35, |_, random, _| {
         let field = scene(random);
         let grid = field.grid();
@@ -185,6 +185,10 @@ fn layers_over_a_curved_earth_are_those_of_walks() {
         assert_eq!(bits(&a.margin), bits(&b.margin));
         assert_eq!(bits(&a.least_receiver_height), bits(&b.least_receiver_height));
         assert_eq!(bits(&a.least_height), bits(&b.least_height));
+        let turns = |of: &SiteCoverage| {
+            of.stability.as_ref().map(|found| (found.moves.clone(), bits(&Some(found.turns.clone()))))
+        };
+        assert_eq!(turns(&a), turns(&b));
         // A receiver is in line of sight from its least height up, above the datum.
         let (least, margin) = (a.least_receiver_height.unwrap(), a.margin.unwrap());
         let positions = field.positions();

@@ -63,6 +63,7 @@ fn check(
     let Ok(exactly) = mapper.sure(uav, &HeightBounds::of(field, 0.0).unwrap()) else { return (0, 0) };
     assert!(exactly.receivers == known.receivers && exactly.surely == known.los, "{what}");
     assert!(exactly.possibly == known.los, "{what}");
+    assert!(HeightBounds::of(field, f64::NAN).is_none() && HeightBounds::of(field, -0.1).is_none());
     let bounds = HeightBounds::of(field, most as f64 / 1024.0).unwrap();
     let Ok(sure) = mapper.sure(uav, &bounds) else { return (0, 0) };
     assert!(sure.receivers == known.receivers && sure.surely.clone().and(&known.los) == sure.surely, "{what}");

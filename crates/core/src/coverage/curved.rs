@@ -124,19 +124,31 @@ impl CurvedScene {
 
     /// The scene of a mapper as a UAV sees it; `None` if it is what it is over a flat earth.
     pub(super) fn around(mapper: &Mapper<'_>, uav: &Uav) -> Option<CurvedScene> {
-        let (place, curvature) = (&uav.station.place, mapper.options.curvature?);
+        let curvature = mapper.options.curvature?;
         let (drops, window) = CurvedScene::drops_around(mapper, uav, curvature)?;
-        let field = mapper.field.bent(place, curvature, &drops, window);
-        Some(CurvedScene { field, curvature, place: *place, drops, window })
+        Some(CurvedScene::bent(mapper, uav, curvature, (drops, window)))
     }
 
-    /// Refuses a map from which heights would be bent out of the lattice.
+    /// The scene as in [`CurvedScene::around`], if no height is bent out of the lattice.
     ///
     /// # Errors
     /// E118.
-    pub(super) fn check_around(mapper: &Mapper<'_>, uav: &Uav) -> Result<()> {
-        let around = mapper.options.curvature.and_then(|of| CurvedScene::drops_around(mapper, uav, of));
-        around.map_or(Ok(()), |(drops, window)| check_drop(drops.most_m(window), mapper.field.lowest_known()))
+    pub(super) fn checked_around(mapper: &Mapper<'_>, uav: &Uav) -> Result<Option<CurvedScene>> {
+        let Some(curvature) = mapper.options.curvature else { return Ok(None) };
+        let Some((drops, window)) = CurvedScene::drops_around(mapper, uav, curvature) else { return Ok(None) };
+        check_drop(drops.most_m(window), mapper.field.lowest_known())?;
+        Ok(Some(CurvedScene::bent(mapper, uav, curvature, (drops, window))))
+    }
+
+    fn bent(
+        mapper: &Mapper<'_>,
+        uav: &Uav,
+        curvature: Curvature,
+        (drops, window): (Arc<Drops>, CellWindow),
+    ) -> CurvedScene {
+        let place = uav.station.place;
+        let field = mapper.field.bent(&place, curvature, &drops, window);
+        CurvedScene { field, curvature, place, drops, window }
     }
 
     /// The drops of the cells, and the window of those that matter to a UAV; `None` where that changes nothing.

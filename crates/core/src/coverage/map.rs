@@ -304,8 +304,7 @@ impl<'a> Mapper<'a> {
         mut each_part: Option<EachPart<'_>>,
         keep: bool,
     ) -> Result<SiteCoverage> {
-        CurvedScene::check_around(self, uav)?;
-        if let Some(curved) = CurvedScene::around(self, uav) {
+        if let Some(curved) = CurvedScene::checked_around(self, uav)? {
             let mut map = curved.mapper(self).map_in_parts(uav, control, each_part, keep)?;
             curved.raise(&mut map, self.told_rows());
             return Ok(map);

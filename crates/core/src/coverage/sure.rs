@@ -3,14 +3,14 @@
 //! The lower all buildings are, the more receivers on the ground a UAV sees. So two exact maps bound all others: with every building as
 //! low, and with every building as high as its error lets it be. Nothing is said of how likely errors are, nor whether buildings
 //! share them. A receiver on a roof is as much higher or lower as its roof. It is taken as high where buildings are low, and as low where
-//! they are high, which bounds what any heights give, if not as closely.
+//! they are high. That holds whatever the heights are, but such receivers are seldom surely in line of sight then.
 
 use super::curved::CurvedScene;
-use super::{Mapper, Receivers, Uav};
+use super::{MapOptions, Mapper, Receivers, Uav};
 use crate::city::Antenna;
 use crate::error::{MapError, Result};
 use crate::height_field::HeightField;
-use crate::los::{GridLos, GridReceivers};
+use crate::los::{GridLos, GridReceivers, WrongMethod};
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::BitGrid;
 
@@ -36,13 +36,13 @@ pub struct Sure {
 }
 
 impl HeightBounds {
-    /// The scene with heights of buildings that are off by at most so much \[m\], rounded up to 1/1024 m; `None` if a roof would leave
-    /// ±32 768 m then.
+    /// The scene with heights of buildings that are off by at most so much \[m\], rounded up to 1/1024 m; `None` if that is
+    /// no length, or a roof would leave ±32 768 m.
     pub fn of(field: &HeightField, error_m: f64) -> Option<Self> {
         #[expect(clippy::cast_possible_truncation, reason = "saturates, and is refused then")]
         let steps = (error_m * f64::from(STEPS_PER_UNIT)).ceil() as i32;
         let raised = |steps: i32| field.with_roofs_raised(steps);
-        (0..=1 << 25).contains(&steps).then_some(())?;
+        (error_m >= 0.0 && steps <= 1 << 25).then_some(())?;
         Some(HeightBounds { low: raised(-steps)?, high: raised(steps)?, steps })
     }
 }
@@ -57,9 +57,8 @@ impl Mapper<'_> {
     /// E118 for an earth so curved that heights would leave the lattice; those of [`Uav::place`] if the UAV is inside a building that is as
     /// high as it may be.
     pub fn sure(&self, uav: &Uav, bounds: &HeightBounds) -> Result<Sure> {
-        CurvedScene::check_around(self, uav)?;
         uav.moved(&bounds.high, [0; 3], self.options.radius)?;
-        let in_range: Vec<BitGrid> = match CurvedScene::around(self, uav) {
+        let in_range: Vec<BitGrid> = match CurvedScene::checked_around(self, uav)? {
             Some(curved) => curved.mapper(self).in_range_by_kind(uav),
             None => self.in_range_by_kind(uav),
         };
@@ -88,10 +87,8 @@ impl Mapper<'_> {
         let of_kind = |(k, receivers): (usize, &'b GridReceivers<'_>)| {
             if is_roof(k) { receivers.raised(roofs_by) } else { receivers.borrowed() }
         };
-        let method = self.engine.method();
-        let refuse =
-            |wrong: crate::los::WrongMethod| MapError::Method { why: wrong.why, instead: wrong.instead.name() };
-        let engine = GridLos::new(field, method).map_err(refuse)?;
+        let refuse = |wrong: WrongMethod| MapError::Method { why: wrong.why, instead: wrong.instead.name() };
+        let engine = GridLos::new(field, self.engine.method()).map_err(refuse)?;
         // Who is in range is known, and heights do not change it.
         let antenna = Antenna { elevation_deg: None, beam_deg: None, ..self.options.antenna };
         Ok(Mapper {
@@ -102,7 +99,7 @@ impl Mapper<'_> {
             receivers: self.receivers.iter().enumerate().map(of_kind).collect(),
             xs: Vec::new(),
             roofs: None,
-            options: super::MapOptions { antenna, ..self.options.clone() },
+            options: MapOptions { antenna, ..self.options.clone() },
         })
     }
 

@@ -85,15 +85,6 @@ impl<'a> SeenHeights<'a> {
         }
     }
 
-    /// Heights of cells over a flat earth, and what their lines and their places in these contribute to drops; lines are rows or columns.
-    pub(crate) fn parts(&self, are_rows: bool) -> (&'a [i32], Option<[&'a [f64]; 2]>) {
-        let cells = match self.heights {
-            HeightsOf::One(_) => &[],
-            HeightsOf::Cells(cells) => cells,
-        };
-        (cells, self.drops.map(|drops| drops.parts(are_rows)))
-    }
-
     /// The highest by tile.
     pub(crate) fn tiles(&self) -> TileMaxima {
         match (self.heights, self.drops) {
@@ -214,11 +205,6 @@ impl Drops {
         lower_one(z, &self.by_row[first..], self.by_col[col], out);
     }
 
-    /// What rows or columns contribute, and then what columns or rows do: the drop of a cell is the sum, [`rounded`].
-    pub(crate) fn parts(&self, has_rows: bool) -> [&[f64]; 2] {
-        if has_rows { [&self.by_row, &self.by_col] } else { [&self.by_col, &self.by_row] }
-    }
-
     /// All cells lowered by their drops. Threads of the current pool share the work.
     pub(super) fn lowered_all(&self, heights: HeightsOf<'_>) -> LargeVec<i32> {
         let n_cols = self.by_col.len();
@@ -289,7 +275,7 @@ fn lower_known(z: i32, drop: i32) -> i32 {
 ///
 /// PERF: adding 2^52 leaves it in the lowest bits of the double, which the compiler does for a vector at once.
 #[inline(always)]
-pub(crate) fn rounded(a: f64, b: f64) -> i32 {
+fn rounded(a: f64, b: f64) -> i32 {
     const ONE_PER_STEP: f64 = (1_u64 << 52) as f64;
     #[expect(clippy::cast_possible_truncation, reason = "the lowest bits alone")]
     let steps = (a + b + ONE_PER_STEP).to_bits() as i32;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::solid::{RasterSolid, Solid, VectorSolid};
-use super::{CellSets, Columns, HeightField, Piece, Prisms, Ring};
+use super::{CellSets, HeightField, Piece, Prisms, Ring};
 use crate::quantity::{MAX_HEIGHT_M, VOID, height_steps};
 use crate::raster::{GeoRef, set_bits};
 
@@ -47,14 +47,13 @@ impl HeightField {
             Solid::Raster(RasterSolid { columns, .. }) => {
                 let n_cols = columns.n_cols();
                 let moves = if self.is_surface_only() { &self.cells.open } else { &self.cells.building };
-                let mut tops = columns.tops().to_vec();
+                let mut tops = columns.flat_tops().to_vec();
                 for row in 0..columns.n_rows() {
                     for col in set_bits(moves.row(row)) {
                         tops[row * n_cols + col] = raised(tops[row * n_cols + col])?;
                     }
                 }
-                let steps = columns.steps();
-                *columns = Columns::new(columns.n_rows(), n_cols, tops).with_cells_of(steps);
+                *columns = columns.with_flat_tops(tops);
             }
         }
         Some(field)

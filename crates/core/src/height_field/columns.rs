@@ -157,10 +157,26 @@ impl Columns {
 
     /// All tops as they are over a flat earth, and by how much each is seen lower.
     pub(crate) fn seen_tops(&self) -> SeenHeights<'_> {
-        SeenHeights {
-            heights: HeightsOf::Cells(&self.tops),
-            n_cols: self.n_cols,
-            drops: self.bent.as_ref().map(|bent| &*bent.drops),
+        SeenHeights { heights: HeightsOf::Cells(self.flat_tops()), n_cols: self.n_cols, drops: self.drops() }
+    }
+
+    /// All tops as they are over a flat earth.
+    pub(crate) fn flat_tops(&self) -> &[i32] {
+        &self.tops
+    }
+
+    /// By how much tops are seen lower over a curved earth.
+    pub(crate) fn drops(&self) -> Option<&Drops> {
+        self.bent.as_ref().map(|bent| &*bent.drops)
+    }
+
+    /// These columns with other tops over a flat earth, seen as much lower.
+    pub(super) fn with_flat_tops(&self, tops: Vec<i32>) -> Columns {
+        let columns = Columns::new(self.n_rows, self.n_cols, tops).with_cells_of(self.steps);
+        let whole = CellWindow { row: 0, col: 0, n_rows: self.n_rows, n_cols: self.n_cols };
+        match &self.bent {
+            None => columns,
+            Some(bent) => columns.lowered(Arc::clone(&bent.drops), whole),
         }
     }
 

@@ -26,7 +26,7 @@ mod solid;
 mod tile_maxima;
 mod triangulate;
 
-pub(crate) use bent::{BentTerrain, rounded};
+pub(crate) use bent::BentTerrain;
 pub use bent::{Drops, HeightsOf, SeenHeights};
 pub use build::Built;
 pub use casters::{Caster, CasterBlock, Casters};

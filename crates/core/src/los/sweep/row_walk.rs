@@ -4,8 +4,8 @@
 //! is over the higher of the two at its lowest point in the row, the row is clear; only else are the cells looked at one
 //! by one, as `ray` does. The cell is carried from row to row by adding to a remainder.
 
-use crate::height_field::{TILE_BITS, TileMaxima, rounded};
-use crate::quantity::{BLOCKS_ALL, STEPS_PER_UNIT, VOID};
+use crate::height_field::{Columns, Drops, TILE_BITS, TileMaxima};
+use crate::quantity::{STEPS_PER_UNIT, VOID};
 
 const CELL: i64 = STEPS_PER_UNIT as i64;
 
@@ -81,10 +81,7 @@ impl LinkOverRows {
 /// Where the cells of some lines are found.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RowCells<'a> {
-    /// Tops of the cells, line by line, over a flat earth.
-    pub(super) tops: &'a [i32],
-    /// How much lower they are seen.
-    pub(super) falls: Option<Falls<'a>>,
+    pub(super) seen: SeenTops<'a>,
     /// The receiver's cell: its line, and its place in the line, as numbers of rows and columns of the raster.
     pub(super) at: (i64, i64),
     /// How the number of the line changes on the way to the UAV, by 1.
@@ -97,23 +94,28 @@ pub(super) struct RowCells<'a> {
     pub(super) tiles: Option<RowTiles<'a>>,
 }
 
-/// How much lower cells are seen over a curved earth: the sum of what their line and their place in it contribute, rounded.
+/// The tops of the cells of a raster as the UAV sees them, over lines that are rows or columns of it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Falls<'a> {
-    pub(super) across: &'a [f64],
-    pub(super) along: &'a [f64],
+pub(super) struct SeenTops<'a> {
+    /// Over a flat earth, row by row.
+    tops: &'a [i32],
+    drops: Option<&'a Drops>,
+    are_rows: bool,
 }
 
-impl Falls<'_> {
-    /// The top of a cell as it is seen.
+impl<'a> SeenTops<'a> {
+    /// Those of columns.
+    pub(super) fn of(columns: &'a Columns, are_rows: bool) -> Self {
+        SeenTops { tops: columns.flat_tops(), drops: columns.drops(), are_rows }
+    }
+
+    /// The top of a cell, given its index, its line and its place in the line.
     #[inline(always)]
-    pub(super) fn lowered(&self, top: i64, line: i64, lateral: i64) -> i64 {
-        let of = |parts: &[f64], at: i64| usize::try_from(at).map_or(0.0, |at| parts[at]);
-        if top == i64::from(BLOCKS_ALL) {
-            return top;
-        }
-        // What blocks nothing is below all heights, however much lower.
-        top - i64::from(rounded(of(self.across, line), of(self.along, lateral)))
+    pub(super) fn top(&self, index: usize, place: (i64, i64)) -> i32 {
+        let top = self.tops[index];
+        let Some(drops) = self.drops else { return top };
+        let (line, lateral) = (usize::try_from(place.0).unwrap_or(0), usize::try_from(place.1).unwrap_or(0));
+        drops.lowered(top, if self.are_rows { (line, lateral) } else { (lateral, line) })
     }
 }
 
@@ -140,12 +142,11 @@ impl LinkOverRows {
     /// Whether none of the lines from `near` to `far` \[lattice steps from the UAV\] blocks the link; the receiver's own is not
     /// among them.
     pub(super) fn is_clear(&self, cells: &RowCells<'_>, edges: (i64, i64)) -> bool {
-        let tops = cells.tops;
-        match &cells.falls {
-            None => self.is_clear_of(cells, edges, |cell, _, _| i64::from(tops[cell])),
-            Some(falls) => self.is_clear_of(cells, edges, |cell, line, passed| {
-                let (line, lateral) = (cells.at.0 + line * cells.step, cells.at.1 + passed * self.sideways);
-                falls.lowered(i64::from(tops[cell]), line, lateral)
+        // PERF: a walk for each, not a choice for every cell.
+        match cells.seen.drops {
+            None => self.is_clear_of(cells, edges, |cell, _, _| cells.seen.tops[cell]),
+            Some(_) => self.is_clear_of(cells, edges, |cell, line, passed| {
+                cells.seen.top(cell, (cells.at.0 + line * cells.step, cells.at.1 + passed * self.sideways))
             }),
         }
     }
@@ -156,7 +157,7 @@ impl LinkOverRows {
         &self,
         cells: &RowCells<'_>,
         (near, far): (i64, i64),
-        top_of: impl Fn(usize, i64, i64) -> i64,
+        top_of: impl Fn(usize, i64, i64) -> i32,
     ) -> bool {
         let LinkOverRows { along, z, climb, most, .. } = *self;
         debug_assert!(far + CELL / 2 <= self.length.steps && along <= self.length.steps);
@@ -219,13 +220,10 @@ impl LinkOverRows {
                 let steps_over = after.beside != at.beside;
                 let (passed_lines, passed) = (n_lines - lines_left, most - at.beside);
                 let top = |cell: usize, passed: i64| top_of(cell, lines + passed_lines, passed);
-                let second = if steps_over && at.beside == 0 {
-                    i64::from(VOID)
-                } else {
-                    top(second, passed + i64::from(steps_over))
-                };
+                let is_beside = steps_over && at.beside == 0;
+                let second = if is_beside { VOID } else { top(second, passed + i64::from(steps_over)) };
                 let first = top(first, passed);
-                if first.max(second) * length > at.clear_below {
+                if i64::from(first.max(second)) * length > at.clear_below {
                     let n = first_n + passed_lines * CELL;
                     let met = RowMet { n, passed, rest: after.rest, steps_over };
                     if self.is_blocked(met, (first, second)) {
@@ -241,11 +239,11 @@ impl LinkOverRows {
 
     /// Whether one line blocks, given the tops of the cells in which the ray enters and leaves it.
     #[inline(never)]
-    fn is_blocked(&self, at: RowMet, (first, second): (i64, i64)) -> bool {
+    fn is_blocked(&self, at: RowMet, (first, second): (i32, i32)) -> bool {
         let LinkOverRows { along, z, climb, .. } = *self;
         let length = self.length.steps;
         let RowMet { n, passed, rest, steps_over } = at;
-        let (first, second) = (first - z, second - z);
+        let (first, second) = (i64::from(first) - z, i64::from(second) - z);
         let end = (n + CELL).min(length);
         // Where the ray steps over, if that is short of the UAV and not at a corner, where both indices step at once.
         let border = CELL / 2 + passed * CELL;

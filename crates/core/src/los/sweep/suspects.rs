@@ -12,7 +12,7 @@ use fearless_simd::prelude::*;
 use super::bounds::{PAD, split};
 use super::frame::{CELL, as_i64};
 use super::receivers::AZIMUTH_BITS;
-use super::row_walk::{Falls, LinkLength, LinkOverRows, RowCells, RowTiles};
+use super::row_walk::{LinkLength, LinkOverRows, RowCells, RowTiles, SeenTops};
 use super::undecided::{Open, Passed, Recall, RowBounds, Settling};
 use crate::height_field::{Columns, TILE};
 
@@ -170,9 +170,7 @@ impl Recall for Suspects<'_> {
 /// The rows before that of some receivers, in the raster.
 struct RasterRows<'a> {
     columns: &'a Columns,
-    /// The tops of the columns over a flat earth, and how much lower they are seen.
-    tops: &'a [i32],
-    falls: Option<Falls<'a>>,
+    seen: SeenTops<'a>,
     uav_z: i64,
     uav_lateral: i64,
     n_lateral: i64,
@@ -207,11 +205,9 @@ impl<'a> RasterRows<'a> {
         } else {
             (line, (outward, n_cols), (1, per_row))
         };
-        let (tops, falls) = columns.seen_tops().parts(frame.quadrant.has_raster_rows());
         RasterRows {
             columns,
-            tops,
-            falls: falls.map(|[across, along]| Falls { across, along }),
+            seen: SeenTops::of(columns, frame.quadrant.has_raster_rows()),
             uav_z: i64::from(frame.uav_z),
             uav_lateral: frame.uav_lateral,
             n_lateral: frame.n_lateral,
@@ -228,13 +224,12 @@ impl<'a> RasterRows<'a> {
 
     /// Whether none of the suspected rows hides the receiver of a lateral cell, `above_uav` above the UAV \[1/1024 m\].
     fn is_los(&self, lateral: i64, above_uav: i64, (groups, others): ([Option<Rows>; 2], Option<Rows>)) -> bool {
-        let RasterRows { columns, strides, tops, falls, .. } = *self;
+        let RasterRows { columns, strides, .. } = *self;
         let heights = (self.uav_z + above_uav, -above_uav);
         let link = LinkOverRows::new(self.length, (lateral, self.n_lateral), self.uav_lateral, heights);
         let own = usize::try_from(self.start + lateral * strides.1).unwrap_or(0);
-        let at = (self.line, lateral);
-        let cells =
-            RowCells { tops, falls, at, step: -self.outward, own, strides: (-strides.0, strides.1), tiles: None };
+        let (at, step, seen) = ((self.line, lateral), -self.outward, self.seen);
+        let cells = RowCells { seen, at, step, own, strides: (-strides.0, strides.1), tiles: None };
         // A group is too few rows for tiles to spare any.
         let tiles = || RowTiles { tiles: columns.tiles(), strides: self.tile_strides };
         groups.iter().flatten().all(|rows| link.is_clear(&cells, self.edges_of(*rows)))
@@ -268,12 +263,8 @@ impl<'a> RasterRows<'a> {
             let (cell, within) = (at.div_euclid(CELL), at.rem_euclid(CELL));
             let is_certain = (0..self.n_lateral).contains(&cell) & (2..CELL - 2).contains(&within);
             let index = if is_certain { self.start - back * self.strides.0 + cell * self.strides.1 } else { 0 };
-            let top = usize::try_from(index).map_or(0, |index| i64::from(self.tops[index]));
-            let top = match &self.falls {
-                Some(falls) if is_certain => falls.lowered(top, self.line - back * self.outward, cell),
-                _ => top,
-            };
-            let top = top - self.uav_z;
+            let place = (self.line - back * self.outward, if is_certain { cell } else { 0 });
+            let top = usize::try_from(index).map_or(0, |index| i64::from(self.seen.top(index, place)) - self.uav_z);
             // EXACT: heights are below 2^31, distances at most 2^26.
             (top * self.length.steps(), above_uav * distance, is_certain)
         };
