@@ -245,6 +245,66 @@ fn roofs_near_the_height_of_the_uav_hide_what_rays_say() {
     assert!(count.los > 1_000_000 && count.links - count.los > 100_000, "{count:?}");
 }
 
+/// Where a shadow ends, receivers a lattice step apart are told as rays tell them: there a roof that bulges hides less than a flat one.
+#[test]
+fn shadows_of_bulging_roofs_end_at_the_step_where_those_of_rays_do() {
+    let count = over_seeds(if slow() { 60_000 } else { 3000 }, 346, |seed, random, count| {
+        let of = random.choose(&[(1, 1000), (1, 10_000), (1, 100_000), (1, 300_000)]);
+        let size = random.choose(&[20_000, 60_000, 200_000]);
+        let c = bulge(of).coefficient();
+        let middle = [random.choose(&[3, 5, 9]) * size, random.within(-2 * size, 2 * size)];
+        let ring = ring(random, middle, size);
+        let squared = |x: i64, y: i64| (x as f64).powi(2) + (y as f64).powi(2);
+        // So high that receivers twice as far as the roof are before their horizon.
+        let fall = c * squared(3 * middle[0], 3 * middle[1].abs() + size);
+        if fall > 2e7 {
+            return;
+        }
+        let step = |v: f64| i64::try_from(v as i128).unwrap();
+        let high = step(fall) + random.within(2000, 200_000);
+        let roof = random.within(500, (high - step(c * squared(middle[0], middle[1]))).max(1000) * 3 / 4);
+        let uav = LatticePoint { x: 0, y: 0, z: high };
+        let piece = ring.iter().map(|v| v.map(|v| i32::try_from(v).unwrap())).collect::<Vec<_>>();
+        let prisms = Prisms::new([(piece, i32::try_from(roof).unwrap(), 0)]);
+        let prisms = prisms.on_earth(Some(CurvedGround { bulge: bulge(of), ground: None }));
+        // Along a row of receivers from the roof on, the last one that is hidden.
+        let y = middle[1] + random.within(-size / 2, size / 2);
+        let sees = |x: i64| prisms_los(&prisms, uav, LatticePoint { x, y, z: 0 });
+        let (mut hidden, mut seen) = (middle[0], 3 * middle[0]);
+        if sees(hidden) || !sees(seen) {
+            return;
+        }
+        while seen - hidden > 1 {
+            let x = hidden + (seen - hidden) / 2;
+            if sees(x) { seen = x } else { hidden = x }
+        }
+        let xs: Vec<i64> = (hidden - 31..hidden + 33).collect();
+        let ys = vec![y + 1, y, y - 1];
+        let grid = ShadowGrid::new(xs.clone(), ys.clone());
+        let wanted = cells_where((ys.len(), xs.len()), |_, _| true);
+        let scene = ShadowScene {
+            prisms: &prisms,
+            casters: prisms.casters(),
+            grid: &grid,
+            wanted: &wanted,
+            level: SimdLevel::new(),
+            n_bands: 1,
+        };
+        let found = shadow_los(&scene, uav, 0).los;
+        for (row, col) in wanted.cells() {
+            let receiver = LatticePoint { x: xs[col], y: ys[row], z: 0 };
+            let is_los = prisms_los(&prisms, uav, receiver);
+            assert_eq!(
+                found.contains(row, col),
+                is_los,
+                "seed {seed}: {of:?}, {ring:?} at {roof}, UAV at {high}, {receiver:?}"
+            );
+            count.add(is_los);
+        }
+    });
+    count.assert_both(20_000);
+}
+
 #[test]
 fn footprints_on_a_terrain_are_hidden_by_either() {
     let count = over_seeds(if slow() { 400 } else { 24 }, 344, |seed, random, count| {
