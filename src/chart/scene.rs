@@ -40,7 +40,7 @@ impl ChartPlan {
         let uavs = scene.place(found, None, &self.sight)?;
         check_memory(&scene.word, scene.grid(), BYTES_PER_CELL + uavs.len().div_ceil(2))?;
         let options = self.sight.options(scene.grid(), None);
-        let contestants = Contestant::all(&scene.field, self.sight.method(), options.curvature.is_some())?;
+        let contestants = Contestant::all(&scene.field, self.sight.method())?;
         let truth = Truth::of(&scene.field, &uavs, &options, MOST_RAYS)?;
         if truth.receivers() == 0 {
             scene.warnings.push(OddRun::NoReceivers.into());

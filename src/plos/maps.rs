@@ -46,7 +46,7 @@ impl Real {
             None => (None, None),
         };
         let field = coarse.as_ref().unwrap_or(&self.field);
-        let (method, _) = Method::choose(field, choice, false).map_err(|wrong| self.refuse(wrong))?;
+        let (method, _) = Method::choose(field, choice).map_err(|wrong| self.refuse(wrong))?;
         let coarse_zones = coarse.as_ref().and_then(|coarse| self.zones_of(coarse));
         let zones = if coarse.is_some() { coarse_zones.as_ref() } else { self.zones.as_ref() };
         let mut rows = Vec::new();

@@ -206,7 +206,7 @@ fn exact_engines_have_no_wrong_receivers_because_they_were_compared() {
     let mut other = truth.clone();
     let (row, col) = (0..40 * 48).map(|k| (k / 48, k % 48)).find(|(r, c)| truth.seen[0].los.contains(*r, *c)).unwrap();
     other.seen[0].los.words_mut()[row * truth.seen[0].los.words_per_row() + col / 64] &= !(1 << (col % 64));
-    let contestants = Contestant::all(&field, MethodChoice::Auto, false).unwrap();
+    let contestants = Contestant::all(&field, MethodChoice::Auto).unwrap();
     let exact: Vec<&Contestant> = contestants.iter().filter(|c| c.family().name() == "exact").collect();
     assert_eq!(exact.iter().map(|c| c.method.to_string()).collect::<Vec<_>>(), ["ray", "sweep"]);
     for contestant in exact {

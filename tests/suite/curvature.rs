@@ -170,6 +170,59 @@ fn wide_rasters_over_a_curved_earth_are_swept_as_rays_pass_them() {
     count.assert_both(100_000);
 }
 
+/// A raster of few flat blocks, on ground that is at some places lower, or without data.
+fn block_model(random: &mut Random) -> HeightField {
+    let (n_rows, n_cols) = (random.index(512, 560), random.index(512, 560));
+    let (pitch, tallest) = (random.index(25, 60), random.within(3000, 50_000));
+    let n_along = n_cols / pitch + 1;
+    let blocks: Vec<i64> = (0..(n_rows / pitch + 1) * n_along)
+        .map(|_| match random.within(0, 29) {
+            0 => i64::from(VOID),
+            1 => -random.within(0, 4000),
+            2..=9 => 0,
+            _ => random.within(1, tallest),
+        })
+        .collect();
+    let cells = (0..n_rows * n_cols).map(|k| {
+        let (row, col) = (k / n_cols, k % n_cols);
+        let is_block = row % pitch < pitch * 2 / 3 && col % pitch < pitch / 2;
+        let top = if is_block { blocks[row / pitch * n_along + col / pitch] } else { 0 };
+        i32::try_from(top).unwrap()
+    });
+    let grid = GeoRef::new((40.0, 90.0), (1.0, 1.0), (n_rows, n_cols), None).unwrap();
+    raster_field(Raster::new(grid, cells.collect::<Vec<_>>()), Ground::Flat(0))
+}
+
+#[test]
+fn shadows_of_plateaus_over_a_curved_earth_are_those_of_rays() {
+    let count = over_seeds(if slow() { 4000 } else { 200 }, 38, |seed, random, count| {
+        let field = block_model(random);
+        let lowest = field.plateaus().expect("few flat blocks").lowest();
+        let grid = field.grid();
+        let at = |random: &mut Random, low: f64, high: f64| match random.within(0, 2) {
+            0 => low + ((high - low) * random.within(-1, 5) as f64 / 4.0).floor() + 0.5,
+            1 => low + (high - low) * random.within(0, 1023) as f64 / 1024.0,
+            _ => low + ((high - low) * random.within(0, 8) as f64 / 8.0).floor(),
+        };
+        let (x, y) = (at(random, grid.x_min(), grid.x_max()), at(random, grid.y_min(), grid.y_max()));
+        let earth = random.choose(&[(4, 3), (1, 100), (1, 1000), (1, 3000), (1, 10_000), (1, 30_000)]);
+        // From where the farthest receivers are beyond the horizon to far above all.
+        let fall = drop(earth, 1024 * i64::try_from(grid.n_cols()).unwrap(), 0);
+        let z = random.choose(&[fall / 2, fall * 3 / 2, fall * 3, 30_000, 60_000, 150_000]).max(1537);
+        let uav = uav_at(&field, x, y, z);
+        let options = MapOptions { curvature: Some(curvature(earth)), ..MapOptions::default() };
+        let [cast, walked] = [MethodChoice::Shadow, MethodChoice::Ray]
+            .map(|method| map(&field, &uav, &MapOptions { method, ..options.clone() }).mask);
+        for (cell, (cast, walked)) in cast.iter().zip(&walked).enumerate() {
+            assert_eq!(cast, walked, "seed {seed}, K {earth:?}, lowest {lowest}, UAV {:?}, cell {cell}", uav.station);
+            if *walked == class::LOS || *walked == class::NLOS {
+                count.add(*walked == class::LOS);
+            }
+        }
+    });
+    assert!(count.links > 40_000_000 && count.los > 4_000_000 && count.links - count.los > 4_000_000, "{count:?}");
+}
+
 #[test]
 fn layers_over_a_curved_earth_are_those_of_walks() {
     let layers = HeightLayers { margin: true, least_receiver_height: true, least_height: true, stability: true };

@@ -201,7 +201,7 @@ fn roofs_near_the_height_of_the_uav_hide_what_rays_say() {
         };
         let (fall, bulges) = (drop_at(middle), bulge(of).coefficient() * (2 * size * size) as f64);
         let slope = 2.0 * bulge(of).coefficient() * size as f64 * f64::hypot(middle[0] as f64, middle[1] as f64);
-        let step = |v: f64| i64::try_from(v as i128).unwrap();
+        let step = |v: f64| v as i64;
         let below =
             random.choose(&[fall, fall + bulges, fall - bulges, fall + slope, fall + 3.0 * bulges, fall + 9000.0]);
         let top = -step(below) + random.within(-2, 2);
@@ -247,6 +247,7 @@ fn roofs_near_the_height_of_the_uav_hide_what_rays_say() {
 
 /// Where a shadow ends, receivers a lattice step apart are told as rays tell them: there a roof that bulges hides less than a flat one.
 #[test]
+#[expect(clippy::cast_possible_truncation, reason = "heights in steps")]
 fn shadows_of_bulging_roofs_end_at_the_step_where_those_of_rays_do() {
     let count = over_seeds(if slow() { 60_000 } else { 3000 }, 346, |seed, random, count| {
         let of = random.choose(&[(1, 1000), (1, 10_000), (1, 100_000), (1, 300_000)]);
@@ -260,7 +261,7 @@ fn shadows_of_bulging_roofs_end_at_the_step_where_those_of_rays_do() {
         if fall > 2e7 {
             return;
         }
-        let step = |v: f64| i64::try_from(v as i128).unwrap();
+        let step = |v: f64| v as i64;
         let high = step(fall) + random.within(2000, 200_000);
         let roof = random.within(500, (high - step(c * squared(middle[0], middle[1]))).max(1000) * 3 / 4);
         let uav = LatticePoint { x: 0, y: 0, z: high };

@@ -207,7 +207,7 @@ fn neither_threads_nor_vectors_change_a_cell() {
             let other = pool.install(|| by(field, uav, MethodChoice::Auto, Receivers::All, None));
             assert!(one.mask == other.mask && one.tally == other.tally, "{threads} threads");
         }
-        let (method, _) = Method::choose(field, MethodChoice::Auto, false).unwrap();
+        let (method, _) = Method::choose(field, MethodChoice::Auto).unwrap();
         let cells = field.cells().open.clone();
         let receivers = GridReceivers::new(cells.clone(), field.ground_of_cells(), 1536);
         let grid = field.grid();

@@ -146,11 +146,11 @@ fn auto_takes_the_shadows_of_generated_cities_as_rasters_and_they_are_those_of_r
                     assert_eq!((auto.tally, sweep.tally), (ray.tally, ray.tally), "{what}");
                 }
             }
-            assert_eq!(Method::choose(&field, MethodChoice::Auto, false).unwrap().0, Method::Shadow);
+            assert_eq!(Method::choose(&field, MethodChoice::Auto).unwrap().0, Method::Shadow);
             // Roofs that are not flat are no plateaus.
             let noisy = as_raster(&footprints, Ground::Surface, 700, &mut random);
-            assert_eq!(Method::choose(&noisy, MethodChoice::Auto, false).unwrap().0, Method::Sweep);
-            assert!(Method::choose(&noisy, MethodChoice::Shadow, false).is_err());
+            assert_eq!(Method::choose(&noisy, MethodChoice::Auto).unwrap().0, Method::Sweep);
+            assert!(Method::choose(&noisy, MethodChoice::Shadow).is_err());
         }
     }
 }

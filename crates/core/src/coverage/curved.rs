@@ -9,9 +9,9 @@ use super::range::{Heights, Range as InRange};
 use super::stability::ShiftedRoofs;
 use super::{ExplainedLink, MapOptions, ObstacleKind, ProfileStep, StepKind, Uav};
 use crate::error::{MapError, Result};
-use crate::height_field::{Curvature, Drops, HeightField, Place, Station};
+use crate::height_field::{Bulge, Curvature, Drops, HeightField, Place, Station};
 use crate::los::GridReceivers;
-use crate::quantity::{MAX_HEIGHT_M, height_steps, meters};
+use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, height_steps, meters};
 use crate::raster::CellWindow;
 
 /// A scene as one UAV sees it over a curved earth. In a raster all heights are lower by what the earth falls away from it; footprints and
@@ -184,14 +184,18 @@ impl CurvedScene {
             layers,
             method,
         };
+        // As many meters to the steps of both axes, or none.
+        let (step_x, step_y) = of.engine.positions().step_lengths();
+        let bulge = step_x.total_cmp(&step_y).is_eq().then(|| step_x * f64::from(STEPS_PER_UNIT) * meters_per_unit);
+        let bulge = bulge.and_then(|meters_per_unit| Bulge::new(self.curvature, meters_per_unit));
         let seen = |receivers: &'b GridReceivers<'_>| match field.prisms() {
             Some(_) => receivers.borrowed(),
             None => receivers.lowered(&self.drops, self.window),
         };
         Mapper {
             field,
-            engine: of.engine.over(field),
-            alone: of.alone.over(field),
+            engine: of.engine.over(field, bulge),
+            alone: of.alone.over(field, bulge),
             why: of.why,
             receivers: of.receivers.iter().map(seen).collect(),
             xs: of.xs.clone(),

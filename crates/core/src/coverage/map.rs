@@ -120,7 +120,7 @@ impl<'a> Mapper<'a> {
     /// one.
     pub fn new(field: &'a HeightField, options: &MapOptions) -> Result<Self> {
         let refuse = |wrong: WrongMethod| MapError::Method { why: wrong.why, instead: wrong.instead.name() };
-        let (method, why) = Method::choose(field, options.method, options.curvature.is_some()).map_err(refuse)?;
+        let (method, why) = Method::choose(field, options.method).map_err(refuse)?;
         if !method.is_exact() && options.layers != HeightLayers::default() {
             return Err(MapError::ApproximateLayers { method: method.name() }.into());
         }

@@ -142,6 +142,12 @@ impl Columns {
         self.bent.as_ref().map_or(self.tops.in_memory(), |bent| bent.tops.get().map(LargeVec::as_slice))
     }
 
+    /// All tops, unless each would have to be lowered first.
+    #[inline]
+    pub(crate) fn tops_at_hand(&self) -> Option<&[i32]> {
+        self.bent.as_ref().map_or(Some(&self.tops), |bent| bent.tops.get().map(LargeVec::as_slice))
+    }
+
     /// All tops, row by row from the north-west cell.
     pub fn tops(&self) -> &[i32] {
         let Some(Bent { drops, tops }) = &self.bent else { return &self.tops };

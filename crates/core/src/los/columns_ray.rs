@@ -146,10 +146,19 @@ fn rising_los(columns: &Columns, own: usize, uav: LatticePoint, receiver: Lattic
     let below_the_highest = |length: i64| if climb > 0 { (above * length + climb - 1) / climb } else { i64::MAX };
     walk.reach.0 = walk.reach.0.min(below_the_highest(walk.length.0));
     walk.reach.1 = walk.reach.1.min(below_the_highest(walk.length.1));
-    let tops = columns.tops();
+    // PERF: a top at a time where tops are lowered and few rays are asked about.
+    match columns.tops_at_hand() {
+        Some(tops) => is_clear(&mut walk, |cell| tops[cell], receiver.z, climb),
+        None => is_clear(&mut walk, |cell| columns.top_at(cell), receiver.z, climb),
+    }
+}
+
+/// Whether a ray that climbs so much from a receiver at height `z` is above the tops of all cells of a walk.
+#[inline(always)]
+fn is_clear(walk: &mut InnerWalk, top: impl Fn(usize) -> i32, z: i64, climb: i64) -> bool {
     // EXACT: all factors are at most 2^26, so every product is at most 2^52.
     while let Some(crossing) = walk.step() {
-        if (i64::from(tops[walk.index]) - receiver.z) * crossing.d > crossing.n * climb {
+        if (i64::from(top(walk.index)) - z) * crossing.d > crossing.n * climb {
             return false;
         }
     }
@@ -182,8 +191,9 @@ fn visit_intervals_where(
         columns.cell_towards(receiver, uav.x - receiver.x, uav.y - receiver.y)
     };
     if let Some(own) = inner {
+        let tops = columns.tops_at_hand();
         return InnerWalk::new(columns, own, uav, receiver).visit(columns, matters, |cell, near, far| {
-            let top = columns.tops()[cell];
+            let top = tops.map_or_else(|| columns.top_at(cell), |tops| tops[cell]);
             if top > VOID { visit(Interval { cell, top, near, far }) } else { ControlFlow::Continue(()) }
         });
     }

@@ -6,13 +6,14 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::columns_ray::columns_least_height_above;
+use super::curved_plateaus::CurvedPlateaus;
 use super::{
     GridHeights, GridReceivers, Method, OnPlateaus, PlateauScene, ReceiverHeights, ShadowGrid, ShadowScene, StepLength,
     Swept, UavPositions, WrongMethod, columns_least_receiver_height, link_los, plateaus_los, r2_los,
     shadow_least_heights, shadow_least_receiver_heights, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
 use crate::height_field::{
-    Casters, Columns, CurvedGround, GridPositions, HeightField, Plateau, Plateaus, Prisms, Station,
+    Bulge, Casters, Columns, CurvedGround, GridPositions, HeightField, Plateau, Plateaus, Prisms, Station,
 };
 use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, CellWindow, bits_between, set_bits};
@@ -27,7 +28,9 @@ enum Engine<'a> {
     R2(&'a Columns),
     Sweep(&'a Columns),
     /// Shadows of the plateaus of columns; where those cannot decide, the sweep.
-    Plateaus(&'a Columns, &'a Plateaus, ShadowGrid),
+    Plateaus(&'a Columns, &'a Plateaus, Cow<'a, ShadowGrid>),
+    /// The same over a curved earth.
+    CurvedPlateaus(&'a Columns, &'a Plateaus, &'a ShadowGrid, Bulge),
     Shadow(PrismShadows<'a>),
     /// And then the sweep for the terrain below the prisms.
     ShadowSweep(PrismShadows<'a>, &'a Columns),
@@ -62,7 +65,7 @@ impl<'a> Engine<'a> {
             (Method::Shadow, None, Some(columns)) => match field.plateaus() {
                 Some(plateaus) => {
                     let (xs, ys) = positions.on_columns();
-                    Engine::Plateaus(columns, plateaus, ShadowGrid::new(xs, ys))
+                    Engine::Plateaus(columns, plateaus, Cow::Owned(ShadowGrid::new(xs, ys)))
                 }
                 // A raster that was changed may have none any more.
                 None => Engine::Sweep(columns),
@@ -118,11 +121,16 @@ impl<'a> GridLos<'a> {
         })
     }
 
-    /// This engine over the same scene as it is seen over a curved earth.
-    pub(crate) fn over<'b>(&'b self, field: &'b HeightField) -> GridLos<'b> {
+    /// This engine over the same scene as it is seen over an earth that bulges on the lattice of its positions, if that is as wide as it is
+    /// deep.
+    pub(crate) fn over<'b>(&'b self, field: &'b HeightField, bulge: Option<Bulge>) -> GridLos<'b> {
         let shadows =
             |shadows: &'b PrismShadows<'_>, prisms| PrismShadows { prisms, grid: Cow::Borrowed(&*shadows.grid) };
         let engine = match (&self.engine, field.prisms(), field.columns()) {
+            (Engine::Plateaus(_, plateaus, grid), _, Some(columns)) => match bulge {
+                Some(bulge) => Engine::CurvedPlateaus(columns, plateaus, grid, bulge),
+                None => Engine::Sweep(columns),
+            },
             (Engine::Step(_, length), _, Some(columns)) => Engine::Step(columns, *length),
             (Engine::Xdraw(_), _, Some(columns)) => Engine::Xdraw(columns),
             (Engine::R2(_), _, Some(columns)) => Engine::R2(columns),
@@ -159,7 +167,9 @@ impl<'a> GridLos<'a> {
     ) -> Option<UavPositions<'b>> {
         let prisms = match &self.engine {
             Engine::Shadow(PrismShadows { prisms, .. }) if prisms.earth().is_none() => *prisms,
-            Engine::Plateaus(_, plateaus, _) if receivers.iter().all(|r| stand_beside(r, plateaus, z)) => {
+            Engine::Plateaus(_, plateaus, _)
+                if receivers.iter().all(|r| r.level().is_some_and(|level| stand_beside(r, level, plateaus, z))) =>
+            {
                 plateaus.prisms()
             }
             _ => return None,
@@ -179,7 +189,13 @@ impl<'a> GridLos<'a> {
     /// the UAV.
     pub fn los(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid, window: CellWindow) -> BitGrid {
         match &self.engine {
-            Engine::Ray => self.by_rays(uav, receivers, wanted),
+            Engine::Ray => {
+                // Lowered once, since all are asked for.
+                if let Some(columns) = self.field.columns() {
+                    columns.tops();
+                }
+                self.by_rays(uav, receivers, wanted)
+            }
             Engine::Step(columns, length) => self.by_links(receivers, wanted, |_, receiver| {
                 step_los(columns, uav.on_columns(), receiver.on_columns(), *length)
             }),
@@ -194,6 +210,11 @@ impl<'a> GridLos<'a> {
                 }
                 None => self.by_sweep(columns, uav, receivers, wanted, window),
             },
+            Engine::CurvedPlateaus(columns, plateaus, grid, bulge) => {
+                let plateaus =
+                    CurvedPlateaus { plateaus, bulge: *bulge, grid, level: self.level, n_bands: self.n_bands() };
+                self.by_curved_plateaus(&plateaus, columns, uav, receivers, (wanted, window))
+            }
             Engine::Shadow(shadows) => self.by_shadows(shadows, uav, receivers, wanted),
             // What the prisms hide need not be asked of the terrain.
             Engine::ShadowSweep(shadows, columns) => {
@@ -261,7 +282,9 @@ impl<'a> GridLos<'a> {
             Some((self.by_shadows(shadows, uav, receivers, wanted), heights))
         };
         match &self.engine {
-            Engine::Sweep(columns) | Engine::Plateaus(columns, ..) => swept(columns),
+            Engine::Sweep(columns) | Engine::Plateaus(columns, ..) | Engine::CurvedPlateaus(columns, ..) => {
+                swept(columns)
+            }
             Engine::Shadow(shadows) => cast(shadows),
             Engine::ShadowSweep(shadows, columns) => {
                 let ((past_prisms, cast), (past_columns, swept)) = (cast(shadows)?, swept(columns)?);
@@ -322,6 +345,30 @@ impl<'a> GridLos<'a> {
     fn all_casters<'b>(&self, shadows: &'b PrismShadows<'_>, wanted: &'b BitGrid) -> ShadowScene<'b> {
         let PrismShadows { prisms, grid } = shadows;
         ShadowScene { prisms, casters: prisms.casters(), grid, wanted, level: self.level, n_bands: self.n_bands() }
+    }
+
+    /// By shadows, where they bound what the columns hide, and the columns for the rest.
+    fn by_curved_plateaus(
+        &self,
+        plateaus: &CurvedPlateaus<'_>,
+        columns: &Columns,
+        uav: &Station,
+        receivers: &GridReceivers<'_>,
+        (wanted, window): (&BitGrid, CellWindow),
+    ) -> BitGrid {
+        let bounds = receivers
+            .level_over_flat_earth()
+            .filter(|z| stand_beside(receivers, *z, plateaus.plateaus, uav.z))
+            .and_then(|z| plateaus.bounds(uav.on_columns(), z, (wanted, window)));
+        let Some((surely, perhaps)) = bounds else { return self.by_sweep(columns, uav, receivers, wanted, window) };
+        let doubts = perhaps.and(&surely.complement());
+        // A ray takes about as long as the sweep of a row.
+        let los = if doubts.count() < window.n_rows as u64 {
+            self.by_rays(uav, receivers, &doubts)
+        } else {
+            self.by_sweep(columns, uav, receivers, &doubts, window)
+        };
+        los.or(&surely)
     }
 
     fn by_sweep(
@@ -423,11 +470,9 @@ pub(crate) fn height_by_cell(receivers: &GridReceivers<'_>) -> impl Fn(usize, us
     move |row, col| receivers.base(row * n_cols + col) + receivers.above
 }
 
-/// Whether all receivers stand at one height, none below the lowest plateau and none inside of one that is higher: to UAVs
-/// at height `uav_z` that are not below them no receiver's own cell matters then.
-fn stand_beside(receivers: &GridReceivers<'_>, plateaus: &Plateaus, uav_z: i64) -> bool {
-    let heights = i64::from(plateaus.lowest())..=uav_z;
-    let Some(z) = receivers.level().filter(|z| heights.contains(z)) else { return false };
+/// Whether no receiver at height `z` is below the lowest plateau or inside of one that is higher: to UAVs at height `uav_z` that
+/// are not below them no receiver's own cell matters then.
+fn stand_beside(receivers: &GridReceivers<'_>, z: i64, plateaus: &Plateaus, uav_z: i64) -> bool {
     let holds_receiver = |plateau: &Plateau| {
         let (first, end) = (plateau.cols.0 as usize, plateau.cols.1 as usize);
         (plateau.rows.0..plateau.rows.1).any(|row| {
@@ -435,7 +480,8 @@ fn stand_beside(receivers: &GridReceivers<'_>, plateaus: &Plateaus, uav_z: i64) 
             (first / 64..end.div_ceil(64)).any(|word| words[word] & bits_between(first, end, word) != 0)
         })
     };
-    !plateaus.raised().iter().any(|plateau| i64::from(plateau.top) > z && holds_receiver(plateau))
+    (i64::from(plateaus.lowest())..=uav_z).contains(&z)
+        && !plateaus.raised().iter().any(|plateau| i64::from(plateau.top) > z && holds_receiver(plateau))
 }
 
 /// Where receivers stand on plateaus; `None` unless the shadows of these decide.

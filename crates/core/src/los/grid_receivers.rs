@@ -186,6 +186,14 @@ impl<'a> GridReceivers<'a> {
         self.cells.words().iter().any(|w| *w != 0).then(|| i64::from(self.range.0) + i64::from(self.above))
     }
 
+    /// The one height over a flat earth of receivers that are known to stand on ground of one height.
+    pub(super) fn level_over_flat_earth(&self) -> Option<i64> {
+        match self.stands_on {
+            StandsOn::Flat(z) => Some(i64::from(z) + i64::from(self.above)),
+            _ => None,
+        }
+    }
+
     /// The one height of all receivers, if it is one.
     pub fn level(&self) -> Option<i64> {
         (self.range.0 == self.range.1).then(|| i64::from(self.range.0) + i64::from(self.above))

@@ -102,14 +102,9 @@ pub struct WrongMethod {
 }
 
 impl Method {
-    /// The method that a choice comes to on a scene, over a curved earth or a flat one, and why.
-    pub fn choose(
-        field: &HeightField,
-        choice: MethodChoice,
-        is_curved: bool,
-    ) -> Result<(Method, &'static str), WrongMethod> {
+    /// The method that a choice comes to on a scene, and why.
+    pub fn choose(field: &HeightField, choice: MethodChoice) -> Result<(Method, &'static str), WrongMethod> {
         let auto = match (field.prisms().is_some(), field.columns().is_some()) {
-            (false, _) if is_curved => (Method::Sweep, "a raster over a curved earth: one sweep over its cells"),
             (true, false) => (Method::Shadow, "footprints on flat ground: shadows of flat roofs"),
             (true, true) if field.columns_can_be_swept() => {
                 (Method::ShadowSweep, "footprints on terrain: shadows for the roofs, one sweep for the terrain")
@@ -128,9 +123,6 @@ impl Method {
         let is_cast = matches!(auto.0, Method::Shadow | Method::ShadowSweep | Method::ShadowRay);
         match method {
             Method::Shadow if is_cast => Ok((auto.0, "asked for")),
-            Method::Shadow if is_curved => {
-                Err(WrongMethod { why: "over a curved earth no block of a raster is flat", instead: auto.0 })
-            }
             Method::Shadow => Err(WrongMethod {
                 why: "no raster of few flat blocks on flat ground (of 512 × 512 cells or more)",
                 instead: auto.0,

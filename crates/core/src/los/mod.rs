@@ -32,6 +32,7 @@
 mod approximate;
 mod cell_walk;
 mod columns_ray;
+mod curved_plateaus;
 mod grid_heights;
 mod grid_los;
 mod grid_receivers;

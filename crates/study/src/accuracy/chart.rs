@@ -97,10 +97,10 @@ const STEPS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 const FACTORS: [usize; 3] = [2, 4, 8];
 
 impl Contestant {
-    /// Those who compete on a scene over a curved earth or a flat one, the exact ones first; `more` joins them if it is another engine.
-    pub fn all(field: &HeightField, more: MethodChoice, is_curved: bool) -> Result<Vec<Contestant>> {
+    /// Those who compete on a scene, the exact ones first; `more` joins them if it is another engine.
+    pub fn all(field: &HeightField, more: MethodChoice) -> Result<Vec<Contestant>> {
         let on = |ground: Ground| move |method: Method| Contestant { method, ground };
-        let own = Method::choose(field, MethodChoice::Auto, is_curved).map_or(Method::Ray, |(method, _)| method);
+        let own = Method::choose(field, MethodChoice::Auto).map_or(Method::Ray, |(method, _)| method);
         let is_vector = field.prisms().is_some();
         let approximate = STEPS.into_iter().filter_map(StepLength::new).map(Method::Step);
         let approximate = approximate.chain([Method::Xdraw, Method::R2]);
@@ -123,7 +123,7 @@ impl Contestant {
             // Approximations of a vector scene are those of its raster.
             Some(method) if is_vector && !matches!(method, Method::Ray | Method::Shadow) => on(Ground::Raster)(method),
             _ => {
-                let method = Method::choose(field, more, is_curved)
+                let method = Method::choose(field, more)
                     .map_err(|wrong| ChartError::Method { why: wrong.why, instead: wrong.instead.name() })?;
                 on(Ground::Scene)(method.0)
             }

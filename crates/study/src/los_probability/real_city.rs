@@ -99,7 +99,7 @@ impl<'a> RealCity<'a> {
         meters_per_unit: f64,
         block_m: f64,
     ) -> Result<Self, WrongMethod> {
-        let (method, _) = Method::choose(field, choice, false)?;
+        let (method, _) = Method::choose(field, choice)?;
         Ok(RealCity {
             field,
             engine: GridLos::new(field, method)?,

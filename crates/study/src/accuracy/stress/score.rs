@@ -175,7 +175,7 @@ fn scene_score(family: &Family, methods: &[Contender], seed: u64, number: u32) -
 }
 
 fn outcome(scene: &StressScene, ready: &Ready, answers: &[bool], method: MethodChoice) -> Result<Outcome> {
-    if let Err(wrong) = Method::choose(&ready.field, method, false) {
+    if let Err(wrong) = Method::choose(&ready.field, method) {
         return Ok(Outcome::Cannot(wrong.why));
     }
     let options = MapOptions { method, ..scene.options() };
