@@ -175,10 +175,11 @@ fn block_model(random: &mut Random) -> HeightField {
     let (n_rows, n_cols) = (random.index(512, 560), random.index(512, 560));
     let (pitch, tallest) = (random.index(25, 60), random.within(3000, 50_000));
     let n_along = n_cols / pitch + 1;
+    let has_low_ones = random.chance(50);
     let blocks: Vec<i64> = (0..(n_rows / pitch + 1) * n_along)
         .map(|_| match random.within(0, 29) {
             0 => i64::from(VOID),
-            1 => -random.within(0, 4000),
+            1 if has_low_ones => -random.within(0, 4000),
             2..=9 => 0,
             _ => random.within(1, tallest),
         })
@@ -208,9 +209,10 @@ fn shadows_of_plateaus_over_a_curved_earth_are_those_of_rays() {
         let earth = random.choose(&[(4, 3), (1, 100), (1, 1000), (1, 3000), (1, 10_000), (1, 30_000)]);
         // From where the farthest receivers are beyond the horizon to far above all.
         let fall = drop(earth, 1024 * i64::try_from(grid.n_cols()).unwrap(), 0);
-        let z = random.choose(&[fall / 2, fall * 3 / 2, fall * 3, 30_000, 60_000, 150_000]).max(1537);
+        let z = random.choose(&[fall / 2, fall * 3 / 2, fall * 3, 500, 3000, 30_000, 60_000, 150_000]).max(200);
         let uav = uav_at(&field, x, y, z);
-        let options = MapOptions { curvature: Some(curvature(earth)), ..MapOptions::default() };
+        let rx_height = random.choose(&[1536, 1536, 0, 1]);
+        let options = MapOptions { curvature: Some(curvature(earth)), rx_height, ..MapOptions::default() };
         let [cast, walked] = [MethodChoice::Shadow, MethodChoice::Ray]
             .map(|method| map(&field, &uav, &MapOptions { method, ..options.clone() }).mask);
         for (cell, (cast, walked)) in cast.iter().zip(&walked).enumerate() {
@@ -220,7 +222,7 @@ fn shadows_of_plateaus_over_a_curved_earth_are_those_of_rays() {
             }
         }
     });
-    assert!(count.links > 40_000_000 && count.los > 4_000_000 && count.links - count.los > 4_000_000, "{count:?}");
+    assert!(count.links > 40_000_000 && count.los > 2_000_000 && count.links - count.los > 2_000_000, "{count:?}");
 }
 
 #[test]

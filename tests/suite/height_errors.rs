@@ -1,7 +1,9 @@
 //! Maps of scenes whose heights of buildings are known to within an error.
 
 use skyshed_core::city::{Footprint, Ground};
-use skyshed_core::coverage::{HeightBounds, MapOptions, Mapper, Receivers, Uav};
+use skyshed_core::coverage::{
+    Control, HeightBounds, HeightErrors, MapOptions, Mapper, OwnErrors, Receivers, Uav, UncertainHeights,
+};
 use skyshed_core::height_field::{Curvature, HeightField, Station};
 use skyshed_core::los::{link_height_limits, link_los};
 use skyshed_core::raster::{GeoRef, Raster};
@@ -171,4 +173,86 @@ fn the_probability_of_a_link_is_that_of_all_combinations_of_heights() {
         }
     });
     assert!(count.links > 300 && count.ties > 30, "{count:?}");
+}
+
+fn p_los(field: &HeightField, uav: &Uav, options: &MapOptions, errors: &HeightErrors) -> Vec<f32> {
+    let heights = UncertainHeights::of(field, errors).unwrap();
+    Mapper::new(field, options).unwrap().p_los(uav, &heights, &Control::default()).unwrap()
+}
+
+#[test]
+fn without_errors_probabilities_are_the_mask() {
+    let count = over_seeds(if slow() { 600 } else { 60 }, 353, |seed, random, count| {
+        let field = vector_field(houses(random), Ground::Flat(0), N);
+        let [x, y] = [(); 2].map(|()| random.below(N) as f64 + 0.5);
+        let uav = uav_at(&field, x, y, random.choose(&[15, 20, 40]) * 1024);
+        let asked = options(random, &uav);
+        let known = seen(&field, &uav, &asked);
+        let found = p_los(&field, &uav, &asked, &HeightErrors::same(0.0, 0.0));
+        for (cell, p) in found.iter().enumerate() {
+            let at = (cell / N, cell % N);
+            let is_los = known.los.contains(at.0, at.1);
+            assert_eq!(p.is_nan(), !known.receivers.contains(at.0, at.1), "seed {seed}, {at:?}");
+            assert!(p.is_nan() || *p == f32::from(u8::from(is_los)), "seed {seed}, {at:?}: {p}, {asked:?}");
+            count.add(is_los);
+        }
+    });
+    count.assert_both(5000);
+}
+
+/// A number that is normally distributed.
+fn normal(random: &mut Random) -> f64 {
+    // By Box and Muller, of two uniform ones.
+    let uniform = |random: &mut Random| (random.below(1 << 30) as f64 + 0.5) / f64::from(1 << 30);
+    let (a, b) = (uniform(random), uniform(random));
+    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+}
+
+/// Redrawn towns agree with the probabilities of their receivers, for errors of each building, of all, and both.
+#[test]
+fn probabilities_are_the_shares_of_redrawn_towns() {
+    let n_draws = if slow() { 10_000 } else { 2000 };
+    let count = over_seeds(if slow() { 96 } else { 24 }, 354, |seed, random, count| {
+        // So high that no error takes a house away.
+        let higher = |of: Footprint| Footprint { top: of.top + 8 * 1024, ..of };
+        let houses: Vec<Footprint> = houses(random).into_iter().map(higher).collect();
+        let field = vector_field(houses.clone(), Ground::Flat(0), N);
+        let [x, y] = [(); 2].map(|()| random.below(N) as f64 + 0.5);
+        let uav = uav_at(&field, x, y, random.choose(&[30, 38, 48]) * 1024);
+        let asked = options(random, &uav);
+        let own: Vec<f64> = (0..houses.len()).map(|_| random.choose(&[0.2, 1.0, 1.5])).collect();
+        let by_building = HeightErrors { own: OwnErrors::ByBuilding(own.into()), shared_m: 0.6 };
+        let errors = match seed % 4 {
+            0 => HeightErrors::same(1.0, 0.0),
+            1 => HeightErrors::same(0.0, 1.2),
+            2 => HeightErrors::same(0.7, 0.9),
+            _ => by_building,
+        };
+        let found = p_los(&field, &uav, &asked, &errors);
+        let mut seen_in = vec![0_u32; N * N];
+        for _ in 0..n_draws {
+            let shared = normal(random) * errors.shared_m;
+            let redrawn = |(of, k): (&Footprint, u32)| {
+                let error = (shared + normal(random) * errors.own_m(k)) * 1024.0;
+                #[expect(clippy::cast_possible_truncation, reason = "some meters")]
+                Footprint { top: of.top + error.round() as i32, ..of.clone() }
+            };
+            let drawn = houses.iter().zip(0..).map(redrawn).collect();
+            let los = seen(&vector_field(drawn, Ground::Flat(0), N), &uav, &asked).los;
+            los.cells().for_each(|(row, col)| seen_in[row * N + col] += 1);
+        }
+        for (cell, (p, n)) in found.iter().zip(&seen_in).enumerate().filter(|(_, (p, _))| !p.is_nan()) {
+            let (p, share) = (f64::from(*p), f64::from(*n) / f64::from(n_draws));
+            let standard_error = (p * (1.0 - p) / f64::from(n_draws)).sqrt();
+            let off = (share - p).abs();
+            let what = || format!("seed {seed}, cell {cell}: {p} {share}, {errors:?}, {asked:?}, {:?}", uav.station);
+            // Where hardly any draw differs shares are no bell curve.
+            assert!(off <= 5.5 * standard_error + 3.0 / f64::from(n_draws), "{}", what());
+            count.ties += u64::from(off > 4.0 * standard_error + 2.0 / f64::from(n_draws));
+            count.links += u64::from(p > 0.001 && p < 0.999);
+        }
+    });
+    let (n_between, n_beyond) = (count.links, count.ties);
+    // One in 16 000 is farther off than four standard errors by chance; neighbors are off together.
+    assert!(n_between > 1000 && n_beyond * 1000 <= n_between, "{n_beyond} of {n_between}");
 }

@@ -6,7 +6,7 @@
 //! they are high. That holds whatever the heights are, but such receivers are seldom surely in line of sight then.
 
 use super::curved::CurvedScene;
-use super::{MapOptions, Mapper, Receivers, Uav};
+use super::{HeightErrors, MapOptions, Mapper, OwnErrors, Receivers, Uav};
 use crate::city::Antenna;
 use crate::error::{MapError, Result};
 use crate::height_field::HeightField;
@@ -20,8 +20,8 @@ use crate::raster::BitGrid;
 pub struct HeightBounds {
     low: HeightField,
     high: HeightField,
-    /// By how much \[1/1024 m\].
-    steps: i32,
+    /// By how much, of any of them \[1/1024 m\].
+    most: i32,
 }
 
 /// The receivers of a UAV, by what is sure of them.
@@ -39,11 +39,28 @@ impl HeightBounds {
     /// The scene with heights of buildings that are off by at most so much \[m\], rounded up to 1/1024 m; `None` if that is
     /// no length, or a roof would leave ±32 768 m.
     pub fn of(field: &HeightField, error_m: f64) -> Option<Self> {
+        HeightBounds::by_building(field, |_| error_m)
+    }
+
+    /// The scene with heights that are off by so many standard deviations of their errors; `None` as of [`HeightBounds::of`], or if there is
+    /// no error for each building.
+    pub fn within(field: &HeightField, errors: &HeightErrors, deviations: f64) -> Option<Self> {
+        let is_raster_by_building = field.prisms().is_none() && matches!(errors.own, OwnErrors::ByBuilding(_));
+        if is_raster_by_building || !errors.are_valid(field.n_buildings()) {
+            return None;
+        }
+        HeightBounds::by_building(field, |building| deviations * errors.of_building_m(building))
+    }
+
+    fn by_building(field: &HeightField, error_m: impl Fn(u32) -> f64) -> Option<Self> {
         #[expect(clippy::cast_possible_truncation, reason = "saturates, and is refused then")]
-        let steps = (error_m * f64::from(STEPS_PER_UNIT)).ceil() as i32;
-        let raised = |steps: i32| field.with_roofs_raised(steps);
-        (error_m >= 0.0 && steps <= 1 << 25).then_some(())?;
-        Some(HeightBounds { low: raised(-steps)?, high: raised(steps)?, steps })
+        let steps = |building: u32| (error_m(building) * f64::from(STEPS_PER_UNIT)).ceil() as i32;
+        let n_buildings = u32::try_from(field.n_buildings()).ok()?.max(1);
+        let is_length = |building: u32| error_m(building) >= 0.0 && steps(building) <= 1 << 25;
+        (0..n_buildings).all(is_length).then_some(())?;
+        let most = (0..n_buildings).map(steps).max().unwrap_or(0);
+        let (low, high) = (field.with_roofs_raised_by(|b| -steps(b))?, field.with_roofs_raised_by(steps)?);
+        Some(HeightBounds { low, high, most })
     }
 }
 
@@ -58,34 +75,44 @@ impl Mapper<'_> {
     /// high as it may be.
     pub fn sure(&self, uav: &Uav, bounds: &HeightBounds) -> Result<Sure> {
         uav.moved(&bounds.high, [0; 3], self.options.radius)?;
-        let in_range: Vec<BitGrid> = match CurvedScene::checked_around(self, uav)? {
+        let in_range = match CurvedScene::checked_around(self, uav)? {
             Some(curved) => curved.mapper(self).in_range_by_kind(uav),
             None => self.in_range_by_kind(uav),
         };
-        let HeightBounds { low, high, steps } = bounds;
+        self.sure_of(uav, bounds, &in_range)
+    }
+
+    /// What is sure of some receivers, kind by kind; of a UAV inside a building that is as high as it may be, that it surely sees none.
+    pub(super) fn sure_of(&self, uav: &Uav, bounds: &HeightBounds, in_range: &[BitGrid]) -> Result<Sure> {
+        let HeightBounds { low, high, most } = bounds;
         let none = || BitGrid::new(self.field.grid().n_rows(), self.field.grid().n_cols());
+        let is_inside = uav.moved(high, [0; 3], self.options.radius).is_err();
         Ok(Sure {
-            possibly: self.with_buildings(low, *steps)?.los_of(uav, &in_range),
-            surely: self.with_buildings(high, -steps)?.los_of(uav, &in_range),
+            possibly: self.with_buildings(low, *most)?.los_of(uav, in_range),
+            surely: if is_inside { none() } else { self.with_buildings(high, -most)?.los_of(uav, in_range) },
             receivers: in_range.iter().fold(none(), |all, of_kind| all.or(of_kind)),
         })
     }
 
     /// The receivers in range of a UAV over a flat earth, kind by kind.
-    fn in_range_by_kind(&self, uav: &Uav) -> Vec<BitGrid> {
+    pub(super) fn in_range_by_kind(&self, uav: &Uav) -> Vec<BitGrid> {
         let range = self.range_of(uav);
         self.receivers.iter().map(|receivers| range.cut_receivers(receivers)).collect()
     }
 
-    /// What maps a scene with buildings of other heights, for these receivers, of which those on roofs are so much higher \[1/1024 m\].
-    fn with_buildings<'b>(&'b self, field: &'b HeightField, roofs_by: i32) -> Result<Mapper<'b>> {
-        let is_roof = |k: usize| match self.options.receivers {
+    /// Whether receivers of a kind stand on roofs.
+    pub(super) fn is_on_roofs(&self, kind: usize) -> bool {
+        match self.options.receivers {
             Receivers::Ground | Receivers::Air => false,
             Receivers::Roof => true,
-            Receivers::All => k == 1,
-        };
+            Receivers::All => kind == 1,
+        }
+    }
+
+    /// What maps a scene with buildings of other heights, for these receivers, of which those on roofs are so much higher \[1/1024 m\].
+    fn with_buildings<'b>(&'b self, field: &'b HeightField, roofs_by: i32) -> Result<Mapper<'b>> {
         let of_kind = |(k, receivers): (usize, &'b GridReceivers<'_>)| {
-            if is_roof(k) { receivers.raised(roofs_by) } else { receivers.borrowed() }
+            if self.is_on_roofs(k) { receivers.raised(roofs_by) } else { receivers.borrowed() }
         };
         let refuse = |wrong: WrongMethod| MapError::Method { why: wrong.why, instead: wrong.instead.name() };
         let engine = GridLos::new(field, self.engine.method()).map_err(refuse)?;

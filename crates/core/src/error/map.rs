@@ -16,6 +16,9 @@ pub enum MapError {
     /// Layers of heights, which are exact, beside an approximate method.
     #[error("layers of heights with `{method}`, which is approximate: they are exact, and would not agree")]
     ApproximateLayers { method: Cow<'static, str> },
+    /// Probabilities of line of sight where buildings are not told apart.
+    #[error("probabilities of line of sight of a raster, whose buildings are not told apart")]
+    RasterProbabilities,
     /// A curvature so strong that heights would leave the lattice: how far the earth would fall away within range \[m\].
     #[error(
         "within range the earth would fall away by {0:.0} m, wanted at most what leaves all heights within ±32768 m"

@@ -35,22 +35,29 @@ impl HeightField {
     ///
     /// Cost: that of a copy; prisms are sorted into buckets again.
     pub fn with_roofs_raised(&self, steps: i32) -> Option<HeightField> {
+        self.with_roofs_raised_by(|_| steps)
+    }
+
+    /// Like [`HeightField::with_roofs_raised`] by what a function gives for the number of a building; it is asked once, for 0, where
+    /// buildings have none.
+    pub fn with_roofs_raised_by(&self, steps: impl Fn(u32) -> i32) -> Option<HeightField> {
         let limit = height_steps(MAX_HEIGHT_M)?;
-        let raised = |top: i32| Some(top + steps).filter(|top| top.abs() <= limit);
+        let raised = |top: i32, steps: i32| Some(top + steps).filter(|top| top.abs() <= limit);
         let mut field = self.clone();
         match &mut field.solid {
             Solid::Vector(VectorSolid { prisms, .. }) => {
-                let piece = |p: &Piece| Some((prisms.ring(p).to_vec(), raised(p.top)?, p.building));
+                let piece = |p: &Piece| Some((prisms.ring(p), raised(p.top, steps(p.building))?, p.building));
                 *prisms = Prisms::new(prisms.pieces().iter().map(piece).collect::<Option<Vec<_>>>()?)
                     .on_earth(prisms.earth());
             }
             Solid::Raster(RasterSolid { columns, .. }) => {
                 let n_cols = columns.n_cols();
                 let moves = if self.is_surface_only() { &self.cells.open } else { &self.cells.building };
+                let steps = steps(0);
                 let mut tops = columns.flat_tops().to_vec();
                 for row in 0..columns.n_rows() {
                     for col in set_bits(moves.row(row)) {
-                        tops[row * n_cols + col] = raised(tops[row * n_cols + col])?;
+                        tops[row * n_cols + col] = raised(tops[row * n_cols + col], steps)?;
                     }
                 }
                 *columns = columns.with_flat_tops(tops);

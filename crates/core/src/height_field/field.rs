@@ -88,6 +88,20 @@ impl HeightField {
         &self.grid
     }
 
+    /// The top of each building of a vector scene, by its number \[1/1024 m above the datum\]; [`VOID`] of one without an area.
+    pub fn building_tops(&self) -> Vec<i32> {
+        let mut tops = vec![VOID; self.n_buildings()];
+        for piece in self.prisms().map_or(&[][..], Prisms::pieces) {
+            tops[piece.building as usize] = piece.top;
+        }
+        tops
+    }
+
+    /// The building of a vector scene whose roof is at a place, the highest of several.
+    pub(crate) fn building_at(&self, place: &Place) -> Option<u32> {
+        self.prisms()?.roof_at(place.on_prisms.0, place.on_prisms.1).map(|(_, building)| building)
+    }
+
     /// The prisms, in a vector scene.
     pub fn prisms(&self) -> Option<&Prisms> {
         self.solid.vector().map(|vector| &vector.prisms)

@@ -30,6 +30,21 @@ impl HeightLimits {
         if a == b { self.limit(a, top) } else { self.walls.push((a, b, top)) }
     }
 
+    /// What is left to ask of the others once the top of one building is known; `None` if that is too high.
+    pub(crate) fn with_top_of(mut self, building: u32, top: i64) -> Option<HeightLimits> {
+        if self.crossed.iter().any(|(of, limit)| *of == building && top > *limit) {
+            return None;
+        }
+        self.crossed.retain(|(of, _)| *of != building);
+        let (known, walls): (Vec<Wall>, Vec<Wall>) =
+            self.walls.into_iter().partition(|(a, b, _)| *a == building || *b == building);
+        let mut left = HeightLimits { crossed: self.crossed, walls };
+        for (a, b, limit) in known.into_iter().filter(|(.., limit)| top > *limit) {
+            left.limit(if a == building { b } else { a }, limit);
+        }
+        Some(left)
+    }
+
     /// The probability that the link is clear, if heights of buildings are independent: `probability(building, limit)` is that of a building to be no
     /// higher than a limit \[1/1024 m above the datum\].
     ///

@@ -7,6 +7,7 @@
 //!
 //! Over a curved earth the link sags ([`Sag`]), and flat ground stands in the way like a roof without an end.
 
+use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use super::cell_walk::{CellWalk, Crossing};
@@ -123,11 +124,20 @@ pub(super) fn prisms_height_limits(
         return None;
     }
     let mut edges: Vec<Edge> = Vec::new();
+    // Of the bucket that is visited.
+    let lowest = Cell::new(0.0);
+    let may_reach = |top: i32| f64::from(top) + f64::from(reach) > lowest.get();
     let _ = visit_buckets(
         prisms,
         (receiver, uav),
-        |max_top, near, far| ray.dips_below(max_top.saturating_add(reach), near, far),
+        |max_top, near, far| {
+            lowest.set(ray.lowest(near, far));
+            may_reach(max_top)
+        },
         |index, piece| {
+            if !may_reach(piece.top) {
+                return ControlFlow::Continue(());
+            }
             match ray.meet(prisms.ring(piece)) {
                 Meeting::Interior(interval) => limits.limit(piece.building, ray.highest_clear(&interval)),
                 Meeting::Edge(side, interval) => edges.push(Edge { piece: index, top: piece.top, side, interval }),
@@ -417,11 +427,17 @@ impl Ray {
     /// Whether the ray may be below `top` somewhere between `near` and `far`, measured from the receiver.
     #[inline]
     fn dips_below(&self, top: i32, near: Crossing, far: Crossing) -> bool {
+        f64::from(top) > self.lowest(near, far)
+    }
+
+    /// What the ray is nowhere below between `near` and `far`, measured from the receiver.
+    #[inline]
+    fn lowest(&self, near: Crossing, far: Crossing) -> f64 {
         let lowest = if self.dz <= 0 { near } else { far };
         #[expect(clippy::cast_precision_loss, reason = "used with a margin of one lattice step")]
         let fraction = |c: Crossing| c.n as f64 / c.d as f64;
         let sag = self.sag.map_or(0.0, |sag| sag.most_between(fraction(near), fraction(far)));
-        f64::from(top) > self.height_from_receiver(fraction(lowest)) - sag - 1.0
+        self.height_from_receiver(fraction(lowest)) - sag - 1.0
     }
 }
 

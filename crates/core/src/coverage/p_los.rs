@@ -1,0 +1,112 @@
+//! The probability that a receiver is in line of sight, where heights of buildings are off by normal errors.
+//!
+//! Two exact maps tell of most receivers, with all buildings as low and as high as six standard deviations make them ([`super::sure`]). For each of the
+//! others one walk finds how high each building may be so that its link is clear, and [`super::height_errors`] what is the probability of that.
+
+use rayon::prelude::*;
+
+use super::curved::CurvedScene;
+use super::height_errors::{CERTAIN, UncertainTops};
+use super::sure::HeightBounds;
+use super::{Control, HeightErrors, Mapper, Uav};
+use crate::error::{MapError, Result};
+use crate::height_field::{HeightField, Station};
+use crate::los::{GridReceivers, link_height_limits};
+use crate::quantity::STEPS_PER_UNIT;
+use crate::raster::{BitGrid, set_bits};
+
+/// A scene of footprints with the errors of their heights, ready for any number of UAVs.
+#[derive(Debug)]
+pub struct UncertainHeights {
+    errors: HeightErrors,
+    tops: Vec<i32>,
+    /// As far as errors are reckoned with.
+    bounds: HeightBounds,
+    /// The most that a top is above the known one by an error that is reckoned with \[1/1024 m\].
+    reach: i32,
+}
+
+impl UncertainHeights {
+    /// Makes ready; `None` if an error is no length, or makes a roof leave ±32 768 m, or there is not one for each building.
+    pub fn of(field: &HeightField, errors: &HeightErrors) -> Option<Self> {
+        let bounds = HeightBounds::within(field, errors, CERTAIN)?;
+        // The sum of two errors is no more than √2 of what both together are.
+        let most = (0..u32::try_from(field.n_buildings()).ok()?).map(|b| errors.own_m(b)).fold(0.0, f64::max);
+        #[expect(clippy::cast_possible_truncation, reason = "saturates")]
+        let reach = (CERTAIN * (most + errors.shared_m) * f64::from(STEPS_PER_UNIT)).ceil() as i32;
+        Some(UncertainHeights { errors: errors.clone(), tops: field.building_tops(), bounds, reach })
+    }
+}
+
+impl Mapper<'_> {
+    /// The probability that each receiver of a UAV is in line of sight, with errors of the heights of the same scene; NaN where there is no receiver
+    /// in range. Shape `[n_rows, n_cols]`, row 0 north. Without errors it is the mask: 0 or 1. A receiver on a roof is as much higher or lower as
+    /// that.
+    ///
+    /// It is good to about 10⁻⁷, on roofs to 10⁻⁴.
+    ///
+    /// Cost: twice the line of sight of a map, and a walk for each receiver that hangs on the heights; on roofs five.
+    ///
+    /// # Errors
+    /// E118 for a raster, whose buildings are not told apart, and for an earth so curved that heights would leave the lattice.
+    pub fn p_los(&self, uav: &Uav, heights: &UncertainHeights, control: &Control) -> Result<Vec<f32>> {
+        if self.field.prisms().is_none() {
+            return Err(MapError::RasterProbabilities.into());
+        }
+        let curved = CurvedScene::checked_around(self, uav)?;
+        let curved = curved.as_ref().map(|curved| curved.mapper(self));
+        let seen = curved.as_ref().unwrap_or(self);
+        let in_range = seen.in_range_by_kind(uav);
+        let sure = self.sure_of(uav, &heights.bounds, &in_range)?;
+        let n_cols = self.field.grid().n_cols();
+        let mut p_los = vec![f32::NAN; self.field.grid().n_cells()];
+        for (kind, (receivers, in_range)) in seen.receivers.iter().zip(&in_range).enumerate() {
+            let of = OfKind { mapper: seen, uav, heights, receivers, is_on_roofs: self.is_on_roofs(kind) };
+            p_los.par_chunks_mut(n_cols).enumerate().for_each(|(row, out)| {
+                if control.check().is_ok() {
+                    of.fill(row, in_range, (&sure.surely, &sure.possibly), out);
+                }
+            });
+        }
+        control.check()?;
+        Ok(p_los)
+    }
+}
+
+/// The receivers of one kind, as a UAV sees them.
+struct OfKind<'a> {
+    mapper: &'a Mapper<'a>,
+    uav: &'a Uav,
+    heights: &'a UncertainHeights,
+    receivers: &'a GridReceivers<'a>,
+    is_on_roofs: bool,
+}
+
+impl OfKind<'_> {
+    fn fill(&self, row: usize, in_range: &BitGrid, (surely, possibly): (&BitGrid, &BitGrid), out: &mut [f32]) {
+        for col in set_bits(in_range.row(row)) {
+            out[col] = match (surely.contains(row, col), possibly.contains(row, col)) {
+                (true, _) => 1.0,
+                (_, false) => 0.0,
+                _ => {
+                    #[expect(clippy::cast_possible_truncation, reason = "layers are stored as f32")]
+                    let p = self.probability(row, col) as f32;
+                    p
+                }
+            };
+        }
+    }
+
+    fn probability(&self, row: usize, col: usize) -> f64 {
+        let field = self.mapper.field;
+        let place = self.mapper.engine.positions().center(row, col);
+        let z = self.receivers.height(row * field.grid().n_cols() + col);
+        let UncertainHeights { errors, tops, reach, .. } = self.heights;
+        let limits = |by: i64| link_height_limits(field, &self.uav.station, &Station { place, z: z + by }, *reach);
+        let tops = UncertainTops { tops, errors };
+        match field.building_at(&place).filter(|_| self.is_on_roofs) {
+            Some(building) => tops.probability_on_roof(building, limits),
+            None => limits(0).map_or(0.0, |limits| tops.probability(&limits)),
+        }
+    }
+}
