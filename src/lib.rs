@@ -31,6 +31,7 @@ mod comparison;
 mod conversion;
 pub mod error;
 mod expected;
+mod height_errors;
 mod jobs;
 mod limits;
 mod link;

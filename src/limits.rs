@@ -15,7 +15,7 @@ use crate::accuracy::{
 };
 use crate::answer::{Answer, Head, Rows, RunFacts, Spent, WarningFacts, document_of, rows, warnings_of};
 use crate::city::Solids;
-use crate::coverage::{HeightLayers, IdleFootprints, Mapper};
+use crate::coverage::{Control, HeightLayers, IdleFootprints, MapOptions, Mapper, Uav};
 use crate::error::{Error, Result, Warning};
 use crate::expected::Expected;
 use crate::export::{Batch, Format};
@@ -23,7 +23,8 @@ use crate::height_field::HeightField;
 use crate::map::IdleDocument;
 use crate::picture::Look;
 use crate::quantity::tidy;
-use crate::render::grouped;
+use crate::read::MissingHeight;
+use crate::render::{grouped, percent};
 use crate::scene::{Scene, SceneOptions};
 use crate::sight::{Sight, SightFacts};
 use crate::uav::UavsAsked;
@@ -59,8 +60,12 @@ pub(crate) struct Limits {
     rectangles: Option<Rectangles>,
     /// Why `auto` takes its engine, and how long that is expected to take \[s\].
     engine: (&'static str, f64),
+    heights: HeightLimitsDocument,
     budget: Vec<BudgetLine>,
 }
+
+/// Buildings that are named for their heights, at most.
+const MOST_NAMED: usize = 12;
 
 /// Footprints that are rectangles.
 #[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
@@ -124,6 +129,7 @@ impl LimitsPlan {
             (uavs.len(), HeightLayers::default()),
             1,
         );
+        let heights = self.heights(&scene, options, &own, &uavs)?;
         let meters_per_unit = field.grid().meters_per_unit();
         let uncertain = Uncertain { uav_m: self.uav_error_m, roofs_m: self.height_error_m, meters_per_unit };
         let budget = match p_los {
@@ -139,9 +145,43 @@ impl LimitsPlan {
             idle,
             rectangles,
             engine: (why, expected.seconds()),
+            heights,
             budget,
             sight: *sight,
             facts: RunFacts { command, ..scene.facts(Some(method)) },
+        })
+    }
+
+    /// What hangs on heights of buildings.
+    fn heights(
+        &self,
+        scene: &Scene,
+        options: &SceneOptions,
+        own: &MapOptions,
+        uavs: &[Uav],
+    ) -> Result<HeightLimitsDocument> {
+        let field = &scene.field;
+        let mapper = Mapper::new(field, own)?;
+        let (mut receivers, mut possibly) = (0, 0);
+        let mut by_building = vec![0_u64; field.n_buildings()];
+        for uav in uavs {
+            let of = mapper.deciding(uav, self.height_error_m, &Control::default())?;
+            receivers += of.receivers;
+            possibly += of.possibly;
+            by_building.iter_mut().zip(&of.by_building).for_each(|(sum, n)| *sum += n);
+        }
+        let mut named: Vec<(u64, u32)> = by_building.into_iter().zip(0..).filter(|(n, _)| *n > 0).collect();
+        named.sort_unstable_by_key(|(n, building)| (std::cmp::Reverse(*n), *building));
+        let document = |(receivers, building): &(u64, u32)| DecidingBuilding {
+            id: field.building_id(*building).to_string(),
+            receivers: *receivers,
+        };
+        Ok(HeightLimitsDocument {
+            error_m: self.height_error_m,
+            receivers,
+            possibly,
+            buildings: named.iter().take(MOST_NAMED).map(document).collect(),
+            typical: typical_errors(scene, options),
         })
     }
 
@@ -193,6 +233,7 @@ impl Answer for Limits {
             rectangles: self.rectangles,
             why: self.engine.0,
             expected_s: self.engine.1,
+            heights: self.heights.clone(),
             budget: self.budget.iter().map(LineDocument::of).collect(),
             warnings: warnings_of(&self.facts.warnings),
         })
@@ -241,6 +282,7 @@ impl Answer for Limits {
         if self.idle.footprints > 0 {
             text += &format!("footprints {}\n", idle_in_words(&self.idle));
         }
+        text += &self.heights.text();
         text += "\nWhat limits P_LoS, the largest first:\n";
         let width = self.budget.iter().map(|line| line.part.name().len()).max().unwrap_or(0);
         for line in &self.budget {
@@ -256,6 +298,59 @@ impl Answer for Limits {
 
     fn add(&self, _: &mut Batch, _: &Path, _: Format, _: &Look) -> Result<()> {
         Ok(())
+    }
+}
+
+/// How far heights of a scene are off, typically, by where they come from; nothing of a generated one.
+fn typical_errors(scene: &Scene, options: &SceneOptions) -> Option<&'static str> {
+    match (scene.built_up, scene.field.prisms()) {
+        (Some(_), _) => None,
+        (None, None) => Some("0.3 to 1 m for a laser scan"),
+        (None, Some(_)) if options.missing == Some(MissingHeight::Levels) => {
+            Some("2 m where heights are 3 m to a level, 0.3 to 1 m where they were measured")
+        }
+        (None, Some(_)) => Some("0.3 to 1 m where they were measured, 4 m for a global product"),
+    }
+}
+
+/// What hangs on heights of buildings.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub(crate) struct HeightLimitsDocument {
+    /// How far the height of each building may be off [m].
+    error_m: f64,
+    /// Receivers in range of all UAVs, counted together.
+    receivers: u64,
+    /// Those that are in line of sight for some of these heights and not for others.
+    possibly: u64,
+    /// The buildings of footprints whose heights decide about the most receivers, each alone: those to measure first.
+    buildings: Vec<DecidingBuilding>,
+    /// How far such heights are off, typically; null for a generated city.
+    typical: Option<&'static str>,
+}
+
+/// A building whose height decides about receivers.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+struct DecidingBuilding {
+    /// Its id.
+    id: String,
+    /// Receivers whose answer its height alone turns.
+    receivers: u64,
+}
+
+impl HeightLimitsDocument {
+    /// Lines of the answer.
+    fn text(&self) -> String {
+        let share = percent(self.possibly, self.receivers);
+        let (error, n) = (tidy(self.error_m), grouped(self.possibly));
+        let mut text =
+            format!("heights    {share} of receivers ({n}) hang on heights of buildings, each off by up to {error} m");
+        text += &self.typical.map_or("\n".to_string(), |typical| format!(";\n           typically off by {typical}\n"));
+        if !self.buildings.is_empty() {
+            let of = |building: &DecidingBuilding| format!("{} ({})", building.id, grouped(building.receivers));
+            let named: Vec<String> = self.buildings.iter().map(of).collect();
+            text += &format!("           roofs to measure first: {}\n", named.join(", "));
+        }
+        text
     }
 }
 
@@ -286,6 +381,8 @@ pub(crate) struct LimitsDocument {
     why: &'static str,
     /// How long line of sight is expected to take [s].
     expected_s: f64,
+    /// What hangs on heights of buildings.
+    heights: HeightLimitsDocument,
     /// What limits P_LoS, the largest first.
     budget: Vec<LineDocument>,
     /// What was odd.

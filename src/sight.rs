@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::city::{Antenna, GivenSite};
-use crate::coverage::{self, HeightLayers, MapOptions, SiteCoverage};
+use crate::coverage::{self, MapOptions, SiteCoverage};
 use crate::error::{Error, OddRun, RequestError, Result, Warning};
 use crate::height_field::{Curvature, HeightField};
 use crate::los::{Method, MethodChoice};
@@ -314,8 +314,8 @@ impl Sight {
             antenna: self.antenna,
             curvature: self.curvature,
             meters_per_unit: grid.meters_per_unit(),
-            layers: HeightLayers::default(),
             method: self.method,
+            ..MapOptions::default()
         }
     }
 

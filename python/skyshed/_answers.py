@@ -33,6 +33,9 @@ MEASURES = {
     "least-receiver-height": "least-receiver-height",
     "least-height": "least-height",
     "stability": "stability",
+    "sure": "sure",
+    "p-los": "p-los",
+    "p_los": "p-los",
 }
 
 
@@ -174,6 +177,12 @@ class Coverage(_Mapped):
         return los / receivers if receivers else float("nan")
 
     @property
+    def p_los_interval(self) -> tuple[float, float] | None:
+        """Between which shares P_LoS is in 95 % of maps with heights redrawn, if the map was made with ``height_error`` or ``height_bias``."""
+        uncertain = self.document["sites"][0].get("uncertain", {})
+        return (uncertain["p_los_low"], uncertain["p_los_high"]) if "p_los_low" in uncertain else None
+
+    @property
     def receivers(self) -> int:
         """Receivers in range."""
         return self._maps.tallies()[0][0]
@@ -186,7 +195,7 @@ class Coverage(_Mapped):
 
     def layer(self, name: str) -> npt.NDArray[np.float32]:
         """A layer that was asked for, NaN where there is no receiver: heights [m] of ``margin``, ``ceiling`` and
-        ``least-height``, or ``stability``."""
+        ``least-height``, or ``stability``, ``sure`` (0 never, 1 surely, 2 possibly in line of sight) and ``p-los`` (probabilities)."""
         found = self._maps.layer(0, MEASURES.get(name, name))
         if found is None:
             raise KeyError(f"layer {name!r}: it was not asked for, or holds no heights")
@@ -200,10 +209,10 @@ class Coverage(_Mapped):
         import xarray
 
         layers: dict[str, Any] = {"los": (("y", "x"), self.los, _flags() | {"grid_mapping": "spatial_ref"})}
-        for name in ("margin", "ceiling", "least-height", "stability"):
+        for name in ("margin", "ceiling", "least-height", "stability", "sure", "p-los"):
             found = self._maps.layer(0, MEASURES[name])
             if found is not None:
-                unit = {"units": "1" if name == "stability" else "m"}
+                unit = {"units": "m" if name in ("margin", "ceiling", "least-height") else "1"}
                 layers[name.replace("-", "_")] = (("y", "x"), found, unit | {"grid_mapping": "spatial_ref"})
         attrs = {"digest": self.digest, "p_los": self.p_los, "source": "skyshed"}
         return xarray.Dataset(layers, self.coordinates(), attrs)

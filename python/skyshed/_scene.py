@@ -70,6 +70,14 @@ class Sight(TypedDict, total=False):
     method: str
 
 
+class Mapping(Sight, total=False):
+    """Options of maps."""
+
+    height_error: float | None
+    height_bias: float | None
+    sigma: float | None
+
+
 class Origin(NamedTuple):
     """What a scene of files or a generated city is opened by, wherever a process is."""
 
@@ -228,7 +236,7 @@ class Scene(Grid):
         tolerance: float | None = None,
         zones: bool = False,
         progress: object = None,
-        **sight: Unpack[Sight],
+        **sight: Unpack[Mapping],
     ) -> Coverage:
         """What a UAV sees: (x, y, height) in the scene's reference system, the height above ground [m] or in words such as
         ``"30roof"``, ``"150amsl"``, ``"400ft"``.
@@ -238,7 +246,9 @@ class Scene(Grid):
         (two azimuths, clockwise from grid north), ``elevation`` (two angles from the UAV's horizontal, negative below) and ``beam`` (a full
         angle straight down) say whom antennas serve [deg]; a UAV may have its own as ``{"x": …, "sector": (90, 180)}``. ``earth_k`` curves the
         earth: ``"4/3"`` for radio, ``"7/6"`` for light. ``layers`` are ``los``,
-        ``margin``, ``ceiling`` and ``least-height``; ``zones`` counts by zone.
+        ``margin``, ``ceiling``, ``least-height``, ``stability``, ``sure`` and ``p-los``; ``zones`` counts by zone. ``height_error``
+        and ``height_bias`` are
+        standard deviations of errors of heights of buildings [m], of each alone and of all together: P_LoS has an interval then.
         """
         words = words_of({**sight, "layers": layers, "tolerance": tolerance, "zones": zones})
         maps = self._scene.maps([uav_of(uav)], words, True, watch_of(progress))
@@ -254,7 +264,7 @@ class Scene(Grid):
         zones: bool = False,
         keep: bool = False,
         progress: object = None,
-        **sight: Unpack[Sight],
+        **sight: Unpack[Mapping],
     ) -> Coverages:
         """What each of several UAVs sees, and all together: a list, an array of shape (n, 3), or a table with columns x, y, h.
 

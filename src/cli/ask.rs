@@ -145,10 +145,13 @@ pub fn save_options(words: &[OsString], files: &[PathBuf]) -> std::result::Resul
 }
 
 /// What is said of a map.
-const OF_MAP: [&str; 14] = [
+const OF_MAP: [&str; 17] = [
     "scene",
     "earth_k",
     "curvature_coefficient",
+    "height_error",
+    "height_bias",
+    "sigma",
     "rx_height",
     "receivers",
     "radius",

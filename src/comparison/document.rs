@@ -7,6 +7,7 @@ use super::facts::{GroupDifference, GroupShare, finite, grazing_share, reason_wi
 use crate::answer::{Head, PositionFields, Share, Timing, WarningFacts};
 use crate::city_statistics::bootstrap::RatioEstimate;
 use crate::coverage::MarginStats;
+use crate::height_errors::{HeightErrorsDocument, HeightsOfDifference};
 use crate::sight::SightFacts;
 
 /// Placements side by side.
@@ -16,6 +17,9 @@ pub(crate) struct CompareDocument {
     pub(super) head: Head,
     #[serde(flatten)]
     pub(super) sight: SightFacts,
+    /// How far heights of buildings may be off, where that was told.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) height_errors: Option<HeightErrorsDocument>,
     /// How intervals were made.
     pub(super) intervals: IntervalsDocument,
     /// Which placement is best, by how much, and whether that is clear.
@@ -207,6 +211,8 @@ pub(super) struct PairDocument {
     pub(super) all: DifferenceDocument,
     /// By zone of the receivers; null where none is known.
     pub(super) zones: Option<ByZone<DifferenceDocument>>,
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub(super) heights: Option<HeightsOfDifference>,
 }
 
 /// Two placements compared on some receivers.
@@ -294,6 +300,15 @@ pub(crate) struct CompareRow {
     pub(super) ci_high: Option<f64>,
     /// Whether the interval of a difference does not hold 0.
     pub(super) exceeds: Option<bool>,
+    /// Lower end of the interval of the difference with heights redrawn, where they may be off.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) heights_low: Option<f64>,
+    /// Upper end of the same.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) heights_high: Option<f64>,
+    /// Whether it does not hold 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) exceeds_heights: Option<bool>,
     /// Blocks with receivers.
     pub(super) blocks: u64,
     /// Receivers that both see.

@@ -3,6 +3,7 @@
 use crate::answer::Position;
 use crate::city_statistics::bootstrap::RatioEstimate;
 use crate::coverage::{MarginStats, PairCounts, Tally};
+use crate::height_errors::HeightsOfDifference;
 use crate::los_probability::estimate::FEWEST_CLUSTERS;
 use crate::map::SiteFacts;
 use crate::quantity::counted;
@@ -102,6 +103,8 @@ pub(crate) struct PairFacts {
     pub(crate) second: usize,
     /// By group.
     pub(crate) groups: [GroupDifference; N_GROUPS],
+    /// What of the difference errors of heights explain, where heights may be off.
+    pub(crate) heights: Option<HeightsOfDifference>,
 }
 
 /// How intervals were made.

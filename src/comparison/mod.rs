@@ -24,10 +24,11 @@ use tables::{Tables, margin_facts, pairs_of, tables};
 
 use crate::answer::{Answer, Rows, RunFacts, Spent};
 use crate::coverage::{
-    CellGroups, KeepMasks, Mapper, MarginSample, Overlay, SiteCoverage, Tally, Together, count_sets,
+    CellGroups, KeepMasks, Mapper, MarginSample, Overlay, RedrawnCounts, SiteCoverage, Tally, Together, count_sets,
 };
 use crate::error::{Error, LimitError, OddRun, PlacesError, RequestError, Result, Warning};
 use crate::export::{self, Batch, Format, add_comparison};
+use crate::height_errors::{AskedErrors, HeightsOfDifference};
 use crate::los::Method;
 use crate::map::{MaskDigest, SiteFacts};
 use crate::memory::check_memory;
@@ -62,6 +63,8 @@ const BYTES_PER_CELL: usize = 5 + 1 + 4;
 #[derive(Debug)]
 pub(crate) struct ComparisonPlan {
     pub(crate) sight: Sight,
+    /// How far heights of buildings may be off.
+    pub(crate) heights: AskedErrors,
     /// Files with masks of earlier runs.
     pub(crate) masks: Vec<PathBuf>,
     /// Whether these are hashed whatever their size.
@@ -83,6 +86,13 @@ struct Placed {
     mask: LargeVec<u8>,
     tally: Tally,
     margins: Option<MarginSample>,
+}
+
+/// What UAVs see, by which engine, and with heights redrawn.
+struct Mapped {
+    placed: Vec<Placed>,
+    method: Option<Method>,
+    redrawn: Option<RedrawnCounts>,
 }
 
 /// A comparison needs two placements, and does not become clearer beyond a number.
@@ -131,7 +141,7 @@ impl ComparisonPlan {
         check_memory(&scene.word, &grid, uavs.len() + self.masks.len() + n_bands + BYTES_PER_CELL)?;
         let zones = scene.zones();
         let before_los = Instant::now();
-        let (mut placed, method) = self.mapped(&scene, zones.as_deref(), (found, &uavs), progress)?;
+        let Mapped { mut placed, method, redrawn } = self.mapped(&scene, zones.as_deref(), (found, &uavs), progress)?;
         scene.timing.los = before_los.elapsed().as_secs_f64();
         for path in &self.masks {
             placed.extend(self.saved(path, &mut scene)?);
@@ -143,7 +153,13 @@ impl ComparisonPlan {
             scene.warnings.push(OddRun::NoReceiver { what: "placement", id, why }.into());
         }
         let facts = RunFacts { command, ..scene.facts(method) };
-        let (overlay, report) = self.report(facts, &placed, &blocks, zones.as_deref());
+        let (overlay, mut report) = self.report(facts, &placed, &blocks, zones.as_deref());
+        if let Some(redrawn) = &redrawn {
+            // Saved masks, which are not redrawn, come last.
+            for pair in report.pairs.iter_mut().filter(|pair| pair.first.max(pair.second) < uavs.len()) {
+                pair.heights = Some(HeightsOfDifference::of(redrawn, (pair.first, pair.second)));
+            }
+        }
         let masks = placed.into_iter().map(|p| p.mask).collect();
         Ok(Comparison { scene, masks, overlay, report, scene_words: self.scene_words.clone() })
     }
@@ -177,7 +193,8 @@ impl ComparisonPlan {
             intervals,
             has_zones: zones.is_some(),
             placements: placed.iter().zip(shares).map(placement).collect(),
-            pairs: pairs.map(|((first, second), groups)| PairFacts { first, second, groups }).collect(),
+            pairs: pairs.map(|((first, second), groups)| PairFacts { first, second, groups, heights: None }).collect(),
+            heights: self.heights,
             union: Tally::of_mask(overlay.union()),
             seen_by: overlay.seen_by(placed.len()),
             sets: count_sets(&masks),
@@ -194,9 +211,9 @@ impl ComparisonPlan {
         zones: Option<&ZoneMap>,
         (found, uavs): (&UavsFound, &[crate::coverage::Uav]),
         progress: &Progress,
-    ) -> Result<(Vec<Placed>, Option<Method>)> {
+    ) -> Result<Mapped> {
         if uavs.is_empty() {
-            return Ok((Vec::new(), None));
+            return Ok(Mapped { placed: Vec::new(), method: None, redrawn: None });
         }
         let options = self.sight.options(scene.grid(), zones);
         let mut mapper = Mapper::new(&scene.field, &options)?;
@@ -211,7 +228,9 @@ impl ComparisonPlan {
             tally: site.tally,
             mask: site.mask,
         };
-        Ok((maps?.sites.into_iter().zip(&found.sites).map(placed).collect(), Some(mapper.method().0)))
+        let placed = maps?.sites.into_iter().zip(&found.sites).map(placed).collect();
+        let redrawn = self.heights.redrawn(&mapper, uavs, progress)?;
+        Ok(Mapped { placed, method: Some(mapper.method().0), redrawn })
     }
 
     /// Placements from a file of masks, which becomes a source of the run.

@@ -13,6 +13,7 @@ use super::facts::{
 use crate::answer::{Rows, RunFacts, Timing, document_of, rows, warnings_of};
 use crate::city_statistics::bootstrap::{RESAMPLINGS, RatioEstimate};
 use crate::coverage::{GRAZING_M, Tally};
+use crate::height_errors::AskedErrors;
 use crate::sight::{Sight, antenna_words};
 
 /// Placements side by side, as reported.
@@ -30,6 +31,8 @@ pub(crate) struct CompareReport {
     pub(crate) placements: Vec<PlacementFacts>,
     /// All pairs, the first always before the second.
     pub(crate) pairs: Vec<PairFacts>,
+    /// How far heights of buildings may be off.
+    pub(crate) heights: AskedErrors,
     /// All placements together.
     pub(crate) union: Tally,
     /// Receivers of any placement that 0, 1, 2 … of them see.
@@ -65,6 +68,7 @@ impl CompareReport {
         document_of(&CompareDocument {
             head: self.facts.head("skyshed/compare/1"),
             sight: self.sight.facts(),
+            height_errors: self.heights.document(),
             intervals: IntervalsDocument {
                 method: "block bootstrap",
                 confidence: self.intervals.confidence,
@@ -131,6 +135,7 @@ impl CompareReport {
             second: self.placements[pair.second].id.clone(),
             all: DifferenceDocument::of(&pair.groups[0]),
             zones: self.by_zone(&pair.groups, DifferenceDocument::of),
+            heights: pair.heights,
         }
     }
 
@@ -178,6 +183,9 @@ impl CompareReport {
                     second: self.placements[pair.second].id.clone(),
                     difference: difference.value,
                     exceeds: difference.exceeds(),
+                    heights_low: pair.heights.filter(|_| k == 0).map(|heights| heights.low()),
+                    heights_high: pair.heights.filter(|_| k == 0).map(|heights| heights.high()),
+                    exceeds_heights: pair.heights.filter(|_| k == 0).map(|heights| heights.exceeds()),
                     both: Some(c.both),
                     only_first: Some(c.only_first),
                     only_second: Some(c.only_second),
@@ -318,6 +326,7 @@ impl CompareReport {
             }
             _ => format!("no interval: {}", reason_without_interval(&group.difference)),
         };
-        format!("{first} → {second}: {way}; {verdict}.")
+        let heights = pair.heights.map_or(String::new(), |heights| format!("; {}", heights.in_words()));
+        format!("{first} → {second}: {way}; {verdict}{heights}.")
     }
 }

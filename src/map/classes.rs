@@ -2,7 +2,9 @@
 
 use crate::coverage::class;
 use crate::quantity::tidy;
-use crate::render::{ALONE_COLORS, LEAST_HEIGHT_COLORS, MapClass, ONLY_COLORS, capitalized, grouped, percent};
+use crate::render::{
+    ALONE_COLORS, LEAST_HEIGHT_COLORS, MapClass, ONLY_COLORS, SURE_COLORS, capitalized, grouped, percent,
+};
 
 /// Up to so many UAVs have a color each.
 pub(super) const MOST_COLORS: usize = ONLY_COLORS.len() - 2;
@@ -98,6 +100,17 @@ pub(super) fn least_heights(least_m: &[f32], mask: &[u8], base_m: f64, above: &s
     names.push(format!("Above {} m", tidy(STEPS_M[STEPS_M.len() - 1])));
     names.push("At no height".to_string());
     ClassMap::new(index, mask, names.into_iter().zip(LEAST_HEIGHT_COLORS).collect())
+}
+
+/// Who is in line of sight whatever heights of buildings are, and who may be.
+pub(super) fn what_is_sure(sure: &[f32], mask: &[u8]) -> ClassMap {
+    let index = |value: &f32| match *value {
+        value if value > 1.5 => 2,
+        value if value > 0.5 => 1,
+        _ => 0,
+    };
+    let names = ["Surely hidden", "Surely in line of sight", "Hangs on heights of buildings"].map(str::to_string);
+    ClassMap::new(sure.iter().map(index).collect(), mask, names.into_iter().zip(SURE_COLORS).collect())
 }
 
 #[cfg(test)]

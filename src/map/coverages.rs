@@ -63,6 +63,8 @@ impl Coverages {
             Layer::LeastReceiverHeight => site.least_receiver_height.as_deref(),
             Layer::LeastHeight => site.least_height.as_deref(),
             Layer::Stability => site.stability.as_ref().map(|found| found.turns.as_slice()),
+            Layer::Sure => site.sure.as_deref(),
+            Layer::PLos => site.p_los.as_deref(),
             _ => None,
         }
     }

@@ -1,6 +1,6 @@
 //! The picture of a map: layer, marks, title, caption.
 
-use super::classes::{ClassMap, MOST_COLORS, least_heights, nearest, seen_alone, who_sees};
+use super::classes::{ClassMap, MOST_COLORS, least_heights, nearest, seen_alone, what_is_sure, who_sees};
 use super::coverages::Coverages;
 use super::report::SiteFacts;
 use super::tolerance::in_words as tolerance_in_words;
@@ -221,6 +221,8 @@ impl MapDrawing<'_> {
                 (Layer::LeastReceiverHeight, _) => "Least height of a drone in sight over",
                 (Layer::LeastHeight, _) => "Least height of an observer who sees a drone over",
                 (Layer::Stability, _) => "Stability of a drone's line of sight over",
+                (Layer::Sure, _) => "What is sure of a drone's line of sight over",
+                (Layer::PLos, _) => "Probability of a drone's line of sight over",
                 (_, Subject::One) => "Where an observer sees a drone over",
                 (_, Subject::Any) => "Where at least one observer sees a drone over",
                 (_, Subject::Best) => "The nearest observer who sees a drone over",
@@ -232,6 +234,8 @@ impl MapDrawing<'_> {
             (Layer::LeastReceiverHeight, _) => "Least receiver height in line of sight in",
             (Layer::LeastHeight, _) => "Least UAV height that sees",
             (Layer::Stability, _) => "Stability of line of sight in",
+            (Layer::Sure, _) => "What is sure of line of sight in",
+            (Layer::PLos, _) => "Probability of line of sight in",
             (_, Subject::One) => "What a UAV sees of",
             (Layer::Which, _) => "Which UAV sees what of",
             (_, Subject::Any) => "What at least one UAV sees of",
@@ -273,6 +277,8 @@ impl MapDrawing<'_> {
                 .stability
                 .as_ref()
                 .map(|s| Stability { turns: crop(&s.turns, n_cols, window), ..s.clone() }),
+            sure: part(&site.sure),
+            p_los: part(&site.p_los),
             tally: site.tally,
         }
     }
@@ -293,6 +299,10 @@ impl MapDrawing<'_> {
             Layer::LeastHeight => site.least_height.as_deref().map(|least| {
                 let (base_m, above) = ground_below(&site.uav);
                 Shown::Classes(least_heights(least, mask, base_m, above), mask)
+            }),
+            Layer::Sure => site.sure.as_deref().map(|sure| Shown::Classes(what_is_sure(sure, mask), mask)),
+            Layer::PLos => site.p_los.as_deref().map(|values| {
+                Shown::Layer(render::Layer::Field { values, name: "Probability of line of sight", unit: "", mask })
             }),
             Layer::Stability => {
                 site.stability.as_ref().map(|s| Shown::Layer(render::Layer::Stability { turns: &s.turns, mask }))
@@ -362,12 +372,15 @@ impl MapDrawing<'_> {
         for s in self.of.report.sites.iter().take(MOST_SITES) {
             let (id, height, place, own) = (&s.id, s.height_words(), s.position().in_words(), s.antenna.in_words());
             let own = if own.is_empty() { own } else { format!(", {own}") };
-            lines.push(capitalized(&format!("{who} {id}: {height} at {place}{own}, {}", share(&s.tally))));
+            let interval = s.uncertain.and_then(|uncertain| uncertain.interval);
+            let interval = interval.map_or(String::new(), |interval| format!(", {}", interval.in_words()));
+            lines.push(capitalized(&format!("{who} {id}: {height} at {place}{own}, {}{interval}", share(&s.tally))));
         }
         if self.of.report.sites.len() > MOST_SITES {
             lines.push(format!("and {} more {who}s", self.of.report.sites.len() - MOST_SITES));
         }
         lines.extend(self.reading(subject));
+        lines.extend(of.heights.in_words());
         if let (Layer::Stability, [SiteFacts { stability: Some(stability), .. }]) =
             (self.drawn_layer(), self.of.report.sites.as_slice())
         {

@@ -124,7 +124,9 @@ impl Answer for Done {
         let (who, whom) = (capitalized(receivers.looked_at_by()), receivers.counted_as());
         notes.extend(report.sites.iter().map(|site| {
             let share = p_los_words(site.tally.p_los());
-            format!("{who} {}: P_LoS {share}, {} of {} {whom}", site.id, site.tally.los, site.tally.receivers)
+            let interval = site.uncertain.and_then(|uncertain| uncertain.interval);
+            let interval = interval.map_or(String::new(), |interval| format!(" ({})", interval.in_words()));
+            format!("{who} {}: P_LoS {share}{interval}, {} of {} {whom}", site.id, site.tally.los, site.tally.receivers)
         }));
         notes.push(format!(
             "method {} ({}; {}): line of sight {:.3} s of {:.2} s",

@@ -16,6 +16,7 @@ use crate::coverage::{
 use crate::error::Result;
 use crate::expected::Expected;
 use crate::export::Layer;
+use crate::height_errors::{AskedErrors, UncertainFacts};
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::progress::Progress;
 use crate::raster::GeoRef;
@@ -30,6 +31,8 @@ pub(crate) struct MapPlan {
     /// For whom it is.
     pub(crate) sight: Sight,
     pub(crate) layers: Vec<Layer>,
+    /// How far heights may be off.
+    pub(crate) heights: AskedErrors,
     /// How far P_LoS may be off.
     pub(crate) tolerance: Option<f64>,
     /// Whether counts are told by zone.
@@ -64,6 +67,8 @@ impl MapPlan {
             least_receiver_height: self.layers.contains(&Layer::LeastReceiverHeight),
             least_height: self.layers.contains(&Layer::LeastHeight),
             stability: self.layers.contains(&Layer::Stability),
+            sure: self.layers.contains(&Layer::Sure),
+            p_los: self.layers.contains(&Layer::PLos),
         }
     }
 
@@ -121,7 +126,7 @@ impl MapPlan {
         let options = self.sight.options(scene.grid(), zones.as_deref());
         let window = part.tile.and_then(|(tile, _)| scene.grid().window_of(&whole.part(tile.window)));
         let window = window.filter(|window| *window != scene.grid().window());
-        let options = MapOptions { layers: self.height_layers(), window, ..options };
+        let options = self.heights.on(MapOptions { layers: self.height_layers(), window, ..options });
         let lonlats = found.sites.iter().map(|site| site.lonlat).collect();
         let tile = part.tile.map(|(tile, n_list)| (tile.clone(), n_list));
         Ok(Prepared { plan: self, scene, uavs, lonlats, zones, options, tolerance, tile, began })
@@ -206,7 +211,8 @@ impl Prepared {
             .saturating_add(overlay_bytes_per_cell(&plan.layers, tile.as_ref().map_or(uavs.len(), |(_, n)| *n)))
             .saturating_add(held.bytes_per_cell)
             .saturating_add(if n_measures > 0 { n_held.max(1).saturating_mul(LEAST_HEIGHTS_BYTES_PER_CELL) } else { 0 })
-            .saturating_add(if options.layers.stability { 2 * FIELD_BYTES_PER_CELL } else { 0 });
+            .saturating_add(if options.layers.stability { 2 * FIELD_BYTES_PER_CELL } else { 0 })
+            .saturating_add(if options.layers.sure { 2 * FIELD_BYTES_PER_CELL } else { 0 });
         check_memory(&scene.word, scene.grid(), bytes_per_cell)?;
         let field = Arc::clone(&scene.field);
         let mut mapper = Mapper::new(&field, &options)?;
@@ -232,6 +238,10 @@ impl Prepared {
         let mapped = mapper.map_many(&uavs, (keep, &together), progress.control(), each_part, each_site);
         progress.end();
         let ManyMaps { sites, overlay } = mapped?;
+        let intervals = plan.heights.intervals(&mapper, &uavs, progress)?;
+        for (site, interval) in facts.iter_mut().zip(intervals) {
+            site.uncertain = UncertainFacts::with(site.uncertain, Some(interval));
+        }
         scene.timing.los = before_los.elapsed().as_secs_f64();
         drop(mapper);
         if let Some(window) = options.window.take() {
@@ -246,6 +256,7 @@ impl Prepared {
         let report = MapReport {
             facts: scene.facts(Some(method)),
             sight: plan.sight,
+            heights: plan.heights,
             union_zones: only.map_or_else(|| zones.as_deref().and_then(of_union), |only| only.zones),
             union: match (only, &overlay) {
                 (Some(only), _) => only.tally,

@@ -14,6 +14,7 @@ use crate::answer::{
 use crate::city::Antenna;
 use crate::coverage::{CoveragePolygon, HoversOver, IdleFootprints, SiteCoverage, Tally};
 use crate::digest::Sha256;
+use crate::height_errors::{AskedErrors, HeightErrorsDocument, UncertainFacts};
 use crate::raster::GeoRef;
 use crate::sight::{AntennaFacts, Sight, SightFacts};
 use crate::zones::{N_CODES, Zone, ZoneMap};
@@ -44,6 +45,8 @@ pub struct SiteFacts {
     pub zones: Option<[Tally; 4]>,
     /// What each move by one lattice step turns, where that was asked for.
     pub(crate) stability: Option<StabilityFacts>,
+    /// What hangs on the heights of buildings, where they may be off.
+    pub(crate) uncertain: Option<UncertainFacts>,
 }
 
 impl SiteFacts {
@@ -68,6 +71,7 @@ impl SiteFacts {
             tally: site.tally,
             zones: zones.filter(|_| !site.mask.is_empty()).map(|zones| zone_tallies(zones, &site.mask)),
             stability: site.stability.as_ref().map(StabilityFacts::of),
+            uncertain: UncertainFacts::of(site),
         }
     }
 
@@ -99,6 +103,7 @@ impl SiteFacts {
             seen: (&self.tally).into(),
             zones: self.zones.as_ref().map(ZoneShares::of),
             stability: self.stability.as_ref().map(StabilityFacts::document),
+            uncertain: self.uncertain,
             elevation_bands: self.tally.elevation_bands().iter().map(band).collect(),
         }
     }
@@ -116,6 +121,8 @@ pub(crate) struct MapReport {
     pub(crate) facts: RunFacts,
     /// For whom the map is.
     pub(crate) sight: Sight,
+    /// How far heights may be off.
+    pub(crate) heights: AskedErrors,
     /// The UAVs.
     pub(crate) sites: Vec<SiteFacts>,
     /// All UAVs together.
@@ -196,6 +203,7 @@ impl MapReport {
             tolerance: self.tolerance.as_ref().map(ToleranceFacts::document),
             footprints: self.idle.as_ref().map(IdleDocument::of),
             sight: self.sight.facts(),
+            height_errors: self.heights.document(),
             sites: self.sites.iter().map(SiteFacts::document).collect(),
             union: UnionDocument { seen: (&self.union).into(), zones: self.union_zones.as_ref().map(ZoneShares::of) },
             timing_s,
@@ -246,6 +254,9 @@ pub(crate) struct MapDocument {
     footprints: Option<IdleDocument>,
     #[serde(flatten)]
     sight: SightFacts,
+    /// How far heights of buildings may be off, where that was told.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    height_errors: Option<HeightErrorsDocument>,
     /// The UAVs.
     sites: Vec<SiteDocument>,
     /// What at least one UAV sees.
@@ -317,6 +328,9 @@ struct SiteDocument {
     /// What moves by one lattice step turn, with the layer `stability`.
     #[serde(skip_serializing_if = "Option::is_none")]
     stability: Option<StabilityDocument>,
+    /// What hangs on the heights of buildings, where they may be off.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    uncertain: Option<UncertainFacts>,
     /// By elevation angle of the UAV.
     elevation_bands: Vec<BandDocument>,
 }

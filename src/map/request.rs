@@ -9,6 +9,7 @@ use crate::city::Antenna;
 use crate::coverage::SiteCoverage;
 use crate::error::Result;
 use crate::export::Layer;
+use crate::height_errors::AskedErrors;
 use crate::los::MethodChoice;
 use crate::progress::Progress;
 use crate::scene::Scene;
@@ -45,6 +46,7 @@ pub struct CoverageRequest<Answer> {
     scene: Scene,
     uavs: Vec<Uav>,
     asked: AskedSight,
+    heights: AskedErrors,
     layers: Vec<Layer>,
     tolerance: Option<f64>,
     tells_zones: bool,
@@ -59,6 +61,7 @@ impl<Answer> CoverageRequest<Answer> {
             scene: scene.clone(),
             uavs,
             asked: AskedSight::default(),
+            heights: AskedErrors::default(),
             layers: vec![Layer::Los],
             tolerance: None,
             tells_zones: false,
@@ -104,6 +107,18 @@ impl<Answer> CoverageRequest<Answer> {
         self
     }
 
+    /// Standard deviations of the errors of heights \[m\]: of each building alone, and of what all share. Default: none. P_LoS has an interval then.
+    pub fn height_errors_m(mut self, own_m: f64, shared_m: f64) -> Self {
+        (self.heights.own_m, self.heights.shared_m) = (own_m, shared_m);
+        self
+    }
+
+    /// Of how many of these standard deviations the layer [`Layer::Sure`] is. Default: 2.
+    pub fn sigma(mut self, sigma: f64) -> Self {
+        self.heights.sigma = sigma;
+        self
+    }
+
     /// The engine. Default: the fastest exact one for the scene.
     pub fn method(mut self, method: MethodChoice) -> Self {
         self.asked.method = method;
@@ -130,8 +145,9 @@ impl<Answer> CoverageRequest<Answer> {
     }
 
     fn prepared(self) -> Result<(Prepared, Arc<Progress>)> {
-        let CoverageRequest { asked, layers, tolerance, tells_zones, .. } = self;
-        let plan = MapPlan { sight: asked.checked()?, layers, tolerance, tells_zones };
+        let CoverageRequest { asked, heights, layers, tolerance, tells_zones, .. } = self;
+        let (sight, heights) = (asked.checked()?, heights.checked()?);
+        let plan = MapPlan { sight, heights, layers, tolerance, tells_zones };
         Ok((plan.prepare(self.scene, &UavsFound::of(&self.uavs)?, PartOf::default())?, self.progress))
     }
 

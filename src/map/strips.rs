@@ -119,6 +119,7 @@ pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
     }
     let asked = [
         ("a tolerance", job.plan.tolerance.is_some()),
+        ("intervals of errors of heights", job.plan.heights.are_any()),
         ("counts by zone", job.plan.tells_zones),
         ("a height curve", job.curve.is_wanted()),
         ("polygons of coverage", job.save.polygons.is_some()),
@@ -264,6 +265,7 @@ impl StripsRun<'_> {
             union_zones: None,
             sites: vec![SiteFacts { lonlat: found.sites[0].lonlat, ..SiteFacts::of(&coverage, None) }],
             union: coverage.tally,
+            heights: plan.heights,
             tolerance: None,
             tile: None,
             idle: None,

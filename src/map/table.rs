@@ -7,6 +7,7 @@ use super::report::{MapReport, SiteFacts};
 use crate::answer::{PositionFields, Rows, rows};
 use crate::city::Antenna;
 use crate::coverage::Tally;
+use crate::height_errors::IntervalFacts;
 use crate::raster::Crs;
 use crate::sight::antenna_words;
 use crate::zones::Zone;
@@ -24,6 +25,12 @@ pub(crate) struct MapRow {
     los: u64,
     /// Share of the receivers in line of sight; empty without a receiver.
     p_los: Option<f64>,
+    /// Lower end of the interval of that share with heights redrawn, where they may be off.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    p_los_low: Option<f64>,
+    /// Upper end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    p_los_high: Option<f64>,
     /// Cells in range that hold no receiver, such as buildings.
     not_receivers: u64,
     /// Cells out of range.
@@ -82,12 +89,16 @@ impl MapReport {
     /// The table: one row per site and zone, and one for the union of several sites.
     pub(crate) fn table(&self) -> Rows {
         let grid = &self.facts.grid;
-        let row = |site: &SiteDocumentHead, antenna: &Option<String>, (zone, tally): (&'static str, &Tally)| MapRow {
+        let row = |site: &SiteDocumentHead,
+                   antenna: &Option<String>,
+                   (zone, tally, interval): (&'static str, &Tally, Option<IntervalFacts>)| MapRow {
             site: site.clone(),
             zone,
             receivers: tally.receivers,
             los: tally.los,
             p_los: tally.p_los(),
+            p_los_low: interval.map(|interval| interval.low()),
+            p_los_high: interval.map(|interval| interval.high()),
             not_receivers: tally.not_receivers,
             out_of_range: tally.out_of_range,
             nodata: tally.nodata,
@@ -99,17 +110,21 @@ impl MapReport {
             cell_width: grid.cell_width(),
             cell_height: grid.cell_height(),
         };
-        let of = |site: SiteDocumentHead, antenna: Antenna, all: &Tally, zones: Option<&[Tally; 4]>| {
-            let antenna = antenna_words(antenna);
-            let by_zone = Zone::ALL.into_iter().zip(zones.into_iter().flatten());
-            let by_zone = by_zone.map(|(zone, tally)| row(&site, &antenna, (zone.name(), tally)));
-            std::iter::once(row(&site, &antenna, ("all", all))).chain(by_zone).collect::<Vec<_>>()
-        };
+        let of =
+            |site: SiteDocumentHead, antenna: Antenna, (all, interval): (&Tally, _), zones: Option<&[Tally; 4]>| {
+                let antenna = antenna_words(antenna);
+                let by_zone = Zone::ALL.into_iter().zip(zones.into_iter().flatten());
+                let by_zone = by_zone.map(|(zone, tally)| row(&site, &antenna, (zone.name(), tally, None)));
+                std::iter::once(row(&site, &antenna, ("all", all, interval))).chain(by_zone).collect::<Vec<_>>()
+            };
         let run = self.sight.antenna();
-        let sites =
-            self.sites.iter().flat_map(|s| of(SiteDocumentHead::of(s), s.antenna.or(run), &s.tally, s.zones.as_ref()));
-        let union =
-            (self.sites.len() > 1).then(|| of(SiteDocumentHead::union(), run, &self.union, self.union_zones.as_ref()));
+        let of_site = |s: &SiteFacts| {
+            let interval = s.uncertain.and_then(|uncertain| uncertain.interval);
+            of(SiteDocumentHead::of(s), s.antenna.or(run), (&s.tally, interval), s.zones.as_ref())
+        };
+        let sites = self.sites.iter().flat_map(of_site);
+        let union = (self.sites.len() > 1)
+            .then(|| of(SiteDocumentHead::union(), run, (&self.union, None), self.union_zones.as_ref()));
         rows(sites.chain(union.into_iter().flatten()))
     }
 }

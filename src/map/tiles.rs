@@ -140,6 +140,8 @@ pub(super) fn check_tiles(job: &MapJob) -> Result<()> {
     let why = "with tiles, which hold all UAVs together";
     let asked = [
         ("tolerance", job.plan.tolerance.is_some()),
+        ("height_error", job.plan.heights.own_m > 0.0),
+        ("height_bias", job.plan.heights.shared_m > 0.0),
         ("zones", job.plan.tells_zones),
         ("height_curve", job.curve.is_wanted()),
         ("polygons", job.save.polygons.is_some()),

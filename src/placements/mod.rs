@@ -18,7 +18,7 @@ use serde_json::Value;
 pub(crate) use goal::{Goal, Measure, Whom, have_one_reference, heights, one_unit};
 use inputs::Inputs;
 pub(crate) use plan::{CandidatesFrom, SearchPlan};
-use report::{PlaceReport, place_digest};
+use report::{PlaceFacts, PlaceReport, place_digest};
 pub(crate) use report::{PlaceRow, SearchDocument};
 pub use request::PlacementsRequest;
 use search::{Found, Search};
@@ -29,9 +29,10 @@ use crate::error::{RequestError, Result, Warning};
 use crate::expected::Expected;
 use crate::export::{Batch, Format};
 use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
+use crate::height_errors::HeightsOfDifference;
 use crate::memory::check_memory;
 use crate::picture::Look;
-use crate::placement::{PlaceGrid, Weights};
+use crate::placement::{Candidates, PlaceGrid, Weights};
 use crate::progress::Progress;
 use crate::scene::Scene;
 use crate::scene::limits::check_earth;
@@ -132,7 +133,8 @@ impl SearchPlan {
             places: inputs.places.as_ref(),
             sites: &inputs.sites,
         };
-        let Found { ranked, winner, refined, several, heat, winners } = search.run(progress)?;
+        let Found { mut ranked, winner, refined, several, heat, winners } = search.run(progress)?;
+        self.compare_heights(&mut ranked, &candidates, &mapper, progress)?;
         scene.timing.los = before_los.elapsed().as_secs_f64();
         let winner_maps = match self.map.is_some() && !winners.is_empty() {
             true => Some(mapper.map_many(
@@ -148,6 +150,7 @@ impl SearchPlan {
             facts: RunFacts { command, ..scene.facts(Some(mapper.method().0)) },
             sight: self.sight.of(self.goal.receivers(asked)),
             goal: self.goal.clone(),
+            height_errors: self.height_errors,
             step_m: match self.from {
                 CandidatesFrom::Grid { step_m } => Some(step_m),
                 CandidatesFrom::File { .. } => None,
@@ -166,6 +169,34 @@ impl SearchPlan {
         drop(mapper);
         let places = inputs.places.clone();
         Ok(Placements { scene, report, over: self.over.clone(), places, heat, map: self.map.clone(), winner_maps })
+    }
+
+    /// Says of the best places how much less than the best of all they see with heights redrawn.
+    fn compare_heights(
+        &self,
+        ranked: &mut [PlaceFacts],
+        candidates: &Candidates,
+        mapper: &Mapper<'_>,
+        progress: &Progress,
+    ) -> Result<()> {
+        let listed = ranked.len().min(self.top);
+        if !self.height_errors.are_any() || listed < 2 {
+            return Ok(());
+        }
+        let is_at = |place: &PlaceFacts, uav: &Uav| {
+            let at = [uav.station.place.x, uav.station.place.y, uav.height_amsl_m()];
+            at.map(f64::to_bits) == [place.x, place.y, place.height_amsl_m].map(f64::to_bits)
+        };
+        let uav = |place: &PlaceFacts| candidates.kept.iter().map(|c| &c.uav).find(|uav| is_at(place, uav)).cloned();
+        let Some(uavs) = ranked[..listed].iter().map(uav).collect::<Option<Vec<Uav>>>() else { return Ok(()) };
+        let Some(mut counts) = self.height_errors.redrawn(mapper, &uavs, progress)? else { return Ok(()) };
+        // Shares are of all wanted receivers, in range or not.
+        let wanted = mapper.receiver_cells().count();
+        counts.receivers.iter_mut().for_each(|n| *n = wanted);
+        for (k, place) in ranked[..listed].iter_mut().enumerate().skip(1) {
+            place.heights = Some(HeightsOfDifference::of(&counts, (0, k)));
+        }
+        Ok(())
     }
 
     /// The options of the maps: the receivers of the goal.

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::goal::{Goal, Measure, Whom, have_one_reference};
 use crate::error::{Error, RequestError, Result};
+use crate::height_errors::AskedErrors;
 use crate::quantity::{Height, height_steps};
 use crate::sight::Sight;
 use crate::uav::Shard;
@@ -29,6 +30,8 @@ pub(crate) enum CandidatesFrom {
 #[derive(Debug, Clone)]
 pub(crate) struct SearchPlan {
     pub(crate) sight: Sight,
+    /// How far heights of buildings may be off.
+    pub(crate) height_errors: AskedErrors,
     pub(crate) goal: Goal,
     pub(crate) from: CandidatesFrom,
     /// Heights to try; empty where candidates have their own.
@@ -83,6 +86,12 @@ impl SearchPlan {
             }
             (whom, _, Some(_)) if whom != Whom::Weights => return idle("weights", "without the goal p_los(weights)"),
             _ => {}
+        }
+        let counts =
+            self.goal.measure == Measure::Share && self.goal.at_least.is_none() && self.goal.whom != Whom::Weights;
+        if self.height_errors.are_any() && (!counts || self.count > 1) {
+            let why = "but for one UAV that is to see the largest share of receivers";
+            return idle(if self.height_errors.own_m > 0.0 { "height_error" } else { "height_bias" }, why);
         }
         if self.count > 1 && self.goal.measure == Measure::Margin {
             return idle("count", "with the goal margin: several UAVs have no margin in common");

@@ -10,6 +10,7 @@ use crate::answer::{
     feature_collection, rows, warnings_of,
 };
 use crate::digest::Sha256;
+use crate::height_errors::{AskedErrors, HeightErrorsDocument, HeightsOfDifference};
 use crate::placement::{Candidate, Cover, Score, Skipped, WorstMargin};
 use crate::sight::{Sight, SightFacts};
 
@@ -45,6 +46,8 @@ pub(crate) struct PlaceFacts {
     pub(crate) placement: &'static str,
     /// What it is worth.
     pub(crate) value: PlaceValue,
+    /// How much less than the best it sees with heights redrawn, where they may be off.
+    pub(crate) heights: Option<HeightsOfDifference>,
 }
 
 impl PlaceFacts {
@@ -61,6 +64,7 @@ impl PlaceFacts {
             height_agl_m: uav.height_agl_m,
             placement: candidate.zone.map_or(uav.placement.name(), crate::zones::Zone::name),
             value,
+            heights: None,
         }
     }
 
@@ -82,6 +86,7 @@ impl PlaceFacts {
             height_amsl_m: self.height_amsl_m,
             height_agl_m: self.height_agl_m,
             placement: self.placement,
+            heights: self.heights,
             ..PlaceDocument::default()
         };
         match self.value {
@@ -125,6 +130,9 @@ impl PlaceFacts {
             p_los: p_los.flatten(),
             margin_m: margin_m.flatten().map(shortest),
             margin_upper_bound_m: margin_upper_bound_m.flatten().map(shortest),
+            heights_low: self.heights.map(|heights| heights.low()),
+            heights_high: self.heights.map(|heights| heights.high()),
+            exceeds_heights: self.heights.map(|heights| heights.exceeds()),
             gain,
             covered,
         }
@@ -159,6 +167,8 @@ pub(crate) struct PlaceReport {
     /// Whose sight counts.
     pub(crate) sight: Sight,
     pub(crate) goal: Goal,
+    /// How far heights of buildings may be off.
+    pub(crate) height_errors: AskedErrors,
     /// Distance of the candidate places \[m\], if they are on a grid.
     pub(crate) step_m: Option<f64>,
     /// The heights tried, lowest first; empty where each candidate has its own.
@@ -219,6 +229,7 @@ impl PlaceReport {
         document_of(&SearchDocument {
             head: self.facts.head("skyshed/place/1"),
             sight: self.sight.facts(),
+            height_errors: self.height_errors.document(),
             // A place at the border gains nothing by having few in range.
             share_of: "all wanted receivers, in range or not",
             goal: &self.goal.text,
@@ -301,6 +312,9 @@ pub(crate) struct SearchDocument<'a> {
     head: Head,
     #[serde(flatten)]
     sight: SightFacts,
+    /// How far heights of buildings may be off, where that was told.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    height_errors: Option<HeightErrorsDocument>,
     /// What shares are shares of.
     share_of: &'static str,
     /// What is made large.
@@ -396,6 +410,8 @@ struct PlaceDocument {
     /// Share of the receivers in line of sight, by weight where receivers have weights.
     #[serde(skip_serializing_if = "Option::is_none")]
     p_los: Option<Option<f64>>,
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    heights: Option<HeightsOfDifference>,
     /// Margin of the worst receiver [m].
     #[serde(skip_serializing_if = "Option::is_none")]
     margin_m: Option<Option<f32>>,
@@ -476,6 +492,15 @@ pub(crate) struct PlaceRow {
     los: Option<u64>,
     /// Share of the receivers in line of sight, by weight where receivers have weights.
     p_los: Option<f64>,
+    /// Lower end of the interval of P_LoS less that of the best with heights redrawn, where they may be off.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    heights_low: Option<f64>,
+    /// Upper end of the same.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    heights_high: Option<f64>,
+    /// Whether it does not hold 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    exceeds_heights: Option<bool>,
     /// Margin of the worst receiver [m].
     margin_m: Option<f64>,
     /// Bound on that margin, of a place that is not among the best [m].

@@ -11,6 +11,7 @@ use crate::answer::{Answer, Spent, add_outputs};
 use crate::city::Antenna;
 use crate::error::{Result, Warning};
 use crate::export::{Batch, OutputRules, check_outputs};
+use crate::height_errors::AskedErrors;
 use crate::los::MethodChoice;
 use crate::picture::Look;
 use crate::progress::Progress;
@@ -26,6 +27,7 @@ impl Scene {
             scene: self.clone(),
             heights: heights.into_iter().collect(),
             asked: AskedSight::default(),
+            height_errors: AskedErrors::default(),
             goal: "p_los".into(),
             from: CandidatesFrom::Grid { step_m: 20.0 },
             clearance_m: 0.0,
@@ -42,6 +44,7 @@ pub struct PlacementsRequest {
     scene: Scene,
     heights: Vec<Height>,
     asked: AskedSight,
+    height_errors: AskedErrors,
     goal: String,
     from: CandidatesFrom,
     clearance_m: f64,
@@ -81,6 +84,13 @@ impl PlacementsRequest {
     /// A curved earth of K times its radius: 4/3 for radio, 7/6 for light. Default: a flat one.
     pub fn earth_k(mut self, k: f64) -> Self {
         self.asked.earth_k = Some(k);
+        self
+    }
+
+    /// Standard deviations of the errors of heights \[m\]: of each building alone, and of what all share. Default: none. Places that are no worse than
+    /// these allow are told then.
+    pub fn height_errors_m(mut self, own_m: f64, shared_m: f64) -> Self {
+        (self.height_errors.own_m, self.height_errors.shared_m) = (own_m, shared_m);
         self
     }
 
@@ -124,6 +134,7 @@ impl PlacementsRequest {
     /// candidate is left; E501, E502 for too many.
     pub fn run(self) -> Result<Placements> {
         let plan = SearchPlan {
+            height_errors: self.height_errors.checked()?,
             shard: None,
             sight: self.asked.checked()?,
             goal: Goal::parse(&self.goal)?,

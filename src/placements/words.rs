@@ -59,6 +59,14 @@ pub(super) fn in_words(report: &PlaceReport) -> Vec<String> {
         Ok(winner) => format!("best of {} candidates: {}", report.n_candidates, place_words(winner, &receivers)),
         Err(reason) => format!("no winner among {} candidates: {reason}", report.n_candidates),
     }];
+    let told: Vec<&PlaceFacts> = report.ranked.iter().filter(|place| place.heights.is_some()).collect();
+    if !told.is_empty() {
+        let as_good = told.iter().filter(|place| place.heights.is_some_and(|heights| !heights.exceeds()));
+        let ranks: Vec<String> = as_good.map(|place| place.rank.to_string()).collect();
+        let (n, next) = (ranks.len(), told.len());
+        let which = if ranks.is_empty() { String::new() } else { format!(": ranks {}", ranks.join(", ")) };
+        lines.push(format!("of the next {next} places {n} may be as good, with errors of heights as told{which}"));
+    }
     let refined = |(place, tried): &(PlaceFacts, u64)| {
         format!("refined ({tried} more places): {}", place_words(place, &receivers))
     };

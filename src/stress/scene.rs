@@ -10,6 +10,7 @@ use super::report::{NEAR_M, StressSceneReport};
 use crate::answer::{Answer, Rows, Spent};
 use crate::error::{Result, Warning};
 use crate::export::{Batch, Format, Layer};
+use crate::height_errors::AskedErrors;
 use crate::map::{Coverages, Held, MapDrawing, MapPlan, MapReport, PartOf};
 use crate::picture::{Look, picture_provenance};
 use crate::progress::Progress;
@@ -40,7 +41,13 @@ impl StressScene {
         command: Vec<String>,
         progress: &Progress,
     ) -> Result<StressScene> {
-        let plan = MapPlan { sight, layers: vec![Layer::Stability], tolerance: None, tells_zones: false };
+        let plan = MapPlan {
+            sight,
+            heights: AskedErrors::default(),
+            layers: vec![Layer::Stability],
+            tolerance: None,
+            tells_zones: false,
+        };
         let prepared = plan.prepare(scene, found, PartOf::default())?;
         let before_los = Instant::now();
         let held = Held { keeps_masks: true, ..Held::default() };

@@ -186,7 +186,7 @@ fn what_makes_no_sense_of_a_search_is_refused() {
 }
 
 /// Flags that change what is found: a line without, and the flag.
-const FLAGS: [(&str, &str); 31] = [
+const FLAGS: [(&str, &str); 33] = [
     ("--candidates own.csv", "--height 40"),
     ("--height 10", "--step 10"),
     ("--height 10", "--shard 2/2"),
@@ -218,6 +218,8 @@ const FLAGS: [(&str, &str); 31] = [
     ("--height 10", "--top-field z_top"),
     ("--height 10 --top-field z_top", "--ground 3"),
     ("--height 10", "--cell 5"),
+    ("--height 10", "--height-error 2"),
+    ("--height 10", "--height-bias 2"),
 ];
 
 /// Flags that change where things are written or how they are decided, or that other tests show at work; those of the scene.

@@ -433,7 +433,7 @@ fn what_makes_no_sense_is_refused_and_leaves_nothing() {
 }
 
 /// Flags that change the document: a line without it, and the flag.
-const FLAGS: [(&str, &str); 29] = [
+const FLAGS: [(&str, &str); 31] = [
     ("CITY", "--ground 5"),
     ("CITY", "--height-field tall"),
     ("CITY", "--top-field z_top"),
@@ -455,6 +455,8 @@ const FLAGS: [(&str, &str); 29] = [
     ("CITY", "--sector 10,200"),
     ("CITY", "--elevation -60,-20"),
     ("CITY", "--beam 60"),
+    ("CITY", "--height-error 2"),
+    ("CITY", "--height-bias 2"),
     ("CITY", "--block 10"),
     ("CITY --block 20", "--seed 2"),
     ("CITY", "--method ray"),

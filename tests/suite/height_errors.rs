@@ -2,13 +2,16 @@
 
 use skyshed_core::city::{Footprint, Ground};
 use skyshed_core::coverage::{
-    Control, HeightBounds, HeightErrors, MapOptions, Mapper, OwnErrors, Receivers, Uav, UncertainHeights,
+    Control, HeightBounds, HeightErrors, MapOptions, Mapper, OwnErrors, Receivers, RedrawnHeights, Uav,
+    UncertainHeights,
 };
 use skyshed_core::height_field::{Curvature, HeightField, Station};
 use skyshed_core::los::{link_height_limits, link_los};
 use skyshed_core::raster::{GeoRef, Raster};
 
+use crate::curvature::block_model;
 use crate::invariants::{uav_at, vector_field};
+use crate::program::Folder;
 use crate::referee::over_seeds;
 use crate::support::{Random, raster_field, slow};
 
@@ -193,7 +196,10 @@ fn without_errors_probabilities_are_the_mask() {
             let at = (cell / N, cell % N);
             let is_los = known.los.contains(at.0, at.1);
             assert_eq!(p.is_nan(), !known.receivers.contains(at.0, at.1), "seed {seed}, {at:?}");
-            assert!(p.is_nan() || *p == f32::from(u8::from(is_los)), "seed {seed}, {at:?}: {p}, {asked:?}");
+            assert!(
+                p.is_nan() || p.to_bits() == f32::from(u8::from(is_los)).to_bits(),
+                "seed {seed}, {at:?}: {p}, {asked:?}"
+            );
             count.add(is_los);
         }
     });
@@ -255,4 +261,287 @@ fn probabilities_are_the_shares_of_redrawn_towns() {
     let (n_between, n_beyond) = (count.links, count.ties);
     // One in 16 000 is farther off than four standard errors by chance; neighbors are off together.
     assert!(n_between > 1000 && n_beyond * 1000 <= n_between, "{n_beyond} of {n_between}");
+}
+
+/// What a redrawn scene counts is what the scene built anew counts, receivers on roofs as well.
+#[test]
+fn redrawn_maps_are_those_of_towns_built_anew() {
+    let count = over_seeds(if slow() { 400 } else { 60 }, 355, |seed, random, count| {
+        let houses = houses(random);
+        let field = vector_field(houses.clone(), Ground::Flat(0), N);
+        let [x, y] = [(); 2].map(|()| random.below(N) as f64 + 0.5);
+        let uavs = [(); 2].map(|()| uav_at(&field, x, y, random.choose(&[20, 30, 48]) * 1024));
+        let asked = options(random, &uavs[0]);
+        let errors = HeightErrors::same(random.choose(&[0.0, 0.3]), random.choose(&[0.0, 0.4]));
+        let heights = RedrawnHeights::of(&field, &errors, None, seed).unwrap();
+        let mapper = Mapper::new(&field, &asked).unwrap();
+        let found = mapper.redrawn(&uavs, &heights, 4, &Control::default()).unwrap();
+        for draw in 0..4_u32 {
+            let errors = heights.errors(draw);
+            let redrawn = |(of, error): (&Footprint, &i32)| Footprint { top: of.top + error, ..of.clone() };
+            let drawn = vector_field(houses.iter().zip(&errors).map(redrawn).collect(), Ground::Flat(0), N);
+            for (k, uav) in uavs.iter().enumerate() {
+                let wanted = seen(&drawn, uav, &asked);
+                let counted = (found.receivers[k], found.los[draw as usize][k]);
+                assert_eq!(counted, (wanted.receivers.count(), wanted.los.count()), "seed {seed}, {errors:?}");
+                count.los += wanted.los.count();
+                count.links += wanted.receivers.count();
+            }
+        }
+    });
+    count.assert_both(10_000);
+}
+
+/// Of towns drawn from the errors, P_LoS of as many as the interval says is within it; and their mean is that of the probabilities.
+#[test]
+fn intervals_cover_what_they_say() {
+    let n_trials = if slow() { 1000 } else { 200 };
+    let (mut covered, mut n) = (0_u32, 0_u32);
+    for (of, errors) in [HeightErrors::same(1.0, 0.0), HeightErrors::same(0.5, 0.8)].iter().enumerate() {
+        let mut random = Random(356 + of as u64);
+        let higher = |of: Footprint| Footprint { top: of.top + 8 * 1024, ..of };
+        let field = vector_field(houses(&mut random).into_iter().map(higher).collect(), Ground::Flat(0), N);
+        let uav = uav_at(&field, 17.5, 19.5, 60 * 1024);
+        let mapper = Mapper::new(&field, &MapOptions::default()).unwrap();
+        let redrawn = |seed: u64, n: u32| {
+            let heights = RedrawnHeights::of(&field, errors, None, seed).unwrap();
+            mapper.redrawn(std::slice::from_ref(&uav), &heights, n, &Control::default()).unwrap()
+        };
+        let mut sum = 0.0;
+        for trial in 0..n_trials {
+            let interval = redrawn(1000 + trial, 200).interval(0, 0.95);
+            let truth = redrawn(9_000_000 + trial, 1);
+            let p = truth.los[0][0] as f64 / truth.receivers[0] as f64;
+            sum += p;
+            covered += u32::from(interval.0 <= p && p <= interval.1);
+            n += 1;
+        }
+        let p_los: Vec<f32> = p_los(&field, &uav, &MapOptions::default(), errors);
+        let known = p_los.iter().filter(|p| !p.is_nan());
+        let (total, n_receivers) = known.fold((0.0, 0_u32), |(sum, n), p| (sum + f64::from(*p), n + 1));
+        let all = redrawn(5, 4000);
+        let shares = all.los.iter().map(|of| of[0] as f64 / all.receivers[0] as f64);
+        let (mean, squares) = shares.fold((0.0, 0.0), |(m, s), p| (m + p / 4000.0, s + p * p / 4000.0));
+        let standard_error = ((squares - mean * mean) / 4000.0).sqrt();
+        let expected = total / f64::from(n_receivers);
+        assert!((mean - expected).abs() < 4.0 * standard_error, "{mean} {expected} {standard_error}");
+        assert!(standard_error > 1e-5 && sum > 0.0);
+    }
+    let share = f64::from(covered) / f64::from(n);
+    assert!(if slow() { (0.93..=0.97).contains(&share) } else { (0.91..=0.98).contains(&share) }, "{covered} of {n}");
+}
+
+#[test]
+fn redrawn_rasters_are_those_built_anew_with_errors_of_one_size_everywhere() {
+    let mut random = Random(357);
+    let tops: Vec<i32> = (0..N * N)
+        .map(|_| if random.chance(30) { i32::try_from(random.within(20_000, 30_000)).unwrap() } else { 0 })
+        .collect();
+    let field = raster_of(tops.clone());
+    let uav = uav_at(&field, 12.5, 20.5, 60 * 1024);
+    let n_draws = 2000_u32;
+    for receivers in [Receivers::Ground, Receivers::All] {
+        let asked = MapOptions { receivers, ..MapOptions::default() };
+        let mapper = Mapper::new(&field, &asked).unwrap();
+        let heights = RedrawnHeights::of(&field, &HeightErrors::same(1.5, 0.5), Some(5.0), 7).unwrap();
+        let found = mapper.redrawn(std::slice::from_ref(&uav), &heights, 5, &Control::default()).unwrap();
+        for draw in 0..5_u32 {
+            let errors = heights.errors(draw);
+            let drawn = raster_of(tops.iter().zip(&errors).map(|(top, error)| top + error).collect());
+            let wanted = seen(&drawn, &uav, &asked);
+            let counted = (found.receivers[0], found.los[draw as usize][0]);
+            assert_eq!(counted, (wanted.receivers.count(), wanted.los.count()), "{receivers:?}, draw {draw}");
+        }
+    }
+    // Of each cell, and of pairs of them some cells apart.
+    let heights = RedrawnHeights::of(&field, &HeightErrors::same(2.0, 0.0), Some(5.0), 8).unwrap();
+    let buildings: Vec<usize> = (0..N * N).filter(|cell| tops[*cell] > 0).collect();
+    let mut squares = vec![0.0; N * N];
+    let mut products = [(0.0, 0_u32); 2];
+    for draw in 0..n_draws {
+        let errors = heights.errors(draw);
+        assert!((0..N * N).all(|cell| tops[cell] > 0 || errors[cell] == 0));
+        let m = |cell: usize| f64::from(errors[cell]) / 1024.0;
+        buildings.iter().for_each(|cell| squares[*cell] += m(*cell).powi(2) / f64::from(n_draws));
+        for pair in buildings.windows(2) {
+            let [a, b] = [pair[0], pair[1]].map(|cell| (cell / N, cell % N));
+            if a.0 == b.0 && b.1 - a.1 == 1 {
+                products[0] = (products[0].0 + m(pair[0]) * m(pair[1]), products[0].1 + 1);
+            }
+        }
+        let (first, last) = (buildings[0], buildings[buildings.len() - 1]);
+        products[1] = (products[1].0 + m(first) * m(last), products[1].1 + 1);
+    }
+    for cell in &buildings {
+        // The standard error of a variance of 4 over so many draws is 0.13.
+        assert!((squares[*cell] - 4.0).abs() < 0.65, "{cell}: {}", squares[*cell]);
+    }
+    let correlation = |k: usize| products[k].0 / f64::from(products[k].1) / 4.0;
+    assert!(correlation(0) > 0.85 && correlation(1).abs() < 0.12, "{} {}", correlation(0), correlation(1));
+}
+
+#[test]
+fn blocks_of_one_height_share_an_error() {
+    let field = block_model(&mut Random(358));
+    let heights = RedrawnHeights::of(&field, &HeightErrors::same(3.0, 0.0), None, 9).unwrap();
+    let errors = heights.errors(3);
+    let (tops, n_cols) = (field.columns().unwrap().tops().to_vec(), field.grid().n_cols());
+    let is_building = |cell: usize| field.cells().building.contains(cell / n_cols, cell % n_cols);
+    let mut shared = 0;
+    let mut seen = std::collections::HashSet::new();
+    for cell in 0..tops.len() {
+        if !is_building(cell) {
+            assert_eq!(errors[cell], 0);
+            continue;
+        }
+        seen.insert(errors[cell]);
+        for near in [cell.wrapping_sub(1), cell.wrapping_sub(n_cols)] {
+            if near < tops.len() && is_building(near) && tops[near] == tops[cell] && cell % n_cols > 0 {
+                assert_eq!(errors[near], errors[cell]);
+                shared += 1;
+            }
+        }
+    }
+    assert!(shared > 10_000 && seen.len() > 50, "{shared} {}", seen.len());
+}
+
+/// The buildings that turn the answer of a receiver, tried one by one.
+#[test]
+fn buildings_that_decide_are_those_whose_heights_turn_answers() {
+    let count = over_seeds(if slow() { 600 } else { 60 }, 359, |seed, random, count| {
+        let higher = |of: Footprint| Footprint { top: of.top + 3 * 1024, ..of };
+        let houses: Vec<Footprint> = houses(random).into_iter().map(higher).collect();
+        let field = vector_field(houses.clone(), Ground::Flat(0), N);
+        let [x, y] = [(); 2].map(|()| random.below(N) as f64 + 0.5);
+        let uav = uav_at(&field, x, y, random.choose(&[22, 26, 40]) * 1024);
+        let asked = options(random, &uav);
+        let most = random.choose(&[300, 1024, 2500]);
+        let found = Mapper::new(&field, &asked).unwrap().deciding(&uav, f64::from(most) / 1024.0, &Control::default());
+        let found = found.unwrap();
+        let known = seen(&field, &uav, &asked);
+        assert_eq!(found.receivers, known.receivers.count());
+        for (k, by_building) in found.by_building.iter().enumerate() {
+            let mut turned = std::collections::HashSet::new();
+            for by in [-most, most] {
+                let mut moved = houses.clone();
+                moved[k].top += by;
+                let los = seen(&vector_field(moved, Ground::Flat(0), N), &uav, &asked).los;
+                let (gained, lost) = (los.cells(), known.los.cells());
+                turned.extend(gained.filter(|(row, col)| !known.los.contains(*row, *col)));
+                turned.extend(lost.filter(|(row, col)| !los.contains(*row, *col)));
+            }
+            assert_eq!(*by_building, turned.len() as u64, "seed {seed}, building {k}, ±{most}, {asked:?}");
+            count.los += *by_building;
+        }
+        count.links += found.possibly;
+        assert!(found.by_building.iter().max() <= Some(&found.possibly));
+    });
+    assert!(count.los > 2000 && count.links > 2000, "{count:?}");
+}
+
+/// Two streets between three rows of houses, as GeoJSON.
+fn write_houses(folder: &Folder) {
+    let house = |(x, y, w, d, h): (i32, i32, i32, i32, i32)| {
+        format!(
+            r#"{{"type":"Feature","properties":{{"height":{h},"id":"h{x}-{y}"}},"geometry":{{"type":"Polygon","coordinates":[[[{x},{y}],[{},{y}],[{},{}],[{x},{}],[{x},{y}]]]}}}}"#,
+            x + w,
+            x + w,
+            y + d,
+            y + d
+        )
+    };
+    let rows = (0..12).map(|k| house((10 + k % 4 * 25, 10 + k / 4 * 35, 20, 20, 12 + k)));
+    let text = format!(r#"{{"type":"FeatureCollection","features":[{}]}}"#, rows.collect::<Vec<_>>().join(","));
+    std::fs::write(folder.join("houses.geojson"), text).unwrap();
+}
+
+#[test]
+fn maps_tell_what_hangs_on_heights() {
+    let folder = Folder::new();
+    write_houses(&folder);
+    let map = "map houses.geojson --uav 60,60,40";
+    let asked = format!("{map} --height-error 1.5 --height-bias 0.5 --layers los,sure,p-los -o all.tif --json");
+    let found = folder.type_in(&asked).done().json();
+    assert_eq!(found["height_errors"]["own_m"], 1.5);
+    assert_eq!(found["height_errors"]["draws"], 200);
+    let (site, p) = (&found["sites"][0], found["sites"][0]["p_los"].as_f64().unwrap());
+    let of = |name: &str| site["uncertain"][name].as_f64().unwrap();
+    assert!(of("p_los_low") < p && p < of("p_los_high"), "{site}");
+    assert!(of("p_los_low") < of("p_los_mean") && of("p_los_mean") < of("p_los_high"), "{site}");
+    let sure = &site["uncertain"]["sure"];
+    let count = |name: &str| sure[name].as_u64().unwrap();
+    assert_eq!(count("never") + count("surely") + count("possibly"), site["receivers"].as_u64().unwrap());
+    assert!(count("possibly") > 100 && count("surely") < site["los"].as_u64().unwrap());
+    // Without errors the layers are the mask, and nothing is said of them.
+    let exact = folder.type_in(&format!("{map} --layers sure,p-los -o exact.npz --json")).done().json();
+    let none = &exact["sites"][0]["uncertain"];
+    assert_eq!((&none["sure"]["possibly"], &exact["height_errors"]), (&0.into(), &serde_json::Value::Null));
+    assert!((none["p_los_mean"].as_f64().unwrap() - p).abs() < 1e-12);
+    assert_eq!(exact["digest"], found["digest"]);
+    // The table has the interval, and only where heights may be off.
+    let header = |words: &str| folder.type_in(words).done().out.lines().next().unwrap().to_string();
+    assert!(header(&format!("{map} --height-error 1")).contains("p_los,p_los_low,p_los_high,"));
+    assert!(!header(map).contains("p_los_low"));
+
+    folder.refuses(&format!("{map} --height-error -1"), "E113", &["error of heights", "-1"]);
+    folder.refuses(&format!("{map} --height-bias nan"), "E101", &["nan"]);
+    folder.refuses(&format!("{map} --height-error 1 --sigma 3"), "E116", &["--sigma", "sure"]);
+    folder.refuses(
+        &format!("{map} --height-error 1 --layers count -o {{row}}-{{col}}.tif"),
+        "E116",
+        &["height_error"],
+    );
+}
+
+#[test]
+fn rasters_have_intervals_and_no_probabilities() {
+    let folder = Folder::new();
+    write_houses(&folder);
+    folder.type_in("city houses.geojson -o dsm.tif").done();
+    let map = "map dsm.tif --ground 0 --uav 60,60,40 --height-error 1";
+    let found = folder.type_in(&format!("{map} --layers sure -o sure.tif --json")).done().json();
+    let site = &found["sites"][0];
+    let (low, high) = (&site["uncertain"]["p_los_low"], &site["uncertain"]["p_los_high"]);
+    assert!(
+        low.as_f64().unwrap() < high.as_f64().unwrap() && site["uncertain"]["sure"]["possibly"].as_u64() > Some(100)
+    );
+    folder.refuses(&format!("{map} --layers p-los -o p.tif"), "E118", &["raster", "not told apart"]);
+    folder.refuses(&format!("{map} --strips -o s.tif"), "E501", &["errors of heights"]);
+}
+
+#[test]
+fn comparisons_and_searches_say_what_heights_explain() {
+    let folder = Folder::new();
+    write_houses(&folder);
+    // A street apart, and far apart in height.
+    let compare = "compare houses.geojson --uav 60,60,40 --uav 80,60,40 --uav 60,60,200 --height-error 2";
+    let ran = folder.type_in(&format!("{compare} -o c.json -o c.csv")).done();
+    assert!(ran.err.contains("smaller than errors of heights allow") && ran.err.contains("larger than errors"));
+    let found = folder.json("c.json");
+    let exceeds = |k: usize| found["pairs"][k]["exceeds_heights"].as_bool().unwrap();
+    assert_eq!([exceeds(0), exceeds(1), exceeds(2)], [false, true, true]);
+    for pair in found["pairs"].as_array().unwrap() {
+        let number = |name: &str| pair[name].as_f64().unwrap();
+        assert!(number("heights_low") <= number("heights_high"), "{pair}");
+    }
+    let ran = folder.type_in("place houses.geojson --height 40 --step 8 --height-error 2 -o p.json").done();
+    assert!(ran.err.contains("may be as good"), "{}", ran.err);
+    let ranked = folder.json("p.json")["ranked"].as_array().unwrap().clone();
+    assert!(ranked[0].get("exceeds_heights").is_none() && ranked[1]["exceeds_heights"].is_boolean());
+    folder.refuses("place houses.geojson --height 40 -k 2 --height-error 2", "E116", &["height_error"]);
+    folder.refuses("place houses.geojson --height 40 --goal margin --height-bias 2", "E116", &["height_bias"]);
+}
+
+#[test]
+fn limits_name_the_roofs_to_measure() {
+    let folder = Folder::new();
+    write_houses(&folder);
+    let found = folder.type_in("limits houses.geojson --uav 60,60,40 --height-error 2 --json").done().json();
+    let heights = &found["heights"];
+    let buildings = heights["buildings"].as_array().unwrap();
+    assert!(!buildings.is_empty() && buildings.len() <= 12);
+    let n: Vec<u64> = buildings.iter().map(|building| building["receivers"].as_u64().unwrap()).collect();
+    assert!(n.is_sorted_by(|a, b| a >= b) && n[0] <= heights["possibly"].as_u64().unwrap(), "{heights}");
+    let text = folder.type_in("limits houses.geojson --uav 60,60,40").done().out;
+    assert!(text.contains("roofs to measure first: ") && text.contains("typically off by"), "{text}");
 }

@@ -36,7 +36,7 @@ const VALUES: &str = "\
     --uav 30,5,45 --uavs sites.csv --rx 41,40 --track other.csv --every 3 --rx-height 9 --receivers all \
     --radius 25 --earth-k 0.01 --curvature-coefficient 99 --min-radius 15 --sector 20,110 --elevation -80,-50 --beam 50 --method ray --tolerance 0.2 --layers los,margin --height-curve curve.csv --curve-heights 10:50:10 \
     --output more.json --csv more.csv --threads 1 --max-memory 1G --tif-layout plain --polygons los --simplify 2 \
-    --scratch . --title Another_title --attribution Somebody --width 900 --dpi 150 --uav-error 2 --height-error 3 \
+    --scratch . --title Another_title --attribution Somebody --width 900 --dpi 150 --uav-error 2 --height-error 3 --height-bias 2 --sigma 1 \
     --cities 3 --curve mine=curve_of_mine.csv --theta 30 --distance 60 --phi 10 --height 70 --alpha 0.4 --beta 400 \
     --gamma 12 --users street --placement street --until 0.2 --ci 0.8 --users-per-city 3 --links 300 \
     --positions 20 --theta-band 2 --block 30 --plot heat --step 15 --over street --within part.geojson \

@@ -270,8 +270,14 @@ fn a_receiver_at_its_ceiling_is_los_and_a_step_below_is_not() {
 // ---------------------------------------------------------------------------------------------------------------------
 // Whole maps.
 
-const ALL_LAYERS: HeightLayers =
-    HeightLayers { margin: true, least_receiver_height: true, least_height: true, stability: false };
+const ALL_LAYERS: HeightLayers = HeightLayers {
+    margin: true,
+    least_receiver_height: true,
+    least_height: true,
+    stability: false,
+    sure: false,
+    p_los: false,
+};
 
 pub(crate) fn options(receivers: Receivers, layers: HeightLayers) -> MapOptions {
     MapOptions { rx_height: 1536, receivers, layers, ..MapOptions::default() }

@@ -16,8 +16,14 @@ use crate::program::Folder;
 use crate::support::Random;
 use crate::zones::surface_field;
 
-const STABILITY: HeightLayers =
-    HeightLayers { margin: false, least_receiver_height: false, least_height: false, stability: true };
+const STABILITY: HeightLayers = HeightLayers {
+    margin: false,
+    least_receiver_height: false,
+    least_height: false,
+    stability: true,
+    sure: false,
+    p_los: false,
+};
 
 fn map(field: &HeightField, uav: &Uav, options: &MapOptions) -> SiteCoverage {
     Mapper::new(field, options).unwrap().map(uav, &Control::default()).unwrap()

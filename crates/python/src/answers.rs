@@ -81,7 +81,8 @@ impl Maps {
 
     /// A layer of one UAV.
     fn layer<'py>(slf: &Bound<'py, Self>, site: usize, name: &str) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
-        let layers = [Layer::Margin, Layer::LeastReceiverHeight, Layer::LeastHeight, Layer::Stability];
+        use Layer::{LeastHeight, LeastReceiverHeight, Margin, PLos, Stability, Sure};
+        let layers = [Margin, LeastReceiverHeight, LeastHeight, Stability, Sure, PLos];
         let layer = layers.into_iter().find(|layer| layer.name() == name);
         let cells = layer.and_then(|layer| slf.get().0.layer(site, layer));
         cells.map(|cells| Maps::lent(slf, cells)).transpose()

@@ -35,6 +35,8 @@ pub const ONLY_COLORS: [Rgb; 6] =
 pub const ALONE_COLORS: [Rgb; 4] = [NLOS, [0xFB, 0xFA, 0xF6], [0xB4, 0xDB, 0xF2], LOS];
 /// From which height a cell is seen: classes from the lowest up, then at none. All differ in lightness.
 pub const LEAST_HEIGHT_COLORS: [Rgb; 6] = [HEIGHT[0], HEIGHT[1], HEIGHT[3], HEIGHT[4], HEIGHT[5], NLOS];
+/// What is sure of a cell: never seen, surely, perhaps. All differ in lightness.
+pub const SURE_COLORS: [Rgb; 3] = [NLOS, LOS, [0xFB, 0xFA, 0xF6]];
 /// Paper.
 pub(crate) const WHITE: Rgb = [0xFF, 0xFF, 0xFF];
 

@@ -66,7 +66,7 @@ mod z_buffer;
 
 pub use city_picture::{CityPicture, draw_city};
 pub use city_solids::{CityHeights, CityModel, CityPrism};
-pub use colors::{ALONE_COLORS, LEAST_HEIGHT_COLORS, ONLY_COLORS};
+pub use colors::{ALONE_COLORS, LEAST_HEIGHT_COLORS, ONLY_COLORS, SURE_COLORS};
 pub use compare_page::{ComparePage, LiveDoor, PagePlacement, PageTable, compare_page};
 pub use compare_sheet::{CompareMap, ComparePair, CompareSheet, draw_compare_sheet};
 pub use curve_lines::{CurveLine, CurvePoint};

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::cli::args::height_errors::HeightErrorArgs;
 use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::sight::{SightArgs, UavsArgs};
@@ -30,6 +31,8 @@ pub(in crate::cli) struct CompareArgs {
     mask: Vec<PathBuf>,
     #[command(flatten, next_help_heading = "Placements")]
     sight: SightArgs,
+    #[command(flatten, next_help_heading = "Placements")]
+    heights: HeightErrorArgs,
     /// Edge of the blocks of ground that are resampled for intervals [m]
     #[arg(long, value_name = "M", value_parser = number, default_value = "50", allow_hyphen_values = true,
           help_heading = "Placements")]
@@ -51,6 +54,7 @@ impl CompareArgs {
         let look = self.picture.look(&self.out, &outputs)?;
         let plan = ComparisonPlan {
             sight: self.sight.checked()?,
+            heights: self.heights.checked(None)?,
             masks: self.mask.clone(),
             hash: reading.hash,
             block_m: self.block,
@@ -59,6 +63,9 @@ impl CompareArgs {
             draws_pairs: outputs.iter().any(|(_, format)| *format == Format::GeoTiff),
         };
         plan.check()?;
+        if self.uavs.uav.is_empty() && self.uavs.uavs.is_none() {
+            run.typed.refuse(&["height_error", "height_bias"], "without UAVs: saved maps are not made anew")?;
+        }
         let asked = self.uavs.asked(reading.hash)?;
         if asked.table.is_none() && self.mask.is_empty() {
             check_number(asked.typed.len())?;

@@ -59,6 +59,9 @@ impl MapArgs {
         if !is_raster_scene(&job.word) || job.scene.project.is_some() {
             run.typed.refuse(&["strips", "scratch"], "but for a raster in its own system")?;
         }
+        if !job.plan.layers.contains(&Layer::Sure) {
+            run.typed.refuse(&["sigma"], "without the layer `sure`")?;
+        }
         if self.tile.is_empty() && !job.outputs.iter().any(|path| names_tile(path)) {
             run.typed.refuse(&["tile_size"], "without tiles")?;
         }
@@ -109,7 +112,8 @@ impl MapArgs {
                 layers.push(*layer)
             }
         });
-        Ok(MapPlan { sight: self.sight.checked()?, layers, tolerance: self.tolerance, tells_zones: self.zones })
+        let (sight, heights) = (self.sight.checked()?, self.heights.checked(self.sigma)?);
+        Ok(MapPlan { sight, heights, layers, tolerance: self.tolerance, tells_zones: self.zones })
     }
 
     /// In which form files are written.

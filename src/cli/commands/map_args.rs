@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::cli::args::height_errors::HeightErrorArgs;
 use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::sight::{SightArgs, UavsArgs};
@@ -32,6 +33,18 @@ const LAYERS: Words<Layer> = &[
          all roofs up, down (1/1024 m; of a raster horizontally 1/1024 cell). Costs eight more maps",
         Layer::Stability,
     ),
+    (
+        "sure",
+        "0 never, 1 surely, 2 possibly in line of sight, whatever heights of buildings are within --sigma standard deviations of \
+         --height-error and --height-bias. Costs two more maps",
+        Layer::Sure,
+    ),
+    (
+        "p-los",
+        "Probability of line of sight, 0 to 1, with errors of heights of footprints (--height-error, --height-bias)",
+        Layer::PLos,
+    ),
+    ("p_los", "", Layer::PLos),
     (
         "count",
         "Number of UAVs that see the cell; nodata where nobody receives (NaN in .exr, 4294967295 in .npz)",
@@ -76,6 +89,11 @@ pub(in crate::cli) struct MapArgs {
     pub(super) uavs: UavsArgs,
     #[command(flatten, next_help_heading = "Map")]
     pub(super) sight: SightArgs,
+    #[command(flatten, next_help_heading = "Map")]
+    pub(super) heights: HeightErrorArgs,
+    /// Standard deviations that heights are within for the layer `sure`; default 2
+    #[arg(long, value_name = "K", value_parser = number, allow_hyphen_values = true, help_heading = "Map", hide_short_help = true)]
+    pub(super) sigma: Option<f64>,
     /// How far P_LoS of any UAV may be off, such as 0.005: the map is made on the coarsest cells for which that is so with
     /// 99 % confidence, measured on a sample of receivers that are decided exactly; says what was taken and measured
     #[arg(long, value_name = "P", value_parser = number, allow_hyphen_values = true, help_heading = "Map",

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::answer::Output;
+use crate::cli::args::height_errors::HeightErrorArgs;
 use crate::cli::args::output::{OutputArgs, PictureArgs};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::sight::SightArgs;
@@ -89,6 +90,8 @@ pub(in crate::cli) struct PlaceArgs {
     count: u16,
     #[command(flatten, next_help_heading = "Goal")]
     sight: SightArgs,
+    #[command(flatten, next_help_heading = "Goal")]
+    height_errors: HeightErrorArgs,
     #[command(flatten)]
     pub(in crate::cli) out: OutputArgs,
     /// Write the table to this file
@@ -149,6 +152,7 @@ impl PlaceArgs {
         }
         Ok(SearchPlan {
             sight: self.sight.checked()?,
+            height_errors: self.height_errors.checked(None)?,
             goal,
             from,
             heights: heights.unwrap_or_default(),

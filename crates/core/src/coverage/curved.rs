@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::map::{Mapper, SiteCoverage};
 use super::range::{Heights, Range as InRange};
 use super::stability::ShiftedRoofs;
-use super::{ExplainedLink, MapOptions, ObstacleKind, ProfileStep, StepKind, Uav};
+use super::{ExplainedLink, HeightLayers, MapOptions, ObstacleKind, ProfileStep, StepKind, Uav};
 use crate::error::{MapError, Result};
 use crate::height_field::{Bulge, Curvature, Drops, HeightField, Place, Station};
 use crate::los::GridReceivers;
@@ -171,6 +171,8 @@ impl CurvedScene {
         let field = &self.field;
         let MapOptions { rx_height, receivers, window, radius, antenna, meters_per_unit, layers, method, .. } =
             of.options;
+        // Those are told of the scene over a flat earth.
+        let layers = HeightLayers { sure: false, p_los: false, ..layers };
         let options = MapOptions {
             rx_height,
             receivers,
@@ -183,6 +185,7 @@ impl CurvedScene {
             meters_per_unit,
             layers,
             method,
+            ..MapOptions::default()
         };
         // As many meters to the steps of both axes, or none.
         let (step_x, step_y) = of.engine.positions().step_lengths();
@@ -199,6 +202,7 @@ impl CurvedScene {
             why: of.why,
             receivers: of.receivers.iter().map(seen).collect(),
             xs: of.xs.clone(),
+            uncertain: None,
             roofs: layers.stability.then(|| Box::new(ShiftedRoofs::of(field))),
             options,
         }

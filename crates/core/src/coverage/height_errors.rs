@@ -55,8 +55,15 @@ pub struct HeightErrors {
     pub shared_m: f64,
 }
 
+impl Default for HeightErrors {
+    /// None.
+    fn default() -> Self {
+        HeightErrors::same(0.0, 0.0)
+    }
+}
+
 impl HeightErrors {
-    /// The same for all buildings: standard deviations of their own errors, and of the shared one \[m\].
+    /// Errors of one size for all buildings: standard deviations of their own errors, and of the shared one \[m\].
     pub fn same(own_m: f64, shared_m: f64) -> Self {
         HeightErrors { own: OwnErrors::Same(own_m), shared_m }
     }
@@ -354,7 +361,7 @@ mod tests {
             let limits = HeightLimits { crossed: vec![(0, limit)], ..HeightLimits::default() };
             UncertainTops { tops: &tops, errors: &errors }.probability(&limits)
         };
-        assert_eq!([999, 1000, 1001].map(of), [0.0, 1.0, 1.0]);
+        assert_eq!([999, 1000, 1001].map(|limit| of(limit).to_bits()), [0.0_f64, 1.0, 1.0].map(f64::to_bits));
     }
 
     #[test]

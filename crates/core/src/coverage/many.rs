@@ -51,7 +51,11 @@ impl Mapper<'_> {
             let maps: Vec<SiteCoverage> = match chunk {
                 [one] if self.options.window.is_none() => {
                     let is_held = overlay.is_some() || keep != KeepMasks::Never;
-                    vec![self.map_in_parts(one, control, Some(&mut each_part), is_held)?]
+                    let mut map = self.map_in_parts(one, control, Some(&mut each_part), is_held)?;
+                    if is_held {
+                        self.add_uncertain(&mut map, control)?;
+                    }
+                    vec![map]
                 }
                 _ => chunk.par_iter().map(|uav| self.map(uav, control)).collect::<Result<_>>()?,
             };

@@ -11,6 +11,7 @@ use super::elevation::RowElevations;
 use super::range::{Heights, Range};
 use super::row_bands::{BAND_CELLS, EachPart, Row, in_bands, in_buffers, split};
 use super::stability::{Answers, Decided, ShiftedRoofs};
+use super::uncertain::Uncertain;
 use super::{Control, HeightLayers, MapOptions, Receivers, Stability, Tally, Uav};
 use crate::error::{MapError, Result};
 use crate::height_field::{Casters, HeightField, Station};
@@ -33,6 +34,11 @@ pub struct SiteCoverage {
     pub least_height: Option<Vec<f32>>,
     /// How stable the answers are.
     pub stability: Option<Stability>,
+    /// Who is in line of sight whatever heights of buildings are within their errors: 0 never, 1 surely, 2 possibly; NaN where there is no
+    /// receiver.
+    pub sure: Option<Vec<f32>>,
+    /// Probability of line of sight with the errors of heights, NaN where there is no receiver.
+    pub p_los: Option<Vec<f32>>,
     /// Counts.
     pub tally: Tally,
 }
@@ -49,6 +55,9 @@ impl SiteCoverage {
             let rows = cells.chunks(n_cols);
             rows.flat_map(|row| &row[window.col..window.col + window.n_cols]).copied().collect()
         }
+        // Of a layer of all rows.
+        let of_rows =
+            |cells: &[f32]| part(&cells[window.row * n_cols..(window.row + window.n_rows) * n_cols], window, n_cols);
         let of_layer = |layer: Option<Vec<f32>>| layer.map(|layer| part(&layer, window, n_cols));
         let mask: LargeVec<u8> = part(&self.mask, window, n_cols).into();
         SiteCoverage {
@@ -57,11 +66,9 @@ impl SiteCoverage {
             margin: of_layer(self.margin),
             least_receiver_height: of_layer(self.least_receiver_height),
             least_height: of_layer(self.least_height),
-            stability: self.stability.map(|of_all| Stability {
-                // Of all rows.
-                turns: part(&of_all.turns[window.row * n_cols..(window.row + window.n_rows) * n_cols], window, n_cols),
-                ..of_all
-            }),
+            stability: self.stability.map(|of_all| Stability { turns: of_rows(&of_all.turns), ..of_all }),
+            sure: self.sure.as_deref().map(of_rows),
+            p_los: self.p_los.as_deref().map(of_rows),
             uav: self.uav,
         }
     }
@@ -75,6 +82,8 @@ impl SiteCoverage {
             least_receiver_height: None,
             least_height: None,
             stability: None,
+            sure: None,
+            p_los: None,
             tally,
         }
     }
@@ -110,14 +119,16 @@ pub struct Mapper<'a> {
     pub(super) xs: Vec<f64>,
     /// The scene with other roofs, where stability is asked for.
     pub(super) roofs: Option<Box<ShiftedRoofs>>,
+    /// The scene with roofs of other heights, where layers tell of errors.
+    pub(super) uncertain: Option<Box<Uncertain>>,
 }
 
 impl<'a> Mapper<'a> {
     /// Makes ready what does not depend on the UAV.
     ///
     /// # Errors
-    /// E118 if the options ask for an engine that cannot decide this scene, or for layers of heights beside an approximate
-    /// one.
+    /// E118 if the options ask for an engine that cannot decide this scene, for layers of heights beside an approximate
+    /// one, or for errors of heights that cannot be.
     pub fn new(field: &'a HeightField, options: &MapOptions) -> Result<Self> {
         let refuse = |wrong: WrongMethod| MapError::Method { why: wrong.why, instead: wrong.instead.name() };
         let (method, why) = Method::choose(field, options.method).map_err(refuse)?;
@@ -151,7 +162,13 @@ impl<'a> Mapper<'a> {
         let mut alone = engine.clone();
         alone.is_one_band = true;
         let roofs = options.layers.stability.then(|| Box::new(ShiftedRoofs::of(field)));
-        Ok(Mapper { field, options: options.clone(), engine, alone, why, receivers, xs, roofs })
+        let uncertain = Uncertain::of(field, options)?;
+        Ok(Mapper { field, options: options.clone(), engine, alone, why, receivers, xs, roofs, uncertain })
+    }
+
+    /// The scene.
+    pub fn field(&self) -> &'a HeightField {
+        self.field
     }
 
     /// The engine that decides, and why it was chosen.
@@ -288,7 +305,8 @@ impl<'a> Mapper<'a> {
     /// Cost: that of the engine (see [`crate::los`]), plus a walk per receiver and solid for layers of heights, of which the
     /// sweep finds margins and ceilings without one. Shared by all threads of the current pool.
     pub fn map(&self, uav: &Uav, control: &Control) -> Result<SiteCoverage> {
-        let map = self.map_in_parts(uav, control, None, true)?;
+        let mut map = self.map_in_parts(uav, control, None, true)?;
+        self.add_uncertain(&mut map, control)?;
         Ok(match self.options.window {
             Some(window) => map.cropped(window, self.field.grid().n_cols()),
             None => map,

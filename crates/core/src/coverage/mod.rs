@@ -8,6 +8,7 @@ mod cell_classes;
 mod cell_heights;
 pub mod class;
 mod curved;
+mod deciding;
 mod elevation;
 mod explained_link;
 mod height_curve;
@@ -23,6 +24,7 @@ mod pairs;
 mod polygons;
 mod place_sums;
 mod range;
+mod redrawn;
 mod row_bands;
 mod stability;
 mod streamed;
@@ -31,9 +33,11 @@ mod tally;
 mod track;
 mod uav;
 mod uav_grid;
+mod uncertain;
 
 pub use cell_heights::surface_under;
 pub use curved::{CurvedScene, check_drop};
+pub use deciding::Deciding;
 pub use explained_link::{
     ExplainedLink, LinkObstacle, ObstacleKind, ProfileStep, StepKind, explain_link, link_profile, place_receiver,
 };
@@ -49,6 +53,7 @@ pub use p_los::UncertainHeights;
 pub use pairs::{CellGroups, MOST_SETS, PairCounts, count_pairs, count_sets, difference_layer};
 pub use polygons::{CoveragePolygon, PolygonOptions, coverage_polygons};
 pub use range::any_in_range;
+pub use redrawn::{CORRELATION_M, RedrawnCounts, RedrawnHeights};
 pub use stability::{Move, Stability, Turned};
 pub use streamed::StreamedMapper;
 pub use sure::{HeightBounds, Sure};

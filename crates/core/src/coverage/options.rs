@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+use super::HeightErrors;
 use crate::city::Antenna;
 use crate::error::{Error, Result};
 use crate::height_field::Curvature;
@@ -43,6 +44,10 @@ pub struct MapOptions {
     pub curvature: Option<Curvature>,
     /// Length of a CRS unit \[m\], for elevation angles and antennas.
     pub meters_per_unit: f64,
+    /// How far heights of buildings may be off, for layers that tell what hangs on them.
+    pub height_errors: HeightErrors,
+    /// Of how many standard deviations of these the layer `sure` is.
+    pub sigma: f64,
     /// Which layers of heights to make.
     pub layers: HeightLayers,
     /// Which engine decides; all are exact but those that say they are not.
@@ -61,6 +66,8 @@ impl Default for MapOptions {
             antenna: Antenna::default(),
             curvature: None,
             meters_per_unit: 1.0,
+            height_errors: HeightErrors::default(),
+            sigma: 2.0,
             layers: HeightLayers::default(),
             method: MethodChoice::Auto,
         }
@@ -78,9 +85,18 @@ pub struct HeightLayers {
     pub least_height: bool,
     /// How many of eight moves by one lattice step turn the answer, see [`super::Stability`].
     pub stability: bool,
+    /// Who is in line of sight whatever heights are within their errors, and who may be.
+    pub sure: bool,
+    /// Probability of line of sight, with errors of heights.
+    pub p_los: bool,
 }
 
 impl HeightLayers {
+    /// Whether any of them needs the whole scene in memory.
+    pub(super) fn need_all_in_memory(self) -> bool {
+        self.least_height || self.stability || self.sure || self.p_los
+    }
+
     /// Whether a link must be walked for any of them.
     pub(super) fn has_heights(self) -> bool {
         self.margin || self.least_receiver_height || self.least_height

@@ -125,7 +125,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         if !matches!(options.method, MethodChoice::Auto | MethodChoice::Sweep) {
             return Err(MapError::StreamedMethod.into());
         }
-        if options.layers.least_height || options.layers.stability || options.within.is_some() {
+        if options.layers.need_all_in_memory() || options.within.is_some() {
             return Err(MapError::StreamedLayers.into());
         }
         let grid = scene.grid();

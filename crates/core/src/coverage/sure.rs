@@ -5,11 +5,13 @@
 //! share them. A receiver on a roof is as much higher or lower as its roof. It is taken as high where buildings are low, and as low where
 //! they are high. That holds whatever the heights are, but such receivers are seldom surely in line of sight then.
 
+use std::borrow::Cow;
+
 use super::curved::CurvedScene;
 use super::{HeightErrors, MapOptions, Mapper, OwnErrors, Receivers, Uav};
 use crate::city::Antenna;
 use crate::error::{MapError, Result};
-use crate::height_field::HeightField;
+use crate::height_field::{HeightField, StandsOn};
 use crate::los::{GridLos, GridReceivers, WrongMethod};
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::BitGrid;
@@ -66,15 +68,13 @@ impl HeightBounds {
 
 impl Mapper<'_> {
     /// What is sure of the receivers of a UAV, whatever heights buildings have within some bounds of the same scene. Who is in range does
-    /// not change.
+    /// not change. A UAV that is inside a building as high as it may be surely sees none.
     ///
     /// Cost: twice the line of sight of a map, by the same engine.
     ///
     /// # Errors
-    /// E118 for an earth so curved that heights would leave the lattice; those of [`Uav::place`] if the UAV is inside a building that is as
-    /// high as it may be.
+    /// E118 for an earth so curved that heights would leave the lattice.
     pub fn sure(&self, uav: &Uav, bounds: &HeightBounds) -> Result<Sure> {
-        uav.moved(&bounds.high, [0; 3], self.options.radius)?;
         let in_range = match CurvedScene::checked_around(self, uav)? {
             Some(curved) => curved.mapper(self).in_range_by_kind(uav),
             None => self.in_range_by_kind(uav),
@@ -82,7 +82,7 @@ impl Mapper<'_> {
         self.sure_of(uav, bounds, &in_range)
     }
 
-    /// What is sure of some receivers, kind by kind; of a UAV inside a building that is as high as it may be, that it surely sees none.
+    /// What is sure of some receivers, kind by kind.
     pub(super) fn sure_of(&self, uav: &Uav, bounds: &HeightBounds, in_range: &[BitGrid]) -> Result<Sure> {
         let HeightBounds { low, high, most } = bounds;
         let none = || BitGrid::new(self.field.grid().n_rows(), self.field.grid().n_cols());
@@ -114,6 +114,23 @@ impl Mapper<'_> {
         let of_kind = |(k, receivers): (usize, &'b GridReceivers<'_>)| {
             if self.is_on_roofs(k) { receivers.raised(roofs_by) } else { receivers.borrowed() }
         };
+        self.over(field, self.receivers.iter().enumerate().map(of_kind).collect())
+    }
+
+    /// What maps a scene with buildings of other heights, for these receivers, of which those on roofs stand on others \[1/1024 m above the datum\].
+    pub(super) fn with_redrawn<'b>(&'b self, field: &'b HeightField, roofs: Option<&'b [i32]>) -> Result<Mapper<'b>> {
+        let of_kind = |(k, receivers): (usize, &'b GridReceivers<'_>)| match roofs.filter(|_| self.is_on_roofs(k)) {
+            Some(roofs) => {
+                let cells = Cow::Borrowed(&*receivers.cells);
+                GridReceivers::new(cells, StandsOn::Cells(Cow::Borrowed(roofs)), self.options.rx_height)
+            }
+            None => receivers.borrowed(),
+        };
+        self.over(field, self.receivers.iter().enumerate().map(of_kind).collect())
+    }
+
+    /// What maps another scene for some receivers, whatever their elevation.
+    fn over<'b>(&self, field: &'b HeightField, receivers: Vec<GridReceivers<'b>>) -> Result<Mapper<'b>> {
         let refuse = |wrong: WrongMethod| MapError::Method { why: wrong.why, instead: wrong.instead.name() };
         let engine = GridLos::new(field, self.engine.method()).map_err(refuse)?;
         // Who is in range is known, and heights do not change it.
@@ -123,15 +140,16 @@ impl Mapper<'_> {
             alone: engine.clone(),
             engine,
             why: self.why,
-            receivers: self.receivers.iter().enumerate().map(of_kind).collect(),
+            receivers,
             xs: Vec::new(),
             roofs: None,
+            uncertain: None,
             options: MapOptions { antenna, ..self.options.clone() },
         })
     }
 
     /// Some receivers, kind by kind, that are in line of sight, whatever their elevation.
-    fn los_of(&self, uav: &Uav, wanted: &[BitGrid]) -> BitGrid {
+    pub(super) fn los_of(&self, uav: &Uav, wanted: &[BitGrid]) -> BitGrid {
         let antenna = Antenna { elevation_deg: None, beam_deg: None, ..uav.antenna };
         let uav = Uav { antenna, ..uav.clone() };
         if let Some(curved) = CurvedScene::around(self, &uav) {

@@ -19,6 +19,11 @@ pub enum MapError {
     /// Probabilities of line of sight where buildings are not told apart.
     #[error("probabilities of line of sight of a raster, whose buildings are not told apart")]
     RasterProbabilities,
+    /// Errors of heights that are no lengths, of which there is not one for each building, or that make a roof leave ±32 768 m.
+    #[error(
+        "errors of heights that cannot be: wanted lengths of 0 m or more, one for each building, that leave all roofs within ±32768 m"
+    )]
+    HeightErrors,
     /// A curvature so strong that heights would leave the lattice: how far the earth would fall away within range \[m\].
     #[error(
         "within range the earth would fall away by {0:.0} m, wanted at most what leaves all heights within ±32768 m"

@@ -199,11 +199,15 @@ impl HeightField {
 
     /// The roofs of the building cells.
     pub(crate) fn roof_of_cells(&self) -> StandsOn<'_> {
-        let roofs = match &self.solid {
+        StandsOn::Cells(Cow::Borrowed(self.roofs_of_cells()))
+    }
+
+    /// The roof of each cell that is a building \[1/1024 m above the datum\].
+    pub(crate) fn roofs_of_cells(&self) -> &[i32] {
+        match &self.solid {
             Solid::Raster(raster) => raster.columns.tops(),
             Solid::Vector(vector) => &vector.roofs,
-        };
-        StandsOn::Cells(Cow::Borrowed(roofs))
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::solid::{RasterSolid, Solid, VectorSolid};
 use super::{CellSets, HeightField, Piece, Prisms, Ring};
 use crate::quantity::{MAX_HEIGHT_M, VOID, height_steps};
-use crate::raster::{GeoRef, set_bits};
+use crate::raster::{BitGrid, GeoRef};
 
 impl HeightField {
     /// The solids of the scene under receivers on another grid.
@@ -41,8 +41,6 @@ impl HeightField {
     /// Like [`HeightField::with_roofs_raised`] by what a function gives for the number of a building; it is asked once, for 0, where
     /// buildings have none.
     pub fn with_roofs_raised_by(&self, steps: impl Fn(u32) -> i32) -> Option<HeightField> {
-        let limit = height_steps(MAX_HEIGHT_M)?;
-        let raised = |top: i32, steps: i32| Some(top + steps).filter(|top| top.abs() <= limit);
         let mut field = self.clone();
         match &mut field.solid {
             Solid::Vector(VectorSolid { prisms, .. }) => {
@@ -50,19 +48,34 @@ impl HeightField {
                 *prisms = Prisms::new(prisms.pieces().iter().map(piece).collect::<Option<Vec<_>>>()?)
                     .on_earth(prisms.earth());
             }
-            Solid::Raster(RasterSolid { columns, .. }) => {
-                let n_cols = columns.n_cols();
-                let moves = if self.is_surface_only() { &self.cells.open } else { &self.cells.building };
-                let steps = steps(0);
-                let mut tops = columns.flat_tops().to_vec();
-                for row in 0..columns.n_rows() {
-                    for col in set_bits(moves.row(row)) {
-                        tops[row * n_cols + col] = raised(tops[row * n_cols + col], steps)?;
-                    }
-                }
-                *columns = columns.with_flat_tops(tops);
-            }
+            Solid::Raster(_) => return self.with_cells_raised_by(|_| steps(0)),
         }
         Some(field)
     }
+
+    /// A raster scene with the columns that are buildings higher by what a function gives for the index of a cell \[1/1024 m\]; `None` of a vector
+    /// scene, and if a roof would leave the proven range.
+    pub(crate) fn with_cells_raised_by(&self, steps: impl Fn(usize) -> i32) -> Option<HeightField> {
+        let mut field = self.clone();
+        let Solid::Raster(RasterSolid { columns, .. }) = &mut field.solid else { return None };
+        let n_cols = columns.n_cols();
+        let mut tops = columns.flat_tops().to_vec();
+        for (row, col) in self.cells_of_buildings().cells() {
+            let cell = row * n_cols + col;
+            tops[cell] = raised(tops[cell], steps(cell))?;
+        }
+        *columns = columns.with_flat_tops(tops);
+        Some(field)
+    }
+
+    /// The cells of a raster that are buildings; all of a surface model alone, where buildings are not known.
+    pub(crate) fn cells_of_buildings(&self) -> &BitGrid {
+        if self.is_surface_only() { &self.cells.open } else { &self.cells.building }
+    }
+}
+
+/// A top higher by some steps, if that is within the proven range.
+fn raised(top: i32, steps: i32) -> Option<i32> {
+    let limit = height_steps(MAX_HEIGHT_M)?;
+    top.checked_add(steps).filter(|top| top.abs() <= limit)
 }

@@ -29,7 +29,7 @@ enum Engine<'a> {
     Sweep(&'a Columns),
     /// Shadows of the plateaus of columns; where those cannot decide, the sweep.
     Plateaus(&'a Columns, &'a Plateaus, Cow<'a, ShadowGrid>),
-    /// The same over a curved earth.
+    /// Bounds by the shadows of plateaus over a curved earth, and the sweep or rays where they differ.
     CurvedPlateaus(&'a Columns, &'a Plateaus, &'a ShadowGrid, Bulge),
     Shadow(PrismShadows<'a>),
     /// And then the sweep for the terrain below the prisms.

@@ -26,6 +26,10 @@ pub enum Layer {
     Count,
     /// How many of eight moves by one lattice step turn the answer.
     Stability,
+    /// Who is in line of sight whatever heights are within their errors: 0 never, 1 surely, 2 possibly.
+    Sure,
+    /// Probability of line of sight with errors of heights.
+    PLos,
     /// Which of all UAVs see each cell, a bit for each.
     Which,
     /// The mask of all UAVs together.
@@ -43,6 +47,8 @@ impl Layer {
             Layer::LeastReceiverHeight => "least-receiver-height",
             Layer::LeastHeight => "least-height",
             Layer::Stability => "stability",
+            Layer::Sure => "sure",
+            Layer::PLos => "p-los",
             Layer::Count => "count",
             Layer::Which => "which",
             Layer::Union => "union",
@@ -55,9 +61,10 @@ impl Layer {
         matches!(self, Layer::Count | Layer::Which | Layer::Union | Layer::BestServer)
     }
 
-    /// Whether the layer holds a float for each receiver: meters, or the number of moves that turn it.
+    /// Whether the layer holds a float for each receiver: meters, the number of moves that turn it, how sure it is, or a probability.
     pub fn is_measure(self) -> bool {
-        matches!(self, Layer::Margin | Layer::LeastReceiverHeight | Layer::LeastHeight | Layer::Stability)
+        use Layer::{LeastHeight, LeastReceiverHeight, Margin, PLos, Stability, Sure};
+        matches!(self, Margin | LeastReceiverHeight | LeastHeight | Stability | Sure | PLos)
     }
 
     /// The values of a layer that is a measure, if they were made.
@@ -67,6 +74,8 @@ impl Layer {
             Layer::LeastReceiverHeight => site.least_receiver_height.as_deref(),
             Layer::LeastHeight => site.least_height.as_deref(),
             Layer::Stability => site.stability.as_ref().map(|s| s.turns.as_slice()),
+            Layer::Sure => site.sure.as_deref(),
+            Layer::PLos => site.p_los.as_deref(),
             _ => None,
         }
     }

@@ -1,0 +1,315 @@
+//! Maps of a scene with heights of buildings redrawn from their errors: how far P_LoS may be from that of the known heights.
+//!
+//! Errors are drawn by the ids of buildings, so that a building has the same ones in every part of a scene and in any order. In a raster buildings are not
+//! told apart. Where it is a block model, blocks of one height that touch share an error; else errors are a random field of some correlation length: normal
+//! numbers at the nodes of a square grid of that length, bilinear between them, with the same standard deviation everywhere. Who is in range does not
+//! change. A receiver on a roof moves with it.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+
+use super::curved::CurvedScene;
+use super::{Control, HeightErrors, Mapper, OwnErrors, Uav};
+use crate::error::{MapError, Result};
+use crate::height_field::HeightField;
+use crate::quantity::STEPS_PER_UNIT;
+use crate::raster::{BitGrid, set_bits};
+
+/// Correlation length of errors of a raster that is no block model, where none is given \[m\].
+pub const CORRELATION_M: f64 = 20.0;
+
+/// Words of random numbers that are set aside for one normal number, which seldom takes more than one.
+const WORDS: u128 = 16;
+
+/// A scene with heights to be redrawn.
+#[derive(Debug, Clone)]
+pub struct RedrawnHeights {
+    errors: HeightErrors,
+    random: ChaCha8Rng,
+    share: Share,
+}
+
+/// What has an error of its own.
+#[derive(Debug, Clone)]
+enum Share {
+    /// Each building of a scene of footprints: a number that follows from its id.
+    Buildings(Vec<u64>),
+    /// Each block of cells of a raster: the number of that of each cell, from 1, 0 of cells that are no building, and how many there are.
+    Blocks(Vec<u32>, u32),
+    /// The nodes of a grid over a raster, so many cells apart, and whether a cell is a building.
+    Nodes([f64; 2], BitGrid),
+}
+
+/// Receivers in line of sight of some UAVs, once for each time that heights were drawn.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RedrawnCounts {
+    /// Receivers of each UAV, in range by the known heights.
+    pub receivers: Vec<u64>,
+    /// Those in line of sight: of each draw, of each UAV.
+    pub los: Vec<Vec<u64>>,
+}
+
+impl RedrawnHeights {
+    /// Makes ready. `length_m` is the correlation length of a raster \[m\]; without one, blocks of one height share errors where a raster is a
+    /// block model, and the length is [`CORRELATION_M`] where it is not. `None` if there is not one error for each building that is a length, or the correlation
+    /// length is not above 0.
+    pub fn of(field: &HeightField, errors: &HeightErrors, length_m: Option<f64>, seed: u64) -> Option<Self> {
+        let length_of_cells_m = length_m.unwrap_or(CORRELATION_M);
+        if !errors.are_valid(field.n_buildings()) || length_of_cells_m.is_nan() || length_of_cells_m <= 0.0 {
+            return None;
+        }
+        let share = if field.prisms().is_some() {
+            let n_buildings = u32::try_from(field.n_buildings()).ok()?;
+            Share::Buildings((0..n_buildings).map(|building| stream_of(field.building_id(building))).collect())
+        } else if matches!(errors.own, OwnErrors::ByBuilding(_)) {
+            return None;
+        } else if length_m.is_none() && field.plateaus().is_some() {
+            let (blocks, n) = blocks_of(field);
+            Share::Blocks(blocks, n)
+        } else {
+            let grid = field.grid();
+            let cell = [grid.cell_width(), grid.cell_height()].map(|units| units * grid.meters_per_unit());
+            Share::Nodes(cell.map(|cell| length_of_cells_m / cell), field.cells_of_buildings().clone())
+        };
+        Some(RedrawnHeights { errors: errors.clone(), random: ChaCha8Rng::seed_from_u64(seed), share })
+    }
+
+    /// The errors of heights in a draw \[1/1024 m\]: by the numbers of buildings, or by the cells of a raster.
+    pub fn errors(&self, draw: u32) -> Vec<i32> {
+        let mut random = self.random.clone();
+        let mut normal = |stream: u64| -> f64 {
+            random.set_stream(stream);
+            random.set_word_pos(u128::from(draw) * WORDS);
+            StandardNormal.sample(&mut random)
+        };
+        let shared = self.errors.shared_m * normal(0);
+        let steps = |own: f64| {
+            #[expect(clippy::cast_possible_truncation, reason = "saturates, and no roof is as high")]
+            let steps = ((shared + own) * f64::from(STEPS_PER_UNIT)).round() as i32;
+            steps
+        };
+        let mut own = |own_m: f64, stream: u64| if own_m > 0.0 { own_m * normal(stream) } else { 0.0 };
+        match (&self.share, &self.errors.own) {
+            (Share::Buildings(streams), OwnErrors::Same(m)) => streams.iter().map(|s| steps(own(*m, *s))).collect(),
+            (Share::Buildings(streams), OwnErrors::ByBuilding(of)) => {
+                of.iter().zip(streams).map(|(m, s)| steps(own(*m, *s))).collect()
+            }
+            (Share::Blocks(blocks, n), of) => {
+                let errors: Vec<i32> = (1..=*n).map(|block| steps(own(of.of_cells_m(), block.into()))).collect();
+                let error = |block: &u32| block.checked_sub(1).map_or(0, |block| errors[block as usize]);
+                blocks.iter().map(error).collect()
+            }
+            (Share::Nodes(spacing, buildings), of) => {
+                field_of(*spacing, buildings, |node| own(of.of_cells_m(), node), steps)
+            }
+        }
+    }
+
+    /// The scene with the errors of a draw, and these; `None` if a roof would leave ±32 768 m.
+    fn redrawn(&self, field: &HeightField, draw: u32) -> Option<(HeightField, Vec<i32>)> {
+        let errors = self.errors(draw);
+        let redrawn = match &self.share {
+            Share::Buildings(_) => field.with_roofs_raised_by(|building| errors[building as usize]),
+            _ => field.with_cells_raised_by(|cell| errors[cell]),
+        };
+        Some((redrawn?, errors))
+    }
+}
+
+impl OwnErrors {
+    /// Standard deviation of the errors of cells, which buildings do not tell apart \[m\].
+    fn of_cells_m(&self) -> f64 {
+        match self {
+            OwnErrors::Same(m) => *m,
+            OwnErrors::ByBuilding(_) => 0.0,
+        }
+    }
+}
+
+/// The blocks of a raster: for each cell that is a building the number of that with all cells of its height that hang together, from 1; and
+/// how many there are.
+fn blocks_of(field: &HeightField) -> (Vec<u32>, u32) {
+    let (buildings, n_cols) = (field.cells_of_buildings(), field.grid().n_cols());
+    let tops = field.roofs_of_cells();
+    // Each cell points to one before it of the same block, the first to itself.
+    let mut first_of: Vec<u32> = vec![0; tops.len()];
+    fn root(first_of: &mut [u32], mut cell: u32) -> u32 {
+        while first_of[cell as usize] != cell {
+            first_of[cell as usize] = first_of[first_of[cell as usize] as usize];
+            cell = first_of[cell as usize];
+        }
+        cell
+    }
+    for (row, col) in buildings.cells() {
+        let cell = row * n_cols + col;
+        let mut first = u32::try_from(cell).unwrap_or(u32::MAX);
+        first_of[cell] = first;
+        let west = (col > 0 && buildings.contains(row, col - 1)).then(|| cell - 1);
+        let north = (row > 0 && buildings.contains(row - 1, col)).then(|| cell - n_cols);
+        for near in west.into_iter().chain(north).filter(|near| tops[*near] == tops[cell]) {
+            let other = root(&mut first_of, u32::try_from(near).unwrap_or(u32::MAX));
+            let (low, high) = (first.min(other), first.max(other));
+            first_of[high as usize] = low;
+            first = low;
+        }
+    }
+    let mut n = 0;
+    let mut blocks = vec![0_u32; tops.len()];
+    for (row, col) in buildings.cells() {
+        let cell = row * n_cols + col;
+        let first = root(&mut first_of, u32::try_from(cell).unwrap_or(u32::MAX)) as usize;
+        if first == cell {
+            n += 1;
+            blocks[cell] = n;
+        } else {
+            blocks[cell] = blocks[first];
+        }
+    }
+    (blocks, n)
+}
+
+/// A random field over the cells of a raster: `node(stream)` is the error of a node of a grid, so many cells apart.
+fn field_of(
+    spacing: [f64; 2],
+    buildings: &BitGrid,
+    mut node: impl FnMut(u64) -> f64,
+    steps: impl Fn(f64) -> i32 + Sync,
+) -> Vec<i32> {
+    let (n_rows, n_cols) = (buildings.n_rows(), buildings.n_cols());
+    // The node before the middle of a cell, and how far that is on the way to the next one.
+    let along = |n: usize, spacing: f64| -> Vec<(usize, f64)> {
+        #[expect(
+            clippy::cast_precision_loss,
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "cells of a grid"
+        )]
+        let at = |cell: usize| {
+            let at = (cell as f64 + 0.5) / spacing;
+            (at.floor() as usize, at - at.floor())
+        };
+        (0..n).map(at).collect()
+    };
+    let (rows, cols) = (along(n_rows, spacing[1]), along(n_cols, spacing[0]));
+    let count = |of: &[(usize, f64)]| of.last().map_or(0, |(node, _)| node + 2);
+    let (nodes_down, nodes_across) = (count(&rows), count(&cols));
+    // 0 is the stream of what all share.
+    let nodes: Vec<f64> = (0..nodes_down * nodes_across)
+        .map(|k| node(((k / nodes_across) as u64) << 32 | (k % nodes_across + 1) as u64))
+        .collect();
+    let mut errors = vec![0; n_rows * n_cols];
+    errors.par_chunks_mut(n_cols.max(1)).enumerate().for_each(|(row, errors)| {
+        let (down, v) = rows[row];
+        for col in set_bits(buildings.row(row)) {
+            let (across, u) = cols[col];
+            let at = down * nodes_across + across;
+            let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
+            let of = [nodes[at], nodes[at + 1], nodes[at + nodes_across], nodes[at + nodes_across + 1]];
+            let sum: f64 = weights.iter().zip(of).map(|(w, error)| w * error).sum();
+            let squares: f64 = weights.iter().map(|w| w * w).sum();
+            errors[col] = steps(sum / squares.sqrt());
+        }
+    });
+    errors
+}
+
+/// A number that follows from an id, never 0: FNV-1a.
+fn stream_of(id: &str) -> u64 {
+    let hash = id
+        .bytes()
+        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3));
+    hash.max(1)
+}
+
+impl RedrawnCounts {
+    /// Between which shares of receivers in line of sight of a UAV the middle `part` of all draws is; NaN without a receiver.
+    ///
+    /// The quantile p of n sorted numbers is at (n + 1) p: of n draws and one more of the same kind, this is within the interval with probability
+    /// `part`.
+    pub fn interval(&self, uav: usize, part: f64) -> (f64, f64) {
+        interval_of(self.shares(uav).collect(), part)
+    }
+
+    /// Between which numbers the share of a second UAV less that of a first one is in the middle `part` of all draws, each of which both UAVs share; NaN
+    /// where one has no receiver.
+    pub fn interval_of_difference(&self, (first, second): (usize, usize), part: f64) -> (f64, f64) {
+        interval_of(self.shares(first).zip(self.shares(second)).map(|(first, second)| second - first).collect(), part)
+    }
+
+    /// The share of receivers of a UAV that it sees, draw by draw.
+    #[expect(clippy::cast_precision_loss, reason = "counts are below 2^53")]
+    fn shares(&self, uav: usize) -> impl Iterator<Item = f64> {
+        self.los.iter().map(move |of| of[uav] as f64 / self.receivers[uav] as f64)
+    }
+}
+
+/// The middle part of some numbers.
+fn interval_of(mut shares: Vec<f64>, part: f64) -> (f64, f64) {
+    shares.sort_unstable_by(f64::total_cmp);
+    #[expect(clippy::cast_precision_loss, reason = "counts are below 2^53")]
+    let quantile = |p: f64| {
+        let at = ((shares.len() + 1) as f64 * p - 1.0).clamp(0.0, (shares.len().max(1) - 1) as f64);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the draws")]
+        let below = at.floor() as usize;
+        match (shares.get(below), shares.get(below + 1)) {
+            (Some(a), Some(b)) => a + (b - a) * (at - at.floor()),
+            (Some(a), None) => *a,
+            _ => f64::NAN,
+        }
+    };
+    (quantile((1.0 - part) / 2.0), quantile(f64::midpoint(1.0, part)))
+}
+
+impl Mapper<'_> {
+    /// How many receivers each of some UAVs sees in each of `n` draws of the heights of the same scene, from the first draw on.
+    ///
+    /// Cost: for each draw the prisms sorted into buckets, or a copy of the raster, and the line of sight of a map for each UAV; draws are shared by all threads of the
+    /// current pool.
+    ///
+    /// # Errors
+    /// E118 if a roof would leave ±32 768 m, and for an earth so curved that heights would leave the lattice.
+    pub fn redrawn(&self, uavs: &[Uav], heights: &RedrawnHeights, n: u32, control: &Control) -> Result<RedrawnCounts> {
+        let in_range: Vec<Vec<BitGrid>> = uavs
+            .iter()
+            .map(|uav| {
+                Ok(match CurvedScene::checked_around(self, uav)? {
+                    Some(curved) => curved.mapper(self).in_range_by_kind(uav),
+                    None => self.in_range_by_kind(uav),
+                })
+            })
+            .collect::<Result<_>>()?;
+        let buildings = self.buildings_of_roofs();
+        let of_draw = |draw: u32| {
+            control.check()?;
+            let (field, errors) = heights.redrawn(self.field, draw).ok_or(MapError::HeightErrors)?;
+            let roofs = match field.prisms() {
+                Some(_) => buildings.as_ref().map(|cells| self.roofs_moved(cells, &errors)),
+                None => Some(field.roofs_of_cells().to_vec()),
+            };
+            let mapper = self.with_redrawn(&field, roofs.as_deref())?;
+            Ok(uavs.iter().zip(&in_range).map(|(uav, in_range)| mapper.los_of(uav, in_range).count()).collect())
+        };
+        let los = (0..n).into_par_iter().map(of_draw).collect::<Result<Vec<Vec<u64>>>>()?;
+        let receivers = in_range.iter().map(|kinds| kinds.iter().map(BitGrid::count).sum()).collect();
+        Ok(RedrawnCounts { receivers, los })
+    }
+
+    /// The building below each receiver on a roof, one by one as their cells follow; `None` without such receivers.
+    fn buildings_of_roofs(&self) -> Option<Vec<(usize, u32)>> {
+        let kind = (0..self.receivers.len()).find(|kind| self.is_on_roofs(*kind))?;
+        let (positions, n_cols) = (self.engine.positions(), self.field.grid().n_cols());
+        let building = |(row, col): (usize, usize)| {
+            Some((row * n_cols + col, self.field.building_at(&positions.center(row, col))?))
+        };
+        Some(self.receivers[kind].cells.cells().filter_map(building).collect())
+    }
+
+    /// Roofs of cells with the errors of their buildings \[1/1024 m above the datum\].
+    fn roofs_moved(&self, cells: &[(usize, u32)], errors: &[i32]) -> Vec<i32> {
+        let mut roofs = self.field.roofs_of_cells().to_vec();
+        cells.iter().for_each(|(cell, building)| roofs[*cell] += errors[*building as usize]);
+        roofs
+    }
+}

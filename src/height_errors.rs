@@ -1,0 +1,239 @@
+//! How far heights of buildings may be off, as it is asked for and told.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::coverage::{HeightErrors, MapOptions, Mapper, RedrawnCounts, RedrawnHeights, SiteCoverage, Uav};
+use crate::error::{Error, Result};
+use crate::progress::Progress;
+use crate::quantity::tidy;
+
+/// Times that heights are redrawn for an interval of P_LoS.
+const DRAWS: u32 = 200;
+/// What they are drawn from.
+const SEED: u64 = 1;
+/// How many of the redrawn maps an interval holds.
+const PART: f64 = 0.95;
+
+/// Standard deviations of errors of heights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct AskedErrors {
+    /// Of each building alone \[m\].
+    pub(crate) own_m: f64,
+    /// Of what all share \[m\].
+    pub(crate) shared_m: f64,
+    /// Of how many of them the layer `sure` is.
+    pub(crate) sigma: f64,
+}
+
+impl Default for AskedErrors {
+    /// None.
+    fn default() -> Self {
+        AskedErrors { own_m: 0.0, shared_m: 0.0, sigma: 2.0 }
+    }
+}
+
+impl AskedErrors {
+    /// Refuses what is no length.
+    ///
+    /// # Errors
+    /// E113.
+    pub(crate) fn checked(self) -> Result<Self> {
+        // No city has heights that are off by more.
+        const MOST_M: f64 = 1000.0;
+        let check = |what: &'static str, found: f64, most: f64, wanted: &str| {
+            let is_fine = (0.0..=most).contains(&found);
+            if is_fine { Ok(()) } else { Err(Error::number(what, found, wanted)) }
+        };
+        check("the error of heights", self.own_m, MOST_M, "0 m to 1000 m")?;
+        check("the bias of heights", self.shared_m, MOST_M, "0 m to 1000 m")?;
+        check("the number of standard deviations", self.sigma, 10.0, "0 to 10")?;
+        Ok(self)
+    }
+
+    /// Whether heights may be off at all.
+    pub(crate) fn are_any(self) -> bool {
+        self.own_m > 0.0 || self.shared_m > 0.0
+    }
+
+    /// The options of a map, with these errors.
+    #[must_use]
+    pub(crate) fn on(self, options: MapOptions) -> MapOptions {
+        MapOptions { height_errors: self.errors(), sigma: self.sigma, ..options }
+    }
+
+    fn errors(self) -> HeightErrors {
+        HeightErrors::same(self.own_m, self.shared_m)
+    }
+
+    /// What captions say of them; nothing without any.
+    pub(crate) fn in_words(self) -> Option<String> {
+        let own = (self.own_m > 0.0).then(|| format!("{} m each", tidy(self.own_m)));
+        let shared = (self.shared_m > 0.0).then(|| format!("{} m in common", tidy(self.shared_m)));
+        let words: Vec<String> = own.into_iter().chain(shared).collect();
+        (!words.is_empty()).then(|| format!("Heights of buildings off by {} (standard deviation)", words.join(" and ")))
+    }
+
+    /// What each of some UAVs sees with heights redrawn; nothing without errors.
+    pub(crate) fn redrawn(
+        self,
+        mapper: &Mapper<'_>,
+        uavs: &[Uav],
+        progress: &Progress,
+    ) -> Result<Option<RedrawnCounts>> {
+        let heights = RedrawnHeights::of(mapper.field(), &self.errors(), None, SEED).filter(|_| self.are_any());
+        let Some(heights) = heights else { return Ok(None) };
+        Ok(Some(mapper.redrawn(uavs, &heights, DRAWS, progress.control())?))
+    }
+
+    /// Between which shares P_LoS of each of some UAVs is, with heights redrawn; nothing without errors.
+    pub(crate) fn intervals(
+        self,
+        mapper: &Mapper<'_>,
+        uavs: &[Uav],
+        progress: &Progress,
+    ) -> Result<Vec<IntervalFacts>> {
+        let Some(counts) = self.redrawn(mapper, uavs, progress)? else { return Ok(Vec::new()) };
+        let of = |uav: usize| {
+            let (low, high) = counts.interval(uav, PART);
+            IntervalFacts { p_los_low: low, p_los_high: high }
+        };
+        Ok((0..uavs.len()).map(of).collect())
+    }
+
+    /// As documents tell them; nothing without any.
+    pub(crate) fn document(self) -> Option<HeightErrorsDocument> {
+        let AskedErrors { own_m, shared_m, sigma } = self;
+        self.are_any().then_some(HeightErrorsDocument { own_m, shared_m, sigma, draws: DRAWS, part: PART })
+    }
+}
+
+/// How far heights of buildings may be off, and what was made of it.
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+pub(crate) struct HeightErrorsDocument {
+    /// Standard deviation of the error of each building alone [m].
+    own_m: f64,
+    /// Standard deviation of the error that all buildings share [m].
+    shared_m: f64,
+    /// Of how many standard deviations the layer `sure` is.
+    sigma: f64,
+    /// Times that heights were redrawn for intervals of P_LoS.
+    draws: u32,
+    /// How many of the redrawn maps an interval holds, as a part of all.
+    part: f64,
+}
+
+/// Between which shares P_LoS is with heights redrawn.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub(crate) struct IntervalFacts {
+    /// Lower end of the interval of P_LoS.
+    p_los_low: f64,
+    /// Upper end of the interval of P_LoS.
+    p_los_high: f64,
+}
+
+impl IntervalFacts {
+    /// The interval in words.
+    pub(crate) fn in_words(&self) -> String {
+        format!("{:.4} to {:.4} in 95 % of redrawn maps", self.p_los_low, self.p_los_high)
+    }
+
+    pub(crate) fn low(&self) -> f64 {
+        self.p_los_low
+    }
+
+    pub(crate) fn high(&self) -> f64 {
+        self.p_los_high
+    }
+}
+
+/// Between which numbers the difference of two P_LoS is with heights redrawn, the same ones for both.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub(crate) struct HeightsOfDifference {
+    /// Lower end of the interval of the difference of P_LoS with heights redrawn.
+    heights_low: f64,
+    /// Upper end of the same.
+    heights_high: f64,
+    /// Whether it does not hold 0: heights do not explain the difference.
+    exceeds_heights: bool,
+}
+
+impl HeightsOfDifference {
+    /// That of a pair of UAVs, by their places among those that were redrawn.
+    pub(crate) fn of(counts: &RedrawnCounts, pair: (usize, usize)) -> Self {
+        let (low, high) = counts.interval_of_difference(pair, PART);
+        HeightsOfDifference { heights_low: low, heights_high: high, exceeds_heights: low > 0.0 || high < 0.0 }
+    }
+
+    pub(crate) fn low(&self) -> f64 {
+        self.heights_low
+    }
+
+    pub(crate) fn high(&self) -> f64 {
+        self.heights_high
+    }
+
+    pub(crate) fn exceeds(&self) -> bool {
+        self.exceeds_heights
+    }
+
+    /// What a sentence on a difference says of it.
+    pub(crate) fn in_words(&self) -> &'static str {
+        if self.exceeds_heights {
+            "it is larger than errors of heights allow"
+        } else {
+            "it is smaller than errors of heights allow"
+        }
+    }
+}
+
+/// What hangs on the heights of buildings, for one UAV.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub(crate) struct UncertainFacts {
+    /// With the layer `sure`: receivers that are never in line of sight, that surely are, and that may be.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sure: Option<SureFacts>,
+    /// With the layer `p-los`: the mean of the probabilities of all receivers, which is the mean of P_LoS.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    p_los_mean: Option<f64>,
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub(crate) interval: Option<IntervalFacts>,
+}
+
+/// Receivers by what is sure of them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub(crate) struct SureFacts {
+    /// Never in line of sight.
+    never: u64,
+    /// Surely in line of sight.
+    surely: u64,
+    /// Perhaps in line of sight.
+    possibly: u64,
+}
+
+impl UncertainFacts {
+    /// The facts of the layers of a coverage; nothing without any.
+    pub(crate) fn of(site: &SiteCoverage) -> Option<UncertainFacts> {
+        let count = |cells: &[f32], value: f32| cells.iter().filter(|v| v.total_cmp(&value).is_eq()).count() as u64;
+        let sure = site.sure.as_deref().map(|cells| SureFacts {
+            never: count(cells, 0.0),
+            surely: count(cells, 1.0),
+            possibly: count(cells, 2.0),
+        });
+        let p_los_mean = site.p_los.as_deref().and_then(|cells| {
+            let known = cells.iter().filter(|p| !p.is_nan());
+            let (sum, n) = known.fold((0.0, 0_u32), |(sum, n), p| (sum + f64::from(*p), n + 1));
+            (n > 0).then(|| sum / f64::from(n))
+        });
+        (sure.is_some() || p_los_mean.is_some()).then_some(UncertainFacts { sure, p_los_mean, interval: None })
+    }
+
+    /// The facts with an interval.
+    pub(crate) fn with(of: Option<UncertainFacts>, interval: Option<IntervalFacts>) -> Option<UncertainFacts> {
+        let none = UncertainFacts { sure: None, p_los_mean: None, interval: None };
+        match interval {
+            None => of,
+            Some(_) => Some(UncertainFacts { interval, ..of.unwrap_or(none) }),
+        }
+    }
+}
