@@ -3,10 +3,11 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::coverage::{HeightErrors, MapOptions, Mapper, RedrawnCounts, RedrawnHeights, SiteCoverage, Uav};
+use crate::coverage::{HeightErrors, MapOptions, Mapper, OwnErrors, RedrawnCounts, RedrawnHeights, SiteCoverage, Uav};
 use crate::error::{Error, Result};
+use crate::height_field::HeightField;
 use crate::progress::Progress;
-use crate::quantity::tidy;
+use crate::quantity::{meters, tidy};
 
 /// Times that heights are redrawn for an interval of P_LoS.
 const DRAWS: u32 = 200;
@@ -24,12 +25,14 @@ pub(crate) struct AskedErrors {
     pub(crate) shared_m: f64,
     /// Of how many of them the layer `sure` is.
     pub(crate) sigma: f64,
+    /// Whether buildings of the scene tell their own.
+    pub(crate) by_building: bool,
 }
 
 impl Default for AskedErrors {
     /// None.
     fn default() -> Self {
-        AskedErrors { own_m: 0.0, shared_m: 0.0, sigma: 2.0 }
+        AskedErrors { own_m: 0.0, shared_m: 0.0, sigma: 2.0, by_building: false }
     }
 }
 
@@ -53,22 +56,36 @@ impl AskedErrors {
 
     /// Whether heights may be off at all.
     pub(crate) fn are_any(self) -> bool {
-        self.own_m > 0.0 || self.shared_m > 0.0
+        self.own_m > 0.0 || self.shared_m > 0.0 || self.by_building
     }
 
-    /// The options of a map, with these errors.
+    /// These, and those that buildings of a scene tell.
     #[must_use]
-    pub(crate) fn on(self, options: MapOptions) -> MapOptions {
-        MapOptions { height_errors: self.errors(), sigma: self.sigma, ..options }
+    pub(crate) fn over(self, field: &HeightField) -> Self {
+        AskedErrors { by_building: field.building_errors().is_some(), ..self }
     }
 
-    fn errors(self) -> HeightErrors {
-        HeightErrors::same(self.own_m, self.shared_m)
+    /// The options of a map of a scene, with these errors.
+    #[must_use]
+    pub(crate) fn on(self, field: &HeightField, options: MapOptions) -> MapOptions {
+        MapOptions { height_errors: self.errors(field), sigma: self.sigma, ..options }
+    }
+
+    /// Those of a scene; buildings that tell none have that which is told for all.
+    fn errors(self, field: &HeightField) -> HeightErrors {
+        let own = match field.building_errors().filter(|_| self.by_building) {
+            Some(of) => OwnErrors::ByBuilding(of.iter().map(|steps| steps.map_or(self.own_m, meters)).collect()),
+            None => OwnErrors::Same(self.own_m),
+        };
+        HeightErrors { own, shared_m: self.shared_m }
     }
 
     /// What captions say of them; nothing without any.
     pub(crate) fn in_words(self) -> Option<String> {
-        let own = (self.own_m > 0.0).then(|| format!("{} m each", tidy(self.own_m)));
+        let own = match (self.by_building, self.own_m > 0.0) {
+            (true, _) => Some("what each tells".to_string()),
+            (false, is_any) => is_any.then(|| format!("{} m each", tidy(self.own_m))),
+        };
         let shared = (self.shared_m > 0.0).then(|| format!("{} m in common", tidy(self.shared_m)));
         let words: Vec<String> = own.into_iter().chain(shared).collect();
         (!words.is_empty()).then(|| format!("Heights of buildings off by {} (standard deviation)", words.join(" and ")))
@@ -81,7 +98,8 @@ impl AskedErrors {
         uavs: &[Uav],
         progress: &Progress,
     ) -> Result<Option<RedrawnCounts>> {
-        let heights = RedrawnHeights::of(mapper.field(), &self.errors(), None, SEED).filter(|_| self.are_any());
+        let heights =
+            RedrawnHeights::of(mapper.field(), &self.errors(mapper.field()), None, SEED).filter(|_| self.are_any());
         let Some(heights) = heights else { return Ok(None) };
         Ok(Some(mapper.redrawn(uavs, &heights, DRAWS, progress.control())?))
     }
@@ -103,8 +121,8 @@ impl AskedErrors {
 
     /// As documents tell them; nothing without any.
     pub(crate) fn document(self) -> Option<HeightErrorsDocument> {
-        let AskedErrors { own_m, shared_m, sigma } = self;
-        self.are_any().then_some(HeightErrorsDocument { own_m, shared_m, sigma, draws: DRAWS, part: PART })
+        let AskedErrors { own_m, shared_m, sigma, by_building } = self;
+        self.are_any().then_some(HeightErrorsDocument { own_m, by_building, shared_m, sigma, draws: DRAWS, part: PART })
     }
 }
 
@@ -113,6 +131,8 @@ impl AskedErrors {
 pub(crate) struct HeightErrorsDocument {
     /// Standard deviation of the error of each building alone [m].
     own_m: f64,
+    /// Whether buildings tell their own, and that is for those that tell none.
+    by_building: bool,
     /// Standard deviation of the error that all buildings share [m].
     shared_m: f64,
     /// Of how many standard deviations the layer `sure` is.

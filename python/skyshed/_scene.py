@@ -28,6 +28,7 @@ class _AnyScene(TypedDict, total=False):
     top_field: str | None
     height_unit: str | None
     levels_field: str | None
+    height_error_field: str | None
     layer: str | None
     missing: str | None
     base: str | None
@@ -70,7 +71,7 @@ class Sight(TypedDict, total=False):
     method: str
 
 
-class Mapping(Sight, total=False):
+class MapOptions(Sight, total=False):
     """Options of maps."""
 
     height_error: float | None
@@ -236,7 +237,7 @@ class Scene(Grid):
         tolerance: float | None = None,
         zones: bool = False,
         progress: object = None,
-        **sight: Unpack[Mapping],
+        **sight: Unpack[MapOptions],
     ) -> Coverage:
         """What a UAV sees: (x, y, height) in the scene's reference system, the height above ground [m] or in words such as
         ``"30roof"``, ``"150amsl"``, ``"400ft"``.
@@ -264,7 +265,7 @@ class Scene(Grid):
         zones: bool = False,
         keep: bool = False,
         progress: object = None,
-        **sight: Unpack[Mapping],
+        **sight: Unpack[MapOptions],
     ) -> Coverages:
         """What each of several UAVs sees, and all together: a list, an array of shape (n, 3), or a table with columns x, y, h.
 

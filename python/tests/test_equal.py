@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import pickle
 from pathlib import Path
@@ -230,3 +231,27 @@ def test_tables_are_those_of_the_program(tmp_path: Path) -> None:
     header, *rows = [line.split(",") for line in path.read_text().splitlines()]
     assert list(curve.table.dtype.names or ()) == header
     assert [float(row[header.index("p_los")]) for row in rows] == curve.table["p_los"].tolist()
+
+
+def test_heights_that_may_be_off(tmp_path: Path) -> None:
+    uav, layers = (100, 100, 60), "los,sure,p-los"
+    seen = Scene.itu("urban", size=200, seed=1).map(uav, height_error=2, height_bias=1, sigma=3, layers=layers)
+    words = ["--size", "200", "--seed", "1", "--uav", "100,100,60", "--height-error", "2", "--height-bias", "1", "--sigma", "3"]
+    words += ["--layers", layers, "-o", str(tmp_path / "layers.tif")]
+    site = program("map", "itu:urban", *words)["sites"][0]
+    uncertain = site["uncertain"]
+    assert seen.p_los_interval == (uncertain["p_los_low"], uncertain["p_los_high"])
+    receivers = seen.los < 2
+    p_los, sure = seen["p-los"], seen["sure"]
+    assert np.isnan(p_los[~receivers]).all() and np.isnan(sure[~receivers]).all()
+    assert float(np.mean(p_los[receivers], dtype="f8")) == pytest.approx(uncertain["p_los_mean"], abs=1e-9)
+    counts = [int((sure == value).sum()) for value in range(3)]
+    assert counts == [uncertain["sure"][name] for name in ("never", "surely", "possibly")]
+    # What is sure is as probable as three standard deviations are.
+    assert (p_los[sure == 1] > 0.9).all() and (p_los[sure == 0] < 0.1).all()
+    assert list(seen.to_xarray()) == ["los", "sure", "p_los"] if skyshed_has_xarray() else True
+
+
+def skyshed_has_xarray() -> bool:
+    """Whether xarray is installed beside numpy."""
+    return importlib.util.find_spec("xarray") is not None

@@ -82,7 +82,7 @@ impl From<skyshed_io::Error> for Failure {
 }
 
 /// The options of a scene that the library names, as they are typed.
-const FLAGS: [(&str, &str); 29] = [
+const FLAGS: [(&str, &str); 32] = [
     ("area", "--area"),
     ("weights", "--weights"),
     ("count", "--count"),
@@ -93,6 +93,9 @@ const FLAGS: [(&str, &str); 29] = [
     ("top_field", "--top-field"),
     ("height_unit", "--height-unit"),
     ("levels_field", "--levels-field"),
+    ("height_error", "--height-error"),
+    ("height_bias", "--height-bias"),
+    ("height_error_field", "--height-error-field"),
     ("layer", "--layer"),
     ("missing", "--missing"),
     ("missing levels", "--missing levels"),

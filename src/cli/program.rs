@@ -141,6 +141,9 @@ impl Cli {
 
     /// Does what was asked for.
     pub(super) fn run(&self, run: &Run) -> Result<()> {
+        if !matches!(self.command, Command::Map(_) | Command::Place(_) | Command::Compare(_)) {
+            run.typed.refuse(&["height_error_field"], "but for `map`, `place` and `compare`")?;
+        }
         match &self.command {
             Command::Map(args) => args.run(run),
             Command::Link(args) => args.run(run),

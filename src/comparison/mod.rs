@@ -153,7 +153,8 @@ impl ComparisonPlan {
             scene.warnings.push(OddRun::NoReceiver { what: "placement", id, why }.into());
         }
         let facts = RunFacts { command, ..scene.facts(method) };
-        let (overlay, mut report) = self.report(facts, &placed, &blocks, zones.as_deref());
+        let heights = self.heights.over(&scene.field);
+        let (overlay, mut report) = self.report((facts, heights), &placed, &blocks, zones.as_deref());
         if let Some(redrawn) = &redrawn {
             // Saved masks, which are not redrawn, come last.
             for pair in report.pairs.iter_mut().filter(|pair| pair.first.max(pair.second) < uavs.len()) {
@@ -166,7 +167,7 @@ impl ComparisonPlan {
 
     fn report(
         &self,
-        facts: RunFacts,
+        (facts, heights): (RunFacts, AskedErrors),
         placed: &[Placed],
         blocks: &CellBlocks,
         zones: Option<&ZoneMap>,
@@ -194,7 +195,7 @@ impl ComparisonPlan {
             has_zones: zones.is_some(),
             placements: placed.iter().zip(shares).map(placement).collect(),
             pairs: pairs.map(|((first, second), groups)| PairFacts { first, second, groups, heights: None }).collect(),
-            heights: self.heights,
+            heights,
             union: Tally::of_mask(overlay.union()),
             seen_by: overlay.seen_by(placed.len()),
             sets: count_sets(&masks),
@@ -229,7 +230,7 @@ impl ComparisonPlan {
             mask: site.mask,
         };
         let placed = maps?.sites.into_iter().zip(&found.sites).map(placed).collect();
-        let redrawn = self.heights.redrawn(&mapper, uavs, progress)?;
+        let redrawn = self.heights.over(&scene.field).redrawn(&mapper, uavs, progress)?;
         Ok(Mapped { placed, method: Some(mapper.method().0), redrawn })
     }
 

@@ -104,8 +104,9 @@ impl MapPlan {
     ///
     /// # Errors
     /// E2xx for UAVs that cannot be there; E113, E116, E117 for what cannot be asked; those of a tolerance.
-    pub(crate) fn prepare(self, mut scene: Scene, found: &UavsFound, part: PartOf<'_>) -> Result<Prepared> {
+    pub(crate) fn prepare(mut self, mut scene: Scene, found: &UavsFound, part: PartOf<'_>) -> Result<Prepared> {
         self.check()?;
+        self.heights = self.heights.over(&scene.field);
         let began = Instant::now();
         let grid = scene.grid().clone();
         let around = self.sight.box_in_range(&found.sites, &grid).filter(|_| !self.needs_zones());
@@ -126,7 +127,7 @@ impl MapPlan {
         let options = self.sight.options(scene.grid(), zones.as_deref());
         let window = part.tile.and_then(|(tile, _)| scene.grid().window_of(&whole.part(tile.window)));
         let window = window.filter(|window| *window != scene.grid().window());
-        let options = self.heights.on(MapOptions { layers: self.height_layers(), window, ..options });
+        let options = self.heights.on(&scene.field, MapOptions { layers: self.height_layers(), window, ..options });
         let lonlats = found.sites.iter().map(|site| site.lonlat).collect();
         let tile = part.tile.map(|(tile, n_list)| (tile.clone(), n_list));
         Ok(Prepared { plan: self, scene, uavs, lonlats, zones, options, tolerance, tile, began })

@@ -142,6 +142,7 @@ pub(super) fn check_tiles(job: &MapJob) -> Result<()> {
         ("tolerance", job.plan.tolerance.is_some()),
         ("height_error", job.plan.heights.own_m > 0.0),
         ("height_bias", job.plan.heights.shared_m > 0.0),
+        ("height_error_field", job.scene.height_error_field.is_some()),
         ("zones", job.plan.tells_zones),
         ("height_curve", job.curve.is_wanted()),
         ("polygons", job.save.polygons.is_some()),

@@ -89,6 +89,7 @@ impl SearchPlan {
     /// Those of the files; E117 for zones of a surface model alone; E209 if no candidate is left; E501, E502.
     pub(crate) fn search(&self, mut scene: Scene, command: Vec<String>, progress: &Progress) -> Result<Placements> {
         self.check()?;
+        self.check_heights(self.height_errors.over(&scene.field))?;
         let asked = self.sight.receivers();
         let needs_zones = !self.over.is_empty() || matches!(self.goal.whom, Whom::Zone(_)) || asked.zone().is_some();
         if scene.field.is_surface_only() && needs_zones {
@@ -150,7 +151,7 @@ impl SearchPlan {
             facts: RunFacts { command, ..scene.facts(Some(mapper.method().0)) },
             sight: self.sight.of(self.goal.receivers(asked)),
             goal: self.goal.clone(),
-            height_errors: self.height_errors,
+            height_errors: self.height_errors.over(&field),
             step_m: match self.from {
                 CandidatesFrom::Grid { step_m } => Some(step_m),
                 CandidatesFrom::File { .. } => None,
@@ -180,7 +181,8 @@ impl SearchPlan {
         progress: &Progress,
     ) -> Result<()> {
         let listed = ranked.len().min(self.top);
-        if !self.height_errors.are_any() || listed < 2 {
+        let errors = self.height_errors.over(mapper.field());
+        if !errors.are_any() || listed < 2 {
             return Ok(());
         }
         let is_at = |place: &PlaceFacts, uav: &Uav| {
@@ -189,7 +191,7 @@ impl SearchPlan {
         };
         let uav = |place: &PlaceFacts| candidates.kept.iter().map(|c| &c.uav).find(|uav| is_at(place, uav)).cloned();
         let Some(uavs) = ranked[..listed].iter().map(uav).collect::<Option<Vec<Uav>>>() else { return Ok(()) };
-        let Some(mut counts) = self.height_errors.redrawn(mapper, &uavs, progress)? else { return Ok(()) };
+        let Some(mut counts) = errors.redrawn(mapper, &uavs, progress)? else { return Ok(()) };
         // Shares are of all wanted receivers, in range or not.
         let wanted = mapper.receiver_cells().count();
         counts.receivers.iter_mut().for_each(|n| *n = wanted);

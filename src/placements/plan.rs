@@ -87,12 +87,7 @@ impl SearchPlan {
             (whom, _, Some(_)) if whom != Whom::Weights => return idle("weights", "without the goal p_los(weights)"),
             _ => {}
         }
-        let counts =
-            self.goal.measure == Measure::Share && self.goal.at_least.is_none() && self.goal.whom != Whom::Weights;
-        if self.height_errors.are_any() && (!counts || self.count > 1) {
-            let why = "but for one UAV that is to see the largest share of receivers";
-            return idle(if self.height_errors.own_m > 0.0 { "height_error" } else { "height_bias" }, why);
-        }
+        self.check_heights(self.height_errors)?;
         if self.count > 1 && self.goal.measure == Measure::Margin {
             return idle("count", "with the goal margin: several UAVs have no margin in common");
         }
@@ -109,6 +104,23 @@ impl SearchPlan {
             return Err(RequestError::MixedHeights.into());
         }
         self.clearance().map(|_| ())
+    }
+
+    /// Refuses errors of heights where no shares of receivers are compared.
+    ///
+    /// # Errors
+    /// E116.
+    pub(super) fn check_heights(&self, errors: AskedErrors) -> Result<()> {
+        let Goal { measure, at_least, whom, .. } = &self.goal;
+        let compares = *measure == Measure::Share && at_least.is_none() && *whom != Whom::Weights && self.count == 1;
+        let option = match errors {
+            _ if compares => return Ok(()),
+            AskedErrors { own_m, .. } if own_m > 0.0 => "height_error",
+            AskedErrors { shared_m, .. } if shared_m > 0.0 => "height_bias",
+            AskedErrors { by_building: true, .. } => "height_error_field",
+            _ => return Ok(()),
+        };
+        Err(Error::idle(option, "but for one UAV that is to see the largest share of receivers"))
     }
 
     /// The clearance on the lattice.

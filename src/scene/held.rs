@@ -53,6 +53,7 @@ impl SceneOptions {
         let of_files = [
             ("layer", self.layer.is_some()),
             ("levels_field", self.levels_field.is_some()),
+            ("height_error_field", self.height_error_field.is_some()),
             ("missing levels", self.missing == Some(MissingHeight::Levels)),
         ];
         self.refuse("buildings in memory", &of_files)?;

@@ -30,6 +30,7 @@ pub struct SceneOptions {
     pub(crate) top_field: Option<String>,
     pub(crate) height_unit: Option<HeightUnit>,
     pub(crate) levels_field: Option<String>,
+    pub(crate) height_error_field: Option<String>,
     pub(crate) layer: Option<String>,
     pub(crate) missing: Option<MissingHeight>,
     pub(crate) base: Option<BaseRule>,
@@ -99,6 +100,11 @@ impl SceneOptions {
     #[must_use]
     pub fn levels_field(self, name: impl Into<String>) -> Self {
         SceneOptions { levels_field: Some(name.into()), ..self }
+    }
+
+    /// The property that holds the standard deviation of the error of a footprint's height \[m\]. Default: none.
+    pub fn height_error_field(self, name: impl Into<String>) -> Self {
+        SceneOptions { height_error_field: Some(name.into()), ..self }
     }
 
     /// The table of a GeoPackage; needed where it has several.
@@ -369,6 +375,7 @@ impl SceneOptions {
             top_field: self.top_field.clone(),
             height_unit: self.height_unit.unwrap_or_default(),
             levels_field: self.levels_field.clone().unwrap_or(defaults.levels_field),
+            height_error_field: self.height_error_field.clone(),
             missing: self.missing.unwrap_or(if self.tells_faults {
                 MissingHeight::Drop
             } else {
@@ -390,12 +397,13 @@ impl SceneOptions {
     }
 
     /// What only footprints can use.
-    fn of_footprints(&self) -> [Set; 8] {
+    fn of_footprints(&self) -> [Set; 9] {
         [
             ("height_field", self.height_field.is_some()),
             ("top_field", self.top_field.is_some()),
             ("height_unit", self.height_unit.is_some()),
             ("levels_field", self.levels_field.is_some()),
+            ("height_error_field", self.height_error_field.is_some()),
             ("missing", self.missing.is_some()),
             ("layer", self.layer.is_some()),
             ("base", self.base.is_some()),

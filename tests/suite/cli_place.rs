@@ -186,7 +186,7 @@ fn what_makes_no_sense_of_a_search_is_refused() {
 }
 
 /// Flags that change what is found: a line without, and the flag.
-const FLAGS: [(&str, &str); 33] = [
+const FLAGS: [(&str, &str); 34] = [
     ("--candidates own.csv", "--height 40"),
     ("--height 10", "--step 10"),
     ("--height 10", "--shard 2/2"),
@@ -220,6 +220,7 @@ const FLAGS: [(&str, &str); 33] = [
     ("--height 10", "--cell 5"),
     ("--height 10", "--height-error 2"),
     ("--height 10", "--height-bias 2"),
+    ("--height 10", "--height-error-field tall"),
 ];
 
 /// Flags that change where things are written or how they are decided, or that other tests show at work; those of the scene.

@@ -433,7 +433,7 @@ fn what_makes_no_sense_is_refused_and_leaves_nothing() {
 }
 
 /// Flags that change the document: a line without it, and the flag.
-const FLAGS: [(&str, &str); 31] = [
+const FLAGS: [(&str, &str); 32] = [
     ("CITY", "--ground 5"),
     ("CITY", "--height-field tall"),
     ("CITY", "--top-field z_top"),
@@ -457,6 +457,7 @@ const FLAGS: [(&str, &str); 31] = [
     ("CITY", "--beam 60"),
     ("CITY", "--height-error 2"),
     ("CITY", "--height-bias 2"),
+    ("CITY", "--height-error-field tall"),
     ("CITY", "--block 10"),
     ("CITY --block 20", "--seed 2"),
     ("CITY", "--method ray"),

@@ -25,7 +25,7 @@ fn houses(random: &mut Random) -> Vec<Footprint> {
         let (w, d) = (side(random), side(random));
         let ring = vec![[x, y], [x + w, y], [x + w, y + d], [x, y + d]];
         let top = i32::try_from(random.within(3, 14)).unwrap() * 1024;
-        Footprint { id: k.to_string(), polygons: vec![vec![ring]], top, base: Some(0) }
+        Footprint { id: k.to_string(), polygons: vec![vec![ring]], top, base: Some(0), height_error: None }
     };
     (0..25).map(house).collect()
 }
@@ -139,6 +139,7 @@ fn the_probability_of_a_link_is_that_of_all_combinations_of_heights() {
                 polygons: vec![vec![vec![*low, [high[0], low[1]], *high, [low[0], high[1]]]]],
                 top: of(k),
                 base: Some(0),
+                height_error: None,
             };
             vector_field(blocks.iter().enumerate().map(house).collect(), Ground::Flat(0), 16)
         };
@@ -443,7 +444,8 @@ fn buildings_that_decide_are_those_whose_heights_turn_answers() {
 fn write_houses(folder: &Folder) {
     let house = |(x, y, w, d, h): (i32, i32, i32, i32, i32)| {
         format!(
-            r#"{{"type":"Feature","properties":{{"height":{h},"id":"h{x}-{y}"}},"geometry":{{"type":"Polygon","coordinates":[[[{x},{y}],[{},{y}],[{},{}],[{x},{}],[{x},{y}]]]}}}}"#,
+            r#"{{"type":"Feature","properties":{{"height":{h},"sd":{},"id":"h{x}-{y}"}},"geometry":{{"type":"Polygon","coordinates":[[[{x},{y}],[{},{y}],[{},{}],[{x},{}],[{x},{y}]]]}}}}"#,
+            f64::from(h - 12) / 4.0,
             x + w,
             x + w,
             y + d,
@@ -489,7 +491,7 @@ fn maps_tell_what_hangs_on_heights() {
     folder.refuses(
         &format!("{map} --height-error 1 --layers count -o {{row}}-{{col}}.tif"),
         "E116",
-        &["height_error"],
+        &["--height-error"],
     );
 }
 
@@ -528,8 +530,8 @@ fn comparisons_and_searches_say_what_heights_explain() {
     assert!(ran.err.contains("may be as good"), "{}", ran.err);
     let ranked = folder.json("p.json")["ranked"].as_array().unwrap().clone();
     assert!(ranked[0].get("exceeds_heights").is_none() && ranked[1]["exceeds_heights"].is_boolean());
-    folder.refuses("place houses.geojson --height 40 -k 2 --height-error 2", "E116", &["height_error"]);
-    folder.refuses("place houses.geojson --height 40 --goal margin --height-bias 2", "E116", &["height_bias"]);
+    folder.refuses("place houses.geojson --height 40 -k 2 --height-error 2", "E116", &["--height-error"]);
+    folder.refuses("place houses.geojson --height 40 --goal margin --height-bias 2", "E116", &["--height-bias"]);
 }
 
 #[test]
@@ -544,4 +546,29 @@ fn limits_name_the_roofs_to_measure() {
     assert!(n.is_sorted_by(|a, b| a >= b) && n[0] <= heights["possibly"].as_u64().unwrap(), "{heights}");
     let text = folder.type_in("limits houses.geojson --uav 60,60,40").done().out;
     assert!(text.contains("roofs to measure first: ") && text.contains("typically off by"), "{text}");
+}
+
+#[test]
+fn buildings_tell_their_own_errors() {
+    let folder = Folder::new();
+    write_houses(&folder);
+    let map = "map houses.geojson --uav 60,60,40 --layers p-los -o p.tif --overwrite --json";
+    let of = |more: &str| folder.type_in(&format!("{map} {more}")).done().json();
+    let own = of("--height-error-field sd");
+    assert_eq!((&own["height_errors"]["by_building"], &own["height_errors"]["own_m"]), (&true.into(), &0.0.into()));
+    let interval = |found: &serde_json::Value| {
+        let of = |name: &str| found["sites"][0]["uncertain"][name].as_f64().unwrap();
+        of("p_los_high") - of("p_los_low")
+    };
+    // Errors of 0 to 2.75 m, as the file tells them.
+    assert!(interval(&own) > 0.0 && interval(&own) < interval(&of("--height-error 2.75")));
+    // What a footprint does not tell is that of all.
+    let text = std::fs::read_to_string(folder.join("houses.geojson")).unwrap();
+    std::fs::write(folder.join("houses.geojson"), text.replace("\"sd\":1.25", "\"sd\":null")).unwrap();
+    assert_ne!(of("--height-error-field sd")["sites"], own["sites"]);
+    assert_eq!(of("--height-error-field sd --height-error 1.25")["sites"], own["sites"]);
+    folder.refuses(&format!("{map} --height-error-field error"), "E365", &["`error`", "errors of heights"]);
+    std::fs::write(folder.join("houses.geojson"), text.replace("\"sd\":2.5,", "\"sd\":-2.5,")).unwrap();
+    folder.refuses(&format!("{map} --height-error-field sd"), "E365", &["-2.5", "0 m to 1000 m"]);
+    folder.refuses("info houses.geojson --height-error-field sd", "E116", &["--height-error-field", "compare"]);
 }

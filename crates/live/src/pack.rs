@@ -378,7 +378,9 @@ impl In<'_> {
         let tops = ids.iter().map(|_| self.narrow()).collect::<Result<Vec<i32>, _>>()?;
         let bases = ids.iter().map(|_| self.option(Self::narrow)).collect::<Result<Vec<Option<i32>>, _>>()?;
         let parts = ids.into_iter().zip(polygons).zip(tops.into_iter().zip(bases));
-        Ok(parts.map(|((id, polygons), (top, base))| Footprint { id, polygons, top, base }).collect())
+        Ok(parts
+            .map(|((id, polygons), (top, base))| Footprint { id, polygons, top, base, height_error: None })
+            .collect())
     }
 }
 
@@ -399,7 +401,13 @@ mod tests {
             voids: Some(voids.clone()),
         };
         let ring = vec![[-5, 7], [2_000_000, 8], [3, i32::MAX]];
-        let footprint = |base| Footprint { id: "ä<b>".into(), polygons: vec![vec![ring.clone()]; 2], top: -9, base };
+        let footprint = |base| Footprint {
+            id: "ä<b>".into(),
+            polygons: vec![vec![ring.clone()]; 2],
+            top: -9,
+            base,
+            height_error: None,
+        };
         let vector = |data_area| Solids::Vector {
             footprints: vec![footprint(None), footprint(Some(3))],
             frame: Frame { x_origin: 0.1, y_origin: 2.0, unit_x: 1.0, unit_y: 1.0 },

@@ -29,6 +29,7 @@ impl HeightErrorArgs {
             own_m: height_error.unwrap_or(none.own_m),
             shared_m: height_bias.unwrap_or(none.shared_m),
             sigma: sigma.unwrap_or(none.sigma),
+            ..none
         };
         Ok(asked.checked()?)
     }

@@ -101,6 +101,11 @@ pub(crate) struct ReadingArgs {
     /// Property that holds a footprint's number of storeys, for `--missing levels`; default `building:levels`
     #[arg(long, value_name = "NAME", hide_short_help = true)]
     levels_field: Option<String>,
+    /// Property with the standard deviation of the error of a footprint's height [m], for `map`, `compare` and `place`
+    ///
+    /// Footprints without it have that of `--height-error`.
+    #[arg(long, value_name = "NAME", hide_short_help = true)]
+    height_error_field: Option<String>,
     /// Table of a GeoPackage, where it has several
     #[arg(long, value_name = "NAME", hide_short_help = true)]
     layer: Option<String>,
@@ -168,6 +173,7 @@ impl ReadingArgs {
             top_field: self.top_field.clone(),
             height_unit: self.height_unit,
             levels_field: self.levels_field.clone(),
+            height_error_field: self.height_error_field.clone(),
             layer: self.layer.clone(),
             missing: self.missing,
             base: self.base,

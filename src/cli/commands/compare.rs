@@ -64,7 +64,10 @@ impl CompareArgs {
         };
         plan.check()?;
         if self.uavs.uav.is_empty() && self.uavs.uavs.is_none() {
-            run.typed.refuse(&["height_error", "height_bias"], "without UAVs: saved maps are not made anew")?;
+            run.typed.refuse(
+                &["height_error", "height_bias", "height_error_field"],
+                "without UAVs: saved maps are not made anew",
+            )?;
         }
         let asked = self.uavs.asked(reading.hash)?;
         if asked.table.is_none() && self.mask.is_empty() {

@@ -14,6 +14,8 @@ pub struct Footprint {
     /// The ground that it stands on \[1/1024 m above the datum\]; `None` where none is known, which only an absolute top
     /// allows.
     pub base: Option<i32>,
+    /// Standard deviation of the error of its height \[1/1024 m\], if it is told.
+    pub height_error: Option<i32>,
 }
 
 /// How high a building is, and where it stands.
@@ -105,7 +107,7 @@ mod tests {
     fn the_centroid_of_a_footprint_is_that_of_its_area() {
         let square = |x: i32, s: i32| vec![[x, 0], [x + s, 0], [x + s, s], [x, s]];
         let of = |polygons: Vec<Vec<Vec<[i32; 2]>>>| {
-            Footprint { id: String::new(), polygons, top: 1, base: Some(0) }
+            Footprint { id: String::new(), polygons, top: 1, base: Some(0), height_error: None }
                 .centroid()
                 .map(|([x, y], d)| (x * 12 / d, y * 12 / d))
         };

@@ -130,6 +130,7 @@ impl BuiltUpCity {
                     polygons: vec![vec![vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]]]],
                     top: ground + height,
                     base: Some(ground),
+                    height_error: None,
                 });
             }
         }

@@ -51,6 +51,8 @@ impl HeightField {
                     DataArea::NearFootprints => KnownGround::near(&footprints, &frame, grid),
                     DataArea::Within(area) => Some(KnownGround::Area(area)),
                 };
+                let has_errors = footprints.iter().any(|f| f.height_error.is_some());
+                let building_errors = has_errors.then(|| footprints.iter().map(|f| f.height_error).collect());
                 let building_ids = footprints.into_iter().map(|f| f.id).collect();
                 let ground = match ground {
                     Ground::Terrain(terrain) => {
@@ -65,7 +67,15 @@ impl HeightField {
                     Ground::Surface => VectorGround::Flat(0),
                 };
                 let (ground, known_ground) = (Arc::new(ground), known_ground.map(Arc::new));
-                let solid = VectorSolid { prisms, frame, ground, roofs: Arc::default(), known_ground, building_ids };
+                let solid = VectorSolid {
+                    prisms,
+                    frame,
+                    ground,
+                    roofs: Arc::default(),
+                    known_ground,
+                    building_ids,
+                    building_errors,
+                };
                 let solid = Solid::Vector(solid);
                 let mut field =
                     HeightField { grid: grid.clone(), solid, without_data: None, cells: no_cells, bent_terrain: None };

@@ -23,6 +23,7 @@ impl HeightField {
         if let Solid::Vector(vector) = &mut field.solid {
             vector.prisms = Prisms::new(Vec::<(Ring, i32, u32)>::new());
             vector.building_ids = [].into();
+            vector.building_errors = None;
             vector.roofs = Arc::new(vec![VOID; self.grid.n_cells()]);
         }
         field.cells = Arc::new(CellSets::of(&field));

@@ -147,6 +147,11 @@ impl HeightField {
         self.solid.vector().map_or("", |vector| &vector.building_ids[building as usize])
     }
 
+    /// Standard deviations of the errors of heights of buildings, by their numbers \[1/1024 m\], where any is told.
+    pub fn building_errors(&self) -> Option<&[Option<i32>]> {
+        self.solid.vector().and_then(|vector| vector.building_errors.as_deref())
+    }
+
     /// Number of buildings, in a vector scene.
     pub fn n_buildings(&self) -> usize {
         self.solid.vector().map_or(0, |vector| vector.building_ids.len())

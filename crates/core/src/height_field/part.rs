@@ -22,7 +22,7 @@ impl HeightField {
         let rows = vector.roofs.chunks(n_cols).skip(window.row).take(window.n_rows);
         let roofs = rows.flat_map(|row| &row[window.col..window.col + window.n_cols]).copied().collect();
         // Fields one by one: the roofs of the whole are not copied.
-        let VectorSolid { prisms, frame, ground, known_ground, building_ids, .. } = vector;
+        let VectorSolid { prisms, frame, ground, known_ground, building_ids, building_errors, .. } = vector;
         let solid = Solid::Vector(VectorSolid {
             prisms: prisms.clone(),
             frame: *frame,
@@ -30,6 +30,7 @@ impl HeightField {
             roofs: Arc::new(roofs),
             known_ground: known_ground.clone(),
             building_ids: building_ids.clone(),
+            building_errors: building_errors.clone(),
         });
         let cells =
             Arc::new(CellSets { open: self.cells.open.part(window), building: self.cells.building.part(window) });

@@ -40,6 +40,8 @@ pub(super) struct VectorSolid {
     /// Where the ground is known, if not everywhere.
     pub(super) known_ground: Option<Arc<KnownGround>>,
     pub(super) building_ids: Arc<[String]>,
+    /// Standard deviations of the errors of their heights \[1/1024 m\], where any is told.
+    pub(super) building_errors: Option<Arc<[Option<i32>]>>,
 }
 
 /// What prisms stand on.

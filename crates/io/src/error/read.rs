@@ -99,6 +99,12 @@ pub enum ReadFault {
     /// E365: no feature has the property of heights; others that may hold heights, count storeys, or do neither.
     #[error("no feature has the property `{wanted}`, wanted one that holds heights")]
     NoHeightProperty { wanted: String, like_heights: Vec<String>, like_storeys: Vec<String>, others: Vec<String> },
+    /// E365: no feature has the property of errors of heights.
+    #[error("no feature has the property `{0}`, wanted one that holds errors of heights")]
+    NoErrorProperty(String),
+    /// E365: an error of a height that is none; the id of the footprint \[m\].
+    #[error("feature `{0}` has a height that is off by `{1}` m, wanted 0 m to 1000 m")]
+    HeightError(String, f64),
     /// E108: a file that has no such table; what was asked for, and what there is.
     #[error("it has no layer `{0}`, wanted one of {names}", names = quoted(.1))]
     NoLayer(String, Vec<String>),
@@ -303,7 +309,7 @@ impl ReadFault {
             HeightMissing(..) | HeightsMissing(_) => 309,
             Crs(..) | CrsMember(_) | CrsNotUnderstood(_) | NoCrs | Degrees { .. } => 310,
             NoFaceInGrid(_) => 312,
-            NoHeightProperty { .. } => 365,
+            NoHeightProperty { .. } | NoErrorProperty(_) | HeightError(..) => 365,
             Memory(_) => 501,
             TooMany(_) | GridTooLarge(..) => 502,
             Tangle(..) => 504,
@@ -315,7 +321,8 @@ impl ReadFault {
         use ReadFault::*;
         match self {
             AllVoid(..) | HeightMissing(..) | HeightsMissing(_) | NoFaceInGrid(_) => "use",
-            NoHeightProperty { .. } | HeightRange(..) | OutsideScene(_) | Tangle(..) => "use",
+            NoHeightProperty { .. } | NoErrorProperty(_) | HeightError(..) => "use",
+            HeightRange(..) | OutsideScene(_) | Tangle(..) => "use",
             Nothing(Wanted::Extent) | GridTooLarge(..) => "map",
             Nothing(Wanted::Tiles) => "read",
             Nothing(_) => "use",

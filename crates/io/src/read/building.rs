@@ -36,6 +36,8 @@ pub(super) struct RawFootprint {
     pub(super) above_datum: bool,
     /// Storeys, those under the roof included.
     pub(super) levels: Option<f64>,
+    /// Standard deviation of the error of the height \[m\].
+    pub(super) height_error_m: Option<f64>,
     /// Whether it begins above the ground.
     pub(super) floats: bool,
     /// Lowest point of a solid \[m above the datum\].
@@ -124,6 +126,9 @@ fn refuse_unknown_property(input: &Input, set: &FeatureSet, options: &FootprintO
     let is_named = options.top_field.is_some() || options.height_field.is_some();
     let by_storeys = options.missing == MissingHeight::Levels && !is_named && has(&options.levels_field);
     let by_itself = !is_named && areas().any(|feature| feature.heights.is_some());
+    if let Some(name) = options.height_error_field.as_deref().filter(|name| areas().next().is_some() && !has(name)) {
+        return Err(Error::read(input, ReadFault::NoErrorProperty(name.to_string())));
+    }
     if areas().next().is_none() || has(name) || by_storeys || by_itself {
         return Ok(());
     }
@@ -210,6 +215,15 @@ impl Says<'_> {
         Some(levels + number("roof:levels").filter(|n| *n > 0.0).unwrap_or(0.0))
     }
 
+    /// The standard deviation of the error of the height \[m\], if it is told.
+    fn height_error_m(&self) -> Option<f64> {
+        let value = self.property(self.options.height_error_field.as_deref()?)?;
+        match found_height(value, self.options.height_unit) {
+            FoundHeight::Meters(m) | FoundHeight::DecimalComma(m) => Some(m),
+            FoundHeight::Missing => None,
+        }
+    }
+
     /// The height, and whether it is above the datum: from the property that is named, else from the solid itself, else
     /// from `height`.
     fn height(&self) -> (FoundHeight, bool) {
@@ -242,6 +256,7 @@ impl Says<'_> {
             height,
             above_datum,
             levels: self.levels(),
+            height_error_m: self.height_error_m(),
             floats: self.is_above_zero("min_height") || self.is_above_zero("building:min_level"),
             lowest: self.feature.heights.map(|[lowest, _]| lowest),
         }

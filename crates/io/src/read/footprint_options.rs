@@ -57,6 +57,8 @@ pub struct FootprintOptions {
     pub height_unit: HeightUnit,
     /// Property that holds the number of storeys, for [`MissingHeight::Levels`].
     pub levels_field: String,
+    /// Property that holds the standard deviation of the error of the height \[m\], if one does.
+    pub height_error_field: Option<String>,
     /// Policy for missing heights.
     pub missing: MissingHeight,
     /// Table of a GeoPackage; needed where it has several.
@@ -93,6 +95,7 @@ impl Default for FootprintOptions {
             top_field: None,
             height_unit: HeightUnit::default(),
             levels_field: "building:levels".into(),
+            height_error_field: None,
             missing: MissingHeight::default(),
             layer: None,
             terrain: None,

@@ -337,9 +337,19 @@ impl Making<'_> {
                 log.note(FootprintFault::NoGround, shaped.raw.culprit());
                 continue;
             }
+            if let Some(error) = shaped.raw.height_error_m.filter(|m| !(0.0..=1000.0).contains(m)) {
+                let id = shaped.raw.id.clone();
+                return Err(Error::read(self.input, ReadFault::HeightError(id, error)));
+            }
             let top = self.top(&shaped, (height, above_datum))?;
             let base = shaped.base;
-            footprints.push(Footprint { id: shaped.raw.id, polygons: shaped.polygons, top, base });
+            footprints.push(Footprint {
+                id: shaped.raw.id,
+                polygons: shaped.polygons,
+                top,
+                base,
+                height_error: shaped.raw.height_error_m.and_then(height_steps),
+            });
         }
         warn_of_faults(&log.counts, self.input, &words, missing_share, warnings);
         let gap = HeightGap { area_share: missing_share, done: words.treated };
