@@ -182,7 +182,7 @@ impl LivePage {
     /// What the script of the page is told.
     fn facts_of_page(&self, title: &str, look: &Look) -> Value {
         let SightFacts { rx_height_m, receivers, radius_m, antenna, earth_k } = self.sight.facts();
-        let sight = json!({"rx_height_m": rx_height_m, "receivers": receivers, "radius_m": radius_m, "antenna": antenna, "earth_k": earth_k});
+        let sight = json!({"rx_height_m": rx_height_m, "receivers": receivers, "radius_m": radius_m, "antenna": antenna, "earth_k": earth_k, "height_error_m": null});
         let grid = self.scene.grid();
         let crs = grid
             .crs()

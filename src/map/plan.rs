@@ -216,7 +216,7 @@ impl Prepared {
             .saturating_add(if options.layers.sure { 2 * FIELD_BYTES_PER_CELL } else { 0 });
         check_memory(&scene.word, scene.grid(), bytes_per_cell)?;
         let field = Arc::clone(&scene.field);
-        let mut mapper = Mapper::new(&field, &options)?;
+        let mut mapper = Mapper::new(&field, &options)?.with_height_errors()?;
         let idle = mapper.drop_idle(&uavs);
         let (method, why) = mapper.method();
         let expected = Expected::over(&field, method, options.radius, (uavs.len(), options.layers), bytes_per_cell);

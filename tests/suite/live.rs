@@ -139,6 +139,8 @@ fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
         [7.0, 20.0, 200.0, -80.0, -20.0, 130.0]});
     let mut curved = map(&places[..2]);
     curved["sight"] = json!({"rx_height_m": 60.0, "receivers": "air", "radius_m": null, "earth_k": 0.0005});
+    let mut off = map(&places[..2]);
+    off["sight"] = json!({"rx_height_m": 1.5, "receivers": "ground", "radius_m": null, "height_error_m": 2.5});
     let questions = [
         map(&places[..2]),
         json!({"do": "digest"}),
@@ -158,12 +160,24 @@ fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
         json!({"do": "digest"}),
         json!({"do": "link", "which": 0, "x": 20.5, "y": 12.5}),
         json!({"do": "curve", "which": 0}),
+        off,
+        json!({"do": "digest"}),
     ];
     let answers = ask(&folder.word("page.html"), false, None, &questions);
     let said = |line: &str| folder.type_in(&format!("{line} --json -q")).done().json();
 
     let two = said("map itu:urban --size 300 --uav 150,150,100 --uav 40,220,60 --zones");
     assert_eq!(answers[2]["digest"], two["digest"]);
+
+    // Heights that may be off change what is sure, and no mask.
+    let bounded = "--height-error 2.5 --sigma 1 --layers los,sure -o sure.tif";
+    let bounded = said(&format!("map itu:urban --size 300 --uav 150,150,100 --uav 40,220,60 {bounded}"));
+    assert_eq!((&answers[20]["digest"], &bounded["digest"]), (&two["digest"], &two["digest"]));
+    for (seen, site) in answers[19]["uavs"].as_array().unwrap().iter().zip(bounded["sites"].as_array().unwrap()) {
+        let sure = &site["uncertain"]["sure"];
+        assert_eq!(seen["sure"], json!([sure["surely"], sure["possibly"]]));
+        assert!(sure["possibly"].as_u64() > Some(1000) && seen["los"] == site["los"]);
+    }
     for (seen, site) in answers[1]["uavs"].as_array().unwrap().iter().zip(two["sites"].as_array().unwrap()) {
         for zone in ["street", "crossroad", "courtyard", "rooftop"] {
             let counts = |facts: &Value| [&facts["receivers"], &facts["los"]].map(|n| n.as_u64().unwrap_or(0));
@@ -227,7 +241,7 @@ fn a_page_is_one_small_file_and_says_what_it_begins_with() {
     let munich = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
     let uavs = "--uav 691600,5334700,120 --uav 691549.7,5334762.2,60amsl --rx-height 2 --radius 400";
     folder.type_in(&format!("live {} {uavs} -o page.html -o page.json -q", munich.display())).done();
-    assert!(folder.read("page.html").len() <= 700_000, "{}", folder.read("page.html").len());
+    assert!(folder.read("page.html").len() <= 720_000, "{}", folder.read("page.html").len());
     let document = folder.json("page.json");
     assert_eq!(document["schema"], "skyshed/live/1");
     assert_eq!((&document["uavs"][1]["id"], &document["uavs"][1]["height"]), (&json!("2"), &json!("60amsl")));

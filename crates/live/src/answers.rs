@@ -35,6 +35,8 @@ pub enum Seen {
         receivers: u64,
         los: u64,
         p_los: Option<f64>,
+        /// Receivers that are surely in line of sight, and those that hang on heights, where these may be off.
+        sure: Option<[u64; 2]>,
         zones: Option<ByZone>,
     },
     /// Why it cannot hover there, and from which height on it could.

@@ -3,12 +3,14 @@
 //! PERF: a map that follows the pointer is copied once and then changed eight cells at a time, where a set has any. That takes
 //! a tenth of what deciding each cell anew would.
 
-use skyshed_core::coverage::class;
+use skyshed_core::coverage::{Sure, class};
 use skyshed_core::height_field::HeightField;
 use skyshed_core::raster::BitGrid;
 
 /// Pictures of counts and of who sees a cell begin here; classes are below.
 pub(crate) const FIRST_COUNT: u8 = 16;
+/// The class of receivers that hang on heights of buildings.
+const UNSURE: u8 = 15;
 
 /// For each byte of a set, ones in the bytes of the cells that are in it.
 const ONES: [u64; 256] = {
@@ -51,6 +53,13 @@ impl CellPicture {
     pub(crate) fn mask(&self, out: &mut Vec<u8>, los: &BitGrid, in_range: Option<&BitGrid>) {
         self.begin(out, in_range);
         self.add(out, los, class::LOS - class::NLOS);
+    }
+
+    /// Marks the receivers of a mask that are in line of sight for some heights of buildings and not for others.
+    pub(crate) fn unsure(&self, out: &mut [u8], sure: &Sure) {
+        let mut unsure = sure.possibly.clone();
+        unsure.words_mut().iter_mut().zip(sure.surely.words()).for_each(|(unsure, surely)| *unsure &= !surely);
+        self.set(out, &unsure, UNSURE);
     }
 
     /// How many of some sets each receiver in range is in, from [`FIRST_COUNT`] up; other cells keep their class.

@@ -148,6 +148,9 @@ pub struct Sight {
     /// K of a curved earth, if it is not taken as flat.
     #[serde(default)]
     pub earth_k: Option<f64>,
+    /// How far heights of buildings may be off \[m\], if that is to be told of one UAV.
+    #[serde(default)]
+    pub height_error_m: Option<f64>,
 }
 
 impl Sight {

@@ -119,7 +119,7 @@ pub struct Mapper<'a> {
     pub(super) xs: Vec<f64>,
     /// The scene with other roofs, where stability is asked for.
     pub(super) roofs: Option<Box<ShiftedRoofs>>,
-    /// The scene with roofs of other heights, where layers tell of errors.
+    /// The scene with roofs of other heights, where layers tell of errors: see [`Mapper::with_height_errors`].
     pub(super) uncertain: Option<Box<Uncertain>>,
 }
 
@@ -127,8 +127,8 @@ impl<'a> Mapper<'a> {
     /// Makes ready what does not depend on the UAV.
     ///
     /// # Errors
-    /// E118 if the options ask for an engine that cannot decide this scene, for layers of heights beside an approximate
-    /// one, or for errors of heights that cannot be.
+    /// E118 if the options ask for an engine that cannot decide this scene, or for layers of heights beside an approximate
+    /// one.
     pub fn new(field: &'a HeightField, options: &MapOptions) -> Result<Self> {
         let refuse = |wrong: WrongMethod| MapError::Method { why: wrong.why, instead: wrong.instead.name() };
         let (method, why) = Method::choose(field, options.method).map_err(refuse)?;
@@ -162,8 +162,7 @@ impl<'a> Mapper<'a> {
         let mut alone = engine.clone();
         alone.is_one_band = true;
         let roofs = options.layers.stability.then(|| Box::new(ShiftedRoofs::of(field)));
-        let uncertain = Uncertain::of(field, options)?;
-        Ok(Mapper { field, options: options.clone(), engine, alone, why, receivers, xs, roofs, uncertain })
+        Ok(Mapper { field, options: options.clone(), engine, alone, why, receivers, xs, roofs, uncertain: None })
     }
 
     /// The scene.

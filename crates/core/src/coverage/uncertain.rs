@@ -35,6 +35,14 @@ impl Uncertain {
 }
 
 impl Mapper<'_> {
+    /// Makes ready the layers that tell what hangs on errors of heights, if the options ask for any: maps have none without this.
+    ///
+    /// # Errors
+    /// E118 for errors that cannot be, and for probabilities of a raster.
+    pub fn with_height_errors(self) -> Result<Self> {
+        Ok(Mapper { uncertain: Uncertain::of(self.field, &self.options)?, ..self })
+    }
+
     /// Adds the layers to the map of a UAV.
     pub(super) fn add_uncertain(&self, map: &mut SiteCoverage, control: &Control) -> Result<()> {
         let Some(uncertain) = &self.uncertain else { return Ok(()) };

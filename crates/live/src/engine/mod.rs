@@ -5,7 +5,9 @@ mod studies;
 
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use skyshed_core::coverage::{self, MapOptions, Mapper, Seen as SeenCells, check_drop, surface_under};
+use skyshed_core::coverage::{
+    self, HeightBounds, MapOptions, Mapper, Seen as SeenCells, Sure, check_drop, surface_under,
+};
 use skyshed_core::error::Error;
 use skyshed_core::height_field::{CellSets, HeightField};
 use skyshed_core::quantity::{BLOCKS_ALL, VOID, height_steps, meters, share};
@@ -35,6 +37,8 @@ pub struct Engine {
     /// The cells that hold receivers, in range or not.
     receivers: BitGrid,
     cells: CellPicture,
+    /// The scene with buildings as low and as high as they may be, where heights may be off.
+    bounds: Option<HeightBounds>,
     maps: Vec<Map>,
     picture: Vec<u8>,
     curve: Option<studies::Curve>,
@@ -63,6 +67,8 @@ struct Found {
     /// All cells in range; `None` without a limit.
     in_range: Option<BitGrid>,
     seen: SeenCells,
+    /// What is sure of it, where heights may be off.
+    sure: Option<Sure>,
     zones: Option<ByZone>,
 }
 
@@ -74,8 +80,14 @@ impl Engine {
     pub fn open(bytes: &[u8]) -> Result<Engine, NotPacked> {
         let PackedCity { grid, solids, zones } = unpack(bytes)?;
         let field: &'static HeightField = Box::leak(Box::new(HeightField::build(&grid, solids).field));
-        let sight =
-            Sight { rx_height_m: 1.5, receivers: Receivers::Ground, radius_m: None, antenna: None, earth_k: None };
+        let sight = Sight {
+            rx_height_m: 1.5,
+            receivers: Receivers::Ground,
+            radius_m: None,
+            antenna: None,
+            earth_k: None,
+            height_error_m: None,
+        };
         let zones = zones.and_then(|zones| {
             let CellSets { open, building } = field.cells();
             let mut codes = zones.codes(open);
@@ -91,6 +103,7 @@ impl Engine {
             mapper,
             cells: CellPicture::new(field, &receivers),
             receivers,
+            bounds: None,
             maps: Vec::new(),
             picture: Vec::new(),
             curve: None,
@@ -167,6 +180,13 @@ impl Engine {
             self.mapper = mapper(self.field, &sight, self.zones.as_ref())?;
             self.receivers = self.mapper.receiver_cells();
             self.cells = CellPicture::new(self.field, &self.receivers);
+            if sight.height_error_m != self.sight.height_error_m {
+                let of = |m: f64| {
+                    let bounds = HeightBounds::of(self.field, m);
+                    bounds.ok_or_else(|| format!("heights that are off by {m} m"))
+                };
+                self.bounds = sight.height_error_m.map(of).transpose()?;
+            }
             self.sight = sight;
             self.maps.clear();
         }
@@ -188,7 +208,8 @@ impl Engine {
             Ok(uav) => {
                 let (seen, in_range) = (self.mapper.seen(&uav), self.mapper.cells_in_range(&uav));
                 let zones = self.zones.as_ref().map(|zones| zones.count(&seen));
-                Ok(Found { uav, in_range, seen, zones })
+                let sure = self.bounds.as_ref().and_then(|bounds| self.mapper.sure(&uav, bounds).ok());
+                Ok(Found { uav, in_range, seen, sure, zones })
             }
             Err(error) => Err(self.refused(&asked, &error)),
         };
@@ -247,7 +268,12 @@ impl Engine {
         let one = self.maps.get(shown.which).and_then(|map| map.found.as_ref().ok());
         match (shown.layer, one) {
             _ if self.hovering().next().is_none() => {}
-            (Layer::One, Some(found)) => self.cells.mask(&mut picture, &found.seen.los, found.in_range.as_ref()),
+            (Layer::One, Some(found)) => {
+                self.cells.mask(&mut picture, &found.seen.los, found.in_range.as_ref());
+                if let Some(sure) = &found.sure {
+                    self.cells.unsure(&mut picture, sure);
+                }
+            }
             // A UAV that cannot hover leaves the picture of the others.
             (Layer::One | Layer::Union, _) => {
                 let (los, in_range) = self.together();
@@ -319,7 +345,9 @@ impl Map {
     fn seen(&self) -> Seen {
         match &self.found {
             Err(refused) => refused.clone(),
-            Ok(Found { uav, seen, zones, .. }) => {
+            Ok(Found { uav, seen, sure, zones, .. }) => {
+                let surely = |sure: &Sure| sure.surely.count();
+                let sure = sure.as_ref().map(|sure| [surely(sure), sure.possibly.count() - surely(sure)]);
                 let (receivers, los) = (seen.receivers.count(), seen.los.count());
                 Seen::Found {
                     ok: True,
@@ -329,6 +357,7 @@ impl Map {
                     receivers,
                     los,
                     p_los: share(los, receivers),
+                    sure,
                     zones: *zones,
                 }
             }

@@ -18,10 +18,14 @@ const antennaNumbers = ({ min_radius_m, sector_deg, elevation_deg, beam_deg }) =
 /** An antenna without limits. @type {Antenna} */
 const NO_ANTENNA = { min_radius_m: null, sector_deg: null, elevation_deg: null, beam_deg: null };
 
-/** A sight as height,where,range and, if it has any, its antenna and K of the earth; all but the first two may be empty. @param {Sight} sight */
-function sightWord({ rx_height_m, receivers, radius_m, antenna, earth_k }) {
-  const more = antenna || earth_k ? antennaNumbers(antenna ?? NO_ANTENNA) : [];
-  return [rx_height_m, receivers, radius_m ?? "", ...more, ...(earth_k ? [earth_k] : [])].join(",");
+/**
+ * A sight as height,where,range and, if it has any, its antenna, K of the earth and the error of heights; all but the first two may be empty.
+ * @param {Sight} sight
+ */
+function sightWord({ rx_height_m, receivers, radius_m, antenna, earth_k, height_error_m }) {
+  const more = antenna || earth_k || height_error_m ? antennaNumbers(antenna ?? NO_ANTENNA) : [];
+  const last = height_error_m ? [earth_k ?? "", height_error_m] : earth_k ? [earth_k] : [];
+  return [rx_height_m, receivers, radius_m ?? "", ...more, ...last].join(",");
 }
 
 /** The fragment of the state, without its #. */
@@ -81,8 +85,12 @@ function sightOf(word) {
   const receivers = RECEIVERS.find((name) => name === where);
   const radius_m = radiusWord ? finite(radiusWord) : null;
   if (rx_height_m === null || rx_height_m < 0 || !receivers || (radiusWord && !(radius_m && radius_m > 0))) return null;
-  const earth_k = finite(antennaWords[6] ?? "");
-  return { rx_height_m, receivers, radius_m, antenna: antennaOf(antennaWords.slice(0, 6).map(finite)), earth_k: earth_k && earth_k > 0 ? earth_k : null };
+  const positive = (/** @type {string | undefined} */ text) => {
+    const value = finite(text);
+    return value && value > 0 ? value : null;
+  };
+  const antenna = antennaOf(antennaWords.slice(0, 6).map(finite));
+  return { rx_height_m, receivers, radius_m, antenna, earth_k: positive(antennaWords[6]), height_error_m: positive(antennaWords[7]) };
 }
 
 /** @param {string} word @returns {Kept | null} */

@@ -8,6 +8,7 @@
 const SEEN = [[0xb4, 0xdb, 0xf2], [0x5a, 0xa9, 0xdb], LOS, [0x00, 0x3a, 0x5e]];
 /** Who sees a cell: none, only UAV 1 to 4, several. @type {Rgb[]} */
 const ONLY = [NLOS, LOS, [0xf0, 0xe4, 0x42], [0x88, 0x22, 0x55], [0x88, 0xcc, 0xee], [0x1b, 0x1f, 0x24]];
+/** Hangs on heights of buildings. @type {Rgb} */ const UNSURE = [0xfb, 0xfa, 0xf6];
 /** Colors of UAVs; the first four are those of layer "who". @type {Rgb[]} */
 const UAV_COLORS = [...ONLY.slice(1, 5), [0x00, 0x9e, 0x73], [0xcc, 0x79, 0xa7], [0xd5, 0x5e, 0x00], [0x99, 0x99, 0x33]];
 
@@ -87,6 +88,8 @@ function inkOn(color) {
 // Rows of the table of looks: classes 0 to 62; the last row is no data.
 const LOOK_ROWS = 64;
 const NO_DATA_ROW = LOOK_ROWS - 1;
+/** The class of receivers that hang on heights of buildings. */
+const UNSURE_CLASS = 15;
 /** The class of a map that has no answer yet: the bare city. */
 const NO_MASK_ROW = 2;
 
@@ -143,6 +146,7 @@ function lookOf(value, tone, backdrop, layer, nUavs) {
  * @param {number} nUavs
  */
 function classColor(value, layer, nUavs) {
+  if (value === UNSURE_CLASS) return UNSURE;
   if (value < 16) return value === 1 ? LOS : NLOS;
   return layer === "who" ? ONLY[Math.min(value - 16, 5)] : countColor(value - 16, nUavs);
 }

@@ -217,7 +217,7 @@ function showTitle() {
 
 function showSight() {
   showTitle();
-  const { receivers, rx_height_m, radius_m, antenna, earth_k } = state.sight;
+  const { receivers, rx_height_m, radius_m, antenna, earth_k, height_error_m } = state.sight;
   setValue(selectById("receivers"), receivers);
   setValue(inputById("rx-height"), String(rx_height_m));
   inputById("radius-limited").checked = radius_m === null;
@@ -228,8 +228,9 @@ function showSight() {
   radius.style.setProperty("--part", `${(100 * Number(radius.value)) / Number(radius.max)}%`);
   setValue(inputById("radius"), radius_m === null ? "" : String(radius_m));
   const range = radius_m === null ? say().unlimited : lengthWords(radius_m);
-  setText(htmlById("sight-says"), [say().receiversChoice[receivers], meters(rx_height_m, 2), range, ...antennaSays(antenna), ...earthSays(earth_k)].join(" · "));
+  setText(htmlById("sight-says"), [say().receiversChoice[receivers], meters(rx_height_m, 2), range, ...antennaSays(antenna), ...earthSays(earth_k), ...heightErrorSays(height_error_m)].join(" · "));
   setValue(inputById("earth-k"), String(earth_k ?? ""));
+  setValue(inputById("height-error"), String(height_error_m ?? ""));
   const numbers = antenna ? antennaNumbers(antenna) : [];
   ANTENNA_INPUTS.forEach((id, k) => {
     // One end alone waits for the other.
@@ -301,6 +302,7 @@ function listenToPanel() {
   }
   selectById("receivers").addEventListener("change", () => setReceivers(/** @type {Receivers} */ (selectById("receivers").value)));
   inputById("earth-k").addEventListener("change", () => setSight({ earth_k: typed(inputById("earth-k"), 1e-9) }));
+  inputById("height-error").addEventListener("change", () => setSight({ height_error_m: typed(inputById("height-error"), 1e-9) }));
   inputById("rx-height").addEventListener("input", () => {
     const rx_height_m = typed(inputById("rx-height"), 0);
     if (rx_height_m !== null) setSight({ rx_height_m });

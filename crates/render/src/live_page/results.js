@@ -29,6 +29,11 @@ function receiverRows(answer) {
     const rows = names.map((name, k) => row(name, ONLY[k], all.who?.[k] ?? 0));
     return [...rows, row(words.seenBySeveral, ONLY[5], all.who?.[5] ?? 0)];
   }
+  const seen = layer === "one" ? answer.uavs[shown().which] : null;
+  if (seen?.ok && seen.sure) {
+    const [surely, unsure] = seen.sure;
+    return [row(words.surely, LOS, surely), row(words.unsure, UNSURE, unsure), row(words.surelyNot, NLOS, seen.receivers - surely - unsure)];
+  }
   // A UAV that cannot hover sees nobody; the rows stay, so that what is below them stays in its place.
   const { receivers, los } = shownShare(answer) ?? { receivers: 0, los: 0 };
   return [row(words.los, LOS, los), row(words.nlos, NLOS, receivers - los)];

@@ -75,6 +75,8 @@ const ENGLISH = {
   minRadius: "From", sector: "Azimuths", elevations: "Elevations", beam: "Beam straight down", upTo: "to",
   inAntenna: "in the antenna's range", beamShort: "beam",
   earthK: "Curved earth, K", curvedEarth: (/** @type {string} */ k) => `curved earth, K = ${k}`,
+  heightError: "Heights off by up to", heightsOff: (/** @type {string} */ length) => `heights off by up to ${length}`,
+  surely: "Surely in line of sight", surelyNot: "Surely hidden", unsure: "Hangs on heights of buildings",
   fromTo: (/** @type {string} */ a, /** @type {string} */ b) => `${a} to ${b}`,
   fromOn: (/** @type {string} */ length) => `from ${length} on`,
 
@@ -255,6 +257,8 @@ const GERMAN = {
   minRadius: "Ab", sector: "Azimute", elevations: "Höhenwinkel", beam: "Strahl senkrecht nach unten", upTo: "bis",
   inAntenna: "im Bereich der Antenne", beamShort: "Strahl",
   earthK: "Krumme Erde, K", curvedEarth: (k) => `krumme Erde, K = ${k}`,
+  heightError: "Höhen falsch um bis zu", heightsOff: (length) => `Höhen falsch um bis zu ${length}`,
+  surely: "Sicher sichtbar", surelyNot: "Sicher verdeckt", unsure: "Hängt an Gebäudehöhen",
   fromTo: (a, b) => `${a} bis ${b}`,
   fromOn: (length) => `ab ${length}`,
 

@@ -10,13 +10,15 @@
  * @typedef {'ground' | 'street' | 'crossroad' | 'courtyard' | 'roof' | 'all' | 'air'} Receivers
  * @typedef {{min_radius_m: number | null, sector_deg: [number, number] | null, elevation_deg: [number, number] | null,
  *   beam_deg: number | null}} Antenna null is not limited
- * @typedef {{rx_height_m: number, receivers: Receivers, radius_m: number | null, antenna: Antenna | null, earth_k: number | null}} Sight
+ * @typedef {{rx_height_m: number, receivers: Receivers, radius_m: number | null, antenna: Antenna | null, earth_k: number | null,
+ *   height_error_m: number | null}} Sight
  * @typedef {'one' | 'union' | 'count' | 'who'} Layer
  *
  * @typedef {{receivers: number, los: number}} Share
  * @typedef {{street: Share, crossroad: Share, courtyard: Share, rooftop: Share}} ZoneShares
  * @typedef {{ok: true, amsl_m: number, agl_m: number | null, over: string, receivers: number, los: number,
- *   p_los: number | null, zones: ZoneShares | null}} SeenWell
+ *   p_los: number | null, sure: [number, number] | null, zones: ZoneShares | null}} SeenWell sure: receivers surely in sight, and those that
+ *   hang on heights
  * @typedef {{ok: false, code: string, words: string, lowest_amsl_m: number | null}} SeenNot
  * @typedef {SeenWell | SeenNot} Seen what a UAV sees, or why it cannot hover there
  * @typedef {{receivers: number, los: number, seen_by: number[], who?: number[]}} AllSeen

@@ -111,6 +111,9 @@ function antennaSays(antenna) {
 /** That the earth is curved, if it is. @param {number | null} k */
 const earthSays = (k) => (k ? [say().curvedEarth(number(k, 4))] : []);
 
+/** That heights of buildings may be off, if they may. @param {number | null} m */
+const heightErrorSays = (m) => (m ? [say().heightsOff(lengthWords(m))] : []);
+
 /** What the height of receivers is measured from. */
 const receiversAbove = () => say().above[state.sight.receivers === "all" ? "all" : state.sight.receivers === "roof" ? "roof" : "ground"];
 
@@ -169,7 +172,13 @@ function optionWords(uavs, sight) {
 }
 
 /** The command line that gives the map on screen, word by word. */
-const commandWords = () => ["skyshed", "map", ...facts.command, ...optionWords(state.uavs, state.sight), "-o", `${fileStem()}.png`].map(shellWord);
+const commandWords = () => ["skyshed", "map", ...facts.command, ...optionWords(state.uavs, state.sight), ...boundWords(), "-o", `${fileStem()}.png`].map(shellWord);
+
+/** The options of a map that tells what hangs on heights, if that is on screen. */
+function boundWords() {
+  const { height_error_m } = state.sight;
+  return height_error_m && shown().layer === "one" ? ["--height-error", String(height_error_m), "--sigma", "1", "--layers", "sure"] : [];
+}
 
 /** The beginning of the names of files that are saved: letters and digits of the scene's name. */
 function fileStem() {
