@@ -52,7 +52,9 @@ impl Expected {
         let per_cell = map
             + of(layers.margin || layers.least_receiver_height, receiver)
             + of(layers.least_height, uav)
-            + of(layers.stability, 8.0 * map);
+            + of(layers.stability, 8.0 * map)
+            + of(layers.sure, 2.0 * map)
+            + of(layers.p_los, 600.0);
         let seconds = n_in_range * n_uavs as f64 / n_threads as f64 * per_cell * 1e-9;
         Expected { bytes: n_cells.saturating_mul(FIELD_BYTES_PER_CELL + bytes_per_cell) as u64, seconds }
     }

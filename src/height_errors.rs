@@ -54,6 +54,11 @@ impl AskedErrors {
         Ok(self)
     }
 
+    /// Whether another number of standard deviations than the default was asked for.
+    pub(crate) fn has_own_sigma(self) -> bool {
+        self.sigma.total_cmp(&AskedErrors::default().sigma).is_ne()
+    }
+
     /// Whether heights may be off at all.
     pub(crate) fn are_any(self) -> bool {
         self.own_m > 0.0 || self.shared_m > 0.0 || self.by_building
@@ -104,17 +109,17 @@ impl AskedErrors {
         Ok(Some(mapper.redrawn(uavs, &heights, DRAWS, progress.control())?))
     }
 
-    /// Between which shares P_LoS of each of some UAVs is, with heights redrawn; nothing without errors.
+    /// Between which shares P_LoS of each of some UAVs is, with heights redrawn; nothing without errors, and none of a UAV without receivers.
     pub(crate) fn intervals(
         self,
         mapper: &Mapper<'_>,
         uavs: &[Uav],
         progress: &Progress,
-    ) -> Result<Vec<IntervalFacts>> {
+    ) -> Result<Vec<Option<IntervalFacts>>> {
         let Some(counts) = self.redrawn(mapper, uavs, progress)? else { return Ok(Vec::new()) };
         let of = |uav: usize| {
             let (low, high) = counts.interval(uav, PART);
-            IntervalFacts { p_los_low: low, p_los_high: high }
+            (counts.receivers[uav] > 0).then_some(IntervalFacts { p_los_low: low, p_los_high: high })
         };
         Ok((0..uavs.len()).map(of).collect())
     }
@@ -179,10 +184,14 @@ pub(crate) struct HeightsOfDifference {
 }
 
 impl HeightsOfDifference {
-    /// That of a pair of UAVs, by their places among those that were redrawn.
-    pub(crate) fn of(counts: &RedrawnCounts, pair: (usize, usize)) -> Self {
+    /// That of a pair of UAVs, by their places among those that were redrawn; nothing if one has no receiver.
+    pub(crate) fn of(counts: &RedrawnCounts, pair: (usize, usize)) -> Option<Self> {
+        if counts.receivers[pair.0].min(counts.receivers[pair.1]) == 0 {
+            return None;
+        }
         let (low, high) = counts.interval_of_difference(pair, PART);
-        HeightsOfDifference { heights_low: low, heights_high: high, exceeds_heights: low > 0.0 || high < 0.0 }
+        let exceeds_heights = low > 0.0 || high < 0.0;
+        Some(HeightsOfDifference { heights_low: low, heights_high: high, exceeds_heights })
     }
 
     pub(crate) fn low(&self) -> f64 {

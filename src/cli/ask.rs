@@ -213,6 +213,10 @@ pub fn counts(
     words: &[OsString],
     progress: &Progress,
 ) -> std::result::Result<Vec<(u64, u64)>, Refusal> {
+    let names = |flag: &str| words.iter().any(|word| word == flag);
+    if let Some(flag) = ["--height-error", "--height-bias", "--sigma"].into_iter().find(|flag| names(flag)) {
+        return Err(refusal(116, format!("`{flag}` has no meaning where P_LoS alone is counted")).into());
+    }
     Ok(prepared(scene, uavs, words)?.count(progress)?)
 }
 

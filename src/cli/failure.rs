@@ -82,7 +82,7 @@ impl From<skyshed_io::Error> for Failure {
 }
 
 /// The options of a scene that the library names, as they are typed.
-const FLAGS: [(&str, &str); 32] = [
+const FLAGS: [(&str, &str); 33] = [
     ("area", "--area"),
     ("weights", "--weights"),
     ("count", "--count"),
@@ -95,6 +95,7 @@ const FLAGS: [(&str, &str); 32] = [
     ("levels_field", "--levels-field"),
     ("height_error", "--height-error"),
     ("height_bias", "--height-bias"),
+    ("sigma", "--sigma"),
     ("height_error_field", "--height-error-field"),
     ("layer", "--layer"),
     ("missing", "--missing"),

@@ -158,7 +158,7 @@ impl ComparisonPlan {
         if let Some(redrawn) = &redrawn {
             // Saved masks, which are not redrawn, come last.
             for pair in report.pairs.iter_mut().filter(|pair| pair.first.max(pair.second) < uavs.len()) {
-                pair.heights = Some(HeightsOfDifference::of(redrawn, (pair.first, pair.second)));
+                pair.heights = HeightsOfDifference::of(redrawn, (pair.first, pair.second));
             }
         }
         let masks = placed.into_iter().map(|p| p.mask).collect();

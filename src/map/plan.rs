@@ -13,7 +13,7 @@ use super::units::tells_numbers;
 use crate::coverage::{
     HeightLayers, KeepMasks, ManyMaps, MapOptions, Mapper, SiteCoverage, Tally, Together, Uav, maps_at_once,
 };
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::expected::Expected;
 use crate::export::Layer;
 use crate::height_errors::{AskedErrors, UncertainFacts};
@@ -97,6 +97,10 @@ impl MapPlan {
     /// # Errors
     /// E113, E116.
     pub(crate) fn check(&self) -> Result<()> {
+        // Another number of standard deviations than that of none asked for changes nothing else.
+        if self.heights.has_own_sigma() && !self.layers.contains(&Layer::Sure) {
+            return Err(Error::idle("sigma", "without the layer `sure`"));
+        }
         check_tolerance(self.tolerance, self.sight.method())
     }
 
@@ -241,7 +245,7 @@ impl Prepared {
         let ManyMaps { sites, overlay } = mapped?;
         let intervals = plan.heights.intervals(&mapper, &uavs, progress)?;
         for (site, interval) in facts.iter_mut().zip(intervals) {
-            site.uncertain = UncertainFacts::with(site.uncertain, Some(interval));
+            site.uncertain = UncertainFacts::with(site.uncertain, interval);
         }
         scene.timing.los = before_los.elapsed().as_secs_f64();
         drop(mapper);

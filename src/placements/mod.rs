@@ -196,7 +196,7 @@ impl SearchPlan {
         let wanted = mapper.receiver_cells().count();
         counts.receivers.iter_mut().for_each(|n| *n = wanted);
         for (k, place) in ranked[..listed].iter_mut().enumerate().skip(1) {
-            place.heights = Some(HeightsOfDifference::of(&counts, (0, k)));
+            place.heights = HeightsOfDifference::of(&counts, (0, k));
         }
         Ok(())
     }

@@ -112,7 +112,8 @@ impl SearchPlan {
     /// E116.
     pub(super) fn check_heights(&self, errors: AskedErrors) -> Result<()> {
         let Goal { measure, at_least, whom, .. } = &self.goal;
-        let compares = *measure == Measure::Share && at_least.is_none() && *whom != Whom::Weights && self.count == 1;
+        let compares = *measure == Measure::Share && at_least.is_none() && *whom != Whom::Weights;
+        let compares = compares && self.count == 1 && self.top > 1 && self.shard.is_none();
         let option = match errors {
             _ if compares => return Ok(()),
             AskedErrors { own_m, .. } if own_m > 0.0 => "height_error",
@@ -120,7 +121,10 @@ impl SearchPlan {
             AskedErrors { by_building: true, .. } => "height_error_field",
             _ => return Ok(()),
         };
-        Err(Error::idle(option, "but for one UAV that is to see the largest share of receivers"))
+        Err(Error::idle(
+            option,
+            "but for one UAV that is to see the largest share of receivers, held against other places (`top`) of one run",
+        ))
     }
 
     /// The clearance on the lattice.

@@ -572,3 +572,37 @@ fn buildings_tell_their_own_errors() {
     folder.refuses(&format!("{map} --height-error-field sd"), "E365", &["-2.5", "0 m to 1000 m"]);
     folder.refuses("info houses.geojson --height-error-field sd", "E116", &["--height-error-field", "compare"]);
 }
+
+#[test]
+fn parts_of_a_raster_have_the_errors_of_the_whole() {
+    let mut random = Random(360);
+    let (n_rows, n_cols) = (60, 80);
+    for is_block_model in [true, false] {
+        // Blocks of 6 × 6 cells, of which a part cuts none.
+        let tops: Vec<i32> = (0..n_rows * n_cols)
+            .map(|cell| {
+                let (row, col) = (cell / n_cols, cell % n_cols);
+                let is_house = row % 10 < 6 && col % 10 < 6;
+                let top = if is_block_model { 9000 + 1024 * (row / 10 + col / 10) } else { random.index(9000, 30_000) };
+                if is_house { i32::try_from(top).unwrap() } else { 0 }
+            })
+            .collect();
+        let grid = GeoRef::new((0.0, n_rows as f64), (1.0, 1.0), (n_rows, n_cols), None).unwrap();
+        let window = skyshed_core::raster::CellWindow { row: 20, col: 30, n_rows: 26, n_cols: 36 };
+        let part: Vec<i32> = (0..window.n_rows)
+            .flat_map(|row| &tops[(window.row + row) * n_cols + window.col..][..window.n_cols])
+            .copied()
+            .collect();
+        let whole = raster_field(Raster::new(grid.clone(), tops), Ground::Flat(0));
+        let part = raster_field(Raster::new(grid.part(window), part), Ground::Flat(0));
+        let errors = HeightErrors::same(2.0, 0.5);
+        let [of_whole, of_part] = [&whole, &part].map(|f| RedrawnHeights::of(f, &errors, None, 3).unwrap().errors(7));
+        let mut seen = std::collections::HashSet::new();
+        for (cell, error) in of_part.iter().enumerate() {
+            let (row, col) = (window.row + cell / window.n_cols, window.col + cell % window.n_cols);
+            assert_eq!(*error, of_whole[row * n_cols + col], "{row} {col}, block model: {is_block_model}");
+            seen.insert(*error);
+        }
+        assert!(if is_block_model { (8..=17).contains(&seen.len()) } else { seen.len() > 100 }, "{}", seen.len());
+    }
+}

@@ -63,10 +63,10 @@ impl CompareArgs {
             draws_pairs: outputs.iter().any(|(_, format)| *format == Format::GeoTiff),
         };
         plan.check()?;
-        if self.uavs.uav.is_empty() && self.uavs.uavs.is_none() {
+        if self.uavs.uav.len() < 2 && self.uavs.uavs.is_none() {
             run.typed.refuse(
                 &["height_error", "height_bias", "height_error_field"],
-                "without UAVs: saved maps are not made anew",
+                "without two UAVs: saved maps are not made anew",
             )?;
         }
         let asked = self.uavs.asked(reading.hash)?;

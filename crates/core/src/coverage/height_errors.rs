@@ -6,7 +6,7 @@
 //! **One link.** Building i leaves it clear up to the limit l_i ([`HeightLimits`]). With a known t that is the product of Φ((l_i − h_i − t)/σ_i) over
 //! the buildings crossed, Φ the distribution of the normal one, and over t it is integrated: in equal steps of 3/4 of the least σ_i or τ; or, since a
 //! building without an error of its own hides the receiver all of a sudden, by Gauss–Legendre of five nodes in parts that end there. That is good to
-//! about 10⁻⁷. Errors beyond six standard deviations are left out.
+//! about 10⁻⁵. Errors beyond six standard deviations are left out.
 //!
 //! Limits are the highest tops, in whole steps of the lattice, that leave a link clear. The highest of all is somewhere in the step above, so half a
 //! step is added.
@@ -33,6 +33,13 @@ const PART: f64 = 1.5;
 
 /// Equal steps over all errors, against it.
 const STEP: f64 = 0.75;
+
+/// Buildings on one link for which steps as long are good.
+const MOST_AT_STEP: usize = 3;
+
+/// Errors of buildings alone that are this small against those that they share are taken as none: that changes probabilities by
+/// some 10⁻⁵, and bounds the number of steps.
+const TINY: f64 = 0.01;
 
 /// Roofs above and below the known one for which links are walked.
 const ROOFS: i32 = 2;
@@ -118,11 +125,13 @@ impl UncertainTops<'_> {
         let (shared, own) = (steps(self.errors.shared_m), self.own(building));
         let of_roof = shared.hypot(own);
         let with_roof = |by: i64| limits(by)?.with_top_of(building, self.top(building) + by);
-        if of_roof <= 0.0 {
-            return with_roof(0).map_or(0.0, |limits| self.given(&limits, 0.0, 0.0));
+        // A roof that moves by less than a step does not move.
+        if of_roof <= 1.0 {
+            return with_roof(0).map_or(0.0, |limits| self.given(&limits, 0.0, shared));
         }
         // What is known of the shared error once that of the roof is.
         let (part, left) = ((shared / of_roof).powi(2), shared * own / of_roof);
+        let tiny = TINY * of_roof;
         let walked =
             |error: f64| with_roof(rounded(error)).map_or(0.0, |limits| self.given(&limits, error * part, left));
         let known: Vec<(f64, Option<HeightLimits>)> = (-ROOFS..=ROOFS)
@@ -155,15 +164,16 @@ impl UncertainTops<'_> {
                     self.of_slacks(slacks, left)
                 };
                 // Where a building begins to hide for sure.
-                let is_sudden =
-                    |ramp: &&Ramp| ramp.building == building || (left <= 0.0 && self.own(ramp.building) <= 0.0);
+                // With what is left of the shared error, the error of another building.
+                let smooth = |ramp: &Ramp| self.own(ramp.building).hypot(left);
+                let is_sudden = |ramp: &&Ramp| ramp.building == building || smooth(ramp) <= tiny;
                 let turn = |ramp: &Ramp| {
                     let (a, b) = (slack_at(ramp, *from), slack_at(ramp, *to));
                     (a * b < 0.0).then(|| from + (to - from) * a / (a - b))
                 };
                 let breaks = ramps.iter().filter(is_sudden).filter_map(turn).collect();
-                let shortest = ramps.iter().map(|ramp| self.own(ramp.building)).filter(|own| *own > 0.0);
-                mean(of_roof, (*from, *to), shortest.fold(of_roof, f64::min), breaks, of)
+                let shortest = ramps.iter().map(smooth).filter(|smooth| *smooth > tiny).fold(of_roof, f64::min);
+                mean(of_roof, (*from, *to), shortest, breaks, of)
             })
             .sum();
         sum.clamp(0.0, 1.0)
@@ -225,9 +235,12 @@ impl UncertainTops<'_> {
 
     /// The mean over the shared error.
     fn over_shared(&self, slacks: &[Slack], shared: f64, at: impl Fn(f64) -> f64) -> f64 {
-        let own = |(of, _): &Slack| self.own(*of);
-        let shortest = slacks.iter().map(own).filter(|own| *own > 0.0).fold(shared, f64::min);
-        let breaks = slacks.iter().filter(|of| own(of) <= 0.0).map(|(_, slack)| *slack).collect();
+        let is_sudden = |of: u32| self.own(of) <= TINY * shared;
+        let own = slacks.iter().filter(|(of, _)| !is_sudden(*of)).map(|(of, _)| self.own(*of));
+        let shortest = own.fold(shared, f64::min);
+        let breaks = slacks.iter().filter(|(of, _)| is_sudden(*of)).map(|(_, slack)| *slack).collect();
+        // The more buildings, the steeper their product.
+        let shortest = if slacks.len() > MOST_AT_STEP { shortest * 0.5 } else { shortest };
         mean(shared, (-CERTAIN * shared, CERTAIN * shared), shortest, breaks, at).clamp(0.0, 1.0)
     }
 
@@ -352,6 +365,32 @@ mod tests {
                 assert!(wanted > 0.01 && wanted < 0.99, "{wanted}");
             }
         }
+    }
+
+    #[test]
+    fn tiny_errors_beside_a_shared_one_are_none_and_take_no_time() {
+        let tops = [10_000, 12_000];
+        let limits = HeightLimits { crossed: vec![(0, 9000), (1, 12_500)], ..HeightLimits::default() };
+        let of = |own_m: f64| {
+            let errors = HeightErrors::same(own_m, 3.0);
+            let tops = UncertainTops { tops: &tops, errors: &errors };
+            let on_roof = tops.probability_on_roof(0, |by| {
+                let crossed = vec![(0, 10_500), (1, 12_300 + by / 2)];
+                Some(HeightLimits { crossed, ..HeightLimits::default() })
+            });
+            [tops.probability(&limits), on_roof]
+        };
+        let wanted = of(0.0);
+        for own_m in [1e-12, 1e-6, 0.001, 0.02] {
+            let found = of(own_m);
+            assert!((0..2).all(|k| (found[k] - wanted[k]).abs() < 1e-3), "{own_m}: {found:?} {wanted:?}");
+            assert!(wanted.iter().all(|p| *p > 0.1 && *p < 0.9), "{wanted:?}");
+        }
+        // A roof that moves by less than a step.
+        let errors = HeightErrors::same(1e-7, 0.0);
+        let tops = UncertainTops { tops: &tops, errors: &errors };
+        let clear = HeightLimits { crossed: vec![(1, 12_001)], ..HeightLimits::default() };
+        assert!(tops.probability_on_roof(0, |_| Some(clear.clone())) > 0.999);
     }
 
     #[test]

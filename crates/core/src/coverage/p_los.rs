@@ -43,7 +43,7 @@ impl Mapper<'_> {
     /// in range. Shape `[n_rows, n_cols]`, row 0 north. Without errors it is the mask: 0 or 1. A receiver on a roof is as much higher or lower as
     /// that.
     ///
-    /// It is good to about 10⁻⁷, on roofs to 10⁻⁴.
+    /// It is good to about 10⁻⁵, on roofs mostly to 10⁻³.
     ///
     /// Cost: twice the line of sight of a map, and a walk for each receiver that hangs on the heights; on roofs five.
     ///

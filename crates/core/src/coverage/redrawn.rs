@@ -3,7 +3,7 @@
 //! Errors are drawn by the ids of buildings, so that a building has the same ones in every part of a scene and in any order. In a raster buildings are not
 //! told apart. Where it is a block model, blocks of one height that touch share an error; else errors are a random field of some correlation length: normal
 //! numbers at the nodes of a square grid of that length, bilinear between them, with the same standard deviation everywhere. Who is in range does not
-//! change. A receiver on a roof moves with it.
+//! change. A receiver on a roof moves with it, and on a surface model alone each with its cell.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -19,6 +19,9 @@ use crate::raster::{BitGrid, set_bits};
 
 /// Correlation length of errors of a raster that is no block model, where none is given \[m\].
 pub const CORRELATION_M: f64 = 20.0;
+
+/// The shortest correlation length \[m\]: shorter ones are those of single cells.
+const SHORTEST_M: f64 = 0.1;
 
 /// Words of random numbers that are set aside for one normal number, which seldom takes more than one.
 const WORDS: u128 = 16;
@@ -36,10 +39,11 @@ pub struct RedrawnHeights {
 enum Share {
     /// Each building of a scene of footprints: a number that follows from its id.
     Buildings(Vec<u64>),
-    /// Each block of cells of a raster: the number of that of each cell, from 1, 0 of cells that are no building, and how many there are.
-    Blocks(Vec<u32>, u32),
-    /// The nodes of a grid over a raster, so many cells apart, and whether a cell is a building.
-    Nodes([f64; 2], BitGrid),
+    /// Each block of cells of a raster: the number of that of each cell, from 1, 0 of cells that are no building, and a number that follows from
+    /// where each block begins.
+    Blocks(Vec<u32>, Vec<u64>),
+    /// The nodes of a grid over a raster, so many cells apart from the corner of what it was cut from; and which cells are buildings.
+    Nodes(NodeGrid, BitGrid),
 }
 
 /// Receivers in line of sight of some UAVs, once for each time that heights were drawn.
@@ -54,10 +58,10 @@ pub struct RedrawnCounts {
 impl RedrawnHeights {
     /// Makes ready. `length_m` is the correlation length of a raster \[m\]; without one, blocks of one height share errors where a raster is a
     /// block model, and the length is [`CORRELATION_M`] where it is not. `None` if there is not one error for each building that is a length, or the correlation
-    /// length is not above 0.
+    /// length is below 0.1 m.
     pub fn of(field: &HeightField, errors: &HeightErrors, length_m: Option<f64>, seed: u64) -> Option<Self> {
         let length_of_cells_m = length_m.unwrap_or(CORRELATION_M);
-        if !errors.are_valid(field.n_buildings()) || length_of_cells_m.is_nan() || length_of_cells_m <= 0.0 {
+        if !errors.are_valid(field.n_buildings()) || length_of_cells_m.is_nan() || length_of_cells_m < SHORTEST_M {
             return None;
         }
         let share = if field.prisms().is_some() {
@@ -65,13 +69,14 @@ impl RedrawnHeights {
             Share::Buildings((0..n_buildings).map(|building| stream_of(field.building_id(building))).collect())
         } else if matches!(errors.own, OwnErrors::ByBuilding(_)) {
             return None;
-        } else if length_m.is_none() && field.plateaus().is_some() {
-            let (blocks, n) = blocks_of(field);
-            Share::Blocks(blocks, n)
+        } else if length_m.is_none() && is_block_model(field) {
+            let (blocks, streams) = blocks_of(field);
+            Share::Blocks(blocks, streams)
         } else {
             let grid = field.grid();
             let cell = [grid.cell_width(), grid.cell_height()].map(|units| units * grid.meters_per_unit());
-            Share::Nodes(cell.map(|cell| length_of_cells_m / cell), field.cells_of_buildings().clone())
+            let nodes = NodeGrid { spacing: cell.map(|cell| length_of_cells_m / cell), first: grid.first_of_whole() };
+            Share::Nodes(nodes, field.cells_of_buildings().clone())
         };
         Some(RedrawnHeights { errors: errors.clone(), random: ChaCha8Rng::seed_from_u64(seed), share })
     }
@@ -96,13 +101,13 @@ impl RedrawnHeights {
             (Share::Buildings(streams), OwnErrors::ByBuilding(of)) => {
                 of.iter().zip(streams).map(|(m, s)| steps(own(*m, *s))).collect()
             }
-            (Share::Blocks(blocks, n), of) => {
-                let errors: Vec<i32> = (1..=*n).map(|block| steps(own(of.of_cells_m(), block.into()))).collect();
+            (Share::Blocks(blocks, streams), of) => {
+                let errors: Vec<i32> = streams.iter().map(|stream| steps(own(of.of_cells_m(), *stream))).collect();
                 let error = |block: &u32| block.checked_sub(1).map_or(0, |block| errors[block as usize]);
                 blocks.iter().map(error).collect()
             }
-            (Share::Nodes(spacing, buildings), of) => {
-                field_of(*spacing, buildings, |node| own(of.of_cells_m(), node), steps)
+            (Share::Nodes(nodes, buildings), of) => {
+                field_of(nodes, buildings, |node| own(of.of_cells_m(), node), steps)
             }
         }
     }
@@ -128,9 +133,18 @@ impl OwnErrors {
     }
 }
 
+/// Whether a raster is few blocks of one height each, above flat ground or any other.
+fn is_block_model(field: &HeightField) -> bool {
+    // Most cells of a surface that was measured differ from their neighbors.
+    const CELLS_PER_BLOCK: u64 = 8;
+    let (_, streams) = blocks_of(field);
+    streams.len() as u64 * CELLS_PER_BLOCK <= field.cells_of_buildings().count()
+}
+
 /// The blocks of a raster: for each cell that is a building the number of that with all cells of its height that hang together, from 1; and
-/// how many there are.
-fn blocks_of(field: &HeightField) -> (Vec<u32>, u32) {
+/// a number of each
+/// block that follows from where it begins in the whole that the raster was cut from.
+fn blocks_of(field: &HeightField) -> (Vec<u32>, Vec<u64>) {
     let (buildings, n_cols) = (field.cells_of_buildings(), field.grid().n_cols());
     let tops = field.roofs_of_cells();
     // Each cell points to one before it of the same block, the first to itself.
@@ -155,31 +169,42 @@ fn blocks_of(field: &HeightField) -> (Vec<u32>, u32) {
             first = low;
         }
     }
-    let mut n = 0;
+    let (first_row, first_col) = field.grid().first_of_whole();
+    let mut streams = Vec::new();
     let mut blocks = vec![0_u32; tops.len()];
     for (row, col) in buildings.cells() {
         let cell = row * n_cols + col;
         let first = root(&mut first_of, u32::try_from(cell).unwrap_or(u32::MAX)) as usize;
         if first == cell {
-            n += 1;
-            blocks[cell] = n;
+            // 0 is the stream of what all share.
+            streams.push(((row + first_row) as u64) << 32 | (col + first_col + 1) as u64);
+            blocks[cell] = u32::try_from(streams.len()).unwrap_or(u32::MAX);
         } else {
             blocks[cell] = blocks[first];
         }
     }
-    (blocks, n)
+    (blocks, streams)
 }
 
-/// A random field over the cells of a raster: `node(stream)` is the error of a node of a grid, so many cells apart.
-fn field_of(
+/// A grid of nodes over a raster.
+#[derive(Debug, Clone)]
+struct NodeGrid {
+    /// Cells from node to node, across and down.
     spacing: [f64; 2],
+    /// First row and column of the raster in the whole that it was cut from.
+    first: (usize, usize),
+}
+
+/// A random field over the cells of a raster: `node(stream)` is the error of a node of a grid.
+fn field_of(
+    NodeGrid { spacing, first }: &NodeGrid,
     buildings: &BitGrid,
     mut node: impl FnMut(u64) -> f64,
     steps: impl Fn(f64) -> i32 + Sync,
 ) -> Vec<i32> {
     let (n_rows, n_cols) = (buildings.n_rows(), buildings.n_cols());
     // The node before the middle of a cell, and how far that is on the way to the next one.
-    let along = |n: usize, spacing: f64| -> Vec<(usize, f64)> {
+    let along = |cells: std::ops::Range<usize>, spacing: f64| -> Vec<(usize, f64)> {
         #[expect(
             clippy::cast_precision_loss,
             clippy::cast_possible_truncation,
@@ -190,20 +215,22 @@ fn field_of(
             let at = (cell as f64 + 0.5) / spacing;
             (at.floor() as usize, at - at.floor())
         };
-        (0..n).map(at).collect()
+        cells.map(at).collect()
     };
-    let (rows, cols) = (along(n_rows, spacing[1]), along(n_cols, spacing[0]));
-    let count = |of: &[(usize, f64)]| of.last().map_or(0, |(node, _)| node + 2);
+    let (rows, cols) = (along(first.0..first.0 + n_rows, spacing[1]), along(first.1..first.1 + n_cols, spacing[0]));
+    let from = |of: &[(usize, f64)]| of.first().map_or(0, |(node, _)| *node);
+    let (north, west) = (from(&rows), from(&cols));
+    let count = |of: &[(usize, f64)]| of.last().map_or(0, |(node, _)| node + 2 - from(of));
     let (nodes_down, nodes_across) = (count(&rows), count(&cols));
     // 0 is the stream of what all share.
     let nodes: Vec<f64> = (0..nodes_down * nodes_across)
-        .map(|k| node(((k / nodes_across) as u64) << 32 | (k % nodes_across + 1) as u64))
+        .map(|k| node(((north + k / nodes_across) as u64) << 32 | (west + k % nodes_across + 1) as u64))
         .collect();
     let mut errors = vec![0; n_rows * n_cols];
     errors.par_chunks_mut(n_cols.max(1)).enumerate().for_each(|(row, errors)| {
-        let (down, v) = rows[row];
+        let (down, v) = (rows[row].0 - north, rows[row].1);
         for col in set_bits(buildings.row(row)) {
-            let (across, u) = cols[col];
+            let (across, u) = (cols[col].0 - west, cols[col].1);
             let at = down * nodes_across + across;
             let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
             let of = [nodes[at], nodes[at + 1], nodes[at + nodes_across], nodes[at + nodes_across + 1]];
@@ -281,12 +308,15 @@ impl Mapper<'_> {
             })
             .collect::<Result<_>>()?;
         let buildings = self.buildings_of_roofs();
+        // On a surface alone all receivers stand on what is redrawn.
+        let moves_receivers =
+            self.field.is_surface_only() || (0..self.receivers.len()).any(|kind| self.is_on_roofs(kind));
         let of_draw = |draw: u32| {
             control.check()?;
             let (field, errors) = heights.redrawn(self.field, draw).ok_or(MapError::HeightErrors)?;
             let roofs = match field.prisms() {
                 Some(_) => buildings.as_ref().map(|cells| self.roofs_moved(cells, &errors)),
-                None => Some(field.roofs_of_cells().to_vec()),
+                None => moves_receivers.then(|| field.roofs_of_cells().to_vec()),
             };
             let mapper = self.with_redrawn(&field, roofs.as_deref())?;
             Ok(uavs.iter().zip(&in_range).map(|(uav, in_range)| mapper.los_of(uav, in_range).count()).collect())

@@ -57,7 +57,10 @@ impl HeightBounds {
     fn by_building(field: &HeightField, error_m: impl Fn(u32) -> f64) -> Option<Self> {
         #[expect(clippy::cast_possible_truncation, reason = "saturates, and is refused then")]
         let steps = |building: u32| (error_m(building) * f64::from(STEPS_PER_UNIT)).ceil() as i32;
-        let n_buildings = u32::try_from(field.n_buildings()).ok()?.max(1);
+        let n_buildings = match field.prisms() {
+            Some(_) => u32::try_from(field.n_buildings()).ok()?,
+            None => 1,
+        };
         let is_length = |building: u32| error_m(building) >= 0.0 && steps(building) <= 1 << 25;
         (0..n_buildings).all(is_length).then_some(())?;
         let most = (0..n_buildings).map(steps).max().unwrap_or(0);
@@ -119,7 +122,9 @@ impl Mapper<'_> {
 
     /// What maps a scene with buildings of other heights, for these receivers, of which those on roofs stand on others \[1/1024 m above the datum\].
     pub(super) fn with_redrawn<'b>(&'b self, field: &'b HeightField, roofs: Option<&'b [i32]>) -> Result<Mapper<'b>> {
-        let of_kind = |(k, receivers): (usize, &'b GridReceivers<'_>)| match roofs.filter(|_| self.is_on_roofs(k)) {
+        let of_kind = |(k, receivers): (usize, &'b GridReceivers<'_>)| match roofs
+            .filter(|_| self.is_on_roofs(k) || self.field.is_surface_only())
+        {
             Some(roofs) => {
                 let cells = Cow::Borrowed(&*receivers.cells);
                 GridReceivers::new(cells, StandsOn::Cells(Cow::Borrowed(roofs)), self.options.rx_height)

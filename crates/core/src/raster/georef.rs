@@ -109,6 +109,11 @@ impl GeoRef {
         self.corner.1 - (self.first.0 as f64 + row) * self.cell_height
     }
 
+    /// The first row and column among those of the grid that this one was cut from.
+    pub(crate) fn first_of_whole(&self) -> (usize, usize) {
+        self.first
+    }
+
     /// North-west corner of the grid that this one was cut from \[CRS units\]: the same for all its parts.
     pub(crate) fn corner_of_whole(&self) -> (f64, f64) {
         self.corner

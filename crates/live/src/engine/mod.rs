@@ -177,9 +177,8 @@ impl Engine {
             return Err(format!("{} UAVs; a page has at most {MOST_UAVS}", uavs.len()));
         }
         if sight != self.sight {
-            self.mapper = mapper(self.field, &sight, self.zones.as_ref())?;
-            self.receivers = self.mapper.receiver_cells();
-            self.cells = CellPicture::new(self.field, &self.receivers);
+            let mapper = mapper(self.field, &sight, self.zones.as_ref())?;
+            // What may fail comes before what changes.
             if sight.height_error_m != self.sight.height_error_m {
                 let of = |m: f64| {
                     let bounds = HeightBounds::of(self.field, m);
@@ -187,6 +186,9 @@ impl Engine {
                 };
                 self.bounds = sight.height_error_m.map(of).transpose()?;
             }
+            self.mapper = mapper;
+            self.receivers = self.mapper.receiver_cells();
+            self.cells = CellPicture::new(self.field, &self.receivers);
             self.sight = sight;
             self.maps.clear();
         }
