@@ -3,7 +3,7 @@
 use skyshed_core::city::{Footprint, Ground};
 use skyshed_core::coverage::{
     Control, HeightBounds, HeightErrors, MapOptions, Mapper, OwnErrors, Receivers, RedrawnHeights, Uav,
-    UncertainHeights,
+    UncertainHeights, surface_under,
 };
 use skyshed_core::height_field::{Curvature, HeightField, Station};
 use skyshed_core::los::{link_height_limits, link_los};
@@ -40,8 +40,12 @@ fn redrawn_houses(random: &mut Random, houses: &[Footprint], most: i64) -> Heigh
 }
 
 fn raster_of(cells: Vec<i32>) -> HeightField {
+    raster_over(cells, Ground::Flat(0))
+}
+
+fn raster_over(cells: Vec<i32>, ground: Ground) -> HeightField {
     let grid = GeoRef::new((0.0, N as f64), (1.0, 1.0), (N, N), None).unwrap();
-    raster_field(Raster::new(grid, cells), Ground::Flat(0))
+    raster_field(Raster::new(grid, cells), ground)
 }
 
 fn options(random: &mut Random, uav: &Uav) -> MapOptions {
@@ -65,12 +69,15 @@ fn check(
     let mapper = Mapper::new(field, options).unwrap();
     let known = mapper.seen(uav);
     // Inside a building nothing hovers.
-    let Ok(exactly) = mapper.sure(uav, &HeightBounds::of(field, 0.0).unwrap()) else { return (0, 0) };
+    if i64::from(surface_under(field, &uav.station.place)) > uav.station.z {
+        return (0, 0);
+    }
+    let exactly = mapper.sure(uav, &HeightBounds::of(field, 0.0).unwrap()).unwrap();
     assert!(exactly.receivers == known.receivers && exactly.surely == known.los, "{what}");
     assert!(exactly.possibly == known.los, "{what}");
     assert!(HeightBounds::of(field, f64::NAN).is_none() && HeightBounds::of(field, -0.1).is_none());
     let bounds = HeightBounds::of(field, most as f64 / 1024.0).unwrap();
-    let Ok(sure) = mapper.sure(uav, &bounds) else { return (0, 0) };
+    let sure = mapper.sure(uav, &bounds).unwrap();
     assert!(sure.receivers == known.receivers && sure.surely.clone().and(&known.los) == sure.surely, "{what}");
     for _ in 0..if slow() { 40 } else { 6 } {
         let found = seen(&redrawn(), uav, options);
@@ -103,6 +110,12 @@ fn no_heights_within_their_bounds_leave_what_is_sure() {
         let mut off = |z: &i32| if *z == 0 { 0 } else { *z + i32::try_from(draws.within(-most, most)).unwrap() };
         let what = format!("a raster, {what}");
         let b = check((&field, &uav, &asked), most, || raster_of(tops.iter().map(&mut off).collect()), &what);
+        // A surface model alone, on which receivers move with their cells.
+        let field = raster_over(tops.clone(), Ground::Surface);
+        let asked = MapOptions { receivers: Receivers::Ground, ..asked.clone() };
+        let mut off = |z: &i32| *z + i32::try_from(draws.within(-most, most)).unwrap();
+        let redrawn = || raster_over(tops.iter().map(&mut off).collect(), Ground::Surface);
+        check((&field, &uav, &asked), most, redrawn, &format!("a surface, {what}"));
         // Of those that are sure, how many are seen.
         count.los += a.0 + b.0;
         count.links += a.0 + b.0 + a.1 + b.1;

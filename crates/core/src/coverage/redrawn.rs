@@ -308,9 +308,7 @@ impl Mapper<'_> {
             })
             .collect::<Result<_>>()?;
         let buildings = self.buildings_of_roofs();
-        // On a surface alone all receivers stand on what is redrawn.
-        let moves_receivers =
-            self.field.is_surface_only() || (0..self.receivers.len()).any(|kind| self.is_on_roofs(kind));
+        let moves_receivers = (0..self.receivers.len()).any(|kind| self.is_on_roofs(kind));
         let of_draw = |draw: u32| {
             control.check()?;
             let (field, errors) = heights.redrawn(self.field, draw).ok_or(MapError::HeightErrors)?;

@@ -3,7 +3,8 @@
 //! The lower all buildings are, the more receivers on the ground a UAV sees. So two exact maps bound all others: with every building as
 //! low, and with every building as high as its error lets it be. Nothing is said of how likely errors are, nor whether buildings
 //! share them. A receiver on a roof is as much higher or lower as its roof. It is taken as high where buildings are low, and as low where
-//! they are high. That holds whatever the heights are, but such receivers are seldom surely in line of sight then.
+//! they are high. That holds whatever the heights are, but such receivers are seldom surely in line of sight then. On a surface model alone all
+//! cells are roofs.
 
 use std::borrow::Cow;
 
@@ -17,7 +18,7 @@ use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::BitGrid;
 
 /// A scene with all buildings as low, and as high, as errors of their heights let them be. Of a surface model alone, where buildings are
-/// not known, all columns are lower and higher, and receivers stay where they are.
+/// not known, all columns are lower and higher, and receivers with them.
 #[derive(Debug)]
 pub struct HeightBounds {
     low: HeightField,
@@ -103,9 +104,10 @@ impl Mapper<'_> {
         self.receivers.iter().map(|receivers| range.cut_receivers(receivers)).collect()
     }
 
-    /// Whether receivers of a kind stand on roofs.
+    /// Whether receivers of a kind stand on what is redrawn, and move with it: on roofs, or on a surface model alone.
     pub(super) fn is_on_roofs(&self, kind: usize) -> bool {
         match self.options.receivers {
+            _ if self.field.is_surface_only() => true,
             Receivers::Ground | Receivers::Air => false,
             Receivers::Roof => true,
             Receivers::All => kind == 1,
@@ -122,9 +124,7 @@ impl Mapper<'_> {
 
     /// What maps a scene with buildings of other heights, for these receivers, of which those on roofs stand on others \[1/1024 m above the datum\].
     pub(super) fn with_redrawn<'b>(&'b self, field: &'b HeightField, roofs: Option<&'b [i32]>) -> Result<Mapper<'b>> {
-        let of_kind = |(k, receivers): (usize, &'b GridReceivers<'_>)| match roofs
-            .filter(|_| self.is_on_roofs(k) || self.field.is_surface_only())
-        {
+        let of_kind = |(k, receivers): (usize, &'b GridReceivers<'_>)| match roofs.filter(|_| self.is_on_roofs(k)) {
             Some(roofs) => {
                 let cells = Cow::Borrowed(&*receivers.cells);
                 GridReceivers::new(cells, StandsOn::Cells(Cow::Borrowed(roofs)), self.options.rx_height)
