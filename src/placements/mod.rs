@@ -1,5 +1,6 @@
 //! Where to hover: candidates ranked, refined, or chosen together, with a bound on what was missed.
 
+mod document;
 mod goal;
 mod heat_map;
 mod inputs;
@@ -15,11 +16,11 @@ use std::time::Instant;
 
 use serde_json::Value;
 
+pub(crate) use document::{PlaceRow, SearchDocument};
 pub(crate) use goal::{Goal, Measure, Whom, have_one_reference, heights, one_unit};
 use inputs::Inputs;
 pub(crate) use plan::{CandidatesFrom, SearchPlan};
 use report::{PlaceFacts, PlaceReport, place_digest};
-pub(crate) use report::{PlaceRow, SearchDocument};
 pub use request::PlacementsRequest;
 use search::{Found, Search};
 

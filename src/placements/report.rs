@@ -1,18 +1,18 @@
 //! Where to hover as reported: the document `skyshed/place/1`, its table and its points.
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use serde_json::Value;
 
+use super::document::{
+    CandidatesDocument, FoundDocument, PlaceDocument, PlaceRow, SearchDocument, SeveralDocument, SkippedDocument,
+};
 use super::goal::Goal;
 use crate::answer::{
-    Head, Position, PositionFields, Rows, RunFacts, Timing, WarningFacts, digest_words, document_of, feature,
-    feature_collection, rows, warnings_of,
+    Position, Rows, RunFacts, Timing, digest_words, document_of, feature, feature_collection, rows, warnings_of,
 };
 use crate::digest::Sha256;
-use crate::height_errors::{AskedErrors, HeightErrorsDocument, HeightsOfDifference};
+use crate::height_errors::{AskedErrors, HeightsOfDifference};
 use crate::placement::{Candidate, Cover, Score, Skipped, WorstMargin};
-use crate::sight::{Sight, SightFacts};
+use crate::sight::Sight;
 
 /// What a place is worth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -160,6 +160,25 @@ impl SeveralFacts {
     }
 }
 
+impl SeveralDocument {
+    fn of(several: &SeveralFacts) -> Self {
+        let cover = &several.cover;
+        let chosen = several.places.iter().zip(&cover.chosen).map(|(place, chosen)| PlaceDocument {
+            gain: Some(several.share(chosen.gain)),
+            covered: Some(several.share(chosen.covered)),
+            ..place.document()
+        });
+        SeveralDocument {
+            count: several.count,
+            chosen: chosen.collect(),
+            p_los: several.share(cover.covered()),
+            bound: several.share(cover.bound),
+            gap: cover.gap(),
+            reason: (cover.wanted == 0).then_some(NO_RECEIVER),
+        }
+    }
+}
+
 /// A search as reported.
 #[derive(Debug, Clone)]
 pub(crate) struct PlaceReport {
@@ -303,210 +322,4 @@ impl PlaceReport {
         self.refined.iter().for_each(|(place, _)| push("refined", "refined".into(), place));
         feature_collection(&self.facts.grid, self.document(false, None), features)
     }
-}
-
-/// Where to hover.
-#[derive(Debug, Serialize, JsonSchema)]
-pub(crate) struct SearchDocument<'a> {
-    #[serde(flatten)]
-    head: Head,
-    #[serde(flatten)]
-    sight: SightFacts,
-    /// How far heights of buildings may be off, where that was told.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    height_errors: Option<HeightErrorsDocument>,
-    /// What shares are shares of.
-    share_of: &'static str,
-    /// What is made large.
-    goal: &'a str,
-    /// The candidates.
-    candidates: CandidatesDocument<'a>,
-    #[serde(flatten)]
-    found: Option<FoundDocument>,
-    /// Seconds spent; not in what is stored in pictures and rasters.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    timing_s: Option<Timing>,
-    /// What was odd.
-    warnings: Vec<WarningFacts>,
-    /// SHA-256 of the values of the ranked places.
-    digest: &'a str,
-}
-
-/// Candidates of a search.
-#[derive(Debug, Serialize, JsonSchema)]
-struct CandidatesDocument<'a> {
-    /// Distance between their places [m]; null for places of a file.
-    step_m: Option<f64>,
-    /// Heights that were tried; empty where each place has its own.
-    heights: &'a [String],
-    /// Least height above roof or ground directly below [m].
-    clearance_m: f64,
-    /// Candidates that were asked for.
-    asked: u64,
-    /// Those that were tried.
-    tried: u64,
-    /// Those that were left out.
-    skipped: SkippedDocument,
-}
-
-/// Candidates that were left out.
-#[derive(Debug, Serialize, JsonSchema)]
-struct SkippedDocument {
-    /// Over ground without data.
-    no_data: u64,
-    /// Outside of the area.
-    outside: u64,
-    /// Over another zone.
-    other_zone: u64,
-    /// Inside of an area to keep out of.
-    keep_out: u64,
-    /// Without the ground or roof that the height is above.
-    no_base: u64,
-    /// Inside of a building or below the ground.
-    inside: u64,
-    /// Too near to roof or ground.
-    clearance: u64,
-}
-
-/// What a search found.
-#[derive(Debug, Serialize, JsonSchema)]
-struct FoundDocument {
-    /// The best place; null without one.
-    winner: Option<PlaceDocument>,
-    /// Why there is none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    reason: Option<String>,
-    /// Where a search between the candidates ended.
-    refined: Option<PlaceDocument>,
-    /// The best places.
-    ranked: Vec<PlaceDocument>,
-    /// Several UAVs together.
-    several: Option<SeveralDocument>,
-}
-
-/// A place.
-#[derive(Debug, Default, Serialize, JsonSchema)]
-struct PlaceDocument {
-    /// Rank from 1, or number in the order of choice.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    rank: Option<usize>,
-    /// Name, if it has one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    id: Option<String>,
-    #[serde(flatten)]
-    position: PositionFields,
-    /// Height above the datum [m].
-    height_amsl_m: f64,
-    /// Height above the ground [m]; null where none is known.
-    height_agl_m: Option<f64>,
-    /// What is below: a zone, or ground or rooftop where zones are not known.
-    placement: &'static str,
-    /// Receivers of the goal.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    receivers: Option<u64>,
-    /// Those in line of sight.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    los: Option<u64>,
-    /// Share of the receivers in line of sight, by weight where receivers have weights.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    p_los: Option<Option<f64>>,
-    #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    heights: Option<HeightsOfDifference>,
-    /// Margin of the worst receiver [m].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    margin_m: Option<Option<f32>>,
-    /// Bound on that margin, of a place that is not among the best [m].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    margin_upper_bound_m: Option<Option<f32>>,
-    /// Why a value is missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    reason: Option<&'static str>,
-    /// Places that the search tried.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    tried: Option<u64>,
-    /// What a chosen place adds to those before it, as a share of all.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    gain: Option<Option<f64>>,
-    /// What the chosen places so far cover, as a share of all.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    covered: Option<Option<f64>>,
-}
-
-/// Several UAVs together; shares are of all wanted receivers, at any distance.
-#[derive(Debug, Serialize, JsonSchema)]
-struct SeveralDocument {
-    /// How many were asked for.
-    count: usize,
-    /// The choice, in its order.
-    chosen: Vec<PlaceDocument>,
-    /// What they cover.
-    p_los: Option<f64>,
-    /// What no choice of as many candidates exceeds.
-    bound: Option<f64>,
-    /// How far the choice may be below the best, as a share of the bound.
-    gap: Option<f64>,
-    /// Why there is no share.
-    reason: Option<&'static str>,
-}
-
-impl SeveralDocument {
-    fn of(several: &SeveralFacts) -> Self {
-        let cover = &several.cover;
-        let chosen = several.places.iter().zip(&cover.chosen).map(|(place, chosen)| PlaceDocument {
-            gain: Some(several.share(chosen.gain)),
-            covered: Some(several.share(chosen.covered)),
-            ..place.document()
-        });
-        SeveralDocument {
-            count: several.count,
-            chosen: chosen.collect(),
-            p_los: several.share(cover.covered()),
-            bound: several.share(cover.bound),
-            gap: cover.gap(),
-            reason: (cover.wanted == 0).then_some(NO_RECEIVER),
-        }
-    }
-}
-
-/// A row of a search's table.
-#[derive(Debug, Serialize, JsonSchema)]
-pub(crate) struct PlaceRow {
-    /// chosen (one of several UAVs), candidate, or refined (where a search between candidates ended).
-    kind: &'static str,
-    /// Rank from 1, or number in the order of choice.
-    rank: Option<usize>,
-    /// Name, where places have names.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    id: Option<String>,
-    #[serde(flatten)]
-    position: PositionFields,
-    /// Height above the datum [m].
-    height_amsl_m: f64,
-    /// Height above the ground [m].
-    height_agl_m: Option<f64>,
-    /// What is below: a zone, or ground or rooftop where zones are not known.
-    placement: &'static str,
-    /// Receivers of the goal.
-    receivers: Option<u64>,
-    /// Those in line of sight.
-    los: Option<u64>,
-    /// Share of the receivers in line of sight, by weight where receivers have weights.
-    p_los: Option<f64>,
-    /// Lower end of the interval of P_LoS less that of the best with heights redrawn, where they may be off.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    heights_low: Option<f64>,
-    /// Upper end of the same.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    heights_high: Option<f64>,
-    /// Whether it does not hold 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    exceeds_heights: Option<bool>,
-    /// Margin of the worst receiver [m].
-    margin_m: Option<f64>,
-    /// Bound on that margin, of a place that is not among the best [m].
-    margin_upper_bound_m: Option<f64>,
-    /// What a chosen place adds to those before it, as a share of all.
-    gain: Option<f64>,
-    /// What the chosen places so far cover, as a share of all.
-    covered: Option<f64>,
 }

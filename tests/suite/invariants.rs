@@ -322,7 +322,7 @@ pub(crate) fn vector_town_on(random: &mut Random, ground: Ground, n: usize) -> H
         let at = |v: &[i64; 2]| [(east + half_meters(v[0])) * 512, (north + half_meters(v[1]) + 1) * 512];
         let ring = star(random, 6).iter().map(at).collect();
         let top = i32::try_from(random.within(1, 12)).unwrap() * 1024;
-        Footprint { id: k.to_string(), polygons: vec![vec![ring]], top, base: Some(0), height_error: None }
+        Footprint::on_zero(k.to_string(), vec![vec![ring]], top)
     };
     vector_field((0..blocks * blocks).map(footprint).collect(), ground, n)
 }
@@ -468,8 +468,7 @@ fn a_receiver_on_a_roof_sees_what_its_own_roof_does_not_hide() {
     // One building of 10 m over 4…8 m; a UAV 20 m high straight over it sees all its roof, one at the side below the
     // roof sees none of it, and one level with the receivers sees them all.
     let ring = vec![[4096, 4096], [8192, 4096], [8192, 8192], [4096, 8192]];
-    let house =
-        Footprint { id: "a".into(), polygons: vec![vec![ring]], top: 10_240, base: Some(0), height_error: None };
+    let house = Footprint::on_zero("a".into(), vec![vec![ring]], 10_240);
     let field = vector_field(vec![house], Ground::Flat(0), 12);
     for (x, z, rx_height, n_los) in
         [(6.0, 20_480, 1536, 16), (0.5, 5_000, 0, 0), (0.5, 11_776, 1536, 16), (0.5, 10_240, 0, 16)]

@@ -73,6 +73,7 @@ mod economy; // footprints that hide nobody, what a map needs and what limits it
 mod tolerance; // the coarsest cells within a tolerance: its bound holds, on generated and on real cities
 mod track; // line of sight along a track: stretches, links, files
 mod height_errors; // what is sure of maps whose heights are known to within an error: no heights within them leave it
+mod height_error_flags; // what the program says of heights that may be off
 mod height_curve; // P_LoS against the UAV's height, exact at every height
 mod height_layers; // margins and ceilings by an engine are those of rays, to the last bit, over real cities
 mod chart; // speed against accuracy: counts by hand and from saved maps, sums, threads

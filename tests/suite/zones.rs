@@ -27,13 +27,7 @@ pub(crate) fn footprints(buildings: Vec<(Vec<[i32; 2]>, i32)>, width: usize, hei
     let footprints = buildings
         .into_iter()
         .enumerate()
-        .map(|(k, (ring, top))| Footprint {
-            id: k.to_string(),
-            polygons: even_odd(&[ring]),
-            top,
-            base: Some(0),
-            height_error: None,
-        })
+        .map(|(k, (ring, top))| Footprint::on_zero(k.to_string(), even_odd(&[ring]), top))
         .collect();
     let frame = Frame { x_origin: 0.0, y_origin: 0.0, unit_x: 1.0, unit_y: 1.0 };
     let solids = Solids::Vector {

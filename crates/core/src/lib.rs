@@ -10,6 +10,7 @@ pub mod height_field;
 pub mod los;
 pub mod outlines;
 pub mod overlay;
+pub mod quadrature;
 pub mod quantity;
 pub mod raster;
 pub mod simd;

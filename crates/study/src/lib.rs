@@ -8,4 +8,4 @@ pub mod placement;
 
 pub use error::{Error, Result};
 
-use skyshed_core::{city, coverage, height_field, los, outlines, overlay, quantity, raster, zones};
+use skyshed_core::{city, coverage, height_field, los, outlines, overlay, quadrature, quantity, raster, zones};

@@ -18,6 +18,13 @@ pub struct Footprint {
     pub height_error: Option<i32>,
 }
 
+impl Footprint {
+    /// A footprint on ground at 0 m, whose height is known.
+    pub fn on_zero(id: String, polygons: Vec<Vec<Vec<[i32; 2]>>>, top: i32) -> Self {
+        Footprint { id, polygons, top, base: Some(0), height_error: None }
+    }
+}
+
 /// How high a building is, and where it stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BuildingHeight {
@@ -107,9 +114,7 @@ mod tests {
     fn the_centroid_of_a_footprint_is_that_of_its_area() {
         let square = |x: i32, s: i32| vec![[x, 0], [x + s, 0], [x + s, s], [x, s]];
         let of = |polygons: Vec<Vec<Vec<[i32; 2]>>>| {
-            Footprint { id: String::new(), polygons, top: 1, base: Some(0), height_error: None }
-                .centroid()
-                .map(|([x, y], d)| (x * 12 / d, y * 12 / d))
+            Footprint::on_zero(String::new(), polygons, 1).centroid().map(|([x, y], d)| (x * 12 / d, y * 12 / d))
         };
         // In twelfths. A square of 6; the same wound the other way; with a hole of 2 × 2 in its west: (36·3 − 4·1)/32 = 13/4.
         assert_eq!(of(vec![vec![square(0, 6)]]), Some((36, 36)));

@@ -11,7 +11,7 @@ use super::elevation::RowElevations;
 use super::range::{Heights, Range};
 use super::row_bands::{BAND_CELLS, EachPart, Row, in_bands, in_buffers, split};
 use super::stability::{Answers, Decided, ShiftedRoofs};
-use super::uncertain::Uncertain;
+use super::uncertain_heights::Uncertain;
 use super::{Control, HeightLayers, MapOptions, Receivers, Stability, Tally, Uav};
 use crate::error::{MapError, Result};
 use crate::height_field::{Casters, HeightField, Station};

@@ -8,56 +8,50 @@ mod cell_classes;
 mod cell_heights;
 pub mod class;
 mod curved;
-mod deciding;
 mod elevation;
 mod explained_link;
 mod height_curve;
-mod height_errors;
 mod idle;
 mod layers;
 mod many;
 mod map;
 mod margins;
 mod options;
-mod p_los;
 mod pairs;
 mod polygons;
 mod place_sums;
 mod range;
-mod redrawn;
 mod row_bands;
 mod stability;
 mod streamed;
-mod sure;
 mod tally;
 mod track;
 mod uav;
 mod uav_grid;
-mod uncertain;
+mod uncertain_heights;
 
 pub use cell_heights::surface_under;
 pub use curved::{CurvedScene, check_drop};
-pub use deciding::Deciding;
 pub use explained_link::{
     ExplainedLink, LinkObstacle, ObstacleKind, ProfileStep, StepKind, explain_link, link_profile, place_receiver,
 };
 pub use height_curve::{HeightCurve, LeastHeights};
-pub use height_errors::{HeightErrors, OwnErrors};
 pub use idle::IdleFootprints;
 pub use layers::{Overlay, Together};
 pub use many::{KeepMasks, ManyMaps, maps_at_once};
 pub use map::{Mapper, Seen, SiteCoverage, map_site};
 pub use margins::{GRAZING_M, MarginSample, MarginStats, WorstReceiver};
 pub use options::{Control, HeightLayers, MapOptions, Receivers};
-pub use p_los::UncertainHeights;
 pub use pairs::{CellGroups, MOST_SETS, PairCounts, count_pairs, count_sets, difference_layer};
 pub use polygons::{CoveragePolygon, PolygonOptions, coverage_polygons};
 pub use range::any_in_range;
-pub use redrawn::{CORRELATION_M, RedrawnCounts, RedrawnHeights};
 pub use stability::{Move, Stability, Turned};
 pub use streamed::StreamedMapper;
-pub use sure::{HeightBounds, Sure};
 pub use tally::{BAND_DEGREES, ElevationBand, Tally};
 pub use track::{Stretch, Track, TrackPoint, TrackState, along_track};
 pub use uav::{HoversOver, Uav, height_over};
 pub use uav_grid::UavGrid;
+pub use uncertain_heights::{
+    CORRELATION_M, Deciding, HeightBounds, HeightErrors, OwnErrors, RedrawnCounts, RedrawnHeights, Sure,
+    UncertainHeights,
+};

@@ -199,7 +199,7 @@ mod tests {
     fn house(west: i32, south: i32, side: i32) -> Footprint {
         let ring = [[west, south], [west + side, south], [west + side, south + side], [west, south + side]];
         let ring = ring.map(|p| p.map(|v| v * M)).to_vec();
-        Footprint { id: String::new(), polygons: vec![vec![ring]], top: 10 * M, base: Some(0), height_error: None }
+        Footprint::on_zero(String::new(), vec![vec![ring]], 10 * M)
     }
 
     fn known(footprints: &[Footprint], receivers: &GeoRef) -> BitGrid {

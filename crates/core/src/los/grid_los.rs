@@ -13,10 +13,10 @@ use super::{
     shadow_least_heights, shadow_least_receiver_heights, shadow_los, shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
 use crate::height_field::{
-    Bulge, Casters, Columns, CurvedGround, GridPositions, HeightField, Plateau, Plateaus, Prisms, Station,
+    Bulge, Casters, Columns, CurvedGround, GridPositions, HeightField, Plateaus, Prisms, Station,
 };
 use crate::quantity::LatticePoint;
-use crate::raster::{BitGrid, CellWindow, bits_between, set_bits};
+use crate::raster::{BitGrid, CellWindow, set_bits};
 use crate::simd::SimdLevel;
 
 /// An engine with the solids that it works on.
@@ -168,7 +168,7 @@ impl<'a> GridLos<'a> {
         let prisms = match &self.engine {
             Engine::Shadow(PrismShadows { prisms, .. }) if prisms.earth().is_none() => *prisms,
             Engine::Plateaus(_, plateaus, _)
-                if receivers.iter().all(|r| r.level().is_some_and(|level| stand_beside(r, level, plateaus, z))) =>
+                if receivers.iter().all(|r| r.level().is_some_and(|level| r.stand_beside(plateaus, level, z))) =>
             {
                 plateaus.prisms()
             }
@@ -358,7 +358,7 @@ impl<'a> GridLos<'a> {
     ) -> BitGrid {
         let bounds = receivers
             .level_over_flat_earth()
-            .filter(|z| stand_beside(receivers, *z, plateaus.plateaus, uav.z))
+            .filter(|z| receivers.stand_beside(plateaus.plateaus, *z, uav.z))
             .and_then(|z| plateaus.bounds(uav.on_columns(), z, (wanted, window)));
         let Some((surely, perhaps)) = bounds else { return self.by_sweep(columns, uav, receivers, wanted, window) };
         let doubts = perhaps.and(&surely.complement());
@@ -468,20 +468,6 @@ fn with_lowest_place_between(
 pub(crate) fn height_by_cell(receivers: &GridReceivers<'_>) -> impl Fn(usize, usize) -> i32 + Sync {
     let n_cols = receivers.cells.n_cols();
     move |row, col| receivers.base(row * n_cols + col) + receivers.above
-}
-
-/// Whether no receiver at height `z` is below the lowest plateau or inside of one that is higher: to UAVs at height `uav_z` that
-/// are not below them no receiver's own cell matters then.
-fn stand_beside(receivers: &GridReceivers<'_>, z: i64, plateaus: &Plateaus, uav_z: i64) -> bool {
-    let holds_receiver = |plateau: &Plateau| {
-        let (first, end) = (plateau.cols.0 as usize, plateau.cols.1 as usize);
-        (plateau.rows.0..plateau.rows.1).any(|row| {
-            let words = receivers.cells.row(row as usize);
-            (first / 64..end.div_ceil(64)).any(|word| words[word] & bits_between(first, end, word) != 0)
-        })
-    };
-    (i64::from(plateaus.lowest())..=uav_z).contains(&z)
-        && !plateaus.raised().iter().any(|plateau| i64::from(plateau.top) > z && holds_receiver(plateau))
 }
 
 /// Where receivers stand on plateaus; `None` unless the shadows of these decide.

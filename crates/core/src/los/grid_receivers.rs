@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
-use crate::height_field::{Columns, Drops, HeightsOf, SeenHeights, StandsOn, TileMaxima};
-use crate::raster::{BitGrid, CellWindow, set_bits};
+use crate::height_field::{Columns, Drops, HeightsOf, Plateau, Plateaus, SeenHeights, StandsOn, TileMaxima};
+use crate::raster::{BitGrid, CellWindow, bits_between, set_bits};
 
 /// Receivers of one kind on the cells of a grid, ready for many UAVs.
 #[derive(Debug, Clone)]
@@ -128,6 +128,20 @@ impl<'a> GridReceivers<'a> {
             StandsOn::Cells(heights) => columns.tops_in_memory().is_some_and(|tops| std::ptr::eq(tops, &**heights)),
             StandsOn::Tops(on) => std::ptr::eq(*on, columns),
         }
+    }
+
+    /// Whether none of them, at height `z`, is below the lowest plateau or inside of one that is higher: to UAVs at height `uav_z` that are not
+    /// below them no receiver's own cell matters then.
+    pub(super) fn stand_beside(&self, plateaus: &Plateaus, z: i64, uav_z: i64) -> bool {
+        let holds_receiver = |plateau: &Plateau| {
+            let (first, end) = (plateau.cols.0 as usize, plateau.cols.1 as usize);
+            (plateau.rows.0..plateau.rows.1).any(|row| {
+                let words = self.cells.row(row as usize);
+                (first / 64..end.div_ceil(64)).any(|word| words[word] & bits_between(first, end, word) != 0)
+            })
+        };
+        (i64::from(plateaus.lowest())..=uav_z).contains(&z)
+            && !plateaus.raised().iter().any(|plateau| i64::from(plateau.top) > z && holds_receiver(plateau))
     }
 
     /// What the receivers stand on, cell by cell.

@@ -183,8 +183,7 @@ mod tests {
         let grid = GeoRef::new((100.0, 230.0), (1.0, 1.0), (30, 30), None).unwrap();
         for rings in [vec![shell.clone(), yard.clone()], vec![turned(&shell), yard.clone()], vec![shell, turned(&yard)]]
         {
-            let footprint =
-                Footprint { id: "a".into(), polygons: vec![rings], top: 5 * 1024, base: Some(0), height_error: None };
+            let footprint = Footprint::on_zero("a".into(), vec![rings], 5 * 1024);
             let city = CityMesh {
                 footprints: &[footprint],
                 frame: FRAME,

@@ -21,6 +21,7 @@ use super::estimate::{Estimate, ratio_of_clusters};
 use super::points::Points;
 use super::setting::{Placement, Setting, Users};
 use super::street_grid::{GridLink, GridZone, StreetGrid};
+use crate::quadrature::mean_over_unit;
 
 /// Independent shifts of the lattice; their number is that of the clusters of an estimate.
 pub const SHIFTS: usize = 32;
@@ -192,22 +193,10 @@ pub fn across_street(setting: &Setting) -> Option<f64> {
         let width = (piece[1] - piece[0]) / n as f64;
         for k in 0..n {
             let start = piece[0] + k as f64 * width;
-            sum += gauss_legendre(|x| p_los(start + x * width)) * width;
+            sum += mean_over_unit(|x| p_los(start + x * width)) * width;
         }
     }
     Some(sum / s)
-}
-
-/// The mean of a function over \[0, 1\] by the Gauss–Legendre rule of five nodes, exact for polynomials of degree 9.
-fn gauss_legendre(f: impl Fn(f64) -> f64) -> f64 {
-    const NODES: [(f64, f64); 5] = [
-        (0.046_910_077_030_668_004, 0.118_463_442_528_094_54),
-        (0.230_765_344_947_158_46, 0.239_314_335_249_683_23),
-        (0.5, 0.284_444_444_444_444_44),
-        (0.769_234_655_052_841_5, 0.239_314_335_249_683_23),
-        (0.953_089_922_969_332, 0.118_463_442_528_094_54),
-    ];
-    NODES.iter().map(|(x, weight)| weight * f(*x)).sum()
 }
 
 /// e^x for −40.5 ≤ x ≤ 0, to 3·10^−15: the same on every machine, and cheaper than a call.

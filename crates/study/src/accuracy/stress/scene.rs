@@ -258,7 +258,7 @@ impl StressScene {
 
 /// A footprint as files have it: repaired by the even-odd rule.
 fn footprint((k, prism): (usize, &StressPrism)) -> Footprint {
-    Footprint { id: k.to_string(), polygons: even_odd(&prism.rings), top: prism.top, base: Some(0), height_error: None }
+    Footprint::on_zero(k.to_string(), even_odd(&prism.rings), prism.top)
 }
 
 /// A number of lattice steps that is known to be small.

@@ -10,8 +10,8 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use super::curved::CurvedScene;
-use super::{Control, HeightErrors, Mapper, OwnErrors, Uav};
+use super::super::curved::CurvedScene;
+use crate::coverage::{Control, HeightErrors, Mapper, OwnErrors, Uav};
 use crate::error::{MapError, Result};
 use crate::height_field::HeightField;
 use crate::quantity::STEPS_PER_UNIT;

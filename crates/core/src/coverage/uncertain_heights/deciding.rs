@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::curved::CurvedScene;
-use super::{Control, HeightBounds, Mapper, Uav};
+use super::super::curved::CurvedScene;
+use crate::coverage::{Control, HeightBounds, Mapper, Uav};
 use crate::error::{MapError, Result};
 use crate::height_field::Station;
 use crate::los::{HeightLimits, link_height_limits};

@@ -5,10 +5,10 @@
 
 use rayon::prelude::*;
 
-use super::curved::CurvedScene;
+use super::super::curved::CurvedScene;
 use super::height_errors::{CERTAIN, UncertainTops};
 use super::sure::HeightBounds;
-use super::{Control, HeightErrors, Mapper, Uav};
+use crate::coverage::{Control, HeightErrors, Mapper, Uav};
 use crate::error::{MapError, Result};
 use crate::height_field::{HeightField, Station};
 use crate::los::{GridReceivers, link_height_limits};

@@ -1,8 +1,21 @@
-//! The layers of a map that tell what hangs on errors of heights.
+//! What hangs on heights of buildings that may be off.
+//!
+//! [`height_errors`] says how errors are distributed, and how likely a link is clear then. Of maps, [`sure`] tells what holds whatever heights are
+//! within bounds, [`p_los`] the probability of each receiver, [`redrawn`] how much P_LoS varies, and [`deciding`] which buildings decide the most.
+
+mod deciding;
+mod height_errors;
+mod p_los;
+mod redrawn;
+mod sure;
+
+pub use deciding::Deciding;
+pub use height_errors::{HeightErrors, OwnErrors};
+pub use p_los::UncertainHeights;
+pub use redrawn::{CORRELATION_M, RedrawnCounts, RedrawnHeights};
+pub use sure::{HeightBounds, Sure};
 
 use super::map::{Mapper, SiteCoverage};
-use super::p_los::UncertainHeights;
-use super::sure::{HeightBounds, Sure};
 use super::{Control, MapOptions};
 use crate::error::{MapError, Result};
 use crate::height_field::HeightField;

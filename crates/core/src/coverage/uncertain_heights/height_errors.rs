@@ -14,19 +14,11 @@
 use std::sync::Arc;
 
 use crate::los::HeightLimits;
+use crate::quadrature::mean_over_unit;
 use crate::quantity::STEPS_PER_UNIT;
 
 /// Errors beyond so many standard deviations are left out: one in 5·10⁸.
 pub(super) const CERTAIN: f64 = 6.0;
-
-/// Nodes and weights of Gauss–Legendre quadrature on −1 to 1.
-const NODES: [(f64, f64); 5] = [
-    (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
-    (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
-    (0.0, 0.568_888_888_888_888_9),
-    (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
-    (0.906_179_845_938_664, 0.236_926_885_056_189_1),
-];
 
 /// Length of a part that five nodes are good for, against the shortest standard deviation.
 const PART: f64 = 1.5;
@@ -119,8 +111,8 @@ impl UncertainTops<'_> {
     /// That of the link of a receiver on the roof of a building, which is as much higher or lower as that: `limits` are those with the roof so many
     /// steps higher.
     ///
-    /// Over a place where a link passes a building it is as much higher as the place is near the receiver. So limits are known between a few roofs:
-    /// between two of them they are as good as straight.
+    /// A higher receiver raises its link everywhere, the more the nearer to it, and with the link the limits of buildings. That is a straight line for each
+    /// place, so limits are found for five roofs and taken as straight between them.
     pub(super) fn probability_on_roof(&self, building: u32, limits: impl Fn(i64) -> Option<HeightLimits>) -> f64 {
         let (shared, own) = (steps(self.errors.shared_m), self.own(building));
         let of_roof = shared.hypot(own);
@@ -163,8 +155,7 @@ impl UncertainTops<'_> {
                     }
                     self.of_slacks(slacks, left)
                 };
-                // Where a building begins to hide for sure.
-                // With what is left of the shared error, the error of another building.
+                // Over what is left of the shared error, another building hides the receiver little by little.
                 let smooth = |ramp: &Ramp| self.own(ramp.building).hypot(left);
                 let is_sudden = |ramp: &&Ramp| ramp.building == building || smooth(ramp) <= tiny;
                 let turn = |ramp: &Ramp| {
@@ -263,7 +254,7 @@ struct Ramp {
 /// The mean of a function of a normal error between two, as a part of that between all: of one that is smooth over `shortest` but for some
 /// breaks.
 fn mean(deviation: f64, (from, to): (f64, f64), shortest: f64, mut breaks: Vec<f64>, at: impl Fn(f64) -> f64) -> f64 {
-    let density = |t: f64| (-0.5 * (t / deviation).powi(2)).exp();
+    let density = |t: f64| libm::exp(-0.5 * (t / deviation) * (t / deviation));
     breaks.retain(|v| *v > from && *v < to);
     let is_whole = to - from >= 2.0 * CERTAIN * deviation;
     let sum = if breaks.is_empty() && is_whole {
@@ -284,14 +275,11 @@ fn mean(deviation: f64, (from, to): (f64, f64), shortest: f64, mut breaks: Vec<f
         let mut from = from;
         for to in breaks {
             let n = ((to - from) / (PART * shortest)).ceil();
-            let half = (to - from) / n / 2.0;
-            let mut middle = from + half;
-            while middle < to {
-                for (node, weight) in NODES {
-                    let t = middle + node * half;
-                    sum += weight * half * density(t) * at(t);
-                }
-                middle += 2.0 * half;
+            let width = (to - from) / n;
+            let mut start = from;
+            while start + 0.5 * width < to {
+                sum += width * mean_over_unit(|x| density(start + x * width) * at(start + x * width));
+                start += width;
             }
             from = to;
         }

@@ -8,9 +8,9 @@
 
 use std::borrow::Cow;
 
-use super::curved::CurvedScene;
-use super::{HeightErrors, MapOptions, Mapper, OwnErrors, Receivers, Uav};
+use super::super::curved::CurvedScene;
 use crate::city::Antenna;
+use crate::coverage::{HeightErrors, MapOptions, Mapper, OwnErrors, Receivers, Uav};
 use crate::error::{MapError, Result};
 use crate::height_field::{HeightField, StandsOn};
 use crate::los::{GridLos, GridReceivers, WrongMethod};
