@@ -172,9 +172,9 @@ fn the_probability_of_a_link_is_that_of_all_combinations_of_heights() {
                 with(&top)
             })
             .collect();
-        let share = |building: u32, limit: i64| {
+        let share = |building: u32, room: i64| {
             let of = &tops[usize::try_from(building).unwrap()];
-            of.iter().filter(|top| i64::from(**top) <= limit).count() as f64 / of.len() as f64
+            of.iter().filter(|top| i64::from(*top - of[0]) <= room).count() as f64 / of.len() as f64
         };
         let positions = field.positions();
         for (row, col) in field.cells().open.cells() {

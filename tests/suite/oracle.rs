@@ -62,6 +62,7 @@
 
 mod curved;
 mod int;
+mod sloped;
 
 use num_bigint::BigInt;
 use num_rational::Ratio;
@@ -70,6 +71,7 @@ use std::cmp::Ordering;
 use int::Int;
 
 pub(crate) use curved::{Earth, prisms_los_on_earth};
+pub(crate) use sloped::{Sloped, sloped_los};
 
 /// A point in lattice units: x east, y north, z up [1/1024 m, horizontally 1/1024 cell in a raster].
 pub(crate) type P3 = [i64; 3];

@@ -379,7 +379,14 @@ impl In<'_> {
         let bases = ids.iter().map(|_| self.option(Self::narrow)).collect::<Result<Vec<Option<i32>>, _>>()?;
         let parts = ids.into_iter().zip(polygons).zip(tops.into_iter().zip(bases));
         Ok(parts
-            .map(|((id, polygons), (top, base))| Footprint { id, polygons, top, base, height_error: None })
+            .map(|((id, polygons), (top, base))| Footprint {
+                id,
+                polygons,
+                top,
+                roof: Vec::new(),
+                base,
+                height_error: None,
+            })
             .collect())
     }
 }
@@ -405,6 +412,7 @@ mod tests {
             id: "ä<b>".into(),
             polygons: vec![vec![ring.clone()]; 2],
             top: -9,
+            roof: Vec::new(),
             base,
             height_error: None,
         };

@@ -2,15 +2,21 @@
 
 use crate::quantity::{Frame, meters};
 
-/// A building: polygons on the lattice and a flat top; solid from below the ground.
+/// A triangle of a roof, counterclockwise as seen from above: corners on the lattice, each with its height \[1/1024 m above the datum\].
+pub type RoofTriangle = [[i32; 3]; 3];
+
+/// A building: polygons on the lattice and a roof; solid from below the ground.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Footprint {
     /// The feature's id, or its number in the file.
     pub id: String,
     /// Polygons of rings (not closed) of lattice points; inside by the even-odd rule, edges do not cross.
     pub polygons: Vec<Vec<Vec<[i32; 2]>>>,
-    /// Top \[1/1024 m above the datum\].
+    /// Top \[1/1024 m above the datum\], of a roof that is not flat the highest.
     pub top: i32,
+    /// The roof as it is, which covers the polygons; empty if it is flat. Corners of a triangle that slopes are within
+    /// [`MAX_ROOF_STEPS`](crate::height_field::MAX_ROOF_STEPS) of each other.
+    pub roof: Vec<RoofTriangle>,
     /// The ground that it stands on \[1/1024 m above the datum\]; `None` where none is known, which only an absolute top
     /// allows.
     pub base: Option<i32>,
@@ -21,7 +27,7 @@ pub struct Footprint {
 impl Footprint {
     /// A footprint on ground at 0 m, whose height is known.
     pub fn on_zero(id: String, polygons: Vec<Vec<Vec<[i32; 2]>>>, top: i32) -> Self {
-        Footprint { id, polygons, top, base: Some(0), height_error: None }
+        Footprint { id, polygons, top, roof: Vec::new(), base: Some(0), height_error: None }
     }
 }
 

@@ -129,6 +129,7 @@ impl BuiltUpCity {
                     id: format!("{i},{j}"),
                     polygons: vec![vec![vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]]]],
                     top: ground + height,
+                    roof: Vec::new(),
                     base: Some(ground),
                     height_error: None,
                 });

@@ -17,7 +17,7 @@ pub use antenna::{Antenna, AntennaFault};
 pub use area::Area;
 pub use built_up::{BuildingHeights, BuiltUp};
 pub use faults::{FootprintFault, FootprintFaults, LEFT_OUT};
-pub use footprint::{BuildingHeight, Footprint};
+pub use footprint::{BuildingHeight, Footprint, RoofTriangle};
 pub use generated::BuiltUpCity;
 pub use scene::{City, DataArea, Ground, HeightGap, NodataAs, Solids, Source};
 pub use site::{GivenSite, Site};

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::known_ground::KnownGround;
 use super::solid::{RasterSolid, Solid, VectorGround, VectorSolid};
-use super::{CellSets, Columns, ConvexPieces, HeightField, Prisms, cell_frame, convex_pieces};
+use super::{CellSets, Columns, ConvexPieces, HeightField, Prisms, Top, cell_frame, convex_pieces};
 use crate::city::{DataArea, Footprint, Ground, Solids};
 use crate::error::Warning;
 use crate::overlay::Ring;
@@ -102,14 +102,15 @@ impl HeightField {
     }
 }
 
-/// Convex pieces of all footprints, in the order of the footprints.
+/// Convex pieces of all footprints, in the order of the footprints: the triangles of roofs as they are, and polygons cut up below flat ones.
 fn prisms_of(footprints: &[Footprint], warnings: &mut Vec<Warning>) -> Prisms {
     let cut: Vec<(Vec<Ring>, bool)> = footprints
         .par_iter()
         .map(|footprint| {
             let mut pieces = Vec::new();
             let mut fell_back = false;
-            for polygon in &footprint.polygons {
+            let flat = if footprint.roof.is_empty() { &footprint.polygons[..] } else { &[] };
+            for polygon in flat {
                 match convex_pieces(polygon) {
                     ConvexPieces::Exact(rings) => pieces.extend(rings),
                     ConvexPieces::Hull(ring) => {
@@ -126,7 +127,12 @@ fn prisms_of(footprints: &[Footprint], warnings: &mut Vec<Warning>) -> Prisms {
     }
     let pieces = footprints.iter().zip(cut).enumerate().flat_map(|(building, (footprint, (rings, _)))| {
         let building = u32::try_from(building).unwrap_or(u32::MAX);
-        rings.into_iter().map(move |ring| (ring, footprint.top, building))
+        let sloped = footprint.roof.iter().map(|corners| {
+            let ring = corners.map(|[x, y, _]| [x, y]).to_vec();
+            (ring, Top::Sloped(corners.map(|[.., z]| z).to_vec()))
+        });
+        let flat = rings.into_iter().map(|ring| (ring, Top::Flat(footprint.top)));
+        sloped.chain(flat).map(move |(ring, top)| (ring, top, building))
     });
-    Prisms::new(pieces)
+    Prisms::with_tops(pieces)
 }

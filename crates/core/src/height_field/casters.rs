@@ -1,11 +1,12 @@
 //! What casts shadows: the prisms joined across buildings of equal height, in blocks of neighbors.
 //!
 //! A shadow does not ask whose it is, so pieces of equal top that share a wall are joined even across buildings: there
-//! are fewer shadows then, and fewer walls on whose lines a shadow ends and the next begins. Neighbors stand next to each
+//! are fewer shadows then, and fewer walls on whose lines a shadow ends and the next begins. Sloped ones are joined within their plane. Neighbors stand next to each
 //! other in the list, so that far blocks can be handled as one.
 
 use std::cmp::Reverse;
 
+use super::RoofPlane;
 use super::merge::merged;
 use crate::overlay::bounds_of;
 
@@ -17,7 +18,9 @@ const BLOCK: i32 = 64 * 1024;
 pub struct Caster {
     first: u32,
     len: u32,
-    /// Top \[1/1024 m above the datum\].
+    /// Where the heights of its corners begin, if it is sloped.
+    heights: Option<u32>,
+    /// Top \[1/1024 m above the datum\], of a sloped roof the highest.
     pub top: i32,
     /// Bounding box \[lattice steps\]: west, south, east, north.
     pub bounds: [i32; 4],
@@ -45,26 +48,55 @@ impl CasterBlock {
 #[derive(Debug, Clone, Default)]
 pub struct Casters {
     vertices: Vec<[i32; 2]>,
+    heights: Vec<i32>,
     casters: Vec<Caster>,
     blocks: Vec<CasterBlock>,
 }
 
+/// A convex roof as it is told: its highest top, its ring, and the heights of its corners if it is sloped.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CasterRoof<'a> {
+    top: i32,
+    ring: &'a [[i32; 2]],
+    heights: Option<&'a [i32]>,
+}
+
+impl<'a> From<(i32, &'a [[i32; 2]], Option<&'a [i32]>)> for CasterRoof<'a> {
+    fn from((top, ring, heights): (i32, &'a [[i32; 2]], Option<&'a [i32]>)) -> Self {
+        CasterRoof { top, ring, heights }
+    }
+}
+
+impl CasterRoof<'_> {
+    /// What roofs have in common that can be one.
+    fn key(&self) -> [i128; 4] {
+        let plane = self.heights.map(|heights| RoofPlane::through(self.ring, heights));
+        plane.map_or([0, 0, i128::from(self.top), 0], |plane| plane.key())
+    }
+}
+
 impl Casters {
     /// Casters of convex counterclockwise rings with their tops.
-    pub(super) fn new<'a>(rings: impl Iterator<Item = (i32, &'a [[i32; 2]])>) -> Self {
-        let mut rings: Vec<(i32, usize, &[[i32; 2]])> =
-            rings.enumerate().filter(|(_, (_, ring))| ring.len() >= 3).map(|(k, (top, ring))| (top, k, ring)).collect();
+    pub(super) fn new<'a>(roofs: impl Iterator<Item = CasterRoof<'a>>) -> Self {
+        let roofs = roofs.filter(|roof| roof.ring.len() >= 3).enumerate();
+        let mut roofs: Vec<([i128; 4], usize, CasterRoof<'_>)> = roofs.map(|(k, roof)| (roof.key(), k, roof)).collect();
         // The outcome follows from the order of the pieces.
-        rings.sort_unstable_by_key(|(top, k, _)| (*top, *k));
+        roofs.sort_unstable_by_key(|(key, k, _)| (*key, *k));
         let mut joined = Casters::default();
         joined.begin_block();
-        for same_top in rings.chunk_by(|a, b| a.0 == b.0) {
-            match same_top {
-                [(top, _, ring)] => joined.push(*top, ring),
+        for in_one_plane in roofs.chunk_by(|a, b| a.0 == b.0) {
+            match in_one_plane {
+                [(.., roof)] => joined.push(*roof),
                 [] => {}
-                [(top, ..), ..] => {
-                    let rings = merged(same_top.iter().map(|(.., ring)| ring.to_vec()).collect());
-                    rings.iter().for_each(|ring| joined.push(*top, ring));
+                [(.., CasterRoof { top, ring, heights }), ..] => {
+                    let plane = heights.map(|heights| RoofPlane::through(ring, heights));
+                    for ring in &merged(in_one_plane.iter().map(|(.., roof)| roof.ring.to_vec()).collect()) {
+                        // Its corners are corners of the pieces, whose heights are of the lattice.
+                        let at = |[x, y]: &[i32; 2]| plane.map(|p| p.lowest_above(i64::from(*x), i64::from(*y)));
+                        let heights: Option<Vec<i32>> = ring.iter().map(at).collect();
+                        let top = heights.iter().flatten().max().unwrap_or(top);
+                        joined.push(CasterRoof { top: *top, ring, heights: heights.as_deref() });
+                    }
                 }
             }
         }
@@ -77,7 +109,7 @@ impl Casters {
             all.begin_block();
             for (.., k) in of_block {
                 let caster = joined.casters[*k];
-                all.push(caster.top, joined.ring(&caster));
+                all.push(joined.roof(&caster));
             }
         }
         all
@@ -91,7 +123,7 @@ impl Casters {
             if of_block.peek().is_some() {
                 kept.begin_block();
             }
-            of_block.for_each(|caster| kept.push(caster.top, self.ring(caster)));
+            of_block.for_each(|caster| kept.push(self.roof(caster)));
         }
         kept
     }
@@ -103,11 +135,14 @@ impl Casters {
     }
 
     /// Adds a caster to the last block.
-    fn push(&mut self, top: i32, ring: &[[i32; 2]]) {
+    fn push(&mut self, CasterRoof { top, ring, heights }: CasterRoof<'_>) {
         let narrow = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let bounds = bounds_of(ring);
-        let caster = Caster { first: narrow(self.vertices.len()), len: narrow(ring.len()), top, bounds };
+        let first_height = heights.map(|_| narrow(self.heights.len()));
+        let (first, len) = (narrow(self.vertices.len()), narrow(ring.len()));
+        let caster = Caster { first, len, heights: first_height, top, bounds };
         self.vertices.extend(ring);
+        self.heights.extend(heights.unwrap_or_default());
         if let Some(b) = self.blocks.last_mut() {
             b.len += 1;
             b.max_top = b.max_top.max(caster.top);
@@ -137,5 +172,22 @@ impl Casters {
     #[inline]
     pub fn ring(&self, caster: &Caster) -> &[[i32; 2]] {
         &self.vertices[caster.first as usize..(caster.first + caster.len) as usize]
+    }
+
+    /// The heights of the corners of a caster \[1/1024 m above the datum\]; `None` of one with a flat top.
+    #[inline]
+    pub fn heights(&self, caster: &Caster) -> Option<&[i32]> {
+        caster.heights.map(|first| &self.heights[first as usize..(first + caster.len) as usize])
+    }
+
+    /// The lowest and the highest of a caster's top \[1/1024 m above the datum\].
+    #[inline]
+    pub fn range(&self, caster: &Caster) -> (i32, i32) {
+        let lowest = self.heights(caster).and_then(|heights| heights.iter().min());
+        (lowest.copied().unwrap_or(caster.top), caster.top)
+    }
+
+    fn roof(&self, caster: &Caster) -> CasterRoof<'_> {
+        CasterRoof { top: caster.top, ring: self.ring(caster), heights: self.heights(caster) }
     }
 }

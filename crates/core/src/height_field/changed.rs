@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::solid::{RasterSolid, Solid, VectorSolid};
-use super::{CellSets, HeightField, Piece, Prisms, Ring};
+use super::{CellSets, HeightField, Piece, Prisms, Ring, Top};
 use crate::quantity::{MAX_HEIGHT_M, VOID, height_steps};
 use crate::raster::{BitGrid, GeoRef};
 
@@ -45,9 +45,16 @@ impl HeightField {
         let mut field = self.clone();
         match &mut field.solid {
             Solid::Vector(VectorSolid { prisms, .. }) => {
-                let piece = |p: &Piece| Some((prisms.ring(p), raised(p.top, steps(p.building))?, p.building));
-                *prisms = Prisms::new(prisms.pieces().iter().map(piece).collect::<Option<Vec<_>>>()?)
-                    .on_earth(prisms.earth());
+                let piece = |p: &Piece| {
+                    let steps = steps(p.building);
+                    let top = match prisms.heights(p) {
+                        None => Top::Flat(raised(p.top, steps)?),
+                        Some(of) => Top::Sloped(of.iter().map(|top| raised(*top, steps)).collect::<Option<_>>()?),
+                    };
+                    Some((prisms.ring(p), top, p.building))
+                };
+                let pieces = prisms.pieces().iter().map(piece).collect::<Option<Vec<_>>>()?;
+                *prisms = Prisms::with_tops(pieces).on_earth(prisms.earth());
             }
             Solid::Raster(_) => return self.with_cells_raised_by(|_| steps(0)),
         }

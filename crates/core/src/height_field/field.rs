@@ -88,11 +88,12 @@ impl HeightField {
         &self.grid
     }
 
-    /// The top of each building of a vector scene, by its number \[1/1024 m above the datum\]; [`VOID`] of one without an area.
+    /// The highest top of each building of a vector scene, by its number \[1/1024 m above the datum\]; [`VOID`] of one without an area.
     pub fn building_tops(&self) -> Vec<i32> {
         let mut tops = vec![VOID; self.n_buildings()];
         for piece in self.prisms().map_or(&[][..], Prisms::pieces) {
-            tops[piece.building as usize] = piece.top;
+            let top = &mut tops[piece.building as usize];
+            *top = piece.top.max(*top);
         }
         tops
     }

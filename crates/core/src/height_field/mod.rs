@@ -21,6 +21,7 @@ mod plateaus;
 mod positions;
 mod prisms;
 mod rings;
+mod roof_plane;
 mod roofs;
 mod solid;
 mod tile_maxima;
@@ -38,7 +39,8 @@ pub use field::{CellKind, CellSets, HeightField};
 pub use plateaus::{Plateau, Plateaus};
 pub(crate) use positions::cell_frame;
 pub use positions::{GridPositions, Place, Station};
-pub use prisms::{Buckets, CurvedGround, Piece, Prisms};
+pub use prisms::{Buckets, CurvedGround, Piece, Prisms, Top};
+pub use roof_plane::{MAX_ROOF_STEPS, RoofPlane};
 pub use tile_maxima::{TILE, TILE_BITS, TileMaxima};
 pub use triangulate::{ConvexPieces, convex_pieces};
 

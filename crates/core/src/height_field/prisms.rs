@@ -2,21 +2,35 @@
 
 use std::sync::Arc;
 
-use super::Bulge;
-use super::casters::Casters;
+use super::casters::{CasterRoof, Casters};
+use super::{Bulge, RoofPlane};
 use crate::overlay::bounds_of;
 use crate::quantity::VOID;
 
-/// A convex prism: a counterclockwise convex ring, solid from below everything up to a flat top.
+/// The top of a convex prism.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Top {
+    /// At one height \[1/1024 m above the datum\].
+    Flat(i32),
+    /// In the plane through these heights of its corners, which lie within [`MAX_ROOF_STEPS`](super::MAX_ROOF_STEPS) of each other.
+    Sloped(Vec<i32>),
+}
+
+/// A convex prism: a counterclockwise convex ring, solid from below everything up to a flat or a sloped top.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Piece {
     first: u32,
     len: u32,
-    /// Top \[1/1024 m above the datum\].
+    /// Where the heights of its corners begin, [`FLAT`] if it has one top.
+    heights: u32,
+    /// Top \[1/1024 m above the datum\], of a sloped roof the highest.
     pub top: i32,
     /// The building (footprint) that this piece belongs to.
     pub building: u32,
 }
+
+/// In place of where heights of corners begin.
+const FLAT: u32 = u32::MAX;
 
 /// The closed union B of the prisms of a vector scene. Copies share what they are.
 #[derive(Debug, Clone)]
@@ -29,6 +43,8 @@ pub struct Prisms {
 #[derive(Debug)]
 struct Parts {
     vertices: Vec<[i32; 2]>,
+    /// Heights of the corners of the pieces that are sloped \[1/1024 m above the datum\].
+    heights: Vec<i32>,
     pieces: Vec<Piece>,
     buckets: Buckets,
     casters: Casters,
@@ -45,7 +61,7 @@ pub struct CurvedGround {
 }
 
 /// A grid of square buckets, each listing the pieces whose bounding box meets its closed square.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Buckets {
     /// Lattice position of the south-west corner of bucket (0, 0), a multiple of the bucket size.
     pub origin: (i64, i64),
@@ -76,24 +92,46 @@ impl Buckets {
 }
 
 impl Prisms {
-    /// Prisms from convex counterclockwise rings, each with its top and the index of its building.
+    /// Prisms with flat tops from convex counterclockwise rings, each with its top and the index of its building.
     pub fn new<R: AsRef<[[i32; 2]]>>(pieces: impl IntoIterator<Item = (R, i32, u32)>) -> Self {
+        Prisms::with_tops(pieces.into_iter().map(|(ring, top, building)| (ring, Top::Flat(top), building)))
+    }
+
+    /// Prisms from convex counterclockwise rings, each with its top and the index of its building. A ring below a sloped top turns left
+    /// at its second corner.
+    pub fn with_tops<R: AsRef<[[i32; 2]]>>(pieces: impl IntoIterator<Item = (R, Top, u32)>) -> Self {
         let mut vertices: Vec<[i32; 2]> = Vec::new();
+        let mut heights: Vec<i32> = Vec::new();
         let pieces: Vec<Piece> = pieces
             .into_iter()
             .map(|(ring, top, building)| {
                 let ring = ring.as_ref();
                 let count = |n: usize| u32::try_from(n).expect("fewer than 2^32 vertices fit in memory");
-                let piece = Piece { first: count(vertices.len()), len: count(ring.len()), top, building };
+                let (first, len) = (count(vertices.len()), count(ring.len()));
                 vertices.extend(ring);
-                piece
+                match top {
+                    Top::Flat(top) => Piece { first, len, heights: FLAT, top, building },
+                    Top::Sloped(of) => {
+                        let (low, top) = of.iter().fold((i32::MAX, VOID), |r, z| (r.0.min(*z), r.1.max(*z)));
+                        if low == top {
+                            return Piece { first, len, heights: FLAT, top, building };
+                        }
+                        let from = count(heights.len());
+                        heights.extend(&of);
+                        Piece { first, len, heights: from, top, building }
+                    }
+                }
             })
             .collect();
         let max_top = pieces.iter().map(|p| p.top).max().unwrap_or(VOID);
-        let ring = |p: &Piece| &vertices[p.first as usize..(p.first + p.len) as usize];
-        let (buckets, casters) =
-            rayon::join(|| build_buckets(&vertices, &pieces), || Casters::new(pieces.iter().map(|p| (p.top, ring(p)))));
-        Prisms { parts: Arc::new(Parts { vertices, pieces, buckets, casters, max_top }), earth: None }
+        let parts =
+            Parts { buckets: Buckets::default(), casters: Casters::default(), vertices, heights, pieces, max_top };
+        let roofs = || parts.pieces.iter().map(|p| (p.top, parts.ring(p), parts.heights(p)));
+        let (buckets, casters) = rayon::join(
+            || build_buckets(&parts.vertices, &parts.pieces),
+            || Casters::new(roofs().map(CasterRoof::from)),
+        );
+        Prisms { parts: Arc::new(Parts { buckets, casters, ..parts }), earth: None }
     }
 
     /// These prisms on an earth that is curved, or flat again.
@@ -115,7 +153,30 @@ impl Prisms {
     /// The ring of a piece.
     #[inline]
     pub fn ring(&self, piece: &Piece) -> &[[i32; 2]] {
-        &self.parts.vertices[piece.first as usize..(piece.first + piece.len) as usize]
+        self.parts.ring(piece)
+    }
+
+    /// The heights of the corners of a piece \[1/1024 m above the datum\]; `None` of one with a flat top.
+    #[inline]
+    pub fn heights(&self, piece: &Piece) -> Option<&[i32]> {
+        self.parts.heights(piece)
+    }
+
+    /// The plane of a sloped piece; `None` of one with a flat top.
+    #[inline]
+    pub fn plane(&self, piece: &Piece) -> Option<RoofPlane> {
+        self.heights(piece).map(|heights| RoofPlane::through(self.ring(piece), heights))
+    }
+
+    /// Whether any roof is sloped.
+    pub fn are_sloped(&self) -> bool {
+        !self.parts.heights.is_empty()
+    }
+
+    /// The lowest lattice height that is not below the roof of a piece at a position in its closed ring \[1/1024 m above the datum\].
+    #[inline]
+    fn top_at(&self, piece: &Piece, x: i64, y: i64) -> i32 {
+        self.plane(piece).map_or(piece.top, |plane| plane.lowest_above(x, y))
     }
 
     /// The grid that finds pieces by place.
@@ -158,7 +219,7 @@ impl Prisms {
         let mut all_around: Option<(i32, usize)> = None;
         let mut sectors: Vec<Sector> = Vec::new();
         for (i, ring) in self.touching(x, y) {
-            let roof = (self.parts.pieces[i].top, i);
+            let roof = (self.top_at(&self.parts.pieces[i], x, y), i);
             match sector_at(ring, x, y) {
                 None => all_around = all_around.max(Some(roof)),
                 // Of walls on one another the highest counts.
@@ -181,16 +242,28 @@ impl Prisms {
         sectors.iter().flat_map(|s| [s.from, s.to]).map(highest).min().unwrap_or(all_around)
     }
 
-    /// The height of the solid there, [`VOID`] where there is none.
+    /// The height of the solid there, of a slope rounded up; [`VOID`] where there is none.
     pub fn solid_below(&self, x: i64, y: i64) -> i32 {
         self.solid_at(x, y).map_or(VOID, |(top, _)| top)
     }
 
-    /// The top of the roof at `(x, y)` and its building: the highest of the pieces that hold the position, counting a
+    /// The top of the roof at `(x, y)`, of a slope rounded up, and its building: the highest of the pieces that hold the position, counting a
     /// point on an edge to what lies east, then north of it. `None` off all footprints.
     pub fn roof_at(&self, x: i64, y: i64) -> Option<(i32, u32)> {
         let holding = self.touching(x, y).filter(|(_, ring)| holds_half_open(ring, x, y));
-        holding.map(|(i, _)| (self.parts.pieces[i].top, self.parts.pieces[i].building)).max()
+        holding.map(|(i, _)| &self.parts.pieces[i]).map(|p| (self.top_at(p, x, y), p.building)).max()
+    }
+}
+
+impl Parts {
+    #[inline]
+    fn ring(&self, piece: &Piece) -> &[[i32; 2]] {
+        &self.vertices[piece.first as usize..(piece.first + piece.len) as usize]
+    }
+
+    #[inline]
+    fn heights(&self, piece: &Piece) -> Option<&[i32]> {
+        (piece.heights != FLAT).then(|| &self.heights[piece.heights as usize..(piece.heights + piece.len) as usize])
     }
 }
 

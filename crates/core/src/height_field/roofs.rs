@@ -31,8 +31,14 @@ impl HeightField {
             centers.visit(prisms.ring(piece), |row, cols, is_edge| {
                 if is_edge {
                     cols.for_each(|col| on_an_edge.insert(row, col));
-                } else {
-                    roofs[row * n_cols..][cols].iter_mut().for_each(|roof| *roof = (*roof).max(piece.top));
+                    return;
+                }
+                match prisms.plane(piece) {
+                    None => roofs[row * n_cols..][cols].iter_mut().for_each(|roof| *roof = (*roof).max(piece.top)),
+                    Some(plane) => cols.for_each(|col| {
+                        let roof = &mut roofs[row * n_cols + col];
+                        *roof = (*roof).max(plane.lowest_above(centers.xs[col], centers.ys[row]));
+                    }),
                 }
             });
         }

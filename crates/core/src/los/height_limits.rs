@@ -1,61 +1,70 @@
 //! What a link asks of the buildings that it passes: how high each may be, so that it is clear.
 //!
-//! A link is line of sight if and only if no roof on its way is above its limit. Where it runs along the wall between two buildings, one of
+//! A link is line of sight if and only if no building on its way is higher than is known by more than it has room for. Where it runs along the wall between two buildings, one of
 //! both must be low enough. So the probability of line of sight follows from those of heights: of independent buildings the product over all
 //! that have a limit, with walls told apart by cases.
 
-/// Two buildings side by side, and the highest top of the lower one that leaves a link along their wall clear.
-type Wall = (u32, u32, i64);
+/// Two buildings side by side along a link, and how much higher each may be if the other one is in its way \[1/1024 m\].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Wall {
+    /// Their numbers.
+    pub buildings: [u32; 2],
+    /// How much higher each may be; below 0 where it is too high as it is.
+    pub rooms: [i64; 2],
+}
 
-/// How high buildings may be so that a link past them is clear.
+/// How much higher than they are known to be buildings may be so that a link past them is clear.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct HeightLimits {
-    /// The buildings that the link crosses, each with the highest top that leaves it clear \[1/1024 m above the datum\].
+    /// The buildings that the link crosses, each with by how much it may be higher so that it leaves it clear \[1/1024 m\].
     pub crossed: Vec<(u32, i64)>,
-    /// Walls between two buildings that the link runs along: it is clear if one of both is no higher than this.
+    /// Walls between two buildings that the link runs along: it is clear if one of both has the room.
     pub walls: Vec<Wall>,
 }
 
 impl HeightLimits {
-    /// Adds a limit of a building, of which the lowest counts.
-    pub(super) fn limit(&mut self, building: u32, top: i64) {
+    /// Adds the room of a building, of which the least counts.
+    pub(super) fn limit(&mut self, building: u32, room: i64) {
         match self.crossed.iter_mut().find(|(b, _)| *b == building) {
-            Some((_, known)) => *known = (*known).min(top),
-            None => self.crossed.push((building, top)),
+            Some((_, known)) => *known = (*known).min(room),
+            None => self.crossed.push((building, room)),
         }
     }
 
-    /// Adds a wall between two pieces.
-    pub(super) fn wall(&mut self, a: u32, b: u32, top: i64) {
-        if a == b { self.limit(a, top) } else { self.walls.push((a, b, top)) }
+    /// Adds a wall between pieces of two buildings, or of one.
+    pub(super) fn wall(&mut self, buildings: [u32; 2], rooms: [i64; 2]) {
+        let [a, b] = buildings;
+        if a == b { self.limit(a, rooms[0].max(rooms[1])) } else { self.walls.push(Wall { buildings, rooms }) }
     }
 
-    /// What is left to ask of the others once the top of one building is known; `None` if that is too high.
-    pub(crate) fn with_top_of(mut self, building: u32, top: i64) -> Option<HeightLimits> {
-        if self.crossed.iter().any(|(of, limit)| *of == building && top > *limit) {
+    /// What is left to ask of the others once it is known by how much one building is higher; `None` if that is too much.
+    pub(crate) fn with_error_of(mut self, building: u32, by: i64) -> Option<HeightLimits> {
+        if self.crossed.iter().any(|(of, room)| *of == building && by > *room) {
             return None;
         }
         self.crossed.retain(|(of, _)| *of != building);
-        let (known, walls): (Vec<Wall>, Vec<Wall>) =
-            self.walls.into_iter().partition(|(a, b, _)| *a == building || *b == building);
-        let mut left = HeightLimits { crossed: self.crossed, walls };
-        for (a, b, limit) in known.into_iter().filter(|(.., limit)| top > *limit) {
-            left.limit(if a == building { b } else { a }, limit);
+        let mut left = HeightLimits { crossed: self.crossed, walls: Vec::new() };
+        for wall in self.walls {
+            match wall.buildings.iter().position(|of| *of == building) {
+                None => left.walls.push(wall),
+                Some(k) if by > wall.rooms[k] => left.limit(wall.buildings[1 - k], wall.rooms[1 - k]),
+                Some(_) => {}
+            }
         }
         Some(left)
     }
 
-    /// The probability that the link is clear, if heights of buildings are independent: `probability(building, limit)` is that of a building to be no
-    /// higher than a limit \[1/1024 m above the datum\].
+    /// The probability that the link is clear, if heights of buildings are independent: `probability(building, room)` is that of a building to be no
+    /// more than this higher \[1/1024 m\].
     ///
     /// Cost: linear in the buildings crossed; quadratic in walls that have buildings in common.
     pub fn probability(&self, probability: &impl Fn(u32, i64) -> f64) -> f64 {
         let mut spans: Vec<Span> =
-            self.crossed.iter().map(|(of, top)| Span { up_to: Some(*top), ..Span::all(*of) }).collect();
+            self.crossed.iter().map(|(of, room)| Span { up_to: Some(*room), ..Span::all(*of) }).collect();
         if self.walls.is_empty() {
             return product(&spans, probability);
         }
-        for building in self.walls.iter().flat_map(|(a, b, _)| [*a, *b]) {
+        for building in self.walls.iter().flat_map(|wall| wall.buildings) {
             if spans.iter().all(|span| span.building != building) {
                 spans.push(Span::all(building));
             }
@@ -64,7 +73,7 @@ impl HeightLimits {
     }
 }
 
-/// Heights of a building: above one limit, up to another.
+/// Errors of a building: above one, up to another.
 #[derive(Debug, Clone, Copy)]
 struct Span {
     building: u32,
@@ -82,16 +91,16 @@ impl Span {
         (up_to(self.up_to, 1.0) - up_to(self.over, 0.0)).max(0.0)
     }
 
-    fn is_below(&self, top: i64) -> bool {
-        self.up_to.is_some_and(|up_to| up_to <= top)
+    fn is_below(&self, room: i64) -> bool {
+        self.up_to.is_some_and(|up_to| up_to <= room)
     }
 
-    fn is_above(&self, top: i64) -> bool {
-        self.over.is_some_and(|over| over >= top)
+    fn is_above(&self, room: i64) -> bool {
+        self.over.is_some_and(|over| over >= room)
     }
 
-    fn lower(&mut self, top: i64) {
-        self.up_to = Some(self.up_to.map_or(top, |up_to| up_to.min(top)));
+    fn lower(&mut self, room: i64) {
+        self.up_to = Some(self.up_to.map_or(room, |up_to| up_to.min(room)));
     }
 }
 
@@ -104,22 +113,22 @@ fn span_of(spans: &mut [Span], building: u32) -> &mut Span {
     &mut spans[at.expect("all buildings of walls have a span")]
 }
 
-/// The probability that heights are within their spans, and that of each wall one side is low enough.
+/// The probability that errors are within their spans, and that of each wall one side is low enough.
 fn probability_of(mut spans: Vec<Span>, mut walls: Vec<Wall>, probability: &impl Fn(u32, i64) -> f64) -> f64 {
     // What spans say of walls, and the other way round, until neither has news.
     loop {
         let n = walls.len();
-        walls.retain(|(a, b, top)| {
+        walls.retain(|Wall { buildings: [a, b], rooms: [room_a, room_b] }| {
             let (of_a, of_b) = (*span_of(&mut spans, *a), *span_of(&mut spans, *b));
-            if of_a.is_below(*top) || of_b.is_below(*top) {
+            if of_a.is_below(*room_a) || of_b.is_below(*room_b) {
                 return false;
             }
-            if of_a.is_above(*top) {
-                span_of(&mut spans, *b).lower(*top);
+            if of_a.is_above(*room_a) {
+                span_of(&mut spans, *b).lower(*room_b);
                 return false;
             }
-            if of_b.is_above(*top) {
-                span_of(&mut spans, *a).lower(*top);
+            if of_b.is_above(*room_b) {
+                span_of(&mut spans, *a).lower(*room_a);
                 return false;
             }
             true
@@ -130,10 +139,10 @@ fn probability_of(mut spans: Vec<Span>, mut walls: Vec<Wall>, probability: &impl
     }
     let Some(first) = walls.first() else { return product(&spans, probability) };
     // The walls that hang together with the first one, by buildings on both.
-    let mut together = vec![first.0, first.1];
+    let mut together = first.buildings.to_vec();
     loop {
         let n = together.len();
-        for (a, b, _) in &walls {
+        for Wall { buildings: [a, b], .. } in &walls {
             match (together.contains(a), together.contains(b)) {
                 (true, false) => together.push(*b),
                 (false, true) => together.push(*a),
@@ -146,19 +155,20 @@ fn probability_of(mut spans: Vec<Span>, mut walls: Vec<Wall>, probability: &impl
     }
     let is_together = |building: u32| together.contains(&building);
     let (of_them, others): (Vec<Span>, Vec<Span>) = spans.into_iter().partition(|span| is_together(span.building));
-    let (their_walls, other_walls): (Vec<Wall>, Vec<Wall>) = walls.into_iter().partition(|(a, ..)| is_together(*a));
+    let (their_walls, other_walls): (Vec<Wall>, Vec<Wall>) =
+        walls.into_iter().partition(|wall| is_together(wall.buildings[0]));
     // One wall in the middle is told apart by cases, which parts a row of houses in two.
     let mut left = their_walls;
-    let (a, b, top) = left.remove(left.len() / 2);
+    let Wall { buildings: [a, b], rooms: [room_a, room_b] } = left.remove(left.len() / 2);
     let case = |change: &dyn Fn(&mut [Span])| {
         let mut spans = of_them.clone();
         change(&mut spans);
         probability_of(spans, left.clone(), probability)
     };
-    let low = case(&|spans| span_of(spans, a).lower(top));
+    let low = case(&|spans| span_of(spans, a).lower(room_a));
     let high = case(&|spans| {
-        span_of(spans, a).over = Some(span_of(spans, a).over.map_or(top, |over| over.max(top)));
-        span_of(spans, b).lower(top);
+        span_of(spans, a).over = Some(span_of(spans, a).over.map_or(room_a, |over| over.max(room_a)));
+        span_of(spans, b).lower(room_b);
     });
     (low + high) * probability_of(others, other_walls, probability)
 }
@@ -180,8 +190,8 @@ mod tests {
                 })
                 .collect();
             let top = |building: u32| tops[building as usize];
-            limits.crossed.iter().all(|(b, limit)| top(*b) <= *limit)
-                && limits.walls.iter().all(|(a, b, limit)| top(*a) <= *limit || top(*b) <= *limit)
+            let has_room = |wall: &Wall| (0..2).any(|k| top(wall.buildings[k]) <= wall.rooms[k]);
+            limits.crossed.iter().all(|(b, limit)| top(*b) <= *limit) && limits.walls.iter().all(has_room)
         };
         (0..n).filter(|k| is_clear(*k)).count() as f64 / n as f64
     }
@@ -204,7 +214,8 @@ mod tests {
                 limits.limit(below(n_buildings), i64::from(below(7)) - 1);
             }
             for _ in 0..below(8) {
-                limits.wall(below(n_buildings), below(n_buildings), i64::from(below(7)) - 1);
+                let buildings = [below(n_buildings), below(n_buildings)];
+                limits.wall(buildings, [below(7), below(7)].map(|room| i64::from(room) - 1));
             }
             let share = |building: u32, limit: i64| {
                 let of = &heights[building as usize];
@@ -220,7 +231,7 @@ mod tests {
     #[test]
     fn a_long_row_of_walls_is_told_apart_in_no_time() {
         let mut limits = HeightLimits::default();
-        (0..200).for_each(|k| limits.wall(k, k + 1, 5));
+        (0..200).for_each(|k| limits.wall([k, k + 1], [5, 5]));
         // Each building is low or high alike: of rows of 201 those without two high ones side by side, a Fibonacci number.
         let found = limits.probability(&|_, limit| if limit >= 5 { 0.5 } else { 0.0 });
         let (mut before, mut now) = (1.0_f64, 1.0_f64);

@@ -15,7 +15,7 @@ pub fn link_los(field: &HeightField, uav: &Station, receiver: &Station) -> bool 
         && field.columns().is_none_or(|c| columns_los(c, uav.on_columns(), field.seen_on_columns(receiver)))
 }
 
-/// How high each building may be so that a link is clear, as long as no top is more than `reach` above the one that is known
+/// How much higher each building may be so that a link is clear, as long as none is more than `reach` higher than is known
 /// \[1/1024 m\]; `None` where ground is in the way, so that no heights make it clear.
 pub fn link_height_limits(field: &HeightField, uav: &Station, receiver: &Station, reach: i32) -> Option<HeightLimits> {
     if field.columns().is_some_and(|c| !columns_los(c, uav.on_columns(), field.seen_on_columns(receiver))) {
@@ -57,7 +57,7 @@ pub fn link_least_receiver_heights(field: &HeightField, uav: &Station, receiver:
     let of_columns = |c| columns_least_receiver_height(c, uav.on_columns(), seen_on_columns);
     let prisms = field.prisms().map_or(LeastHeight::Clear, of_prisms);
     let columns = field.columns().map_or(LeastHeight::Clear, of_columns);
-    let is_los = match field.prisms().filter(|prisms| prisms.earth().is_some()) {
+    let is_los = match field.prisms().filter(|prisms| prisms.earth().is_some() || prisms.are_sloped()) {
         Some(_) => link_los(field, uav, receiver),
         None => prisms.is_met_by(receiver.z) && columns.is_met_by(receiver.z),
     };

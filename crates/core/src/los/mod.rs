@@ -44,6 +44,7 @@ mod obstruction;
 mod prisms_ray;
 mod sag;
 mod shadow;
+mod slope;
 mod sweep;
 
 pub use approximate::{StepLength, r2_los, step_los, xdraw_los};
@@ -54,7 +55,7 @@ pub use grid_heights::GridHeights;
 pub use grid_los::GridLos;
 pub(crate) use grid_los::height_by_cell;
 pub use grid_receivers::GridReceivers;
-pub use height_limits::HeightLimits;
+pub use height_limits::{HeightLimits, Wall};
 pub use link::{LeastHeights, link_height_limits, link_least_receiver_heights, link_los};
 pub(crate) use link::{link_least_height, link_least_step};
 pub use method::{Method, MethodChoice, WrongMethod};

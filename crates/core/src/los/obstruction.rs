@@ -121,6 +121,28 @@ impl Obstruction {
         Obstruction { obstacle, top, near: from_receiver(near), far: from_receiver(far), bound }
     }
 
+    /// An interval of the ray that asks the receiver to be so much above the UAV: a numerator, and a denominator of 0 where no height is
+    /// enough. Crossings, the one towards the receiver first, are measured from the UAV.
+    pub(super) fn of_bound(
+        obstacle: usize,
+        top: i32,
+        uav_z: i64,
+        (num, den): (i128, i128),
+        (near, far): (Crossing, Crossing),
+    ) -> Self {
+        let from_receiver = |c: Crossing| ratio(i128::from(c.d - c.n), i128::from(c.d));
+        let bound = Bound { uav_z, num, den, rise: 0.0 };
+        Obstruction { obstacle, top, near: from_receiver(near), far: from_receiver(far), bound }
+    }
+
+    /// This interval asking for another, rounded height above the UAV where that is more.
+    pub(super) fn or_more(self, above_uav: f64) -> Self {
+        if self.bound.above_uav() >= above_uav {
+            return self;
+        }
+        Obstruction { bound: Bound { num: 0, den: 1, rise: above_uav, ..self.bound }, ..self }
+    }
+
     /// This interval over a link that sags: at the fraction s of the way from the UAV it asks for `(H − z_U)/s + b(1 − s)` above it, which is most
     /// at an end of the interval, or at `√((z_U − H)/b)` in between.
     pub(super) fn over_curve(self, uav: LatticePoint, sag: Sag) -> Self {
@@ -217,7 +239,7 @@ fn ratio(num: i128, den: i128) -> f64 {
 }
 
 /// Exact order of `a.0/a.1` and `b.0/b.1` for positive denominators, by continued fractions: no product overflows.
-fn compare_ratios(mut a: (i128, i128), mut b: (i128, i128)) -> Ordering {
+pub(super) fn compare_ratios(mut a: (i128, i128), mut b: (i128, i128)) -> Ordering {
     loop {
         let (qa, qb) = (a.0.div_euclid(a.1), b.0.div_euclid(b.1));
         if qa != qb {

@@ -5,6 +5,8 @@
 //! solid where pieces cover both sides (a shared wall, or the diagonal of a triangulated roof), up to the lower top.
 //! Crossings of the interior are tested at once, the rare edges are kept and paired at the end.
 //!
+//! Over a sloped roof the ray comes nearest to the plane at an end of the interval ([`Slope`]).
+//!
 //! Over a curved earth the link sags ([`Sag`]), and flat ground stands in the way like a roof without an end.
 
 use std::cell::Cell;
@@ -14,7 +16,8 @@ use super::cell_walk::{CellWalk, Crossing};
 use super::height_limits::HeightLimits;
 use super::obstruction::{LeastHeight, Obstruction, surely_binds_less};
 use super::sag::Sag;
-use crate::height_field::{Piece, Prisms};
+use super::slope::Slope;
+use crate::height_field::{Piece, Prisms, RoofPlane};
 use crate::quantity::LatticePoint;
 
 /// Decides whether the link between `uav` and `receiver` is clear of the interior of B.
@@ -41,21 +44,25 @@ pub fn prisms_los(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) ->
         prisms,
         (receiver, uav),
         |max_top, near, far| ray.dips_below(max_top, near, far),
-        |_, piece| {
+        |index, piece| {
             if i64::from(piece.top) <= lower {
                 return ControlFlow::Continue(());
             }
             match ray.meet(prisms.ring(piece)) {
-                Meeting::Interior(interval) if ray.is_blocked(piece.top, &interval) => ControlFlow::Break(()),
+                Meeting::Interior(interval) if ray.is_blocked_by(prisms, piece, &interval) => ControlFlow::Break(()),
                 Meeting::Edge(side, interval) => {
-                    edges.push(Edge { piece: 0, top: piece.top, side, interval });
+                    edges.push(Edge { piece: index, top: piece.top, side, interval });
                     ControlFlow::Continue(())
                 }
                 _ => ControlFlow::Continue(()),
             }
         },
     );
-    crossed.is_continue() && !shared_edges(&edges).any(|(edge, interval)| ray.is_blocked(edge.top, &interval))
+    let is_wall_blocked = |(a, b, interval): (&Edge, &Edge, Interval)| match ray.slopes(prisms, (a, b)) {
+        None => ray.is_blocked(a.top.min(b.top), &interval),
+        Some((a, b)) => a.is_blocked_with(&b, interval.far, interval.near),
+    };
+    crossed.is_continue() && !walls_along(&edges).any(is_wall_blocked)
 }
 
 /// The least height of a receiver at `receiver`'s position from which the link to `uav` is LoS, and the piece that sets
@@ -76,7 +83,7 @@ pub fn prisms_least_height(prisms: &Prisms, uav: LatticePoint, receiver: Lattice
 /// The least lattice height of a UAV at `uav`'s position, not below `floor`, from which the link to `receiver` is LoS;
 /// `None` where no height is enough. Exact.
 pub fn prisms_least_step(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint, floor: i64) -> Option<i64> {
-    if prisms.earth().is_some() {
+    if prisms.earth().is_some() || prisms.are_sloped() {
         // Heights are rounded there; `ray` says which step is the first.
         let sees = |z: i64| prisms_los(prisms, LatticePoint { z, ..uav }, receiver);
         #[expect(clippy::cast_possible_truncation, reason = "saturates far beyond all heights")]
@@ -100,8 +107,8 @@ pub(super) fn prisms_least_height_above(
     bound_from(prisms, receiver, uav, Walk::AwayFromPivot, Some(floor))
 }
 
-/// How high each building may be so that a link is clear, whatever their heights are as long as no top is more than `reach` above the one
-/// that is known \[1/1024 m\]; `None` where flat ground of a curved earth is in the way.
+/// How much higher each building may be so that a link is clear, as long as none is more than `reach` higher than is known \[1/1024 m\];
+/// `None` where flat ground of a curved earth is in the way.
 ///
 /// Cost: the pieces listed by the buckets along the link in which the ray is below the highest top with that on it.
 pub(super) fn prisms_height_limits(
@@ -113,8 +120,8 @@ pub(super) fn prisms_height_limits(
     let mut limits = HeightLimits::default();
     let building = |piece: usize| prisms.pieces()[piece].building;
     if uav.x == receiver.x && uav.y == receiver.y {
-        if let Some((_, piece)) = prisms.solid_at(uav.x, uav.y).filter(|_| uav.z != receiver.z) {
-            limits.limit(building(piece), uav.z.min(receiver.z));
+        if let Some((top, piece)) = prisms.solid_at(uav.x, uav.y).filter(|_| uav.z != receiver.z) {
+            limits.limit(building(piece), uav.z.min(receiver.z) - i64::from(top));
         }
         return Some(limits);
     }
@@ -139,7 +146,13 @@ pub(super) fn prisms_height_limits(
                 return ControlFlow::Continue(());
             }
             match ray.meet(prisms.ring(piece)) {
-                Meeting::Interior(interval) => limits.limit(piece.building, ray.highest_clear(&interval)),
+                Meeting::Interior(interval) => {
+                    let room = match prisms.plane(piece) {
+                        None => ray.highest_clear(&interval) - i64::from(piece.top),
+                        Some(plane) => Slope::over(&plane, uav, receiver).room(interval.far, interval.near),
+                    };
+                    limits.limit(piece.building, room);
+                }
                 Meeting::Edge(side, interval) => edges.push(Edge { piece: index, top: piece.top, side, interval }),
                 Meeting::Nothing => {}
             }
@@ -147,7 +160,11 @@ pub(super) fn prisms_height_limits(
         },
     );
     for (a, b, interval) in walls_along(&edges) {
-        limits.wall(building(a.piece), building(b.piece), ray.highest_clear(&interval));
+        let rooms = match ray.slopes(prisms, (a, b)) {
+            None => [a, b].map(|edge| ray.highest_clear(&interval) - i64::from(edge.top)),
+            Some((a, b)) => a.rooms_with(&b, interval.far, interval.near),
+        };
+        limits.wall([building(a.piece), building(b.piece)], rooms);
     }
     Some(limits)
 }
@@ -199,7 +216,10 @@ fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Wal
         match ray.meet(prisms.ring(piece)) {
             Meeting::Interior(interval) => {
                 if ray.may_bind(piece.top, interval.near, interval.far, least_cell.get()) {
-                    least.raise(ray.obstruction(index, piece.top, &interval));
+                    least.raise(match prisms.plane(piece) {
+                        None => ray.obstruction(index, piece.top, &interval),
+                        Some(plane) => Slope::over(&plane, pivot, end).obstruction(index, interval.far, interval.near),
+                    });
                     least_cell.set(least.above_uav().max(floor_above_pivot));
                 }
             }
@@ -210,8 +230,12 @@ fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Wal
         }
         ControlFlow::Continue(())
     });
-    for (edge, interval) in shared_edges(&edges) {
-        least.raise(ray.obstruction(edge.piece, edge.top, &interval));
+    for (a, b, interval) in walls_along(&edges) {
+        let lower = if a.top <= b.top { a } else { b };
+        least.raise(match ray.slopes(prisms, (a, b)) {
+            None => ray.obstruction(lower.piece, lower.top, &interval),
+            Some((a, b)) => a.obstruction_with(&b, lower.piece, interval.far, interval.near),
+        });
     }
     least
 }
@@ -300,7 +324,18 @@ impl Ray {
         above.min(above + self.dz) < sag.most() && sag.dips_between(above, self.dz, start, end)
     }
 
-    /// What a roof over an interval asks of the end of the link that is not the pivot.
+    /// What two pieces along a wall are over this ray, if one of them is sloped.
+    fn slopes(&self, prisms: &Prisms, (a, b): (&Edge, &Edge)) -> Option<(Slope, Slope)> {
+        let plane = |edge: &Edge| prisms.plane(&prisms.pieces()[edge.piece]);
+        let slope = |edge: &Edge, plane: Option<RoofPlane>| match plane {
+            Some(plane) => Slope::over(&plane, self.uav, self.receiver),
+            None => Slope::level(edge.top, self.uav, self.receiver),
+        };
+        let (of_a, of_b) = (plane(a), plane(b));
+        (of_a.is_some() || of_b.is_some()).then(|| (slope(a, of_a), slope(b, of_b)))
+    }
+
+    /// What a flat roof over an interval asks of the end of the link that is not the pivot.
     fn obstruction(&self, piece: usize, top: i32, interval: &Interval) -> Obstruction {
         let straight = Obstruction::new(piece, top, self.uav, interval.near, interval.far);
         self.sag.map_or(straight, |sag| straight.over_curve(self.uav, sag))
@@ -384,6 +419,15 @@ impl Ray {
         Some(Interval { far, near })
     }
 
+    /// Whether a piece blocks the ray over an interval.
+    #[inline]
+    fn is_blocked_by(&self, prisms: &Prisms, piece: &Piece, interval: &Interval) -> bool {
+        match prisms.plane(piece) {
+            None => self.is_blocked(piece.top, interval),
+            Some(plane) => Slope::over(&plane, self.uav, self.receiver).is_blocked(interval.far, interval.near),
+        }
+    }
+
     /// Whether a solid of the given top blocks the ray over an interval: over a flat earth at the end nearest the lower terminal.
     #[inline]
     fn is_blocked(&self, top: i32, interval: &Interval) -> bool {
@@ -439,11 +483,6 @@ impl Ray {
         let sag = self.sag.map_or(0.0, |sag| sag.most_between(fraction(near), fraction(far)));
         self.height_from_receiver(fraction(lowest)) - sag - 1.0
     }
-}
-
-/// The shared walls along the ray, each as the edge of the lower top.
-fn shared_edges(edges: &[Edge]) -> impl Iterator<Item = (&Edge, Interval)> {
-    walls_along(edges).map(|(a, b, interval)| (if a.top <= b.top { a } else { b }, interval))
 }
 
 /// The pairs of opposite edges along the ray that overlap in an interval with length: shared walls.

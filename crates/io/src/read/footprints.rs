@@ -347,6 +347,7 @@ impl Making<'_> {
                 id: shaped.raw.id,
                 polygons: shaped.polygons,
                 top,
+                roof: Vec::new(),
                 base,
                 height_error: shaped.raw.height_error_m.and_then(height_steps),
             });

@@ -6,7 +6,7 @@ use super::super::curved::CurvedScene;
 use crate::coverage::{Control, HeightBounds, Mapper, Uav};
 use crate::error::{MapError, Result};
 use crate::height_field::Station;
-use crate::los::{HeightLimits, link_height_limits};
+use crate::los::{HeightLimits, Wall, link_height_limits};
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::set_bits;
 
@@ -45,8 +45,7 @@ impl Mapper<'_> {
         }
         #[expect(clippy::cast_possible_truncation, reason = "bounds were made of it")]
         let error = (error_m * f64::from(STEPS_PER_UNIT)).ceil() as i32;
-        let (field, tops, n_cols) = (seen.field, self.field.building_tops(), self.field.grid().n_cols());
-        let heights = Heights { tops: &tops, error: error.into() };
+        let (field, n_cols) = (seen.field, self.field.grid().n_cols());
         for (kind, (receivers, in_range)) in seen.receivers.iter().zip(&in_range).enumerate() {
             let of_row = |counts: Vec<u64>, row: usize| {
                 let unsure = in_range.row(row).iter().zip(sure.possibly.row(row)).zip(sure.surely.row(row));
@@ -58,7 +57,7 @@ impl Mapper<'_> {
                     let own = field.building_at(&place).filter(|_| self.is_on_roofs(kind));
                     let limits =
                         |by: i64| link_height_limits(field, &uav.station, &Station { place, z: z + by }, error);
-                    let turned = heights.turned_by(own, limits);
+                    let turned = turned_by(error.into(), own, limits);
                     turned.into_iter().for_each(|building| counts[building as usize] += 1);
                 }
                 counts
@@ -73,54 +72,36 @@ impl Mapper<'_> {
     }
 }
 
-/// Heights of buildings, and by how much each may be off \[1/1024 m\].
-struct Heights<'a> {
-    tops: &'a [i32],
-    error: i64,
+/// The buildings each of which alone turns the answer for a receiver if it is higher or lower by so much: on the roof of one of them, or on the
+/// ground. `limits` are those with this roof so many steps higher.
+fn turned_by(error: i64, own: Option<u32>, limits: impl Fn(i64) -> Option<HeightLimits>) -> Vec<u32> {
+    let with_own = |by: i64| match own {
+        Some(building) => limits(by)?.with_error_of(building, by),
+        None => limits(by),
+    };
+    let known = with_own(0);
+    let is_clear = known.as_ref().is_some_and(|limits| is_clear(limits, None));
+    let mut turned = Vec::new();
+    if let Some(building) = own {
+        let is_clear_at = |by: i64| with_own(by).is_some_and(|limits| self::is_clear(&limits, None));
+        if is_clear_at(-error) != is_clear || is_clear_at(error) != is_clear {
+            turned.push(building);
+        }
+    }
+    let Some(known) = known else { return turned };
+    let sides = known.walls.iter().flat_map(|wall| wall.buildings);
+    let mut others: Vec<u32> = known.crossed.iter().map(|(of, _)| *of).chain(sides).collect();
+    others.sort_unstable();
+    others.dedup();
+    // A higher building never makes a link clear.
+    let by = if is_clear { error } else { -error };
+    turned.extend(others.into_iter().filter(|of| self::is_clear(&known, Some((*of, by))) != is_clear));
+    turned
 }
 
-impl Heights<'_> {
-    fn top(&self, building: u32) -> i64 {
-        i64::from(self.tops[building as usize])
-    }
-
-    /// The buildings each of which alone turns the answer for a receiver: on the roof of one of them, or on the ground. `limits` are those with this
-    /// roof so many steps higher.
-    fn turned_by(&self, own: Option<u32>, limits: impl Fn(i64) -> Option<HeightLimits>) -> Vec<u32> {
-        let with_own = |by: i64| {
-            let limits = limits(by)?;
-            match own {
-                Some(building) => limits.with_top_of(building, self.top(building) + by),
-                None => Some(limits),
-            }
-        };
-        let known = with_own(0);
-        let is_clear = known.as_ref().is_some_and(|limits| self.are_below(limits, None));
-        let mut turned = Vec::new();
-        if let Some(building) = own {
-            let is_clear_at = |by: i64| with_own(by).is_some_and(|limits| self.are_below(&limits, None));
-            if is_clear_at(-self.error) != is_clear || is_clear_at(self.error) != is_clear {
-                turned.push(building);
-            }
-        }
-        let Some(known) = known else { return turned };
-        let sides = known.walls.iter().flat_map(|(a, b, _)| [*a, *b]);
-        let mut others: Vec<u32> = known.crossed.iter().map(|(of, _)| *of).chain(sides).collect();
-        others.sort_unstable();
-        others.dedup();
-        // A higher building never makes a link clear.
-        let by = if is_clear { self.error } else { -self.error };
-        turned.extend(others.into_iter().filter(|of| self.are_below(&known, Some((*of, by))) != is_clear));
-        turned
-    }
-
-    /// Whether a link is clear, with one building higher by so much.
-    fn are_below(&self, limits: &HeightLimits, moved: Option<(u32, i64)>) -> bool {
-        let is_below = |of: u32, limit: i64| {
-            let by = moved.map_or(0, |(building, by)| if building == of { by } else { 0 });
-            self.top(of) + by <= limit
-        };
-        limits.crossed.iter().all(|(of, limit)| is_below(*of, *limit))
-            && limits.walls.iter().all(|(a, b, limit)| is_below(*a, *limit) || is_below(*b, *limit))
-    }
+/// Whether a link is clear, with one building higher by so much.
+fn is_clear(limits: &HeightLimits, moved: Option<(u32, i64)>) -> bool {
+    let has_room = |of: u32, room: i64| moved.map_or(0, |(building, by)| if building == of { by } else { 0 }) <= room;
+    let is_low = |wall: &Wall| (0..2).any(|k| has_room(wall.buildings[k], wall.rooms[k]));
+    limits.crossed.iter().all(|(of, room)| has_room(*of, *room)) && limits.walls.iter().all(is_low)
 }

@@ -3,12 +3,12 @@
 //! **Model.** The top of building i is h_i + e_i + t: an error of its own, normal with standard deviation σ_i, and one that all buildings
 //! share, normal with standard deviation τ. All are independent. Ground, and where buildings are, is as it is known.
 //!
-//! **One link.** Building i leaves it clear up to the limit l_i ([`HeightLimits`]). With a known t that is the product of Φ((l_i − h_i − t)/σ_i) over
+//! **One link.** Building i has room for an error of l_i at most ([`HeightLimits`]). With a known t that is the product of Φ((l_i − t)/σ_i) over
 //! the buildings crossed, Φ the distribution of the normal one, and over t it is integrated: in equal steps of 3/4 of the least σ_i or τ; or, since a
 //! building without an error of its own hides the receiver all of a sudden, by Gauss–Legendre of five nodes in parts that end there. That is good to
 //! about 10⁻⁵. Errors beyond six standard deviations are left out.
 //!
-//! Limits are the highest tops, in whole steps of the lattice, that leave a link clear. The highest of all is somewhere in the step above, so half a
+//! Rooms are the largest errors, in whole steps of the lattice, that leave a link clear. The largest of all is somewhere in the step above, so half a
 //! step is added.
 
 use std::sync::Arc;
@@ -92,20 +92,13 @@ impl HeightErrors {
     }
 }
 
-/// The heights of the buildings of a scene \[1/1024 m above the datum\] with their errors.
-#[derive(Debug)]
-pub(super) struct UncertainTops<'a> {
-    pub(super) tops: &'a [i32],
-    pub(super) errors: &'a HeightErrors,
-}
-
 /// By how much a building is lower than hides a link, if no error is shared \[1/1024 m\].
 type Slack = (u32, f64);
 
-impl UncertainTops<'_> {
+impl HeightErrors {
     /// The probability that a link is clear, given how high buildings may be for it.
     pub(super) fn probability(&self, limits: &HeightLimits) -> f64 {
-        self.given(limits, 0.0, steps(self.errors.shared_m))
+        self.given(limits, 0.0, steps(self.shared_m))
     }
 
     /// That of the link of a receiver on the roof of a building, which is as much higher or lower as that: `limits` are those with the roof so many
@@ -114,9 +107,9 @@ impl UncertainTops<'_> {
     /// A higher receiver raises its link everywhere, the more the nearer to it, and with the link the limits of buildings. That is a straight line for each
     /// place, so limits are found for five roofs and taken as straight between them.
     pub(super) fn probability_on_roof(&self, building: u32, limits: impl Fn(i64) -> Option<HeightLimits>) -> f64 {
-        let (shared, own) = (steps(self.errors.shared_m), self.own(building));
+        let (shared, own) = (steps(self.shared_m), self.own(building));
         let of_roof = shared.hypot(own);
-        let with_roof = |by: i64| limits(by)?.with_top_of(building, self.top(building) + by);
+        let with_roof = |by: i64| limits(by)?.with_error_of(building, by);
         // A roof that moves by less than a step does not move.
         if of_roof <= 1.0 {
             return with_roof(0).map_or(0.0, |limits| self.given(&limits, 0.0, shared));
@@ -140,9 +133,7 @@ impl UncertainTops<'_> {
                 let Some(ramps) = ramps else { return mean(of_roof, (*from, *to), of_roof, Vec::new(), walked) };
                 let slack_at = |ramp: &Ramp, error: f64| {
                     let limit = ramp.limits.0 + (ramp.limits.1 - ramp.limits.0) * (error - from) / (to - from);
-                    limit
-                        - as_f64(self.top(ramp.building))
-                        - if ramp.building == building { error } else { error * part }
+                    limit - if ramp.building == building { error } else { error * part }
                 };
                 let of = |error: f64| {
                     let mut slacks = Vec::with_capacity(ramps.len());
@@ -179,7 +170,7 @@ impl UncertainTops<'_> {
             let limit = limits.crossed.iter().find(|(of, _)| *of == building);
             // One that is far below a link may be left out.
             limit.map_or_else(
-                || as_f64(self.top(building)) + CERTAIN * (self.own(building) + steps(self.errors.shared_m)),
+                || CERTAIN * (self.own(building) + steps(self.shared_m)),
                 |(_, limit)| as_f64(*limit) + 0.5,
             )
         };
@@ -192,17 +183,16 @@ impl UncertainTops<'_> {
 
     /// The probability given the mean and the standard deviation of the shared error \[1/1024 m\].
     fn given(&self, limits: &HeightLimits, mean_error: f64, shared: f64) -> f64 {
-        let slack = |building: u32, limit: i64| as_f64(limit - self.top(building)) + 0.5 - mean_error;
+        let slack = |room: i64| as_f64(room) + 0.5 - mean_error;
         if limits.walls.is_empty() {
-            return self
-                .of_slacks(limits.crossed.iter().map(|(of, limit)| (*of, slack(*of, *limit))).collect(), shared);
+            return self.of_slacks(limits.crossed.iter().map(|(of, room)| (*of, slack(*room))).collect(), shared);
         }
-        let at = |t: f64| limits.probability(&|of, limit| below(slack(of, limit) - t, self.own(of)));
+        let at = |t: f64| limits.probability(&|of, room| below(slack(room) - t, self.own(of)));
         if shared <= 0.0 {
             return at(0.0);
         }
-        let sides = limits.walls.iter().flat_map(|(a, b, limit)| [(*a, *limit), (*b, *limit)]);
-        let all = limits.crossed.iter().copied().chain(sides).map(|(of, limit)| (of, slack(of, limit)));
+        let sides = limits.walls.iter().flat_map(|wall| [0, 1].map(|k| (wall.buildings[k], wall.rooms[k])));
+        let all = limits.crossed.iter().copied().chain(sides).map(|(of, room)| (of, slack(room)));
         self.over_shared(&all.collect::<Vec<Slack>>(), shared, at)
     }
 
@@ -235,13 +225,9 @@ impl UncertainTops<'_> {
         mean(shared, (-CERTAIN * shared, CERTAIN * shared), shortest, breaks, at).clamp(0.0, 1.0)
     }
 
-    fn top(&self, building: u32) -> i64 {
-        i64::from(self.tops[building as usize])
-    }
-
     /// Standard deviation of a building's own error \[1/1024 m\].
     fn own(&self, building: u32) -> f64 {
-        steps(self.errors.own_m(building))
+        steps(self.own_m(building))
     }
 }
 
@@ -318,7 +304,7 @@ mod tests {
     use super::*;
 
     /// By the midpoint rule, finely: the means over the shared error, and over each building's own one for the link to be clear.
-    fn by_many_parts(limits: &HeightLimits, tops: &[i32], errors: &HeightErrors) -> f64 {
+    fn by_many_parts(limits: &HeightLimits, errors: &HeightErrors) -> f64 {
         let n = 200_000;
         let mut sum = 0.0;
         for k in 0..n {
@@ -328,7 +314,7 @@ mod tests {
                 .crossed
                 .iter()
                 .map(|(of, limit)| {
-                    let slack = as_f64(limit - i64::from(tops[*of as usize])) + 0.5 - t * steps(errors.shared_m);
+                    let slack = as_f64(*limit) + 0.5 - t * steps(errors.shared_m);
                     below(slack, steps(errors.own_m(*of)))
                 })
                 .product();
@@ -339,15 +325,14 @@ mod tests {
 
     #[test]
     fn few_nodes_are_as_good_as_many() {
-        let tops = [10_000, 12_000, 9000, 15_000];
         let of = |own: [f64; 4], shared_m| HeightErrors { own: OwnErrors::ByBuilding(own.into()), shared_m };
         for errors in
             [of([1.0; 4], 1.0), of([0.3, 2.0, 1.0, 0.2], 3.0), of([0.0, 2.0, 0.0, 1.0], 1.5), of([0.0; 4], 0.7)]
         {
-            for limits in [vec![(0, 11_000)], vec![(0, 9000), (1, 12_500), (2, 9001)], vec![(2, 10_000), (3, 14_000)]] {
+            for limits in [vec![(0, 1000)], vec![(0, -1000), (1, 500), (2, 1)], vec![(2, 1000), (3, -1000)]] {
                 let limits = HeightLimits { crossed: limits, ..HeightLimits::default() };
-                let wanted = by_many_parts(&limits, &tops, &errors);
-                let found = UncertainTops { tops: &tops, errors: &errors }.probability(&limits);
+                let wanted = by_many_parts(&limits, &errors);
+                let found = errors.probability(&limits);
                 // A jump of the midpoint rule is off by a part.
                 assert!((found - wanted).abs() < 3e-5, "{found} {wanted} {limits:?} {errors:?}");
                 assert!(wanted > 0.01 && wanted < 0.99, "{wanted}");
@@ -357,16 +342,14 @@ mod tests {
 
     #[test]
     fn tiny_errors_beside_a_shared_one_are_none_and_take_no_time() {
-        let tops = [10_000, 12_000];
-        let limits = HeightLimits { crossed: vec![(0, 9000), (1, 12_500)], ..HeightLimits::default() };
+        let limits = HeightLimits { crossed: vec![(0, -1000), (1, 500)], ..HeightLimits::default() };
         let of = |own_m: f64| {
             let errors = HeightErrors::same(own_m, 3.0);
-            let tops = UncertainTops { tops: &tops, errors: &errors };
-            let on_roof = tops.probability_on_roof(0, |by| {
-                let crossed = vec![(0, 10_500), (1, 12_300 + by / 2)];
+            let on_roof = errors.probability_on_roof(0, |by| {
+                let crossed = vec![(0, 500), (1, 300 + by / 2)];
                 Some(HeightLimits { crossed, ..HeightLimits::default() })
             });
-            [tops.probability(&limits), on_roof]
+            [errors.probability(&limits), on_roof]
         };
         let wanted = of(0.0);
         for own_m in [1e-12, 1e-6, 0.001, 0.02] {
@@ -376,33 +359,31 @@ mod tests {
         }
         // A roof that moves by less than a step.
         let errors = HeightErrors::same(1e-7, 0.0);
-        let tops = UncertainTops { tops: &tops, errors: &errors };
-        let clear = HeightLimits { crossed: vec![(1, 12_001)], ..HeightLimits::default() };
-        assert!(tops.probability_on_roof(0, |_| Some(clear.clone())) > 0.999);
+        let clear = HeightLimits { crossed: vec![(1, 1)], ..HeightLimits::default() };
+        assert!(errors.probability_on_roof(0, |_| Some(clear.clone())) > 0.999);
     }
 
     #[test]
     fn without_errors_a_link_is_clear_or_not() {
-        let (tops, errors) = ([1000], HeightErrors::same(0.0, 0.0));
+        let errors = HeightErrors::same(0.0, 0.0);
         let of = |limit: i64| {
             let limits = HeightLimits { crossed: vec![(0, limit)], ..HeightLimits::default() };
-            UncertainTops { tops: &tops, errors: &errors }.probability(&limits)
+            errors.probability(&limits)
         };
-        assert_eq!([999, 1000, 1001].map(|limit| of(limit).to_bits()), [0.0_f64, 1.0, 1.0].map(f64::to_bits));
+        assert_eq!([-1, 0, 1].map(|limit| of(limit).to_bits()), [0.0_f64, 1.0, 1.0].map(f64::to_bits));
     }
 
     #[test]
     fn a_building_that_is_as_high_as_its_limit_is_clear_half_the_time() {
-        let tops = [4096];
         for errors in [HeightErrors::same(2.0, 0.0), HeightErrors::same(0.0, 2.0), HeightErrors::same(1.2, 1.6)] {
             let of = |limit: i64| {
                 let limits = HeightLimits { crossed: vec![(0, limit)], ..HeightLimits::default() };
-                UncertainTops { tops: &tops, errors: &errors }.probability(&limits)
+                errors.probability(&limits)
             };
             // Tables of the normal distribution: one standard deviation of 2 m, half a step on.
-            assert!((of(4096) - 0.5).abs() < 2e-4, "{}", of(4096));
-            assert!((of(4096 + 2048) - 0.841_344_7).abs() < 2e-4, "{}", of(6144));
-            assert!((of(4096 - 4096) - 0.022_750_1).abs() < 2e-4, "{}", of(0));
+            assert!((of(0) - 0.5).abs() < 2e-4, "{}", of(0));
+            assert!((of(2048) - 0.841_344_7).abs() < 2e-4, "{}", of(2048));
+            assert!((of(-4096) - 0.022_750_1).abs() < 2e-4, "{}", of(-4096));
         }
     }
 }

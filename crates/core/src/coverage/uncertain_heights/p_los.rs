@@ -1,12 +1,12 @@
 //! The probability that a receiver is in line of sight, where heights of buildings are off by normal errors.
 //!
 //! Two exact maps tell of most receivers, with all buildings as low and as high as six standard deviations make them ([`super::sure`]). For each of the
-//! others one walk finds how high each building may be so that its link is clear, and [`super::height_errors`] what is the probability of that.
+//! others one walk finds how much higher each building may be so that its link is clear, and [`super::height_errors`] what is the probability of that.
 
 use rayon::prelude::*;
 
 use super::super::curved::CurvedScene;
-use super::height_errors::{CERTAIN, UncertainTops};
+use super::height_errors::CERTAIN;
 use super::sure::HeightBounds;
 use crate::coverage::{Control, HeightErrors, Mapper, Uav};
 use crate::error::{MapError, Result};
@@ -19,7 +19,6 @@ use crate::raster::{BitGrid, set_bits};
 #[derive(Debug)]
 pub struct UncertainHeights {
     errors: HeightErrors,
-    tops: Vec<i32>,
     /// As far as errors are reckoned with.
     bounds: HeightBounds,
     /// The most that a top is above the known one by an error that is reckoned with \[1/1024 m\].
@@ -34,7 +33,7 @@ impl UncertainHeights {
         let most = (0..u32::try_from(field.n_buildings()).ok()?).map(|b| errors.own_m(b)).fold(0.0, f64::max);
         #[expect(clippy::cast_possible_truncation, reason = "saturates")]
         let reach = (CERTAIN * (most + errors.shared_m) * f64::from(STEPS_PER_UNIT)).ceil() as i32;
-        Some(UncertainHeights { errors: errors.clone(), tops: field.building_tops(), bounds, reach })
+        Some(UncertainHeights { errors: errors.clone(), bounds, reach })
     }
 }
 
@@ -101,12 +100,11 @@ impl OfKind<'_> {
         let field = self.mapper.field;
         let place = self.mapper.engine.positions().center(row, col);
         let z = self.receivers.height(row * field.grid().n_cols() + col);
-        let UncertainHeights { errors, tops, reach, .. } = self.heights;
+        let UncertainHeights { errors, reach, .. } = self.heights;
         let limits = |by: i64| link_height_limits(field, &self.uav.station, &Station { place, z: z + by }, *reach);
-        let tops = UncertainTops { tops, errors };
         match field.building_at(&place).filter(|_| self.is_on_roofs) {
-            Some(building) => tops.probability_on_roof(building, limits),
-            None => limits(0).map_or(0.0, |limits| tops.probability(&limits)),
+            Some(building) => errors.probability_on_roof(building, limits),
+            None => limits(0).map_or(0.0, |limits| errors.probability(&limits)),
         }
     }
 }

@@ -9,6 +9,7 @@ use super::geometry::as_f64;
 use super::outline::{LANES, Outline};
 use super::plane::Plane;
 use super::scene::{Receivers, ShadowScene};
+use super::sloped::SlopedRoof;
 use super::spans::{Lanes, below_ceiling, maybe_spans, spans};
 use super::words::{bits_outside, clear, for_each_bit};
 use crate::quantity::LatticePoint;
@@ -66,16 +67,20 @@ impl BandJob<'_> {
                 if !is_in_view || self.is_dark(&outline, &mut band) {
                     continue;
                 }
-                for (caster, ring, begin) in cast.of_block(block) {
+                for (caster, begin) in cast.of_block(block) {
                     let Some(reach) = self.plane.reach(caster.bounds, caster.top, lowest) else { break };
-                    if outline.cast(self.plane, ring, caster.bounds, reach.from(begin)) {
+                    let of_scene = (cast.all(), caster);
+                    if outline.cast_roof(self.plane, of_scene, reach.from(begin), lowest) {
                         if is_level {
                             self.hide(simd, &outline, &mut band);
                         } else {
-                            if self.plane.curve == 0.0 {
-                                ceiling.cast(self.plane, ring, caster.top);
-                            } else {
-                                ceiling.cast_curved(self.plane, ring, (caster.top, caster.bounds), reach.far());
+                            let ring = cast.all().ring(caster);
+                            match SlopedRoof::of(cast.all(), caster) {
+                                Some(roof) => ceiling.cast_sloped(self.plane, &roof, caster.top),
+                                None if self.plane.curve == 0.0 => ceiling.cast(self.plane, ring, caster.top),
+                                None => {
+                                    ceiling.cast_curved(self.plane, ring, (caster.top, caster.bounds), reach.far());
+                                }
                             }
                             self.hide_relief(simd, &outline, &ceiling, &tiles, &mut band);
                         }

@@ -49,7 +49,7 @@ impl<'a> Cast<'a> {
         let numbers: Vec<u32> = in_view.iter().flat_map(|block| block.numbers()).collect();
         let caster = |k: u32| &all.all()[k as usize];
         let begins = if highest < uav.z && are_long(&in_view, plane, lowest) {
-            let prisms = numbers.iter().map(|k| (all.ring(caster(*k)), i64::from(caster(*k).top)));
+            let prisms = numbers.iter().map(|k| (all.ring(caster(*k)), all.range(caster(*k))));
             sort_by_horizon((uav, plane.curve), highest, prisms, std::iter::empty::<([[i32; 2]; 0], i64)>()).prisms
         } else {
             vec![Some(1.0); numbers.len()]
@@ -78,14 +78,16 @@ impl<'a> Cast<'a> {
         &self.blocks
     }
 
-    /// The casters of a block, highest first, with their rings, and how many times farther from the UAV than the near edges
-    /// receivers are not hidden by another anyway.
+    /// All casters, of which some are cast.
+    pub(super) fn all(&self) -> &'a Casters {
+        self.all
+    }
+
+    /// The casters of a block, highest first, and how many times farther from the UAV than the near edges receivers are not
+    /// hidden by another anyway.
     #[inline(always)]
-    pub(super) fn of_block(&self, block: &CastBlock) -> impl Iterator<Item = (&'a Caster, &'a [[i32; 2]], f64)> {
-        self.begun[block.begun.clone()].iter().map(|(k, begin)| {
-            let caster = &self.all.all()[*k as usize];
-            (caster, self.all.ring(caster), *begin)
-        })
+    pub(super) fn of_block(&self, block: &CastBlock) -> impl Iterator<Item = (&'a Caster, f64)> {
+        self.begun[block.begun.clone()].iter().map(|(k, begin)| (&self.all.all()[*k as usize], *begin))
     }
 }
 

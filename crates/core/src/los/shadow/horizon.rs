@@ -65,12 +65,12 @@ pub(super) struct Sorted {
 /// `highest` \[1/1024 m above the datum\], or at it. A prism that is left out sets no least height of a receiver either: that which
 /// hides all that it does needs a higher one.
 ///
-/// Each is a convex counterclockwise ring, with the height of the roof over it or of the receivers within
+/// Each is a convex counterclockwise ring, with the lowest and the highest of the roof over it, or the height of the receivers within
 /// \[1/1024 m above the datum\].
 pub(super) fn sort_by_horizon<R: AsRef<[[i32; 2]]>, G: AsRef<[[i32; 2]]>>(
     (uav, curve): (LatticePoint, f64),
     highest: i64,
-    prisms: impl ExactSizeIterator<Item = (R, i64)>,
+    prisms: impl ExactSizeIterator<Item = (R, (i32, i32))>,
     groups: impl Iterator<Item = (G, i64)>,
 ) -> Sorted {
     let mut horizon = Horizon::new(prisms.len());
@@ -79,8 +79,11 @@ pub(super) fn sort_by_horizon<R: AsRef<[[i32; 2]]>, G: AsRef<[[i32; 2]]>>(
     let mut sorted = Sorted { prisms: vec![None; n_prisms], groups: Vec::new() };
     // Lines to receivers below the UAV drop by more than the least positive number.
     let least_drop = if highest < uav.z { f32::MIN_POSITIVE } else { 0.0 };
-    let of_prism = |(ring, top): (R, i64)| Seen::from((uav, curve), (ring.as_ref(), top), (least_drop, 0.0), n_bins);
-    let of_group = |(ring, z): (G, i64)| Seen::from((uav, curve), (ring.as_ref(), z), (0.0, f32::INFINITY), n_bins);
+    let of_prism = |(ring, (low, high)): (R, (i32, i32))| {
+        Seen::from((uav, curve), (ring.as_ref(), (low.into(), high.into())), (least_drop, 0.0), n_bins)
+    };
+    let of_group =
+        |(ring, z): (G, i64)| Seen::from((uav, curve), (ring.as_ref(), (z, z)), (0.0, f32::INFINITY), n_bins);
     let mut seen: Vec<Seen> = prisms.map(of_prism).collect();
     seen.extend(groups.map(of_group));
     sorted.groups.resize(seen.len() - n_prisms, Sight::Some);
@@ -199,7 +202,7 @@ impl Seen {
     /// `if_not_below` are the drops of what is not below the UAV.
     fn from(
         (uav, curve): (LatticePoint, f64),
-        (ring, z): (&[[i32; 2]], i64),
+        (ring, (low, high)): (&[[i32; 2]], (i64, i64)),
         if_not_below: (f32, f32),
         n_bins: u32,
     ) -> Seen {
@@ -236,17 +239,18 @@ impl Seen {
             (touched, if filled.0 < filled.1 { filled } else { (0, 0) })
         };
         #[expect(clippy::cast_possible_truncation, reason = "rounded within the slack")]
-        let drop = |distance: u32, curved: u32, slack: f64| {
+        let drop = |z: i64, distance: u32, curved: u32, slack: f64| {
             ((as_f64(uav.z - z) / f64::from(distance) + curve * f64::from(curved)) * (1.0 + slack)) as f32
         };
-        let drops = if z < uav.z {
-            (drop(far, near, -SLACK), drop(near, far, SLACK))
+        let least = if high < uav.z { drop(high, far, near, -SLACK) } else { if_not_below.0 };
+        let largest = if low < uav.z {
+            drop(low, near, far, SLACK)
         } else {
             #[expect(clippy::cast_possible_truncation, reason = "rounded within the slack")]
-            let most = ((curve * f64::from(far) - as_f64(z - uav.z) / f64::from(far)) * (1.0 + SLACK)) as f32;
-            (if_not_below.0, if_not_below.1.max(most))
+            let most = ((curve * f64::from(far) - as_f64(low - uav.z) / f64::from(far)) * (1.0 + SLACK)) as f32;
+            if_not_below.1.max(most)
         };
-        Seen { touched, filled, distances: (near, far), drops }
+        Seen { touched, filled, distances: (near, far), drops: (least, largest) }
     }
 }
 
@@ -270,7 +274,7 @@ mod tests {
     /// How many times farther away shadows begin, on the ground.
     fn begins(prisms: &[([i32; 4], i32)]) -> Vec<Option<f64>> {
         let rings: Vec<_> = prisms.iter().map(|(bounds, _)| rectangle(*bounds)).collect();
-        let prisms = rings.iter().zip(prisms).map(|(ring, (_, top))| (ring, i64::from(top * M)));
+        let prisms = rings.iter().zip(prisms).map(|(ring, (_, top))| (ring, (top * M, top * M)));
         sort_by_horizon((UAV, 0.0), 0, prisms, std::iter::empty::<([[i32; 2]; 0], i64)>()).prisms
     }
 
@@ -338,7 +342,7 @@ mod tests {
             };
             let rings: Vec<_> = blocks.iter().map(|(bounds, _)| rectangle(*bounds)).collect();
             let tops: Vec<i32> = blocks.iter().map(|(_, top)| top * M).collect();
-            let prisms = || rings.iter().zip(&tops).map(|(ring, top)| (ring, i64::from(*top)));
+            let prisms = || rings.iter().zip(&tops).map(|(ring, top)| (ring, (*top, *top)));
             let groups = || rings.iter().zip(&tops).map(|(ring, top)| (ring, i64::from(top + 3 * M / 2)));
             let sorted = sort_by_horizon((uav, 0.0), 0, prisms(), groups());
             let solids = |keep: &dyn Fn(usize) -> bool| {

@@ -99,7 +99,7 @@ fn are_cast(scene: &ShadowScene<'_>, uav: LatticePoint, heights_of: &HeightsOf) 
     if let HeightsOf::Uav { .. } = heights_of {
         return vec![true; casters.len()];
     }
-    let prisms = casters.iter().map(|caster| (scene.casters.ring(caster), i64::from(caster.top)));
+    let prisms = casters.iter().map(|caster| (scene.casters.ring(caster), scene.casters.range(caster)));
     let no_groups = std::iter::empty::<([[i32; 2]; 0], i64)>();
     let sorted = sort_by_horizon((uav, 0.0), i64::MAX, prisms, no_groups);
     sorted.prisms.iter().map(Option::is_some).collect()

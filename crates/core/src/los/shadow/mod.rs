@@ -53,8 +53,8 @@
 //! **Curved earth** ([`curve`]). Shadows end along a curve there, which is between two lines that are some µm of height apart; what is between
 //! them is in doubt.
 //!
-//! **Possible extensions.** A roof that is a plane makes the end of a
-//! shadow the projection of its upper edges, each at a height of its own: in `Outline::cast` and in the edges of [`least_heights`].
+//! **Sloped roofs** ([`sloped`]). Where a roof is a plane, the shadow ends at the projection of its upper edges, each corner at a height of its own;
+//! from a UAV below that plane, at that of the near ones. All else is as above.
 
 mod band;
 mod cast;
@@ -70,6 +70,7 @@ mod plane;
 mod plateaus;
 mod positions;
 mod scene;
+mod sloped;
 mod spans;
 mod words;
 

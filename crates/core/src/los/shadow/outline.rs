@@ -58,6 +58,11 @@ impl Reach {
         Reach { far, bend: Some(bend), ..Reach::ENDLESS }
     }
 
+    /// Where it begins, relative to the near edges.
+    pub(super) fn near(self) -> f64 {
+        self.near
+    }
+
     /// Where it ends, relative to the far edges; infinite if never.
     pub(super) fn far(self) -> f64 {
         self.far
@@ -130,7 +135,8 @@ pub(super) struct Outline {
 }
 
 /// What the sum of the magnitudes of a bound's terms is at most.
-struct Magnitude(f64);
+#[derive(Debug, Default)]
+pub(super) struct Magnitude(f64);
 
 impl Outline {
     /// Makes this the outline of the shadow of a convex counterclockwise ring within `bounds` (west, south, east,
@@ -142,7 +148,7 @@ impl Outline {
         if !self.begin(plane, reach.extent(bounds, (ux, uy))) {
             return false;
         }
-        let mut magnitude = Magnitude(0.0);
+        let mut magnitude = Magnitude::default();
         let from_uav = |v: [i32; 2]| [i64::from(v[0]) - ux, i64::from(v[1]) - uy];
         let n = ring.len();
         let mut a = from_uav(ring[n - 1]);
@@ -203,7 +209,7 @@ impl Outline {
         if !self.begin(plane, extent) {
             return false;
         }
-        let mut magnitude = Magnitude(0.0);
+        let mut magnitude = Magnitude::default();
         let from_tile = |v: [i32; 2]| [i64::from(v[0]) - ux, i64::from(v[1]) - uy];
         let corners = [[0, 0], [size[0], 0], size, [0, size[1]]];
         // E × (a − r) at the corners differs from that at the first by E × r.
@@ -252,7 +258,7 @@ impl Outline {
 
     /// Begins an outline within `extent` (west, south, east, north of the UAV); `false` if no wanted cell is near.
     #[inline(always)]
-    fn begin(&mut self, plane: &Plane, [west, south, east, north]: [f64; 4]) -> bool {
+    pub(super) fn begin(&mut self, plane: &Plane, [west, south, east, north]: [f64; 4]) -> bool {
         (self.south, self.north) = (south, north);
         self.extent = (west, east);
         if !plane.overlaps([west, south, east, north]) {
@@ -267,15 +273,20 @@ impl Outline {
 
     /// Ends an outline; `false` if it is empty.
     #[inline(always)]
-    fn finish(&mut self, plane: &Plane, magnitude: &Magnitude) -> bool {
+    pub(super) fn finish(&mut self, plane: &Plane, magnitude: &Magnitude) -> bool {
         self.margin = ROUNDING * (magnitude.0 + plane.origin.abs() + 1.0) + plane.unevenness;
         self.south <= self.north
     }
 
+    /// Makes it one of no cell.
+    pub(super) fn close(&mut self) {
+        self.south = f64::INFINITY;
+    }
+
     /// Adds the half-plane `cross(edge, p − u) > k`.
     #[inline(always)]
-    fn add(&mut self, plane: &Plane, edge: [i64; 2], k: f64, magnitude: &mut Magnitude) {
-        #[expect(clippy::cast_precision_loss, reason = "differences of at most 2^33")]
+    pub(super) fn add(&mut self, plane: &Plane, edge: [i64; 2], k: f64, magnitude: &mut Magnitude) {
+        #[expect(clippy::cast_precision_loss, reason = "rounded once if at all, within the margin")]
         let (ex, ey) = (edge[0] as f64, edge[1] as f64);
         if edge[1] == 0 {
             let bound = k / ex;

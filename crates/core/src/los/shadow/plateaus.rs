@@ -137,13 +137,13 @@ impl PlateauView {
             overlaps(plateau.rows, window.row, window.n_rows) && overlaps(plateau.cols, window.col, window.n_cols)
         };
         let raised: Vec<&Plateau> = plateaus.raised().iter().filter(|plateau| is_in_window(plateau)).collect();
-        let at = |plateau: &Plateau, above: i32| (plateaus.ring(plateau), i64::from(plateau.top) + i64::from(above));
+        let receivers_on = |plateau: &Plateau| (plateaus.ring(plateau), i64::from(plateau.top) + i64::from(above));
         // The shadows of what is left are cast later, once the prisms are joined.
         let sorted = sort_by_horizon(
             (uav, 0.0),
             uav.z,
-            raised.iter().map(|plateau| at(plateau, 0)),
-            apart.iter().filter(|plateau| is_in_window(plateau)).map(|plateau| at(plateau, above)),
+            raised.iter().map(|plateau| (plateaus.ring(plateau), (plateau.top, plateau.top))),
+            apart.iter().filter(|plateau| is_in_window(plateau)).map(receivers_on),
         );
         let (mut prisms, mut groups) = (sorted.prisms.iter(), sorted.groups.iter());
         let before_horizon = (raised.len() < plateaus.raised().len() || sorted.prisms.iter().any(Option::is_none))

@@ -149,7 +149,7 @@ impl UavPositions<'_> {
             if let Some(reach) = Reach::new(highest, caster.top, self.z) {
                 let mut is_any_hidden = true;
                 for (plane, outline) in planes.iter().zip(&mut of_corners) {
-                    is_any_hidden = is_any_hidden && outline.cast(plane, ring, caster.bounds, reach);
+                    is_any_hidden = is_any_hidden && outline.cast_roof(plane, (self.casters, caster), reach, self.z);
                 }
                 if is_any_hidden {
                     clear_umbra(simd, &planes, &of_corners, &mut left);
@@ -184,9 +184,9 @@ impl UavPositions<'_> {
         let mut left = Band::new(asked.words_mut(), words_per_row);
         let mut outline = Outline::default();
         for &k in &in_view.casters {
-            let (caster, ring) = self.caster(k);
+            let (caster, _) = self.caster(k);
             let Some(reach) = Reach::new(receiver.z, caster.top, self.z) else { continue };
-            if outline.cast(&plane, ring, caster.bounds, reach) {
+            if outline.cast_roof(&plane, (self.casters, caster), reach, self.z) {
                 job.hide(simd, &outline, &mut left);
             }
         }
