@@ -29,6 +29,7 @@ class _AnyScene(TypedDict, total=False):
     height_unit: str | None
     levels_field: str | None
     height_error_field: str | None
+    roofs: str | None
     layer: str | None
     missing: str | None
     base: str | None

@@ -82,7 +82,8 @@ impl From<skyshed_io::Error> for Failure {
 }
 
 /// The options of a scene that the library names, as they are typed.
-const FLAGS: [(&str, &str); 33] = [
+const FLAGS: [(&str, &str); 34] = [
+    ("roofs", "--roofs"),
     ("area", "--area"),
     ("weights", "--weights"),
     ("count", "--count"),

@@ -18,7 +18,6 @@ use crate::export::{
     Batch, CityMesh, Format, MitsubaScene, add_mitsuba, city_mesh, encode_table, ns3_boxes, with_suffix,
 };
 use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
-use crate::height_field::{ConvexPieces, convex_pieces};
 use crate::picture::{Look, crs_words, picture_provenance, program, written};
 use crate::quantity::{Frame, VOID, meters, tidy};
 use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, grouped};
@@ -157,7 +156,7 @@ impl Conversion {
         let (prisms, surface, ground);
         let model = match &self.footprints {
             Some((footprints, frame)) => {
-                prisms = footprints.iter().flat_map(|f| prisms_of(f, *frame, &local)).collect::<Vec<CityPrism>>();
+                prisms = footprints.iter().map(|f| prism_of(f, *frame, &local)).collect::<Vec<CityPrism>>();
                 CityModel::Prisms(&prisms)
             }
             None => {
@@ -296,27 +295,17 @@ impl Answer for Conversion {
     }
 }
 
-/// The polygons of a footprint for drawing, with their roofs cut into triangles.
-fn prisms_of(footprint: &Footprint, frame: Frame, local: &impl Fn([f64; 2]) -> [f64; 2]) -> Vec<CityPrism> {
-    let point = |p: &[i32; 2]| {
-        let (x, y) = frame.world_from_lattice(f64::from(p[0]), f64::from(p[1]));
-        local([x, y])
+/// A footprint for drawing.
+fn prism_of(footprint: &Footprint, frame: Frame, local: &impl Fn([f64; 2]) -> [f64; 2]) -> CityPrism {
+    let point = |[x, y, z]: &[i32; 3]| {
+        let (x, y) = frame.world_from_lattice(f64::from(*x), f64::from(*y));
+        let [x, y] = local([x, y]);
+        [x, y, meters(*z)]
     };
-    let fan = |ring: &Vec<[i32; 2]>| {
-        let points: Vec<[f64; 2]> = ring.iter().map(point).collect();
-        (2..points.len()).map(move |k| [points[0], points[k - 1], points[k]]).collect::<Vec<_>>()
-    };
-    let prism = |rings: &Vec<Vec<[i32; 2]>>| {
-        let pieces = match convex_pieces(rings) {
-            ConvexPieces::Exact(pieces) => pieces,
-            ConvexPieces::Hull(hull) => vec![hull],
-        };
-        CityPrism {
-            rings: rings.iter().map(|r| r.iter().map(point).collect()).collect(),
-            roof_triangles: pieces.iter().flat_map(fan).collect(),
-            base_m: meters(footprint.bottom()),
-            top_m: meters(footprint.top),
-        }
-    };
-    footprint.polygons.iter().map(prism).collect()
+    CityPrism {
+        roof_triangles: footprint.roof_triangles().iter().map(|corners| corners.each_ref().map(point)).collect(),
+        wall_edges: footprint.wall_edges().iter().map(|ends| ends.each_ref().map(point)).collect(),
+        base_m: meters(footprint.bottom()),
+        top_m: meters(footprint.top),
+    }
 }

@@ -51,6 +51,7 @@ impl SceneOptions {
     pub fn of_buildings(&self, name: &str, buildings: &[HeldBuilding<'_>]) -> Result<Scene> {
         // A building in memory has a height and no other property.
         let of_files = [
+            ("roofs", self.roofs.is_some()),
             ("layer", self.layer.is_some()),
             ("levels_field", self.levels_field.is_some()),
             ("height_error_field", self.height_error_field.is_some()),

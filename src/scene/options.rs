@@ -14,9 +14,9 @@ use crate::formats::RasterFile;
 use crate::memory::{ANY_WORK, cells_of, check_bytes};
 use crate::raster::{Crs, GeoRef};
 use crate::read::{
-    BaseRule, DataAreaChoice, FootprintOptions, HeightUnit, MeshOptions, MissingHeight, Projection, Repair,
+    BaseRule, DataAreaChoice, FootprintOptions, HeightUnit, MeshOptions, MissingHeight, Projection, Repair, Roofs,
     SurfaceOptions, SystemSaid, VectorFormat, compare_vertical, read_footprints, read_footprints_and_repairs,
-    read_mesh, read_surface, vertical_of,
+    read_mesh, read_mesh_buildings, read_surface, vertical_of,
 };
 
 /// How a scene is read; what is not set is as the program does it. What has no meaning for the kind of the scene is an
@@ -31,6 +31,7 @@ pub struct SceneOptions {
     pub(crate) height_unit: Option<HeightUnit>,
     pub(crate) levels_field: Option<String>,
     pub(crate) height_error_field: Option<String>,
+    pub(crate) roofs: Option<Roofs>,
     pub(crate) layer: Option<String>,
     pub(crate) missing: Option<MissingHeight>,
     pub(crate) base: Option<BaseRule>,
@@ -105,6 +106,12 @@ impl SceneOptions {
     /// The property that holds the standard deviation of the error of a footprint's height \[m\]. Default: none.
     pub fn height_error_field(self, name: impl Into<String>) -> Self {
         SceneOptions { height_error_field: Some(name.into()), ..self }
+    }
+
+    /// The shape of roofs of CityJSON; of a mesh, it is read as buildings then. Default: flat, and a mesh is a surface model.
+    #[must_use]
+    pub fn roofs(self, shape: Roofs) -> Self {
+        SceneOptions { roofs: Some(shape), ..self }
     }
 
     /// The table of a GeoPackage; needed where it has several.
@@ -259,6 +266,10 @@ impl SceneOptions {
             if is_raster(path) {
                 return Ok(read_surface(path, &self.of_raster()?, odd)?);
             }
+            if self.roofs.is_some() {
+                self.refuse("a mesh", &[("layer", self.layer.is_some())])?;
+                return Ok(read_mesh_buildings(path, &self.of_solids()?, odd)?);
+            }
             self.refuse("a mesh", &[("size_m", self.size_m.is_some()), ("project", self.project.is_some())])?;
             self.refuse("a mesh", &self.of_footprints())?;
             let options = MeshOptions { surface: self.of_surface()?, extent: self.extent, cell_m: self.cell_m };
@@ -267,7 +278,7 @@ impl SceneOptions {
         if format != VectorFormat::GeoPackage {
             self.refuse("a file that is no GeoPackage", &[("layer", self.layer.is_some())])?;
         }
-        let options = self.of_vector()?;
+        let options = if self.roofs.is_some() { self.of_solids()? } else { self.of_vector()? };
         let Some(list) = &self.repairs else { return Ok(read_footprints(path, &options, odd)?) };
         let (scene, repairs) = read_footprints_and_repairs(path, &options, odd)?;
         // A scene that is read twice is the same.
@@ -357,6 +368,19 @@ impl SceneOptions {
         })
     }
 
+    /// How buildings are read whose heights are those of their surfaces.
+    fn of_solids(&self) -> Result<FootprintOptions> {
+        let of_properties = [
+            ("height_field", self.height_field.is_some()),
+            ("top_field", self.top_field.is_some()),
+            ("height_unit", self.height_unit.is_some()),
+            ("levels_field", self.levels_field.is_some()),
+            ("missing", self.missing.is_some()),
+        ];
+        self.refuse("roofs of surfaces", &of_properties)?;
+        self.of_vector()
+    }
+
     /// How footprints are read.
     pub(super) fn of_vector(&self) -> Result<FootprintOptions> {
         let threshold = ("building_threshold_m", self.building_threshold_m.is_some());
@@ -376,6 +400,7 @@ impl SceneOptions {
             height_unit: self.height_unit.unwrap_or_default(),
             levels_field: self.levels_field.clone().unwrap_or(defaults.levels_field),
             height_error_field: self.height_error_field.clone(),
+            roofs: self.roofs,
             missing: self.missing.unwrap_or(if self.tells_faults {
                 MissingHeight::Drop
             } else {
@@ -397,8 +422,9 @@ impl SceneOptions {
     }
 
     /// What only footprints can use.
-    fn of_footprints(&self) -> [Set; 9] {
+    fn of_footprints(&self) -> [Set; 10] {
         [
+            ("roofs", self.roofs.is_some()),
             ("height_field", self.height_field.is_some()),
             ("top_field", self.top_field.is_some()),
             ("height_unit", self.height_unit.is_some()),

@@ -131,13 +131,13 @@ pub struct Obstruction {
     pub roof_height_m: Option<f64>,
 }
 
-/// A stretch of constant height below a link.
+/// A stretch below a link, with its heights where it starts and where it ends.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[expect(missing_docs, reason = "named as in the program's documents")]
 pub struct Step {
     pub from_m: f64,
     pub to_m: f64,
-    pub height_m: f64,
+    pub heights_m: [f64; 2],
     pub kind: &'static str,
 }
 

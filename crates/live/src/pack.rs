@@ -8,12 +8,12 @@ use std::fmt;
 
 pub use crate::packed_zones::PackedZones;
 
-use skyshed_core::city::{Area, DataArea, Footprint, FootprintFaults, Ground, Solids};
+use skyshed_core::city::{Area, DataArea, Footprint, FootprintFaults, Ground, RoofTriangle, Solids};
 use skyshed_core::quantity::Frame;
 use skyshed_core::raster::{BitGrid, Crs, CrsDefinition, CrsKind, GeoRef, Raster};
 
 /// The first bytes; the number grows whenever the others change.
-const MAGIC: &[u8] = b"skyshed scene 1\n";
+const MAGIC: &[u8] = b"skyshed scene 2\n";
 
 /// The most cells that a page holds: 16 million, of 4096 × 4096.
 pub const MOST_CELLS: usize = 1 << 24;
@@ -247,7 +247,7 @@ impl Out {
         }
     }
 
-    /// Kind by kind: ids, numbers of polygons, rings and points, corners, tops and bases.
+    /// Kind by kind: ids, numbers of polygons, rings and points, corners, tops and bases, and triangles of roofs with their corners.
     fn footprints(&mut self, footprints: &[Footprint]) {
         self.list(footprints, |out, f| out.list(f.id.as_bytes(), |out, byte| out.0.push(*byte)));
         footprints.iter().for_each(|f| {
@@ -263,6 +263,14 @@ impl Out {
         }
         footprints.iter().for_each(|f| self.int(i64::from(f.top)));
         footprints.iter().for_each(|f| self.option(f.base, |out, base| out.int(i64::from(base))));
+        footprints.iter().for_each(|f| self.count(f.roof.len() as u64));
+        for axis in 0..3 {
+            let mut last = 0;
+            footprints.iter().flat_map(|f| f.roof.as_flattened()).for_each(|corner| {
+                self.int(i64::from(corner[axis]) - last);
+                last = i64::from(corner[axis]);
+            });
+        }
     }
 }
 
@@ -377,18 +385,40 @@ impl In<'_> {
         }
         let tops = ids.iter().map(|_| self.narrow()).collect::<Result<Vec<i32>, _>>()?;
         let bases = ids.iter().map(|_| self.option(Self::narrow)).collect::<Result<Vec<Option<i32>>, _>>()?;
-        let parts = ids.into_iter().zip(polygons).zip(tops.into_iter().zip(bases));
+        let mut roofs = Vec::with_capacity(ids.len());
+        for _ in &ids {
+            roofs.push(vec![[[0_i32; 3]; 3]; self.length()?]);
+        }
+        for axis in 0..3 {
+            let mut last = 0_i64;
+            for corner in roofs.iter_mut().flatten().flatten() {
+                last = last.wrapping_add(self.int()?);
+                corner[axis] = i32::try_from(last).map_err(|_| NotPacked)?;
+            }
+        }
+        if roofs.iter().flatten().any(|corners| !is_roof(corners)) {
+            return Err(NotPacked);
+        }
+        let parts = ids.into_iter().zip(polygons).zip(tops.into_iter().zip(bases)).zip(roofs);
         Ok(parts
-            .map(|((id, polygons), (top, base))| Footprint {
+            .map(|(((id, polygons), (top, base)), roof)| Footprint {
                 id,
                 polygons,
                 top,
-                roof: Vec::new(),
+                roof,
                 base,
                 height_error: None,
             })
             .collect())
     }
+}
+
+/// Whether corners can be those of a triangle of a roof.
+fn is_roof([a, b, c]: &RoofTriangle) -> bool {
+    let side = |from: &[i32; 3], to: &[i32; 3], axis: usize| i64::from(to[axis]) - i64::from(from[axis]);
+    let is_near = |to: &[i32; 3]| (0..2).all(|axis| side(a, to, axis).abs() <= 1 << 26);
+    let doubled = || side(a, b, 0) * side(a, c, 1) - side(a, b, 1) * side(a, c, 0);
+    is_near(b) && is_near(c) && doubled() > 0
 }
 
 #[cfg(test)]
@@ -412,7 +442,7 @@ mod tests {
             id: "ä<b>".into(),
             polygons: vec![vec![ring.clone()]; 2],
             top: -9,
-            roof: Vec::new(),
+            roof: vec![[[-5, 7, -9], [2_000_000, 8, -100], [3, 2_000_000, -9]]],
             base,
             height_error: None,
         };

@@ -100,7 +100,7 @@ fn check(picture: &CityPicture<'_>) -> Result<(), String> {
         }
         CityModel::Prisms(prisms) => {
             let is_good = |p: &CityPrism| {
-                let mut corners = p.rings.iter().flatten().chain(p.roof_triangles.iter().flatten());
+                let mut corners = p.wall_edges.iter().flatten().chain(p.roof_triangles.iter().flatten());
                 p.base_m.is_finite() && p.top_m.is_finite() && corners.all(|c| c.iter().all(|m| m.is_finite()))
             };
             check::each(prisms, is_good, |_| "a building", "finite coordinates and heights")

@@ -16,22 +16,22 @@ const MOST_COLUMNS: usize = 1600;
 /// How a city is given.
 #[derive(Clone, Copy, Debug)]
 pub enum CityModel<'a> {
-    /// Footprints with flat tops.
+    /// Footprints with roofs.
     Prisms(&'a [CityPrism]),
     /// A raster over the whole extent, each cell a column.
     Heights(CityHeights<'a>),
 }
 
-/// A building: footprint, ground and roof.
+/// A building: ground, roof and walls.
 #[derive(Clone, Debug)]
 pub struct CityPrism {
-    /// Outer ring and holes, without the first point repeated at the end \[m\].
-    pub rings: Vec<Vec<[f64; 2]>>,
-    /// The footprint cut into triangles \[m\].
-    pub roof_triangles: Vec<[[f64; 2]; 3]>,
+    /// The roof as triangles, each corner with its height \[m\].
+    pub roof_triangles: Vec<[[f64; 3]; 3]>,
+    /// The upper edges of its walls, from which they lead down to the ground \[m\].
+    pub wall_edges: Vec<[[f64; 3]; 2]>,
     /// Height of the ground \[m\].
     pub base_m: f64,
-    /// Height of the roof \[m\].
+    /// Height of the roof, where it is highest \[m\].
     pub top_m: f64,
 }
 
@@ -49,11 +49,12 @@ pub struct CityHeights<'a> {
     pub ground_m: &'a [f32],
 }
 
-/// Tags: the normal in the upper 8 bits (0 is up, else a direction), the face's owner in the lower 24.
-pub(crate) const OWNER_BITS: u32 = 24;
-pub(crate) const OWNER: u32 = (1 << OWNER_BITS) - 1;
-pub(crate) const GROUND: u32 = OWNER;
-pub(crate) const PLATE: u32 = OWNER - 1;
+/// Tags: the face's owner in the lowest 24 bits, the normal of a wall in the next 8 (0 is none), that of a slope in the upper 32 (0 is up).
+const OWNER_BITS: u32 = 24;
+const SLOPE_BITS: u32 = 32;
+pub(crate) const OWNER: u64 = (1 << OWNER_BITS) - 1;
+pub(crate) const GROUND: u64 = OWNER;
+pub(crate) const PLATE: u64 = OWNER - 1;
 
 /// The solids of a city around a local origin, ready to be drawn from any side.
 #[derive(Debug)]
@@ -114,8 +115,8 @@ impl<'a> Solids<'a> {
     }
 
     /// Height of the owner of a face above its ground \[m\], or nothing for open ground.
-    pub(crate) fn height_of(&self, owner: u32) -> Option<f64> {
-        let owner = (owner as usize).checked_sub(1)?;
+    pub(crate) fn height_of(&self, owner: u64) -> Option<f64> {
+        let owner = usize::try_from(owner).ok()?.checked_sub(1)?;
         match &self.model {
             Columns::Prisms(prisms) => prisms.get(owner).map(|p| p.top_m - p.base_m),
             Columns::Raster { tops, .. } => {
@@ -140,7 +141,7 @@ impl<'a> Solids<'a> {
     }
 
     /// Calls `draw` with the corners and the tag of each face that `view` may see, in local coordinates.
-    fn faces(&self, view: &View, mut draw: impl FnMut(&[DVec3], u32)) {
+    fn faces(&self, view: &View, mut draw: impl FnMut(&[DVec3], u64)) {
         let (corners, floor) = self.plate();
         for (k, outward) in SIDES.into_iter().enumerate() {
             draw(&wall(corners[k], corners[(k + 1) % 4], [0.0, floor]), wall_tag(outward, PLATE));
@@ -149,7 +150,7 @@ impl<'a> Solids<'a> {
             Columns::Prisms(prisms) => {
                 draw(&corners.map(|c| c.extend(0.0)), GROUND);
                 for (i, prism) in prisms.iter().enumerate() {
-                    let owner = u32::try_from(i + 1).unwrap_or(OWNER).min(PLATE - 1);
+                    let owner = (i as u64 + 1).min(PLATE - 1);
                     self.prism_faces(prism, owner, &mut draw);
                 }
             }
@@ -157,19 +158,18 @@ impl<'a> Solids<'a> {
         }
     }
 
-    fn prism_faces(&self, prism: &CityPrism, owner: u32, draw: &mut impl FnMut(&[DVec3], u32)) {
-        let (base, top) = (prism.base_m - self.origin.z, prism.top_m - self.origin.z);
-        let local = |p: [f64; 2]| DVec2::from(p) - self.origin.truncate();
+    fn prism_faces(&self, prism: &CityPrism, owner: u64, draw: &mut impl FnMut(&[DVec3], u64)) {
+        let base = prism.base_m - self.origin.z;
         for triangle in &prism.roof_triangles {
-            draw(&triangle.map(|p| local(p).extend(top)), owner);
+            let corners = triangle.map(|p| DVec3::from(p) - self.origin);
+            draw(&corners, slope_tag(corners, owner));
         }
-        for ring in &prism.rings {
-            for (i, &from) in ring.iter().enumerate() {
-                let (from, to) = (local(from), local(ring[(i + 1) % ring.len()]));
-                let outward = (to - from).perp();
-                if outward != DVec2::ZERO {
-                    draw(&wall(from, to, [top, base]), wall_tag(outward, owner));
-                }
+        for edge in &prism.wall_edges {
+            let [from, to] = edge.map(|p| DVec3::from(p) - self.origin);
+            let outward = (to - from).truncate().perp();
+            if outward != DVec2::ZERO {
+                let (foot_from, foot_to) = (from.truncate().extend(base), to.truncate().extend(base));
+                draw(&[from, to, foot_to, foot_from], wall_tag(outward, owner));
             }
         }
     }
@@ -180,7 +180,7 @@ impl<'a> Solids<'a> {
         n_cols: usize,
         n_rows: usize,
         view: &View,
-        draw: &mut impl FnMut(&[DVec3], u32),
+        draw: &mut impl FnMut(&[DVec3], u64),
     ) {
         let step = DVec2::new(self.size.x / n_cols as f64, self.size.y / n_rows as f64);
         let top_of = |row: usize, col: usize| f64::from(tops[row * n_cols + col][0]) - self.origin.z;
@@ -201,7 +201,7 @@ impl<'a> Solids<'a> {
                 if !top.is_finite() {
                     continue;
                 }
-                let owner = u32::try_from(row * n_cols + col + 1).unwrap_or(OWNER).min(PLATE - 1);
+                let owner = (row as u64 * n_cols as u64 + col as u64 + 1).min(PLATE - 1);
                 if col + 1 == n_cols || bits(col + 1) != bits(col) {
                     draw(&box_of(row, run, col + 1).map(|c| c.extend(top)), owner);
                 }
@@ -242,8 +242,7 @@ impl<'a> Solids<'a> {
         match &self.model {
             Columns::Prisms(prisms) => {
                 for prism in *prisms {
-                    let corners = prism.rings.iter().flatten().map(|&c| DVec2::from(c) - self.origin.truncate());
-                    points.extend(corners.map(|c| c.extend(prism.top_m - self.origin.z)));
+                    points.extend(prism.wall_edges.iter().flatten().map(|&c| DVec3::from(c) - self.origin));
                 }
             }
             Columns::Raster { tops, n_cols, n_rows } => {
@@ -292,19 +291,37 @@ fn wall(from: DVec2, to: DVec2, [top, foot]: [f64; 2]) -> [DVec3; 4] {
 }
 
 /// Tags a wall: the direction of its normal in 254 steps around a square, which needs no angle.
-fn wall_tag(outward: DVec2, owner: u32) -> u32 {
+fn wall_tag(outward: DVec2, owner: u64) -> u64 {
     let t = outward.y / (outward.x.abs() + outward.y.abs());
     let around = if outward.x >= 0.0 { 1.0 + t } else { 3.0 - t };
-    let step = u32::try_from(colors::index(around / 4.0 * 254.0, 253)).unwrap_or(0);
+    let step = colors::index(around / 4.0 * 254.0, 253) as u64;
     (step + 1) << OWNER_BITS | owner
 }
 
+/// Tags a roof: the eastern and the northern component of its normal, in 16 bits each.
+fn slope_tag([a, b, c]: [DVec3; 3], owner: u64) -> u64 {
+    let normal = (b - a).cross(c - a).normalize_or_zero() * (b - a).cross(c - a).z.signum();
+    #[expect(clippy::cast_possible_truncation, reason = "within ±32767")]
+    let part = |v: f64| u64::from(((v * 32_767.0) as i16).cast_unsigned());
+    (part(normal.x) | part(normal.y) << 16) << SLOPE_BITS | owner
+}
+
+/// Whether a face is a roof, or ground.
+pub(crate) fn is_roof(tag: u64) -> bool {
+    (tag >> OWNER_BITS).trailing_zeros() >= SLOPE_BITS - OWNER_BITS
+}
+
 /// Returns the normal of a tagged face.
-pub(crate) fn normal_of(tag: u32) -> DVec3 {
-    let code = tag >> OWNER_BITS;
-    if code == 0 {
-        return DVec3::Z;
+pub(crate) fn normal_of(tag: u64) -> DVec3 {
+    if is_roof(tag) {
+        let part = |from: u32| {
+            let bits = (tag >> (SLOPE_BITS + from) & 0xFFFF) as u16;
+            f64::from(bits.cast_signed()) / 32_767.0
+        };
+        let (x, y) = (part(0), part(16));
+        return DVec3::new(x, y, (1.0 - x * x - y * y).max(0.0).sqrt());
     }
+    let code = (tag >> OWNER_BITS & 0xFF) as u8;
     let around = (f64::from(code) - 0.5) / 254.0 * 4.0;
     let (x, y) = if around < 2.0 {
         (1.0 - (around - 1.0).abs(), around - 1.0)
@@ -318,9 +335,10 @@ pub(crate) fn normal_of(tag: u32) -> DVec3 {
 #[cfg(test)]
 pub(crate) fn block(west: f64, south: f64, side: f64, top_m: f64) -> CityPrism {
     let (e, n) = (west + side, south + side);
-    let ring = vec![[west, south], [e, south], [e, n], [west, n]];
+    let ring = [[west, south], [e, south], [e, n], [west, n]].map(|[x, y]| [x, y, top_m]);
     let roof_triangles = vec![[ring[0], ring[1], ring[2]], [ring[0], ring[2], ring[3]]];
-    CityPrism { rings: vec![ring], roof_triangles, base_m: 0.0, top_m }
+    let wall_edges = (0..4).map(|k| [ring[k], ring[(k + 1) % 4]]).collect();
+    CityPrism { roof_triangles, wall_edges, base_m: 0.0, top_m }
 }
 
 #[cfg(test)]
@@ -334,5 +352,17 @@ mod tests {
             assert!(normal.truncate().dot(DVec2::new(x, y).normalize()) > 0.999, "{x}, {y}: {normal}");
         }
         assert_eq!(normal_of(5), DVec3::Z);
+    }
+
+    #[test]
+    fn normals_of_slopes_survive_their_tag_and_look_up() {
+        // Rises by 3 in 4 to the east, whichever way its corners run.
+        let (a, b, c) = (DVec3::ZERO, DVec3::new(4.0, 0.0, 3.0), DVec3::new(4.0, 4.0, 3.0));
+        for corners in [[a, b, c], [c, b, a]] {
+            let tag = slope_tag(corners, 7);
+            assert!(is_roof(tag) && tag & OWNER == 7);
+            assert!((normal_of(tag) - DVec3::new(-0.6, 0.0, 0.8)).length() < 1e-3, "{}", normal_of(tag));
+        }
+        assert!(!is_roof(wall_tag(DVec2::X, 7)) && is_roof(slope_tag([DVec3::ZERO; 3], 7)));
     }
 }

@@ -8,7 +8,7 @@ use image::RgbaImage;
 use rayon::prelude::*;
 
 use super::city_light::Atmosphere;
-use super::city_solids::{GROUND, OWNER, OWNER_BITS, PLATE, Solids, normal_of};
+use super::city_solids::{GROUND, OWNER, PLATE, Solids, is_roof, normal_of};
 use super::colors::{self, Light, Ramp, Rgb};
 use super::z_buffer::{Projection, View, ZBuffer, samples};
 
@@ -49,14 +49,14 @@ pub(crate) fn draw_view(solids: &Solids<'_>, size: [usize; 2], tallest_m: f64) -
             normal = -normal;
         }
         let color = albedo(solids, tag, tallest_m);
-        let color = if tag >> OWNER_BITS == 0 { color } else { colors::mix(color, [0x8C, 0x90, 0x96], 0.18) };
+        let color = if is_roof(tag) { color } else { colors::mix(color, [0x8C, 0x90, 0x96], 0.18) };
         let line = if outlined && is_outline(&buffer, tag, x, y) { 0.66 } else { 1.0 };
         colors::shade(color, line * atmosphere.light(point, normal))
     });
     (image, view)
 }
 
-fn albedo(solids: &Solids<'_>, tag: u32, tallest_m: f64) -> Rgb {
+fn albedo(solids: &Solids<'_>, tag: u64, tallest_m: f64) -> Rgb {
     match tag & OWNER {
         GROUND => colors::OPEN_GROUND,
         PLATE => [0xD8, 0xD5, 0xCC],
@@ -65,7 +65,7 @@ fn albedo(solids: &Solids<'_>, tag: u32, tallest_m: f64) -> Rgb {
 }
 
 /// Returns whether a sample borders another building, another side of its own, or the ground.
-fn is_outline(buffer: &ZBuffer, tag: u32, x: usize, y: usize) -> bool {
+fn is_outline(buffer: &ZBuffer, tag: u64, x: usize, y: usize) -> bool {
     let differs = |x: usize, y: usize| {
         let other = buffer.tag[y * buffer.width + x];
         if other == tag || other == 0 {
@@ -78,7 +78,7 @@ fn is_outline(buffer: &ZBuffer, tag: u32, x: usize, y: usize) -> bool {
 }
 
 /// Colors all samples and averages them in linear light; where nothing is, the paper is white.
-fn resolve(buffer: &ZBuffer, size: [usize; 2], color: impl Fn(u32, usize, usize) -> Rgb + Sync) -> RgbaImage {
+fn resolve(buffer: &ZBuffer, size: [usize; 2], color: impl Fn(u64, usize, usize) -> Rgb + Sync) -> RgbaImage {
     let light = Light::tables();
     let mut pixels = vec![255_u8; size[0] * size[1] * 4];
     pixels.par_chunks_exact_mut(size[0] * 4).enumerate().for_each(|(row, pixels)| {

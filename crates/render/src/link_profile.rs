@@ -49,7 +49,7 @@ pub struct Obstruction {
 
 /// How meters map to the drawing.
 fn window(profile: &LinkProfile<'_>) -> Window {
-    let heights = profile.steps.iter().map(|step| step.height_m).chain([profile.uav_m, profile.receiver_m]);
+    let heights = profile.steps.iter().flat_map(|step| step.heights_m).chain([profile.uav_m, profile.receiver_m]);
     let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
     let span = (high - low).max(1.0);
     let side = 0.07 * profile.distance_m;
@@ -97,7 +97,8 @@ fn stretch(exaggeration: f64) -> String {
 fn check(profile: &LinkProfile<'_>) -> Result<(), String> {
     check::ends("a link", [0.0, profile.distance_m])?;
     let obstruction = profile.obstruction.map_or([0.0; 3], |o| [o.distance_m, o.ray_height_m, o.roof_height_m]);
-    let is_good = |s: &ProfileStep| s.from_m <= s.to_m && [s.from_m, s.to_m, s.height_m].iter().all(|m| m.is_finite());
+    let is_good =
+        |s: &ProfileStep| s.from_m <= s.to_m && [s.from_m, s.to_m].iter().chain(&s.heights_m).all(|m| m.is_finite());
     let are_finite = [profile.uav_m, profile.receiver_m].iter().chain(&obstruction).all(|m| m.is_finite());
     match are_finite && profile.steps.iter().all(is_good) {
         true => Ok(()),
@@ -123,18 +124,25 @@ fn steps(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
     let mut drawing = Drawing::default();
     let of_kind = |kind| profile.steps.iter().filter(move |step| step.kind == kind);
     for step in of_kind(StepKind::Terrain).chain(of_kind(StepKind::Building)) {
-        let [x0, y] = window.at(step.from_m, step.height_m);
-        let [x1, _] = window.at(step.to_m, step.height_m);
+        let [x0, y0] = window.at(step.from_m, step.heights_m[0]);
+        let [x1, y1] = window.at(step.to_m, step.heights_m[1]);
         if x1 <= x0 {
             continue;
         }
-        let area = [x0, y, x1 - x0, HEIGHT - y];
+        let fill = |drawing: &mut Drawing, color: &str| {
+            let fill = format!("fill=\"{color}\"");
+            // A rectangle is sharper than any other shape.
+            match step.heights_m[0].total_cmp(&step.heights_m[1]).is_eq() {
+                true => drawing.rect([x0, y0, x1 - x0, HEIGHT - y0], &fill),
+                false => drawing.polygon(&[[x0, HEIGHT], [x0, y0], [x1, y1], [x1, HEIGHT]], &fill),
+            }
+        };
         if step.kind == StepKind::Building {
-            drawing.rect(area, &format!("fill=\"{BUILDING_FILL}\""));
-            drawing.polyline(&[[x0, HEIGHT], [x0, y], [x1, y], [x1, HEIGHT]], &stroke("#6B7178", 1.6, ""));
+            fill(&mut drawing, BUILDING_FILL);
+            drawing.polyline(&[[x0, HEIGHT], [x0, y0], [x1, y1], [x1, HEIGHT]], &stroke("#6B7178", 1.6, ""));
         } else {
-            drawing.rect(area, &format!("fill=\"{TERRAIN_FILL}\""));
-            drawing.line([x0, y], [x1, y], &stroke("#8F897B", 2.0, ""));
+            fill(&mut drawing, TERRAIN_FILL);
+            drawing.line([x0, y0], [x1, y1], &stroke("#8F897B", 2.0, ""));
         }
     }
     drawing

@@ -110,7 +110,7 @@ pub(crate) struct ZBuffer {
     /// Depth, larger is nearer; negative infinity where nothing is.
     pub(crate) depth: Vec<f32>,
     /// The tag of the face; 0 where nothing is.
-    pub(crate) tag: Vec<u32>,
+    pub(crate) tag: Vec<u64>,
 }
 
 impl ZBuffer {
@@ -119,7 +119,7 @@ impl ZBuffer {
     }
 
     /// Draws a triangle given in screen coordinates; a sample counts if its center is inside.
-    pub(crate) fn triangle(&mut self, corners: [DVec3; 3], tag: u32) {
+    pub(crate) fn triangle(&mut self, corners: [DVec3; 3], tag: u64) {
         let [a, b, c] = corners;
         let area = (b - a).truncate().perp_dot((c - a).truncate());
         let low = a.min(b).min(c);

@@ -11,7 +11,7 @@ use crate::city::NodataAs;
 use crate::cli::failure::{Result, refusal};
 use crate::cli::typed::Typed;
 use crate::crs;
-use crate::read::{BaseRule, DataAreaChoice, HeightUnit, MissingHeight, Projection};
+use crate::read::{BaseRule, DataAreaChoice, HeightUnit, MissingHeight, Projection, Roofs};
 use crate::scene::{FoundRepairs, Scene, SceneOptions};
 
 const MISSING: Words<MissingHeight> = &[
@@ -32,6 +32,11 @@ const HEIGHT_UNITS: Words<HeightUnit> =
 
 const NODATA: Words<NodataAs> =
     &[("block", "They block everything", NodataAs::Block), ("clear", "They block nothing", NodataAs::Clear)];
+
+const ROOFS: Words<Roofs> = &[
+    ("flat", "Each building as high as it is highest", Roofs::Flat),
+    ("lod2", "As the surfaces of the file have them", Roofs::Lod2),
+];
 
 /// The scene and how it is read.
 #[derive(Debug, Clone, Args)]
@@ -106,6 +111,11 @@ pub(crate) struct ReadingArgs {
     /// Footprints without it have that of `--height-error`.
     #[arg(long, value_name = "NAME", hide_short_help = true)]
     height_error_field: Option<String>,
+    /// Roofs of CityJSON, or of a mesh, which is read as buildings then
+    ///
+    /// Without it, roofs of CityJSON are flat, and a mesh is a surface model.
+    #[arg(long, value_name = "SHAPE", value_parser = one_of(ROOFS), hide_short_help = true)]
+    roofs: Option<Roofs>,
     /// Table of a GeoPackage, where it has several
     #[arg(long, value_name = "NAME", hide_short_help = true)]
     layer: Option<String>,
@@ -174,6 +184,7 @@ impl ReadingArgs {
             height_unit: self.height_unit,
             levels_field: self.levels_field.clone(),
             height_error_field: self.height_error_field.clone(),
+            roofs: self.roofs,
             layer: self.layer.clone(),
             missing: self.missing,
             base: self.base,

@@ -33,6 +33,7 @@ fn of_map(error: &MapError) -> Option<String> {
             return Some(format!("`--method auto` takes `{instead}` here; `ray` decides any scene"));
         }
         MapError::ApproximateLayers { .. } => "`--method auto`, or `--layers los` alone",
+        MapError::CurvedSlopes => "`--roofs flat`, or a flat earth",
         MapError::TooCurved(_) => "a larger `--earth-k`, or a smaller `--radius`",
         MapError::StreamedMethod => "`--method auto` takes `sweep` here",
         MapError::StreamedLayers => "`--layers los,margin,ceiling`, and receivers in no zone",

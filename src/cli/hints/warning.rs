@@ -42,6 +42,7 @@ fn of_file(odd: &OddFile) -> Option<String> {
         OddFile::OtherGround { median_m, .. } => {
             return Some(format!("`--terrain FILE`, or `--ground {}`, the median", tidy(*median_m)));
         }
+        OddFile::FlatRoofs { .. } => "`--roofs lod2` takes them as they are, `--roofs flat` as now",
         OddFile::NoFace { is_known: false, .. } => "`--ground Z` or `--terrain FILE` fills them",
         _ => return None,
     };

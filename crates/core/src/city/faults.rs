@@ -31,13 +31,17 @@ pub enum FootprintFault {
     Part,
     /// A missing height that is that of the storeys.
     HeightFromLevels,
+    /// A building whose roof reaches beyond its ground surfaces: taken as solid below.
+    Overhang,
+    /// A roof with surfaces that cross themselves as seen from above, or are longer than 1024 m: these are taken flat.
+    RoughRoof,
 }
 
 use FootprintFault as F;
 
 impl FootprintFault {
     /// All kinds.
-    pub const ALL: [F; 14] = [
+    pub const ALL: [F; 16] = [
         F::NotAnArea,
         F::SelfIntersection,
         F::StrayHole,
@@ -52,6 +56,8 @@ impl FootprintFault {
         F::Floating,
         F::Part,
         F::HeightFromLevels,
+        F::Overhang,
+        F::RoughRoof,
     ];
 
     /// The word for it, the code of its warning, and what one and many of them are called.
@@ -106,6 +112,22 @@ impl FootprintFault {
             F::HeightFromLevels => {
                 ("height-from-levels", 364, ["height from a number of storeys", "heights from numbers of storeys"])
             }
+            F::Overhang => (
+                "overhang",
+                369,
+                [
+                    "building with a roof that reaches beyond its ground surfaces",
+                    "buildings with roofs that reach beyond their ground surfaces",
+                ],
+            ),
+            F::RoughRoof => (
+                "rough-roof",
+                374,
+                [
+                    "roof with surfaces that cross themselves or are longer than 1024 m",
+                    "roofs with surfaces that cross themselves or are longer than 1024 m",
+                ],
+            ),
         }
     }
 
@@ -134,6 +156,8 @@ impl FootprintFault {
             F::Floating => "taken as solid from the ground up",
             F::Part => "joined with their outlines, the highest of what overlaps counts",
             F::HeightFromLevels => "3 m for each",
+            F::Overhang => "taken as solid below",
+            F::RoughRoof => "these are taken flat at their highest",
             _ => LEFT_OUT,
         }
     }

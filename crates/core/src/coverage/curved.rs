@@ -9,7 +9,7 @@ use super::range::{Heights, Range as InRange};
 use super::stability::ShiftedRoofs;
 use super::{ExplainedLink, HeightLayers, MapOptions, ObstacleKind, ProfileStep, StepKind, Uav};
 use crate::error::{MapError, Result};
-use crate::height_field::{Bulge, Curvature, Drops, HeightField, Place, Station};
+use crate::height_field::{Bulge, Curvature, Drops, HeightField, Place, Prisms, Station};
 use crate::los::GridReceivers;
 use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, height_steps, meters};
 use crate::raster::CellWindow;
@@ -31,9 +31,10 @@ impl CurvedScene {
     /// All of a scene as a UAV at a place sees it; `None` over a flat earth.
     ///
     /// # Errors
-    /// E118 for an earth so curved that heights would leave the lattice.
+    /// E118 for an earth so curved that heights would leave the lattice, and for roofs that slope.
     pub fn of(field: &HeightField, place: &Place, curvature: Option<Curvature>) -> Result<Option<CurvedScene>> {
         let Some(curvature) = curvature else { return Ok(None) };
+        check_roofs(field)?;
         let drops = Arc::new(Drops::new(&field.positions(), place, curvature, field.grid().meters_per_unit()));
         let window = field.grid().window();
         check_drop(drops.most_m(window), field.lowest_known())?;
@@ -90,7 +91,7 @@ impl CurvedScene {
             let part = |k: u32| {
                 let (from_m, to_m) = (at(k), at(k + 1));
                 let fall_m = self.curvature.drop_m(0.5 * (from_m + to_m));
-                ProfileStep { from_m, to_m, height_m: step.height_m - fall_m, kind: step.kind }
+                ProfileStep { from_m, to_m, heights_m: step.heights_m.map(|m| m - fall_m), kind: step.kind }
             };
             (0..n).map(part).collect::<Vec<_>>()
         };
@@ -218,6 +219,15 @@ impl CurvedScene {
             heights.iter_mut().enumerate().for_each(|(col, z)| *z = self.drops.raised(*z, (row, col)));
         }
     }
+}
+
+/// Refuses roofs that slope over a curved earth.
+///
+/// # Errors
+/// E118.
+pub(super) fn check_roofs(field: &HeightField) -> Result<()> {
+    let are_sloped = field.prisms().is_some_and(Prisms::are_sloped);
+    if are_sloped { Err(MapError::CurvedSlopes.into()) } else { Ok(()) }
 }
 
 /// Refuses an earth that falls away by so many meters that the lowest known height of a scene \[1/1024 m\] would leave the lattice.

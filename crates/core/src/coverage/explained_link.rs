@@ -2,7 +2,7 @@
 
 use super::{Uav, height_over};
 use crate::error::UavError;
-use crate::height_field::{HeightField, Station};
+use crate::height_field::{HeightField, RoofPlane, Station};
 use crate::los::{
     HORIZON, LeastHeight, LeastHeights, Obstruction, columns_crossed, link_least_receiver_heights, prisms_crossed,
 };
@@ -53,15 +53,15 @@ pub enum ObstacleKind {
     Nodata((usize, usize)),
 }
 
-/// A stretch of constant height below a link.
+/// A stretch below a link whose height is constant, or rises or falls evenly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfileStep {
     /// Start \[m from the UAV\].
     pub from_m: f64,
     /// End \[m from the UAV\].
     pub to_m: f64,
-    /// Height \[m\].
-    pub height_m: f64,
+    /// Height where it starts and where it ends \[m\].
+    pub heights_m: [f64; 2],
     /// What it is.
     pub kind: StepKind,
 }
@@ -168,7 +168,7 @@ pub fn link_profile(field: &HeightField, uav: &Uav, receiver: &Station, distance
     let step = |(near, far): (f64, f64), top: i32, kind: StepKind| ProfileStep {
         from_m: (1.0 - far) * distance_m,
         to_m: (1.0 - near) * distance_m,
-        height_m: meters(top),
+        heights_m: [meters(top); 2],
         kind,
     };
     let mut steps: Vec<ProfileStep> = Vec::new();
@@ -196,14 +196,23 @@ pub fn link_profile(field: &HeightField, uav: &Uav, receiver: &Station, distance
         }
     }
     if let Some(prisms) = field.prisms() {
-        for (piece, near, far) in prisms_crossed(prisms, uav.station.on_prisms(), receiver.on_prisms()) {
-            steps.push(step((near, far), prisms.pieces()[piece].top, StepKind::Building));
+        let (to, from) = (uav.station.on_prisms(), receiver.on_prisms());
+        for (piece, near, far) in prisms_crossed(prisms, to, from) {
+            let piece = &prisms.pieces()[piece];
+            let flat = step((near, far), piece.top, StepKind::Building);
+            let height_m = |plane: &RoofPlane, t: f64| {
+                #[expect(clippy::cast_precision_loss, reason = "told in meters")]
+                let at = |from: i64, to: i64| from as f64 + t * (to - from) as f64;
+                plane.height(at(from.x, to.x), at(from.y, to.y)) / f64::from(STEPS_PER_UNIT)
+            };
+            let heights_m = prisms.plane(piece).map(|plane| [far, near].map(|t| height_m(&plane, t)));
+            steps.push(heights_m.map_or(flat, |heights_m| ProfileStep { heights_m, ..flat }));
         }
     }
     merged(steps)
 }
 
-/// Joins steps of the same height and kind that follow each other.
+/// Joins level steps of the same height and kind that follow each other.
 fn merged(mut steps: Vec<ProfileStep>) -> Vec<ProfileStep> {
     let order = |kind: StepKind| matches!(kind, StepKind::Building);
     steps.sort_by(|a, b| order(a.kind).cmp(&order(b.kind)).then(a.from_m.total_cmp(&b.from_m)));
@@ -212,7 +221,10 @@ fn merged(mut steps: Vec<ProfileStep>) -> Vec<ProfileStep> {
         match joined.last_mut() {
             Some(last)
                 if last.kind == step.kind
-                    && (last.height_m - step.height_m).abs() < 1e-9
+                    && [last.heights_m, step.heights_m]
+                        .as_flattened()
+                        .iter()
+                        .all(|h| (h - last.heights_m[0]).abs() < 1e-9)
                     && (last.to_m - step.from_m).abs() < 1e-6 =>
             {
                 last.to_m = step.to_m;

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 
 use super::cell_classes::{RowSets, write_classes};
 use super::cell_heights::{CellHeights, FoundHeights};
-use super::curved::CurvedScene;
+use super::curved::{CurvedScene, check_roofs};
 use super::elevation::RowElevations;
 use super::range::{Heights, Range};
 use super::row_bands::{BAND_CELLS, EachPart, Row, in_bands, in_buffers, split};
@@ -127,13 +127,16 @@ impl<'a> Mapper<'a> {
     /// Makes ready what does not depend on the UAV.
     ///
     /// # Errors
-    /// E118 if the options ask for an engine that cannot decide this scene, or for layers of heights beside an approximate
-    /// one.
+    /// E118 if the options ask for an engine that cannot decide this scene, for layers of heights beside an approximate one, or for roofs
+    /// that slope over a curved earth.
     pub fn new(field: &'a HeightField, options: &MapOptions) -> Result<Self> {
         let refuse = |wrong: WrongMethod| MapError::Method { why: wrong.why, instead: wrong.instead.name() };
         let (method, why) = Method::choose(field, options.method).map_err(refuse)?;
         if !method.is_exact() && options.layers != HeightLayers::default() {
             return Err(MapError::ApproximateLayers { method: method.name() }.into());
+        }
+        if options.curvature.is_some() {
+            check_roofs(field)?;
         }
         let cells = field.cells();
         let shape = (field.grid().n_rows(), field.grid().n_cols());

@@ -24,6 +24,9 @@ pub enum MapError {
         "errors of heights that cannot be: wanted lengths of 0 m or more, one for each building, that leave all roofs within ±32768 m"
     )]
     HeightErrors,
+    /// Roofs that slope over a curved earth.
+    #[error("roofs that slope over a curved earth, wanted flat ones there")]
+    CurvedSlopes,
     /// A curvature so strong that heights would leave the lattice: how far the earth would fall away within range \[m\].
     #[error(
         "within range the earth would fall away by {0:.0} m, wanted at most what leaves all heights within ±32768 m"

@@ -42,6 +42,6 @@ pub use positions::{GridPositions, Place, Station};
 pub use prisms::{Buckets, CurvedGround, Piece, Prisms, Top};
 pub use roof_plane::{MAX_ROOF_STEPS, RoofPlane};
 pub use tile_maxima::{TILE, TILE_BITS, TileMaxima};
-pub use triangulate::{ConvexPieces, convex_pieces};
+pub use triangulate::{ConvexPieces, convex_pieces, triangles};
 
 pub use crate::overlay::Ring;

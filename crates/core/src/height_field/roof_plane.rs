@@ -56,6 +56,13 @@ impl RoofPlane {
         i32::try_from(-above.div_euclid(i128::from(self.area))).unwrap_or(VOID)
     }
 
+    /// Its height at a position \[1/1024 m above the datum\], rounded.
+    #[expect(clippy::cast_precision_loss, reason = "rounded")]
+    pub fn height(&self, x: f64, y: f64) -> f64 {
+        let [cx, cy, z] = self.corner.map(|v| v as f64);
+        z + (self.rise[0] as f64 * (x - cx) + self.rise[1] as f64 * (y - cy)) / self.area as f64
+    }
+
     /// What tells one plane from all others.
     pub(super) fn key(&self) -> [i128; 4] {
         let [x, y] = self.rise.map(i128::from);

@@ -59,8 +59,11 @@ fn counterclockwise(mut ring: Ring) -> Ring {
     ring
 }
 
-/// The triangles inside, or `None` if the triangulation does not cover the polygon exactly.
-fn triangles(contours: &[Ring]) -> Option<Vec<Ring>> {
+/// The triangles inside a polygon, whose corners are its own, counterclockwise; `None` if the triangulation does not cover it exactly, because edges
+/// cross.
+///
+/// `contours` are the rings of one polygon: the shell first, then its holes, in any winding.
+pub fn triangles(contours: &[Ring]) -> Option<Vec<Ring>> {
     let (corners, edges) = corners_and_edges(contours);
     if corners.len() < 3 {
         return Some(Vec::new());

@@ -222,6 +222,9 @@ pub enum Wanted {
     /// Faces of a mesh.
     #[error("it holds no face")]
     Faces,
+    /// Surfaces of roofs.
+    #[error("it holds no surface of a roof, wanted CityJSON or a mesh of buildings")]
+    Roofs,
 }
 
 /// What is known of the cause of a [`ReadFault`] beyond its words.

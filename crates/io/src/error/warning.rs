@@ -198,6 +198,12 @@ pub enum OddFile {
         tidy(*ground_m), tidy(range_m.0), tidy(range_m.1)
     )]
     OtherGround { ground_m: f64, range_m: (f64, f64), median_m: f64 },
+    /// W375: buildings with roofs that slope, which are taken flat.
+    #[error(
+        "{} that slope: taken flat, as high as they are highest",
+        counted(*n as u64, "building has surfaces of a roof", "buildings have surfaces of roofs")
+    )]
+    FlatRoofs { n: usize },
     /// W367: cells of a mesh without a face, below which the ground is known or not.
     #[error("{} without a face: {}", counted(*n, "cell", "cells"), if *is_known { "taken as bare ground" } else { "nodata" })]
     NoFace { n: u64, is_known: bool },
@@ -304,6 +310,7 @@ impl OddFile {
             OddFile::NoneMeets { .. } => 360,
             OddFile::OtherGround { .. } => 366,
             OddFile::NoFace { .. } => 367,
+            OddFile::FlatRoofs { .. } => 375,
             OddFile::BadRows { .. } => 380,
         }
     }

@@ -2,7 +2,6 @@
 
 use crate::city::Footprint;
 use crate::error::{Error, Result, WriteFault};
-use crate::height_field::{ConvexPieces, Ring, convex_pieces};
 use crate::quantity::{Frame, meters};
 use crate::raster::GeoRef;
 
@@ -112,46 +111,28 @@ fn sloped_ground(city: &CityMesh<'_>) -> Result<Mesh> {
     Ok(mesh)
 }
 
-/// Adds walls from the building's ground to its top, and its roof.
+/// Adds walls from the building's ground to its roof, and its roof.
 fn add_building(mesh: &mut Mesh, city: &CityMesh<'_>, footprint: &Footprint) -> Result<()> {
-    let (base, top) = (narrow(meters(footprint.bottom())), narrow(meters(footprint.top)));
-    let place = |p: [i32; 2], z: f32| {
-        let (x, y) = city.frame.world_from_lattice(f64::from(p[0]), f64::from(p[1]));
+    let base = footprint.bottom();
+    let place = |[x, y, z]: [i32; 3]| {
+        let (x, y) = city.frame.world_from_lattice(f64::from(x), f64::from(y));
         let unit = city.meters_per_unit;
-        [narrow((x - city.grid.x_min()) * unit), narrow((y - city.grid.y_min()) * unit), z]
+        [narrow((x - city.grid.x_min()) * unit), narrow((y - city.grid.y_min()) * unit), narrow(meters(z))]
     };
-    for rings in &footprint.polygons {
-        for (k, ring) in rings.iter().enumerate() {
-            for [a, b] in edges_with_inside_left(ring, k == 0) {
-                mesh.add_convex(&[place(a, base), place(b, base), place(b, top), place(a, top)])?;
-            }
-        }
-        let pieces = match convex_pieces(rings) {
-            ConvexPieces::Exact(pieces) => pieces,
-            ConvexPieces::Hull(hull) => vec![hull],
-        };
-        for piece in pieces {
-            mesh.add_convex(&piece.iter().map(|p| place(*p, top)).collect::<Vec<_>>())?;
-        }
+    for [a, b] in footprint.wall_edges() {
+        let foot = |[x, y, _]: [i32; 3]| place([x, y, base]);
+        mesh.add_convex(&[foot(a), foot(b), place(b), place(a)])?;
+    }
+    for corners in footprint.roof_triangles().iter() {
+        mesh.add_convex(&corners.map(place))?;
     }
     Ok(())
-}
-
-/// The edges of a shell or a hole, the building on their left.
-fn edges_with_inside_left(ring: &Ring, is_shell: bool) -> Vec<[[i32; 2]; 2]> {
-    let next = || ring.iter().cycle().skip(1);
-    let doubled: i128 = ring
-        .iter()
-        .zip(next())
-        .map(|(a, b)| i128::from(a[0]) * i128::from(b[1]) - i128::from(a[1]) * i128::from(b[0]))
-        .sum();
-    let forward = (doubled > 0) == is_shell;
-    ring.iter().zip(next()).map(|(a, b)| if forward { [*a, *b] } else { [*b, *a] }).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::height_field::Ring;
 
     const FRAME: Frame = Frame { x_origin: 100.0, y_origin: 200.0, unit_x: 1.0, unit_y: 1.0 };
 

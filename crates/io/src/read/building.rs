@@ -6,11 +6,13 @@
 //! ground up, and what overlaps is as high as the highest of it: a part that floats is taken as solid, and an outline
 //! counts beside its parts. Both are counted.
 
+use super::footprint_options::Roofs;
 use super::footprint_options::{FootprintOptions, HEIGHT, HeightUnit, METERS_PER_FOOT, MissingHeight};
 use super::repairs::{Culprit, FaultLog};
+use super::solid::{Face, plan};
 use super::vector::{Feature, FeatureSet, Polygon, Property, bounds, opened};
 use crate::city::FootprintFault;
-use crate::error::{Error, Place, ReadFault, Result};
+use crate::error::{Error, Place, ReadFault, Result, Wanted};
 use crate::input::Input;
 
 /// Meters that stand for one storey where only their number is known (the default of OpenStreetMap renderers).
@@ -42,6 +44,10 @@ pub(super) struct RawFootprint {
     pub(super) floats: bool,
     /// Lowest point of a solid \[m above the datum\].
     pub(super) lowest: Option<f64>,
+    /// The surfaces of its roof, if that is taken as it is.
+    pub(super) roof: Vec<Face>,
+    /// What it covers of the ground then, where that is known.
+    pub(super) ground: Vec<Polygon>,
 }
 
 impl RawFootprint {
@@ -73,6 +79,9 @@ impl Buildings {
         options: &FootprintOptions,
         log: &mut FaultLog,
     ) -> Result<Buildings> {
+        if options.roofs == Some(Roofs::Lod2) && set.features.iter().all(|feature| feature.roof.is_empty()) {
+            return Err(Error::read(input, ReadFault::Nothing(Wanted::Roofs)));
+        }
         refuse_unknown_property(input, &set, options)?;
         let mut buildings = Buildings::default();
         for (index, feature) in set.features.into_iter().enumerate() {
@@ -246,7 +255,17 @@ impl Says<'_> {
     }
 
     fn footprint(&self, number: usize) -> RawFootprint {
-        let (polygons, unclosed) = opened(self.feature.polygons.clone());
+        let is_as_it_is = self.options.roofs == Some(Roofs::Lod2);
+        let (roof, ground) = match is_as_it_is {
+            true => (self.feature.roof.clone(), opened(self.feature.ground.clone()).0),
+            false => (Vec::new(), Vec::new()),
+        };
+        let (polygons, unclosed) = match roof.is_empty() {
+            true => opened(self.feature.polygons.clone()),
+            false => opened(roof.iter().map(plan).collect()),
+        };
+        // Rings of surfaces need not be closed.
+        let unclosed = if self.feature.heights.is_some() { 0 } else { unclosed };
         let (height, above_datum) = self.height();
         RawFootprint {
             number,
@@ -259,6 +278,8 @@ impl Says<'_> {
             height_error_m: self.height_error_m(),
             floats: self.is_above_zero("min_height") || self.is_above_zero("building:min_level"),
             lowest: self.feature.heights.map(|[lowest, _]| lowest),
+            roof,
+            ground,
         }
     }
 }

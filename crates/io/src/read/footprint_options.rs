@@ -46,6 +46,15 @@ pub enum DataAreaChoice {
     Within(Input),
 }
 
+/// The shape of roofs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Roofs {
+    /// Each building as high as it is highest.
+    Flat,
+    /// As the surfaces of the file have them (level of detail 2).
+    Lod2,
+}
+
 /// How footprints are read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FootprintOptions {
@@ -59,6 +68,8 @@ pub struct FootprintOptions {
     pub levels_field: String,
     /// Property that holds the standard deviation of the error of the height \[m\], if one does.
     pub height_error_field: Option<String>,
+    /// The shape of roofs, of files that hold surfaces; flat, which is told, where nothing is said.
+    pub roofs: Option<Roofs>,
     /// Policy for missing heights.
     pub missing: MissingHeight,
     /// Table of a GeoPackage; needed where it has several.
@@ -96,6 +107,7 @@ impl Default for FootprintOptions {
             height_unit: HeightUnit::default(),
             levels_field: "building:levels".into(),
             height_error_field: None,
+            roofs: None,
             missing: MissingHeight::default(),
             layer: None,
             terrain: None,

@@ -17,6 +17,7 @@ use super::projection::Projection;
 use super::receivers_grid::{GridRequest, receivers_grid};
 use super::repairs::{FaultLog, Listing, Repair};
 use super::reprojected::Reprojection;
+use super::solid::Face;
 use super::source::{name_of, source_of};
 use super::surface::ground_steps;
 use super::systems::{refuse_degrees, refuse_two_crs};
@@ -91,6 +92,7 @@ pub(super) fn scene_of(
     };
     let (attribution, name) = (set.attribution.take(), set.name.take());
     let mut log = FaultLog::new(listing);
+    warn_of_flat_roofs(input, &set, options, warnings);
     let mut raw = Buildings::of(input, set, options, &mut log)?;
     if let (Some(within), Some(_)) = (within_reach(options), options.reach_m) {
         raw.keep_within(within);
@@ -154,6 +156,23 @@ pub(super) fn scene_of(
         height_gap,
     };
     Ok((scene, log.into_list()))
+}
+
+/// Warns of roofs that are taken flat without a word about it.
+fn warn_of_flat_roofs(input: &Input, set: &FeatureSet, options: &FootprintOptions, warnings: &mut Vec<Warning>) {
+    /// A surface whose corners differ by less than this is flat \[m\].
+    const FLAT_M: f64 = 0.1;
+    if options.roofs.is_some() || options.height_field.is_some() || options.top_field.is_some() {
+        return;
+    }
+    let slopes = |face: &Face| {
+        let heights = || face.iter().flatten().map(|[.., z]| *z);
+        heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min) > FLAT_M
+    };
+    let n = set.features.iter().filter(|feature| feature.roof.iter().any(slopes)).count();
+    if n > 0 {
+        warnings.push(Warning::of(input, OddFile::FlatRoofs { n }));
+    }
 }
 
 /// Where the ground is known.
@@ -230,9 +249,14 @@ fn project(
         return Ok(Some(to));
     }
     let way = Transformation::new(&from, &to, middle)?;
-    for position in raw.footprints.iter_mut().flat_map(|f| &mut f.polygons).flatten().flatten() {
-        let (x, y) = way.apply((position[0], position[1]))?;
-        *position = [x, y];
+    for footprint in &mut raw.footprints {
+        for position in footprint.polygons.iter_mut().chain(&mut footprint.ground).flatten().flatten() {
+            let (x, y) = way.apply((position[0], position[1]))?;
+            *position = [x, y];
+        }
+        for corner in footprint.roof.iter_mut().flatten().flatten() {
+            (corner[0], corner[1]) = way.apply((corner[0], corner[1]))?;
+        }
     }
     if bounds(raw.footprints.iter().flat_map(|f| &f.polygons)).is_some() {
         let (from, to, name) = (from.label(), to.label(), to.name().to_string());
@@ -316,6 +340,10 @@ impl Making<'_> {
             let fault = ReadFault::Tangle(found.raw.id.clone(), tangle.to_string());
             return Err(Error::read(self.input, fault));
         }
+        if let Some((found, height)) = shaped.iter().find_map(|s| Some((s, s.bad_height?))) {
+            let of = HeightOf::Feature(found.raw.id.clone());
+            return Err(Error::read(self.input, ReadFault::HeightRange(of, height)));
+        }
         let median = median_height(&shaped);
         let words = HeightWords::of(self.options);
         let missing_share = missing_area_share(&shaped);
@@ -342,12 +370,13 @@ impl Making<'_> {
                 return Err(Error::read(self.input, ReadFault::HeightError(id, error)));
             }
             let top = self.top(&shaped, (height, above_datum))?;
+            let top = shaped.roof.top().unwrap_or(top);
             let base = shaped.base;
             footprints.push(Footprint {
                 id: shaped.raw.id,
                 polygons: shaped.polygons,
                 top,
-                roof: Vec::new(),
+                roof: shaped.roof.triangles,
                 base,
                 height_error: shaped.raw.height_error_m.and_then(height_steps),
             });
@@ -444,6 +473,12 @@ fn note_shape(shaped: &Shaped, log: &mut FaultLog) {
         log.note(FootprintFault::TooFar, raw.culprit());
     } else if is_usable(shaped) && raw.floats {
         log.note(FootprintFault::Floating, raw.culprit());
+    }
+    if is_usable(shaped) && shaped.overhangs {
+        log.note(FootprintFault::Overhang, raw.culprit());
+    }
+    if shaped.roof.n_flattened > 0 {
+        log.note(FootprintFault::RoughRoof, raw.culprit());
     }
 }
 

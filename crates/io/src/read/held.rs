@@ -132,7 +132,7 @@ pub fn footprints_of(
             .map_err(|fault| Error::malformed(input, fault).at(Place::Feature(k as u64 + 1)))?;
         let height = if building.height.is_nan() { Property::Null } else { Property::Number(building.height) };
         let properties = vec![(Arc::clone(&property), height)];
-        Ok(Feature { id: building.id.clone(), properties, polygons, has_other_parts, heights: None })
+        Ok(Feature { id: building.id.clone(), properties, polygons, has_other_parts, ..Feature::default() })
     };
     let features = buildings.par_iter().enumerate().map(feature).collect::<Result<Vec<_>>>()?;
     let set = FeatureSet { crs: Ok(None), name: None, attribution: None, name_limit: None, features };

@@ -2,6 +2,7 @@
 
 use super::building::RawFootprint;
 use super::footprint_options::BaseRule;
+use super::roof::{LatticeRoof, RoofFault, lattice_roof};
 use crate::city::Ground;
 use crate::outlines::{covered_shares, overlapped_cells};
 use crate::overlay::{Polygon, Ring, Tangle, difference, doubled_area, even_odd, tangle};
@@ -23,7 +24,19 @@ pub(super) struct Shaped {
     pub(super) tangle: Option<Tangle>,
     /// The ground that it stands on, `None` where none is known.
     pub(super) base: Option<i32>,
+    /// Its roof, if that is taken as it is.
+    pub(super) roof: LatticeRoof,
+    /// A height of that beyond the lattice \[m\].
+    pub(super) bad_height: Option<f64>,
+    /// Whether it reaches beyond the ground surfaces.
+    pub(super) overhangs: bool,
 }
+
+/// A roof that reaches beyond its ground surfaces by less than this is as the file was drawn \[square steps\]: half a square meter.
+const LEAST_OVERHANG: i128 = 1 << 19;
+
+/// Positions are within this of the origin \[lattice steps\].
+const LIMIT: i64 = 1 << 26;
 
 /// Brings a footprint onto the lattice, repairs its polygons and finds the ground that it stands on.
 pub(super) fn shape(raw: RawFootprint, (ground, rule): (&Ground, BaseRule), frame: Frame) -> Shaped {
@@ -35,18 +48,63 @@ pub(super) fn shape(raw: RawFootprint, (ground, rule): (&Ground, BaseRule), fram
         too_far: false,
         tangle: None,
         base: None,
+        roof: LatticeRoof::default(),
+        bad_height: None,
+        overhangs: false,
         raw,
     };
-    let limit = 1_i64 << 26;
+    if shaped.raw.roof.is_empty() {
+        shape_polygons(&mut shaped, frame);
+    } else {
+        shape_roof(&mut shaped, frame);
+    }
+    shaped.base = match ground {
+        Ground::Surface => None,
+        Ground::Flat(z) => Some(*z),
+        Ground::Terrain(terrain) => base_on(&shaped.polygons, &frame, terrain, rule),
+    };
+    shaped
+}
+
+/// Triangles of the roof, and what they cover.
+fn shape_roof(shaped: &mut Shaped, frame: Frame) {
+    match lattice_roof(&shaped.raw.roof, frame, LIMIT) {
+        Ok(roof) => shaped.roof = roof,
+        Err(RoofFault::TooFar) => shaped.too_far = true,
+        Err(RoofFault::Height(m)) => shaped.bad_height = Some(m),
+    }
+    shaped.polygons = shaped.roof.polygons();
+    if shaped.polygons.is_empty() {
+        shaped.degenerate.push(0);
+    }
+    let on_lattice = |rings: &Vec<Vec<[f64; 2]>>| -> Vec<Ring> {
+        let point = |p: &[f64; 2]| {
+            let (x, y) = frame.lattice_from_world(p[0], p[1]);
+            let narrow = |v: i64| i32::try_from(v.clamp(-LIMIT, LIMIT)).unwrap_or_default();
+            [narrow(x), narrow(y)]
+        };
+        rings.iter().map(|ring| ring.iter().map(point).collect()).collect()
+    };
+    let ground: Vec<Ring> =
+        shaped.raw.ground.iter().flat_map(|rings| region_of(&on_lattice(rings)).polygons).flatten().collect();
+    if !ground.is_empty() {
+        let roof: Vec<Ring> = shaped.polygons.iter().flatten().cloned().collect();
+        let beyond: i128 = difference(&roof, &ground).iter().flatten().map(|ring| doubled_area(ring)).sum();
+        shaped.overhangs = beyond.abs() > 2 * LEAST_OVERHANG;
+    }
+}
+
+/// Polygons, repaired.
+fn shape_polygons(shaped: &mut Shaped, frame: Frame) {
     for (k, polygon) in shaped.raw.polygons.iter().enumerate() {
         let mut rings: Vec<Ring> = Vec::new();
         for (number, ring) in polygon.iter().enumerate() {
             let mut points: Ring = Vec::with_capacity(ring.len());
             for &[x, y] in ring {
                 let (x, y) = frame.lattice_from_world(x, y);
-                if x.abs() > limit || y.abs() > limit {
+                if x.abs() > LIMIT || y.abs() > LIMIT {
                     shaped.too_far = true;
-                    return shaped;
+                    return;
                 }
                 #[expect(clippy::cast_possible_truncation, reason = "within ±2^26 by the check above")]
                 let point = [x as i32, y as i32];
@@ -66,7 +124,7 @@ pub(super) fn shape(raw: RawFootprint, (ground, rule): (&Ground, BaseRule), fram
         }
         shaped.tangle = tangle(&rings);
         if shaped.tangle.is_some() {
-            return shaped;
+            return;
         }
         let region = region_of(&rings);
         if region.polygons.is_empty() {
@@ -79,12 +137,6 @@ pub(super) fn shape(raw: RawFootprint, (ground, rule): (&Ground, BaseRule), fram
         }
         shaped.polygons.extend(region.polygons);
     }
-    shaped.base = match ground {
-        Ground::Surface => None,
-        Ground::Flat(z) => Some(*z),
-        Ground::Terrain(terrain) => base_on(&shaped.polygons, &frame, terrain, rule),
-    };
-    shaped
 }
 
 /// The region of a polygon, mended.

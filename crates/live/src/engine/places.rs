@@ -122,7 +122,7 @@ impl Engine {
                 .map(|step| Step {
                     from_m: step.from_m,
                     to_m: step.to_m,
-                    height_m: step.height_m,
+                    heights_m: step.heights_m,
                     kind: if step.kind == StepKind::Terrain { "terrain" } else { "building" },
                 })
                 .collect(),

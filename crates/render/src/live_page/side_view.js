@@ -100,11 +100,12 @@ function clearPart(link) {
   if (link.los) return 1;
   const { uav, receiver, obstruction, distance_m, steps } = link;
   const heightAt = (/** @type {number} */ d) => uav.amsl_m + ((receiver.amsl_m - uav.amsl_m) * d) / Math.max(distance_m, 0.01);
-  const met = steps.flatMap(({ from_m, to_m, height_m }) => {
-    const [start, end] = [heightAt(from_m), heightAt(to_m)];
+  const met = steps.flatMap(({ from_m, to_m, heights_m }) => {
+    // How far the ray is above the step where it starts and where it ends.
+    const [start, end] = [heightAt(from_m) - heights_m[0], heightAt(to_m) - heights_m[1]];
     // What only touches the ray does not end it.
-    if (Math.min(start, end) > height_m - 0.01) return [];
-    return start <= height_m ? [from_m] : [from_m + ((to_m - from_m) * (start - height_m)) / (start - end)];
+    if (Math.min(start, end) > -0.01) return [];
+    return start <= 0 ? [from_m] : [from_m + ((to_m - from_m) * start) / (start - end)];
   });
   return Math.min(obstruction ? partOf(link, obstruction) : 1, ...met.map((d) => d / Math.max(distance_m, 0.01)));
 }
@@ -127,7 +128,7 @@ function sideView(link) {
   const width = Math.max(300, htmlById("link-chart").clientWidth);
   const height = width < 480 ? 190 : 220;
   const long = Math.max(link.distance_m, 0.01);
-  const heights = [link.uav.amsl_m, link.receiver.amsl_m, ...link.steps.map((step) => step.height_m)];
+  const heights = [link.uav.amsl_m, link.receiver.amsl_m, ...link.steps.flatMap((step) => step.heights_m)];
   const [low, high] = [Math.min(...heights), Math.max(...heights)];
   const span = Math.max(high - low, 1);
   const chart = makeChart({
@@ -142,10 +143,12 @@ function sideView(link) {
   const { plot, x, y, bottom } = chart;
   for (const kind of ["terrain", "building"]) {
     for (const step of link.steps.filter((each) => each.kind === kind)) {
-      const [x0, x1, y0] = [x(step.from_m), x(step.to_m), y(step.height_m)];
+      const [x0, x1] = [x(step.from_m), x(step.to_m)];
+      const [y0, y1] = step.heights_m.map(y);
       if (!(x1 > x0)) continue;
-      plot.append(draw("rect", { class: kind, x: x0, y: y0, width: x1 - x0, height: Math.max(0, bottom - y0) }));
-      plot.append(draw("path", { class: `${kind}-top`, d: kind === "terrain" ? `M${x0} ${y0}H${x1}` : `M${x0} ${bottom}V${y0}H${x1}V${bottom}` }));
+      const around = `M${x0} ${bottom}V${y0}L${x1} ${y1}V${bottom}`;
+      plot.append(draw("path", { class: kind, d: `${around}Z` }));
+      plot.append(draw("path", { class: `${kind}-top`, d: kind === "terrain" ? `M${x0} ${y0}L${x1} ${y1}` : around }));
     }
   }
   const [uav, receiver] = [[x(0), y(link.uav.amsl_m)], [x(long), y(link.receiver.amsl_m)]];

@@ -32,7 +32,7 @@
  * @typedef {{x: number, y: number, amsl_m: number}} Place
  * @typedef {{kind: 'building' | 'terrain' | 'cell' | 'nodata' | 'horizon', name: string | null, x: number, y: number,
  *   ray_height_m: number, roof_height_m: number | null}} Obstruction
- * @typedef {{from_m: number, to_m: number, height_m: number, kind: 'terrain' | 'building'}} ProfileStep
+ * @typedef {{from_m: number, to_m: number, heights_m: [number, number], kind: 'terrain' | 'building'}} ProfileStep
  *   distances are from the UAV
  * @typedef {{ok: true, los: boolean, margin_m: number | null, distance_m: number, elevation_deg: number, uav: Place,
  *   receiver: Place, obstruction: Obstruction | null, steps: ProfileStep[]}} LinkSeen

@@ -1,20 +1,28 @@
-//! Scenes from meshes: the top surface of triangles and other faces, cell by cell.
+//! Scenes from meshes: the top surface of triangles and other faces, cell by cell, or buildings.
 //!
-//! A mesh becomes a surface model: each cell is as high as the highest face over its center. Faces are surfaces, not
+//! A mesh becomes a surface model where nothing else is asked for: each cell is as high as the highest face over its center. Faces are surfaces, not
 //! solids, and nothing below the highest one is kept: a bridge or a balcony blocks down to the ground. Where no face is,
 //! the surface is the ground if that is known, else nodata. Meshes name no CRS: their coordinates are local meters with z
-//! up unless another CRS is given.
+//! up unless another CRS is given. As buildings, faces that hang together by their corners are one, closed or a roof over the ground
+//! ([`super::solid`]).
 
+mod connected;
 mod faces;
 mod obj;
 mod ply;
 mod top_surface;
 
+use self::faces::Mesh;
+use super::footprint_options::FootprintOptions;
+use super::footprints;
 use super::heights::warn_of_units;
 use super::receivers_grid::{GridRequest, receivers_grid};
+use super::repairs::Listing;
+use super::solid::{Face, FaceKind, Solid};
 use super::source::source_of;
 use super::surface::{Empty, SurfaceOptions, scene_of};
 use super::systems::refuse_degrees;
+use super::vector::{Feature, FeatureSet};
 use crate::city::City;
 use crate::error::{Error, InputKind, OddFile, ReadFault, Result, Wanted, Warning};
 use crate::input::Input;
@@ -38,12 +46,7 @@ pub struct MeshOptions {
 /// usage errors for bad numbers; limit errors for huge grids.
 pub fn read_mesh(input: impl Into<Input>, options: &MeshOptions, warnings: &mut Vec<Warning>) -> Result<City> {
     let input = &input.into();
-    let mesh = if input.extension() == "ply" { ply::read(input)? } else { obj::read(input)? };
-    let bad = mesh.vertices.iter().position(|v| !v.iter().all(|c| c.is_finite()));
-    if let Some(k) = bad {
-        let what = format!("vertex number {k}, counted from 0, is not three finite numbers");
-        return Err(Error::malformed(input, what));
-    }
+    let mesh = mesh_of(input)?;
     let Some(bounds) = mesh.bounds() else {
         return Err(Error::read(input, ReadFault::Nothing(Wanted::Faces)));
     };
@@ -68,4 +71,40 @@ pub fn read_mesh(input: impl Into<Input>, options: &MeshOptions, warnings: &mut 
     }
     let sources = vec![source_of(input, options.surface.always_hash)?];
     scene_of(input, (surface, Empty::Ground), sources, &options.surface, warnings)
+}
+
+/// Reads a mesh from Wavefront OBJ or PLY as buildings: closed ones, or roofs over the ground. They are named by their numbers from 1, in the order
+/// of their first faces.
+///
+/// # Errors
+/// As [`super::read_footprints`].
+pub fn read_mesh_buildings(
+    input: impl Into<Input>,
+    options: &FootprintOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<City> {
+    let input = &input.into();
+    let mesh = mesh_of(input)?;
+    if mesh.bounds().is_none() {
+        return Err(Error::read(input, ReadFault::Nothing(Wanted::Faces)));
+    }
+    let feature = |faces: Vec<Face>| {
+        Feature::of_solid(Solid::of(faces.into_iter().map(|face| (face, FaceKind::Unknown)).collect()))
+    };
+    let features = connected::buildings(&mesh).into_iter().map(feature).collect();
+    let set = FeatureSet { crs: Ok(None), name: None, attribution: None, name_limit: None, features };
+    let source = source_of(input, options.always_hash)?;
+    footprints::scene_of(input, (set, vec![source]), options, Listing::CountsOnly, warnings).map(|(city, _)| city)
+}
+
+/// The mesh of a file, whose vertices are finite.
+fn mesh_of(input: &Input) -> Result<Mesh> {
+    let mesh = if input.extension() == "ply" { ply::read(input)? } else { obj::read(input)? };
+    match mesh.vertices.iter().position(|v| !v.iter().all(|c| c.is_finite())) {
+        None => Ok(mesh),
+        Some(k) => {
+            let what = format!("vertex number {k}, counted from 0, is not three finite numbers");
+            Err(Error::malformed(input, what))
+        }
+    }
 }

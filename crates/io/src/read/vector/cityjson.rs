@@ -1,22 +1,19 @@
 //! CityJSON 1.0, 1.1 and 2.0: buildings and their parts as solids or surfaces.
 //!
-//! A prism knows one top. Of each building and building part the geometry with the highest level of detail counts: its
+//! Of each building and building part the geometry with the highest level of detail counts ([`super::super::solid`]): its
 //! footprint is the union of its ground surfaces, or, where none is marked as such, of all its surfaces as seen from
-//! above; its top is the highest point of that geometry, so a pitched roof is as high as its ridge. Walls, being
-//! vertical, cover no ground. A building without a geometry of its own is that of its parts.
+//! above. With a flat top that is as high as the geometry's highest point, so a pitched roof is as high as its ridge; as it is, the
+//! roof is its surfaces. Walls, being vertical, cover no ground. A building without a geometry of its own is that of its parts.
 //!
 //! # References
 //! CityJSON Specifications 2.0.1, sections 3 to 5.
 
 use serde_json::{Map, Value};
 
-use super::feature::{Feature, FeatureSet, Polygon, Properties, Property, crs_of, malformed};
-use super::rings::doubled_area;
+use super::super::solid::{FaceKind, Solid};
+use super::feature::{Feature, FeatureSet, Properties, Property, crs_of, malformed};
 use crate::error::{Error, ReadFault, Result, Wanted};
 use crate::input::Input;
-
-/// A surface of which less than this share faces up or down is a wall; roofs are far flatter.
-const LEAST_FLATNESS: f64 = 1e-3;
 
 /// A JSON document of type CityJSON.
 pub(super) fn is_cityjson(document: &Value) -> bool {
@@ -43,16 +40,14 @@ pub(super) fn features(input: &Input, document: &Value) -> Result<FeatureSet> {
         if !["Building", "BuildingPart"].contains(&kind) {
             continue;
         }
-        let shape = most_detailed(object).map(|geometry| Shape::of(geometry, &vertices)).transpose();
-        let shape = shape.map_err(|found| wrong(&format!("object `{id}`: {found}")))?;
+        let solid = most_detailed(object).map(|geometry| solid_of(geometry, &vertices)).transpose();
+        let solid = solid.map_err(|found| wrong(&format!("object `{id}`: {found}")))?;
         // A building whose parts have the geometry is no feature of its own.
-        let Some(shape) = shape else { continue };
+        let Some(solid) = solid else { continue };
         features.push(Feature {
             id: Some(id.clone()),
             properties: object.get("attributes").and_then(Value::as_object).map(properties).unwrap_or_default(),
-            has_other_parts: false,
-            heights: shape.heights,
-            polygons: shape.polygons,
+            ..Feature::of_solid(solid)
         });
     }
     let system = document.pointer("/metadata/referenceSystem").and_then(Value::as_str).unwrap_or_default();
@@ -121,40 +116,24 @@ fn shells_above(kind: &str) -> Option<usize> {
     }
 }
 
-/// What a geometry covers, and from where to where it reaches.
-struct Shape {
-    polygons: Vec<Polygon>,
-    heights: Option<[f64; 2]>,
-}
-
-impl Shape {
-    fn of(geometry: &Value, vertices: &[[f64; 3]]) -> std::result::Result<Shape, String> {
-        let depth = geometry.get("type").and_then(Value::as_str).and_then(shells_above).unwrap_or(0);
-        let mut surfaces = Vec::new();
-        let boundaries = geometry.get("boundaries").ok_or("a geometry without `boundaries`")?;
-        collect(boundaries, geometry.pointer("/semantics/values"), depth, &mut surfaces)?;
-        let semantics = geometry.pointer("/semantics/surfaces").and_then(Value::as_array);
-        let is_ground = |semantic: Option<u64>| {
-            let surface = semantic.and_then(|k| semantics?.get(usize::try_from(k).ok()?));
-            surface.and_then(|s| s.get("type")).and_then(Value::as_str) == Some("GroundSurface")
-        };
-        let (mut ground, mut all) = (Vec::new(), Vec::new());
-        let mut heights: Option<[f64; 2]> = None;
-        for (rings, semantic) in surfaces {
-            let rings: Vec<Vec<[f64; 3]>> = rings_of(rings, vertices)?;
-            for [_, _, z] in rings.iter().flatten() {
-                let [low, high] = heights.unwrap_or([*z, *z]);
-                heights = Some([low.min(*z), high.max(*z)]);
-            }
-            if rings.first().is_none_or(|shell| is_wall(shell)) {
-                continue;
-            }
-            let polygon: Polygon = rings.iter().map(|ring| ring.iter().map(|p| [p[0], p[1]]).collect()).collect();
-            if is_ground(semantic) { ground.push(polygon) } else { all.push(polygon) }
+/// The building that a geometry is.
+fn solid_of(geometry: &Value, vertices: &[[f64; 3]]) -> std::result::Result<Solid, String> {
+    let depth = geometry.get("type").and_then(Value::as_str).and_then(shells_above).unwrap_or(0);
+    let mut surfaces = Vec::new();
+    let boundaries = geometry.get("boundaries").ok_or("a geometry without `boundaries`")?;
+    collect(boundaries, geometry.pointer("/semantics/values"), depth, &mut surfaces)?;
+    let semantics = geometry.pointer("/semantics/surfaces").and_then(Value::as_array);
+    let kind = |semantic: Option<u64>| {
+        let surface = semantic.and_then(|k| semantics?.get(usize::try_from(k).ok()?));
+        match surface.and_then(|s| s.get("type")).and_then(Value::as_str) {
+            Some("GroundSurface") => FaceKind::Ground,
+            Some("RoofSurface" | "OuterFloorSurface") => FaceKind::Roof,
+            Some(_) => FaceKind::Other,
+            None => FaceKind::Unknown,
         }
-        let polygons = if ground.is_empty() { all } else { ground };
-        Ok(Shape { polygons, heights })
-    }
+    };
+    let face = |(rings, semantic)| rings_of(rings, vertices).map(|face| (face, kind(semantic)));
+    Ok(Solid::of(surfaces.into_iter().map(face).collect::<std::result::Result<_, _>>()?))
 }
 
 /// A surface as its rings, and the number of its semantic surface.
@@ -190,21 +169,13 @@ fn rings_of(surface: &Value, vertices: &[[f64; 3]]) -> std::result::Result<Vec<V
     surface.as_array().ok_or("a surface that is no list")?.iter().map(ring).collect()
 }
 
-/// Whether hardly any of a surface faces up or down.
-fn is_wall(ring: &[[f64; 3]]) -> bool {
-    let seen_along = |i: usize, j: usize| {
-        let plane: Vec<[f64; 2]> = ring.iter().map(|p| [p[i], p[j]]).collect();
-        doubled_area(&plane).abs()
-    };
-    seen_along(0, 1) <= LEAST_FLATNESS * seen_along(1, 2).hypot(seen_along(0, 2))
-}
-
 fn properties(attributes: &Map<String, Value>) -> Properties {
     attributes.iter().map(|(name, value)| (name.as_str().into(), Property::of_json(value))).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::rings::doubled_area;
     use super::*;
 
     /// A house of 10 × 6 m from (100, 200, 50) with its ridge at 59 m, integers of a millimeter.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::super::solid::{Face, Solid};
 use crate::crs;
 use crate::error::{Error, ReadFault, Result};
 use crate::input::Input;
@@ -38,6 +39,10 @@ pub(in crate::read) struct Feature {
     pub(in crate::read) has_other_parts: bool,
     /// Lowest and highest point of a solid \[m above the datum\].
     pub(in crate::read) heights: Option<[f64; 2]>,
+    /// The surfaces of its roof; none where the file tells of areas alone.
+    pub(in crate::read) roof: Vec<Face>,
+    /// What a solid covers of the ground, where that is known.
+    pub(in crate::read) ground: Vec<Polygon>,
 }
 
 /// Properties by name; formats with columns share the names.
@@ -65,6 +70,11 @@ pub(in crate::read) struct Selection<'a> {
 }
 
 impl Feature {
+    /// One that nothing is said of.
+    pub(in crate::read) fn of_solid(Solid { polygons, heights, roof, ground }: Solid) -> Feature {
+        Feature { polygons, heights, roof, ground, ..Feature::default() }
+    }
+
     /// The value of a property; where the format cuts names, also of the one that `name` is cut to.
     pub(in crate::read) fn property(&self, name: &str, name_limit: Option<usize>) -> Option<&Property> {
         let find = |name: &str| self.properties.iter().find(|(n, _)| **n == *name).map(|(_, value)| value);

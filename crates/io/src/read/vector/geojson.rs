@@ -177,7 +177,7 @@ fn feature_of(feature: Feature, names: &mut HashSet<Arc<str>>) -> std::result::R
         }
     };
     let properties = properties.map(|(name, value)| (shared(name), Property::of_json(&value))).collect();
-    Ok(feature::Feature { id, properties, polygons, has_other_parts, heights: None })
+    Ok(feature::Feature { id, properties, polygons, has_other_parts, ..feature::Feature::default() })
 }
 
 fn collect_polygons(

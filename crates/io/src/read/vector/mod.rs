@@ -15,6 +15,7 @@ mod shapefile;
 pub(super) mod wkb;
 
 pub(super) use feature::{Feature, FeatureSet, Polygon, Property, Selection, bounds, opened};
+pub(super) use rings::doubled_area;
 
 use std::path::Path;
 

@@ -4,7 +4,7 @@ use super::feature::Polygon;
 
 /// Twice the area of a ring, positive where it runs counterclockwise, relative to its first point so that large
 /// coordinates lose nothing.
-pub(super) fn doubled_area(ring: &[[f64; 2]]) -> f64 {
+pub(in crate::read) fn doubled_area(ring: &[[f64; 2]]) -> f64 {
     let Some(origin) = ring.first() else { return 0.0 };
     let from_origin = |p: &[f64; 2]| [p[0] - origin[0], p[1] - origin[1]];
     let pairs = ring.iter().zip(ring.iter().cycle().skip(1));

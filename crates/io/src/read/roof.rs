@@ -1,0 +1,144 @@
+//! A roof onto the lattice: surfaces become triangles whose corners have whole positions and heights.
+//!
+//! A surface of more than three corners is never quite a plane once it is rounded. Three corners always are, so surfaces are triangulated as seen from
+//! above, and neighbors that share corners share them to the last bit. Each triangle is then exact.
+
+use std::collections::HashMap;
+
+use super::outline::region_of;
+use super::solid::Face;
+use crate::city::RoofTriangle;
+use crate::height_field::{ConvexPieces, MAX_ROOF_STEPS, convex_pieces, triangles};
+use crate::overlay::{Polygon, Ring, doubled_area, union};
+use crate::quantity::{Frame, height_steps};
+
+/// A roof on the lattice.
+#[derive(Debug, Default)]
+pub(super) struct LatticeRoof {
+    pub(super) triangles: Vec<RoofTriangle>,
+    /// Surfaces that cross themselves as seen from above, or are longer than a roof can be: taken flat, as high as they are highest.
+    pub(super) n_flattened: usize,
+}
+
+/// Why a roof is none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum RoofFault {
+    /// A corner is beyond the lattice.
+    TooFar,
+    /// A corner has a height beyond it \[m\].
+    Height(f64),
+}
+
+/// The triangles of the surfaces of a roof.
+pub(super) fn lattice_roof(faces: &[Face], frame: Frame, limit: i64) -> Result<LatticeRoof, RoofFault> {
+    let mut roof = LatticeRoof::default();
+    for face in faces {
+        let mut heights: HashMap<[i32; 2], i32> = HashMap::new();
+        let mut rings: Vec<Ring> = Vec::new();
+        for ring in face {
+            let mut points: Ring = Vec::with_capacity(ring.len());
+            for &[x, y, z] in ring {
+                let (x, y) = frame.lattice_from_world(x, y);
+                if x.abs() > limit || y.abs() > limit {
+                    return Err(RoofFault::TooFar);
+                }
+                #[expect(clippy::cast_possible_truncation, reason = "within the limit")]
+                let point = [x as i32, y as i32];
+                let z = height_steps(z).ok_or(RoofFault::Height(z))?;
+                // Of corners above one another the highest counts.
+                let known = heights.entry(point).or_insert(z);
+                *known = z.max(*known);
+                if points.last() != Some(&point) {
+                    points.push(point);
+                }
+            }
+            while points.len() > 1 && points.first() == points.last() {
+                points.pop();
+            }
+            if points.len() >= 3 {
+                rings.push(points);
+            }
+        }
+        roof.add(&rings, &heights);
+    }
+    Ok(roof)
+}
+
+impl LatticeRoof {
+    fn add(&mut self, rings: &[Ring], heights: &HashMap<[i32; 2], i32>) {
+        let spans = |axis: usize| {
+            let values = || rings.iter().flatten().map(move |p| p[axis]);
+            values().max().unwrap_or(0) - values().min().unwrap_or(0)
+        };
+        let is_flat = heights.values().max() == heights.values().min();
+        let is_short = is_flat || spans(0).max(spans(1)) <= MAX_ROOF_STEPS;
+        match triangles(rings).filter(|_| is_short) {
+            Some(triangles) => self.triangles.extend(triangles.iter().filter_map(|ring| {
+                let [a, b, c] = ring.as_slice() else { return None };
+                let corners = if doubled_area(ring) > 0 { [a, b, c] } else { [a, c, b] };
+                (doubled_area(ring) != 0).then(|| corners.map(|p| [p[0], p[1], heights[p]]))
+            })),
+            None => {
+                self.n_flattened += 1;
+                let highest = heights.values().copied().max().unwrap_or(0);
+                for polygon in region_of(rings).polygons {
+                    let pieces = match convex_pieces(&polygon) {
+                        ConvexPieces::Exact(pieces) => pieces,
+                        ConvexPieces::Hull(hull) => vec![hull],
+                    };
+                    for ring in pieces {
+                        let fan = (2..ring.len()).map(|k| [ring[0], ring[k - 1], ring[k]]);
+                        self.triangles.extend(fan.map(|corners| corners.map(|[x, y]| [x, y, highest])));
+                    }
+                }
+            }
+        }
+    }
+
+    /// What it covers.
+    pub(super) fn polygons(&self) -> Vec<Polygon> {
+        union(self.triangles.iter().map(|corners| vec![corners.map(|[x, y, _]| [x, y]).to_vec()]).collect())
+    }
+
+    /// Its highest corner \[1/1024 m above the datum\].
+    pub(super) fn top(&self) -> Option<i32> {
+        self.triangles.iter().flatten().map(|[.., z]| *z).max()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FRAME: Frame = Frame { x_origin: 100.0, y_origin: 200.0, unit_x: 1.0, unit_y: 1.0 };
+
+    fn area(roof: &LatticeRoof) -> i128 {
+        let plan = |corners: &RoofTriangle| corners.map(|[x, y, _]| [x, y]).to_vec();
+        roof.triangles.iter().map(|corners| doubled_area(&plan(corners))).sum::<i128>() / 2
+    }
+
+    #[test]
+    fn a_surface_with_a_hole_is_triangles_over_just_that() {
+        let shell = vec![[100.0, 200.0, 5.0], [108.0, 200.0, 5.0], [108.0, 206.0, 8.0], [100.0, 206.0, 8.0]];
+        let hole = vec![[102.0, 202.0, 6.0], [102.0, 204.0, 7.0], [104.0, 204.0, 7.0], [104.0, 202.0, 6.0]];
+        let roof = lattice_roof(&[vec![shell, hole]], FRAME, 1 << 26).expect("a roof");
+        assert_eq!((area(&roof), roof.n_flattened, roof.top()), (44 * 1024 * 1024, 0, Some(8 * 1024)));
+        // Each corner is where its plane says: 5 m and half a meter for each to the north.
+        for [_, y, z] in roof.triangles.iter().flatten() {
+            assert_eq!(z - 5 * 1024, y / 2);
+        }
+        assert_eq!(roof.polygons().iter().flatten().count(), 2);
+    }
+
+    #[test]
+    fn a_surface_that_crosses_itself_is_taken_flat_and_counted() {
+        let bow = vec![[100.0, 200.0, 3.0], [104.0, 204.0, 4.0], [104.0, 200.0, 3.0], [100.0, 204.0, 5.0]];
+        let roof = lattice_roof(&[vec![bow]], FRAME, 1 << 26).expect("a roof");
+        assert_eq!((area(&roof), roof.n_flattened), (8 * 1024 * 1024, 1));
+        assert!(roof.triangles.iter().flatten().all(|[.., z]| *z == 5 * 1024));
+        let far = vec![[100.0, 200.0, 3.0], [1e6, 204.0, 4.0], [104.0, 200.0, 3.0]];
+        assert_eq!(lattice_roof(&[vec![far]], FRAME, 1 << 26).err(), Some(RoofFault::TooFar));
+        let high = vec![[100.0, 200.0, 3.0], [104.0, 204.0, 4e4], [104.0, 200.0, 3.0]];
+        assert_eq!(lattice_roof(&[vec![high]], FRAME, 1 << 26).err(), Some(RoofFault::Height(4e4)));
+    }
+}

@@ -1,0 +1,122 @@
+//! Surfaces of a building: which of them are its roof, and which its ground.
+//!
+//! Line of sight asks what lies over a place, so walls count for nothing and a roof is all that is seen from above. Files that name
+//! the meaning of surfaces are believed: a roof is its `RoofSurface`s and `OuterFloorSurface`s. Of others every surface counts that is no
+//! wall and does not lie flat at the lowest height; where several lie on one another the highest counts, so floors
+//! and the undersides of roofs do no harm.
+
+use super::vector::{Polygon, doubled_area};
+
+/// A surface: rings of positions \[CRS units\] with heights \[m above the datum\], the shell first.
+pub(super) type Face = Vec<Vec<[f64; 3]>>;
+
+/// What a file says that a surface is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum FaceKind {
+    Ground,
+    Roof,
+    /// Something else.
+    Other,
+    /// It does not say.
+    Unknown,
+}
+
+/// What the surfaces of one building make.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Solid {
+    /// What it covers, of overlapping parts.
+    pub(super) polygons: Vec<Polygon>,
+    /// Lowest and highest point \[m above the datum\]; `None` without a point.
+    pub(super) heights: Option<[f64; 2]>,
+    /// Its roof.
+    pub(super) roof: Vec<Face>,
+    /// What it covers of the ground, where that is known.
+    pub(super) ground: Vec<Polygon>,
+}
+
+/// A surface of which less than this share faces up or down is a wall; roofs are far flatter.
+const LEAST_FLATNESS: f64 = 1e-3;
+
+impl Solid {
+    /// Made of surfaces.
+    pub(super) fn of(faces: Vec<(Face, FaceKind)>) -> Solid {
+        let heights = |face: &Face| {
+            face.iter().flatten().fold(None, |range: Option<[f64; 2]>, [.., z]| {
+                let [low, high] = range.unwrap_or([*z, *z]);
+                Some([low.min(*z), high.max(*z)])
+            })
+        };
+        let all = faces.iter().filter_map(|(face, _)| heights(face));
+        let range = all.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+        let is_lowest = |face: &Face| heights(face).zip(range).is_some_and(|(of, all)| of[1] <= all[0]);
+        let has_roof = faces.iter().any(|(_, kind)| *kind == FaceKind::Roof);
+        let upright = |face: &Face| face.first().is_none_or(|shell| is_wall(shell));
+        let flat: Vec<(Face, FaceKind)> = faces.into_iter().filter(|(face, _)| !upright(face)).collect();
+        let has_ground = flat.iter().any(|(_, kind)| *kind == FaceKind::Ground);
+        // A surface that lies lowest is ground only below others.
+        let has_upper = flat.iter().any(|(face, _)| !is_lowest(face));
+        let is_ground = |(face, kind): &(Face, FaceKind)| match kind {
+            FaceKind::Ground => true,
+            _ => !has_ground && has_upper && is_lowest(face),
+        };
+        let ground: Vec<Polygon> = flat.iter().filter(|face| is_ground(face)).map(|(face, _)| plan(face)).collect();
+        // The footprint is what is marked as ground, or all that is seen from above.
+        let marked = |(_, kind): &&(Face, FaceKind)| !has_ground || *kind == FaceKind::Ground;
+        let polygons = flat.iter().filter(marked).map(|(face, _)| plan(face)).collect();
+        let is_roof = |face: &(Face, FaceKind)| if has_roof { face.1 == FaceKind::Roof } else { !is_ground(face) };
+        let roof = flat.into_iter().filter(is_roof).map(|(face, _)| face).collect();
+        Solid { polygons, heights: range, roof, ground }
+    }
+}
+
+/// A surface as seen from above.
+pub(super) fn plan(face: &Face) -> Polygon {
+    face.iter().map(|ring| ring.iter().map(|p| [p[0], p[1]]).collect()).collect()
+}
+
+/// Whether hardly any of a surface faces up or down.
+fn is_wall(ring: &[[f64; 3]]) -> bool {
+    let seen_along = |i: usize, j: usize| {
+        let plane: Vec<[f64; 2]> = ring.iter().map(|p| [p[i], p[j]]).collect();
+        doubled_area(&plane).abs()
+    };
+    seen_along(0, 1) <= LEAST_FLATNESS * seen_along(1, 2).hypot(seen_along(0, 2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn face(corners: &[[f64; 3]]) -> Face {
+        vec![corners.to_vec()]
+    }
+
+    /// A shed of 4 × 2 m, 2 m high at its west wall and 3 m at its east, from 1 m up: ground, roof, one wall.
+    fn shed() -> [Face; 3] {
+        [
+            face(&[[0.0, 0.0, 1.0], [0.0, 2.0, 1.0], [4.0, 2.0, 1.0], [4.0, 0.0, 1.0]]),
+            face(&[[0.0, 0.0, 2.0], [4.0, 0.0, 3.0], [4.0, 2.0, 3.0], [0.0, 2.0, 2.0]]),
+            face(&[[0.0, 0.0, 1.0], [4.0, 0.0, 1.0], [4.0, 0.0, 3.0], [0.0, 0.0, 2.0]]),
+        ]
+    }
+
+    #[test]
+    fn marked_or_not_the_roof_is_what_lies_above_the_ground() {
+        let [ground, roof, wall] = shed();
+        let marked = Solid::of(vec![
+            (ground.clone(), FaceKind::Ground),
+            (roof.clone(), FaceKind::Roof),
+            (wall.clone(), FaceKind::Other),
+        ]);
+        let unmarked = Solid::of([&ground, &roof, &wall].map(|face| (face.clone(), FaceKind::Unknown)).to_vec());
+        for solid in [&marked, &unmarked] {
+            assert_eq!(solid.roof, [roof.clone()]);
+            assert_eq!(solid.ground, [plan(&ground)]);
+            assert_eq!(solid.heights, Some([1.0, 3.0]));
+        }
+        assert_eq!(marked.polygons, [plan(&ground)]);
+        // A flat roof alone is no ground.
+        let alone = Solid::of(vec![(ground.clone(), FaceKind::Unknown)]);
+        assert_eq!((alone.roof, alone.ground.len()), (vec![ground], 0));
+    }
+}
