@@ -10,8 +10,8 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::accuracy::{
-    BudgetLine, CellEffect, NO_CHANGE, Setup, Simpler, TerrainEffect, Uncertain, cell_effects, coarsest_unchanged,
-    error_budget, terrain_effect,
+    BudgetLine, CellEffect, NO_CHANGE, RoofEffect, Setup, Simpler, TerrainEffect, Uncertain, cell_effects,
+    coarsest_unchanged, error_budget, roof_effect, terrain_effect,
 };
 use crate::answer::{Answer, Head, Rows, RunFacts, Spent, WarningFacts, document_of, rows, warnings_of};
 use crate::city::Solids;
@@ -22,7 +22,7 @@ use crate::export::{Batch, Format};
 use crate::height_field::HeightField;
 use crate::map::IdleDocument;
 use crate::picture::Look;
-use crate::quantity::tidy;
+use crate::quantity::{counted, tidy};
 use crate::read::MissingHeight;
 use crate::render::{grouped, percent};
 use crate::scene::{Scene, SceneOptions};
@@ -58,6 +58,8 @@ pub(crate) struct Limits {
     terrain: TerrainEffect,
     idle: IdleFootprints,
     rectangles: Option<Rectangles>,
+    /// What flat roofs would change, where any is not; or why that is not known.
+    roofs: Option<std::result::Result<RoofEffect, String>>,
     /// Why `auto` takes its engine, and how long that is expected to take \[s\].
     engine: (&'static str, f64),
     heights: HeightLimitsDocument,
@@ -142,6 +144,7 @@ impl LimitsPlan {
             cell_m: field.grid().cell_width() * meters_per_unit,
             cells: cell_effects(&setup),
             terrain: terrain_effect(&setup)?,
+            roofs: roof_effect(&setup).map_err(|e| e.to_string()).transpose(),
             idle,
             rectangles,
             engine: (why, expected.seconds()),
@@ -231,6 +234,7 @@ impl Answer for Limits {
             },
             footprints: (self.idle.footprints > 0).then(|| IdleDocument::of(&self.idle)),
             rectangles: self.rectangles,
+            roofs: self.roofs.as_ref().map(RoofDocument::of),
             why: self.engine.0,
             expected_s: self.engine.1,
             heights: self.heights.clone(),
@@ -279,6 +283,7 @@ impl Answer for Limits {
                 grouped(r.footprints as u64)
             );
         }
+        text += &self.roofs.as_ref().map_or(String::new(), |roofs| roofs_in_words(roofs, p_los));
         if self.idle.footprints > 0 {
             text += &format!("footprints {}\n", idle_in_words(&self.idle));
         }
@@ -377,6 +382,8 @@ pub(crate) struct LimitsDocument {
     footprints: Option<IdleDocument>,
     /// Footprints that are rectangles.
     rectangles: Option<Rectangles>,
+    /// What flat roofs, each as high as it is highest, would change; null where all are flat.
+    roofs: Option<RoofDocument>,
     /// Why the engine is taken.
     why: &'static str,
     /// How long line of sight is expected to take [s].
@@ -387,6 +394,47 @@ pub(crate) struct LimitsDocument {
     budget: Vec<LineDocument>,
     /// What was odd.
     warnings: Vec<WarningFacts>,
+}
+
+/// What flat roofs would change.
+#[derive(Debug, Serialize, JsonSchema)]
+struct RoofDocument {
+    /// Buildings whose roofs are not flat.
+    shaped: Option<usize>,
+    /// Receivers whose answers they turn.
+    turned: Option<u64>,
+    /// Receivers of both forms.
+    receivers: Option<u64>,
+    /// P_LoS with them.
+    p_los: Option<f64>,
+    /// Why that is not known.
+    reason: Option<String>,
+}
+
+impl RoofDocument {
+    fn of(roofs: &std::result::Result<RoofEffect, String>) -> Self {
+        let known = roofs.as_ref().ok();
+        RoofDocument {
+            shaped: known.map(|roofs| roofs.shaped),
+            turned: known.map(|roofs| roofs.turned),
+            receivers: known.map(|roofs| roofs.receivers),
+            p_los: known.and_then(|roofs| roofs.p_los),
+            reason: roofs.as_ref().err().cloned(),
+        }
+    }
+}
+
+/// The line of the answer.
+fn roofs_in_words(roofs: &std::result::Result<RoofEffect, String>, p_los: f64) -> String {
+    match roofs {
+        Err(why) => format!("roofs      what flat ones would change is not known: {why}\n"),
+        Ok(RoofEffect { shaped, turned, receivers, p_los: of_flat }) => {
+            let change = of_flat.map_or(String::new(), |flat| format!(", P_LoS by {:+.4}", flat - p_los));
+            let (shaped, share) =
+                (counted(*shaped as u64, "building has", "buildings have"), percent(*turned, *receivers));
+            format!("roofs      {shaped} none that is flat: flat ones would turn {share} of receivers{change}\n")
+        }
+    }
 }
 
 /// P_LoS on other cells.

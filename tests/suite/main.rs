@@ -17,6 +17,7 @@ mod approximate; // step, xdraw and r2 against restatements of their rules; the 
 mod shadow; // the engine `shadow` against `ray`, cell for cell
 mod plateaus; // shadows of a raster's plateaus against `ray`, and when they are taken
 mod sloped_roofs; // roofs that are planes: ray and shadow against the oracle, houses drawn by hand and at random
+mod lod2; // roofs as files hold them: a real city against a tracer of its surfaces, errors that move whole roofs, flags
 mod shadow_positions; // the same from the ground: receivers and the UAVs that they see
 mod adversarial; // grazing, corners, walls, ties, neighboring lattice points, extremes
 mod truth; // real cities against an independent engine's masks

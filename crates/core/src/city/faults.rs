@@ -35,13 +35,15 @@ pub enum FootprintFault {
     Overhang,
     /// A roof with surfaces that cross themselves as seen from above, or are longer than 1024 m: these are taken flat.
     RoughRoof,
+    /// A roof with surfaces that are no plane to within 5 cm: taken as triangles between their corners.
+    UnevenRoof,
 }
 
 use FootprintFault as F;
 
 impl FootprintFault {
     /// All kinds.
-    pub const ALL: [F; 16] = [
+    pub const ALL: [F; 17] = [
         F::NotAnArea,
         F::SelfIntersection,
         F::StrayHole,
@@ -58,6 +60,7 @@ impl FootprintFault {
         F::HeightFromLevels,
         F::Overhang,
         F::RoughRoof,
+        F::UnevenRoof,
     ];
 
     /// The word for it, the code of its warning, and what one and many of them are called.
@@ -128,6 +131,14 @@ impl FootprintFault {
                     "roofs with surfaces that cross themselves or are longer than 1024 m",
                 ],
             ),
+            F::UnevenRoof => (
+                "uneven-roof",
+                376,
+                [
+                    "roof with surfaces that are no plane to within 5 cm",
+                    "roofs with surfaces that are no plane to within 5 cm",
+                ],
+            ),
         }
     }
 
@@ -158,6 +169,7 @@ impl FootprintFault {
             F::HeightFromLevels => "3 m for each",
             F::Overhang => "taken as solid below",
             F::RoughRoof => "these are taken flat at their highest",
+            F::UnevenRoof => "these are taken as triangles between their corners",
             _ => LEFT_OUT,
         }
     }

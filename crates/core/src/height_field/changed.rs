@@ -61,6 +61,35 @@ impl HeightField {
         Some(field)
     }
 
+    /// The scene with a flat roof on every building, as high as its own is highest; `None` where all are that. What is a building stays.
+    pub fn with_flat_roofs(&self) -> Option<HeightField> {
+        let tops = self.building_tops();
+        let mut field = self.clone();
+        let Solid::Vector(vector) = &mut field.solid else { return None };
+        let prisms = &vector.prisms;
+        let is_flat = |p: &Piece| prisms.heights(p).is_none() && p.top == tops[p.building as usize];
+        if prisms.pieces().iter().all(is_flat) {
+            return None;
+        }
+        let flat = prisms.pieces().iter().map(|p| (prisms.ring(p), tops[p.building as usize], p.building));
+        vector.prisms = Prisms::new(flat).on_earth(prisms.earth());
+        field.find_roofs();
+        field.cells = Arc::new(CellSets::of(&field));
+        Some(field)
+    }
+
+    /// How many buildings have a roof that is not flat.
+    pub fn n_buildings_with_shaped_roofs(&self) -> usize {
+        let tops = self.building_tops();
+        let Some(prisms) = self.prisms() else { return 0 };
+        let mut is_shaped = vec![false; tops.len()];
+        for piece in prisms.pieces() {
+            let building = piece.building as usize;
+            is_shaped[building] |= prisms.heights(piece).is_some() || piece.top != tops[building];
+        }
+        is_shaped.into_iter().filter(|is_shaped| *is_shaped).count()
+    }
+
     /// A raster scene with the columns that are buildings higher by what a function gives for the index of a cell \[1/1024 m\]; `None` of a vector
     /// scene, and if a roof would leave the proven range.
     pub(crate) fn with_cells_raised_by(&self, steps: impl Fn(usize) -> i32) -> Option<HeightField> {

@@ -105,7 +105,7 @@ impl Method {
     /// The method that a choice comes to on a scene, and why.
     pub fn choose(field: &HeightField, choice: MethodChoice) -> Result<(Method, &'static str), WrongMethod> {
         let auto = match (field.prisms().is_some(), field.columns().is_some()) {
-            (true, false) => (Method::Shadow, "footprints on flat ground: shadows of flat roofs"),
+            (true, false) => (Method::Shadow, "footprints on flat ground: shadows of roofs"),
             (true, true) if field.columns_can_be_swept() => {
                 (Method::ShadowSweep, "footprints on terrain: shadows for the roofs, one sweep for the terrain")
             }

@@ -170,7 +170,7 @@ impl BitGrid {
 
     /// The cells that are in one set but not in both, which are of one shape.
     #[must_use]
-    pub(crate) fn xor(mut self, other: &BitGrid) -> Self {
+    pub fn xor(mut self, other: &BitGrid) -> Self {
         assert_eq!((self.n_rows, self.n_cols), (other.n_rows, other.n_cols), "sets of one shape");
         self.words.iter_mut().zip(&other.words).for_each(|(a, b)| *a ^= b);
         self

@@ -480,6 +480,9 @@ fn note_shape(shaped: &Shaped, log: &mut FaultLog) {
     if shaped.roof.n_flattened > 0 {
         log.note(FootprintFault::RoughRoof, raw.culprit());
     }
+    if shaped.roof.n_uneven > 0 {
+        log.note(FootprintFault::UnevenRoof, raw.culprit());
+    }
 }
 
 /// The median of the heights that are known \[m\].

@@ -18,7 +18,12 @@ pub(super) struct LatticeRoof {
     pub(super) triangles: Vec<RoofTriangle>,
     /// Surfaces that cross themselves as seen from above, or are longer than a roof can be: taken flat, as high as they are highest.
     pub(super) n_flattened: usize,
+    /// Surfaces that are no plane to within [`EVEN`]: as they are triangulated, so they are.
+    pub(super) n_uneven: usize,
 }
+
+/// Corners of a surface may be so far from its plane, in height \[1/1024 m\]: 5 cm.
+const EVEN: f64 = 51.2;
 
 /// Why a roof is none.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,11 +78,14 @@ impl LatticeRoof {
         let is_flat = heights.values().max() == heights.values().min();
         let is_short = is_flat || spans(0).max(spans(1)) <= MAX_ROOF_STEPS;
         match triangles(rings).filter(|_| is_short) {
-            Some(triangles) => self.triangles.extend(triangles.iter().filter_map(|ring| {
-                let [a, b, c] = ring.as_slice() else { return None };
-                let corners = if doubled_area(ring) > 0 { [a, b, c] } else { [a, c, b] };
-                (doubled_area(ring) != 0).then(|| corners.map(|p| [p[0], p[1], heights[p]]))
-            })),
+            Some(triangles) => {
+                self.n_uneven += usize::from(rings.first().is_some_and(|shell| deviation(shell, heights) > EVEN));
+                self.triangles.extend(triangles.iter().filter_map(|ring| {
+                    let [a, b, c] = ring.as_slice() else { return None };
+                    let corners = if doubled_area(ring) > 0 { [a, b, c] } else { [a, c, b] };
+                    (doubled_area(ring) != 0).then(|| corners.map(|p| [p[0], p[1], heights[p]]))
+                }));
+            }
             None => {
                 self.n_flattened += 1;
                 let highest = heights.values().copied().max().unwrap_or(0);
@@ -106,6 +114,24 @@ impl LatticeRoof {
     }
 }
 
+/// How far corners are from the plane of a ring (Newell's normal through the mean of its corners), in height \[1/1024 m\].
+#[expect(clippy::cast_precision_loss, reason = "told to a step")]
+fn deviation(ring: &Ring, heights: &HashMap<[i32; 2], i32>) -> f64 {
+    let first = ring[0];
+    let at = |p: &[i32; 2]| [p[0] - first[0], p[1] - first[1], heights[p] - heights[&first]].map(f64::from);
+    let (mut normal, mut mean) = ([0.0; 3], [0.0; 3]);
+    for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
+        let (a, b) = (at(a), at(b));
+        for k in 0..3 {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            normal[k] += (a[i] - b[i]) * (a[j] + b[j]);
+            mean[k] += a[k] / ring.len() as f64;
+        }
+    }
+    let off = |p: &[i32; 2]| (0..3).map(|k| normal[k] * (at(p)[k] - mean[k])).sum::<f64>() / normal[2];
+    ring.iter().map(|p| off(p).abs()).fold(0.0, f64::max)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -123,11 +149,21 @@ mod tests {
         let hole = vec![[102.0, 202.0, 6.0], [102.0, 204.0, 7.0], [104.0, 204.0, 7.0], [104.0, 202.0, 6.0]];
         let roof = lattice_roof(&[vec![shell, hole]], FRAME, 1 << 26).expect("a roof");
         assert_eq!((area(&roof), roof.n_flattened, roof.top()), (44 * 1024 * 1024, 0, Some(8 * 1024)));
+        assert_eq!(roof.n_uneven, 0);
         // Each corner is where its plane says: 5 m and half a meter for each to the north.
         for [_, y, z] in roof.triangles.iter().flatten() {
             assert_eq!(z - 5 * 1024, y / 2);
         }
         assert_eq!(roof.polygons().iter().flatten().count(), 2);
+    }
+
+    #[test]
+    fn a_surface_that_is_no_plane_is_counted() {
+        let square =
+            |z: f64| vec![vec![[100.0, 200.0, 3.0], [104.0, 200.0, 3.0], [104.0, 204.0, 3.0], [100.0, 204.0, z]]];
+        // A corner that is off by z is off the plane by a quarter of that.
+        let uneven = |z: f64| lattice_roof(&[square(z)], FRAME, 1 << 26).expect("a roof").n_uneven;
+        assert_eq!([3.0, 3.19, 3.21, 2.7].map(uneven), [0, 0, 1, 1]);
     }
 
     #[test]

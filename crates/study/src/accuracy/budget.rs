@@ -21,6 +21,8 @@ pub enum Part {
     UavHeight,
     /// How high the buildings are, all of them wrong alike.
     RoofHeights,
+    /// What shape roofs have, where it is known.
+    RoofShapes,
     /// The curve of the earth.
     Earth,
     /// That the city is one draw of many.
@@ -36,6 +38,7 @@ impl Part {
             Part::UavPlace => "UAV position",
             Part::UavHeight => "UAV height",
             Part::RoofHeights => "building heights",
+            Part::RoofShapes => "roof shapes",
             Part::Earth => "shape of the earth",
             Part::Cities => "one city of many",
         }
@@ -84,6 +87,7 @@ pub fn error_budget(
     lines.push(place_line(setup, p_los, uncertain));
     lines.push(height_line(setup, p_los, uncertain));
     lines.push(roof_line(setup, p_los, uncertain));
+    lines.extend(shape_line(setup, p_los));
     lines.push(earth_line(setup, p_los));
     lines.push(city_line(setup, cities));
     let size = |line: &BudgetLine| line.change.as_ref().map_or(-1.0, |c| c.abs());
@@ -195,6 +199,13 @@ fn roof_line(setup: &Setup<'_>, p_los: f64, uncertain: &Uncertain) -> BudgetLine
         changed: format!("all roofs {} m higher and lower", crate::quantity::tidy(uncertain.roofs_m)),
         change: largest([steps, -steps].into_iter().map(raised)),
     }
+}
+
+/// What it is worth that roofs are not flat, where they are not.
+fn shape_line(setup: &Setup<'_>, p_los: f64) -> Option<BudgetLine> {
+    let flat = setup.field.with_flat_roofs()?;
+    let changed = "all roofs flat, each as high as it is highest".into();
+    Some(BudgetLine { part: Part::RoofShapes, changed, change: change_of(setup.p_los_of(&flat), p_los) })
 }
 
 /// What it is worth that the earth is curved, as radio sees it, where it was taken as flat; or flat where it was not.

@@ -14,7 +14,7 @@ use crate::coverage::{MapOptions, Mapper, Seen, Uav};
 use crate::error::{ChartError, Result};
 use crate::height_field::{HeightField, Pooling};
 use crate::los::{Method, MethodChoice, StepLength};
-use crate::quantity::share;
+use crate::quantity::{STEPS_PER_UNIT, share};
 use crate::raster::BitGrid;
 
 /// Kinds of contestants, as legends tell them apart.
@@ -30,14 +30,16 @@ pub enum Family {
     Coarser,
     /// An exact engine on the raster of a scene of footprints.
     Raster,
+    /// An exact engine on buildings with other roofs.
+    Roofs,
     /// Another program.
     Peer,
 }
 
 impl Family {
     /// All families in the order of legends.
-    pub const ALL: [Family; 6] =
-        [Family::Exact, Family::Step, Family::Neighbors, Family::Coarser, Family::Raster, Family::Peer];
+    pub const ALL: [Family; 7] =
+        [Family::Exact, Family::Step, Family::Neighbors, Family::Coarser, Family::Raster, Family::Roofs, Family::Peer];
 
     fn told(self) -> (&'static str, &'static str) {
         match self {
@@ -46,6 +48,7 @@ impl Family {
             Family::Neighbors => ("neighbors", "Interpolated, nearest ray"),
             Family::Coarser => ("coarser", "Exact, coarser cells"),
             Family::Raster => ("raster", "Exact, raster of the scene"),
+            Family::Roofs => ("roofs", "Exact, other roofs"),
             Family::Peer => ("peer", "Other programs"),
         }
     }
@@ -70,14 +73,18 @@ pub enum Ground {
     Simpler(Simpler),
     /// The raster of the footprints, on the receivers' own cells.
     Raster,
+    /// The scene with flat roofs, each as high as it is highest.
+    FlatRoofs,
+    /// The scene with all roofs so many meters higher: what an error of heights is worth.
+    HigherRoofs(u16),
 }
 
 impl Ground {
     /// How many times as large its cells are.
     pub fn factor(self) -> usize {
         match self {
-            Ground::Scene | Ground::Raster => 1,
             Ground::Simpler(form) => form.factor,
+            _ => 1,
         }
     }
 }
@@ -93,6 +100,8 @@ pub struct Contestant {
 
 /// Steps of the sampled rays \[cells\].
 const STEPS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
+/// Errors of heights: good ones, and those of many footprints \[m\].
+const HIGHER_M: [u16; 2] = [1, 3];
 /// Times that cells are enlarged.
 const FACTORS: [usize; 3] = [2, 4, 8];
 
@@ -119,6 +128,11 @@ impl Contestant {
         let mut forms = Simpler::forms(field, &FACTORS);
         forms.sort_by_key(|form| form.pooling.map(Pooling::name));
         all.extend(forms.into_iter().map(|form| on(Ground::Simpler(form))(of_forms)));
+        if is_vector {
+            let is_flat = field.n_buildings_with_shaped_roofs() == 0;
+            let roofs = (!is_flat).then_some(Ground::FlatRoofs).into_iter();
+            all.extend(roofs.chain(HIGHER_M.map(Ground::HigherRoofs)).map(|ground| on(ground)(own)));
+        }
         let more = match more.method() {
             // Approximations of a vector scene are those of its raster.
             Some(method) if is_vector && !matches!(method, Method::Ray | Method::Shadow) => on(Ground::Raster)(method),
@@ -142,6 +156,7 @@ impl Contestant {
             (_, Ground::Scene) => Family::Exact,
             (_, Ground::Raster) => Family::Raster,
             (_, Ground::Simpler(_)) => Family::Coarser,
+            (_, Ground::FlatRoofs | Ground::HigherRoofs(_)) => Family::Roofs,
         }
     }
 
@@ -154,6 +169,8 @@ impl Contestant {
             }
             Ground::Simpler(Simpler { factor, pooling: None }) => format!("receivers {factor}x"),
             Ground::Raster => "raster".to_string(),
+            Ground::FlatRoofs => "flat roofs".to_string(),
+            Ground::HigherRoofs(m) => format!("roofs {m} m higher"),
         }
     }
 
@@ -166,6 +183,8 @@ impl Contestant {
             }
             Ground::Simpler(Simpler { factor, pooling: None }) => format!("{factor}× receivers"),
             Ground::Raster => format!("{} on raster", self.method),
+            Ground::FlatRoofs => "flat roofs".to_string(),
+            Ground::HigherRoofs(m) => format!("roofs {m} m higher"),
         }
     }
 
@@ -183,12 +202,15 @@ impl Contestant {
             Ground::Scene => Cow::Borrowed(field),
             Ground::Simpler(form) => Cow::Owned(form.of(field).ok_or("the scene has no larger cells")?),
             Ground::Raster => Cow::Owned(field.rasterized().ok_or("the scene has no raster")?),
+            Ground::FlatRoofs => Cow::Owned(field.with_flat_roofs().ok_or("all roofs are flat")?),
+            Ground::HigherRoofs(m) => {
+                let steps = i32::from(m) * STEPS_PER_UNIT;
+                Cow::Owned(field.with_roofs_raised(steps).ok_or("a roof would be too high")?)
+            }
         };
         let uavs = match self.ground {
             Ground::Scene => uavs.to_vec(),
-            Ground::Simpler(_) | Ground::Raster => {
-                uavs.iter().map(|uav| moved_to(uav, &field)).collect::<Result<_>>().map_err(|e| e.to_string())?
-            }
+            _ => uavs.iter().map(|uav| moved_to(uav, &field)).collect::<Result<_>>().map_err(|e| e.to_string())?,
         };
         let options = MapOptions { method: self.choice(), ..options.clone() };
         Ok(Prepared { field, uavs, options })

@@ -111,6 +111,42 @@ pub fn terrain_effect(setup: &Setup<'_>) -> Result<TerrainEffect> {
     Ok(TerrainEffect::Hides { hidden: receivers - los, receivers })
 }
 
+/// What roofs that are all flat, each as high as it is highest, would make of a map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoofEffect {
+    /// Buildings whose roofs are not flat.
+    pub shaped: usize,
+    /// Receivers of all UAVs whose answers they turn, of those that both forms have.
+    pub turned: u64,
+    /// All of these.
+    pub receivers: u64,
+    /// P_LoS with them; `None` without a receiver.
+    pub p_los: Option<f64>,
+}
+
+/// What the shape of roofs is worth; `None` where all are flat.
+///
+/// # Errors
+/// As [`Uav::place`]: a UAV may be below the ridge of a roof that it hovers beside.
+pub fn roof_effect(setup: &Setup<'_>) -> Result<Option<RoofEffect>> {
+    let Some(flat) = setup.field.with_flat_roofs() else { return Ok(None) };
+    let (own, of_flat) = ((setup.options)(setup.field), (setup.options)(&flat));
+    let (own, of_flat) = (Mapper::new(setup.field, &own)?, Mapper::new(&flat, &of_flat)?);
+    let mut effect = RoofEffect {
+        shaped: setup.field.n_buildings_with_shaped_roofs(),
+        turned: 0,
+        receivers: 0,
+        p_los: setup.p_los_of(&flat)?,
+    };
+    for uav in setup.uavs {
+        let (as_is, as_flat) = (own.seen(uav), of_flat.seen(&moved_to(uav, &flat)?));
+        let both = as_is.receivers.and(&as_flat.receivers);
+        effect.receivers += both.count();
+        effect.turned += as_is.los.xor(&as_flat.los).and(&both).count();
+    }
+    Ok(Some(effect))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -14,7 +14,10 @@ pub mod stress;
 mod tolerance;
 
 pub use budget::{BudgetLine, Part, Uncertain, error_budget};
-pub use economy::{CellEffect, NO_CHANGE, Setup, TerrainEffect, cell_effects, coarsest_unchanged, terrain_effect};
+pub use economy::{
+    CellEffect, NO_CHANGE, RoofEffect, Setup, TerrainEffect, cell_effects, coarsest_unchanged, roof_effect,
+    terrain_effect,
+};
 pub use paired::{Paired, paired_difference};
 pub(crate) use simpler::moved_to;
 pub use simpler::{CoarseAnswer, FACTORS, Simpler, coarse_answer};
