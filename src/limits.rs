@@ -431,8 +431,8 @@ fn roofs_in_words(roofs: &std::result::Result<RoofEffect, String>, p_los: f64) -
         Ok(RoofEffect { shaped, turned, receivers, p_los: of_flat }) => {
             let change = of_flat.map_or(String::new(), |flat| format!(", P_LoS by {:+.4}", flat - p_los));
             let (shaped, share) =
-                (counted(*shaped as u64, "building has", "buildings have"), percent(*turned, *receivers));
-            format!("roofs      {shaped} none that is flat: flat ones would turn {share} of receivers{change}\n")
+                (counted(*shaped as u64, "building is", "buildings are"), percent(*turned, *receivers));
+            format!("roofs      of {shaped} not flat: flat ones would turn {share} of receivers{change}\n")
         }
     }
 }

@@ -30,12 +30,15 @@ fn words(command: &str) -> Vec<String> {
     words
 }
 
-/// Runs the commands of a page in their order, in a folder that holds `maps/` and nothing else.
+/// Runs the commands of a page in their order, in a folder that holds `maps/` and the buildings of `tests/lod2/`.
 #[cfg(unix)]
 fn run_page(name: &str, least: usize) {
     let folder = Folder::new();
     let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps");
     std::os::unix::fs::symlink(maps, folder.join("maps")).unwrap();
+    std::fs::create_dir(folder.join("tests")).unwrap();
+    let lod2 = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/lod2");
+    std::os::unix::fs::symlink(lod2, folder.join("tests/lod2")).unwrap();
     let (page, mut n_run, mut before) = (page(name), 0, None);
     for line in commands(&page) {
         let words = words(line);

@@ -121,9 +121,8 @@ fn what_is_taken_otherwise_than_it_is_drawn_is_told() {
     assert!(asked.err.contains("warning[W369]") && asked.err.contains("1 building with a roof"), "{asked:?}");
     assert!(!asked.warnings().contains(&"W375"), "{asked:?}");
     // Solid below the porch, where a receiver is inside.
-    let under = folder.type_in(&format!(
-        "link porch.city.json --roofs lod2 --extent=-30,-30,40,36 --uav 5,-25,12 --rx 5,-1,1agl --json"
-    ));
+    let under =
+        folder.type_in("link porch.city.json --roofs lod2 --extent=-30,-30,40,36 --uav 5,-25,12 --rx 5,-1,1agl --json");
     assert_eq!((under.code(), under.error()), (4, "E201"), "{under:?}");
     let flat = folder.type_in(map).done();
     assert!(flat.warnings().contains(&"W375") && flat.err.contains("--roofs lod2"), "{flat:?}");
@@ -216,9 +215,9 @@ fn surface_of(rings: &[Vec<[f64; 3]>]) -> Option<Surface> {
     let mut normal = [0.0; 3];
     for k in 0..n {
         let [a, b] = [shell[k], shell[(k + 1) % n]].map(|p| [0, 1, 2].map(|i| p[i] - origin[i]));
-        for i in 0..3 {
+        for (i, of) in normal.iter_mut().enumerate() {
             let (j, l) = ((i + 1) % 3, (i + 2) % 3);
-            normal[i] += (a[j] - b[j]) * (a[l] + b[l]);
+            *of += (a[j] - b[j]) * (a[l] + b[l]);
         }
     }
     let mean = shell.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|i| sum[i] + (p[i] - origin[i]) / n as f64));

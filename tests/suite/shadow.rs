@@ -65,7 +65,7 @@ impl Field {
 
     /// Asserts that the least heights that are found above `from`, as the numbers that files hold and as steps of the lattice, are
     /// those of walks; returns how many links were compared and how many of them were left to walks.
-    fn compare_heights(
+    pub(crate) fn compare_heights(
         &self,
         prisms: &Prisms,
         uav: LatticePoint,
@@ -88,7 +88,11 @@ impl Field {
                 let single = |z: f64| z.max(from) as f32;
                 // Far above all heights a walk no longer counts steps.
                 let up = |z: f64| z.max(from).ceil().min(1e9) + 0.0;
-                let steps = walk.lowest_step().map_or(f64::INFINITY, |step| step as f64).max(from).min(1e9);
+                let steps = walk.lowest_step().map_or(f64::INFINITY, |step| step as f64);
+                // Where two slopes cross along a wall the walk itself rounds.
+                let is_rounded =
+                    walk.height_steps().is_finite() && !(0.0..=1.001).contains(&(steps - walk.height_steps()));
+                let steps = if is_rounded { walk.height_steps().ceil() } else { steps }.max(from).min(1e9);
                 let (found, found_up) = (found.settled(cell, single), found.settled(cell, up));
                 let is_it = found.is_none_or(|found| found.to_bits() == single(walk.height_steps()).to_bits());
                 let is_up = found_up.is_none_or(|found| found.to_bits() == steps.to_bits());

@@ -18,6 +18,7 @@ use skyshed_core::simd::simd_levels;
 
 use crate::oracle::{P3, Sloped, sloped_los};
 use crate::referee::{Count, check_cells, over_seeds};
+use crate::shadow::Field;
 use crate::support::{Random, point, slow};
 
 /// Prisms over triangles, one building each.
@@ -203,6 +204,31 @@ fn places(random: &mut Random, n: i64, scale: i64) -> Vec<i64> {
         (random.choose(&[scale, scale, scale / 2, 3 * scale]).max(1), random.choose(&[0, 0, scale / 3]));
     let first = -n / 2 * step + offset;
     (0..n).map(|k| first + k * step).collect()
+}
+
+#[test]
+fn least_heights_past_random_roofs_are_those_of_walks() {
+    let n = if slow() { 20_000 } else { 1500 };
+    let count = over_seeds(n, 0x512, |seed, random, count| {
+        let scale = SCALES[(seed % 4) as usize];
+        let triangles = scaled(&random_roofs(random), scale);
+        let prisms = prisms_of(&triangles);
+        let (xs, ys) = (places(random, 16, scale[0]), places(random, 14, scale[1]));
+        let ys: Vec<i64> = ys.into_iter().rev().collect();
+        let wanted = BitGrid::full(ys.len(), xs.len());
+        let level = random.chance(50).then(|| random.within(-1, 4));
+        let heights = (0..xs.len() * ys.len())
+            .map(|_| (level.unwrap_or_else(|| random.within(-1, 5)) * scale[2]) as i32)
+            .collect();
+        let [x, y, z] = random_point(random);
+        let uav = point([x * scale[0], y * scale[1], z * scale[2] + random.choose(&[0, 0, 1])]);
+        let field = Field { xs, ys, heights, wanted };
+        let from = random.within(-2, 3) * scale[2];
+        let (links, left) = field.compare_heights(&prisms, uav, from, &|| format!("seed {seed}: {triangles:?}"));
+        count.links += links;
+        count.asked += left;
+    });
+    assert!(count.links > n * 400 && count.asked * 3 < count.links, "{count:?}");
 }
 
 #[test]

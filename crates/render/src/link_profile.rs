@@ -139,7 +139,17 @@ fn steps(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
         };
         if step.kind == StepKind::Building {
             fill(&mut drawing, BUILDING_FILL);
-            drawing.polyline(&[[x0, HEIGHT], [x0, y0], [x1, y1], [x1, HEIGHT]], &stroke("#6B7178", 1.6, ""));
+            // A roof that goes on in another slope has no wall there.
+            let goes_on = |[at_m, height_m]: [f64; 2], end: usize| {
+                of_kind(StepKind::Building).any(|other| {
+                    let place_m = [other.from_m, other.to_m][end];
+                    (place_m - at_m).abs() < 1e-6 && (other.heights_m[end] - height_m).abs() < 1e-3
+                })
+            };
+            let start = (!goes_on([step.from_m, step.heights_m[0]], 1)).then_some([x0, HEIGHT]);
+            let end = (!goes_on([step.to_m, step.heights_m[1]], 0)).then_some([x1, HEIGHT]);
+            let outline: Vec<[f64; 2]> = start.into_iter().chain([[x0, y0], [x1, y1]]).chain(end).collect();
+            drawing.polyline(&outline, &stroke("#6B7178", 1.6, ""));
         } else {
             fill(&mut drawing, TERRAIN_FILL);
             drawing.line([x0, y0], [x1, y1], &stroke("#8F897B", 2.0, ""));

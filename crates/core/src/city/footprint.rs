@@ -74,7 +74,7 @@ impl Footprint {
     pub fn wall_edges(&self) -> Vec<[[i32; 3]; 2]> {
         if self.roof.is_empty() {
             let at_top = |[x, y]: [i32; 2]| [x, y, self.top];
-            let rings = self.polygons.iter().flat_map(|polygon| wound(polygon));
+            let rings = self.polygons.iter().flat_map(wound);
             let edges =
                 |ring: Ring| (0..ring.len()).map(move |k| [ring[k], ring[(k + 1) % ring.len()]]).collect::<Vec<_>>();
             return rings.flat_map(edges).map(|ends| ends.map(at_top)).collect();

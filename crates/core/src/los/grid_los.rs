@@ -274,8 +274,8 @@ impl<'a> GridLos<'a> {
             Some((swept.los, GridHeights::exact(swept.least_heights?, wanted.n_cols())))
         };
         let cast = |shadows: &PrismShadows<'_>| {
-            // Where shadows end on a curved earth no plane tells, and of sloped roofs walks do.
-            if shadows.prisms.earth().is_some() || shadows.prisms.are_sloped() {
+            // Where shadows end on a curved earth no plane tells.
+            if shadows.prisms.earth().is_some() {
                 return None;
             }
             let heights = shadow_least_receiver_heights(&self.all_casters(shadows, wanted), uav.on_prisms(), lowest)?;
@@ -316,7 +316,7 @@ impl<'a> GridLos<'a> {
         else {
             return None;
         };
-        if shadows.prisms.earth().is_some() || shadows.prisms.are_sloped() {
+        if shadows.prisms.earth().is_some() {
             return None;
         }
         let mut heights = shadow_least_heights(&self.all_casters(shadows, wanted), uav.on_prisms(), from, height)?;

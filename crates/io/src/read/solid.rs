@@ -110,7 +110,7 @@ mod tests {
         ]);
         let unmarked = Solid::of([&ground, &roof, &wall].map(|face| (face.clone(), FaceKind::Unknown)).to_vec());
         for solid in [&marked, &unmarked] {
-            assert_eq!(solid.roof, [roof.clone()]);
+            assert_eq!(solid.roof, std::slice::from_ref(&roof));
             assert_eq!(solid.ground, [plan(&ground)]);
             assert_eq!(solid.heights, Some([1.0, 3.0]));
         }

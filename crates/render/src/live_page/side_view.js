@@ -110,6 +110,13 @@ function clearPart(link) {
   return Math.min(obstruction ? partOf(link, obstruction) : 1, ...met.map((d) => d / Math.max(distance_m, 0.01)));
 }
 
+/**
+ * Whether a building has this height at its start (0) or its end (1) somewhere along a link.
+ * @param {LinkSeen} link @param {number} at_m @param {number} height_m @param {0 | 1} end
+ */
+const goesOn = (link, at_m, height_m, end) => link.steps.some((step) => step.kind === "building"
+  && Math.abs([step.from_m, step.to_m][end] - at_m) < 1e-6 && Math.abs(step.heights_m[end] - height_m) < 1e-3);
+
 /** @param {Obstruction | null} obstruction */
 function blockedWords(obstruction) {
   const words = say();
@@ -146,9 +153,11 @@ function sideView(link) {
       const [x0, x1] = [x(step.from_m), x(step.to_m)];
       const [y0, y1] = step.heights_m.map(y);
       if (!(x1 > x0)) continue;
-      const around = `M${x0} ${bottom}V${y0}L${x1} ${y1}V${bottom}`;
-      plot.append(draw("path", { class: kind, d: `${around}Z` }));
-      plot.append(draw("path", { class: `${kind}-top`, d: kind === "terrain" ? `M${x0} ${y0}L${x1} ${y1}` : around }));
+      plot.append(draw("path", { class: kind, d: `M${x0} ${bottom}V${y0}L${x1} ${y1}V${bottom}Z` }));
+      // A roof that goes on in another slope has no wall there, and ground has none.
+      const start = kind === "terrain" || goesOn(link, step.from_m, step.heights_m[0], 1) ? "" : `M${x0} ${bottom}L`;
+      const end = kind === "terrain" || goesOn(link, step.to_m, step.heights_m[1], 0) ? "" : `V${bottom}`;
+      plot.append(draw("path", { class: `${kind}-top`, d: `${start || "M"}${x0} ${y0}L${x1} ${y1}${end}` }));
     }
   }
   const [uav, receiver] = [[x(0), y(link.uav.amsl_m)], [x(long), y(link.receiver.amsl_m)]];

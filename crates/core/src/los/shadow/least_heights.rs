@@ -8,27 +8,35 @@
 //! reaches that place at `z + (H − z)·(E × q)/(E × q − K)` if it grazes the roof there. A roof above the receiver binds at its far edge,
 //! the one next to the receiver, a lower one at its near edge; the ray crosses the edge whose height is the least of these.
 //!
+//! **Sloped roofs.** The planes go through the UAV and both ends of an edge, each at its own height ([`super::sloped`]): with α and β below the UAV they
+//! are `h_U − (α·(E × q) + (α − β)·(A × q))/K`, and the roof's own plane comes with them where the UAV is above it. Seen from a receiver the ray
+//! grazes the roof at either end of its way over it: where it crosses the near edge, of all the one with the least E × q/K, and where it crosses the far
+//! one, of all the one with the greatest. The higher of both heights counts.
+//!
 //! **Exactness.** E × q, K and their difference are integers below 2^53, which doubles hold, so that heights err by a few roundings of
 //! themselves; [`GridHeights`] tells where these may matter, and a walk along the link (`ray`) is asked there. Not known (NaN) are the
-//! cell at the UAV, and those on a side of a cone, or so near that rounding matters, if its height is above that of all sure casters.
+//! cell at the UAV, those close behind or below a sloped roof for heights of the UAV, and those on a side of a cone, or so near that rounding matters, if its height is above that of all sure casters.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8};
 use rayon::prelude::*;
 
 use super::super::grid_heights::GridHeights;
-use super::geometry::{as_f64, cross, sub};
+use super::geometry::{as_f64, cross, distance_squared, sub};
 use super::horizon::sort_by_horizon;
 use super::outline::{LANES, Outline, Reach};
 use super::plane::Plane;
 use super::scene::{Receivers, ShadowScene, cells_at_uav};
 use super::spans::{Lanes, maybe_spans, spans};
 use crate::dispatch;
-use crate::height_field::{Caster, CasterBlock};
+use crate::height_field::{Caster, CasterBlock, Casters, RoofPlane};
 use crate::quantity::LatticePoint;
 
 /// Bands of rows to a thread, so that none waits long for another.
 const BANDS_PER_THREAD: usize = 4;
+
+/// How much longer a link may be than its part beyond a sloped roof, so that heights of the UAV are told.
+const OFTEN: f64 = 256.0;
 
 /// Doubles hold integers up to twice this: E × q and K are two products each, and their difference is four.
 const EXACT: i64 = 1 << 52;
@@ -78,6 +86,7 @@ fn least_heights(scene: &ShadowScene<'_>, uav: LatticePoint, heights_of: &Height
     if !are_products_exact(scene, &plane) {
         return None;
     }
+    let largest = largest + terms_of_slopes(scene, &plane, heights_of);
     let (first, end) = plane.rows;
     let mut heights = vec![f64::NEG_INFINITY; (end - first) * per_row];
     let east = (0..per_row).map(|col| as_f64(scene.grid.xs[col.min(n_cols - 1)] - uav.x)).collect();
@@ -117,7 +126,32 @@ fn are_products_exact(scene: &ShadowScene<'_>, plane: &Plane) -> bool {
         farthest = farthest.max((w - ux).abs()).max((e - ux).abs()).max((s - uy).abs()).max((n - uy).abs());
         longest = longest.max(e - w).max(n - s);
     }
+    // From corners of sloped roofs there are products of distances.
+    let longest = if scene.prisms.are_sloped() { longest.max(farthest) } else { longest };
     farthest * longest <= EXACT / 2
+}
+
+/// What the terms of heights over sloped roofs sum up to at most, beyond these heights \[1/1024 m\]: a term is the height of a corner against the
+/// other end of the link, as often as the link is longer than its part up to there; where that is more often than [`OFTEN`], a height of the
+/// UAV is not told.
+fn terms_of_slopes(scene: &ShadowScene<'_>, plane: &Plane, heights_of: &HeightsOf) -> f64 {
+    let casters = scene.casters;
+    let of_caster = |caster: &Caster| {
+        let (low, high) = casters.range(caster);
+        match heights_of {
+            HeightsOf::Receivers { .. } => {
+                let below = (plane.uav.z - i64::from(low)).abs().max((plane.uav.z - i64::from(high)).abs());
+                let distance = as_f64(distance_squared(caster.bounds, (plane.uav.x, plane.uav.y))).sqrt();
+                2.0 * as_f64(below) * plane.farthest() / distance.max(1.0)
+            }
+            HeightsOf::Uav { range: (lowest, highest), .. } => {
+                let most = (i64::from(high) - lowest).abs().max((i64::from(low) - highest).abs());
+                2.0 * as_f64(most) * OFTEN
+            }
+        }
+    };
+    let sloped = casters.all().iter().filter(|caster| casters.heights(caster).is_some());
+    sloped.map(of_caster).fold(0.0, f64::max)
 }
 
 impl HeightsOf {
@@ -169,8 +203,8 @@ impl Cast<'_> {
         {
             for (caster, is_cast) in casters.of_block(block).iter().zip(&self.is_cast[numbers_of(block)]) {
                 let Some(reach) = self.reach(plane, caster.top) else { break };
-                if *is_cast && outline.cast(plane, casters.ring(caster), caster.bounds, reach) {
-                    edges.of(plane, casters.ring(caster), caster);
+                if *is_cast && self.outline(plane, caster, reach, &mut outline) {
+                    edges.of(plane, casters, caster);
                     self.raise(simd, plane, (&outline, &edges), heights, &mut doubts);
                 }
             }
@@ -187,6 +221,16 @@ impl Cast<'_> {
         }
         for (row, col) in self.at_uav.iter().filter(|(row, _)| (plane.rows.0..plane.rows.1).contains(row)) {
             heights[(row - plane.rows.0) * self.per_row + col] = f64::NAN;
+        }
+    }
+
+    /// Makes an outline that of what a caster sets heights of; `false` if it has no cell.
+    #[inline(always)]
+    fn outline(&self, plane: &Plane, caster: &Caster, reach: Reach, outline: &mut Outline) -> bool {
+        let casters = self.scene.casters;
+        match self.heights_of {
+            HeightsOf::Receivers { from } => outline.cast_roof(plane, (casters, caster), reach, from - 1),
+            HeightsOf::Uav { .. } => outline.cast(plane, casters.ring(caster), caster.bounds, reach),
         }
     }
 
@@ -238,11 +282,34 @@ impl Cast<'_> {
                             col.simd_ge(f64x8::splat(simd, as_f64(from))) & col.simd_lt(f64x8::splat(simd, as_f64(to)));
                         height = is_in.select(height, f64x8::splat(simd, f64::NEG_INFINITY));
                     }
+                    if edges.sloped.is_some() && !height.simd_eq(height).all_true() {
+                        height = self.doubt_unknown(simd, plane, (row, col), height, doubts);
+                    }
                     let known = &mut of_row[col..col + LANES];
                     height.max(f64x8::from_slice(simd, known)).store_slice(known);
                 }
             }
         }
+    }
+
+    /// Remembers the cells whose heights are not known, and leaves those of the others.
+    #[cold]
+    #[inline(never)]
+    fn doubt_unknown<S: Simd>(
+        &self,
+        simd: S,
+        plane: &Plane,
+        (row, col): (usize, usize),
+        heights: f64x8<S>,
+        doubts: &mut Vec<Doubt>,
+    ) -> f64x8<S> {
+        let mut known: [f64; LANES] = heights.into();
+        for (k, height) in known.iter_mut().enumerate().filter(|(_, height)| height.is_nan()) {
+            let cell = (row - plane.rows.0) * self.per_row + col + k;
+            doubts.push(Doubt { cell, height: f64::INFINITY });
+            *height = f64::NEG_INFINITY;
+        }
+        f64x8::from_slice(simd, &known)
     }
 
     /// Remembers the cells of some rows that may be in an outline or not.
@@ -267,7 +334,9 @@ impl Cast<'_> {
                 let col = as_column(col);
                 let heights: [f64; LANES] = self.heights(simd, plane, edges, (row, col / LANES * LANES)).into();
                 let cell = (row - plane.rows.0) * self.per_row + col;
-                doubts.push(Doubt { cell, height: heights[col % LANES] });
+                let height = heights[col % LANES];
+                let height = if height.is_nan() { f64::INFINITY } else { height };
+                doubts.push(Doubt { cell, height });
             }
         }
     }
@@ -300,6 +369,15 @@ struct Edges {
     top: f64,
     /// The top above the UAV \[1/1024 m\].
     rise: f64,
+    /// Its plane, if it is sloped.
+    sloped: Option<SlopedTop>,
+}
+
+/// The plane of a sloped top: height at the UAV's place above the UAV, and rise to the east and the north \[1/1024 m\].
+#[derive(Debug, Clone, Copy)]
+struct SlopedTop {
+    above_uav: f64,
+    rise: [f64; 2],
 }
 
 /// A step E, and K = E × (A − u).
@@ -308,11 +386,23 @@ struct Edge {
     east: f64,
     north: f64,
     k: f64,
-    /// Rise to K.
+    /// Rise to K, of a sloped top that of A above the UAV.
     slope: f64,
+    /// A, where it begins.
+    from: [f64; 2],
+    /// Height of A \[1/1024 m above the datum\].
+    height: f64,
+    /// What B is above A \[1/1024 m\].
+    climb: f64,
 }
 
 impl Edge {
+    /// A × q.
+    #[inline(always)]
+    fn cross_from<S: Simd>(&self, simd: S, (east, north): (f64x8<S>, f64)) -> f64x8<S> {
+        f64x8::splat(simd, self.from[0] * north) - f64x8::splat(simd, self.from[1]) * east
+    }
+
     /// E × q.
     #[inline(always)]
     fn cross<S: Simd>(&self, simd: S, (east, north): (f64x8<S>, f64)) -> f64x8<S> {
@@ -322,30 +412,51 @@ impl Edge {
 
 impl Edges {
     #[inline(always)]
-    fn of(&mut self, plane: &Plane, ring: &[[i32; 2]], caster: &Caster) {
+    fn of(&mut self, plane: &Plane, casters: &Casters, caster: &Caster) {
+        let (ring, heights) = (casters.ring(caster), casters.heights(caster));
         let (ux, uy) = (plane.uav.x, plane.uav.y);
         self.far.clear();
         self.near.clear();
         self.top = f64::from(caster.top);
         self.rise = as_f64(i64::from(caster.top) - plane.uav.z);
         let from_uav = |v: [i32; 2]| [i64::from(v[0]) - ux, i64::from(v[1]) - uy];
-        let mut a = from_uav(ring[ring.len() - 1]);
-        for &vertex in ring {
-            let b = from_uav(vertex);
+        self.sloped = heights.map(|heights| {
+            let roof = RoofPlane::through(ring, heights);
+            let area = as_f64(roof.area());
+            #[expect(clippy::cast_precision_loss, reason = "rounded, within the terms that are reckoned with")]
+            let above_uav = -(roof.above(plane.uav) as f64) / area;
+            SlopedTop { above_uav, rise: roof.rise().map(|rise| as_f64(rise) / area) }
+        });
+        let height = |k: usize| heights.map_or(self.top, |heights| f64::from(heights[k]));
+        let last = ring.len() - 1;
+        let (mut a, mut height_a) = (from_uav(ring[last]), height(last));
+        for (k, &vertex) in ring.iter().enumerate() {
+            let (b, height_b) = (from_uav(vertex), height(k));
             let edge = sub(b, a);
             let k = cross(edge, a);
             let of_side = if k < 0 { &mut self.far } else { &mut self.near };
             if k != 0 {
                 let k = as_f64(k);
-                of_side.push(Edge { east: as_f64(edge[0]), north: as_f64(edge[1]), k, slope: self.rise / k });
+                of_side.push(Edge {
+                    east: as_f64(edge[0]),
+                    north: as_f64(edge[1]),
+                    k,
+                    slope: (height_a - as_f64(plane.uav.z)) / k,
+                    from: a.map(as_f64),
+                    height: height_a,
+                    climb: height_b - height_a,
+                });
             }
-            a = b;
+            (a, height_a) = (b, height_b);
         }
     }
 
     /// The least heights of receivers at some places from the UAV, above it.
     #[inline(always)]
     fn of_receivers<S: Simd>(&self, simd: S, q: (f64x8<S>, f64)) -> f64x8<S> {
+        if let Some(top) = &self.sloped {
+            return self.of_receivers_over(simd, q, top);
+        }
         let (edges, cap) = if self.rise <= 0.0 { (&self.far, self.rise) } else { (&self.near, f64::INFINITY) };
         let mut least = f64x8::splat(simd, cap);
         for edge in edges {
@@ -354,9 +465,70 @@ impl Edges {
         least
     }
 
+    /// Those past a sloped top.
+    #[inline(always)]
+    fn of_receivers_over<S: Simd>(&self, simd: S, q: (f64x8<S>, f64), top: &SlopedTop) -> f64x8<S> {
+        let splat = |v: f64| f64x8::splat(simd, v);
+        let (edges, mut least) = if top.above_uav > 0.0 {
+            (&self.near, splat(f64::INFINITY))
+        } else {
+            (&self.far, splat(top.above_uav + top.rise[1] * q.1) + splat(top.rise[0]) * q.0)
+        };
+        // In the plane of the roof nothing but that plane tells.
+        if top.above_uav == 0.0 {
+            return least;
+        }
+        for edge in edges {
+            let turn = edge.cross_from(simd, q) * splat(edge.climb / edge.k);
+            least = least.min(edge.cross(simd, q) * splat(edge.slope) - turn);
+        }
+        least
+    }
+
+    /// The least heights of the UAV past a sloped top; NaN where rounding may matter.
+    #[inline(always)]
+    fn of_uav_over<S: Simd>(&self, simd: S, q: (f64x8<S>, f64), z: f64x8<S>, top: &SlopedTop) -> f64x8<S> {
+        let splat = |v: f64| f64x8::splat(simd, v);
+        let (zero, infinite, unknown) = (splat(0.0), splat(f64::INFINITY), splat(f64::NAN));
+        // At which part of the way, as often as that is less, the ray crosses an edge, and the UAV's height if it grazes the roof there.
+        let at = |edge: &Edge| {
+            let cross = edge.cross(simd, q);
+            let behind = cross - splat(edge.k);
+            let over = (splat(edge.height) - z) * cross - edge.cross_from(simd, q) * splat(edge.climb);
+            let height = z + over / behind;
+            let is_close = cross.abs().simd_gt((behind * splat(OFTEN)).abs());
+            (cross / splat(edge.k), is_close.select(unknown, height))
+        };
+        // Above its own roof the UAV is as high as that at least.
+        let own = splat(self.top - self.rise + top.above_uav);
+        let (mut near, mut of_near) = (infinite, own);
+        for edge in &self.near {
+            let (part, height) = at(edge);
+            let is_first = part.simd_lt(near);
+            (near, of_near) = (is_first.select(part, near), is_first.select(height, of_near));
+        }
+        let (mut far, mut of_far) = (splat(1.0), zero);
+        for edge in &self.far {
+            let (part, height) = at(edge);
+            let is_last = part.simd_gt(far);
+            (far, of_far) = (is_last.select(part, far), is_last.select(height, of_far));
+        }
+        // Over the footprint a receiver is below its roof, where no height is enough, or above it.
+        let roof = splat(self.top - self.rise + top.above_uav + top.rise[1] * q.1) + splat(top.rise[0]) * q.0;
+        let (below, margin) = (roof - z, splat(1.0 / 64.0));
+        let within = below.simd_gt(margin).select(infinite, below.simd_lt(-margin).select(of_near, unknown));
+        let is_within = far.simd_le(splat(1.0));
+        let past = of_near.max_precise(of_far);
+        let past = (of_near.simd_eq(of_near) & of_far.simd_eq(of_far)).select(past, unknown);
+        is_within.select(within, past)
+    }
+
     /// The least heights of the UAV for receivers at some places from it and heights `z`.
     #[inline(always)]
     fn of_uav<S: Simd>(&self, simd: S, q: (f64x8<S>, f64), z: f64x8<S>) -> f64x8<S> {
+        if let Some(top) = &self.sloped {
+            return self.of_uav_over(simd, q, z, top);
+        }
         let zero = f64x8::splat(simd, 0.0);
         let rise = f64x8::splat(simd, self.top) - z;
         // Over the footprint a receiver below the roof has no edge between it and the building: no height is enough.
