@@ -64,7 +64,11 @@ fn by_oracle(scene: &StressScene, receiver: LatticePoint) -> bool {
                 rings: p.rings.iter().map(ring).collect(),
                 top: i64::from(p.top),
             };
-            let prisms: Vec<_> = prisms.iter().map(prism).collect();
+            let moved = |(k, p): (usize, &skyshed_study::accuracy::stress::StressPrism)| {
+                let prism = prism(p);
+                oracle::Prism { top: prism.top + i64::from(scene.moved_by(k)), ..prism }
+            };
+            let prisms: Vec<_> = prisms.iter().enumerate().map(moved).collect();
             match scene.earth {
                 None => oracle::prisms_los(&prisms, uav, receiver),
                 Some(p) => {
@@ -72,6 +76,16 @@ fn by_oracle(scene: &StressScene, receiver: LatticePoint) -> bool {
                     oracle::prisms_los_on_earth(&prisms, &earth, uav, receiver)
                 }
             }
+        }
+        StressSolid::Roofs(roofs) => {
+            // All positions are multiples of half a cell.
+            let small = |[x, y, z]: [i64; 3]| {
+                assert!(x % 512 == 0 && y % 512 == 0, "{}", scene.name);
+                [x / 512, y / 512, z]
+            };
+            let roofs: Vec<_> =
+                roofs.iter().flatten().map(|corners| corners.map(|v| small(v.map(i64::from)))).collect();
+            oracle::sloped_los(&roofs, small(uav), small(receiver))
         }
     }
 }
@@ -328,7 +342,7 @@ const FLAGS: [(&str, &str); 27] = [
 ];
 
 /// Flags that change no answer; other tests show what they do.
-const OTHER: &str = "--height-error-field --base --data-area --width --dpi --repairs --project --levels-field --layer --quiet --hash \
+const OTHER: &str = "--roofs --height-error-field --base --data-area --width --dpi --repairs --project --levels-field --layer --quiet --hash \
     --overwrite --json --output --threads --title --attribution --max-memory --csv-text --help --version";
 
 fn scenes() -> Folder {

@@ -3,7 +3,7 @@
 use super::draw::Draw;
 use super::scene::{Known, StressScene};
 use super::symmetry::Symmetry;
-use super::{cells_drawn, cells_known, prisms_drawn, prisms_known, truth};
+use super::{cells_drawn, cells_known, prisms_drawn, prisms_known, roofs_drawn, truth};
 use crate::error::Result;
 use crate::quantity::LatticePoint;
 
@@ -55,7 +55,7 @@ const fn mirrored(family: Family) -> Family {
 }
 
 /// All families. The place in this list is part of the key of their random numbers.
-pub const FAMILIES: [Family; 25] = [
+pub const FAMILIES: [Family; 27] = [
     cells(
         "cell-grazing",
         "rays just touch roofs, or miss by 1 mm",
@@ -206,6 +206,18 @@ pub const FAMILIES: [Family; 25] = [
         "receivers on the edge of a sector",
         "angles and distances in floats: receivers exactly on the edges of a sector, at its least radius and at its elevation, among houses",
         prisms_drawn::sectors,
+    ),
+    prisms(
+        "prism-gables",
+        "rays along ridges and slopes",
+        "roofs cut flat, and shadows with one height: ridges and slopes touch rays or lie in them, the UAV is on a ridge or in the plane of a slope",
+        roofs_drawn::gables,
+    ),
+    prisms(
+        "prism-redrawn",
+        "heights change after the city is built",
+        "what is known of a city before its heights are redrawn: houses that share walls are moved by a step or by meters, each by itself",
+        roofs_drawn::redrawn,
     ),
 ];
 

@@ -6,7 +6,7 @@
 //! seed and its number. [`truth()`] decides every receiver from the definition, by integers and without any code of the
 //! engines; where an answer is known by construction, it must agree. [`stress`] counts what each method gets wrong.
 //!
-//! `cells_known` and `prisms_known` make scenes with answers that are known, `cells_drawn` and `prisms_drawn` those without;
+//! `cells_known` and `prisms_known` make scenes with answers that are known, `cells_drawn`, `prisms_drawn` and `roofs_drawn` those without;
 //! `symmetry` mirrors and turns them.
 
 mod cells_drawn;
@@ -15,6 +15,7 @@ mod draw;
 mod families;
 mod prisms_drawn;
 mod prisms_known;
+mod roofs_drawn;
 mod scene;
 mod score;
 mod served;
@@ -22,6 +23,7 @@ mod symmetry;
 mod truth;
 mod truth_columns;
 mod truth_prisms;
+mod truth_roofs;
 
 pub use families::{AtRisk, FAMILIES, Family};
 pub use scene::{Board, Known, Ready, StressPrism, StressScene, StressSolid};

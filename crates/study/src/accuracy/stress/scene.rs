@@ -1,7 +1,7 @@
 //! A stress scene: a small board of cells or some footprints, one UAV, a receiver in every cell, all on the lattice.
 
 use super::served::Served;
-use crate::city::{DataArea, Footprint, FootprintFaults, Ground, Site, Solids};
+use crate::city::{DataArea, Footprint, FootprintFaults, Ground, RoofTriangle, Site, Solids};
 use crate::coverage::{MapOptions, Receivers, Uav};
 use crate::error::{Result, StressError};
 use crate::height_field::{Built, CellKind, Curvature, EARTH_RADIUS_M, HeightField, Station};
@@ -81,6 +81,8 @@ pub enum StressSolid {
     },
     /// Prisms on flat ground at 0 m; receivers stand on the ground and on the roofs.
     Prisms(Vec<StressPrism>),
+    /// Buildings on flat ground at 0 m with roofs of triangles; receivers stand on the ground.
+    Roofs(Vec<Vec<RoofTriangle>>),
 }
 
 /// A receiver whose answer is known by construction.
@@ -116,6 +118,8 @@ pub struct StressScene {
     /// An odd number p, so that at a distance of d steps the earth falls away by d²/p; `None` where it is flat. No drop is halfway between
     /// two steps then.
     pub earth: Option<i64>,
+    /// By how much each building is higher than it was built \[1/1024 m\]; none where all stay as they are.
+    pub moved: Vec<i32>,
     /// Whom the UAV serves, if not all: others are not seen.
     pub served: Option<Served>,
     /// Receivers whose answer is known without any computation.
@@ -145,6 +149,16 @@ impl StressScene {
         StressScene::new(StressSolid::Prisms(prisms), (n, n), uav)
     }
 
+    /// A scene of buildings with roofs of triangles under `n` by `n` cells of 1 m.
+    pub(super) fn of_roofs(roofs: Vec<Vec<RoofTriangle>>, n: usize, uav: LatticePoint) -> Self {
+        StressScene::new(StressSolid::Roofs(roofs), (n, n), uav)
+    }
+
+    /// By how much a building is higher than it was built \[1/1024 m\].
+    pub fn moved_by(&self, building: usize) -> i32 {
+        self.moved.get(building).copied().unwrap_or(0)
+    }
+
     fn new(solid: StressSolid, (n_rows, n_cols): (usize, usize), uav: LatticePoint) -> Self {
         StressScene {
             name: String::new(),
@@ -156,6 +170,7 @@ impl StressScene {
             uav,
             rx_height: narrow(3 * CELL / 2),
             earth: None,
+            moved: Vec::new(),
             served: None,
             known: Vec::new(),
         }
@@ -183,6 +198,10 @@ impl StressScene {
                 let all = prisms.iter().flat_map(|p| p.rings.iter().flatten().flatten());
                 all.map(|v| i64::from(*v).abs()).max().unwrap_or(0)
             }
+            StressSolid::Roofs(roofs) => {
+                let all = roofs.iter().flatten().flatten().flat_map(|[x, y, _]| [*x, *y]);
+                all.map(|v| i64::from(v).abs()).max().unwrap_or(0)
+            }
         };
         corners.max(self.uav.x.abs()).max(self.uav.y.abs())
     }
@@ -199,7 +218,8 @@ impl StressScene {
         let earth_k = |p: i64| p as f64 / (2.0 * f64::from(STEPS_PER_UNIT) * EARTH_RADIUS_M);
         let curvature = self.earth.map(earth_k).and_then(Curvature::of_earth_k);
         let antenna = self.served.map(Served::antenna).unwrap_or_default();
-        MapOptions { rx_height: self.rx_height, receivers: Receivers::All, curvature, antenna, ..MapOptions::default() }
+        let receivers = if matches!(self.solid, StressSolid::Roofs(_)) { Receivers::Ground } else { Receivers::All };
+        MapOptions { rx_height: self.rx_height, receivers, curvature, antenna, ..MapOptions::default() }
     }
 
     /// The scene as methods take it, its world coordinates rounded to the lattice as those of every scene.
@@ -218,17 +238,16 @@ impl StressScene {
                 building_threshold: narrow(CELL / 4),
                 voids: None,
             },
-            StressSolid::Prisms(prisms) => Solids::Vector {
-                footprints: prisms.iter().enumerate().map(footprint).collect(),
-                frame: self.world,
-                ground: Ground::Flat(0),
-                faults: FootprintFaults::default(),
-                data_area: DataArea::All,
-            },
+            StressSolid::Prisms(prisms) => self.vector(prisms.iter().enumerate().map(footprint).collect()),
+            StressSolid::Roofs(roofs) => self.vector(roofs.iter().enumerate().map(building).collect()),
         };
-        let Built { field, warnings } = HeightField::build(&grid, solids);
+        let Built { mut field, warnings } = HeightField::build(&grid, solids);
         if let Some(warning) = warnings.first() {
             return Err(fault(&warning.to_string()).into());
+        }
+        if !self.moved.is_empty() {
+            let moved = field.with_roofs_raised_by(|building| self.moved_by(building as usize));
+            field = moved.ok_or_else(|| fault("a roof is out of range"))?;
         }
         #[expect(clippy::cast_precision_loss, reason = "lattice positions of small scenes")]
         let (x, y) = self.world.world_from_lattice(self.uav.x as f64, self.uav.y as f64);
@@ -240,7 +259,10 @@ impl StressScene {
         let positions = field.positions();
         let receiver = |cell: usize| {
             let place = positions.center(cell / self.n_cols, cell % self.n_cols);
-            let (CellKind::Open(base) | CellKind::Building(base)) = field.cell_kind(cell, &place) else { return None };
+            let base = match (field.cell_kind(cell, &place), &self.solid) {
+                (CellKind::Building(_), StressSolid::Roofs(_)) | (CellKind::Void, _) => return None,
+                (CellKind::Open(base) | CellKind::Building(base), _) => base,
+            };
             let station = Station { place, z: i64::from(base) + i64::from(self.rx_height) };
             Some((cell, self.on_lattice(&station)))
         };
@@ -248,10 +270,16 @@ impl StressScene {
         Ok(Ready { field, uav, receivers })
     }
 
+    /// Footprints on flat ground.
+    fn vector(&self, footprints: Vec<Footprint>) -> Solids {
+        let (ground, data_area) = (Ground::Flat(0), DataArea::All);
+        Solids::Vector { footprints, frame: self.world, ground, faults: FootprintFaults::default(), data_area }
+    }
+
     fn on_lattice(&self, station: &Station) -> LatticePoint {
         match self.solid {
             StressSolid::Columns { .. } => station.on_columns(),
-            StressSolid::Prisms(_) => station.on_prisms(),
+            StressSolid::Prisms(_) | StressSolid::Roofs(_) => station.on_prisms(),
         }
     }
 }
@@ -259,6 +287,13 @@ impl StressScene {
 /// A footprint as files have it: repaired by the even-odd rule.
 fn footprint((k, prism): (usize, &StressPrism)) -> Footprint {
     Footprint::on_zero(k.to_string(), even_odd(&prism.rings), prism.top)
+}
+
+/// A building with a roof of triangles.
+fn building((k, roof): (usize, &Vec<RoofTriangle>)) -> Footprint {
+    let polygons = roof.iter().map(|corners| vec![corners.map(|[x, y, _]| [x, y]).to_vec()]).collect();
+    let top = roof.iter().flatten().map(|[.., z]| *z).max().unwrap_or(0);
+    Footprint { roof: roof.clone(), ..Footprint::on_zero(k.to_string(), polygons, top) }
 }
 
 /// A number of lattice steps that is known to be small.

@@ -2,6 +2,7 @@
 
 use super::draw::Draw;
 use super::scene::{Board, CELL, Known, StressPrism, StressScene, StressSolid, narrow};
+use crate::city::RoofTriangle;
 use crate::quantity::LatticePoint;
 
 /// One of the eight ways to lay a square onto itself: mirrored along x, along y, or not, and then x and y exchanged or not.
@@ -59,6 +60,19 @@ impl Symmetry {
                 let ring = |ring: &Vec<[i32; 2]>| ring.iter().map(corner).collect();
                 let prism = |p: &StressPrism| StressPrism { rings: p.rings.iter().map(ring).collect(), top: p.top };
                 StressSolid::Prisms(prisms.iter().map(prism).collect())
+            }
+            StressSolid::Roofs(roofs) => {
+                let corner = |[x, y, z]: [i32; 3]| {
+                    let [x, y] = self.position([x, y].map(i64::from), extent).map(narrow);
+                    [x, y, z]
+                };
+                let turns = usize::from(self.flips_x) + usize::from(self.flips_y) + usize::from(self.swaps);
+                let triangle = |corners: &RoofTriangle| {
+                    let [a, b, c] = corners.map(corner);
+                    // A mirror image runs the other way around.
+                    if turns % 2 == 0 { [a, b, c] } else { [a, c, b] }
+                };
+                StressSolid::Roofs(roofs.iter().map(|roof| roof.iter().map(triangle).collect()).collect())
             }
         };
         let [x, y] = self.position([scene.uav.x, scene.uav.y], extent);

@@ -4,9 +4,11 @@
 //! It shares no code with the engines: there is no walk from cell to cell, no culling, no triangulation and no repair, only
 //! all crossings, sorted, and a look at both sides of the link between them. That is slow, and scenes are small.
 
-use super::scene::{Board, CELL, Ready, StressScene, StressSolid, narrow};
+use super::scene::{Board, CELL, Ready, StressPrism, StressScene, StressSolid, narrow};
 use super::truth_columns::{self, columns_truth};
 use super::truth_prisms::{self, prisms_truth};
+use super::truth_roofs::roofs_truth;
+use crate::city::RoofTriangle;
 use crate::error::{Result, StressError};
 use crate::quantity::{LatticePoint, VOID};
 
@@ -20,24 +22,27 @@ pub fn truth(scene: &StressScene, ready: &Ready) -> Result<Vec<bool>> {
     let far = |p: &LatticePoint| (p.x - scene.uav.x).abs().max((p.y - scene.uav.y).abs());
     let most = match &scene.solid {
         StressSolid::Columns { .. } => truth_columns::MOST_STEPS,
-        StressSolid::Prisms(_) => truth_prisms::MOST_STEPS,
+        StressSolid::Prisms(_) | StressSolid::Roofs(_) => truth_prisms::MOST_STEPS,
     };
     if ready.receivers.iter().any(|(_, p)| far(p) > most) || scene.reach() > most {
         return Err(StressError::TooLarge { scene: scene.name.clone() }.into());
     }
     let board = match &scene.solid {
         StressSolid::Columns { board, .. } => Some(board_as_seen(board, scene)),
-        StressSolid::Prisms(_) => None,
+        StressSolid::Prisms(_) | StressSolid::Roofs(_) => None,
     };
-    let answer = |receiver: &LatticePoint| match (&scene.solid, &board) {
-        (StressSolid::Prisms(prisms), _) => prisms_truth(prisms, scene.earth, scene.uav, *receiver),
+    let solid = as_moved(scene);
+    let answer = |receiver: &LatticePoint| match (&solid, &board) {
+        (StressSolid::Prisms(prisms), _) => Some(prisms_truth(prisms, scene.earth, scene.uav, *receiver)),
+        (StressSolid::Roofs(roofs), _) => roofs_truth(&roofs.concat(), scene.uav, *receiver),
         (StressSolid::Columns { board, .. }, seen) => {
             let z = receiver.z - fall(scene, (receiver.x, receiver.y));
-            columns_truth(seen.as_ref().unwrap_or(board), scene.uav, LatticePoint { z, ..*receiver })
+            Some(columns_truth(seen.as_ref().unwrap_or(board), scene.uav, LatticePoint { z, ..*receiver }))
         }
     };
-    let answers: Vec<bool> =
-        ready.receivers.iter().map(|(_, receiver)| scene.serves(*receiver) && answer(receiver)).collect();
+    let served = |receiver: &LatticePoint| if scene.serves(*receiver) { answer(receiver) } else { Some(false) };
+    let answers: Option<Vec<bool>> = ready.receivers.iter().map(|(_, receiver)| served(receiver)).collect();
+    let answers = answers.ok_or_else(|| StressError::TooLarge { scene: scene.name.clone() })?;
     for known in &scene.known {
         let cell = known.row * scene.n_cols + known.col;
         let found = ready.receivers.iter().position(|(c, _)| *c == cell).map(|k| answers[k]);
@@ -47,6 +52,25 @@ pub fn truth(scene: &StressScene, ready: &Ready) -> Result<Vec<bool>> {
         }
     }
     Ok(answers)
+}
+
+/// What stands in the way once buildings are as high as they are.
+fn as_moved(scene: &StressScene) -> StressSolid {
+    match &scene.solid {
+        StressSolid::Prisms(prisms) => {
+            let prism =
+                |(k, prism): (usize, &StressPrism)| StressPrism { top: prism.top + scene.moved_by(k), ..prism.clone() };
+            StressSolid::Prisms(prisms.iter().enumerate().map(prism).collect())
+        }
+        StressSolid::Roofs(roofs) => {
+            let roof = |(k, roof): (usize, &Vec<RoofTriangle>)| {
+                let by = scene.moved_by(k);
+                roof.iter().map(|corners| corners.map(|[x, y, z]| [x, y, z + by])).collect()
+            };
+            StressSolid::Roofs(roofs.iter().enumerate().map(roof).collect())
+        }
+        columns => columns.clone(),
+    }
 }
 
 /// How much lower a place is as the UAV sees it, to the nearest step.
