@@ -219,6 +219,58 @@ fn without_errors_probabilities_are_the_mask() {
     count.assert_both(5000);
 }
 
+/// What shadows tell of receivers on the ground lies between what walks tell, whose rooms are whole steps.
+#[test]
+fn probabilities_by_shadows_are_those_of_walks() {
+    let count = over_seeds(if slow() { 1500 } else { 120 }, 356, |seed, random, count| {
+        let mut houses = houses(random);
+        // Houses of two wings, so that the lesser of two rooms counts, and of many corners.
+        for house in houses.iter_mut().filter(|_| random.chance(30)) {
+            let [x, y] = house.polygons[0][0][0];
+            let wing = |dx: i32, dy: i32| [x + dx * 1024, y + dy * 1024];
+            house.polygons = vec![vec![vec![wing(0, 0), wing(4, 0), wing(4, 2), wing(2, 2), wing(2, 5), wing(0, 5)]]];
+        }
+        let field = vector_field(houses.clone(), Ground::Flat(0), N);
+        let at = |random: &mut Random| random.below(N) as f64 + random.choose(&[0.5, 0.3]);
+        let uav = uav_at(&field, at(random), at(random), random.choose(&[16, 20, 40, 90]) * 1024);
+        let own: Vec<f64> = houses.iter().map(|_| random.choose(&[0.0, 0.2, 1.0, 2.5])).collect();
+        // A shared error beside one of their own, or houses some of which have none.
+        let shared_m = random.choose(&[0.0, 0.0, 0.3, 1.5]);
+        let own: Vec<f64> = own.into_iter().map(|m| if shared_m > 0.0 { m.max(0.5) } else { m }).collect();
+        let errors = HeightErrors { own: OwnErrors::ByBuilding(own.clone().into()), shared_m };
+        let asked = MapOptions { receivers: Receivers::Ground, ..MapOptions::default() };
+        let found = p_los(&field, &uav, &asked, &errors);
+        let below = |building: u32, room: f64| {
+            let own_m = own[usize::try_from(building).unwrap()];
+            let deviations = if own_m > 0.0 { room / 1024.0 / own_m } else { 1e9 * (room + 0.5) };
+            0.5 * libm::erfc(-deviations * std::f64::consts::FRAC_1_SQRT_2)
+        };
+        let positions = field.positions();
+        for (row, col) in field.cells().open.cells() {
+            let receiver = Station { place: positions.center(row, col), z: i64::from(asked.rx_height) };
+            let limits = link_height_limits(&field, &uav.station, &receiver, 16 * 1024).unwrap();
+            let p = f64::from(found[row * N + col]);
+            // Over the shared error in fine steps.
+            let values: Vec<f64> =
+                if shared_m > 0.0 { (-140..=140).map(|k| f64::from(k) / 20.0).collect() } else { vec![0.0] };
+            let weights: Vec<f64> = values.iter().map(|t| (-0.5 * t * t).exp()).collect();
+            let all: f64 = weights.iter().sum();
+            let [low, high] = [0.0, 1.0].map(|step| {
+                let given = |t: f64| {
+                    let t = t * shared_m * 1024.0;
+                    limits.probability(&|of, room| below(of, room as f64 + step - t))
+                };
+                values.iter().zip(&weights).map(|(t, weight)| weight * given(*t)).sum::<f64>() / all
+            });
+            let is_within = p >= low - 1e-5 && p <= high + 1e-5;
+            assert!(is_within, "seed {seed}, ({row}, {col}): {p} is not in {low}..{high}, {limits:?}");
+            count.links += 1;
+            count.ties += u64::from(p > 0.01 && p < 0.99);
+        }
+    });
+    assert!(count.ties > 5000, "{count:?}");
+}
+
 /// A number that is normally distributed.
 fn normal(random: &mut Random) -> f64 {
     // By Box and Muller, of two uniform ones.

@@ -64,8 +64,9 @@ pub use prisms_ray::{
     prisms_crossed, prisms_least_height, prisms_least_receiver_height, prisms_least_step, prisms_los,
 };
 pub use shadow::{
-    InView, OnPlateaus, PlateauScene, ReceiverTile, ShadowGrid, ShadowLos, ShadowScene, UavPositions, plateaus_los,
-    shadow_least_heights, shadow_least_receiver_heights, shadow_los, shadow_los_relief,
+    ClearProbabilities, InView, OnPlateaus, PlateauScene, ReceiverTile, ShadowGrid, ShadowLos, ShadowScene,
+    UavPositions, plateaus_los, shadow_clear_probabilities, shadow_least_heights, shadow_least_receiver_heights,
+    shadow_los, shadow_los_relief,
 };
 pub use sweep::{
     ColumnsReader, ReceiverHeights, StreamLimits, StreamedHeights, StreamedScene, Swept, streamed_sweep_los, sweep_los,

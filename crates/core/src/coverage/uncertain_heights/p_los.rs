@@ -1,7 +1,8 @@
 //! The probability that a receiver is in line of sight, where heights of buildings are off by normal errors.
 //!
 //! Two exact maps tell of most receivers, with all buildings as low and as high as six standard deviations make them ([`super::sure`]). For each of the
-//! others one walk finds how much higher each building may be so that its link is clear, and [`super::height_errors`] what is the probability of that.
+//! others on the ground the shadows of higher buildings tell ([`crate::los::shadow_clear_probabilities`]), where no terrain is below them. Else
+//! one walk finds how much higher each building may be so that its link is clear, and [`super::height_errors`] what is the probability of that.
 
 use rayon::prelude::*;
 
@@ -11,7 +12,7 @@ use super::sure::HeightBounds;
 use crate::coverage::{Control, HeightErrors, Mapper, Uav};
 use crate::error::{MapError, Result};
 use crate::height_field::{HeightField, Station};
-use crate::los::{GridReceivers, link_height_limits};
+use crate::los::{ClearProbabilities, GridReceivers, link_height_limits};
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::{BitGrid, set_bits};
 
@@ -44,7 +45,8 @@ impl Mapper<'_> {
     ///
     /// It is good to about 10⁻⁵, on roofs mostly to 10⁻³.
     ///
-    /// Cost: twice the line of sight of a map, and a walk for each receiver that hangs on the heights; on roofs five.
+    /// Cost: twice the line of sight of a map, and the shadows of higher buildings, with an error that is shared for some values of it; a walk for each receiver that hangs on
+    /// the heights over a terrain, beside sloped roofs and on a curved earth; on roofs five.
     ///
     /// # Errors
     /// E118 for a raster, whose buildings are not told apart, and for an earth so curved that heights would leave the lattice.
@@ -60,7 +62,15 @@ impl Mapper<'_> {
         let n_cols = self.field.grid().n_cols();
         let mut p_los = vec![f32::NAN; self.field.grid().n_cells()];
         for (kind, (receivers, in_range)) in seen.receivers.iter().zip(&in_range).enumerate() {
-            let of = OfKind { mapper: seen, uav, heights, receivers, is_on_roofs: self.is_on_roofs(kind) };
+            let unsure = in_range.clone().and(&sure.possibly).and(&sure.surely.complement());
+            let is_on_roofs = self.is_on_roofs(kind);
+            let steps = f64::from(STEPS_PER_UNIT);
+            let own = |building: u32| heights.errors.own_m(building) * steps;
+            let deviations = (&own, heights.errors.shared_m * steps);
+            let cast = || seen.engine.clear_probabilities(&uav.station, receivers, &unsure, deviations);
+            // Receivers on roofs move.
+            let cast = if is_on_roofs { None } else { cast() };
+            let of = OfKind { mapper: seen, uav, heights, receivers, is_on_roofs, cast };
             p_los.par_chunks_mut(n_cols).enumerate().for_each(|(row, out)| {
                 if control.check().is_ok() {
                     of.fill(row, in_range, (&sure.surely, &sure.possibly), out);
@@ -79,6 +89,8 @@ struct OfKind<'a> {
     heights: &'a UncertainHeights,
     receivers: &'a GridReceivers<'a>,
     is_on_roofs: bool,
+    /// What shadows tell, if they do.
+    cast: Option<ClearProbabilities>,
 }
 
 impl OfKind<'_> {
@@ -88,8 +100,9 @@ impl OfKind<'_> {
                 (true, _) => 1.0,
                 (_, false) => 0.0,
                 _ => {
+                    let cast = self.cast.as_ref().and_then(|cast| cast.of(row, col));
                     #[expect(clippy::cast_possible_truncation, reason = "layers are stored as f32")]
-                    let p = self.probability(row, col) as f32;
+                    let p = cast.unwrap_or_else(|| self.probability(row, col)) as f32;
                     p
                 }
             };

@@ -50,6 +50,8 @@
 //! 64 rows of a shadow are skipped where no wanted cell is left in the tiles of 64 × 64 cells that they meet, and whole blocks
 //! likewise.
 //!
+//! **Heights that may be off** ([`clear_probability`]). The same half-planes tell how much higher a building may be, receiver by receiver.
+//!
 //! **Curved earth** ([`curve`]). Shadows end along a curve there, which is between two lines that are some µm of height apart; what is between
 //! them is in doubt.
 //!
@@ -59,6 +61,7 @@
 mod band;
 mod cast;
 mod ceiling;
+mod clear_probability;
 mod curve;
 mod geometry;
 mod grid;
@@ -74,6 +77,7 @@ mod sloped;
 mod spans;
 mod words;
 
+pub use clear_probability::{ClearProbabilities, shadow_clear_probabilities};
 pub use grid::ShadowGrid;
 pub use least_heights::{shadow_least_heights, shadow_least_receiver_heights};
 pub use map::{shadow_los, shadow_los_relief};
