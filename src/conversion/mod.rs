@@ -18,6 +18,7 @@ use crate::export::{
     Batch, CityMesh, Format, MitsubaScene, add_mitsuba, city_mesh, encode_table, ns3_boxes, with_suffix,
 };
 use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
+use crate::height_field::{roof_triangles, wall_edges};
 use crate::picture::{Look, crs_words, picture_provenance, program, written};
 use crate::quantity::{Frame, VOID, meters, tidy};
 use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, grouped};
@@ -303,8 +304,8 @@ fn prism_of(footprint: &Footprint, frame: Frame, local: &impl Fn([f64; 2]) -> [f
         [x, y, meters(*z)]
     };
     CityPrism {
-        roof_triangles: footprint.roof_triangles().iter().map(|corners| corners.each_ref().map(point)).collect(),
-        wall_edges: footprint.wall_edges().iter().map(|ends| ends.each_ref().map(point)).collect(),
+        roof_triangles: roof_triangles(footprint).iter().map(|corners| corners.each_ref().map(point)).collect(),
+        wall_edges: wall_edges(footprint).iter().map(|ends| ends.each_ref().map(point)).collect(),
         base_m: meters(footprint.bottom()),
         top_m: meters(footprint.top),
     }

@@ -130,6 +130,25 @@ fn what_is_taken_otherwise_than_it_is_drawn_is_told() {
     folder.type_in(&format!("{map} --roofs lod2 --repairs list.csv")).done();
     assert!(folder.text("list.csv").contains("overhang"), "{}", folder.text("list.csv"));
 
+    // A half that is not marked is roof, and one that is missing is open ground.
+    let mut half = house(0.0, true);
+    half["CityObjects"]["house"]["geometry"][0]["semantics"]["values"][0][6] = Value::Null;
+    folder.write("half.city.json", &half.to_string());
+    folder.write("whole.city.json", &house(0.0, true).to_string());
+    let digest = |scene: &str| {
+        let line = format!("map {scene} --roofs lod2 --extent=-30,-30,40,36 --uav 5,-25,12 --json");
+        folder.type_in(&line).done().json()["digest"].clone()
+    };
+    assert_eq!(digest("half.city.json"), digest("whole.city.json"));
+    half["CityObjects"]["house"]["geometry"][0]["semantics"]["values"][0][6] = json!(1);
+    half["CityObjects"]["block"] = half["CityObjects"]["house"].clone();
+    half["CityObjects"]["block"]["geometry"][0]["boundaries"] = json!([[[[0, 3, 2, 1]], [[0, 1, 5, 4]]]]);
+    half["CityObjects"]["block"]["geometry"][0]["semantics"]["values"] = json!([[0, 1]]);
+    folder.write("bare.city.json", &half.to_string());
+    let bare = folder.type_in("map bare.city.json --roofs lod2 --extent=-30,-30,40,36 --uav 5,-25,12").done();
+    assert!(["W377", "W381"].iter().all(|code| bare.warnings().contains(code)), "{bare:?}");
+    folder.refuses("city whole.city.json --roofs lod2 -o boxes.csv", "E109", &["boxes.csv"]);
+
     let refused = "map a.geojson --roofs lod2 --uav 5,-25,12";
     folder.refuses(refused, "E308", &["a.geojson", "surface of a roof"]);
     folder.refuses(&format!("{map} --roofs lod2 --height-field tall"), "E116", &["--height-field", "roofs"]);

@@ -9,6 +9,7 @@ use std::fmt;
 pub use crate::packed_zones::PackedZones;
 
 use skyshed_core::city::{Area, DataArea, Footprint, FootprintFaults, Ground, RoofTriangle, Solids};
+use skyshed_core::height_field::MAX_ROOF_STEPS;
 use skyshed_core::quantity::Frame;
 use skyshed_core::raster::{BitGrid, Crs, CrsDefinition, CrsKind, GeoRef, Raster};
 
@@ -416,9 +417,13 @@ impl In<'_> {
 /// Whether corners can be those of a triangle of a roof.
 fn is_roof([a, b, c]: &RoofTriangle) -> bool {
     let side = |from: &[i32; 3], to: &[i32; 3], axis: usize| i64::from(to[axis]) - i64::from(from[axis]);
-    let is_near = |to: &[i32; 3]| (0..2).all(|axis| side(a, to, axis).abs() <= 1 << 26);
+    let heights = [a[2], b[2], c[2]];
+    let is_flat = heights == [a[2]; 3];
+    let most = if is_flat { 1 << 26 } else { i64::from(MAX_ROOF_STEPS) };
+    let is_near = |to: &[i32; 3]| (0..2).all(|axis| side(a, to, axis).abs() <= most);
+    let is_in_range = heights.iter().all(|z| z.unsigned_abs() <= 1 << 25);
     let doubled = || side(a, b, 0) * side(a, c, 1) - side(a, b, 1) * side(a, c, 0);
-    is_near(b) && is_near(c) && doubled() > 0
+    is_near(b) && is_near(c) && is_in_range && doubled() > 0
 }
 
 #[cfg(test)]
@@ -442,7 +447,7 @@ mod tests {
             id: "ä<b>".into(),
             polygons: vec![vec![ring.clone()]; 2],
             top: -9,
-            roof: vec![[[-5, 7, -9], [2_000_000, 8, -100], [3, 2_000_000, -9]]],
+            roof: vec![[[-5, 7, -9], [1_000_000, 8, -100], [3, 1_000_000, -9]]],
             base,
             height_error: None,
         };

@@ -10,7 +10,8 @@ use crate::plos::{FORMATS, Far, PlosPlan, Sweeps, read_curves};
 use crate::scene::built_up;
 
 /// What only cities in files can use.
-const OF_FILES: [&str; 21] = [
+const OF_FILES: [&str; 22] = [
+    "roofs",
     "terrain",
     "extent",
     "cell",

@@ -37,13 +37,17 @@ pub enum FootprintFault {
     RoughRoof,
     /// A roof with surfaces that are no plane to within 5 cm: taken as triangles between their corners.
     UnevenRoof,
+    /// A building with ground surfaces that no surface of its roof lies over: open there.
+    BareGround,
+    /// A building without a surface of a roof among others that have some: taken flat at its highest point.
+    NoRoof,
 }
 
 use FootprintFault as F;
 
 impl FootprintFault {
     /// All kinds.
-    pub const ALL: [F; 17] = [
+    pub const ALL: [F; 19] = [
         F::NotAnArea,
         F::SelfIntersection,
         F::StrayHole,
@@ -61,6 +65,8 @@ impl FootprintFault {
         F::Overhang,
         F::RoughRoof,
         F::UnevenRoof,
+        F::BareGround,
+        F::NoRoof,
     ];
 
     /// The word for it, the code of its warning, and what one and many of them are called.
@@ -139,6 +145,17 @@ impl FootprintFault {
                     "roofs with surfaces that are no plane to within 5 cm",
                 ],
             ),
+            F::BareGround => (
+                "bare-ground",
+                377,
+                [
+                    "building with ground surfaces that no roof lies over",
+                    "buildings with ground surfaces that no roof lies over",
+                ],
+            ),
+            F::NoRoof => {
+                ("no-roof", 381, ["building without a surface of a roof", "buildings without a surface of a roof"])
+            }
         }
     }
 
@@ -170,6 +187,8 @@ impl FootprintFault {
             F::Overhang => "taken as solid below",
             F::RoughRoof => "these are taken flat at their highest",
             F::UnevenRoof => "these are taken as triangles between their corners",
+            F::BareGround => "open there",
+            F::NoRoof => "taken flat at its highest point",
             _ => LEFT_OUT,
         }
     }

@@ -1,10 +1,5 @@
 //! A building of a vector scene.
 
-use std::borrow::Cow;
-use std::collections::HashSet;
-
-use crate::height_field::{ConvexPieces, convex_pieces};
-use crate::overlay::{Ring, wound};
 use crate::quantity::{Frame, meters};
 
 /// A triangle of a roof, counterclockwise as seen from above: corners on the lattice, each with its height \[1/1024 m above the datum\].
@@ -51,37 +46,6 @@ impl Footprint {
     /// Height above the ground that it stands on \[m\], if that is known.
     pub fn height_m(&self) -> Option<f64> {
         self.base.map(|base| meters(self.top) - meters(base))
-    }
-
-    /// Its roof as triangles, those of a flat one over the pieces of its polygons.
-    pub fn roof_triangles(&self) -> Cow<'_, [RoofTriangle]> {
-        if !self.roof.is_empty() {
-            return Cow::Borrowed(&self.roof);
-        }
-        let at_top = |[x, y]: [i32; 2]| [x, y, self.top];
-        let pieces = self.polygons.iter().flat_map(|rings| match convex_pieces(rings) {
-            ConvexPieces::Exact(pieces) => pieces,
-            ConvexPieces::Hull(hull) => vec![hull],
-        });
-        pieces
-            .flat_map(|ring| {
-                (2..ring.len()).map(move |k| [ring[0], ring[k - 1], ring[k]].map(at_top)).collect::<Vec<_>>()
-            })
-            .collect()
-    }
-
-    /// The upper edges of its walls, the building on their left: around its polygons, or of triangles of its roof that no other one joins there.
-    pub fn wall_edges(&self) -> Vec<[[i32; 3]; 2]> {
-        if self.roof.is_empty() {
-            let at_top = |[x, y]: [i32; 2]| [x, y, self.top];
-            let rings = self.polygons.iter().flat_map(wound);
-            let edges =
-                |ring: Ring| (0..ring.len()).map(move |k| [ring[k], ring[(k + 1) % ring.len()]]).collect::<Vec<_>>();
-            return rings.flat_map(edges).map(|ends| ends.map(at_top)).collect();
-        }
-        let edges = || self.roof.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]);
-        let joined: HashSet<[[i32; 3]; 2]> = edges().collect();
-        edges().filter(|[a, b]| !joined.contains(&[*b, *a])).collect()
     }
 
     /// Where it begins, for models of it: at the ground that it stands on, and where none is known at the datum.

@@ -22,6 +22,7 @@ mod positions;
 mod prisms;
 mod rings;
 mod roof_plane;
+mod roof_shape;
 mod roofs;
 mod solid;
 mod tile_maxima;
@@ -41,6 +42,7 @@ pub(crate) use positions::cell_frame;
 pub use positions::{GridPositions, Place, Station};
 pub use prisms::{Buckets, CurvedGround, Piece, Prisms, Top};
 pub use roof_plane::{MAX_ROOF_STEPS, RoofPlane};
+pub use roof_shape::{roof_triangles, wall_edges};
 pub use tile_maxima::{TILE, TILE_BITS, TileMaxima};
 pub use triangulate::{ConvexPieces, convex_pieces, triangles};
 

@@ -4,7 +4,8 @@
 //! both must be low enough. So the probability of line of sight follows from those of heights: of independent buildings the product over all
 //! that have a limit, with walls told apart by cases.
 
-/// Two buildings side by side along a link, and how much higher each may be if the other one is in its way \[1/1024 m\].
+/// Two buildings side by side along a link, and how much higher each may be if the other one is in its way \[1/1024 m\]; of sloped roofs, where
+/// the lower of both comes nearest to the link, which is all that matters while both are off alike.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Wall {
     /// Their numbers.

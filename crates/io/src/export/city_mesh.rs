@@ -2,6 +2,7 @@
 
 use crate::city::Footprint;
 use crate::error::{Error, Result, WriteFault};
+use crate::height_field::{roof_triangles, wall_edges};
 use crate::quantity::{Frame, meters};
 use crate::raster::GeoRef;
 
@@ -119,11 +120,11 @@ fn add_building(mesh: &mut Mesh, city: &CityMesh<'_>, footprint: &Footprint) -> 
         let unit = city.meters_per_unit;
         [narrow((x - city.grid.x_min()) * unit), narrow((y - city.grid.y_min()) * unit), narrow(meters(z))]
     };
-    for [a, b] in footprint.wall_edges() {
+    for [a, b] in wall_edges(footprint) {
         let foot = |[x, y, _]: [i32; 3]| place([x, y, base]);
         mesh.add_convex(&[foot(a), foot(b), place(b), place(a)])?;
     }
-    for corners in footprint.roof_triangles().iter() {
+    for corners in roof_triangles(footprint).iter() {
         mesh.add_convex(&corners.map(place))?;
     }
     Ok(())

@@ -10,7 +10,7 @@ use crate::quantity::{Frame, meters};
 /// the scene's coordinates \[CRS units\], z above the datum \[m\].
 ///
 /// # Errors
-/// Usage error (E109) if a footprint is not a rectangle parallel to the axes: `Building` of ns-3 is nothing else, and the box
+/// Usage error (E109) if a footprint is not a rectangle parallel to the axes, or has a roof that is not flat: `Building` of ns-3 is nothing else, and the box
 /// around any other shape would hide receivers that are in sight.
 pub fn ns3_boxes(footprints: &[Footprint], frame: Frame, path: &Path) -> Result<Vec<Vec<String>>> {
     let bounds: Vec<Option<[i32; 4]>> = footprints.iter().map(box_of).collect();
@@ -30,6 +30,7 @@ pub fn ns3_boxes(footprints: &[Footprint], frame: Frame, path: &Path) -> Result<
 
 /// West, south, east and north of a footprint that is exactly the box within them \[1/1024 unit\].
 fn box_of(footprint: &Footprint) -> Option<[i32; 4]> {
+    let is_flat = footprint.roof.as_flattened().iter().all(|[.., z]| *z == footprint.top);
     let [polygon] = footprint.polygons.as_slice() else { return None };
     let [ring] = polygon.as_slice() else { return None };
     let low = |k: usize| ring.iter().map(|p| p[k]).min();
@@ -38,5 +39,5 @@ fn box_of(footprint: &Footprint) -> Option<[i32; 4]> {
     let edges = ring.iter().zip(ring.iter().cycle().skip(1));
     let doubled: i64 = edges.map(|(a, b)| i64::from(a[0]) * i64::from(b[1]) - i64::from(a[1]) * i64::from(b[0])).sum();
     let side = |a: i32, b: i32| i64::from(b) - i64::from(a);
-    (doubled.abs() == 2 * side(west, east) * side(south, north)).then_some([west, south, east, north])
+    (is_flat && doubled.abs() == 2 * side(west, east) * side(south, north)).then_some([west, south, east, north])
 }

@@ -48,6 +48,8 @@ pub(super) struct RawFootprint {
     pub(super) roof: Vec<Face>,
     /// What it covers of the ground then, where that is known.
     pub(super) ground: Vec<Polygon>,
+    /// Whether it was to be taken so, but has no surface of a roof.
+    pub(super) lacks_roof: bool,
 }
 
 impl RawFootprint {
@@ -278,6 +280,7 @@ impl Says<'_> {
             height_error_m: self.height_error_m(),
             floats: self.is_above_zero("min_height") || self.is_above_zero("building:min_level"),
             lowest: self.feature.heights.map(|[lowest, _]| lowest),
+            lacks_roof: is_as_it_is && roof.is_empty(),
             roof,
             ground,
         }

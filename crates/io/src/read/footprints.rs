@@ -477,6 +477,12 @@ fn note_shape(shaped: &Shaped, log: &mut FaultLog) {
     if is_usable(shaped) && shaped.overhangs {
         log.note(FootprintFault::Overhang, raw.culprit());
     }
+    if is_usable(shaped) && shaped.bares_ground {
+        log.note(FootprintFault::BareGround, raw.culprit());
+    }
+    if is_usable(shaped) && raw.lacks_roof {
+        log.note(FootprintFault::NoRoof, raw.culprit());
+    }
     if shaped.roof.n_flattened > 0 {
         log.note(FootprintFault::RoughRoof, raw.culprit());
     }

@@ -30,6 +30,8 @@ pub(super) struct Shaped {
     pub(super) bad_height: Option<f64>,
     /// Whether it reaches beyond the ground surfaces.
     pub(super) overhangs: bool,
+    /// Whether ground surfaces reach beyond it.
+    pub(super) bares_ground: bool,
 }
 
 /// A roof that reaches beyond its ground surfaces by less than this is as the file was drawn \[square steps\]: half a square meter.
@@ -51,6 +53,7 @@ pub(super) fn shape(raw: RawFootprint, (ground, rule): (&Ground, BaseRule), fram
         roof: LatticeRoof::default(),
         bad_height: None,
         overhangs: false,
+        bares_ground: false,
         raw,
     };
     if shaped.raw.roof.is_empty() {
@@ -89,8 +92,10 @@ fn shape_roof(shaped: &mut Shaped, frame: Frame) {
         shaped.raw.ground.iter().flat_map(|rings| region_of(&on_lattice(rings)).polygons).flatten().collect();
     if !ground.is_empty() {
         let roof: Vec<Ring> = shaped.polygons.iter().flatten().cloned().collect();
-        let beyond: i128 = difference(&roof, &ground).iter().flatten().map(|ring| doubled_area(ring)).sum();
-        shaped.overhangs = beyond.abs() > 2 * LEAST_OVERHANG;
+        let area =
+            |polygons: Vec<Polygon>| polygons.iter().flatten().map(|ring| doubled_area(ring)).sum::<i128>().abs();
+        shaped.overhangs = area(difference(&roof, &ground)) > 2 * LEAST_OVERHANG;
+        shaped.bares_ground = area(difference(&ground, &roof)) > 2 * LEAST_OVERHANG;
     }
 }
 

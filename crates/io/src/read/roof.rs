@@ -40,7 +40,7 @@ pub(super) fn lattice_roof(faces: &[Face], frame: Frame, limit: i64) -> Result<L
     for face in faces {
         let mut heights: HashMap<[i32; 2], i32> = HashMap::new();
         let mut rings: Vec<Ring> = Vec::new();
-        for ring in face {
+        for (number, ring) in face.iter().enumerate() {
             let mut points: Ring = Vec::with_capacity(ring.len());
             for &[x, y, z] in ring {
                 let (x, y) = frame.lattice_from_world(x, y);
@@ -62,6 +62,9 @@ pub(super) fn lattice_roof(faces: &[Face], frame: Frame, limit: i64) -> Result<L
             }
             if points.len() >= 3 {
                 rings.push(points);
+            } else if number == 0 {
+                // Without a shell there is nothing to take holes out of.
+                break;
             }
         }
         roof.add(&rings, &heights);

@@ -1,8 +1,8 @@
 //! Surfaces of a building: which of them are its roof, and which its ground.
 //!
 //! Line of sight asks what lies over a place, so walls count for nothing and a roof is all that is seen from above. Files that name
-//! the meaning of surfaces are believed: a roof is its `RoofSurface`s and `OuterFloorSurface`s. Of others every surface counts that is no
-//! wall and does not lie flat at the lowest height; where several lie on one another the highest counts, so floors
+//! the meaning of surfaces are believed: a roof is its `RoofSurface`s and `OuterFloorSurface`s. Of unmarked ones every surface counts that is no
+//! wall and does not lie flat at the lowest height below another one; where several lie on one another the highest counts, so floors
 //! and the undersides of roofs do no harm.
 
 use super::vector::{Polygon, doubled_area};
@@ -53,17 +53,22 @@ impl Solid {
         let upright = |face: &Face| face.first().is_none_or(|shell| is_wall(shell));
         let flat: Vec<(Face, FaceKind)> = faces.into_iter().filter(|(face, _)| !upright(face)).collect();
         let has_ground = flat.iter().any(|(_, kind)| *kind == FaceKind::Ground);
+        let upper: Vec<Polygon> =
+            flat.iter().filter(|(face, _)| !is_lowest(face)).map(|(face, _)| plan(face)).collect();
         // A surface that lies lowest is ground only below others.
-        let has_upper = flat.iter().any(|(face, _)| !is_lowest(face));
         let is_ground = |(face, kind): &(Face, FaceKind)| match kind {
             FaceKind::Ground => true,
-            _ => !has_ground && has_upper && is_lowest(face),
+            _ => !has_ground && is_lowest(face) && upper.iter().any(|other| lies_over(other, &plan(face))),
         };
         let ground: Vec<Polygon> = flat.iter().filter(|face| is_ground(face)).map(|(face, _)| plan(face)).collect();
         // The footprint is what is marked as ground, or all that is seen from above.
         let marked = |(_, kind): &&(Face, FaceKind)| !has_ground || *kind == FaceKind::Ground;
         let polygons = flat.iter().filter(marked).map(|(face, _)| plan(face)).collect();
-        let is_roof = |face: &(Face, FaceKind)| if has_roof { face.1 == FaceKind::Roof } else { !is_ground(face) };
+        let is_roof = |face: &(Face, FaceKind)| match face.1 {
+            FaceKind::Roof => true,
+            FaceKind::Unknown => !is_ground(face),
+            FaceKind::Ground | FaceKind::Other => !has_roof && !is_ground(face),
+        };
         let roof = flat.into_iter().filter(is_roof).map(|(face, _)| face).collect();
         Solid { polygons, heights: range, roof, ground }
     }
@@ -72,6 +77,31 @@ impl Solid {
 /// A surface as seen from above.
 pub(super) fn plan(face: &Face) -> Polygon {
     face.iter().map(|ring| ring.iter().map(|p| [p[0], p[1]]).collect()).collect()
+}
+
+/// Whether a polygon lies over a place inside of another one.
+fn lies_over(polygon: &Polygon, other: &Polygon) -> bool {
+    inner_place(other).is_some_and(|[x, y]| crossings(polygon, y).filter(|at| *at > x).count() % 2 == 1)
+}
+
+/// A place inside of a polygon: on a line through its middle, where that is inside for longest.
+fn inner_place(polygon: &Polygon) -> Option<[f64; 2]> {
+    let ys = || polygon.iter().flatten().map(|p| p[1]);
+    let (low, high) = (ys().fold(f64::INFINITY, f64::min), ys().fold(f64::NEG_INFINITY, f64::max));
+    // Hardly ever at the height of a corner.
+    let y = low + 0.4837 * (high - low);
+    let mut at: Vec<f64> = crossings(polygon, y).collect();
+    at.sort_by(f64::total_cmp);
+    let pairs = at.chunks_exact(2).map(|pair| (pair[1] - pair[0], 0.5 * (pair[0] + pair[1])));
+    pairs.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, x)| [x, y])
+}
+
+/// Where edges of a polygon cross a line to the east.
+fn crossings(polygon: &Polygon, y: f64) -> impl Iterator<Item = f64> + '_ {
+    let edges = polygon.iter().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)));
+    edges
+        .filter(move |(a, b)| (a[1] > y) != (b[1] > y))
+        .map(move |(a, b)| a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
 }
 
 /// Whether hardly any of a surface faces up or down.
@@ -100,6 +130,11 @@ mod tests {
         ]
     }
 
+    /// A flat roof at 1 m beside the shed.
+    fn annex() -> Face {
+        face(&[[4.0, 0.0, 1.0], [6.0, 0.0, 1.0], [6.0, 2.0, 1.0], [4.0, 2.0, 1.0]])
+    }
+
     #[test]
     fn marked_or_not_the_roof_is_what_lies_above_the_ground() {
         let [ground, roof, wall] = shed();
@@ -115,6 +150,17 @@ mod tests {
             assert_eq!(solid.heights, Some([1.0, 3.0]));
         }
         assert_eq!(marked.polygons, [plan(&ground)]);
+        // What is not marked beside a marked roof is roof as well, if it is no ground.
+        let partly = Solid::of(vec![
+            (ground.clone(), FaceKind::Ground),
+            (roof.clone(), FaceKind::Roof),
+            (annex(), FaceKind::Unknown),
+            (wall.clone(), FaceKind::Other),
+        ]);
+        assert_eq!(partly.roof, [roof.clone(), annex()]);
+        // An annex under open sky is lowest, and roof.
+        let open = Solid::of(vec![(roof.clone(), FaceKind::Unknown), (annex(), FaceKind::Unknown)]);
+        assert_eq!((open.roof, open.ground.len()), (vec![roof.clone(), annex()], 0));
         // A flat roof alone is no ground.
         let alone = Solid::of(vec![(ground.clone(), FaceKind::Unknown)]);
         assert_eq!((alone.roof, alone.ground.len()), (vec![ground], 0));

@@ -43,8 +43,8 @@ const MOST_BUILDINGS: f64 = 4.0;
 /// More values of a shared error than these cost as much as walks.
 const MOST_VALUES: f64 = 96.0;
 
-/// Rows of a band: what is held for each value of a shared error stays in the cache.
-const ROWS_PER_BAND: usize = 4 * LANES;
+/// What a band holds for each value of a shared error is no more numbers than these, 4 MB of them, if eight rows are not.
+const BAND: usize = 1 << 20;
 
 /// Rooms this near to none are not told of a building without an error \[1/1024 m\].
 const TIE: f64 = 1e-3;
@@ -97,10 +97,11 @@ pub fn shadow_clear_probabilities(
         buildings.iter().filter_map(|b| b.first()).map(|piece| own(piece.building)).fold(f64::INFINITY, f64::min);
     let values = shared_values(shared, least)?;
     let at_uav = cells_at_uav(scene.grid, &plane, scene.wanted);
+    let rows_per_band = (BAND / (per_row * values.len()).max(1) / LANES).clamp(1, 16) * LANES;
     let lowest = lowest.into();
     let cast = Cast { scene, receivers, lowest, buildings, own, shared, values, east, per_row, at_uav };
-    p.par_chunks_mut(ROWS_PER_BAND * per_row).enumerate().for_each(|(k, p)| {
-        let first = first + k * ROWS_PER_BAND;
+    p.par_chunks_mut(rows_per_band * per_row).enumerate().for_each(|(k, p)| {
+        let first = first + k * rows_per_band;
         let mut plane = plane.clone();
         plane.narrow_to(scene.grid, (first, first + p.len() / per_row), plane.cols);
         dispatch!(scene.level, simd => cast.band(simd, &plane, p));
