@@ -103,9 +103,13 @@ impl AskedErrors {
         uavs: &[Uav],
         progress: &Progress,
     ) -> Result<Option<RedrawnCounts>> {
-        let heights =
-            RedrawnHeights::of(mapper.field(), &self.errors(mapper.field()), None, SEED).filter(|_| self.are_any());
-        let Some(heights) = heights else { return Ok(None) };
+        // Numbering the blocks of a raster passes all its cells: only where errors were given.
+        if !self.are_any() {
+            return Ok(None);
+        }
+        let Some(heights) = RedrawnHeights::of(mapper.field(), &self.errors(mapper.field()), None, SEED) else {
+            return Ok(None);
+        };
         Ok(Some(mapper.redrawn(uavs, &heights, DRAWS, progress.control())?))
     }
 
