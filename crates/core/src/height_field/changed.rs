@@ -63,14 +63,13 @@ impl HeightField {
 
     /// The scene with a flat roof on every building, as high as its own is highest; `None` where all are that. What is a building stays.
     pub fn with_flat_roofs(&self) -> Option<HeightField> {
+        if self.n_buildings_with_shaped_roofs() == 0 {
+            return None;
+        }
         let tops = self.building_tops();
         let mut field = self.clone();
         let Solid::Vector(vector) = &mut field.solid else { return None };
         let prisms = &vector.prisms;
-        let is_flat = |p: &Piece| prisms.heights(p).is_none() && p.top == tops[p.building as usize];
-        if prisms.pieces().iter().all(is_flat) {
-            return None;
-        }
         let flat = prisms.pieces().iter().map(|p| (prisms.ring(p), tops[p.building as usize], p.building));
         vector.prisms = Prisms::new(flat).on_earth(prisms.earth());
         field.find_roofs();

@@ -7,15 +7,14 @@ use rayon::prelude::*;
 
 use super::columns_ray::columns_least_height_above;
 use super::curved_plateaus::CurvedPlateaus;
+use super::lowest_between::with_lowest_place_between;
 use super::{
     ClearProbabilities, GridHeights, GridReceivers, Method, OnPlateaus, PlateauScene, ReceiverHeights, ShadowGrid,
     ShadowScene, StepLength, Swept, UavPositions, WrongMethod, columns_least_receiver_height, link_los, plateaus_los,
     r2_los, shadow_clear_probabilities, shadow_least_heights, shadow_least_receiver_heights, shadow_los,
     shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
-use crate::height_field::{
-    Bulge, Casters, Columns, CurvedGround, GridPositions, HeightField, Plateaus, Prisms, Station,
-};
+use crate::height_field::{Bulge, Casters, Columns, GridPositions, HeightField, Plateaus, Prisms, Station};
 use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, CellWindow, set_bits};
 use crate::simd::SimdLevel;
@@ -442,41 +441,6 @@ impl<'a> GridLos<'a> {
             None => shadow_los_relief(&scene, uav.on_prisms(), &height_by_cell(receivers)).los,
         }
     }
-}
-
-/// The wanted cells whose rays on a curved earth neither fall nor rise all the way, but have their lowest place between the ends, if
-/// there are any.
-fn with_lowest_place_between(
-    scene: &ShadowScene<'_>,
-    earth: CurvedGround,
-    uav: LatticePoint,
-    receivers: &GridReceivers<'_>,
-) -> Option<BitGrid> {
-    // The square of the distance up to which that is so of none, narrowed by more than it can err.
-    let reach = |z: i64| {
-        #[expect(clippy::cast_precision_loss, reason = "a difference of heights, at most 2^28")]
-        let apart = (uav.z - z) as f64;
-        apart.abs() / earth.bulge.coefficient() * (1.0 - 1e-9)
-    };
-    #[expect(clippy::cast_precision_loss, reason = "squares of lengths are below 2^56")]
-    let squares = |of: &[i64], at: i64| of.iter().map(|v| ((v - at) * (v - at)) as f64).collect::<Vec<f64>>();
-    let (east, north) = (squares(&scene.grid.xs, uav.x), squares(&scene.grid.ys, uav.y));
-    let most = |of: &[f64]| of.iter().fold(0.0_f64, |most, square| most.max(*square));
-    let (lowest, highest) = receivers.heights_range();
-    let farthest = most(&east) + most(&north);
-    if (highest < uav.z && farthest < reach(highest)) || (lowest > uav.z && farthest < reach(lowest)) {
-        return None;
-    }
-    let n_cols = east.len();
-    let mut between = BitGrid::new(north.len(), n_cols);
-    let per_row = between.words_per_row();
-    between.words_mut().par_chunks_mut(per_row.max(1)).enumerate().for_each(|(row, words)| {
-        for col in set_bits(scene.wanted.row(row)) {
-            let is_between = east[col] + north[row] >= reach(receivers.height(row * n_cols + col));
-            words[col / 64] |= u64::from(is_between) << (col % 64);
-        }
-    });
-    (between.count() > 0).then_some(between)
 }
 
 /// Heights of receivers by row and column \[1/1024 m above the datum\].

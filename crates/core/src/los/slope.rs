@@ -21,7 +21,7 @@ use std::cmp::Ordering;
 use ethnum::I256;
 
 use super::cell_walk::Crossing;
-use super::obstruction::Obstruction;
+use super::obstruction::{Obstruction, compare_ratios};
 use crate::height_field::RoofPlane;
 use crate::quantity::LatticePoint;
 
@@ -192,25 +192,13 @@ fn is_more(a: (i128, i128), b: (i128, i128)) -> bool {
     compare(a, b) == Ordering::Greater
 }
 
-/// The order of two demands; exact.
+/// The order of two demands; exact. At the UAV a roof above it asks for everything, another for nothing.
 fn compare(a: (i128, i128), b: (i128, i128)) -> Ordering {
-    match (a.1 == 0, b.1 == 0) {
-        (false, false) => super::obstruction::compare_ratios(a, b),
-        (true, true) => a.0.signum().cmp(&b.0.signum()),
-        // At the UAV a roof above it asks for everything, another for nothing.
-        (true, false) => {
-            if a.0 > 0 {
-                Ordering::Greater
-            } else {
-                Ordering::Less
-            }
-        }
-        (false, true) => {
-            if b.0 > 0 {
-                Ordering::Less
-            } else {
-                Ordering::Greater
-            }
-        }
+    match (a.1, b.1) {
+        (0, 0) => a.0.signum().cmp(&b.0.signum()),
+        (0, _) if a.0 > 0 => Ordering::Greater,
+        (0, _) => Ordering::Less,
+        (_, 0) => compare(b, a).reverse(),
+        _ => compare_ratios(a, b),
     }
 }

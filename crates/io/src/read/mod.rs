@@ -7,6 +7,7 @@ mod footprint_options;
 mod footprints;
 mod heights;
 mod held;
+mod lattice_footprints;
 mod mesh;
 mod outline;
 mod projection;

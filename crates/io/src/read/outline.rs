@@ -71,8 +71,9 @@ pub(super) fn shape(raw: RawFootprint, (ground, rule): (&Ground, BaseRule), fram
 
 /// Triangles of the roof, and what they cover.
 fn shape_roof(shaped: &mut Shaped, frame: Frame) {
-    match lattice_roof(&shaped.raw.roof, frame, LIMIT) {
+    match lattice_roof(&shaped.raw.roof, frame) {
         Ok(roof) => shaped.roof = roof,
+        Err(RoofFault::Tangle(tangle)) => shaped.tangle = Some(tangle),
         Err(RoofFault::TooFar) => shaped.too_far = true,
         Err(RoofFault::Height(m)) => shaped.bad_height = Some(m),
     }
@@ -80,16 +81,18 @@ fn shape_roof(shaped: &mut Shaped, frame: Frame) {
     if shaped.polygons.is_empty() {
         shaped.degenerate.push(0);
     }
-    let on_lattice = |rings: &Vec<Vec<[f64; 2]>>| -> Vec<Ring> {
-        let point = |p: &[f64; 2]| {
-            let (x, y) = frame.lattice_from_world(p[0], p[1]);
-            let narrow = |v: i64| i32::try_from(v.clamp(-LIMIT, LIMIT)).unwrap_or_default();
-            [narrow(x), narrow(y)]
+    let mut ground: Vec<Ring> = Vec::new();
+    for rings in &shaped.raw.ground {
+        let Some(rings) = lattice_rings(rings, frame) else {
+            shaped.too_far = true;
+            return;
         };
-        rings.iter().map(|ring| ring.iter().map(point).collect()).collect()
-    };
-    let ground: Vec<Ring> =
-        shaped.raw.ground.iter().flat_map(|rings| region_of(&on_lattice(rings)).polygons).flatten().collect();
+        shaped.tangle = shaped.tangle.or_else(|| tangle(&rings));
+        if shaped.tangle.is_some() {
+            return;
+        }
+        ground.extend(region_of(&rings).polygons.into_iter().flatten());
+    }
     if !ground.is_empty() {
         let roof: Vec<Ring> = shaped.polygons.iter().flatten().cloned().collect();
         let area =
@@ -99,34 +102,41 @@ fn shape_roof(shaped: &mut Shaped, frame: Frame) {
     }
 }
 
+/// A position on the lattice; `None` beyond it.
+pub(super) fn lattice_point(frame: Frame, [x, y]: [f64; 2]) -> Option<[i32; 2]> {
+    let (x, y) = frame.lattice_from_world(x, y);
+    let on_lattice = |v: i64| i32::try_from(v).ok().filter(|_| v.abs() <= LIMIT);
+    Some([on_lattice(x)?, on_lattice(y)?])
+}
+
+/// The rings of a polygon on the lattice, those that enclose something; `None` beyond it.
+fn lattice_rings(rings: &[Vec<[f64; 2]>], frame: Frame) -> Option<Vec<Ring>> {
+    let on_lattice = |ring: &Vec<[f64; 2]>| ring.iter().map(|p| lattice_point(frame, *p)).collect();
+    rings.iter().map(on_lattice).collect::<Option<Vec<Ring>>>().map(enclosing)
+}
+
+/// The rings that enclose something, without corners that stand at the one before. Without a shell there is nothing to take holes out of.
+pub(super) fn enclosing(mut rings: Vec<Ring>) -> Vec<Ring> {
+    for ring in &mut rings {
+        ring.dedup();
+        while ring.len() > 1 && ring.first() == ring.last() {
+            ring.pop();
+        }
+    }
+    if rings.first().is_some_and(|shell| shell.len() < 3) {
+        rings.clear();
+    }
+    rings.retain(|ring| ring.len() >= 3);
+    rings
+}
+
 /// Polygons, repaired.
 fn shape_polygons(shaped: &mut Shaped, frame: Frame) {
     for (k, polygon) in shaped.raw.polygons.iter().enumerate() {
-        let mut rings: Vec<Ring> = Vec::new();
-        for (number, ring) in polygon.iter().enumerate() {
-            let mut points: Ring = Vec::with_capacity(ring.len());
-            for &[x, y] in ring {
-                let (x, y) = frame.lattice_from_world(x, y);
-                if x.abs() > LIMIT || y.abs() > LIMIT {
-                    shaped.too_far = true;
-                    return;
-                }
-                #[expect(clippy::cast_possible_truncation, reason = "within ±2^26 by the check above")]
-                let point = [x as i32, y as i32];
-                if points.last() != Some(&point) {
-                    points.push(point);
-                }
-            }
-            while points.len() > 1 && points.first() == points.last() {
-                points.pop();
-            }
-            if points.len() >= 3 {
-                rings.push(points);
-            } else if number == 0 {
-                // Without a shell there is nothing to take holes out of.
-                break;
-            }
-        }
+        let Some(rings) = lattice_rings(polygon, frame) else {
+            shaped.too_far = true;
+            return;
+        };
         shaped.tangle = tangle(&rings);
         if shaped.tangle.is_some() {
             return;

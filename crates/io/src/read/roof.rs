@@ -5,11 +5,11 @@
 
 use std::collections::HashMap;
 
-use super::outline::region_of;
+use super::outline::{enclosing, lattice_point, region_of};
 use super::solid::Face;
 use crate::city::RoofTriangle;
 use crate::height_field::{ConvexPieces, MAX_ROOF_STEPS, convex_pieces, triangles};
-use crate::overlay::{Polygon, Ring, doubled_area, union};
+use crate::overlay::{Polygon, Ring, Tangle, doubled_area, tangle, union};
 use crate::quantity::{Frame, height_steps};
 
 /// A roof on the lattice.
@@ -30,42 +30,33 @@ const EVEN: f64 = 51.2;
 pub(super) enum RoofFault {
     /// A corner is beyond the lattice.
     TooFar,
+    /// A surface crosses itself too often to be mended.
+    Tangle(Tangle),
     /// A corner has a height beyond it \[m\].
     Height(f64),
 }
 
 /// The triangles of the surfaces of a roof.
-pub(super) fn lattice_roof(faces: &[Face], frame: Frame, limit: i64) -> Result<LatticeRoof, RoofFault> {
+pub(super) fn lattice_roof(faces: &[Face], frame: Frame) -> Result<LatticeRoof, RoofFault> {
     let mut roof = LatticeRoof::default();
     for face in faces {
         let mut heights: HashMap<[i32; 2], i32> = HashMap::new();
-        let mut rings: Vec<Ring> = Vec::new();
-        for (number, ring) in face.iter().enumerate() {
+        let mut rings: Vec<Ring> = Vec::with_capacity(face.len());
+        for ring in face {
             let mut points: Ring = Vec::with_capacity(ring.len());
             for &[x, y, z] in ring {
-                let (x, y) = frame.lattice_from_world(x, y);
-                if x.abs() > limit || y.abs() > limit {
-                    return Err(RoofFault::TooFar);
-                }
-                #[expect(clippy::cast_possible_truncation, reason = "within the limit")]
-                let point = [x as i32, y as i32];
+                let point = lattice_point(frame, [x, y]).ok_or(RoofFault::TooFar)?;
                 let z = height_steps(z).ok_or(RoofFault::Height(z))?;
                 // Of corners above one another the highest counts.
                 let known = heights.entry(point).or_insert(z);
                 *known = z.max(*known);
-                if points.last() != Some(&point) {
-                    points.push(point);
-                }
+                points.push(point);
             }
-            while points.len() > 1 && points.first() == points.last() {
-                points.pop();
-            }
-            if points.len() >= 3 {
-                rings.push(points);
-            } else if number == 0 {
-                // Without a shell there is nothing to take holes out of.
-                break;
-            }
+            rings.push(points);
+        }
+        let rings = enclosing(rings);
+        if let Some(tangle) = tangle(&rings) {
+            return Err(RoofFault::Tangle(tangle));
         }
         roof.add(&rings, &heights);
     }
@@ -150,7 +141,7 @@ mod tests {
     fn a_surface_with_a_hole_is_triangles_over_just_that() {
         let shell = vec![[100.0, 200.0, 5.0], [108.0, 200.0, 5.0], [108.0, 206.0, 8.0], [100.0, 206.0, 8.0]];
         let hole = vec![[102.0, 202.0, 6.0], [102.0, 204.0, 7.0], [104.0, 204.0, 7.0], [104.0, 202.0, 6.0]];
-        let roof = lattice_roof(&[vec![shell, hole]], FRAME, 1 << 26).expect("a roof");
+        let roof = lattice_roof(&[vec![shell, hole]], FRAME).expect("a roof");
         assert_eq!((area(&roof), roof.n_flattened, roof.top()), (44 * 1024 * 1024, 0, Some(8 * 1024)));
         assert_eq!(roof.n_uneven, 0);
         // Each corner is where its plane says: 5 m and half a meter for each to the north.
@@ -165,19 +156,26 @@ mod tests {
         let square =
             |z: f64| vec![vec![[100.0, 200.0, 3.0], [104.0, 200.0, 3.0], [104.0, 204.0, 3.0], [100.0, 204.0, z]]];
         // A corner that is off by z is off the plane by a quarter of that.
-        let uneven = |z: f64| lattice_roof(&[square(z)], FRAME, 1 << 26).expect("a roof").n_uneven;
+        let uneven = |z: f64| lattice_roof(&[square(z)], FRAME).expect("a roof").n_uneven;
         assert_eq!([3.0, 3.19, 3.21, 2.7].map(uneven), [0, 0, 1, 1]);
     }
 
     #[test]
     fn a_surface_that_crosses_itself_is_taken_flat_and_counted() {
         let bow = vec![[100.0, 200.0, 3.0], [104.0, 204.0, 4.0], [104.0, 200.0, 3.0], [100.0, 204.0, 5.0]];
-        let roof = lattice_roof(&[vec![bow]], FRAME, 1 << 26).expect("a roof");
+        let roof = lattice_roof(&[vec![bow]], FRAME).expect("a roof");
         assert_eq!((area(&roof), roof.n_flattened), (8 * 1024 * 1024, 1));
         assert!(roof.triangles.iter().flatten().all(|[.., z]| *z == 5 * 1024));
+        // Half way around at each corner, so that every edge crosses nearly every other.
+        let corner = |k: u32| {
+            let (y, x) = (f64::from(k * 500 % 1001) * std::f64::consts::TAU / 1001.0).sin_cos();
+            [150.0 + 40.0 * x, 250.0 + 40.0 * y, 3.0 + x]
+        };
+        let star = lattice_roof(&[vec![(0..1001).map(corner).collect()]], FRAME).err();
+        assert!(matches!(star, Some(RoofFault::Tangle(_))), "{star:?}");
         let far = vec![[100.0, 200.0, 3.0], [1e6, 204.0, 4.0], [104.0, 200.0, 3.0]];
-        assert_eq!(lattice_roof(&[vec![far]], FRAME, 1 << 26).err(), Some(RoofFault::TooFar));
+        assert_eq!(lattice_roof(&[vec![far]], FRAME).err(), Some(RoofFault::TooFar));
         let high = vec![[100.0, 200.0, 3.0], [104.0, 204.0, 4e4], [104.0, 200.0, 3.0]];
-        assert_eq!(lattice_roof(&[vec![high]], FRAME, 1 << 26).err(), Some(RoofFault::Height(4e4)));
+        assert_eq!(lattice_roof(&[vec![high]], FRAME).err(), Some(RoofFault::Height(4e4)));
     }
 }

@@ -23,7 +23,7 @@ use super::geometry::{as_f64, cross, sub};
 use super::outline::{LANES, Outline, Reach};
 use super::plane::Plane;
 use super::scene::{Receivers, ShadowScene, cells_at_uav};
-use super::spans::{Lanes, maybe_spans, spans};
+use super::spans::{Lanes, as_column, doubtful, maybe_spans, spans};
 use super::words::{bits_outside, for_each_bit};
 use crate::dispatch;
 use crate::height_field::Piece;
@@ -320,22 +320,10 @@ impl<D: Fn(u32) -> f64 + Sync> Cast<'_, D> {
         first_row: usize,
         unknown: &mut BitGrid,
     ) {
-        for k in 0..n {
-            let row = first + k;
-            let (maybe, mut inner) = ((outer.0[k], outer.1[k]), (inner.0[k], inner.1[k]));
-            if row < sure.0 || row >= sure.1 || inner.0 >= inner.1 {
-                inner = (maybe.1, maybe.1);
-            }
-            for (from, to) in [(maybe.0, inner.0), (inner.1, maybe.1)] {
-                let wanted = self.scene.wanted.row(row);
-                for_each_bit(wanted, as_column(from), as_column(to), |col| unknown.insert(row - first_row, col));
-            }
+        for (row, cols) in doubtful(inner, outer, sure, (first, n)) {
+            for_each_bit(self.scene.wanted.row(row), cols.start, cols.end, |col| unknown.insert(row - first_row, col));
         }
     }
-}
-
-fn as_column(v: u64) -> usize {
-    usize::try_from(v).unwrap_or(usize::MAX)
 }
 
 /// The distribution of a normal error, between its values at even steps.

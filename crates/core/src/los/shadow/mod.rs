@@ -60,6 +60,7 @@
 
 mod band;
 mod cast;
+mod caster_heights;
 mod ceiling;
 mod clear_probability;
 mod curve;

@@ -15,7 +15,7 @@
 //! ```text
 //!   α₀ > 0 with the far edges (K < 0):    (αB − βA) × q > Z·K      α and β at the ends A and B of the edge, from u
 //!   α₀ < 0 with the near edges (K > 0):   (αB − βA) × q < Z·K
-//!   α₀ ≥ 0 with s > 1:                    the plane is above the receiver there, which says nothing new where all the roof is
+//!   α₀ ≥ 0 with s > 1:                    the receiver is below the plane; follows from the others if no corner is below the receiver
 //! ```
 //!
 //! A flat roof has α = β, and αB − βA = αE. Heights of corners are integers and so are αB − βA (below 2^55), Z and K. Solved for the
@@ -111,7 +111,7 @@ impl Outline {
         let mut was_facing = roof.edges(plane).last().is_some_and(|edge| edge.k > 0);
         for RoofEdge { from, edge, k, upper } in roof.edges(plane) {
             let is_facing = k > 0;
-            // EXACT: one rounding more than the offset of a flat roof has none of its factor's.
+            // EXACT: Z has no rounding, the factor of a flat roof has one, so that the bound on its offset holds here as well.
             let offset = as_f64(below_uav) * as_f64(k);
             if is_facing {
                 self.add(plane, edge, reach.near() * as_f64(k), &mut magnitude);

@@ -4,6 +4,8 @@
 //! No multiplication is fused with an addition and all rounding is to whole numbers, so every SIMD level computes the
 //! same bits.
 
+use std::ops::Range;
+
 use fearless_simd::prelude::*;
 use fearless_simd::{f64x8, u64x8};
 
@@ -66,6 +68,29 @@ fn to_columns<S: Simd>(simd: S, plane: &Plane, v: f64x8<S>) -> [u64; LANES] {
     // Adding 2^52 leaves a whole number below 2^52 in the lowest bits of the double.
     let bits: u64x8<S> = (within + splat((1_u64 << 52) as f64)).bitcast();
     (bits & u64x8::splat(simd, (1 << 52) - 1)).into()
+}
+
+/// Of `n` rows from `first` on, the columns that may be inside an outline and are not surely, with their rows; `sure_rows` are those between its horizontal
+/// lines.
+pub(super) fn doubtful(
+    sure: &Lanes,
+    maybe: &Lanes,
+    sure_rows: (usize, usize),
+    (first, n): (usize, usize),
+) -> impl Iterator<Item = (usize, Range<usize>)> {
+    (0..n).flat_map(move |k| {
+        let (row, maybe) = (first + k, [maybe.0[k], maybe.1[k]].map(as_column));
+        let mut sure = [sure.0[k], sure.1[k]].map(as_column);
+        if row < sure_rows.0 || row >= sure_rows.1 || sure[0] >= sure[1] {
+            sure = [maybe[1]; 2];
+        }
+        [(row, maybe[0]..sure[0]), (row, sure[1]..maybe[1])]
+    })
+}
+
+/// The number of a column as an index.
+pub(super) fn as_column(v: u64) -> usize {
+    usize::try_from(v).unwrap_or(usize::MAX)
 }
 
 /// The cells that are surely inside an outline in the eight rows from `row` on.

@@ -1,19 +1,19 @@
 //! What limits a map: how coarse its cells may be, whether terrain matters, which footprints can hide anyone, how far P_LoS
 //! is off if UAVs or heights are.
 
+mod document;
+
 use std::ffi::OsStr;
 use std::path::Path;
 use std::time::Instant;
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use serde_json::Value;
 
 use crate::accuracy::{
     BudgetLine, CellEffect, NO_CHANGE, RoofEffect, Setup, Simpler, TerrainEffect, Uncertain, cell_effects,
     coarsest_unchanged, error_budget, roof_effect, terrain_effect,
 };
-use crate::answer::{Answer, Head, Rows, RunFacts, Spent, WarningFacts, document_of, rows, warnings_of};
+use crate::answer::{Answer, Rows, RunFacts, Spent, document_of, rows, warnings_of};
 use crate::city::Solids;
 use crate::coverage::{Control, HeightLayers, IdleFootprints, MapOptions, Mapper, Uav};
 use crate::error::{Error, Result, Warning};
@@ -22,14 +22,19 @@ use crate::export::{Batch, Format};
 use crate::height_field::HeightField;
 use crate::map::IdleDocument;
 use crate::picture::Look;
-use crate::quantity::{counted, tidy};
+use crate::quantity::tidy;
 use crate::read::MissingHeight;
-use crate::render::{grouped, percent};
+use crate::render::grouped;
 use crate::scene::{Scene, SceneOptions};
-use crate::sight::{Sight, SightFacts};
+use crate::sight::Sight;
 use crate::uav::UavsAsked;
 use crate::words::idle_in_words;
 use crate::zones::ZoneMap;
+use document::{
+    CellDocument, DecidingBuilding, HeightLimitsDocument, LineDocument, Rectangles, RoofDocument, TerrainDocument,
+    roofs_in_words,
+};
+pub(crate) use document::{LimitRow, LimitsDocument};
 
 /// Formats of what limits a map.
 pub(crate) const FORMATS: [Format; 3] = [Format::Csv, Format::Json, Format::Stdout];
@@ -68,15 +73,6 @@ pub(crate) struct Limits {
 
 /// Buildings that are named for their heights, at most.
 const MOST_NAMED: usize = 12;
-
-/// Footprints that are rectangles.
-#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
-struct Rectangles {
-    /// How many are.
-    rectangles: usize,
-    /// All of them.
-    footprints: usize,
-}
 
 impl LimitsPlan {
     /// Reads a scene, and makes the map of some UAVs in several ways.
@@ -316,186 +312,4 @@ fn typical_errors(scene: &Scene, options: &SceneOptions) -> Option<&'static str>
         }
         (None, Some(_)) => Some("0.3 to 1 m where they were measured, 4 m for a global product"),
     }
-}
-
-/// What hangs on heights of buildings.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
-pub(crate) struct HeightLimitsDocument {
-    /// How far the height of each building may be off [m].
-    error_m: f64,
-    /// Receivers in range of all UAVs, counted together.
-    receivers: u64,
-    /// Those that are in line of sight for some of these heights and not for others.
-    possibly: u64,
-    /// The buildings of footprints whose heights decide about the most receivers, each alone: those to measure first.
-    buildings: Vec<DecidingBuilding>,
-    /// How far such heights are off, typically; null for a generated city.
-    typical: Option<&'static str>,
-}
-
-/// A building whose height decides about receivers.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
-struct DecidingBuilding {
-    /// Its id.
-    id: String,
-    /// Receivers whose answer its height alone turns.
-    receivers: u64,
-}
-
-impl HeightLimitsDocument {
-    /// Lines of the answer.
-    fn text(&self) -> String {
-        let share = percent(self.possibly, self.receivers);
-        let (error, n) = (tidy(self.error_m), grouped(self.possibly));
-        let mut text =
-            format!("heights    {share} of receivers ({n}) hang on heights of buildings, each off by up to {error} m");
-        text += &self.typical.map_or("\n".to_string(), |typical| format!(";\n           typically off by {typical}\n"));
-        if !self.buildings.is_empty() {
-            let of = |building: &DecidingBuilding| format!("{} ({})", building.id, grouped(building.receivers));
-            let named: Vec<String> = self.buildings.iter().map(of).collect();
-            text += &format!("           roofs to measure first: {}\n", named.join(", "));
-        }
-        text
-    }
-}
-
-/// What limits a map.
-#[derive(Debug, Serialize, JsonSchema)]
-pub(crate) struct LimitsDocument {
-    #[serde(flatten)]
-    head: Head,
-    #[serde(flatten)]
-    sight: SightFacts,
-    /// Share of receivers in line of sight; null without a receiver.
-    p_los: Option<f64>,
-    /// Receivers in range of all UAVs, counted together.
-    receivers: u64,
-    /// P_LoS on coarser cells.
-    cells: Vec<CellDocument>,
-    /// The coarsest cells on which P_LoS hardly changes, in words.
-    coarsest_unchanged: Option<String>,
-    /// Changes of P_LoS below this are none.
-    unchanged_below: f64,
-    /// What terrain hides by itself; null where it is flat or not known.
-    terrain: Option<TerrainDocument>,
-    /// Footprints that can hide no receiver.
-    footprints: Option<IdleDocument>,
-    /// Footprints that are rectangles.
-    rectangles: Option<Rectangles>,
-    /// What flat roofs, each as high as it is highest, would change; null where all are flat.
-    roofs: Option<RoofDocument>,
-    /// Why the engine is taken.
-    why: &'static str,
-    /// How long line of sight is expected to take [s].
-    expected_s: f64,
-    /// What hangs on heights of buildings.
-    heights: HeightLimitsDocument,
-    /// What limits P_LoS, the largest first.
-    budget: Vec<LineDocument>,
-    /// What was odd.
-    warnings: Vec<WarningFacts>,
-}
-
-/// What flat roofs would change.
-#[derive(Debug, Serialize, JsonSchema)]
-struct RoofDocument {
-    /// Buildings whose roofs are not flat.
-    shaped: Option<usize>,
-    /// Receivers whose answers they turn.
-    turned: Option<u64>,
-    /// Receivers of both forms.
-    receivers: Option<u64>,
-    /// P_LoS with them.
-    p_los: Option<f64>,
-    /// Why that is not known.
-    reason: Option<String>,
-}
-
-impl RoofDocument {
-    fn of(roofs: &std::result::Result<RoofEffect, String>) -> Self {
-        let known = roofs.as_ref().ok();
-        RoofDocument {
-            shaped: known.map(|roofs| roofs.shaped),
-            turned: known.map(|roofs| roofs.turned),
-            receivers: known.map(|roofs| roofs.receivers),
-            p_los: known.and_then(|roofs| roofs.p_los),
-            reason: roofs.as_ref().err().cloned(),
-        }
-    }
-}
-
-/// The line of the answer.
-fn roofs_in_words(roofs: &std::result::Result<RoofEffect, String>, p_los: f64) -> String {
-    match roofs {
-        Err(why) => format!("roofs      what flat ones would change is not known: {why}\n"),
-        Ok(RoofEffect { shaped, turned, receivers, p_los: of_flat }) => {
-            let change = of_flat.map_or(String::new(), |flat| format!(", P_LoS by {:+.4}", flat - p_los));
-            let (shaped, share) =
-                (counted(*shaped as u64, "building is", "buildings are"), percent(*turned, *receivers));
-            format!("roofs      of {shaped} not flat: flat ones would turn {share} of receivers{change}\n")
-        }
-    }
-}
-
-/// P_LoS on other cells.
-#[derive(Debug, Serialize, JsonSchema)]
-struct CellDocument {
-    /// Width of a cell [m].
-    cell_m: f64,
-    /// Height of a larger cell among those of the cells in it.
-    pooling: Option<&'static str>,
-    /// P_LoS on them.
-    p_los: Option<f64>,
-    /// Its P_LoS less that of the scene itself.
-    change: Option<f64>,
-    /// Why there is none.
-    reason: Option<String>,
-}
-
-/// What terrain hides by itself.
-#[derive(Debug, Serialize, JsonSchema)]
-struct TerrainDocument {
-    /// Receivers that it hides.
-    hidden: u64,
-    /// All receivers.
-    receivers: u64,
-}
-
-/// Something that limits P_LoS.
-#[derive(Debug, Serialize, JsonSchema)]
-struct LineDocument {
-    /// What is not known exactly.
-    part: &'static str,
-    /// What was changed to find out.
-    changed: String,
-    /// How much P_LoS changes.
-    p_los_change: Option<f64>,
-    /// Why that is not known.
-    reason: Option<String>,
-}
-
-impl LineDocument {
-    fn of(line: &BudgetLine) -> Self {
-        LineDocument {
-            part: line.part.name(),
-            changed: line.changed.clone(),
-            p_los_change: line.change.as_ref().ok().copied(),
-            reason: line.change.as_ref().err().cloned(),
-        }
-    }
-}
-
-/// A row of the table of what limits P_LoS.
-#[derive(Debug, Serialize, JsonSchema)]
-pub(crate) struct LimitRow {
-    /// What is not known exactly.
-    part: &'static str,
-    /// What was changed to find out.
-    changed: String,
-    /// P_LoS of the scene itself.
-    p_los: Option<f64>,
-    /// How much it changes.
-    p_los_change: Option<f64>,
-    /// Why that is not known.
-    reason: Option<String>,
 }
