@@ -3,6 +3,7 @@
 
 use std::fmt;
 use std::path::Path;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
@@ -13,6 +14,9 @@ use crate::raster::GeoRef;
 static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
 /// The limit that was typed \[bytes\]; 0 if none was.
 static TYPED: AtomicU64 = AtomicU64::new(0);
+
+/// Ends the program with an error, where it is watched.
+static END: OnceLock<fn(&Error) -> !> = OnceLock::new();
 
 /// Bytes that a cell takes in a height field and in what is drawn from it.
 pub(crate) const FIELD_BYTES_PER_CELL: usize = 8;
@@ -36,10 +40,21 @@ pub(crate) fn limit(typed: Option<u64>, end: fn(&Error) -> !) -> Result<()> {
         return Err(LimitError::Program { resident: memory_words(resident), limit: limit_words() }.into());
     }
     if is_first && limit != u64::MAX {
-        // Without a thread for it work is still refused beforehand.
+        let _ = END.set(end);
+        // Without a thread for it work is still refused beforehand, and ended before it writes.
         let _ = std::thread::Builder::new().name("memory".into()).spawn(move || watch(end));
     }
     Ok(())
+}
+
+/// Ends the program if it has ever taken more than a limit that was typed. The watch does so earlier, but on a busy machine it may wait
+/// for a processor while memory is filled; asked before files get their names, this leaves no run that went beyond its limit a success.
+pub(crate) fn end_if_exceeded() {
+    let typed = TYPED.load(Ordering::Acquire);
+    let (Some(end), true) = (END.get(), typed > 0) else { return };
+    if status("VmHWM:").is_some_and(|peak| peak > typed) {
+        end(&LimitError::Exceeded(limit_words()).into());
+    }
 }
 
 /// Sets the limit of this process, which nobody watches.
@@ -117,7 +132,12 @@ pub(crate) fn memory_words(bytes: u64) -> String {
 
 /// Memory that the process takes \[bytes\], where the system says so.
 fn resident() -> Option<u64> {
-    kibibytes_of(&std::fs::read_to_string("/proc/self/status").ok()?, "VmRSS:")
+    status("VmRSS:")
+}
+
+/// A line of the system's status of this process \[bytes\].
+fn status(name: &str) -> Option<u64> {
+    kibibytes_of(&std::fs::read_to_string("/proc/self/status").ok()?, name)
 }
 
 /// A line of `/proc/self/status` or `/proc/meminfo` \[bytes\].

@@ -14,7 +14,7 @@ import pytest
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 MUNICH = REPOSITORY / "maps" / "munich.geojson"
-SLOW = "SKYSHED_SLOW" in os.environ
+LONG = "SKYSHED_LONG" in os.environ
 
 
 def shared_data() -> Path:

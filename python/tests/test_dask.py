@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import MUNICH, SLOW
+from conftest import LONG, MUNICH
 
 import skyshed
 from skyshed import Scene
@@ -24,7 +24,7 @@ from skyshed import Scene
 distributed = pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("ignore")
 
-N_SITES = 2000 if SLOW else 120
+N_SITES = 2000 if LONG else 120
 
 
 def sites(n: int) -> list[tuple[float, float, float, str]]:
@@ -52,11 +52,11 @@ def killed_workers(client: Any) -> Iterator[list[int]]:
 
     def kill() -> None:
         random = np.random.default_rng(1)
-        while not stop.wait(3 if SLOW else 0.04):
+        while not stop.wait(3 if LONG else 0.04):
             running = [w for w in client.cluster.workers.values() if getattr(getattr(w.process, "status", None), "name", "") == "running"]
             known = client.scheduler_info(n_workers=-1)["workers"]
             processes = [worker.pid for worker in running if worker.worker_address in known and worker.pid]
-            if processes and (SLOW or len(killed) < 3):
+            if processes and (LONG or len(killed) < 3):
                 victim = int(random.choice(processes))
                 try:
                     os.kill(victim, signal.SIGKILL)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import MUNICH, SLOW, program, shared_data, towns
+from conftest import LONG, MUNICH, program, shared_data, towns
 
 import skyshed
 from skyshed import Scene
@@ -48,7 +48,7 @@ def asked(seed: int) -> tuple[tuple[float, float, str], dict[str, Any], list[str
     return uav, options, words
 
 
-@pytest.mark.parametrize("seed", range(200 if SLOW else 40))
+@pytest.mark.parametrize("seed", range(200 if LONG else 40))
 def test_arrays_are_as_files(seed: int, tmp_path: Path) -> None:
     heights = towns(seed)
     path = ascii_grid(tmp_path / "dsm.asc", heights)

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import MUNICH, SLOW
+from conftest import LONG, MUNICH
 from test_dask import digests, killed_workers
 
 import skyshed
@@ -24,7 +24,7 @@ distributed = pytest.importorskip("distributed")
 pytestmark = pytest.mark.filterwarnings("ignore")
 
 #: Meters, and cells, along a side of the scene; those of a tile; UAVs; the radius.
-SIDE, TILE, N_UAVS, RADIUS = (20000, 1008, 800, 700) if SLOW else (1000, 208, 25, 150)
+SIDE, TILE, N_UAVS, RADIUS = (20000, 1008, 800, 700) if LONG else (1000, 208, 25, 150)
 
 
 def uavs() -> list[tuple[float, float, str, str]]:
@@ -85,7 +85,7 @@ def test_killed_workers_lose_no_tile(client: Any, dsm: Path, serial: dict[str, s
     # Again in other batches all is there; as well by a scene that was opened.
     again = map_tiles(dsm, uavs(), out, client=client, batch=7, **ASKED)
     assert again == (0, len(serial)) and digests(tmp_path) == serial
-    if not SLOW:
+    if not LONG:
         opened = Scene.open(dsm, ground=0)
         asked = {name: value for name, value in ASKED.items() if name != "ground"}
         assert map_tiles(opened, uavs(), out, client=client, **asked) == (0, len(serial))
@@ -147,8 +147,8 @@ def test_the_recipe_of_parallel_loses_no_tile(
     words = ["sh", str(RECIPES / "parallel.sh"), "12", *map(str, line), "-o", str(out / "{row}-{col}.tif")]
     running = subprocess.Popen(words, env=environment, stdout=subprocess.PIPE, text=True, cwd=tmp_path)
     killed = 0
-    while running.poll() is None and killed < (20 if SLOW else 3):
-        time.sleep(1 if SLOW else 0.15)
+    while running.poll() is None and killed < (20 if LONG else 3):
+        time.sleep(1 if LONG else 0.15)
         found = subprocess.run(["pgrep", "-f", f"{out}.*--shard [0-9]+/12"], capture_output=True, text=True, check=False)
         for process in found.stdout.split()[:1]:
             try:
@@ -206,7 +206,7 @@ def test_tiles_are_an_array_of_chunks(client: Any, dsm: Path) -> None:
     n_tiles = -(-SIDE // TILE)
     assert count.data.numblocks == (n_tiles, n_tiles) and count.shape == (SIDE, SIDE)
     window = count[: 2 * TILE, : 2 * TILE]
-    whole = Scene.open(dsm, ground=0).maps(small[1], radius=RADIUS) if not SLOW else None
+    whole = Scene.open(dsm, ground=0).maps(small[1], radius=RADIUS) if not LONG else None
     if whole is not None:
         wanted = whole.to_xarray()["count"].reindex(y=count.y, x=count.x, method="nearest", tolerance=0.1)
         found = window.compute()
@@ -220,7 +220,7 @@ def test_candidates_are_ranked_as_in_one_run(client: Any) -> None:
     from skyshed.dask import place
 
     munich = Scene.open(MUNICH)
-    asked: dict[str, Any] = {"step": 40 if SLOW else 120, "radius": 300, "over": "street"}
+    asked: dict[str, Any] = {"step": 40 if LONG else 120, "radius": 300, "over": "street"}
     found = place(munich, height="60,120", client=client, batch=5, **asked)
     serial = munich.place(height="60,120", **asked)
     header, *rows = serial._found.table

@@ -10,6 +10,7 @@ use super::say;
 use crate::cli::failure::{Failure, refusal};
 use crate::error::{Error, Result};
 use crate::export::abandon_files;
+use crate::memory;
 use crate::progress::Progress;
 use crate::quantity::counted;
 
@@ -129,8 +130,9 @@ pub(super) fn give_up_writing() -> Result<()> {
     Ok(check()?)
 }
 
-/// From here on [`check`] says when to stop.
+/// From here on [`check`] says when to stop. A run that took too much memory writes nothing.
 pub(super) fn begin_writing() {
+    memory::end_if_exceeded();
     enter(Phase::Writing);
 }
 
@@ -144,6 +146,7 @@ pub(super) fn is_writing() -> bool {
 /// # Errors
 /// If the user interrupted it.
 pub(super) fn check() -> skyshed_core::Result<()> {
+    memory::end_if_exceeded();
     if wants_to_stop() { Err(skyshed_core::Error::Interrupted) } else { Ok(()) }
 }
 

@@ -13,7 +13,7 @@ use crate::referee::{Count, Footprints, Raster, Scene, over_seeds};
 use crate::shapes::{
     M, around, at_height, block, catalogue, cross, moved, prism, random_columns, random_end, random_prisms, star,
 };
-use crate::support::{Random, columns_of, point, slow};
+use crate::support::{Random, columns_of, is_long, point};
 
 /// All points of a square lattice, `low..=high` along both axes, times `step`.
 fn lattice(low: i64, high: i64, step: i64) -> Vec<[i64; 2]> {
@@ -53,8 +53,8 @@ fn all_links_between_half_cells_over_all_patterns_of_four_columns() {
 
 #[test]
 fn links_between_half_cells_over_all_patterns_of_nine_columns_and_their_neighbors() {
-    let every = if slow() { 4 } else { 16 };
-    let neighbors = if slow() { 26 } else { 6 };
+    let every = if is_long() { 4 } else { 16 };
+    let neighbors = if is_long() { 26 } else { 6 };
     let heights = [(1, 1), (2, 0), (0, 2), (4, 0), (3, 1), (2, 2)];
     let count = over_seeds(512, 0, |k, random, count| {
         let k = k as usize;
@@ -80,7 +80,7 @@ fn links_between_half_cells_over_all_patterns_of_nine_columns_and_their_neighbor
 
 #[test]
 fn random_links_over_random_columns_and_their_neighbors_at_every_tie() {
-    let n = if slow() { 400_000 } else { 24_000 };
+    let n = if is_long() { 400_000 } else { 12_000 };
     let count = over_seeds(n, 0, |_, random, count| {
         let raster = Raster::new(random_columns(random));
         for _ in 0..3 {
@@ -143,7 +143,7 @@ fn long_links_at_extreme_heights_over_a_raster_are_exact() {
     let footprints = Footprints::new(prisms);
     let (mut random, mut count) = (Random(5), Count::default());
     let far = i64::try_from(n).unwrap() * M;
-    for k in 0..if slow() { 20_000 } else { 1_500 } {
+    for k in 0..if is_long() { 20_000 } else { 1_500 } {
         let height = |random: &mut Random| random.choose(&[top, top, top, top - 70_000, 1 << 24, -(1 << 24)]);
         // Only cells without a prism of their own, so that no exemption plays a part.
         let own = 2 + random.within(0, 4) + 4099 * random.within(0, 14);
@@ -184,8 +184,8 @@ fn sweep_scene(prisms: &[Prism], unit: i64, lift: i64, every: u64, random: &mut 
 #[test]
 fn all_links_on_a_coarse_lattice_over_a_catalogue_of_footprints() {
     // With a unit of 4 m every second line of the lattice is a border between buckets.
-    let units: &[i64] = if slow() { &[2, 1024, 4096, 1 << 17] } else { &[4096] };
-    let every = if slow() { 1 } else { 2 };
+    let units: &[i64] = if is_long() { &[2, 1024, 4096, 1 << 17] } else { &[4096] };
+    let every = if is_long() { 1 } else { 2 };
     let scenes = catalogue();
     let count = over_seeds((units.len() * scenes.len()) as u64, 0, |job, random, count| {
         let (unit, (name, prisms)) = (units[job as usize / scenes.len()], &scenes[job as usize % scenes.len()]);
@@ -198,7 +198,7 @@ fn all_links_on_a_coarse_lattice_over_a_catalogue_of_footprints() {
 
 #[test]
 fn random_footprints_with_collinear_vertices_and_shared_walls() {
-    let n = if slow() { 4_000 } else { 300 };
+    let n = if is_long() { 4_000 } else { 300 };
     let count = over_seeds(n, 0x5EED, |_, random, count| {
         let prisms = random_prisms(random);
         let unit = random.choose(&[1, 512, 4096, 8192]);
@@ -210,7 +210,7 @@ fn random_footprints_with_collinear_vertices_and_shared_walls() {
 #[test]
 fn large_offsets_and_heights_at_the_ends_of_the_proven_range_are_exact() {
     // Coordinates within ±2^26, differences up to 2^26, tops and ends near ±2^25, neighbors of every end.
-    let n = if slow() { 16_000 } else { 1_600 };
+    let n = if is_long() { 16_000 } else { 800 };
     let scenes = catalogue();
     let count = over_seeds(n, 0xFA2, |seed, random, count| {
         let prisms =
@@ -253,7 +253,7 @@ fn needles_slits_and_slivers_one_step_wide() {
         prism(&[[1200, 1200], [1201, 1200], [1200, 1201]], 800), // the smallest triangle
     ];
     let scene = Footprints::new(town);
-    let count = over_seeds(if slow() { 120 } else { 5 }, 0, |_, random, count| {
+    let count = over_seeds(if is_long() { 120 } else { 5 }, 0, |_, random, count| {
         for _ in 0..1000 {
             let xs = [0, 400, 401, 402, 599, 600, 899, 900, 901, 902, 1200, 1201, 1500, 1800, 2 * unit, -unit];
             let ys = [-unit, 0, 1, 600, 900, 901, 902, 1199, 1200, 1201, 1500, 1800];
@@ -302,7 +302,7 @@ fn many_prisms_that_meet_at_one_point_are_told_apart() {
         }
         moved(&wedges, |p| p.map(|c| c * M), |top| top * M)
     };
-    let count = over_seeds(if slow() { 1_500 } else { 60 }, 0, |_, random, count| {
+    let count = over_seeds(if is_long() { 1_500 } else { 60 }, 0, |_, random, count| {
         let scene = Footprints::new(fan(random));
         for _ in 0..60 {
             let mut end = || [random.within(-6, 6) * M, random.within(-6, 6) * M, random.within(0, 3) * M];
@@ -350,7 +350,7 @@ fn a_link_without_length_inside_a_building_has_nothing_in_its_way() {
 
 #[test]
 fn a_city_of_stars_is_crossed_by_long_links_over_many_buckets() {
-    let n = if slow() { 60 } else { 12 };
+    let n = if is_long() { 60 } else { 8 };
     let count = over_seeds(n, 0xC17, |seed, random, count| {
         let mut town = Vec::new();
         for corner in lattice(0, 5, 7 * 2048) {

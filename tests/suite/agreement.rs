@@ -7,7 +7,7 @@ use crate::case_file::{CaseKind, N_CASES, all_cases};
 use crate::oracle::{self, Columns, P3, Prism};
 use crate::referee::{Count, Footprints, Raster, Scene, over_seeds};
 use crate::shapes::{M, plan, rectangle};
-use crate::support::{Random, slow};
+use crate::support::{Random, is_long};
 
 #[test]
 fn every_engine_answers_every_text_case() {
@@ -67,7 +67,7 @@ fn fifty_links(scene: &impl Scene, (n_cols, n_rows): (usize, usize), random: &mu
 
 #[test]
 fn ray_over_columns_agrees_with_the_oracle_on_random_rasters() {
-    let n_scenes = if slow() { 12_000 } else { 600 };
+    let n_scenes = if is_long() { 12_000 } else { 300 };
     let count = over_seeds(n_scenes, 1, |_, random, count| {
         let raster = Raster::new(random_columns(random));
         fifty_links(&raster, (raster.oracle.n_cols, raster.oracle.n_rows), random, count);
@@ -106,7 +106,7 @@ fn random_rings(random: &mut Random) -> Vec<Vec<[i64; 2]>> {
 
 #[test]
 fn ray_over_prisms_agrees_with_the_oracle_on_random_footprints() {
-    let n_scenes = if slow() { 12_000 } else { 600 };
+    let n_scenes = if is_long() { 12_000 } else { 300 };
     let count = over_seeds(n_scenes, 2, |_, random, count| {
         fifty_links(&Footprints::new(random_prisms(random)), (12, 12), random, count);
     });

@@ -12,7 +12,7 @@ use skyshed_study::placement::PlaceGrid;
 use crate::invariants::{map, uav_at, vector_town};
 use crate::program::Folder;
 use crate::shadow_positions::compare_counts;
-use crate::support::{Random, city, raster_field, slow};
+use crate::support::{Random, city, is_long, raster_field};
 
 /// A direction in whole numbers. Angles are chosen with it, so that what lies on a boundary does so exactly.
 #[derive(Debug, Clone, Copy)]
@@ -166,7 +166,7 @@ fn town(random: &mut Random) -> (HeightField, bool) {
 fn masks_and_tallies_are_those_of_the_definition() {
     let (mut n_in, mut n_out, mut n_on) = (0_u64, 0_u64, 0_u64);
     let mut random = Random(19);
-    for n in 0..if slow() { 100_000 } else { 10_000 } {
+    for n in 0..if is_long() { 100_000 } else { 10_000 } {
         let (field, is_flat) = if n % 4 == 3 { (vector_town(&mut random, 14), true) } else { town(&mut random) };
         let grid = field.grid();
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
@@ -235,7 +235,7 @@ fn a_sector_and_its_complement_part_the_receivers() {
     let mut random = Random(23);
     let field = city("urban", 200.0, 1.0, 4);
     let whole = |uav: &Uav| map(&field, uav, &MapOptions::default());
-    for _ in 0..if slow() { 300 } else { 30 } {
+    for _ in 0..if is_long() { 300 } else { 15 } {
         let (from, to) = (random.within(-360, 360) as f64, random.within(-360, 360) as f64);
         if (from - to) % 360.0 == 0.0 {
             continue;
@@ -266,7 +266,7 @@ fn uavs_with_antennas_that_are_counted_together_see_what_each_sees() {
     let fields = [vector_town(&mut random, 28), city("urban", 150.0, 2.0, 5), city("high-rise", 120.0, 2.0, 6)];
     let mut n_los = 0;
     for field in &fields {
-        for _ in 0..if slow() { 30 } else { 4 } {
+        for _ in 0..if is_long() { 30 } else { 4 } {
             let Case { antenna, .. } = Case::new(&mut random);
             let options = MapOptions { antenna, radius: Some(random.choose(&[20.0, 60.0])), ..MapOptions::default() };
             let places = PlaceGrid::over(field.grid(), 9.0).unwrap();

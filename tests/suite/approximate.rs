@@ -13,7 +13,7 @@ use skyshed_core::quantity::{Height, LatticePoint, VOID};
 use skyshed_core::raster::{BitGrid, CellWindow};
 
 use crate::engines::as_raster;
-use crate::support::{ENVIRONMENTS, Random, city, slow};
+use crate::support::{ENVIRONMENTS, Random, city, is_long};
 
 /// A small raster with many ties, a UAV on a lattice where borders and corners are met often, and receivers' heights.
 fn small(random: &mut Random) -> (Columns, LatticePoint, i64) {
@@ -69,7 +69,7 @@ fn step_by_definition(columns: &Columns, uav: LatticePoint, rx: LatticePoint, ce
 fn step_is_its_definition_and_never_calls_a_clear_link_blocked() {
     let mut random = Random(11);
     let (mut n, mut n_missed) = (0, 0);
-    for _ in 0..if slow() { 4000 } else { 400 } {
+    for _ in 0..if is_long() { 4000 } else { 400 } {
         let (columns, uav, z) = small(&mut random);
         let cells = random.choose(&[0.25, 0.5, 1.0, 2.0, 4.0]);
         for (row, col) in whole(&columns).0.cells() {
@@ -152,7 +152,7 @@ fn center(cell: i64) -> f64 {
 fn xdraw_is_its_definition() {
     let mut random = Random(12);
     let (mut n, mut n_blocked) = (0, 0);
-    for _ in 0..if slow() { 3000 } else { 300 } {
+    for _ in 0..if is_long() { 3000 } else { 150 } {
         let (columns, uav, z) = small(&mut random);
         let (all, window) = whole(&columns);
         let found = xdraw_los(&columns, uav, &|_, _| z, &all, window);

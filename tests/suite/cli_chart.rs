@@ -7,8 +7,8 @@ use std::process::Command;
 use serde_json::Value;
 
 use crate::chart::{BY_HAND, classes, document, folder, grid, rough, row, without_times};
+use crate::needs::has_program;
 use crate::program::{program, send};
-use crate::support::has_program;
 
 /// The rows of a table as maps from column to cell.
 fn table(text: &str) -> Vec<HashMap<String, String>> {

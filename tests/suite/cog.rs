@@ -9,8 +9,8 @@ use skyshed_io::crs;
 use skyshed_io::formats::{Bands, GeoTiffImage, encode_geotiff};
 
 use crate::formats_write::image_of;
+use crate::needs::python_with;
 use crate::program::Folder;
-use crate::support::python_with;
 
 /// What a directory says of its picture.
 #[derive(Debug)]

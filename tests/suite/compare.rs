@@ -7,7 +7,7 @@ use skyshed_io::formats::GeoTiff;
 use skyshed_study::city_statistics::bootstrap::{Share, resampled_ratios};
 
 use crate::program::{Folder, program, wait};
-use crate::support::{Random, read_png, slow};
+use crate::support::{Random, is_long, read_png};
 
 /// Two masks of 4 × 4 cells in which every combination of classes that matters occurs.
 const FIRST: [u8; 16] = [1, 1, 0, 0, 1, 2, 2, 0, 0, 2, 3, 1, 255, 0, 1, 1];
@@ -310,7 +310,7 @@ fn equal_placements_do_not_differ_and_unlike_ones_do() {
 #[test]
 fn intervals_over_independent_blocks_cover_as_often_as_they_say() {
     // A block gains 25 on average of 100 receivers, each number drawn by itself; so the truth is 0.05.
-    let (repetitions, wanted) = if slow() { (2000, 92.5..=96.5) } else { (400, 90.5..=97.5) };
+    let (repetitions, wanted) = if is_long() { (2000, 92.5..=96.5) } else { (400, 90.5..=97.5) };
     let mut random = Random(7);
     let mut covered = 0;
     for seed in 0..repetitions {

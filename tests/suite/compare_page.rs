@@ -1,6 +1,5 @@
 //! The page of `skyshed compare`: whole, self-contained, safe from the words of users, and alive in a browser.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -10,6 +9,7 @@ use skyshed_core::coverage::class;
 
 use crate::chart::classes;
 use crate::compare::grid;
+use crate::needs::has;
 use crate::program::Folder;
 use crate::support::read_png;
 use crate::tiles::squares;
@@ -147,15 +147,13 @@ fn a_large_grid_is_thinned_to_the_middles_of_squares() {
     }
 }
 
-/// A browser on the path; a line says where there is none.
+/// A browser on the path.
 fn browser() -> Option<PathBuf> {
     let folders: Vec<PathBuf> = std::env::split_paths(&std::env::var_os("PATH")?).collect();
     let names = ["chromium", "chromium-browser", "google-chrome"];
     let mut paths = names.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name)));
     let found = paths.find(|path| path.is_file());
-    if found.is_none() {
-        let _ = writeln!(std::io::stderr(), "SKIPPED: no Chromium on the path to open the page in");
-    }
+    has("chromium", found.is_some());
     found
 }
 

@@ -12,7 +12,7 @@ use crate::invariants::{map, uav_at};
 use crate::oracle;
 use crate::program::Folder;
 use crate::referee::{Count, over_seeds};
-use crate::support::{Random, raster_field, slow};
+use crate::support::{Random, is_long, raster_field};
 
 /// K as a fraction: those of radio and light, and such that a few cells bend by meters.
 pub(crate) const EARTHS: [(i128, i128); 5] = [(4, 3), (7, 6), (1, 1), (1, 100_000), (1, 700_000)];
@@ -99,7 +99,7 @@ fn compare(field: &HeightField, uav: &Uav, earth: (i128, i128), receivers: Recei
 
 #[test]
 fn rasters_over_a_curved_earth_are_those_of_the_oracle() {
-    let count = over_seeds(if slow() { 4000 } else { 250 }, 34, |seed, random, count| {
+    let count = over_seeds(if is_long() { 4000 } else { 125 }, 34, |seed, random, count| {
         let field = scene(random);
         let grid = field.grid();
         let (width, depth) = (grid.x_max() - grid.x_min(), grid.y_max() - grid.y_min());
@@ -147,7 +147,7 @@ fn wide_scene(random: &mut Random) -> HeightField {
 
 #[test]
 fn wide_rasters_over_a_curved_earth_are_swept_as_rays_pass_them() {
-    let count = over_seeds(if slow() { 400 } else { 24 }, 37, |seed, random, count| {
+    let count = over_seeds(if is_long() { 400 } else { 12 }, 37, |seed, random, count| {
         let field = wide_scene(random);
         let grid = field.grid();
         let at = |random: &mut Random, low: f64, high: f64| {
@@ -196,7 +196,7 @@ pub(crate) fn block_model(random: &mut Random) -> HeightField {
 
 #[test]
 fn shadows_of_plateaus_over_a_curved_earth_are_those_of_rays() {
-    let count = over_seeds(if slow() { 4000 } else { 200 }, 38, |seed, random, count| {
+    let count = over_seeds(if is_long() { 4000 } else { 200 }, 38, |seed, random, count| {
         let field = block_model(random);
         let lowest = field.plateaus().expect("few flat blocks").lowest();
         let grid = field.grid();
@@ -235,7 +235,7 @@ fn layers_over_a_curved_earth_are_those_of_walks() {
         sure: false,
         p_los: false,
     };
-    over_seeds(if slow() { 2000 } else { 100 }, 35, |_, random, _| {
+    over_seeds(if is_long() { 2000 } else { 50 }, 35, |_, random, _| {
         let field = scene(random);
         let grid = field.grid();
         let uav = uav_at(&field, grid.x_min() + 2.5, grid.y_min() + 2.5, random.choose(&[3000, 9000, 40_000]));

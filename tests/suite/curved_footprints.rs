@@ -21,7 +21,7 @@ use crate::program::Folder;
 use crate::referee::over_seeds;
 use crate::shadow::scaled_scene;
 use crate::shapes::turn;
-use crate::support::{ENVIRONMENTS, Random, cells_where, city, point, prisms_of, slow};
+use crate::support::{ENVIRONMENTS, Random, cells_where, city, is_long, point, prisms_of};
 
 /// drop d² with d in steps of 1/1024 m, the drop in these as well: d² / 2KR with R = 6 371 008.8 m.
 fn earth((p, q): (i128, i128), ground: Option<i64>) -> Earth {
@@ -34,7 +34,7 @@ fn bulge(of: (i128, i128)) -> Bulge {
 
 #[test]
 fn rays_over_curved_roofs_are_those_of_the_oracle() {
-    let count = over_seeds(if slow() { 200_000 } else { 12_000 }, 341, |seed, random, count| {
+    let count = over_seeds(if is_long() { 200_000 } else { 6_000 }, 341, |seed, random, count| {
         let scene = scaled_scene(random);
         // So curved that some meters bend by meters, or by a step.
         let of = random.choose(&[(1, 700_000), (1, 3_000_000), (1, 100_000), (1, 1000), (4, 3)]);
@@ -64,7 +64,7 @@ fn rays_over_curved_roofs_are_those_of_the_oracle() {
 #[test]
 #[expect(clippy::cast_possible_truncation, reason = "a height in steps")]
 fn least_heights_over_curved_roofs_are_where_the_oracle_turns() {
-    over_seeds(if slow() { 40_000 } else { 2500 }, 342, |seed, random, _| {
+    over_seeds(if is_long() { 40_000 } else { 1250 }, 342, |seed, random, _| {
         let scene = scaled_scene(random);
         let of = random.choose(&[(1, 700_000), (1, 3_000_000), (1, 100_000)]);
         let ground = random.choose(&[None, Some(0)]);
@@ -124,7 +124,7 @@ fn receivers_of(field: &HeightField, receivers: Receivers) -> Vec<(usize, Lattic
 
 #[test]
 fn maps_of_footprints_on_a_curved_earth_are_those_of_the_oracle() {
-    let count = over_seeds(if slow() { 600 } else { 30 }, 343, |seed, random, count| {
+    let count = over_seeds(if is_long() { 600 } else { 15 }, 343, |seed, random, count| {
         let field = vector_town(random, 35);
         let scene = of_field(&field);
         let of = EARTHS[usize::try_from(seed).unwrap() % EARTHS.len()];
@@ -186,7 +186,7 @@ fn ring(random: &mut Random, [x, y]: [i64; 2], size: i64) -> Vec<[i64; 2]> {
 #[test]
 #[expect(clippy::cast_possible_truncation, reason = "heights in steps")]
 fn roofs_near_the_height_of_the_uav_hide_what_rays_say() {
-    let count = over_seeds(if slow() { 400_000 } else { 20_000 }, 345, |seed, random, count| {
+    let count = over_seeds(if is_long() { 400_000 } else { 20_000 }, 345, |seed, random, count| {
         let (of, size, far) = random.choose(&[
             ((4, 3), 40_000, 2_000_000),
             ((1, 250), 40_000, 400_000),
@@ -249,7 +249,7 @@ fn roofs_near_the_height_of_the_uav_hide_what_rays_say() {
 #[test]
 #[expect(clippy::cast_possible_truncation, reason = "heights in steps")]
 fn shadows_of_bulging_roofs_end_at_the_step_where_those_of_rays_do() {
-    let count = over_seeds(if slow() { 60_000 } else { 3000 }, 346, |seed, random, count| {
+    let count = over_seeds(if is_long() { 60_000 } else { 1500 }, 346, |seed, random, count| {
         let of = random.choose(&[(1, 1000), (1, 10_000), (1, 100_000), (1, 300_000)]);
         let size = random.choose(&[20_000, 60_000, 200_000]);
         let c = bulge(of).coefficient();
@@ -308,7 +308,7 @@ fn shadows_of_bulging_roofs_end_at_the_step_where_those_of_rays_do() {
 
 #[test]
 fn footprints_on_a_terrain_are_hidden_by_either() {
-    let count = over_seeds(if slow() { 400 } else { 24 }, 344, |seed, random, count| {
+    let count = over_seeds(if is_long() { 400 } else { 12 }, 344, |seed, random, count| {
         let n = 28;
         let grid = GeoRef::new((0.0, n as f64), (1.0, 1.0), (n, n), None).unwrap();
         let heights: Vec<i32> = (0..n * n)
@@ -354,7 +354,7 @@ fn footprints_on_a_terrain_are_hidden_by_either() {
 #[test]
 fn shadows_of_a_wide_city_end_where_those_of_rays_do() {
     // Cells of odd size, kilometers away, from over the roofs, from among them and from so low that some shadows have no end.
-    let size = if slow() { 8000.0 } else { 2500.0 };
+    let size = if is_long() { 8000.0 } else { 2500.0 };
     for (k, name) in ["urban", "high-rise"].into_iter().enumerate() {
         let field = city(name, size, 17.3, 9);
         for (j, of) in [(4, 3), (7, 6), (1, 130)].into_iter().enumerate() {
@@ -377,7 +377,7 @@ fn shadows_of_a_wide_city_end_where_those_of_rays_do() {
 
 #[test]
 fn shadows_over_curved_cities_are_those_of_rays() {
-    let n = if slow() { 1500.0 } else { 400.0 };
+    let n = if is_long() { 1500.0 } else { 400.0 };
     for (k, name) in ENVIRONMENTS.iter().enumerate() {
         let field = city(name, n, 1.0, 5);
         for (j, of) in [(4, 3), (7, 6), (1, 1000), (1, 20_000), (1, 50_000)].into_iter().enumerate() {

@@ -11,7 +11,7 @@ use crate::los_probability::{at_height, number, product};
 use crate::polygon_files::{area, rings};
 use crate::program::Folder;
 use crate::sampled::within;
-use crate::support::slow;
+use crate::support::is_long;
 
 const MUNICH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/maps/munich.geojson");
 
@@ -290,7 +290,7 @@ fn product_over_band(city: &str, height_m: f64, (low, high): (f64, f64)) -> f64 
 #[test]
 fn over_a_generated_city_in_a_file_angles_agree_with_the_product_over_their_bands() {
     let folder = Folder::new();
-    let n_cities = if slow() { 8 } else { 2 };
+    let n_cities = if is_long() { 8 } else { 2 };
     for seed in 1..=n_cities {
         let line = format!("city itu:urban --size 1500 --cell 3 --seed {seed} -o c.geojson -q --overwrite");
         folder.type_in(&line).done();
@@ -308,11 +308,11 @@ fn over_a_generated_city_in_a_file_angles_agree_with_the_product_over_their_band
 #[test]
 fn a_sample_within_a_radius_is_over_whole_discs() {
     let folder = Folder::new();
-    let n_cities = if slow() { 100 } else { 12 };
+    let n_cities = if is_long() { 100 } else { 12 };
     let cities = ["suburban", "urban", "dense-urban", "high-rise", "ghent"];
     let radii = [50.0, 100.0, 200.0, 300.0];
     let all = cities.iter().flat_map(|city| radii.map(|radius_m| (*city, radius_m)));
-    let cases: Vec<(&str, f64)> = if slow() { all.collect() } else { vec![("suburban", 300.0), ("urban", 100.0)] };
+    let cases: Vec<(&str, f64)> = if is_long() { all.collect() } else { vec![("suburban", 300.0), ("urban", 100.0)] };
     // How far each row is off, in standard errors.
     let mut deviations = Vec::new();
     let placements = [
@@ -322,7 +322,7 @@ fn a_sample_within_a_radius_is_over_whole_discs() {
     ];
     for (name, radius_m) in cases {
         // Streets of Ghent are a few cells wide: cells of 1 m would be off by as much as a hundred cities.
-        let ground = match (slow(), name) {
+        let ground = match (is_long(), name) {
             (true, "ghent") if radius_m < 200.0 => "--size 200 --cell 0.25 --zones crossroad:60,street:60,rooftop:60",
             (true, _) if radius_m < 200.0 => "--size 1000 --zones crossroad:100,street:100,rooftop:100",
             (true, _) => "--size 600 --zones crossroad:100,street:100,rooftop:100",

@@ -3,8 +3,9 @@
 use std::path::Path;
 use std::process::Command;
 
+use crate::needs::has_program;
 use crate::program::{Folder, run_in};
-use crate::support::{has_program, slow};
+use crate::support::is_long;
 
 fn page(name: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).expect(name)
@@ -30,6 +31,16 @@ fn words(command: &str) -> Vec<String> {
     words
 }
 
+/// Parts of commands that take seconds and run in the long tests alone: they time all there is, or study many cities.
+const HEAVY: [&str; 6] = [
+    "--peers",
+    "-o stress.png",
+    "chart itu:urban --plos",
+    "sample itu:high-rise",
+    "-o azimuth.png",
+    "-o three.geojson",
+];
+
 /// Runs the commands of a page in their order, in a folder that holds `maps/` and the buildings of `tests/lod2/`.
 #[cfg(unix)]
 fn run_page(name: &str, least: usize) {
@@ -44,8 +55,7 @@ fn run_page(name: &str, least: usize) {
         let words = words(line);
         let (program, rest) = words.split_first().expect("a command");
         let rest: Vec<&str> = rest.iter().map(String::as_str).collect();
-        // It times all there is, and other tests run beside it.
-        if line.contains("--peers") && !slow() {
+        if HEAVY.iter().any(|words| line.contains(words)) && !is_long() {
             continue;
         }
         if program == "skyshed" {
@@ -66,7 +76,7 @@ fn run_page(name: &str, least: usize) {
         }
         before = Some(line);
     }
-    assert!(n_run >= least, "{name}: {n_run} commands");
+    assert!(n_run + HEAVY.len() >= least, "{name}: {n_run} commands");
 }
 
 #[cfg(unix)]

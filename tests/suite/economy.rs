@@ -10,7 +10,7 @@ use skyshed_core::quantity::Height;
 use crate::cities::{built, generated};
 use crate::compare::{check_refusals, grid};
 use crate::program::Folder;
-use crate::support::{Random, slow};
+use crate::support::{Random, is_long};
 use crate::tiles;
 use crate::zones::{footprints, rectangle};
 
@@ -55,7 +55,7 @@ fn footprints_that_can_hide_nobody_are_dropped_and_counted() {
 fn maps_are_the_same_without_what_was_dropped() {
     let mut random = Random(5);
     let (mut n_dropped, mut n_left) = (0, 0);
-    for seed in 0..if slow() { 60 } else { 8 } {
+    for seed in 0..if is_long() { 60 } else { 8 } {
         let name = random.choose(&["suburban", "urban", "dense-urban", "high-rise"]);
         let field = built(&generated(name, seed, 400.0));
         let (x, y, z) = (random.within(0, 399) as f64, random.within(0, 399) as f64, random.within(100, 300) as f64);

@@ -14,9 +14,10 @@ use skyshed_core::simd::simd_levels;
 use skyshed_io::read::{SurfaceOptions, read_surface};
 
 use crate::invariants::{map, uav_at};
+use crate::needs::truth;
 use crate::oracle;
 use crate::referee::{Count, over_seeds};
-use crate::support::{ENVIRONMENTS, Random, city, oracle_of, raster_field, slow, truth};
+use crate::support::{ENVIRONMENTS, Random, city, is_long, oracle_of, raster_field};
 
 /// A raster scene of the surface of another, each roof cell raised by up to `noise` lattice steps.
 pub(crate) fn as_raster(field: &HeightField, ground: Ground, noise: i64, random: &mut Random) -> HeightField {
@@ -76,7 +77,7 @@ fn uavs(field: &HeightField, random: &mut Random) -> Vec<Uav> {
 
 #[test]
 fn generated_cities_as_footprints_and_as_rasters_agree_with_rays() {
-    let (seeds, size) = if slow() { (20, 400.0) } else { (2, 140.0) };
+    let (seeds, size) = if is_long() { (20, 400.0) } else { (2, 140.0) };
     let count = over_seeds(4 * seeds, 0, |job, _, count| {
         let (name, seed) = (ENVIRONMENTS[usize::try_from(job % 4).unwrap()], job / 4);
         let mut random = Random(seed);
@@ -128,7 +129,7 @@ fn hostile(kind: usize, n: i32, uav_z: i32) -> Vec<i32> {
 
 #[test]
 fn hostile_rasters_agree_with_rays_from_every_kind_of_place() {
-    let n = if slow() { 200 } else { 90 };
+    let n = if is_long() { 200 } else { 90 };
     let side = usize::try_from(n).unwrap();
     let grid = GeoRef::new((0.0, f64::from(n)), (1.0, 1.0), (side, side), None).unwrap();
     let uav_z = 30 * 1024;
@@ -176,7 +177,7 @@ fn real_surfaces_agree_with_rays() {
         let field = HeightField::build(&scene.grid, scene.solids).field;
         let grid = field.grid().clone();
         let mut random = Random(grid.n_cells() as u64);
-        let n_uavs = if slow() { 12 } else { 2 };
+        let n_uavs = if is_long() { 12 } else { 2 };
         for k in 0..n_uavs {
             let at = |random: &mut Random, low: f64, high: f64| {
                 low + (high - low) * random.within(-50, 1050) as f64 / 1000.0
@@ -186,7 +187,7 @@ fn real_surfaces_agree_with_rays() {
             let z = i64::from(field.ground_at(&field.place(x, y)).max(0)) + height;
             let uav = uav_at(&field, x, y, z);
             // Whole large surfaces take rays half a minute.
-            let radius = (!slow()).then_some(200.0 * grid.cell_width());
+            let radius = (!is_long()).then_some(200.0 * grid.cell_width());
             compare(&field, &uav, Receivers::Ground, radius, &path.display().to_string());
         }
         n_files += 1;
@@ -226,7 +227,7 @@ fn neither_threads_nor_vectors_change_a_cell() {
 
 #[test]
 fn the_oracle_agrees_where_masks_turn() {
-    let n_asked = if slow() { 4000 } else { 250 };
+    let n_asked = if is_long() { 4000 } else { 250 };
     let mut random = Random(11);
     for name in ENVIRONMENTS {
         let raster = as_raster(&city(name, 160.0, 1.0, 7), Ground::Flat(0), 50, &mut random);

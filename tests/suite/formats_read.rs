@@ -7,9 +7,9 @@ use skyshed_io::error::Cause;
 use skyshed_io::formats::{AsciiGrid, Bands, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
 
 use crate::mosaic::{codes, read, same};
+use crate::needs::truth;
 use crate::plain_tiff::PlainTiff;
 use crate::program::Folder;
-use crate::support::truth;
 
 // What becomes of each file of the list is tested by `bad_inputs`.
 #[test]

@@ -2,7 +2,7 @@
 //! leave nothing half written. And footprints at random: triangulated and mapped, each engine as the oracle says.
 //!
 //! Inputs are made by mutation from good files: bits turned, numbers replaced by extremes, pieces cut, repeated, moved and
-//! nested. Some hundred of each kind in CI; `SKYSHED_SLOW=1` runs many thousands. What was found stands in `regressions`.
+//! nested. Some hundred of each kind in CI; `SKYSHED_LONG=1` runs many thousands. What was found stands in `regressions`.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -11,7 +11,7 @@ use skyshed_core::raster::GeoRef;
 
 use crate::formats_write;
 use crate::program::{Folder, run_in};
-use crate::support::{Random, slow};
+use crate::support::{Random, is_long};
 
 /// A kind of file, a good one of it, and the command that reads it; `{}` stands for its name.
 struct Target {
@@ -156,7 +156,7 @@ fn replace_a_number(bytes: &mut Vec<u8>, from: usize, random: &mut Random) {
 
 #[test]
 fn damaged_files_are_refused_or_mapped_and_leave_nothing_half_written() {
-    let n = if slow() { 4000 } else { 60 };
+    let n = if is_long() { 4000 } else { 30 };
     let (n_done, n_refused) = (AtomicUsize::new(0), AtomicUsize::new(0));
     for (kind, target) in targets().iter().enumerate() {
         (0..n).into_par_iter().for_each(|k: u64| {
@@ -213,7 +213,7 @@ fn ring(random: &mut Random) -> Vec<[f64; 2]> {
 
 #[test]
 fn footprints_at_random_are_mapped_as_rays_say() {
-    let n: u64 = if slow() { 3000 } else { 40 };
+    let n: u64 = if is_long() { 3000 } else { 20 };
     let n_seen = AtomicUsize::new(0);
     (0..n).into_par_iter().for_each(|k| {
         let mut random = Random(77_000 + k);

@@ -10,7 +10,7 @@ use skyshed_io::read::{DataAreaChoice, FootprintOptions, read_footprints};
 
 use crate::compare::check_refusals;
 use crate::program::Folder;
-use crate::support::{Random, slow};
+use crate::support::{Random, is_long};
 
 fn feature(properties: &Value, rings: &[Vec<[f64; 2]>]) -> Value {
     let closed = |ring: &Vec<[f64; 2]>| ring.iter().chain(ring.first()).copied().collect::<Vec<_>>();
@@ -126,7 +126,7 @@ fn outline(random: &mut Random, cell: i128, n_cells: i128) -> Vec<Vec<[i128; 2]>
 
 #[test]
 fn a_footprint_stands_on_the_lowest_column_that_its_area_overlaps() {
-    let n_scenes = if slow() { 100 } else { 8 };
+    let n_scenes = if is_long() { 100 } else { 8 };
     let n_each = 500;
     let folder = Folder::new();
     let mut random = Random(25);
@@ -359,7 +359,7 @@ fn ends_of_links_are_on_the_lattice_of_meters_whatever_the_terrains_cells() {
         folder.write("fine.asc", &grid((0.0, 0.0), cell / parts as f64, n * parts, &fine));
         let house = feature(&json!({"height": 6}), &[vec![[4.3, 4.1], [9.2, 5.0], [8.8, 9.6], [3.9, 8.8]]]);
         folder.write("c.geojson", &city(&[house]));
-        for _ in 0..if slow() { 60 } else { 12 } {
+        for _ in 0..if is_long() { 60 } else { 12 } {
             let at = |random: &mut Random| random.within(1, side * 1024 - 1) as f64 / 1024.0;
             let (x, y) = (at(&mut random), at(&mut random));
             let of = |terrain: &str| {

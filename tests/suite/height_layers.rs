@@ -10,9 +10,10 @@ use skyshed_core::quantity::{Height, LatticePoint, VOID};
 use skyshed_io::read::{FootprintOptions, SurfaceOptions, read_footprints, read_surface};
 
 use crate::invariants::check_least;
+use crate::needs::truth;
 use crate::referee::both_answers;
 use crate::shapes::M;
-use crate::support::{Random, slow, truth};
+use crate::support::{Random, is_long};
 
 /// A surface, over a terrain or alone.
 fn surface(dsm: &Path, terrain: Option<&Path>, nodata_as: NodataAs) -> HeightField {
@@ -57,7 +58,7 @@ fn compare(field: &HeightField, receivers: Receivers, radius: Option<f64>) -> us
 fn margins_and_ceilings_of_munich_by_the_sweep_are_those_of_rays() {
     let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps");
     let [dsm, terrain] = ["munich_dsm.tif", "munich_terrain.tif"].map(|file| maps.join(file));
-    let radius = if slow() { None } else { Some(250.0) };
+    let radius = if is_long() { None } else { Some(250.0) };
     let field = surface(&dsm, Some(&terrain), NodataAs::Clear);
     assert!(compare(&field, Receivers::All, radius) > 300_000);
     let alone = surface(&dsm, None, NodataAs::Clear);
@@ -67,7 +68,7 @@ fn margins_and_ceilings_of_munich_by_the_sweep_are_those_of_rays() {
 #[test]
 fn heights_past_the_footprints_of_munich_are_those_of_rays_on_flat_ground_and_on_terrain() {
     let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps");
-    let radius = if slow() { None } else { Some(250.0) };
+    let radius = if is_long() { None } else { Some(250.0) };
     for terrain in [None, Some(maps.join("munich_terrain.tif").into())] {
         // The one that is no multiple of the terrain's cells is left to rays past that.
         for cell in [1.0, 0.7] {
@@ -89,7 +90,7 @@ fn margins_and_ceilings_of_laser_scans_by_the_sweep_are_those_of_rays() {
         assert!(compare(&delft, Receivers::All, None) > 100_000);
     }
     let bilbao = surface(&lidar("bilbao/dsm_2.5m.tif"), Some(&lidar("bilbao/terrain_2.5m.tif")), NodataAs::Clear);
-    assert!(compare(&bilbao, Receivers::Ground, if slow() { None } else { Some(500.0) }) > 100_000);
+    assert!(compare(&bilbao, Receivers::Ground, if is_long() { None } else { Some(500.0) }) > 100_000);
 }
 
 #[test]

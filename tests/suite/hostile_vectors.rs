@@ -10,7 +10,7 @@ use skyshed_io::Warning;
 use skyshed_io::read::{FootprintOptions, MeshOptions, read_footprints, read_mesh};
 
 use crate::program::Folder;
-use crate::support::{Random, slow};
+use crate::support::{Random, is_long};
 use crate::vector_files::{
     EAST, NORTH, city, write_cityjson, write_flatgeobuf, write_geojson, write_geopackage, write_obj, write_ply,
     write_shapefile,
@@ -64,7 +64,8 @@ fn survives(damaged: &Path, how: &str) -> bool {
             false
         }
     };
-    assert!(start.elapsed() < Duration::from_secs(5), "{how}: {:?}", start.elapsed());
+    // Two minutes also on a busy machine: it does not end in a reasonable time.
+    assert!(start.elapsed() < Duration::from_secs(120), "{how}: {:?}", start.elapsed());
     is_scene
 }
 
@@ -75,7 +76,7 @@ fn files_that_are_cut_off_are_scenes_or_errors() {
         let whole = std::fs::read(&path).unwrap();
         assert!(survives(&path, "whole"), "{}: {:?}", path.display(), read(&opened(&path), &mut Vec::new()).err());
         let mut n_refused = 0;
-        let step = if slow() { 1 } else { 100 };
+        let step = if is_long() { 1 } else { 50 };
         for n in (0..whole.len()).step_by(step) {
             std::fs::write(&path, &whole[..n]).unwrap();
             n_refused += usize::from(!survives(&path, &format!("{} cut at {n}", path.display())));
@@ -94,7 +95,7 @@ fn files_with_bytes_turned_over_are_scenes_or_errors() {
     for path in files(&folder) {
         let whole = std::fs::read(&path).unwrap();
         let mut n_scenes = 0;
-        for n in 0..if slow() { 20_000 } else { 120 } {
+        for n in 0..if is_long() { 20_000 } else { 60 } {
             let mut bytes = whole.clone();
             for _ in 0..random.within(1, 4) {
                 let at = random.below(bytes.len());

@@ -7,24 +7,24 @@ use skyshed_study::los_probability::product::Product;
 use skyshed_study::los_probability::setting::Setting;
 
 use crate::los_probability::setting;
-use crate::support::slow;
+use crate::support::is_long;
 
 /// P_LoS to a standard error far below what intervals of few draws can resolve.
 fn truth(setting: &Setting) -> f64 {
     let mut product = Product::new(*setting, 1);
-    product.add_points(if slow() { 1 << 14 } else { 1 << 12 });
+    product.add_points(if is_long() { 1 << 14 } else { 1 << 12 });
     product.estimate(0.95).p_los.unwrap()
 }
 
 /// Repetitions, and the share of intervals \[%\] that may cover: what 95 % leaves to chance.
 fn repetitions() -> (u64, std::ops::RangeInclusive<f64>) {
-    if slow() { (2000, 93.5..=96.5) } else { (400, 91.5..=98.0) }
+    if is_long() { (2000, 93.5..=96.5) } else { (400, 91.5..=98.0) }
 }
 
 /// Written past the capture of the test harness: these figures are a result.
 fn report(text: &str) {
     use std::io::Write;
-    if slow() {
+    if is_long() {
         let _ = writeln!(std::io::stderr(), "{text}");
     }
 }
@@ -52,7 +52,7 @@ fn coverage_of_cities(setting: &Setting, n_cities: u64, n_repetitions: u64) -> (
 fn intervals_clustered_by_city_cover_and_naive_ones_do_not() {
     let (n_repetitions, allowed) = repetitions();
     // Angles of 30 cities, and of 100.
-    let cases: &[(&str, &[f64], &[f64])] = if slow() {
+    let cases: &[(&str, &[f64], &[f64])] = if is_long() {
         &[
             ("suburban", &[10.0, 45.0, 65.0], &[]),
             ("urban", &[10.0, 30.0, 75.0, 80.0], &[60.0]),
@@ -84,8 +84,8 @@ fn intervals_clustered_by_city_cover_and_naive_ones_do_not() {
 fn high_rise_at_low_angles_needs_many_cities() {
     // P_LoS is below 0.05 there and a few cities hold most of it. What is covered is reported, and bounded from below.
     let (n_repetitions, _) = repetitions();
-    let n_cities = if slow() { 100 } else { 30 };
-    let angles: &[f64] = if slow() { &[5.0, 10.0, 20.0] } else { &[20.0] };
+    let n_cities = if is_long() { 100 } else { 30 };
+    let angles: &[f64] = if is_long() { &[5.0, 10.0, 20.0] } else { &[20.0] };
     for &theta in angles {
         let (truth, covered, naive) = coverage_of_cities(&setting("high-rise", theta), n_cities, n_repetitions);
         report(&format!(

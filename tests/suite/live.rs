@@ -6,9 +6,10 @@ use std::process::{Command, Stdio};
 
 use serde_json::{Value, json};
 
+use crate::needs::{has, has_program, truth};
 use crate::plain_tiff::{Cells, PlainTiff};
 use crate::program::Folder;
-use crate::support::{Random, has_program, slow, truth};
+use crate::support::{Random, is_long};
 use crate::tiles::squares;
 
 /// Placements over each scene.
@@ -43,6 +44,8 @@ fn map(uavs: &[(f64, f64, f64)]) -> Value {
 }
 
 /// Holds the digests and counts of a page against those of maps of its scene.
+///
+/// In Node with vectors alone unless a browser is to be asked, too.
 fn check_scene(scene: &str, seed: u64, driver: Option<&str>) {
     let folder = Folder::new();
     folder.type_in(&format!("live {scene} -o page.html -o page.json -q")).done();
@@ -58,7 +61,8 @@ fn check_scene(scene: &str, seed: u64, driver: Option<&str>) {
     let wanted: Vec<Value> = (1..=N_PLACES).map(|k| folder.json(&format!("m-{k}.json"))).collect();
 
     let questions: Vec<Value> = places.iter().flat_map(|place| [map(&[*place]), json!({"do": "digest"})]).collect();
-    for (plain, driver) in [(false, None), (true, None), (false, driver), (true, driver)] {
+    let everywhere = [(false, None), (true, None), (false, driver), (true, driver)];
+    for &(plain, driver) in if driver.is_some() || is_long() { &everywhere[..] } else { &everywhere[..1] } {
         let answers = ask(&folder.word("page.html"), plain, driver, &questions);
         assert_eq!(answers[0]["simd"], !plain, "{scene}");
         for (pair, wanted) in answers[1..].chunks(2).zip(&wanted) {
@@ -79,13 +83,14 @@ fn the_engine_of_a_page_gives_the_digests_of_the_program() {
     let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps");
     let map = |name: &str| maps.join(name).to_str().unwrap().to_string();
     check_scene(&map("munich.geojson"), 1, driver);
-    check_scene(&format!("{} --terrain {}", map("munich_dsm.tif"), map("munich_terrain.tif")), 2, driver);
-    check_scene("itu:urban", 3, driver);
-    check_scene("itu:high-rise --size 700", 4, driver);
+    let driver_of_all = driver.filter(|_| is_long());
+    check_scene(&format!("{} --terrain {}", map("munich_dsm.tif"), map("munich_terrain.tif")), 2, driver_of_all);
+    check_scene("itu:urban", 3, driver_of_all);
+    check_scene("itu:high-rise --size 700", 4, driver_of_all);
     let roofs = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/lod2/delft.city.json");
-    check_scene(&format!("{} --roofs lod2", roofs.display()), 8, driver);
+    check_scene(&format!("{} --roofs lod2", roofs.display()), 8, driver_of_all);
     // A minute more.
-    let Some(truth) = truth().filter(|_| slow()) else { return };
+    let Some(truth) = truth().filter(|_| is_long()) else { return };
     let delft = |name: &str| truth.join("lidar/delft").join(name).to_str().unwrap().to_string();
     check_scene(&format!("{} --terrain {}", delft("dsm_1m.tif"), delft("terrain_1m.tif")), 5, driver);
     check_scene(&format!("{} --terrain {}", delft("buildings.geojson"), delft("terrain_1m.tif")), 6, driver);
@@ -326,7 +331,7 @@ fn what_a_page_cannot_hold_is_refused_with_what_would_fit() {
     let rows: String = (0..33).map(|k| format!("{k},5,90\n")).collect();
     folder.write("uavs.csv", &format!("x,y,h\n{rows}"));
     hint("itu:urban --size 100 --uavs uavs.csv", 5);
-    if slow() {
+    if is_long() {
         let many = hint("itu:0.3,5000,15 --size 8000 --cell 4", 5);
         fits(&format!("itu:0.3,5000,15 --cell 4 {}", flag(&many, "--size")));
     }
@@ -359,7 +364,7 @@ fn the_scripts_of_the_page_are_of_their_types() {
     let done = Command::new("npx").args(check).arg(page).output().unwrap();
     let said = String::from_utf8_lossy(&done.stdout);
     if !done.status.success() && !said.contains("error TS") {
-        let _ = writeln!(std::io::stderr(), "SKIPPED: TypeScript cannot be had from the registry");
+        has("typescript", false);
         return;
     }
     assert!(done.status.success(), "{said}");
@@ -376,7 +381,7 @@ fn driver() -> Option<String> {
         let install = ["install", "--silent", "--no-save", "--prefix", ".", "playwright-core@1.65"];
         let done = Command::new("npm").args(install).current_dir(&folder).output();
         if !done.is_ok_and(|done| done.status.success()) {
-            let _ = writeln!(std::io::stderr(), "SKIPPED: playwright-core cannot be had from the registry");
+            has("playwright", false);
             return None;
         }
     }
@@ -396,6 +401,8 @@ fn a_browser_drags_types_adds_clicks_keeps_exports_and_reloads() {
         .args([&tool("live_browser.mjs"), &folder.word("page.html")])
         .arg(&pictures)
         .arg(folder.word("compare.html"))
+        // The dark one has the size of the desk.
+        .args(if is_long() || std::env::var_os("SKYSHED_PICTURES").is_some() { &[][..] } else { &["desk", "phone"] })
         .env("NODE_PATH", format!("{driver}/node_modules"))
         .output()
         .unwrap();

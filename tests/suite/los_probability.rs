@@ -11,7 +11,8 @@ use skyshed_study::los_probability::product::{Product, across_street, link_p_los
 use skyshed_study::los_probability::setting::{Placement, Setting, Users};
 use skyshed_study::los_probability::street_grid::{Crossing, GridLink, GridZone, StreetGrid};
 
-use crate::support::{Random, slow, truth};
+use crate::needs::truth;
+use crate::support::{Random, is_long};
 
 /// The five cities of the reference tables.
 pub(crate) const CITIES: [&str; 5] = ["suburban", "urban", "dense", "highrise", "ghent"];
@@ -58,7 +59,7 @@ pub(crate) fn number(row: &HashMap<String, String>, column: &str) -> f64 {
 #[test]
 fn the_product_gives_the_reference_values_within_their_errors() {
     let Some(rows) = reference("plos_reference.csv") else { return };
-    let points = if slow() { 1 << 14 } else { 1 << 10 };
+    let points = if is_long() { 1 << 14 } else { 1 << 10 };
     let mut known: HashMap<String, (f64, f64)> = HashMap::new();
     let mut estimate = |setting: Setting| {
         *known.entry(format!("{setting:?}")).or_insert_with(|| {
@@ -402,7 +403,7 @@ fn uavs_over_the_middle_of_a_crossroad_street_or_building_see_what_the_reference
         let asked = Setting { placement, ..setting(&row["env"], number(row, "theta_deg")) };
         for (clear, column) in [(false, "p_los_outdoor_users"), (true, "p_los_given_roof_below_uav")] {
             let Ok(wanted) = row[column].parse::<f64>() else { continue };
-            let e = product(&Setting { uav_clear_of_roof: clear, ..asked }, if slow() { 1 << 11 } else { 1 << 8 });
+            let e = product(&Setting { uav_clear_of_roof: clear, ..asked }, if is_long() { 1 << 11 } else { 1 << 8 });
             let Some(p) = e.p_los else { continue };
             // The reference has one point in each of many directions: its error is unknown, and taken as 1e-3.
             let off = (p - wanted).abs();

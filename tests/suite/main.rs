@@ -44,6 +44,7 @@ mod vertical; // what heights are above, and in which unit
 mod small_files; // small files that would take much time or memory
 #[cfg(unix)]
 mod signals; // interrupted at any moment a run is gone at once, and what it wrote is whole
+#[cfg(unix)]
 mod memory_limits; // no run takes more than `--max-memory`
 mod tangles; // footprints that cross themselves or lie on one another
 mod wild; // bad input as it is seen in the wild, row by row
@@ -75,6 +76,7 @@ mod economy; // footprints that hide nobody, what a map needs and what limits it
 mod tolerance; // the coarsest cells within a tolerance: its bound holds, on generated and on real cities
 mod track; // line of sight along a track: stretches, links, files
 mod height_errors; // what is sure of maps whose heights are known to within an error: no heights within them leave it
+mod redrawn_heights; // scenes drawn from errors of heights are those built anew; intervals cover what they say
 mod height_error_flags; // what the program says of heights that may be off
 mod height_curve; // P_LoS against the UAV's height, exact at every height
 mod height_layers; // margins and ceilings by an engine are those of rays, to the last bit, over real cities
@@ -84,6 +86,7 @@ mod placement; // where to hover: against brute force, optima and linear searche
 mod cli_place; // its command
 mod told; // names and degrees of sites, counts, infinite heights, weights: alike and true in every file
 mod in_range; // rasters with a radius: the part in range, the same of all
+#[cfg(unix)]
 mod streamed; // rasters that do not fit in memory: the maps of memory, what is refused, 50 000 cells a side
 mod map_sites; // a run for each UAV: the files of single runs, what is left alone, killed at any moment
 mod map_tiles; // tiles of the ground, cell for cell those of the whole, and what jobs tell of units
@@ -106,6 +109,7 @@ mod recorder; // digests of all masks, for two builds side by side
 mod referee; // links and whole maps by an engine, by the oracle and by ray
 mod shapes; // small scenes with many ties
 mod pictures; // one picture of each kind, pixel by pixel
-mod prose; // how documents and doc comments read: lengths, openings, spelling
+mod prose; // how documents and doc comments read: lengths and openings
+mod needs; // parts that are not on every machine: programs, packages, data
 mod support; // random numbers and scenes for the suites above
 mod vector_files; // writes one small city in every vector format

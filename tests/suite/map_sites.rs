@@ -3,8 +3,9 @@
 use serde_json::Value;
 use skyshed_io::formats::GeoTiff;
 
+use crate::needs::has_program;
 use crate::program::{Folder, program, send, wait};
-use crate::support::{Random, class_of, has_program, slow};
+use crate::support::{Random, class_of, is_long};
 
 /// A raster and UAVs over it.
 fn write_scene(folder: &Folder, n_sites: usize) {
@@ -217,7 +218,7 @@ fn killed_at_any_moment_it_leaves_whole_files_and_goes_on() {
     let finals = || folder.files().into_iter().filter(|name| name.starts_with("site_")).collect::<Vec<_>>();
     let n_files = finals().len();
     let mut random = Random(11);
-    let (mut n_partial, n_kills) = (0, if slow() { 200 } else { 20 });
+    let (mut n_partial, n_kills) = (0, if is_long() { 200 } else { 20 });
     for _ in 0..n_kills {
         folder.remove(&finals());
         // At any moment of a run, and then at another one of what is left of it.

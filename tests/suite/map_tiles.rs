@@ -8,7 +8,7 @@ use skyshed_io::formats::{GeoTiff, RasterFile};
 use skyshed_io::read::surface_grid;
 
 use crate::program::{Answer, Folder};
-use crate::support::{Random, slow};
+use crate::support::{Random, is_long};
 
 /// UAVs in and around a square of `side` meters; some stand on borders of tiles of 64 cells, two at places of equal distances.
 fn write_uavs(folder: &Folder, n: usize, side: i64, seed: u64) {
@@ -90,19 +90,19 @@ fn tiles_are_cut_from_the_map_of_the_whole() {
         "city itu:high-rise --size 300 --seed 4 -o dsm.asc -q",
         "city itu:dense-urban --size 300 --seed 5 --cell 0.75 -o dsm.geojson -q",
     ];
-    let radii: &[u32] = if slow() { &[7, 33, 64, 100, 150, 400] } else { &[33, 150] };
+    let radii: &[u32] = if is_long() { &[7, 33, 64, 100, 150, 400] } else { &[33, 150] };
     for (k, scene) in scenes.iter().enumerate() {
         let folder = Folder::new();
         folder.type_in(scene).done();
         let file = scene.split_whitespace().find(|word| word.starts_with("dsm")).expect("a file");
         let ground = if file.ends_with("geojson") { "--cell 0.75" } else { "--ground 0" };
         for radius in radii {
-            write_uavs(&folder, if slow() { 60 } else { 20 }, 300, 7 * k as u64 + u64::from(*radius));
+            write_uavs(&folder, if is_long() { 60 } else { 20 }, 300, 7 * k as u64 + u64::from(*radius));
             let layers = "--layers union,count,best-server,which";
             let asked =
                 format!("map {file} {ground} --uavs sites.csv --radius {radius} --receivers all -q --overwrite");
             // Sets of more than 31 UAVs and counts are no bands of one file.
-            let layers = if slow() { "--layers union,count,best-server" } else { layers };
+            let layers = if is_long() { "--layers union,count,best-server" } else { layers };
             let sets = "--layers which --tile-size 128 -o w{row}-{col}.tif";
             folder.type_in(&format!("{asked} {layers} -o all.tif -o all.json")).done();
             let tiles = "--tile-size 64 -o {row}-{col}.tif -o {row}-{col}.json";

@@ -8,9 +8,10 @@ use skyshed_io::formats::RasterFile;
 use skyshed_io::{Result, Warning};
 
 use crate::cli_map::mask_of;
+use crate::needs::has_program;
 use crate::plain_tiff::{Cells, PlainTiff};
 use crate::program::Folder;
-use crate::support::{Random, has_program, slow};
+use crate::support::{Random, is_long};
 
 /// North-west corner of all mosaics.
 pub(crate) const CORNER: (f64, f64) = (500_000.0, 5_400_000.0);
@@ -134,7 +135,7 @@ pub(crate) fn gdal(folder: &Folder, line: &str) -> String {
 fn a_folder_of_tiles_is_one_raster() {
     let (n_rows, n_cols) = (27, 31);
     let mut n_differing_seen = 0;
-    for seed in 0..if slow() { 400 } else { 40 } {
+    for seed in 0..if is_long() { 400 } else { 20 } {
         let mut random = Random(seed);
         let folder = Folder::new();
         // The first two hold opposite corners, so that the mosaic always has the same size.
@@ -229,7 +230,7 @@ fn a_virtual_raster_is_what_its_sources_paint_and_what_gdal_makes_of_it() {
     let (n_rows, n_cols) = (27, 31);
     let with_gdal = has_program("gdal_translate");
     let mut n_mapped = 0;
-    for seed in 0..if slow() { 400 } else { 40 } {
+    for seed in 0..if is_long() { 400 } else { 20 } {
         let mut random = Random(seed);
         let folder = Folder::new();
         let mut tiles = Vec::new();

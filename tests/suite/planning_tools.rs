@@ -8,8 +8,9 @@ use zip::ZipArchive;
 
 use crate::cli_map::{MAP, mask_of, npy, tif, town};
 use crate::mosaic::gdal;
+use crate::needs::{has_program, python_with};
 use crate::program::Folder;
-use crate::support::{has_program, python_with, read_png};
+use crate::support::read_png;
 
 const SHAPE: [usize; 2] = [40, 60];
 

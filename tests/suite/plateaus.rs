@@ -13,7 +13,7 @@ use crate::invariants::{map, uav_at};
 use crate::plain_tiff::{Cells, PlainTiff};
 use crate::program::Folder;
 use crate::referee::{Count, check_cells, over_seeds};
-use crate::support::{ENVIRONMENTS, Random, cells_where, city, random_place, slow};
+use crate::support::{ENVIRONMENTS, Random, cells_where, city, is_long, random_place};
 
 /// Rectangles on flat ground, one over another, some of them void, with tops around the UAV's height.
 fn blocks(random: &mut Random, (n_rows, n_cols): (usize, usize), uav_z: i64) -> Vec<i32> {
@@ -84,7 +84,7 @@ fn compare(tops: &[i32], n_cols: usize, uav: LatticePoint, on: OnPlateaus, rando
 
 #[test]
 fn small_block_models_with_heights_around_the_uav_agree_with_ray() {
-    let n = if slow() { 400_000 } else { 12_000 };
+    let n = if is_long() { 400_000 } else { 12_000 };
     let count = over_seeds(n, 0x91A7, |_, random, count| {
         let shape = (random.index(1, 40), random.index(1, 80));
         let uav_z = random.choose(&[512, 1024, 9 * 1024, 40 * 1024, 130 * 1024]);
@@ -101,7 +101,7 @@ fn small_block_models_with_heights_around_the_uav_agree_with_ray() {
 
 #[test]
 fn towns_of_blocks_agree_with_ray() {
-    let n = if slow() { 2000 } else { 60 };
+    let n = if is_long() { 2000 } else { 60 };
     let count = over_seeds(n, 0xB10C, |_, random, count| {
         let (n_rows, n_cols) = (random.index(60, 300), random.index(60, 300));
         let (block, street) = (random.index(5, 25), random.index(1, 12));
@@ -125,7 +125,7 @@ fn towns_of_blocks_agree_with_ray() {
 
 #[test]
 fn auto_takes_the_shadows_of_generated_cities_as_rasters_and_they_are_those_of_rays_and_of_the_sweep() {
-    let seeds = if slow() { 10 } else { 1 };
+    let seeds = if is_long() { 10 } else { 1 };
     for (name, seed) in ENVIRONMENTS.into_iter().flat_map(|n| (0..seeds).map(move |s| (n, s))) {
         let mut random = Random(seed);
         let footprints = city(name, 520.0, 1.0, seed);

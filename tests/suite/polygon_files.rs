@@ -8,8 +8,8 @@ use serde_json::Value;
 
 use crate::cli_map::tif;
 use crate::mosaic::gdal;
+use crate::needs::{has_program, python_with};
 use crate::program::Folder;
-use crate::support::{has_program, python_with};
 
 /// A block with a yard, so that polygons have holes and parts within holes.
 const YARD: &str = r#"{"type": "FeatureCollection",

@@ -16,7 +16,7 @@ use skyshed_io::read::{FootprintOptions, MissingHeight, read_footprints};
 
 use crate::program::Folder;
 use crate::shapes::{doubled_area, rectangle, star, turn};
-use crate::support::{Random, slow};
+use crate::support::{Random, is_long};
 
 fn narrow(ring: &[[i64; 2]]) -> Ring {
     ring.iter().map(|p| p.map(|c| i32::try_from(c).unwrap())).collect()
@@ -57,7 +57,7 @@ fn scaled(ring: &[[i64; 2]], by: i64, shift: [i64; 2]) -> Vec<[i64; 2]> {
 
 #[test]
 fn random_stars_are_cut_into_disjoint_convex_pieces_of_the_same_area() {
-    let n = if slow() { 400_000 } else { 20_000 };
+    let n = if is_long() { 400_000 } else { 20_000 };
     let n_pieces: usize = (0..n)
         .into_par_iter()
         .map(|seed| {
@@ -79,7 +79,7 @@ fn random_stars_are_cut_into_disjoint_convex_pieces_of_the_same_area() {
 #[test]
 fn combs_and_spirals_are_cut_into_disjoint_convex_pieces_of_the_same_area() {
     let mut random = Random(3);
-    for _ in 0..if slow() { 2000 } else { 200 } {
+    for _ in 0..if is_long() { 2000 } else { 200 } {
         // Teeth of random length; equal ones leave collinear vertices.
         let mut comb = vec![[0, 0]];
         let n_teeth = random.within(1, 12);
@@ -143,7 +143,7 @@ fn is_simple(ring: &[[i64; 2]]) -> bool {
 #[test]
 fn nested_and_touching_holes_are_kept_apart() {
     let mut random = Random(8);
-    for _ in 0..if slow() { 20_000 } else { 2000 } {
+    for _ in 0..if is_long() { 20_000 } else { 2000 } {
         let by = random.choose(&[1, 512, 1 << 18]);
         // Rings inside rings, down to a random depth; neighbors touch where a ring begins at the one around it.
         let mut rings = vec![rectangle(0, 0, 60, 60)];
@@ -260,7 +260,7 @@ fn read(features: &[String], name: &str) -> City {
 
 #[test]
 fn ten_thousand_invalid_polygons_keep_the_area_of_their_shells_less_holes_and_are_triangulated() {
-    let n = if slow() { 30_000 } else { 10_000 };
+    let n = if is_long() { 30_000 } else { 10_000 };
     let mut random = Random(99);
     // One feature of 130 m first, so that no file looks like degrees.
     let frame = vec![[0.0, 0.0], [130.0, 0.0], [130.0, 130.0], [0.0, 130.0]];

@@ -10,16 +10,19 @@ use serde_json::Value;
 
 use crate::recorder::record;
 use crate::schemas;
-use crate::support::slow;
+use crate::support::is_long;
 
 /// Address space that every run may take [KiB]: what cannot be mapped cannot be used, so no run peaks above 1 GB.
 const MOST_KIB: u32 = 976_562;
 
-/// How long any run may take \[s\], on a slow machine that runs other tests beside it: the longest compute for two seconds.
-fn most_seconds() -> f64 {
-    // The slow tests compute on purpose.
-    if slow() { 90.0 } else { 20.0 }
+/// Processor time that any run may take \[s\]: the longest compute for some seconds. Time that a busy machine lets it wait does not count.
+fn most_cpu_seconds() -> f64 {
+    // The long tests compute on purpose.
+    if is_long() { 180.0 } else { 30.0 }
 }
+
+/// A run that has not ended after this never will.
+const NEVER: Duration = Duration::from_secs(1200);
 
 /// What a run of the program left.
 #[derive(Debug)]
@@ -27,6 +30,8 @@ pub(crate) struct Answer {
     pub(crate) status: ExitStatus,
     pub(crate) out: String,
     pub(crate) err: String,
+    /// Processor time that it took \[s\]; 0 where the system does not say.
+    pub(crate) cpu_s: f64,
 }
 
 impl Answer {
@@ -191,46 +196,89 @@ pub(crate) fn program(folder: &Path, words: &[&str]) -> Command {
 
 /// Runs the program in `folder` and waits for it, but not for long.
 pub(crate) fn run_in(folder: &Path, words: &[&str]) -> Answer {
-    let (start, began) = (Instant::now(), SystemTime::now());
+    let began = SystemTime::now();
     let child = program(folder, words).spawn().expect("the program starts");
     let answer = wait(child);
-    let seconds = start.elapsed().as_secs_f64();
-    assert!(seconds < most_seconds(), "{words:?} took {seconds} s: {answer:?}");
+    assert!(answer.cpu_s < most_cpu_seconds(), "{words:?}: {answer:?}");
     record(folder, words, &answer.out);
     schemas::check(&answer.out, &words.join(" "));
     schemas::check_files(folder, began);
     answer
 }
 
+/// What [`Folder::measured`] hands to a process of its own: the folder, the line, and where that writes what it found.
+#[cfg(unix)]
+const MEASURED: [&str; 3] = ["SKYSHED_TEST_FOLDER", "SKYSHED_TEST_LINE", "SKYSHED_TEST_REPORT"];
+
+#[cfg(unix)]
 impl Folder {
-    /// Runs a line without a limit of memory; also its peak \[bytes\].
+    /// Runs a line without a limit of memory; also its peak \[bytes\], as the system counts it.
+    ///
+    /// A system tells a peak of all children together. So this runs the test below in a process of its own, which has one child. A
+    /// peak that is looked for from outside while the program runs misses what comes after the last look.
     pub(crate) fn measured(&self, line: &str) -> (Answer, u64) {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_skyshed"));
-        command.args(&words).current_dir(self.path());
-        let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
-        let child = child.expect("the program starts");
-        let status = PathBuf::from(format!("/proc/{}/status", child.id()));
-        std::thread::scope(|scope| {
-            let peak = scope.spawn(move || {
-                let mut peak = 0;
-                // The file loses the line when the program has ended.
-                while let Ok(status) = std::fs::read_to_string(&status) {
-                    let Some(line) = status.lines().find_map(|line| line.strip_prefix("VmHWM:")) else { break };
-                    let kib: u64 = line.trim().trim_end_matches(" kB").trim().parse().expect("a number");
-                    peak = peak.max(kib * 1024);
-                    std::thread::sleep(Duration::from_millis(1));
-                }
-                peak
-            });
-            (wait(child), peak.join().expect("a peak"))
-        })
+        use std::os::unix::process::ExitStatusExt;
+        let report = Folder::new();
+        let values = [self.path().as_os_str(), line.as_ref(), report.path().as_os_str()];
+        let own = std::env::current_exe().expect("the path of the tests");
+        let mut command = Command::new(own);
+        command.args(["--exact", "program::a_process_of_one_child_measures_its_peak"]);
+        command.envs(MEASURED.into_iter().zip(values)).stdout(Stdio::null()).stderr(Stdio::null());
+        assert!(command.status().expect("the tests start").success(), "{line}");
+        let number = |name: &str| report.text(name).parse::<i64>().expect("a number");
+        let status = ExitStatus::from_raw(i32::try_from(number("status")).expect("a status"));
+        let answer = Answer { status, out: report.text("out"), err: report.text("err"), cpu_s: 0.0 };
+        (answer, number("peak").try_into().expect("a number of bytes"))
     }
+}
+
+/// Measures the run that [`Folder::measured`] asks for; by itself, one that is known to fill 64 MB.
+#[cfg(unix)]
+#[test]
+fn a_process_of_one_child_measures_its_peak() {
+    use std::os::unix::process::ExitStatusExt;
+
+    use nix::sys::resource::{UsageWho, getrusage};
+    let [Some(folder), Some(line), Some(report)] = MEASURED.map(std::env::var_os) else {
+        let (answer, peak) = Folder::new().measured("city itu:urban --size 4000 --cell 1 -o a.tif -q");
+        answer.done();
+        assert!((64_000_000..250_000_000).contains(&peak), "{peak}");
+        return;
+    };
+    let mut command = Command::new(env!("CARGO_BIN_EXE_skyshed"));
+    command.args(line.to_str().expect("a line").split_whitespace()).current_dir(folder);
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let answer = wait(command.spawn().expect("the program starts"));
+    let peak = getrusage(UsageWho::RUSAGE_CHILDREN).expect("what children took").max_rss() * 1024;
+    let write = |name: &str, text: String| std::fs::write(Path::new(&report).join(name), text).expect("a report");
+    write("status", answer.status.into_raw().to_string());
+    write("peak", peak.to_string());
+    write("out", answer.out);
+    write("err", answer.err);
 }
 
 /// Sends a signal, such as `-INT`, to a running program.
 pub(crate) fn send(signal: &str, child: &Child) {
     Command::new("kill").args([signal, &child.id().to_string()]).output().expect("`kill` runs");
+}
+
+/// Interrupts a running program: what it says until it ends, and the processor time that it takes after the signal \[s\].
+pub(crate) fn interrupt(signal: &str, child: Child) -> (Answer, f64) {
+    send(signal, &child);
+    let before = cpu_seconds(child.id());
+    let answer = wait(child);
+    let after = (answer.cpu_s - before).max(0.0);
+    (answer, after)
+}
+
+/// Processor time of a process so far \[s\], also of one that has ended and was not waited for; 0 where the system does not say.
+fn cpu_seconds(process: u32) -> f64 {
+    /// Unit of the file, on every Linux.
+    const TICKS_PER_SECOND: f64 = 100.0;
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
+    // The name of the program, in brackets, may hold anything.
+    let fields = stat.rsplit(')').next().unwrap_or_default().split_whitespace();
+    fields.skip(11).take(2).filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>() / TICKS_PER_SECOND
 }
 
 /// What a running program says until it ends; it is stopped, and the test fails, where it never does.
@@ -240,17 +288,20 @@ pub(crate) fn wait(mut child: Child) -> Answer {
         let out = scope.spawn(move || out.map_or(String::new(), read_all));
         let err = scope.spawn(move || err.map_or(String::new(), read_all));
         let start = Instant::now();
+        let mut cpu_s = 0.0;
         let status = loop {
+            // Before it is waited for: then nothing is known of it any more.
+            cpu_s = cpu_seconds(child.id()).max(cpu_s);
             match child.try_wait().expect("the program can be waited for") {
                 Some(status) => break status,
-                None if start.elapsed().as_secs_f64() > 1.5 * most_seconds() => {
+                None if start.elapsed() > NEVER => {
                     let _ = child.kill();
                     break child.wait().expect("a killed program ends");
                 }
                 None => std::thread::sleep(Duration::from_millis(1)),
             }
         };
-        Answer { status, out: out.join().expect("standard output"), err: err.join().expect("standard error") }
+        Answer { status, out: out.join().expect("standard output"), err: err.join().expect("standard error"), cpu_s }
     })
 }
 

@@ -14,7 +14,7 @@ use skyshed_core::raster::BitGrid;
 
 use crate::oracle::{self, Ceiling, P3};
 use crate::shapes::{around, plan};
-use crate::support::{Random, columns_of, point, prisms_of};
+use crate::support::{Random, columns_of, is_long, point, prisms_of};
 
 /// How many links were compared, and how they came out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -67,8 +67,10 @@ pub(crate) fn over_seeds(n: u64, salt: u64, check: impl Fn(u64, &mut Random, &mu
     (0..n).into_par_iter().map(count_one).sum()
 }
 
-/// Runs a property on `n` random scenes; it returns whether a link is LoS, and both answers must be frequent.
+/// Runs a property on `n` random scenes, a third of them in short tests; it returns whether a link is LoS, and both answers must be
+/// frequent.
 pub(crate) fn both_answers(n: u64, seed: u64, property: impl Fn(&mut Random) -> bool) {
+    let n = if is_long() { n } else { n / 3 };
     let (mut random, mut count) = (Random(seed), Count::default());
     (0..n).for_each(|_| count.add(property(&mut random)));
     count.assert_both(n);

@@ -13,8 +13,8 @@ use skyshed_io::read::{Projection, SurfaceOptions, read_surface};
 
 use crate::formats_write::image_of;
 use crate::mosaic::gdal;
+use crate::needs::has_program;
 use crate::program::Folder;
-use crate::support::has_program;
 
 fn epsg(code: u32) -> Crs {
     crs::from_epsg(code).unwrap()

@@ -17,7 +17,7 @@ use crate::cities::{built, generated};
 use crate::compare::{check_refusals, table_rows};
 use crate::los_probability::{at_height, number, product};
 use crate::program::Folder;
-use crate::support::slow;
+use crate::support::is_long;
 
 const HEIGHT_M: f64 = 100.0;
 const RX_HEIGHT_M: f64 = 1.5;
@@ -75,7 +75,7 @@ fn from_maps(name: &str, n_cities: u64) -> Vec<Vec<Estimate>> {
 
 #[test]
 fn maps_around_uavs_over_middles_agree_with_the_product_over_the_disc() {
-    let n_cities = if slow() { 400 } else { 30 };
+    let n_cities = if is_long() { 400 } else { 30 };
     for name in ["suburban", "urban", "dense-urban", "high-rise"] {
         let found = from_maps(name, n_cities);
         for ((zone, placement), of_placement) in PLACEMENTS.iter().zip(&found) {

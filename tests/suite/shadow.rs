@@ -26,7 +26,7 @@ use skyshed_io::read::{FootprintOptions, MissingHeight, read_footprints};
 use crate::oracle::Prism;
 use crate::referee::{Count, check_cells, over_seeds};
 use crate::shapes::{M, block, catalogue, moved, prism, random_prisms, star, turn};
-use crate::support::{ENVIRONMENTS, Random, cells_where, city, prisms_of, slow};
+use crate::support::{ENVIRONMENTS, Random, cells_where, city, is_long, prisms_of};
 
 /// Receivers of a scene: positions of columns and rows, and the height of each cell.
 pub(crate) struct Field {
@@ -231,7 +231,7 @@ pub(crate) fn scaled_scene(random: &mut Random) -> Vec<Prism> {
 
 #[test]
 fn shadow_equals_ray_on_tiny_scenes_where_everything_coincides() {
-    let count = over_seeds(if slow() { 400_000 } else { 48_000 }, 0, |seed, random, count| {
+    let count = over_seeds(if is_long() { 400_000 } else { 24_000 }, 0, |seed, random, count| {
         let scene = scaled_scene(random);
         let prisms = prisms_of(&scene);
         if prisms.pieces().is_empty() {
@@ -267,7 +267,7 @@ fn a_wall_shared_by_equal_roofs_hides_what_looks_along_it_and_a_gap_of_one_step_
 
 #[test]
 fn least_heights_are_those_of_walks_on_tiny_scenes_where_everything_coincides() {
-    let totals = over_seeds(if slow() { 200_000 } else { 12_000 }, 1 << 40, |seed, random, count| {
+    let totals = over_seeds(if is_long() { 200_000 } else { 6_000 }, 1 << 40, |seed, random, count| {
         let scene = scaled_scene(random);
         let prisms = prisms_of(&scene);
         if prisms.pieces().is_empty() {
@@ -340,7 +340,7 @@ fn uavs_over(field: &HeightField, city: &BuiltUp) -> Vec<LatticePoint> {
 
 #[test]
 fn shadow_equals_ray_on_generated_cities() {
-    let (size, seeds) = if slow() { (400.0, 1..6) } else { (200.0, 1..3) };
+    let (size, seeds) = if is_long() { (400.0, 1..6) } else { (200.0, 1..3) };
     let mut all = Count::default();
     for seed in seeds {
         for name in ENVIRONMENTS {
@@ -387,7 +387,7 @@ fn least_heights_are_those_of_walks_on_cities() {
             n_left += left;
         }
     };
-    let step = if slow() { 1 } else { 3 };
+    let step = if is_long() { 1 } else { 3 };
     for (name, cell, size) in [("urban", 1.0, 200.0), ("high-rise", 0.7, 150.0), ("suburban", 2.3, 500.0)] {
         let field = city(name, size, cell, 3);
         let built_up = BuiltUp::named(name).unwrap();
@@ -399,7 +399,8 @@ fn least_heights_are_those_of_walks_on_cities() {
     }
     for terrain in [false, true] {
         let field = munich(terrain);
-        let receivers = receivers(&field, 1536, terrain, if slow() { 60 } else { 3 }, if terrain { 6.0 } else { 0.0 });
+        let receivers =
+            receivers(&field, 1536, terrain, if is_long() { 60 } else { 3 }, if terrain { 6.0 } else { 0.0 });
         let grid = field.grid();
         for (x, y, height) in [(600.0, 500.0, 100), (430.5, 690.5, 20), (1300.0, 200.0, 400)] {
             check(&field, &receivers, over_roofs(&field, grid.x_min() + x, grid.y_min() + y, height), "Munich");
@@ -423,7 +424,7 @@ fn munich(terrain: bool) -> HeightField {
 
 #[test]
 fn shadow_equals_ray_on_munich() {
-    let share = if slow() { 100 } else { 4 };
+    let share = if is_long() { 100 } else { 4 };
     let mut all = Count::default();
     for terrain in [false, true] {
         let field = munich(terrain);

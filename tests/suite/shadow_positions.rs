@@ -18,7 +18,7 @@ use crate::invariants::{raster_town, vector_town};
 use crate::referee::{Count, check_cells, over_seeds};
 use crate::shadow::{scaled_scene, tiny_field, tiny_uav};
 use crate::shapes::moved;
-use crate::support::{ENVIRONMENTS, Random, cells_where, city, prisms_of, raster_field, slow};
+use crate::support::{ENVIRONMENTS, Random, cells_where, city, is_long, prisms_of, raster_field};
 
 /// The box around some receivers, sometimes a little larger.
 fn tile_of(random: &mut Random, receivers: &[LatticePoint]) -> ReceiverTile {
@@ -59,7 +59,7 @@ fn compare(
 #[test]
 fn what_a_receiver_sees_is_what_ray_says_where_everything_coincides() {
     let levels = simd_levels();
-    let count = over_seeds(if slow() { 300_000 } else { 10_000 }, 0xA11, |seed, random, count| {
+    let count = over_seeds(if is_long() { 300_000 } else { 5_000 }, 0xA11, |seed, random, count| {
         let scene = scaled_scene(random);
         if prisms_of(&scene).pieces().is_empty() {
             return;
@@ -189,7 +189,7 @@ fn more_places_than_a_word_and_a_tile_hold_are_told_apart() {
 #[test]
 fn scores_over_a_grid_are_those_of_each_candidate() {
     let field = city("urban", 200.0, 4.0, 7);
-    let places = PlaceGrid::over(field.grid(), if slow() { 2.5 } else { 4.0 }).unwrap();
+    let places = PlaceGrid::over(field.grid(), if is_long() { 2.5 } else { 4.0 }).unwrap();
     // The second height is above the datum by ground, the third differs from roof to roof.
     let heights = [Height::AboveGround(45.0), Height::AboveDatum(60.0), Height::AboveRoof(3.0)];
     let kept = Candidates::of(&places.spots(&heights), &field, &CandidateRules::default()).unwrap().kept;

@@ -10,7 +10,7 @@ use skyshed_study::los_probability::setting::{Placement, Setting, Users};
 
 use crate::cities::{built, generated};
 use crate::los_probability::{CITIES, at_height, built_up, product, setting};
-use crate::support::slow;
+use crate::support::is_long;
 
 /// Combinations of placement and users.
 fn kinds() -> Vec<(Placement, Users)> {
@@ -68,9 +68,9 @@ fn agree_with_the_product(settings: impl Fn(&str) -> Vec<Setting>, n_cities: u64
 
 #[test]
 fn the_city_and_the_geometry_simulator_agree_with_the_product() {
-    let (n_cities, points) = if slow() { (4000, 1 << 13) } else { (250, 1 << 10) };
+    let (n_cities, points) = if is_long() { (4000, 1 << 13) } else { (250, 1 << 10) };
     let angles: Vec<f64> =
-        if slow() { (1..=17).map(|k| 5.0 * f64::from(k)).collect() } else { vec![5.0, 20.0, 45.0, 70.0, 85.0] };
+        if is_long() { (1..=17).map(|k| 5.0 * f64::from(k)).collect() } else { vec![5.0, 20.0, 45.0, 70.0, 85.0] };
     let settings = |city: &str| -> Vec<Setting> {
         let of = |(placement, users), theta: &f64| Setting { placement, users, ..setting(city, *theta) };
         kinds().into_iter().flat_map(|kind| angles.iter().map(move |theta| of(kind, theta))).collect()
@@ -80,7 +80,7 @@ fn the_city_and_the_geometry_simulator_agree_with_the_product() {
 
 #[test]
 fn azimuths_areas_clear_uavs_and_raised_receivers_agree_with_the_product() {
-    let (n_cities, points) = if slow() { (4000, 1 << 13) } else { (400, 1 << 10) };
+    let (n_cities, points) = if is_long() { (4000, 1 << 13) } else { (400, 1 << 10) };
     let settings = |city: &str| -> Vec<Setting> {
         let base = setting(city, 30.0);
         let mut settings = Vec::new();
@@ -106,7 +106,7 @@ fn compare_link_by_link(
     settings: impl Fn(&str) -> Vec<Setting>,
     mut decide: impl FnMut(&CitySimulator, &CityDraw, &Setting, &[CityLink]) -> u64,
 ) {
-    let wanted = if slow() { 1_000_000 } else { 100_000 };
+    let wanted = if is_long() { 1_000_000 } else { 50_000 };
     let (mut n_links, mut n_los) = (0, 0);
     'cities: for round in 0.. {
         for city in CITIES {

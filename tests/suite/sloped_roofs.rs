@@ -19,7 +19,7 @@ use skyshed_core::simd::simd_levels;
 use crate::oracle::{P3, Sloped, sloped_los};
 use crate::referee::{Count, check_cells, over_seeds};
 use crate::shadow::Field;
-use crate::support::{Random, point, slow};
+use crate::support::{Random, is_long, point};
 
 /// Prisms over triangles, one building each.
 fn prisms_of(triangles: &[Sloped]) -> Prisms {
@@ -141,7 +141,7 @@ const SCALES: [[i64; 3]; 4] = [[1, 1, 1], [1024, 1024, 512], [7, 13, 3], [40_000
 
 #[test]
 fn ray_past_random_roofs_is_the_oracle() {
-    let n = if slow() { 60_000 } else { 3000 };
+    let n = if is_long() { 60_000 } else { 3000 };
     let count = over_seeds(n, 0x510, |seed, random, count| {
         let triangles = random_roofs(random);
         let scale = SCALES[(seed % 4) as usize];
@@ -208,7 +208,7 @@ fn places(random: &mut Random, n: i64, scale: i64) -> Vec<i64> {
 
 #[test]
 fn least_heights_past_random_roofs_are_those_of_walks() {
-    let n = if slow() { 20_000 } else { 1500 };
+    let n = if is_long() { 20_000 } else { 1500 };
     let count = over_seeds(n, 0x512, |seed, random, count| {
         let scale = SCALES[(seed % 4) as usize];
         let triangles = scaled(&random_roofs(random), scale);
@@ -233,7 +233,7 @@ fn least_heights_past_random_roofs_are_those_of_walks() {
 
 #[test]
 fn shadows_of_random_roofs_are_those_of_rays() {
-    let n = if slow() { 40_000 } else { 2500 };
+    let n = if is_long() { 40_000 } else { 2500 };
     let levels = simd_levels();
     let count = over_seeds(n, 0x511, |seed, random, count| {
         let scale = SCALES[(seed % 4) as usize];

@@ -14,7 +14,7 @@ use skyshed_study::accuracy::stress::{
 use crate::compare::{check_flags_are_known, check_refusals};
 use crate::oracle;
 use crate::program::Folder;
-use crate::support::{Random, slow};
+use crate::support::{Random, is_long};
 
 fn contenders(names: &[&str]) -> Vec<Contender> {
     names.iter().map(|name| Contender::of(name.parse().unwrap())).collect()
@@ -92,7 +92,7 @@ fn by_oracle(scene: &StressScene, receiver: LatticePoint) -> bool {
 
 #[test]
 fn the_truth_of_every_family_is_that_of_the_oracle() {
-    let n_scenes = if slow() { 40 } else { 4 };
+    let n_scenes = if is_long() { 40 } else { 4 };
     FAMILIES.par_iter().for_each(|family| {
         let (mut n, mut n_los) = (0, 0);
         for number in 0..n_scenes {
@@ -121,7 +121,7 @@ fn decided(score: &FamilyScore, k: usize) -> Option<u64> {
 fn exact_engines_are_right_on_every_family_and_approximate_ones_fail_where_they_should() {
     let all = Contender::all();
     let families: Vec<&Family> = FAMILIES.iter().collect();
-    let efforts: Vec<Effort> = if slow() {
+    let efforts: Vec<Effort> = if is_long() {
         (1..=3).map(|seed| Effort { scenes: 160, seed }).collect()
     } else {
         vec![Effort { scenes: 16, seed: 5 }]

@@ -1,8 +1,5 @@
 //! Random numbers and scenes for the suites: small lattices, so that ties and shared walls are frequent.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
-
 use skyshed_core::city::{BuiltUp, BuiltUpCity, Ground, Solids};
 use skyshed_core::height_field::{Columns, ConvexPieces, HeightField, Prisms, convex_pieces};
 use skyshed_core::overlay::even_odd;
@@ -49,9 +46,9 @@ impl Random {
     }
 }
 
-/// Whether the slow parts of the suite run: set `SKYSHED_SLOW=1`.
-pub(crate) fn slow() -> bool {
-    std::env::var_os("SKYSHED_SLOW").is_some_and(|v| v != "0")
+/// Whether tests run whole, which takes hours, and not in their short versions: set `SKYSHED_LONG=1`.
+pub(crate) fn is_long() -> bool {
+    std::env::var_os("SKYSHED_LONG").is_some_and(|v| v != "0")
 }
 
 pub(crate) fn point(p: oracle::P3) -> LatticePoint {
@@ -122,45 +119,10 @@ pub(crate) fn raster_field(surface: Raster<i32>, ground: Ground) -> HeightField 
     HeightField::build(&grid, Solids::Raster { surface, ground, building_threshold: 256, voids: None }).field
 }
 
-/// The folder of the shared test data; `None` (and a line that says so) where it is not at hand and was not asked for.
-pub(crate) fn truth() -> Option<PathBuf> {
-    if let Some(folder) = std::env::var_os("SKYSHED_TRUTH") {
-        let folder = PathBuf::from(folder);
-        assert!(folder.is_dir(), "SKYSHED_TRUTH is `{}`, which is no folder", folder.display());
-        return Some(folder);
-    }
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    if !folder.is_dir() {
-        // Written past the capture of the test harness, which would keep it from whoever runs the tests.
-        let _ = writeln!(std::io::stderr(), "SKIPPED: no test data in `{}`", folder.display());
-        return None;
-    }
-    Some(folder)
-}
-
 /// The class of a mask's cell as a raster reader hands it out.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "classes are 0 to 255")]
 pub(crate) fn class_of(value: f64) -> u8 {
     if value.is_nan() { 255 } else { value as u8 }
-}
-
-/// Whether Python is at hand and has a module; a line says where it has not.
-pub(crate) fn python_with(module: &str) -> bool {
-    let found = std::process::Command::new("python3").args(["-c", &format!("import {module}")]).output();
-    let has = found.is_ok_and(|output| output.status.success());
-    if !has {
-        let _ = writeln!(std::io::stderr(), "SKIPPED: no Python with `{module}`");
-    }
-    has
-}
-
-/// Whether a program is on the path; a line says where it is not.
-pub(crate) fn has_program(name: &str) -> bool {
-    let has = std::process::Command::new(name).arg("--version").output().is_ok();
-    if !has {
-        let _ = writeln!(std::io::stderr(), "SKIPPED: no `{name}` on the path");
-    }
-    has
 }
 
 /// The pixels of a PNG.

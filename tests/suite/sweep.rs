@@ -12,7 +12,7 @@ use skyshed_core::raster::{BitGrid, CellWindow};
 use skyshed_core::simd::{SimdLevel, simd_levels};
 
 use crate::referee::{Count, check_cells, over_seeds};
-use crate::support::{Random, cells_where, random_place, slow};
+use crate::support::{Random, cells_where, is_long, random_place};
 
 fn whole(columns: &Columns) -> CellWindow {
     CellWindow { row: 0, col: 0, n_rows: columns.n_rows(), n_cols: columns.n_cols() }
@@ -171,7 +171,7 @@ fn small_raster(random: &mut Random, n_rows: usize, n_cols: usize) -> (Columns, 
 
 #[test]
 fn small_random_rasters_with_heights_around_the_uav_agree_with_ray() {
-    let n = if slow() { 200_000 } else { 6_000 };
+    let n = if is_long() { 200_000 } else { 3_000 };
     let levels = simd_levels();
     let count = over_seeds(n, 0, |_, random, count| {
         let shape = (random.index(1, 48), random.index(1, 48));
@@ -217,7 +217,7 @@ fn window_towards(random: &mut Random, uav: LatticePoint, (n_rows, n_cols): (usi
 /// far above or below the tops.
 #[test]
 fn towns_in_which_most_bins_sleep_agree_with_ray() {
-    let n = if slow() { 4000 } else { 120 };
+    let n = if is_long() { 4000 } else { 60 };
     let levels = simd_levels();
     let count = over_seeds(n, 0x70_17, |_, random, count| {
         let (n_rows, n_cols) = (random.index(20, 260), random.index(20, 260));
@@ -267,7 +267,7 @@ fn uavs_at_the_ends_of_the_lattice_agree_with_ray() {
     let mut random = Random(99);
     let mut count = Count::default();
     for (n_rows, n_cols) in [(60, 60), (1, 300), (300, 1), (7, 130)] {
-        for _ in 0..if slow() { 200 } else { 12 } {
+        for _ in 0..if is_long() { 200 } else { 12 } {
             let (columns, _) = small_raster(&mut random, n_rows, n_cols);
             // The box of the UAV and the raster is at most 2^16 cells a side.
             let far = |random: &mut Random, n: usize| {
@@ -290,9 +290,10 @@ fn ranges_at_the_end_of_rasters_far_longer_than_any_map_agree_with_ray() {
     let levels = simd_levels();
     let mut random = Random(7);
     let mut count = Count::default();
-    for (n_rows, n_cols) in [(70, 300_000), (300_000, 70), (40, 70_000)] {
+    let far = if is_long() { 300_000 } else { 100_000 };
+    for (n_rows, n_cols) in [(70, far), (far, 70), (40, 70_000)] {
         let all = [0, 900, 30];
-        for n_before in all.into_iter().take(if slow() { 3 } else { 2 }) {
+        for n_before in all.into_iter().take(if is_long() { 3 } else { 2 }) {
             let (columns, z) = small_raster(&mut random, n_rows, n_cols);
             // The last thousand rows or columns.
             let from = |n: usize| n - n.min(1000);

@@ -4,8 +4,8 @@ use serde_json::Value;
 use skyshed_io::formats::GeoTiff;
 
 use crate::compare::check_refusals;
+use crate::needs::has_program;
 use crate::program::Folder;
-use crate::support::has_program;
 
 /// A row of the table.
 #[derive(Debug, Clone, PartialEq)]

@@ -13,8 +13,9 @@ use skyshed_study::accuracy::{Choice, Question, Simpler, coarse_answer, coarsest
 
 use crate::cities::{built, generated};
 use crate::compare::check_refusals;
+use crate::needs::truth;
 use crate::program::Folder;
-use crate::support::{Random, slow, truth};
+use crate::support::{Random, is_long};
 use crate::zones::surface_field;
 
 fn field_of(scene: City) -> HeightField {
@@ -42,7 +43,7 @@ fn scenes() -> Vec<(String, HeightField)> {
     }
     let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps");
     scenes.push(("munich".into(), raster(&maps.join("munich_dsm.tif"), &maps.join("munich_terrain.tif"))));
-    let Some(data) = truth().filter(|_| slow()) else { return scenes };
+    let Some(data) = truth().filter(|_| is_long()) else { return scenes };
     let cities = data.join("cities");
     for city in ["munich", "etoile", "simple_street_canyon"] {
         let at = |file: &str| cities.join(city).join(file);
@@ -93,7 +94,7 @@ fn choose(field: &HeightField, uav: &Uav, tolerance: f64, seed: u64) -> Choice {
 fn p_los_of_the_form_taken_is_within_the_tolerance() {
     let scenes = scenes();
     let mut random = Random(21);
-    let n_runs: usize = if slow() { 200 } else { 45 };
+    let n_runs: usize = if is_long() { 200 } else { 45 };
     let (mut n_within, mut n_simpler) = (0, 0);
     let mut outside = Vec::new();
     for k in 0..n_runs {
@@ -221,7 +222,7 @@ fn the_product_stops_where_a_tolerance_allows() {
     let exact = values(&folder.type_in(&format!("{study} --until 0.0001")).done().json());
     let mut last = 0;
     for tolerance in [0.05, 0.005, 0.0005] {
-        for seed in 1..=if slow() { 70 } else { 8 } {
+        for seed in 1..=if is_long() { 70 } else { 8 } {
             let line = format!("{study} --tolerance {tolerance} --seed {seed}");
             let document = folder.type_in(&line).done().json();
             for (found, exact) in values(&document).iter().zip(&exact) {

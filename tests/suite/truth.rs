@@ -20,8 +20,9 @@ use skyshed_io::read::{
 };
 
 use crate::invariants::map;
+use crate::needs::truth;
 use crate::oracle;
-use crate::support::{Random, class_of, oracle_of, slow, truth};
+use crate::support::{Random, class_of, is_long, oracle_of};
 
 fn maps() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("maps")
@@ -149,8 +150,10 @@ fn compare(scene: City, truth: &Path, mask: &str, [street, others]: [f64; 2]) ->
         let placed = Uav::place(&site, &field, None).unwrap();
         let SiteCoverage { mask: ours, tally, .. } = map(&field, &placed, &options());
         // The engine for this kind of scene gives what a ray for each receiver gives.
-        let by_rays = map(&field, &placed, &MapOptions { method: MethodChoice::Ray, ..options() });
-        assert!(ours == by_rays.mask && tally == by_rays.tally, "the engines differ");
+        if n_evaluated == 0 || is_long() {
+            let by_rays = map(&field, &placed, &MapOptions { method: MethodChoice::Ray, ..options() });
+            assert!(ours == by_rays.mask && tally == by_rays.tally, "the engines differ");
+        }
         let theirs = read_mask(&truth.join(mask), band);
         let both: Vec<usize> = (0..ours.len()).filter(|&i| ours[i] <= class::LOS && theirs[i] != 255).collect();
         let differing: Vec<usize> = both.iter().copied().filter(|&i| ours[i] != theirs[i]).collect();
@@ -225,7 +228,7 @@ fn lidar_rasters_agree_with_an_independent_engine() {
 fn uavs_over_roofs_of_munich_agree_with_the_oracle() {
     for footprints in [false, true] {
         let (field, referee) = Referee::of(munich(footprints).0);
-        let n_links = if slow() { 6_000 } else { 120 };
+        let n_links = if is_long() { 6_000 } else { 60 };
         let mut random = Random(11);
         let (mut n, mut n_los) = (0, 0);
         while n < n_links {

@@ -9,8 +9,8 @@ use skyshed_core::quantity::height_steps;
 use skyshed_io::read::{MeshOptions, read_mesh};
 
 use crate::mosaic::gdal;
+use crate::needs::has_program;
 use crate::program::Folder;
-use crate::support::has_program;
 use crate::vector_files::{
     Building, EAST, NORTH, city, mesh_height, write_cityjson, write_flatgeobuf, write_geojson, write_geopackage,
     write_obj, write_ply, write_shapefile,

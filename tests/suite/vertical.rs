@@ -3,8 +3,8 @@
 use serde_json::Value;
 
 use crate::mosaic::gdal;
+use crate::needs::has_program;
 use crate::program::Folder;
-use crate::support::has_program;
 
 /// A surface of 10 and a terrain of 1, 4 × 4 cells, each brought by GDAL into a system.
 fn scene(folder: &Folder, surface: &str, terrain: &str) {

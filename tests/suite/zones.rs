@@ -11,7 +11,8 @@ use skyshed_core::zones::{NONE, Zone, ZoneBasis, ZoneMap};
 use skyshed_io::read::{FootprintOptions, SurfaceOptions, read_footprints, read_surface};
 
 use crate::cities::{built, generated};
-use crate::support::{Random, truth};
+use crate::needs::truth;
+use crate::support::Random;
 
 /// Lattice steps per meter.
 const STEPS: i32 = 1024;
