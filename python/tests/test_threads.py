@@ -103,8 +103,11 @@ def test_other_processes(way: str, tmp_path: Path) -> None:
 
 
 def cpu_seconds(process: int) -> float:
-    """Processor time of a process so far, on which it does not matter how busy the machine is."""
-    fields = Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rsplit(")", 1)[1].split()
+    """Processor time of a process so far, on which it does not matter how busy the machine is; 0 of one that is gone."""
+    stat = Path(f"/proc/{process}/stat")
+    if not stat.exists():
+        return 0.0
+    fields = stat.read_text(encoding="utf-8").rsplit(")", 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
