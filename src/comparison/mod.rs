@@ -298,7 +298,9 @@ impl Answer for Comparison {
                     overlay: &self.overlay,
                     provenance: &provenance.to_string(),
                 };
-                Ok(add_comparison(batch, &comparison, path)?)
+                add_comparison(batch, &comparison, path)?;
+                let style = render::qgis_style(render::FirstBand::Mask);
+                Ok(batch.add(&path.with_extension("qml"), style.as_bytes())?)
             }
             Format::Html => {
                 let live = self.live(look);

@@ -18,7 +18,7 @@ use crate::coverage::Tally;
 use crate::error::{CheckError, RequestError, Result, Warning};
 use crate::export::{Batch, Format, Layer, MosaicTile, encode_parquet, vrt};
 use crate::formats::TiffLayout;
-use crate::map::Part;
+use crate::map::{Part, style_of};
 use crate::picture::Look;
 use crate::quantity::{counted, share};
 use crate::words::pretty;
@@ -301,6 +301,9 @@ impl Answer for Merged {
             }
             Format::Vrt => {
                 let of_list = (self.layers.as_slice(), self.rows.len());
+                if let Some(style) = style_of(&self.layers, self.rows.len(), &[]) {
+                    batch.add(&path.with_extension("qml"), style.as_bytes())?;
+                }
                 vrt(path, &self.facts.grid, self.rasters(path)?, of_list)?.into_bytes()
             }
             _ => {

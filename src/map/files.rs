@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::coverages::Coverages;
 use super::drawing::MapDrawing;
 use super::kml::{KmlOverlay, kml};
+use super::raster_files::add_raster;
 use super::report::{MapReport, MaskDigest};
 use super::save_options::{PolygonClasses, SaveOptions, no_crs};
 use crate::answer::{Answer, Output, Rows, Spent};
@@ -12,8 +13,8 @@ use crate::coverage::{CoveragePolygon, PolygonOptions, Tally, class, coverage_po
 use crate::crs::wkt_of;
 use crate::error::{Error, Result, Warning};
 use crate::export::{
-    Batch, Format, Layer, MapResult, MaskStrips, MaskValues, PolygonFile, add_flatgeobuf, add_map, bare_name,
-    encode_kmz, with_suffix,
+    Batch, Format, Layer, MapResult, MaskStrips, MaskValues, PolygonFile, add_flatgeobuf, bare_name, encode_kmz,
+    with_suffix,
 };
 use crate::formats::{LonLatGrid, TiffLayout, world_file};
 use crate::picture::{Look, drawn, picture_provenance, program};
@@ -57,7 +58,7 @@ impl Answer for Writer<'_> {
                     tif_layout: self.options.tif_layout.unwrap_or_default(),
                     mask_values: self.options.mask_values,
                 };
-                add_map(batch, &result, path, format)?;
+                add_raster(batch, &result, path, format)?;
             }
             Format::Kmz => batch.add(path, &self.kmz(path)?)?,
             Format::GeoJson if self.options.polygons.is_some() => {

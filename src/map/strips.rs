@@ -7,12 +7,13 @@ use super::coverages::Coverages;
 use super::drawing::MapDrawing;
 use super::job::{Done, MapJob, encoding_bytes_per_cell};
 use super::plan::LEAST_HEIGHTS_BYTES_PER_CELL;
+use super::raster_files::add_raster;
 use super::report::{MapReport, MaskDigest, SiteFacts};
 use crate::answer::{Answer, Output, Rows, RunFacts, Spent, Timing, add_outputs};
 use crate::city::{GivenSite, WindowedBase, WindowedSolids};
 use crate::coverage::{MapOptions, SiteCoverage, StreamedMapper, Uav};
 use crate::error::{LimitError, RequestError, Result, Warning, warned};
-use crate::export::{Batch, Format, Layer, MapResult, add_map, add_mask_geotiff};
+use crate::export::{Batch, Format, Layer, MapResult, add_mask_geotiff};
 use crate::formats::{ClassPyramid, RasterFile, TiffLayout};
 use crate::height_field::HeightField;
 use crate::los::Method;
@@ -333,7 +334,7 @@ impl Answer for StripFiles<'_> {
                     tif_layout: TiffLayout::default(),
                     mask_values: self.run.job.save.mask_values,
                 };
-                Ok(add_map(batch, &result, path, format)?)
+                add_raster(batch, &result, path, format)
             }
             (Format::GeoTiff, _) => {
                 let provenance = self.provenance().to_string();

@@ -7,9 +7,9 @@ use super::goal::Whom;
 use crate::answer::Answer;
 use crate::coverage::{ManyMaps, Overlay, Tally};
 use crate::error::{PlacesError, Result};
-use crate::export::{Batch, Format, Layer, MapResult, MaskValues, add_map};
+use crate::export::{Batch, Format, Layer, MapResult, MaskValues};
 use crate::formats::TiffLayout;
-use crate::map::SiteFacts;
+use crate::map::{SiteFacts, add_raster};
 use crate::picture::{Look, mark, picture_provenance, shown_classes, written};
 use crate::render::{self, MapPicture, Mark, grouped};
 use crate::words::unbreakable;
@@ -35,7 +35,7 @@ pub(super) fn add(job: &Placements, batch: &mut Batch, path: &Path, format: Form
         tif_layout: TiffLayout::Cog,
         mask_values: MaskValues::Classes,
     };
-    Ok(add_map(batch, &result, path, format)?)
+    add_raster(batch, &result, path, format)
 }
 
 fn picture(job: &Placements, maps: &ManyMaps, format: Format, look: &Look) -> Result<Vec<u8>> {

@@ -242,7 +242,7 @@ impl Answer for Survey {
 
     fn add(&self, batch: &mut Batch, path: &Path, _: Format, _: &Look) -> Result<()> {
         match &self.tiles {
-            Some(tiles) => Ok(batch.add(path, &tiles.raster(&self.provenance())?)?),
+            Some(tiles) => tiles.add_raster(batch, path, &self.provenance()),
             None => Ok(()),
         }
     }

@@ -1,6 +1,7 @@
 //! α, β and γ by tile as a raster or a table.
 
 use std::ffi::OsStr;
+use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -10,11 +11,12 @@ use crate::answer::{Rows, rows};
 use crate::city::Footprint;
 use crate::city_statistics::tiles::{BuiltUpTile, BuiltUpTiles, FEWEST_BUILDINGS, MOST_TILES, TileSize};
 use crate::error::{Error, LimitError, RequestError, Result};
+use crate::export::Batch;
 use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
 use crate::height_field::HeightField;
 use crate::quantity::{Frame, tidy};
 use crate::raster::GeoRef;
-use crate::render::grouped;
+use crate::render::{FirstBand, grouped, qgis_style};
 
 /// What tiles hold where a value does not exist.
 const NODATA: f32 = -9999.0;
@@ -69,7 +71,8 @@ impl Tiles {
         [tile.built_up_ratio(), self.tiles.buildings_per_km2(tile), tile.height_scale()]
     }
 
-    pub(super) fn raster(&self, provenance: &Value) -> Result<Vec<u8>> {
+    /// Adds the values of all tiles as a raster, with a style that shows the first.
+    pub(super) fn add_raster(&self, batch: &mut Batch, path: &Path, provenance: &Value) -> Result<()> {
         #[expect(clippy::cast_possible_truncation, reason = "bands are f32; counts are exact to 2^24")]
         let band = |value: &dyn Fn(&BuiltUpTile) -> Option<f64>| -> Vec<f32> {
             self.tiles.tiles().iter().map(|tile| value(tile).map_or(NODATA, |v| v as f32)).collect()
@@ -77,7 +80,7 @@ impl Tiles {
         let [alpha, beta, gamma] = [0, 1, 2].map(|k| band(&|tile| self.values(tile)[k]));
         #[expect(clippy::cast_precision_loss, reason = "a city has fewer than 2^53 buildings")]
         let buildings = band(&|tile| tile.built_up_ratio().map(|_| tile.buildings() as f64));
-        Ok(encode_geotiff(&GeoTiffImage {
+        let raster = encode_geotiff(&GeoTiffImage {
             georef: self.tiles.georef(),
             bands: Bands::Float(vec![
                 ("alpha".into(), &alpha),
@@ -89,7 +92,9 @@ impl Tiles {
             palette: None,
             metadata: &[("SKYSHED".into(), provenance.to_string())],
             layout: TiffLayout::Cog,
-        })?)
+        })?;
+        batch.add(path, &raster)?;
+        Ok(batch.add(&path.with_extension("qml"), qgis_style(FirstBand::Values(&alpha)).as_bytes())?)
     }
 
     pub(super) fn table(&self) -> Rows {

@@ -314,7 +314,7 @@ fn a_bare_picture_has_a_pixel_per_cell_and_knows_its_place() {
     let folder = town();
     folder.type_in(&format!("{MAP} --uav 691650,5334780,60 --bare -o b.png -o b.tif -o c.exr")).done();
     let wanted = "b.1.pgw b.1.png b.1.png.json b.1.prj b.2.pgw b.2.png b.2.png.json b.2.prj b.pgw b.png b.png.json \
-                  b.prj b.tif c.exr town.geojson";
+                  b.prj b.qml b.tif b.tif.aux.xml c.exr town.geojson";
     assert_eq!(folder.files().join(" "), wanted);
     assert_eq!(folder.text("b.pgw"), "1\n0\n0\n-1\n691600.5\n5334789.5\n");
     assert!(folder.text("b.prj").contains("UTM"));

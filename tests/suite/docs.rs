@@ -138,13 +138,10 @@ const COMMAND: &[u8] = b"\"command\":[";
 fn commands_of_the_readme_stand_in_the_manual() {
     let (readme, manual) = (page("README.md"), page("docs/commands.md"));
     let manual = commands(&manual);
-    let in_table = readme
-        .lines()
-        .filter_map(|line| line.strip_prefix("| ")?.split('`').nth(1))
-        .filter(|c| c.starts_with("skyshed "));
-    let in_table: Vec<&str> = in_table.collect();
-    assert!(in_table.len() >= 10);
-    for command in in_table {
+    let in_gallery = readme.lines().filter_map(|line| line.strip_prefix('`')?.strip_suffix('`'));
+    let in_gallery: Vec<&str> = in_gallery.filter(|command| command.starts_with("skyshed ")).collect();
+    assert!(in_gallery.len() >= 10);
+    for command in in_gallery {
         assert!(manual.contains(&command), "{command}");
     }
 }

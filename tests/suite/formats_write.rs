@@ -264,8 +264,14 @@ fn arrays_come_back_from_npz() {
 }
 
 #[test]
-fn a_sidecar_names_the_classes_in_order() {
-    let text = pam_sidecar(&palette());
+fn a_sidecar_names_the_classes_in_order_with_their_colors_and_no_others() {
+    let two = pam_sidecar(&palette(), 2);
+    assert_eq!(two.matches("<PAMRasterBand").count(), 2);
+    let text = pam_sidecar(&palette(), 1);
+    let colors: Vec<&str> = text.lines().filter_map(|line| line.trim().strip_prefix("<Entry ")).collect();
+    assert_eq!(colors.len(), 4, "{text}");
+    assert_eq!(colors[1], "c1=\"0\" c2=\"114\" c3=\"178\" c4=\"255\"/>");
+    assert_eq!(colors[2], "c1=\"0\" c2=\"0\" c3=\"0\" c4=\"0\"/>", "a value without a class");
     let names: Vec<&str> = text.lines().filter_map(|line| line.trim().strip_prefix("<Category>")).collect();
     let last = "a&lt;b&gt; &amp; &quot;c&quot; ä</Category>";
     assert_eq!(names, ["NLoS</Category>", "LoS</Category>", "</Category>", last]);

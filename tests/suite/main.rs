@@ -35,6 +35,7 @@ mod mosaic_refusals; // virtual rasters that compute, contradict their tiles, or
 mod reprojected; // rasters in degrees: cell by cell by hand and against gdalwarp
 mod formats_write; // rasters out, and back in
 mod cog; // GeoTIFFs are cloud optimized
+mod qgis; // rasters as QGIS opens them
 mod planning_tools; // what planning tools and simulators take: .bil, KMZ, Mitsuba, ns-3
 mod polygon_files; // coverage polygons, simplified and not
 mod bad_inputs; // every bad file gets its documented answer

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Everything that `SKYSHED_NEED` may name.
-const PARTS: [&str; 11] = [
+const PARTS: [&str; 13] = [
     "truth",      // the shared test data
     "gdal",       // gdal-bin
     "node",       // Node.js with npm
@@ -15,6 +15,8 @@ const PARTS: [&str; 11] = [
     "playwright", // playwright-core, from the npm registry
     "chromium",   // a browser
     "cgroup",     // the right to make a control group with a limit of memory
+    "valgrind",   // for scripts/costs
+    "qgis",       // python3-qgis, 270 MB: not installed by scripts/parts
     "python",     // Python 3.10 or later, for the tests of the package
     "shapely",    // the package for Python
     "rio_cogeo",  // the package for Python

@@ -15,6 +15,7 @@
 //! * [`live_page`]: a city in which a UAV is dragged, as a web page.
 //! * [`draw_heat_sheet`]: P_LoS against two quantities.
 //! * [`draw_rate_sheet`]: failure rates of methods on families of scenes.
+//! * [`qgis_style`]: the style of a raster for QGIS.
 //! * [`draw_tradeoff`]: what accuracy costs, and the bias of what costs less.
 //!
 //! A drawn [`Sheet`] is written as PNG, SVG or PDF, as wide as a [`PictureForm`] says.
@@ -52,6 +53,7 @@ mod pdf;
 mod plot;
 mod png;
 mod point_labels;
+mod qgis_style;
 mod rate_sheet;
 mod resized;
 mod sheet;
@@ -84,6 +86,7 @@ pub use map_picture::{MapPicture, draw_map};
 pub use marks::{MOST_WITH_HEIGHTS, Mark};
 pub use paint::OPEN_GROUND;
 pub use png::{draw_bare, draw_bare_count};
+pub use qgis_style::{FirstBand, qgis_style};
 pub use rate_sheet::{RateColumn, RateSheet, draw_rate_sheet};
 pub use sheet::{PictureForm, PictureFormat, Sheet};
 pub use track_profile::{TrackPlan, TrackProfile, TrackStretch, draw_track_profile};

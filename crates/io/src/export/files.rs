@@ -129,7 +129,8 @@ pub fn check_folder(path: &Path) -> Result<()> {
 pub fn sidecars(path: &Path, format: Format, bare: bool) -> Vec<PathBuf> {
     let beside = |suffix: &str| with_suffix(path, suffix);
     match format {
-        Format::GeoTiff => vec![beside(".aux.xml")],
+        Format::GeoTiff => vec![beside(".aux.xml"), path.with_extension("qml")],
+        Format::Vrt => vec![path.with_extension("qml")],
         Format::AsciiGrid => vec![path.with_extension("prj"), beside(".json")],
         Format::Bil => vec![path.with_extension("hdr"), path.with_extension("prj"), beside(".json")],
         Format::Csv => vec![beside(".json")],

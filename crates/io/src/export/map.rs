@@ -7,7 +7,7 @@ use super::Batch;
 use super::files::with_suffix;
 use super::format::Format;
 use super::map_arrays::npz;
-use super::map_result::{Band, Layer, MapResult, MaskValues, NO_COUNT, NODATA, band_name, exact_f32, finite};
+use super::map_result::{Band, Layer, MapResult, MaskValues, NO_COUNT, NODATA, band_name, exact_f32, finite, n_bands};
 use super::single_band::{ascii_grid, bil};
 use crate::coverage::class;
 use crate::error::{Error, Fault, Result, WriteFault};
@@ -24,14 +24,7 @@ const MOST_SITES_AS_F32: usize = 24;
 /// # Errors
 /// Usage error (E107).
 pub fn check_layers(layers: &[Layer], n_sites: usize, path: &Path, format: Format) -> Result<()> {
-    let n_bands: usize = layers
-        .iter()
-        .map(|layer| match layer {
-            Layer::Count | Layer::Union | Layer::BestServer => 1,
-            Layer::Which => n_sites.div_ceil(32),
-            _ => n_sites,
-        })
-        .sum();
+    let n_bands = n_bands(layers, n_sites);
     let has = |layer| layers.contains(&layer);
     let fault = match format {
         Format::AsciiGrid | Format::Bil if n_bands != 1 => WriteFault::OneLayer(format, n_bands),
@@ -85,12 +78,13 @@ fn add_geotiff(batch: &mut Batch, result: &MapResult<'_>, path: &Path) -> Result
             })
             .collect();
         let palette = palette();
-        let named = masks.len() == 1 && result.mask_values == MaskValues::Classes;
+        let named = result.mask_values == MaskValues::Classes;
+        let is_colored = named && masks.len() == 1;
         let borrowed = masks.iter().map(|(name, mask)| (name.clone(), mask.as_ref())).collect();
         let nodata = result.mask_values.nodata().map(f64::from);
-        add(&image(Bands::Byte(borrowed), nodata, named.then_some(palette.as_slice())))?;
+        add(&image(Bands::Byte(borrowed), nodata, is_colored.then_some(palette.as_slice())))?;
         if named {
-            add_class_names(batch, path, &palette)?;
+            add_class_names(batch, path, masks.len())?;
         }
         return Ok(());
     }
@@ -163,14 +157,17 @@ pub(super) fn add_described(
     };
     let metadata = [("SKYSHED".to_string(), provenance.to_string())];
     add(batch, &image, &metadata)?;
-    if is_named { add_class_names(batch, path, &palette) } else { Ok(()) }
+    if is_named { add_class_names(batch, path, 1) } else { Ok(()) }
 }
 
-/// Adds the sidecar with the names of the classes.
-fn add_class_names(batch: &mut Batch, path: &Path, palette: &[ClassColor]) -> Result<()> {
-    // Nodata has no name: category names are a list from 0, and nobody wants 250 blanks in a legend.
-    let named: Vec<ClassColor> = palette.iter().filter(|c| c.value != class::NODATA).cloned().collect();
-    batch.add(&with_suffix(path, ".aux.xml"), pam_sidecar(&named).as_bytes())
+/// Adds the sidecar with the names and colors of the classes of `n_bands` masks.
+fn add_class_names(batch: &mut Batch, path: &Path, n_bands: usize) -> Result<()> {
+    batch.add(&with_suffix(path, ".aux.xml"), pam_sidecar(&named_classes(), n_bands).as_bytes())
+}
+
+/// The classes that legends name: nodata has no name, since names are a list from 0, and nobody wants 250 blanks.
+pub(super) fn named_classes() -> Vec<ClassColor> {
+    palette().into_iter().filter(|class| class.value != class::NODATA).collect()
 }
 
 /// The classes with their names and colors.

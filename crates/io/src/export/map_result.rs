@@ -102,6 +102,16 @@ pub struct MapResult<'a> {
     pub mask_values: MaskValues,
 }
 
+/// Returns the number of bands that layers of so many UAVs take in a file.
+pub fn n_bands(layers: &[Layer], n_uavs: usize) -> usize {
+    let of_layer = |layer: &Layer| match layer {
+        Layer::Count | Layer::Union | Layer::BestServer => 1,
+        Layer::Which => n_uavs.div_ceil(32),
+        _ => n_uavs,
+    };
+    layers.iter().map(of_layer).sum()
+}
+
 /// The values that stand for line of sight in a mask.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MaskValues {

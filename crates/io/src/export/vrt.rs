@@ -3,11 +3,12 @@
 use std::fmt::Write as _;
 use std::path::{Component, Path, PathBuf};
 
+use super::map::named_classes;
 use super::map_result::{Layer, NO_COUNT};
 use crate::coverage::class;
 use crate::crs::wkt_of;
 use crate::error::{Error, Result, WriteFault};
-use crate::formats::xml_text;
+use crate::formats::{class_table, xml_text};
 use crate::raster::{CellWindow, GeoRef};
 
 /// A file of a mosaic, and the cells of the whole that it holds.
@@ -54,6 +55,10 @@ pub fn vrt(path: &Path, grid: &GeoRef, tiles: &[MosaicTile], (layers, n_uavs): (
     for (band, name) in (1..).zip(&bands.names) {
         let _ = writeln!(text, "  <VRTRasterBand dataType=\"{}\" band=\"{band}\">", bands.data_type);
         let _ = writeln!(text, "    <Description>{name}</Description>");
+        if bands.data_type == "Byte" {
+            text += "    <ColorInterp>Palette</ColorInterp>\n";
+            text += &class_table(&named_classes());
+        }
         if let Some(nodata) = bands.nodata {
             let _ = writeln!(text, "    <NoDataValue>{nodata}</NoDataValue>");
         }

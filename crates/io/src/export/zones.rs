@@ -29,5 +29,5 @@ pub fn add_zones(batch: &mut Batch, zones: &ZoneMap, provenance: &str, path: &Pa
         layout: TiffLayout::Cog,
     };
     batch.add_streamed(path, |file| write_geotiff(file, &image))?;
-    batch.add(&with_suffix(path, ".aux.xml"), pam_sidecar(&palette).as_bytes())
+    batch.add(&with_suffix(path, ".aux.xml"), pam_sidecar(&palette, 1).as_bytes())
 }

@@ -28,8 +28,8 @@ pub use exr_file::{ExrChannel, write_exr};
 pub use file::RasterFile;
 pub use geotiff::xml_text;
 pub use geotiff::{
-    Bands, ClassColor, ClassImage, ClassPyramid, ClassStrips, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff,
-    pam_sidecar, write_geotiff,
+    Bands, ClassColor, ClassImage, ClassPyramid, ClassStrips, GeoTiff, GeoTiffImage, TiffLayout, class_table,
+    encode_geotiff, pam_sidecar, write_geotiff,
 };
 pub use lonlat::LonLatGrid;
 pub use mosaic::Mosaic;

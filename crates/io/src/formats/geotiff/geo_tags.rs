@@ -110,18 +110,27 @@ fn gdal_metadata(items: &[(String, String)], names: &[&str]) -> String {
     text
 }
 
-/// The sidecar `FILE.tif.aux.xml` in which GDAL and QGIS look for the names of the classes.
+/// The sidecar `FILE.tif.aux.xml` with names and colors of the classes of the first `n_bands` bands.
 ///
-/// GDAL reads category names of a GeoTIFF from nowhere else.
-pub fn pam_sidecar(palette: &[ClassColor]) -> String {
+/// GDAL reads category names of a GeoTIFF from nowhere else. The color table of a TIFF always has 256 entries; this one has those of
+/// the classes, and GDAL and QGIS take it instead.
+pub fn pam_sidecar(palette: &[ClassColor], n_bands: usize) -> String {
+    let table = class_table(palette);
+    let band = |band| format!("  <PAMRasterBand band=\"{band}\">\n{table}  </PAMRasterBand>\n");
+    format!("<PAMDataset>\n{}</PAMDataset>\n", (1..=n_bands).map(band).collect::<String>())
+}
+
+/// Names and colors of classes, from 0 to the last, as virtual rasters and sidecars of GDAL have them within a band.
+pub fn class_table(palette: &[ClassColor]) -> String {
     let last = palette.iter().map(|class| class.value).max().unwrap_or(0);
-    let mut text = String::from("<PAMDataset>\n  <PAMRasterBand band=\"1\">\n    <CategoryNames>\n");
+    let of = |value: u8| palette.iter().find(|class| class.value == value);
+    let (mut names, mut colors) = (String::new(), String::new());
     for value in 0..=last {
-        let name = palette.iter().find(|class| class.value == value).map_or("", |class| class.name.as_str());
-        text.push_str(&format!("      <Category>{}</Category>\n", xml_text(name)));
+        let (name, [r, g, b, a]) = of(value).map_or(("", [0; 4]), |class| (class.name.as_str(), class.rgba));
+        names.push_str(&format!("      <Category>{}</Category>\n", xml_text(name)));
+        colors.push_str(&format!("      <Entry c1=\"{r}\" c2=\"{g}\" c3=\"{b}\" c4=\"{a}\"/>\n"));
     }
-    text.push_str("    </CategoryNames>\n  </PAMRasterBand>\n</PAMDataset>\n");
-    text
+    format!("    <CategoryNames>\n{names}    </CategoryNames>\n    <ColorTable>\n{colors}    </ColorTable>\n")
 }
 
 /// A value as GDAL escapes it before the XML is made; quotation marks may stay, so that JSON remains readable.

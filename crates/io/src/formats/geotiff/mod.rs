@@ -32,7 +32,7 @@ mod tests;
 mod write;
 
 pub use class_pyramid::ClassPyramid;
-pub use geo_tags::{pam_sidecar, xml_text};
+pub use geo_tags::{class_table, pam_sidecar, xml_text};
 pub use geo_tiff::GeoTiff;
 pub use image::{Bands, ClassColor, ClassImage, GeoTiffImage, TiffLayout};
 pub(super) use placement::meters_per_named_unit;
