@@ -13,8 +13,8 @@ use crate::coverage::{CoveragePolygon, PolygonOptions, Tally, class, coverage_po
 use crate::crs::wkt_of;
 use crate::error::{Error, Result, Warning};
 use crate::export::{
-    Batch, Format, Layer, MapResult, MaskStrips, MaskValues, PolygonFile, add_flatgeobuf, bare_name, encode_kmz,
-    with_suffix,
+    Batch, Format, Layer, MapResult, MaskStrips, MaskValues, PolygonFile, add_flatgeobuf, add_map, bare_name,
+    encode_kmz, with_suffix,
 };
 use crate::formats::{LonLatGrid, TiffLayout, world_file};
 use crate::picture::{Look, drawn, picture_provenance, program};
@@ -58,7 +58,11 @@ impl Answer for Writer<'_> {
                     tif_layout: self.options.tif_layout.unwrap_or_default(),
                     mask_values: self.options.mask_values,
                 };
-                add_raster(batch, &result, path, format)?;
+                // Tiles hang on the ground that they show alone; the style of a mosaic is written beside it.
+                match self.of.report.tile {
+                    Some(_) => add_map(batch, &result, path, format)?,
+                    None => add_raster(batch, &result, path, format)?,
+                }
             }
             Format::Kmz => batch.add(path, &self.kmz(path)?)?,
             Format::GeoJson if self.options.polygons.is_some() => {
