@@ -366,8 +366,10 @@ fn an_interrupt_while_files_are_written_is_heard_within_a_second() {
     let mut whole = start.elapsed();
     let expected: Vec<(String, Vec<u8>)> = folder.files().into_iter().map(|f| (f.clone(), folder.read(&f))).collect();
     let mut random = Random(5);
-    let (n_runs, mut n_stopped) = (if is_long() { 100 } else { 5 }, 0);
-    for _ in 0..n_runs {
+    let (mut n_runs, mut n_stopped) = (0, 0);
+    // A run that is over before its moment was faster than the first: then moments come earlier.
+    while n_runs < if is_long() { 100 } else { 5 } || n_stopped <= n_runs / 4 && n_runs < 200 {
+        n_runs += 1;
         folder.remove(&folder.files());
         let share = random.within(0, 1000) as f64 / 1000.0;
         let (code, err, until_end) = interrupted(&folder, &words, whole.mul_f64(share));
@@ -382,7 +384,7 @@ fn an_interrupt_while_files_are_written_is_heard_within_a_second() {
             assert!(known.is_some_and(|(_, bytes)| *bytes == folder.read(&file)), "{file} after {share} of a run");
         }
     }
-    assert!(n_stopped > n_runs / 8, "only {n_stopped} runs were stopped");
+    assert!(n_stopped > n_runs / 4, "only {n_stopped} of {n_runs} runs were stopped");
 }
 
 #[test]

@@ -94,6 +94,19 @@ fn a_run_stays_within_its_memory_or_is_refused() {
     }
 }
 
+/// What writes nothing beyond its limit must not compute to its end either. Processor time tells: a busy machine lets the watch wait, and the work
+/// as well.
+#[test]
+fn a_watch_ends_a_run_that_takes_too_much_long_before_it_is_done() {
+    let folder = scenes();
+    let line = "place houses.geojson --height 60 --step 4 -j 1 -o a.csv --overwrite";
+    let whole = folder.type_in(line).done();
+    // Less than the city alone takes, which is there before the first place is mapped.
+    let ended = folder.type_in(&format!("{line} --max-memory 20M"));
+    assert!(ended.error() == "E501" && ended.err.contains("cannot go on"), "{ended:?}");
+    assert!(whole.cpu_s > 1.0 && ended.cpu_s < 0.5 * whole.cpu_s, "{} of {} s", ended.cpu_s, whole.cpu_s);
+}
+
 /// A control group with a limit of memory, removed when dropped.
 struct Group(PathBuf);
 
