@@ -29,12 +29,22 @@ const NEVER: Duration = Duration::from_secs(1200);
 pub(crate) struct Answer {
     pub(crate) status: ExitStatus,
     pub(crate) out: String,
+    /// Standard error but for [`Answer::progress`].
     pub(crate) err: String,
+    /// How far it was, told every some seconds: of how many of them says how busy the machine is.
+    pub(crate) progress: Vec<String>,
     /// Processor time that it took \[s\]; 0 where the system does not say.
     pub(crate) cpu_s: f64,
 }
 
 impl Answer {
+    fn of(status: ExitStatus, [out, err]: [String; 2], cpu_s: f64) -> Answer {
+        let is_progress = |line: &&str| line.ends_with(" s left\n") || line.ends_with(" s so far\n");
+        let (progress, err): (Vec<&str>, Vec<&str>) = err.split_inclusive('\n').partition(is_progress);
+        let progress = progress.into_iter().map(str::to_string).collect();
+        Answer { status, out, err: err.concat(), progress, cpu_s }
+    }
+
     /// The exit code; a signal or the code of a panic is a failure of whatever ran.
     pub(crate) fn code(&self) -> i32 {
         let code = self.status.code().unwrap_or_else(|| panic!("ended by a signal: {self:?}"));
@@ -227,7 +237,7 @@ impl Folder {
         assert!(command.status().expect("the tests start").success(), "{line}");
         let number = |name: &str| report.text(name).parse::<i64>().expect("a number");
         let status = ExitStatus::from_raw(i32::try_from(number("status")).expect("a status"));
-        let answer = Answer { status, out: report.text("out"), err: report.text("err"), cpu_s: 0.0 };
+        let answer = Answer::of(status, [report.text("out"), report.text("err")], 0.0);
         (answer, number("peak").try_into().expect("a number of bytes"))
     }
 }
@@ -301,7 +311,7 @@ pub(crate) fn wait(mut child: Child) -> Answer {
                 None => std::thread::sleep(Duration::from_millis(1)),
             }
         };
-        Answer { status, out: out.join().expect("standard output"), err: err.join().expect("standard error"), cpu_s }
+        Answer::of(status, [out.join().expect("standard output"), err.join().expect("standard error")], cpu_s)
     })
 }
 
