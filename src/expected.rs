@@ -59,6 +59,13 @@ impl Expected {
         Expected { bytes: n_cells.saturating_mul(FIELD_BYTES_PER_CELL + bytes_per_cell) as u64, seconds }
     }
 
+    /// The same with another time of the processors for the line of sight \[s\], if that is known, over all threads.
+    pub(crate) fn with_cpu_seconds(self, cpu_s: Option<f64>) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "a few threads")]
+        let n_threads = rayon::current_num_threads() as f64;
+        Expected { seconds: cpu_s.map_or(self.seconds, |cpu_s| cpu_s / n_threads), ..self }
+    }
+
     /// Time that the line of sight will take \[s\].
     pub(crate) fn seconds(&self) -> f64 {
         self.seconds

@@ -3,7 +3,9 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::coverage::{HeightErrors, MapOptions, Mapper, OwnErrors, RedrawnCounts, RedrawnHeights, SiteCoverage, Uav};
+use crate::coverage::{
+    HeightErrors, HoversOver, MapOptions, Mapper, OwnErrors, RedrawnCounts, RedrawnHeights, SiteCoverage, Uav,
+};
 use crate::error::{Error, Result};
 use crate::height_field::HeightField;
 use crate::progress::Progress;
@@ -123,7 +125,8 @@ impl AskedErrors {
         let Some(counts) = self.redrawn(mapper, uavs, progress)? else { return Ok(Vec::new()) };
         let of = |uav: usize| {
             let (low, high) = counts.interval(uav, PART);
-            (counts.receivers[uav] > 0).then_some(IntervalFacts { p_los_low: low, p_los_high: high })
+            let has_p_los = counts.receivers[uav] > 0 && uavs[uav].placement != HoversOver::Nodata;
+            has_p_los.then_some(IntervalFacts { p_los_low: low, p_los_high: high })
         };
         Ok((0..uavs.len()).map(of).collect())
     }
@@ -253,7 +256,7 @@ impl UncertainFacts {
             surely: count(cells, 1.0),
             possibly: count(cells, 2.0),
         });
-        let p_los_mean = site.p_los.as_deref().and_then(|cells| {
+        let p_los_mean = site.p_los.as_deref().filter(|_| !site.tally.is_over_nodata).and_then(|cells| {
             let known = cells.iter().filter(|p| !p.is_nan());
             let (sum, n) = known.fold((0.0, 0_u32), |(sum, n), p| (sum + f64::from(*p), n + 1));
             (n > 0).then(|| sum / f64::from(n))

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::city::{Antenna, GivenSite};
-use crate::coverage::{self, MapOptions, SiteCoverage};
+use crate::coverage::{self, MapOptions, Tally};
 use crate::error::{Error, OddRun, RequestError, Result, Warning};
 use crate::height_field::{Curvature, HeightField};
 use crate::los::{Method, MethodChoice};
@@ -373,10 +373,21 @@ pub(crate) fn earth_words(curvature: Curvature) -> String {
     format!("curved earth, K = {k}")
 }
 
-/// W202 for each UAV that has no receiver.
-pub(crate) fn warn_of_no_receivers(coverages: &[SiteCoverage], warnings: &mut Vec<Warning>) {
-    for site in coverages.iter().filter(|site| site.tally.receivers == 0) {
-        let (id, why) = (site.uav.id.clone(), site.tally.reason());
-        warnings.push(OddRun::NoReceiver { what: "UAV", id, why }.into());
+/// W202 for each UAV or placement, by its id, that has no receiver, and W205 for those that have, and are over no data.
+pub(crate) fn warn_of_no_p_los<'a>(
+    what: &'static str,
+    tallies: impl Iterator<Item = (&'a str, &'a Tally)>,
+    warnings: &mut Vec<Warning>,
+) {
+    let mut over_nodata = Vec::new();
+    for (id, tally) in tallies.filter(|(_, tally)| tally.p_los().is_none()) {
+        if tally.receivers == 0 {
+            warnings.push(OddRun::NoReceiver { what, id: id.into(), why: tally.reason() }.into());
+        } else {
+            over_nodata.push(id.to_string());
+        }
+    }
+    if !over_nodata.is_empty() {
+        warnings.push(OddRun::OverNodata(over_nodata).into());
     }
 }

@@ -15,7 +15,7 @@ use crate::error::{RequestError, Result, Warning};
 use crate::export::{Batch, Format, add_zones};
 use crate::picture::{Look, crs_words, picture_provenance, program, written};
 use crate::quantity::{counted, tidy};
-use crate::render::{self, MapClass, MapPicture, grouped};
+use crate::render::{self, MapClass, MapPicture, grouped, percent};
 use crate::scene::Scene;
 use crate::words::title_of;
 use crate::zones::{NONE, Zone, ZoneBasis, ZoneMap};
@@ -113,12 +113,10 @@ impl ZoneFiles {
         let grid = &self.facts.grid;
         let unit = self.facts.unit_m();
         let open = [Zone::Street, Zone::Crossroad, Zone::Courtyard];
-        #[expect(clippy::cast_precision_loss, reason = "a percentage for reading")]
-        let share =
-            |zone| 100.0 * self.zones.count(zone) as f64 / open.map(|z| self.zones.count(z)).iter().sum::<u64>() as f64;
+        let share = |zone| percent(self.zones.count(zone), open.map(|z| self.zones.count(z)).iter().sum());
         let detail = |zone: Zone| {
             let parts = self.zones.n_parts(zone) as u64;
-            format!("{:.1} % of open ground · {}", share(zone), counted(parts, "part", "parts"))
+            format!("{} of open ground · {}", share(zone), counted(parts, "part", "parts"))
         };
         let details = open.map(detail);
         let names = ["Street", "Crossroad", "Courtyard"];
@@ -197,9 +195,10 @@ impl Answer for ZoneFiles {
 
     fn text(&self, _: &Look) -> Result<String> {
         let line = |zone: Zone| {
-            let ZoneCounts { cells, share, parts, .. } = self.counts(zone);
+            let ZoneCounts { cells, parts, .. } = self.counts(zone);
+            let share = percent(cells, self.zones.grid().n_cells() as u64);
             let (cells, parts) = (grouped(cells), counted(parts as u64, "part", "parts"));
-            format!("{:<10} {cells} cells ({:.1} %) in {parts}\n", zone.name(), 100.0 * share)
+            format!("{:<10} {cells} cells ({share}) in {parts}\n", zone.name())
         };
         Ok(Zone::ALL.map(line).concat())
     }

@@ -154,7 +154,11 @@ class _Mapped(Grid):
         return Answer(self._maps.height_curves(asked, watch_of(progress)))
 
 
-def _flags() -> dict[str, Any]:
+#: Attributes of a number of UAVs.
+COUNT = {"long_name": "UAVs in line of sight", "units": "1"}
+
+
+def flags() -> dict[str, Any]:
     """Attributes of a mask by the CF conventions."""
     flags = np.array([NLOS, LOS, NO_RECEIVER, OUT_OF_RANGE, NODATA], dtype=np.uint8)
     meanings = "nlos los no_receiver out_of_range nodata"
@@ -172,9 +176,14 @@ class Coverage(_Mapped):
 
     @property
     def p_los(self) -> float:
-        """The share of receivers in range that are in line of sight; NaN without any."""
-        receivers, los = self._maps.tallies()[0]
-        return los / receivers if receivers else float("nan")
+        """The share of receivers in range that are in line of sight; NaN without any, and of a UAV over no data: ``reason`` says which."""
+        return self._maps.p_los()[0]
+
+    @property
+    def reason(self) -> str | None:
+        """Why there is no P_LoS."""
+        reason: str | None = self.document["sites"][0].get("reason")
+        return reason
 
     @property
     def p_los_interval(self) -> tuple[float, float] | None:
@@ -185,7 +194,7 @@ class Coverage(_Mapped):
     @property
     def receivers(self) -> int:
         """Receivers in range."""
-        return self._maps.tallies()[0][0]
+        return self._maps.receivers()[0]
 
     @property
     def zones(self) -> dict[str, dict[str, Any]] | None:
@@ -208,7 +217,7 @@ class Coverage(_Mapped):
         """All layers with their coordinates; ``.los.rio.to_raster("los.tif")`` writes one."""
         import xarray
 
-        layers: dict[str, Any] = {"los": (("y", "x"), self.los, _flags() | {"grid_mapping": "spatial_ref"})}
+        layers: dict[str, Any] = {"los": (("y", "x"), self.los, flags() | {"grid_mapping": "spatial_ref"})}
         for name in ("margin", "ceiling", "least-height", "stability", "sure", "p-los"):
             found = self._maps.layer(0, MEASURES[name])
             if found is not None:
@@ -269,18 +278,17 @@ class Coverages(_Mapped):
     @property
     def receivers(self) -> npt.NDArray[np.int64]:
         """Receivers in range of each UAV."""
-        return np.array([tally[0] for tally in self._maps.tallies()], dtype=np.int64)
+        return np.array(self._maps.receivers(), dtype=np.int64)
 
     @property
     def p_los(self) -> npt.NDArray[np.float64]:
-        """The share of receivers in range that each UAV sees; NaN without any."""
-        return shares(np.array(self._maps.tallies(), dtype=np.uint64).reshape(-1, 2))
+        """The share of receivers in range that each UAV sees; NaN without any, and of a UAV over no data."""
+        return np.array(self._maps.p_los())
 
     @property
     def union_p_los(self) -> float:
-        """The share of receivers in range of any UAV that at least one sees."""
-        receivers, los = self._maps.tally()
-        return los / receivers if receivers else float("nan")
+        """The share of receivers in range of any UAV that at least one sees; NaN without any, and where a UAV is over no data."""
+        return self._maps.union_p_los()
 
     @property
     def union(self) -> npt.NDArray[np.uint8]:
@@ -311,21 +319,14 @@ class Coverages(_Mapped):
 
         of_grid = {"grid_mapping": "spatial_ref"}
         layers = {
-            "union": (("y", "x"), self.union, _flags() | of_grid),
-            "count": (("y", "x"), self.count, {"long_name": "UAVs in line of sight", "units": "1"} | of_grid),
+            "union": (("y", "x"), self.union, flags() | of_grid),
+            "count": (("y", "x"), self.count, COUNT | of_grid),
         }
         attrs = {"digest": self.digest, "p_los": self.union_p_los, "source": "skyshed"}
         return xarray.Dataset(layers, self.coordinates(), attrs)
 
     def __repr__(self) -> str:
         return f"Coverages({len(self)} UAVs, union_p_los={self.union_p_los:.4f})"
-
-
-def shares(counts: npt.NDArray[np.uint64]) -> npt.NDArray[np.float64]:
-    """P_LoS of receivers and those of them in line of sight, NaN without any."""
-    receivers, los = counts[:, 0].astype(float), counts[:, 1].astype(float)
-    found: npt.NDArray[np.float64] = np.divide(los, receivers, out=np.full(len(receivers), np.nan), where=receivers > 0)
-    return found
 
 
 class Answer:

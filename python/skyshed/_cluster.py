@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Union
 import numpy as np
 
 from skyshed import _skyshed
-from skyshed._answers import shares
 from skyshed._errors import Error, wrong
 from skyshed._scene import READING, Origin, Scene, opened_once, origin_of
 from skyshed._words import AskedUav, PathLike, files_of, table_of, uavs_of, words_of
@@ -60,6 +59,8 @@ class Grid(NamedTuple):
     shape: tuple[int, int]
     #: West edge, width of a cell, north edge, height of a cell.
     place: tuple[float, float, float, float]
+    #: Label and WKT of the reference system.
+    crs: tuple[str, str | None] | None
 
 
 class Cluster(Protocol):
@@ -126,8 +127,9 @@ def p_los(
     words = words_of(sight)
     size = batch or _size_of_part(scene, listed, words)
     parts = [listed[first : first + size] for first in range(0, len(listed), size)]
-    counted = cluster.run("p_los", count_some, _shared(cluster, scene._origin or scene), parts, words)
-    return shares(np.concatenate(counted))
+    counted = cluster.run("p_los", p_los_of_some, _shared(cluster, scene._origin or scene), parts, words)
+    found: npt.NDArray[np.float64] = np.concatenate(counted)
+    return found
 
 
 def place(
@@ -160,17 +162,16 @@ def place(
 def _asked(scene: SceneOrPath, options: Mapping[str, object]) -> tuple[Asked, Grid, str | None, dict[str, object]]:
     """What processes open, where its cells lie, its reference system, and the options that do not say how it is read."""
     if isinstance(scene, Scene):
-        shape, place, _ = scene._scene.place
-        return scene._origin or scene, Grid(shape, place), scene.crs, dict(options)
+        return scene._origin or scene, Grid(*scene._scene.place), scene.crs, dict(options)
     reading = {name: value for name, value in options.items() if name in READING}
     others = {name: value for name, value in options.items() if name not in READING}
     origin = origin_of(scene, reading)
     found = _skyshed.raster_grid(origin.word, origin.words)
     if found is None:
         opened = opened_once(origin)
-        return origin, Grid(*opened._scene.place[:2]), opened.crs, others
+        return origin, Grid(*opened._scene.place), opened.crs, others
     shape, place, crs = found
-    return origin, Grid(shape, place), crs[0] if crs else None, others
+    return origin, Grid(shape, place, crs), crs[0] if crs else None, others
 
 
 def _shared(cluster: Cluster, asked: Asked) -> Any:
@@ -235,7 +236,7 @@ def _size_of_part(scene: SceneOrPath, sites: list[AskedUav], words: list[str]) -
         return min(20, max(len(sites) // 8, 1))
     start = time.perf_counter()
     try:
-        scene._scene.counts(sites[:1], [word for word in words if word.startswith(OF_RANGE)])
+        scene._scene.p_los(sites[:1], [word for word in words if word.startswith(OF_RANGE)])
     except Error:
         return 1
     spent = 2 * (time.perf_counter() - start) + 1e-3
@@ -298,9 +299,9 @@ def prepare(threads: int | None, memory: int | None) -> None:
         _skyshed.limit_memory(int(0.95 * memory))
 
 
-def count_some(asked: Asked, sites: list[AskedUav], words: list[str]) -> npt.NDArray[np.uint64]:
+def p_los_of_some(asked: Asked, sites: list[AskedUav], words: list[str]) -> npt.NDArray[np.float64]:
     scene = opened_once(asked) if isinstance(asked, Origin) else asked
-    return scene._scene.counts(sites, words)
+    return scene._scene.p_los(sites, words)
 
 
 def map_some(asked: Asked, sites: list[AskedUav], words: list[str]) -> tuple[Mapped, list[tuple[str, Error]]]:

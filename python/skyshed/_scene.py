@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, TypeVar
 import numpy as np
 
 from skyshed import _skyshed
-from skyshed._answers import Answer, Coverage, Coverages, Grid, Link, shares
+from skyshed._answers import Answer, Coverage, Coverages, Grid, Link
 from skyshed._arrays import Held, crs_text, held, is_xarray, placed
 from skyshed._errors import tell, wrong
 from skyshed._live import LivePage
@@ -113,7 +113,7 @@ class Scene(Grid):
 
     @classmethod
     def itu(cls, kind: str, *, size: float = 1000, seed: int = 1, **options: Unpack[_AnyScene]) -> Self:
-        """A generated city of the ITU-R P.1410 model: ``suburban``, ``urban``, ``denseurban``, ``highrise``, or
+        """A generated city of the ITU-R P.1410 model: ``suburban``, ``urban``, ``dense-urban``, ``high-rise``, or
         ``"alpha,beta,gamma"``; ``size`` is its edge [m].
 
         >>> Scene.itu("urban", size=200).shape
@@ -281,8 +281,8 @@ class Scene(Grid):
         return Coverages(maps, self, listed, asked, keep)
 
     def p_los(self, uavs: Iterable[Uav], *, progress: object = None, **sight: Unpack[Sight]) -> npt.NDArray[np.float64]:
-        """P_LoS of each of some UAVs: the share of receivers in range that it sees, NaN without any. No mask is made."""
-        return shares(self._scene.counts(uavs_of(uavs, self.crs), words_of(sight), watch_of(progress)))
+        """P_LoS of each of some UAVs: the share of receivers in range that it sees, NaN without any, and over no data. No mask is made."""
+        return self._scene.p_los(uavs_of(uavs, self.crs), words_of(sight), watch_of(progress))
 
     def link(
         self,

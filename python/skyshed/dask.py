@@ -24,6 +24,8 @@ from distributed import Client, as_completed, get_client, get_worker
 from distributed.scheduler import KilledWorker
 
 from skyshed import _cluster
+from skyshed._answers import COUNT, flags
+from skyshed._answers import Grid as CellGrid
 from skyshed._cluster import DEATHS, Mapped, SceneOrPath, Tile
 from skyshed._errors import Error, wrong
 from skyshed._scene import Scene
@@ -98,7 +100,8 @@ def tiles(
 ) -> xarray.DataArray:
     """A layer of all UAVs together as an array of Dask chunks, one for each tile, made when it is computed.
 
-    ``layer`` is ``count``, ``union`` or ``best-server``; where nobody receives, the numbers of the first and the last are 4294967295.
+    ``layer`` is ``count``, ``union`` or ``best-server``. Values, coordinates and attributes are those of :meth:`Coverages.to_xarray`: 0 where
+    no UAV sees a cell, also where nobody receives. The number of the best server is its place in the list, from 1.
     """
     import dask.array
     import xarray
@@ -112,7 +115,7 @@ def tiles(
     listed = _cluster.named(_cluster._listed(uavs, crs))
     words = words_of({**others, "layers": layer, "tile_size": tile_size})
     places = _cluster.places_of(listed)
-    (n_rows, n_cols), (west, width, north, height) = grid.shape, grid.place
+    n_rows, n_cols = grid.shape
     dtype = np.uint8 if layer == "union" else np.uint32
     blocks: dict[Tile, Any] = {}
     for tile in _cluster.tiles_of(grid, tile_size):
@@ -122,8 +125,9 @@ def tiles(
         blocks[tile] = chunks.from_delayed(array, shape, dtype)
     rows = sorted({row for row, _ in blocks})
     data = chunks.block([[blocks[row, col] for r, col in blocks if r == row] for row in rows])
-    coords = {"y": north - height * (np.arange(n_rows) + 0.5), "x": west + width * (np.arange(n_cols) + 0.5)}
-    return xarray.DataArray(data, dims=("y", "x"), coords=coords, name=layer)
+    attributes = {"union": flags(), "count": COUNT}.get(layer, {"long_name": "nearest UAV in line of sight", "units": "1"})
+    coordinates = CellGrid((grid.shape, grid.place, grid.crs)).coordinates()
+    return xarray.DataArray(data, coordinates, ("y", "x"), layer, attributes | {"grid_mapping": "spatial_ref"})
 
 
 def _layer_of_tile(asked: Any, tile: Tile, uavs: list[AskedUav], words: list[str], layer: str) -> npt.NDArray[Any]:
@@ -133,7 +137,8 @@ def _layer_of_tile(asked: Any, tile: Tile, uavs: list[AskedUav], words: list[str
         _cluster.ask_map(asked, uavs, line, folder)
         with np.load(f"{folder}/tile.npz") as arrays:
             found: npt.NDArray[Any] = arrays[layer.replace("-", "_")]
-            return found
+        # Files tell cells without a receiver apart by this number.
+        return found if layer == "union" else np.where(found == np.iinfo(np.uint32).max, 0, found).astype(np.uint32)
 
 
 def _prepare() -> None:

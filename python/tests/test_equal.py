@@ -266,3 +266,18 @@ def test_roofs_as_they_are() -> None:
 def skyshed_has_xarray() -> bool:
     """Whether xarray is installed beside numpy."""
     return importlib.util.find_spec("xarray") is not None
+
+
+def test_a_uav_over_no_data_has_a_map_and_no_p_los() -> None:
+    heights = np.full((40, 40), 100.0)
+    heights[15:25, 15:25] = np.nan
+    scene = Scene.from_raster(heights, transform=(1, 0, 0, 0, -1, 40))
+    places = [(20.0, 20.0, "150amsl"), (5.0, 5.0, "150amsl")]
+    over, beside = (scene.map(place) for place in places)
+    assert np.isnan(over.p_los) and over.receivers == 1500 and over.reason == "the UAV is over no data"
+    assert beside.p_los == 1.0 and beside.reason is None
+    assert np.array_equal(scene.p_los(places), [np.nan, 1.0], equal_nan=True)
+    both = scene.maps(places)
+    assert np.array_equal(both.p_los, [np.nan, 1.0], equal_nan=True) and np.isnan(both.union_p_los)
+    # Without data below the answer for each cell is there all the same.
+    assert np.array_equal(over.los == 255, np.isnan(heights)) and np.array_equal(over.los == 1, ~np.isnan(heights))

@@ -179,6 +179,11 @@ pub(crate) struct Timing {
 }
 
 impl Timing {
+    /// With its parts as the total: of an answer of which nothing is written.
+    pub(crate) fn summed(self) -> Timing {
+        Timing { total: self.read + self.build + self.los + self.write, ..self }
+    }
+
     /// With what writing took.
     pub(crate) fn with(self, spent: Spent) -> Timing {
         Timing { write: spent.write, total: spent.total, ..self }

@@ -11,7 +11,7 @@ use crate::error::{OddRun, RequestError, Result};
 use crate::los::Method;
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::progress::Progress;
-use crate::quantity::counted;
+use crate::quantity::{counted, signed};
 use crate::render::grouped;
 use crate::scene::Scene;
 use crate::uav::UavsFound;
@@ -151,7 +151,7 @@ pub(super) fn in_words(row: &ChartRow, report: &ChartReport) -> String {
         || format!("{:.3} ms wall time", 1e3 * cost.wall_s),
         |(cpu_ns, _)| format!("{cpu_ns:.2} ns of CPU time per receiver"),
     );
-    let bias = report.truth.p_los_error(counts).map_or("undefined".to_string(), |error| format!("{error:+.5}"));
+    let bias = report.truth.p_los_error(counts).map_or("undefined".to_string(), |error| signed(error, 5));
     let (wrong, all) = (grouped(counts.wrong()), grouped(counts.receivers));
     format!("{}: {time}, {wrong} of {all} receivers wrong, P_LoS error {bias}", row.label)
 }

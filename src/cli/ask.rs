@@ -18,6 +18,7 @@ use super::run::{Run, check_text, check_use};
 use super::typed::Typed;
 use super::{hints, refusal};
 use crate::answer::{Answer, Rows, Spent};
+use crate::coverage::Tally;
 use crate::error::{Error, ErrorClass, Warning};
 use crate::map::{Coverages, Held, MapPlan, PartOf, Prepared, SaveOptions};
 use crate::memory;
@@ -204,20 +205,21 @@ pub fn coverages(
     Ok(prepared(scene, uavs, words)?.run(held, progress, |_| {}, |_| {})?)
 }
 
-/// Receivers in range of each UAV, and those of them in line of sight; no mask is made.
+/// P_LoS of each UAV; `None` without a receiver in range, and over no data. No mask is made.
 ///
 /// # Errors
 /// As [`coverages`].
-pub fn counts(
+pub fn p_los(
     (scene, uavs): (Scene, &[Uav]),
     words: &[OsString],
     progress: &Progress,
-) -> std::result::Result<Vec<(u64, u64)>, Refusal> {
+) -> std::result::Result<Vec<Option<f64>>, Refusal> {
     let names = |flag: &str| words.iter().any(|word| word == flag);
     if let Some(flag) = ["--height-error", "--height-bias", "--sigma"].into_iter().find(|flag| names(flag)) {
         return Err(refusal(116, format!("`{flag}` has no meaning where P_LoS alone is counted")).into());
     }
-    Ok(prepared(scene, uavs, words)?.count(progress)?)
+    let counts = prepared(scene, uavs, words)?.count(progress)?;
+    Ok(counts.iter().map(Tally::p_los).collect())
 }
 
 fn prepared(scene: Scene, uavs: &[Uav], words: &[OsString]) -> Result<Prepared> {

@@ -27,7 +27,7 @@ use crate::cli::failure::Result;
 use crate::memory;
 use crate::threads::in_pool;
 pub use ask::{
-    Found, Refusal, ask, counts, coverages, height_curves, hint_of, limit_memory, raster_grid, save_options,
+    Found, Refusal, ask, coverages, height_curves, hint_of, limit_memory, p_los, raster_grid, save_options,
     scene_options,
 };
 use program::Cli;

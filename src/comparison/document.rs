@@ -113,7 +113,7 @@ pub(super) struct IntervalDocument {
 impl IntervalDocument {
     pub(super) fn of(estimate: &RatioEstimate) -> Self {
         let reason = match (estimate.value, estimate.interval) {
-            (None, _) => Some("no receiver".to_string()),
+            (None, _) if estimate.blocks == 0 => Some("no receiver".to_string()),
             (_, None) => Some(reason_without_interval(estimate)),
             _ => None,
         };

@@ -121,6 +121,7 @@ pub(crate) struct IntervalFacts {
 /// Why a value has no interval.
 pub(super) fn reason_without_interval(estimate: &RatioEstimate) -> String {
     match estimate.blocks {
+        n if n > 0 && estimate.value.is_none() => "a UAV is over no data".to_string(),
         n if n < FEWEST_CLUSTERS => {
             format!("{} with receivers, wanted at least {FEWEST_CLUSTERS}", counted(n, "block", "blocks"))
         }

@@ -9,10 +9,11 @@ use super::report::{CompareReport, signed};
 use crate::city_statistics::bootstrap::{RESAMPLINGS, RatioEstimate};
 use crate::coverage::class;
 use crate::picture::{Look, crop, mark, shown_classes};
-use crate::quantity::tidy;
+use crate::quantity::{self, tidy};
 use crate::raster::{CellWindow, GeoRef};
 use crate::render::{
     self, CompareMap, ComparePage, ComparePair, CompareSheet, LiveDoor, Mark, PagePlacement, PageTable, grouped,
+    percent,
 };
 use crate::words::unbreakable;
 
@@ -211,7 +212,7 @@ fn window_of_receivers(grid: &GeoRef, union: &[u8]) -> CellWindow {
 
 /// A difference with three decimals and a true minus.
 fn short(difference: f64) -> String {
-    format!("{difference:+.3}").replace('-', "−")
+    quantity::signed(difference, 3)
 }
 
 fn plain(p_los: f64) -> String {
@@ -334,12 +335,18 @@ fn differences_table(report: &CompareReport) -> PageTable {
 }
 
 fn margins_table(report: &CompareReport) -> PageTable {
-    let meters = |v: f32| if v.is_finite() { format!("{v:.1} m").replace('-', "−") } else { "none is enough".into() };
+    let meters = |v: f32| {
+        if v.is_finite() {
+            format!("{} m", quantity::fixed(v.into(), 1).replace('-', "−"))
+        } else {
+            "none is enough".into()
+        }
+    };
     let row = |p: &PlacementFacts| {
         let cells = match p.margins.and_then(|m| m.groups[0].map(|stats| (m.every, stats))) {
             Some((every, stats)) => {
                 let [low, median, high] = stats.quantiles.map(meters);
-                let grazing = format!("{:.1} %", 100.0 * stats.grazing as f64 / stats.receivers as f64);
+                let grazing = percent(stats.grazing, stats.receivers);
                 let sample = match every {
                     1 => format!("all {}", grouped(stats.receivers)),
                     n => format!("{}, every {n}th", grouped(stats.receivers)),

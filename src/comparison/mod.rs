@@ -17,16 +17,18 @@ use std::time::Instant;
 use serde_json::Value;
 
 use figure::Figure;
-use masks::{Setting, read_masks};
+use masks::{SavedMask, Setting, read_masks};
 pub(crate) use outcome::Comparison;
 use report::CompareReport;
 use tables::{Tables, margin_facts, pairs_of, tables};
 
 use crate::answer::{Answer, Rows, RunFacts, Spent};
+use crate::city_statistics::bootstrap::RatioEstimate;
 use crate::coverage::{
     CellGroups, KeepMasks, Mapper, MarginSample, Overlay, RedrawnCounts, SiteCoverage, Tally, Together, count_sets,
+    is_nodata_below,
 };
-use crate::error::{Error, LimitError, OddRun, PlacesError, RequestError, Result, Warning};
+use crate::error::{Error, LimitError, PlacesError, RequestError, Result, Warning};
 use crate::export::{self, Batch, Format, add_comparison};
 use crate::height_errors::{AskedErrors, HeightsOfDifference};
 use crate::los::Method;
@@ -38,7 +40,7 @@ use crate::raster::{CellBlocks, LargeVec};
 use crate::read::source_of;
 use crate::render;
 use crate::scene::Scene;
-use crate::sight::Sight;
+use crate::sight::{Sight, warn_of_no_p_los};
 use crate::uav::UavsFound;
 use crate::words::p_los_words;
 use crate::zones::{NONE, ZoneMap};
@@ -148,17 +150,15 @@ impl ComparisonPlan {
         }
         check_number(placed.len())?;
         check_ids(&placed)?;
-        for p in placed.iter().filter(|p| p.tally.receivers == 0) {
-            let (id, why) = (p.id.clone(), p.tally.reason());
-            scene.warnings.push(OddRun::NoReceiver { what: "placement", id, why }.into());
-        }
+        warn_of_no_p_los("placement", placed.iter().map(|p| (p.id.as_str(), &p.tally)), &mut scene.warnings);
         let facts = RunFacts { command, ..scene.facts(method) };
         let heights = self.heights.over(&scene.field);
         let (overlay, mut report) = self.report((facts, heights), &placed, &blocks, zones.as_deref());
         if let Some(redrawn) = &redrawn {
             // Saved masks, which are not redrawn, come last.
             for pair in report.pairs.iter_mut().filter(|pair| pair.first.max(pair.second) < uavs.len()) {
-                pair.heights = HeightsOfDifference::of(redrawn, (pair.first, pair.second));
+                let is_known = pair.groups[0].difference.value.is_some();
+                pair.heights = HeightsOfDifference::of(redrawn, (pair.first, pair.second)).filter(|_| is_known);
             }
         }
         let masks = placed.into_iter().map(|p| p.mask).collect();
@@ -180,8 +180,19 @@ impl ComparisonPlan {
         let no_zones = if zones.is_none() { vec![NONE; grid.n_cells()] } else { Vec::new() };
         let codes = zones.map_or(no_zones.as_slice(), ZoneMap::codes);
         let cells = CellGroups { blocks, groups: codes, n_cols: grid.n_cols() };
-        let Tables { shares, differences } = tables(&masks, &cells, &intervals);
-        let pairs = pairs_of(placed.len()).into_iter().zip(differences);
+        let Tables { mut shares, differences } = tables(&masks, &cells, &intervals);
+        let mut pairs: Vec<_> = pairs_of(placed.len()).into_iter().zip(differences).collect();
+        // A UAV over no data has counts and no P_LoS.
+        let is_unknown = |k: usize| placed[k].tally.is_over_nodata;
+        let of_unknown = |estimate: &mut RatioEstimate| (estimate.value, estimate.interval) = (None, None);
+        for k in (0..placed.len()).filter(|k| is_unknown(*k)) {
+            shares[k].iter_mut().for_each(|group| of_unknown(&mut group.p_los));
+        }
+        for (_, groups) in pairs.iter_mut().filter(|((a, b), _)| is_unknown(*a) || is_unknown(*b)) {
+            groups.iter_mut().for_each(|group| of_unknown(&mut group.difference));
+        }
+        let mut union = Tally::of_mask(overlay.union());
+        union.is_over_nodata = (0..placed.len()).any(is_unknown);
         let placement = |(p, groups): (&Placed, _)| PlacementFacts {
             id: p.id.clone(),
             origin: p.origin.clone(),
@@ -194,9 +205,12 @@ impl ComparisonPlan {
             intervals,
             has_zones: zones.is_some(),
             placements: placed.iter().zip(shares).map(placement).collect(),
-            pairs: pairs.map(|((first, second), groups)| PairFacts { first, second, groups, heights: None }).collect(),
+            pairs: pairs
+                .into_iter()
+                .map(|((first, second), groups)| PairFacts { first, second, groups, heights: None })
+                .collect(),
             heights,
-            union: Tally::of_mask(overlay.union()),
+            union,
             seen_by: overlay.seen_by(placed.len()),
             sets: count_sets(&masks),
             digest: MaskDigest::of(grid, masks.iter().copied()),
@@ -239,10 +253,17 @@ impl ComparisonPlan {
         let setting = Setting { scene: Path::new(&scene.word), grid: scene.field.grid(), sight: &self.sight };
         let masks = read_masks(path, &setting, &mut scene.warnings)?;
         scene.sources.push(source_of(path, self.hash)?);
+        let field = &scene.field;
+        let tally_of = |saved: &SavedMask| {
+            let mut tally = Tally::of_mask(&saved.mask);
+            tally.is_over_nodata =
+                saved.place.is_some_and(|at| is_nodata_below(&field.place(at.x, at.y), field, field.grid()));
+            tally
+        };
         let placed = masks.into_iter().map(|saved| Placed {
+            tally: tally_of(&saved),
             id: saved.id,
             origin: Origin::File { path: saved.path, place: saved.place },
-            tally: Tally::of_mask(&saved.mask),
             mask: saved.mask,
             margins: None,
         });

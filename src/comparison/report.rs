@@ -14,6 +14,7 @@ use crate::answer::{Rows, RunFacts, Timing, document_of, rows, warnings_of};
 use crate::city_statistics::bootstrap::{RESAMPLINGS, RatioEstimate};
 use crate::coverage::{GRAZING_M, Tally};
 use crate::height_errors::AskedErrors;
+use crate::quantity;
 use crate::sight::{Sight, antenna_words};
 
 /// Placements side by side, as reported.
@@ -49,7 +50,7 @@ const MEANING: &str = "blocks of ground are drawn with replacement, the same one
 
 /// A difference of P_LoS with four decimals, its sign, and a true minus.
 pub(crate) fn signed(difference: f64) -> String {
-    format!("{difference:+.4}").replace('-', "−")
+    quantity::signed(difference, 4)
 }
 
 /// Why a mask has no margins.
@@ -247,14 +248,15 @@ impl CompareReport {
     pub(crate) fn verdict(&self) -> String {
         let share =
             |k: usize| (u128::from(self.placements[k].tally.los), u128::from(self.placements[k].tally.receivers));
-        let mut order: Vec<usize> = (0..self.placements.len()).filter(|k| share(*k).1 > 0).collect();
+        let has_p_los = |k: &usize| self.placements[*k].tally.p_los().is_some();
+        let mut order: Vec<usize> = (0..self.placements.len()).filter(has_p_los).collect();
         let compare = |a: &usize, b: &usize| (share(*a).0 * share(*b).1).cmp(&(share(*b).0 * share(*a).1));
         order.sort_by(|a, b| compare(b, a));
         let id = |k: usize| self.placements[k].id.as_str();
         let p_los = |k: usize| self.placements[k].tally.p_los().map_or(String::new(), |p| format!("{p:.4}"));
         let (best, next) = match order[..] {
-            [] => return "No placement has a receiver, so that none is best.".into(),
-            [only] => return format!("{} alone has receivers: P_LoS {}.", id(only), p_los(only)),
+            [] => return "No placement has a P_LoS, so none is best.".into(),
+            [only] => return format!("{} alone has a P_LoS: {}.", id(only), p_los(only)),
             [best, next, ..] => (best, next),
         };
         if compare(&best, &next).is_eq() {
@@ -308,7 +310,10 @@ impl CompareReport {
         let [first, second] = [pair.first, pair.second].map(|k| self.placements[k].id.as_str());
         let group = &pair.groups[0];
         let Some(difference) = group.difference.value else {
-            return format!("{first} → {second}: no cell is a receiver of both.");
+            return match group.difference.blocks {
+                0 => format!("{first} → {second}: no cell is a receiver of both."),
+                _ => format!("{first} → {second}: {}.", reason_without_interval(&group.difference)),
+            };
         };
         let way = match group.counts.gain() {
             0 => "P_LoS is the same".to_string(),

@@ -48,6 +48,9 @@ pub enum OddRun {
     /// W204: UAVs outside of the grid: their ids, and how far and in which direction.
     #[error("{}", outside(.0))]
     OutsideGrid(Vec<(String, String)>),
+    /// W205: UAVs that are over no data, by their ids.
+    #[error("{}", over_nodata(.0))]
+    OverNodata(Vec<String>),
     /// W210: a method that cannot be asked about a city.
     #[error("method `{method}` is left out over {city}: {why}")]
     MethodLeftOut { method: String, city: String, why: &'static str },
@@ -86,9 +89,21 @@ pub enum Caution {
     Care { care: String, n_more: usize },
 }
 
+/// UAVs that are told one by one.
+const MOST_TOLD: usize = 5;
+
+fn over_nodata(ids: &[String]) -> String {
+    let told: Vec<String> = ids.iter().take(MOST_TOLD).map(|id| format!("`{id}`")).collect();
+    let n_more = ids.len().saturating_sub(MOST_TOLD);
+    let more = if n_more > 0 { format!(", and {n_more} more") } else { String::new() };
+    let (uavs, is, its) = if ids.len() == 1 { ("UAV", "is", "its") } else { ("UAVs", "are", "their") };
+    format!(
+        "{uavs} {}{more} {is} over no data: what stands around is not known, so {its} P_LoS is undefined",
+        told.join(", ")
+    )
+}
+
 fn outside(uavs: &[(String, String)]) -> String {
-    /// UAVs that are told one by one.
-    const MOST_TOLD: usize = 5;
     if let [(id, way)] = uavs {
         return format!("UAV `{id}` is {way} of the grid");
     }
@@ -117,6 +132,7 @@ impl OddRun {
             OddRun::NoReceiver { .. } | OddRun::NoReceivers | OddRun::NoValues { .. } | OddRun::OffGround { .. } => 202,
             OddRun::LowHeights { .. } => 203,
             OddRun::OutsideGrid(_) => 204,
+            OddRun::OverNodata(_) => 205,
             OddRun::MethodLeftOut { .. } | OddRun::LeftOut(..) => 210,
             OddRun::Model { caution: Caution::LeftOut(_), .. } => 210,
             OddRun::Model { caution: Caution::NoValue { .. }, .. } => 211,

@@ -65,8 +65,10 @@ pub(crate) struct MergedRow {
     receivers: u64,
     /// Of these, in line of sight.
     los: u64,
-    /// Share of receivers in line of sight; empty without receivers.
+    /// Share of receivers in line of sight; empty without receivers, and of a UAV over no data.
     p_los: Option<f64>,
+    #[serde(skip)]
+    is_over_nodata: bool,
     /// Tiles that hold cells in its range, where tiles are the units.
     #[serde(skip_serializing_if = "Option::is_none")]
     tiles: Option<u64>,
@@ -122,7 +124,8 @@ impl MergedRow {
             placement: text(site, "placement"),
             receivers,
             los,
-            p_los: share(los, receivers),
+            p_los: number(site, "p_los"),
+            is_over_nodata: receivers > 0 && number(site, "p_los").is_none(),
             tiles: None,
             digest,
         })
@@ -132,7 +135,8 @@ impl MergedRow {
     fn add(&mut self, part: MergedRow) {
         self.receivers += part.receivers;
         self.los += part.los;
-        self.p_los = share(self.los, self.receivers);
+        self.is_over_nodata |= part.is_over_nodata;
+        self.p_los = share(self.los, self.receivers).filter(|_| !self.is_over_nodata);
         self.tiles = self.tiles.map(|n| n + 1);
         (self.height_amsl_m, self.height_agl_m) = (part.height_amsl_m, part.height_agl_m);
         self.placement = part.placement;
@@ -153,8 +157,8 @@ impl OfUnit {
         let rows = sites.into_iter().flatten().filter_map(|site| MergedRow::of(site, digest())).collect();
         let of_union = document.get("union").unwrap_or(&Value::Null);
         let (receivers, los) = (count(of_union, "receivers"), count(of_union, "los"));
-        let mut union = Tally::default();
-        (union.receivers, union.los) = (receivers, los);
+        let mut union = Tally::of_receivers(receivers, los);
+        union.is_over_nodata = receivers > 0 && number(of_union, "p_los").is_none();
         OfUnit { rows, union, written_at }
     }
 }
@@ -182,6 +186,7 @@ impl Sum {
             receivers: 0,
             los: 0,
             p_los: None,
+            is_over_nodata: false,
             tiles: Some(0),
             digest: None,
         };

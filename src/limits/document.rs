@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::accuracy::{BudgetLine, RoofEffect};
 use crate::answer::{Head, WarningFacts};
 use crate::map::IdleDocument;
-use crate::quantity::{counted, tidy};
+use crate::quantity::{counted, signed, tidy};
 use crate::render::{grouped, percent};
 use crate::sight::SightFacts;
 
@@ -121,7 +121,7 @@ pub(super) fn roofs_in_words(roofs: &std::result::Result<RoofEffect, String>, p_
     match roofs {
         Err(why) => format!("roofs      what flat ones would change is not known: {why}\n"),
         Ok(RoofEffect { shaped, turned, receivers, p_los: of_flat }) => {
-            let change = of_flat.map_or(String::new(), |flat| format!(", P_LoS by {:+.4}", flat - p_los));
+            let change = of_flat.map_or(String::new(), |flat| format!(", P_LoS by {}", signed(flat - p_los, 4)));
             let (shaped, share) =
                 (counted(*shaped as u64, "building is", "buildings are"), percent(*turned, *receivers));
             format!("roofs      of {shaped} not flat: flat ones would turn {share} of receivers{change}\n")

@@ -22,7 +22,7 @@ use crate::export::{Batch, Format};
 use crate::height_field::HeightField;
 use crate::map::IdleDocument;
 use crate::picture::Look;
-use crate::quantity::tidy;
+use crate::quantity::{signed, tidy};
 use crate::read::MissingHeight;
 use crate::render::grouped;
 use crate::scene::{Scene, SceneOptions};
@@ -288,7 +288,7 @@ impl Answer for Limits {
         let width = self.budget.iter().map(|line| line.part.name().len()).max().unwrap_or(0);
         for line in &self.budget {
             let change = match &line.change {
-                Ok(change) => format!("{change:+.5}"),
+                Ok(change) => signed(*change, 5),
                 Err(_) => "unknown".into(),
             };
             let why = line.change.as_ref().err().map_or(String::new(), |why| format!(": {why}"));

@@ -17,7 +17,7 @@ use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::height_field::{Curvature, Station};
 use crate::los::Method;
 use crate::picture::Look;
-use crate::quantity::{Height, MAX_EXTENT_UNITS, meters, tidy};
+use crate::quantity::{Height, MAX_EXTENT_UNITS, fixed, meters, tidy};
 use crate::scene::Scene;
 use crate::scene::limits::warn_of_drop;
 use crate::scene::placing::{place_uav, warn_of_uavs_outside};
@@ -218,7 +218,8 @@ impl Answer for Link {
         let LinkFacts { uav, receiver, los, margin_m, distance_m, elevation_deg, obstruction, earth_k } = &self.found;
         let place = |e: &EndFacts| format!("({}, {}), {} m", tidy(e.x), tidy(e.y), tidy(e.height_amsl_m));
         let verdict = if *los { "LoS" } else { "NLoS" };
-        let margin = margin_m.map_or("none: no receiver height is enough".to_string(), |m| format!("{m:.3} m"));
+        let margin =
+            margin_m.map_or("none: no receiver height is enough".to_string(), |m| format!("{} m", fixed(m, 3)));
         let mut text = format!("{verdict}: UAV at {} to receiver at {} above the datum\n", place(uav), place(receiver));
         let (distance, angle) = (tidy(*distance_m), tidy(*elevation_deg));
         let earth =
@@ -230,8 +231,9 @@ impl Answer for Link {
                 (None, Some((row, col))) => format!("{} at row {row}, column {col}", o.kind),
                 (None, None) => o.kind.to_string(),
             };
-            let roof =
-                o.roof_height_m.map_or("which blocks everything".to_string(), |r| format!("roof height {r:.3} m"));
+            let roof = o
+                .roof_height_m
+                .map_or("which blocks everything".to_string(), |r| format!("roof height {} m", fixed(r, 3)));
             let (x, y, ray) = (tidy(o.x), tidy(o.y), o.ray_height_m);
             text += &format!("obstructed by {name}: obstructing point ({x}, {y}), ray height {ray:.3} m, {roof}\n");
         }

@@ -96,7 +96,7 @@ impl Coverages {
 
     /// The document `skyshed/map/1`.
     pub fn document(&self) -> serde_json::Value {
-        self.report.document(Some(self.scene.timing))
+        self.report.document(Some(self.scene.timing.summed()))
     }
 
     /// Margins of the receivers of the first UAV, of so many at most.

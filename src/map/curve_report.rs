@@ -56,9 +56,9 @@ impl CurveFacts {
 
     fn quantile(&self, percent: u8) -> QuantileDocument {
         let height = self.curve.least_height_reaching(percent);
-        let reason = match self.site.tally.receivers {
-            0 => self.site.tally.reason(),
-            _ => "no height within ±32768 m of the datum is enough",
+        let reason = match self.site.tally.p_los() {
+            None => self.site.tally.reason(),
+            Some(_) => "no height within ±32768 m of the datum is enough",
         };
         QuantileDocument {
             p_los: f64::from(percent) / 100.0,

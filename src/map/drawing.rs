@@ -219,7 +219,7 @@ impl MapDrawing<'_> {
             return match (self.drawn_layer(), subject) {
                 (Layer::Margin, _) => "Margin of a drone's line of sight over",
                 (Layer::LeastReceiverHeight, _) => "Least height of a drone in sight over",
-                (Layer::LeastHeight, _) => "Least height of an observer who sees a drone over",
+                (Layer::LeastHeight, _) => "How high an observer must be to see a drone over",
                 (Layer::Stability, _) => "Stability of a drone's line of sight over",
                 (Layer::Sure, _) => "What is sure of a drone's line of sight over",
                 (Layer::PLos, _) => "Probability of a drone's line of sight over",
@@ -232,7 +232,7 @@ impl MapDrawing<'_> {
         match (self.drawn_layer(), subject) {
             (Layer::Margin, _) => "Margin of line of sight in",
             (Layer::LeastReceiverHeight, _) => "Least receiver height in line of sight in",
-            (Layer::LeastHeight, _) => "Least UAV height that sees",
+            (Layer::LeastHeight, _) => "How high a UAV must hover to see each place of",
             (Layer::Stability, _) => "Stability of line of sight in",
             (Layer::Sure, _) => "What is sure of line of sight in",
             (Layer::PLos, _) => "Probability of line of sight in",
@@ -328,15 +328,16 @@ impl MapDrawing<'_> {
         let n = self.of.sites.len();
         let mut lines = Vec::new();
         if self.drawn_layer() == Layer::LeastHeight {
-            let less = match self.of.report.sites.as_slice() {
-                [only] if only.height_agl_m.is_none() => "No ground is known below the UAV: heights are".to_string(),
-                [only] => {
-                    let ground = only.height_amsl_m - only.height_agl_m.unwrap_or(0.0);
-                    format!("Heights are above ground: less {} m, the ground below the UAV; in files", tidy(ground))
+            let who = self.looked_at_by();
+            let above = match self.of.report.sites.as_slice() {
+                [SiteFacts { height_agl_m: None, .. }] => format!("the datum; no ground is known below the {who}"),
+                [SiteFacts { height_agl_m: Some(agl), height_amsl_m, .. }] => {
+                    format!("the ground below the {who}, which is {} m above the datum", tidy(height_amsl_m - agl))
                 }
-                _ => "Heights are above ground: less the ground below each UAV; in files".to_string(),
+                _ => format!("the ground below each {who}"),
             };
-            lines.push(format!("{less} above the datum"));
+            lines.push(format!("Colors tell the least height of the {who} over its place from which a cell is in line of sight, above {above}"));
+            lines.push("Files hold these heights above the datum".to_string());
         }
         if self.drawn_layer() == Layer::BestServer && subject == Subject::Count {
             lines.push(format!(

@@ -21,7 +21,7 @@ use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::progress::Progress;
 use crate::raster::GeoRef;
 use crate::scene::Scene;
-use crate::sight::{Sight, warn_of_no_receivers};
+use crate::sight::{Sight, warn_of_no_p_los};
 use crate::uav::UavsFound;
 use crate::zones::ZoneMap;
 
@@ -171,20 +171,20 @@ pub(crate) struct Prepared {
 }
 
 impl Prepared {
-    /// Counts what each UAV sees: receivers in range, and those of them in line of sight. No mask is made.
+    /// Counts receivers of each UAV, and those of them in line of sight: nothing else of its tally. No mask is made.
     ///
     /// # Errors
     /// E118 if the method cannot decide the scene; `Interrupted`.
-    pub(crate) fn count(self, progress: &Progress) -> Result<Vec<(u64, u64)>> {
+    pub(crate) fn count(self, progress: &Progress) -> Result<Vec<Tally>> {
         let field = Arc::clone(&self.scene.field);
         let mut mapper = Mapper::new(&field, &self.options)?;
         mapper.drop_idle(&self.uavs);
         progress.begin(self.uavs.len() as u64);
         let count = |uav: &Uav| {
             progress.control().check()?;
-            let counted = mapper.count(uav);
+            let (receivers, los) = mapper.count(uav);
             progress.advance();
-            Ok(counted)
+            Ok(Tally::of_receivers(receivers, los).of_uav(uav))
         };
         let counts = self.uavs.par_iter().map(count).collect();
         progress.end();
@@ -254,10 +254,13 @@ impl Prepared {
         }
         // Of a tile that is no wonder.
         if tile.is_none() {
-            warn_of_no_receivers(&sites, &mut scene.warnings);
+            let tallies = sites.iter().map(|site| (site.uav.id.as_str(), &site.tally));
+            warn_of_no_p_los("UAV", tallies, &mut scene.warnings);
         }
         let only = facts.first().filter(|_| facts.len() == 1);
-        let of_union = |zones: &ZoneMap| overlay.as_ref().map(|overlay| zone_tallies(zones, overlay.union()));
+        let with_uavs = |tally: Tally| sites.iter().fold(tally, |tally, site| tally.of_uav(&site.uav));
+        let of_union =
+            |zones: &ZoneMap| overlay.as_ref().map(|overlay| zone_tallies(zones, overlay.union()).map(with_uavs));
         let report = MapReport {
             facts: scene.facts(Some(method)),
             sight: plan.sight,
@@ -265,7 +268,7 @@ impl Prepared {
             union_zones: only.map_or_else(|| zones.as_deref().and_then(of_union), |only| only.zones),
             union: match (only, &overlay) {
                 (Some(only), _) => only.tally,
-                (None, overlay) => overlay.as_ref().map_or(Tally::default(), |o| Tally::of_mask(o.union())),
+                (None, overlay) => overlay.as_ref().map_or(Tally::default(), |o| with_uavs(Tally::of_mask(o.union()))),
             },
             sites: facts,
             tolerance,

@@ -58,7 +58,8 @@ impl SiteFacts {
     pub(crate) fn of(site: &SiteCoverage, zones: Option<&ZoneMap>) -> Self {
         let place = &site.uav.station.place;
         let is_building = site.uav.placement == HoversOver::Rooftop;
-        let zone = zones.and_then(|zones| zones.over(place.x, place.y, is_building)).map(Zone::name);
+        let zones_below = zones.filter(|_| site.uav.placement != HoversOver::Nodata);
+        let zone = zones_below.and_then(|zones| zones.over(place.x, place.y, is_building)).map(Zone::name);
         SiteFacts {
             id: site.uav.id.clone(),
             x: place.x,
@@ -69,7 +70,9 @@ impl SiteFacts {
             antenna: site.uav.antenna,
             placement: zone.unwrap_or(site.uav.placement.name()),
             tally: site.tally,
-            zones: zones.filter(|_| !site.mask.is_empty()).map(|zones| zone_tallies(zones, &site.mask)),
+            zones: zones
+                .filter(|_| !site.mask.is_empty())
+                .map(|zones| zone_tallies(zones, &site.mask).map(|tally| tally.of_uav(&site.uav))),
             stability: site.stability.as_ref().map(StabilityFacts::of),
             uncertain: UncertainFacts::of(site),
         }
@@ -385,6 +388,9 @@ impl ZoneShares {
 /// Why a zone has no P_LoS.
 fn reason_in(zone: Zone, tally: &Tally) -> String {
     let name = zone.name();
+    if tally.receivers > 0 {
+        return tally.reason().into();
+    }
     if tally.not_receivers > 0 {
         format!("no {name} cell in range holds a receiver")
     } else if tally.out_of_range > 0 {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::coverages::{Coverage, Coverages};
 use super::plan::{Held, MapPlan, PartOf, Prepared};
 use crate::city::Antenna;
-use crate::coverage::SiteCoverage;
+use crate::coverage::{SiteCoverage, Tally};
 use crate::error::Result;
 use crate::export::Layer;
 use crate::height_errors::AskedErrors;
@@ -188,7 +188,7 @@ impl CoverageRequest<Coverages> {
         self.make(|_| {})
     }
 
-    /// Counts what each UAV sees and makes no mask: receivers in range, and those of them in line of sight.
+    /// Counts what each UAV sees and makes no mask: receivers in range, and those of them in line of sight. The other counts of a tally stay 0.
     ///
     /// ```
     /// use skyshed::{Height, Scene, Uav};
@@ -197,13 +197,13 @@ impl CoverageRequest<Coverages> {
     /// let uavs = [40.0, 110.0].map(|x| Uav::new(x, 75.0, Height::agl(60.0)));
     /// let counts = city.coverages(uavs.clone()).run_counts()?;
     /// let maps = city.coverages(uavs).run()?;
-    /// assert!(counts.iter().zip(maps.sites()).all(|(c, site)| *c == (site.tally.receivers, site.tally.los)));
+    /// assert!(counts.iter().zip(maps.sites()).all(|(c, site)| c.p_los() == site.tally.p_los()));
     /// # Ok::<(), skyshed::Error>(())
     /// ```
     ///
     /// # Errors
     /// As [`CoverageRequest::run`].
-    pub fn run_counts(self) -> Result<Vec<(u64, u64)>> {
+    pub fn run_counts(self) -> Result<Vec<Tally>> {
         let (prepared, progress) = self.prepared()?;
         prepared.count(&progress)
     }

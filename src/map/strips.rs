@@ -26,7 +26,7 @@ use crate::read::StreamedSurface;
 use crate::scene::Scene;
 use crate::scene::limits::warn_of_flat_earth;
 use crate::scene::placing::warn_of_uavs_outside;
-use crate::sight::{Receivers, warn_of_no_receivers};
+use crate::sight::{Receivers, warn_of_no_p_los};
 use crate::uav::UavsFound;
 use crate::words::pretty;
 
@@ -250,7 +250,8 @@ impl StripsRun<'_> {
         progress.end();
         timing.los = before_los.elapsed().as_secs_f64();
 
-        warn_of_no_receivers(std::slice::from_ref(&coverage), &mut warnings);
+        let tally = (coverage.uav.id.as_str(), &coverage.tally);
+        warn_of_no_p_los("UAV", std::iter::once(tally), &mut warnings);
         let report = MapReport {
             facts: RunFacts {
                 command: self.job.command.clone(),

@@ -70,6 +70,10 @@ impl Goal {
             (_, Some(zone)) => Whom::Zone(zone),
             ("area", _) => Whom::Area,
             ("weights", _) if measure == Measure::Share => Whom::Weights,
+            ("population" | "persons" | "people", _) => {
+                let no_persons = "weights are scores: each receiver counts the whole value of its cell, so persons would count many times";
+                return Err(wrong(&format!("found `({whom})`; {no_persons}")));
+            }
             ("", _) if !has_whom => Whom::Receivers,
             (other, _) => return Err(wrong(&format!("found `({other})`"))),
         };

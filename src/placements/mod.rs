@@ -123,8 +123,6 @@ impl SearchPlan {
         let field = std::sync::Arc::clone(&scene.field);
         let mapper = Mapper::new(&field, &options)?;
         let expected = Expected::over(&field, mapper.method().0, radius, (n_uavs, options.layers), per_cell);
-        expected.words().iter().for_each(|words| (progress.note)(words));
-        let before_los = Instant::now();
         let search = Search {
             plan: self,
             field: &field,
@@ -135,6 +133,9 @@ impl SearchPlan {
             places: inputs.places.as_ref(),
             sites: &inputs.sites,
         };
+        let expected = expected.with_cpu_seconds(search.cpu_seconds());
+        expected.words().iter().for_each(|words| (progress.note)(words));
+        let before_los = Instant::now();
         let Found { mut ranked, winner, refined, several, heat, winners } = search.run(progress)?;
         self.compare_heights(&mut ranked, &candidates, &mapper, progress)?;
         scene.timing.los = before_los.elapsed().as_secs_f64();

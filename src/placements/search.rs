@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::height_field::HeightField;
 use crate::placement::{
     Candidate, CandidateRules, Candidates, PlaceGrid, Score, Scorer, SeenSets, Weights, WorstMargin, cover,
-    least_heights, ranked, ranked_margins, refined, scores, scores_over_grid, worst_margins,
+    least_heights, ranked, ranked_margins, refined, scores, scores_over_grid, scoring_s, worst_margins,
 };
 use crate::progress::Progress;
 
@@ -53,6 +53,17 @@ impl Search<'_> {
         };
         progress.end();
         found
+    }
+
+    /// About how long one thread searches \[s\], if that is known.
+    pub(super) fn cpu_seconds(&self) -> Option<f64> {
+        /// What a set of seen receivers takes for each UAV, in counts of them.
+        const SET: f64 = 2.5;
+        match (self.plan.goal.measure, self.plan.goal.at_least) {
+            (Measure::Share, None) if self.plan.count > 1 => Some(SET * scoring_s(&self.scorer(), None, self.kept())?),
+            (Measure::Share, None) => scoring_s(&self.scorer(), self.places, self.kept()),
+            _ => None,
+        }
     }
 
     fn scorer(&self) -> Scorer<'_> {

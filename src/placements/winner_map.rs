@@ -79,6 +79,9 @@ fn picture(job: &Placements, maps: &ManyMaps, format: Format, look: &Look) -> Re
     // The first line stands out, which none of several UAVs does.
     let of_all = maps.overlay.as_ref().map(|o| format!("Seen by at least one: {}", share(&Tally::of_mask(o.union()))));
     let mut caption: Vec<String> = of_all.into_iter().chain(facts.iter().take(MOST_LINES).map(of_site)).collect();
+    if facts.len() > MOST_LINES {
+        caption.push(format!("and {} more UAVs", facts.len() - MOST_LINES));
+    }
     let how = if facts.len() > 1 { "chosen one by one among" } else { "the best of" };
     caption.push(format!("Goal {}: {how} {} candidates", job.report.goal.text, grouped(job.report.n_candidates)));
     caption.push(sight.in_words(grid, &job.scene, job.report.facts.method));

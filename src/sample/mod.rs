@@ -107,8 +107,10 @@ impl SamplePlan {
     /// E113, E116, E117; those of reading the scene; E216 if no disc lies in the data.
     pub(crate) fn take(&self, command: Vec<String>, progress: &Progress) -> Result<Sample> {
         self.check()?;
-        // A generated city is made as large as whole discs around its places take.
-        let around = SceneOptions { margin_m: self.sight.radius_m().unwrap_or(0.0), ..self.scene.clone() };
+        // A generated city is made as large as whole discs around its places take. Were its walls at the same places of the cells in every
+        // city, the share of cells would be off in all of them alike, and no interval would tell.
+        let margin_m = self.sight.radius_m().unwrap_or(0.0);
+        let around = SceneOptions { margin_m, draws_cells: true, ..self.scene.clone() };
         let open = |seed: u64| SceneOptions { seed: Some(seed), ..around.clone() }.open(&self.word);
         let mut first = self.given.clone().map_or_else(|| open(self.seed), Ok)?;
         if first.built_up.is_none() && (self.n_cities > 1 || self.is_centered) {

@@ -5,6 +5,7 @@ use crate::coverage::{Uav, check_drop};
 use crate::error::{OddRun, Result, Warning};
 use crate::height_field::{EARTH_RADIUS_M, HeightField};
 use crate::raster::GeoRef;
+use crate::render::percent;
 use crate::sight::Sight;
 
 /// What limits the truth of a picture of a scene, in words.
@@ -15,9 +16,8 @@ pub(crate) fn limits_in_words(gap: Option<&HeightGap>, field: &HeightField, warn
         limits.push(format!("{share:.1} % of the footprint area has no height: {}", gap.done));
     }
     if let Some(outside) = field.outside_data() {
-        #[expect(clippy::cast_precision_loss, reason = "a share for reading")]
-        let share = 100.0 * outside.count() as f64 / field.grid().n_cells() as f64;
-        limits.push(format!("no data beyond the footprints ({share:.0} % of the extent)"));
+        let share = percent(outside.count(), field.grid().n_cells() as u64);
+        limits.push(format!("no data beyond the footprints ({share} of the extent)"));
     }
     if field.is_surface_only() {
         limits.push("a surface model alone: receivers stand on roofs and trees too".into());

@@ -11,6 +11,7 @@ use crate::answer::RunFacts;
 use crate::city::{BuiltUp, BuiltUpCity, NodataAs};
 use crate::error::{Error, OddRun, Result, Warning, warned};
 use crate::formats::RasterFile;
+use crate::los_probability::points::Points;
 use crate::memory::{ANY_WORK, cells_of, check_bytes};
 use crate::raster::{Crs, GeoRef};
 use crate::read::{
@@ -42,6 +43,8 @@ pub struct SceneOptions {
     pub(crate) project: Option<Projection>,
     pub(crate) size_m: Option<f64>,
     pub(crate) margin_m: f64,
+    /// Whether the cells of a generated city begin at a place that is drawn with its heights.
+    pub(crate) draws_cells: bool,
     pub(crate) seed: Option<u64>,
     pub(crate) nodata_as: Option<NodataAs>,
     pub(crate) hash: bool,
@@ -234,7 +237,10 @@ impl SceneOptions {
         if let Some(bytes) = city.memory() {
             check_bytes(&word.display(), "its buildings and cells", bytes)?;
         }
-        Ok(city.city()?)
+        // A stream that no kind of zone has.
+        const OF_CELLS: u64 = 1 << 32;
+        let drawn = self.draws_cells.then(|| Points::new(city.seed, OF_CELLS).next()).flatten();
+        Ok(city.city_on_cells_from(drawn.map_or([0.0; 2], |[u, v, ..]| [u, v]))?)
     }
 
     /// A generated city of these options.

@@ -27,7 +27,7 @@ use crate::picture::Look;
 use crate::quantity::{Frame, VOID, meters, tidy};
 use crate::raster::Crs;
 use crate::read::vertical_of;
-use crate::render::grouped;
+use crate::render::{grouped, percent};
 use crate::scene::{Scene, SceneOptions, is_raster};
 use crate::words::{capitalized, version};
 
@@ -97,9 +97,8 @@ impl Survey {
         [(grid.x_max() - grid.x_min()) * unit, (grid.y_max() - grid.y_min()) * unit]
     }
 
-    #[expect(clippy::cast_precision_loss, reason = "a percentage for reading")]
     fn percent(&self, n: u64) -> String {
-        format!("{:.1} %", 100.0 * n as f64 / self.scene.grid().n_cells() as f64)
+        percent(n, self.scene.grid().n_cells() as u64)
     }
 
     fn text_of_grid(&self) -> String {

@@ -281,6 +281,33 @@ fn an_earth_that_is_hardly_curved_is_flat() {
     assert_eq!([0.0, -1.0, f64::NAN, f64::INFINITY].map(Curvature::of_earth_k), [None; 4]);
 }
 
+/// The earth does not fall away below the UAV itself, whatever it does at the middle of its cell; and beside a raster on flat ground there is
+/// that ground.
+#[test]
+fn a_uav_over_a_curved_earth_needs_no_height_below_its_ground() {
+    let folder = Folder::new();
+    let tops: Vec<i32> = (0..1600).map(|k| if k / 40 % 7 < 2 && k % 9 < 3 { 84 } else { 70 }).collect();
+    folder.write("dsm.asc", &crate::compare::grid(&tops, 40, -9999));
+    for (scene, uav) in [
+        ("dsm.asc --ground 70", "20.05,17.95,30"),
+        ("dsm.asc --ground 70", "-15.3,20,30"),
+        ("dsm.asc", "20.05,17.95,30"),
+        ("dsm.asc --terrain dsm.asc", "20.05,17.95,30"),
+    ] {
+        let line =
+            format!("map {scene} --uav={uav} --earth-k 0.00002 --layers least-height -o least.tif --overwrite -q");
+        folder.type_in(&line).done();
+        let file = crate::cli_map::tif(&folder, "least.tif");
+        let heights: Vec<f32> = file.read_band::<f32>(0).unwrap().into_iter().filter(|z| *z > -9000.0).collect();
+        let lowest = heights.iter().copied().fold(f32::INFINITY, f32::min);
+        assert!(heights.len() > 1000 && lowest >= 70.0, "{line}: {lowest} of {}", heights.len());
+        let curve = format!("map {scene} --uav={uav} --earth-k 0.00002 --height-curve c.json --overwrite -q");
+        folder.type_in(&curve).done();
+        let curve = folder.json("c.json");
+        assert!(curve["sites"][0]["lowest_height_amsl_m"].as_f64().unwrap() >= 70.0, "{line}");
+    }
+}
+
 #[test]
 fn flags_bend_rasters() {
     let folder = Folder::new();

@@ -93,7 +93,10 @@ fn least_heights_are_told_above_the_ground_and_written_above_the_datum() {
         assert_eq!(n > 0, high.contains(name), "{name}");
         assert!(n == 0 || (high.contains(&said) && low.contains(&said)), "{said}: {high}");
     }
-    assert!(high.contains("less 500 m, the ground below the UAV") && low.contains("less 0 m, the ground below"));
+    assert!(
+        high.contains("ground below the UAV, which is 500 m above the datum")
+            && low.contains("ground below the UAV, which is 0 m above")
+    );
 }
 
 #[test]

@@ -5,7 +5,7 @@ use skyshed_core::coverage::{
     Control, HeightBounds, HeightErrors, MapOptions, Mapper, OwnErrors, Receivers, Uav, UncertainHeights, surface_under,
 };
 use skyshed_core::height_field::{Curvature, HeightField, Station};
-use skyshed_core::los::{link_height_limits, link_los};
+use skyshed_core::los::{PlanCrossings, link_los};
 use skyshed_core::raster::{GeoRef, Raster};
 
 use crate::invariants::{uav_at, vector_field};
@@ -177,7 +177,8 @@ fn the_probability_of_a_link_is_that_of_all_combinations_of_heights() {
         let positions = field.positions();
         for (row, col) in field.cells().open.cells() {
             let receiver = Station { place: positions.center(row, col), z: random.choose(&[0, 1536, 3000]) };
-            let limits = link_height_limits(&field, &uav.station, &receiver, 8 * 1024).expect("flat ground");
+            let limits =
+                PlanCrossings::new(&field, &uav.station, &receiver, 0, 8 * 1024).limits(0).expect("flat ground");
             let clear = drawn.iter().filter(|field| link_los(field, &uav.station, &receiver)).count();
             let what = || format!("seed {seed}: {blocks:?} {tops:?}, UAV {:?}, {receiver:?}: {limits:?}", uav.station);
             let wanted = clear as f64 / n_fields as f64;
@@ -246,7 +247,7 @@ fn probabilities_by_shadows_are_those_of_walks() {
         let positions = field.positions();
         for (row, col) in field.cells().open.cells() {
             let receiver = Station { place: positions.center(row, col), z: i64::from(asked.rx_height) };
-            let limits = link_height_limits(&field, &uav.station, &receiver, 16 * 1024).unwrap();
+            let limits = PlanCrossings::new(&field, &uav.station, &receiver, 0, 16 * 1024).limits(0).unwrap();
             let p = f64::from(found[row * N + col]);
             // Over the shared error in fine steps.
             let values: Vec<f64> =
@@ -270,7 +271,7 @@ fn probabilities_by_shadows_are_those_of_walks() {
 }
 
 /// A number that is normally distributed.
-fn normal(random: &mut Random) -> f64 {
+pub(crate) fn normal(random: &mut Random) -> f64 {
     // By Box and Muller, of two uniform ones.
     let uniform = |random: &mut Random| (random.below(1 << 30) as f64 + 0.5) / f64::from(1 << 30);
     let (a, b) = (uniform(random), uniform(random));

@@ -9,7 +9,7 @@ use skyshed_core::coverage::{
     Control, HeightBounds, HeightErrors, MapOptions, Mapper, Receivers, RedrawnHeights, Uav, UncertainHeights,
 };
 use skyshed_core::height_field::{HeightField, Station};
-use skyshed_core::los::{link_height_limits, link_los};
+use skyshed_core::los::{PlanCrossings, link_los};
 use skyshed_core::quantity::Height;
 use skyshed_core::raster::GeoRef;
 use skyshed_io::read::{FootprintOptions, Roofs, read_footprints};
@@ -405,7 +405,7 @@ fn an_error_of_height_moves_a_whole_roof() {
         let positions = field.positions();
         for (row, col) in field.cells().open.cells() {
             let receiver = Station { place: positions.center(row, col), z: random.choose(&[0, 1536, 5000]) };
-            let limits = link_height_limits(&field, &uav.station, &receiver, 4096).unwrap();
+            let limits = PlanCrossings::new(&field, &uav.station, &receiver, 0, 4096).limits(0).unwrap();
             let clear = fields.iter().filter(|field| link_los(field, &uav.station, &receiver)).count();
             let wanted = clear as f64 / n_fields as f64;
             assert_eq!(limits.probability(&share).to_bits(), wanted.to_bits(), "seed {seed}: {receiver:?} {limits:?}");

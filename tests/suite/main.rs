@@ -10,7 +10,8 @@ mod case_file; // reads tests/cases/*.txt
 
 mod agreement; // every engine against the text cases and the oracle
 mod sweep; // the bracketed sweep equals ray on small rasters with every kind of tie
-mod engines; // whole maps by the engine for the scene are those of a ray per receiver
+mod engines;
+mod errors_on_roofs; // whole maps by the engine for the scene are those of a ray per receiver
 mod invariants; // properties of the oracle and of the engines: swap, mirror, quarter turn, split, raise
 mod together; // layers of all UAVs: union, count, which, best server
 mod approximate; // step, xdraw and r2 against restatements of their rules; the sign and size of their errors
@@ -61,6 +62,7 @@ mod answers; // what every command says: its answer, its files, errors in one fo
 mod tables; // UAVs, tracks and curves: bad rows, feet, decimal commas, standard input, names that mean something
 #[cfg(unix)]
 mod odd_paths; // names of files that are no Unicode
+mod over_nodata; // a UAV over no data: a map, and no P_LoS
 mod idle_flags; // no flag of any command is taken in silence
 mod cli_flags; // where flags of the scene, the UAVs and the receivers change a map
 mod cli_link; // one link, a city, facts of a scene
@@ -98,6 +100,7 @@ mod antennas; // who is in range of a sector, a beam, between elevations: by the
 mod in_air; // places of a drone: who they are, and whom an observer sees
 mod stability; // which answers turn with the last digit: by hand, by maps made anew, in files
 mod ground_truth; // what a scene is made of: bases, voids, typed ground, holes, lattices, extents, ranges
+mod closing; // the data area of footprints: against all discs, whatever the cells are
 mod data_area; // where the data end: known ground, missing heights; whole discs, bands of angles, goals within a radius
 mod regressions; // one test per bug
 

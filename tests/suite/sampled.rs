@@ -114,7 +114,11 @@ fn a_sample_of_one_place_says_what_the_map_of_it_says() {
     assert_eq!(zones, ["all", "street", "crossroad", "rooftop"]);
     for (row, zone) in rows.iter().zip(zones) {
         let wanted = if zone == "all" { site } else { &site["zones"][zone] };
-        assert_eq!((&row["p_los"], &row["samples"]), (&wanted["p_los"], &wanted["receivers"]), "{zone}");
+        // The cells of a sample begin at a drawn place, so that walls do not stand alike in all of them.
+        let number = |of: &serde_json::Value| of.as_f64().unwrap();
+        let (p, n) =
+            (number(&row["p_los"]) - number(&wanted["p_los"]), number(&row["samples"]) / number(&wanted["receivers"]));
+        assert!(p.abs() < 0.01 && (n - 1.0).abs() < 0.02, "{zone}: {row}, {wanted}");
         assert_eq!((&row["placements"], &row["clusters"].is_u64()), (&serde_json::json!(1), &true));
         assert!(row["ci_low"].is_null() && row["reason"].as_str().unwrap().starts_with("no interval"), "{row}");
     }

@@ -114,6 +114,8 @@ fn bad_tracks_are_refused() {
     folder.write("bad.csv", "x,y\n# a comment\n\n1,2\n3,far\n");
     folder.write("cols.csv", "a,b\n1,2\n");
     folder.write("far.csv", "x,y\n1,2\n1e9,2\n");
+    folder.write("flight.csv", "x,y,h\n1,2,105\n9,2,105\n");
+    folder.write("flight.geojson", &lines(&[json!([[0, 0, 105], [1, 1, 105]])]));
     folder.write("two.geojson", &lines(&[json!([[0, 0], [1, 1]]), json!([[0, 0], [1, 1]])]));
     // The reader of sites counted from the record before the comments.
     folder.write("sites.csv", "x,y,h\n# two\n\n1,2,high\n");
@@ -125,6 +127,8 @@ fn bad_tracks_are_refused() {
         ("two.geojson", "E206", "EPSG:25832"),
         ("two.geojson --crs EPSG:25832", "E302", "feature 2"),
         ("far.csv", "E502", "999999999 m"),
+        ("flight.csv", "E302", "found heights in column `h`"),
+        ("flight.geojson --crs EPSG:25832", "E302", "feature 1: found the height 105"),
         ("walk.csv --every 0", "E113", "`0`"),
         ("walk.csv --radius 5", "E101", "'--radius'"),
         ("walk.csv --rx 1,1", "E101", "'--rx'"),

@@ -160,6 +160,24 @@ pub fn tidy(v: f64) -> String {
     if text == "-0" { "0".into() } else { text.to_string() }
 }
 
+/// A number for reading with `n` decimals, never −0.
+pub fn fixed(v: f64, n: usize) -> String {
+    let text = format!("{v:.n$}");
+    match text.strip_prefix('-') {
+        Some(digits) if digits.bytes().all(|byte| matches!(byte, b'0' | b'.')) => digits.to_string(),
+        _ => text,
+    }
+}
+
+/// A difference for reading with `n` decimals: `+0.01`, `−0.01` or `0.00`.
+pub fn signed(v: f64, n: usize) -> String {
+    let text = fixed(v, n);
+    if text.bytes().all(|byte| matches!(byte, b'0' | b'.')) {
+        return text;
+    }
+    text.strip_prefix('-').map_or_else(|| format!("+{text}"), |digits| format!("−{digits}"))
+}
+
 /// A quotient of lengths, and the whole number that it is within 10^-6 of: coordinates far from the origin are rounded, and
 /// must not add a row or a column.
 pub fn whole(quotient: f64) -> f64 {

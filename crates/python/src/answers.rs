@@ -105,14 +105,19 @@ impl Maps {
         self.0.document().to_string()
     }
 
-    /// Receivers in range of each UAV, and those of them in line of sight.
-    fn tallies(&self) -> Vec<(u64, u64)> {
-        self.0.sites().iter().map(|site| (site.tally.receivers, site.tally.los)).collect()
+    /// Receivers in range of each UAV.
+    fn receivers(&self) -> Vec<u64> {
+        self.0.sites().iter().map(|site| site.tally.receivers).collect()
     }
 
-    /// Those of all UAVs together.
-    fn tally(&self) -> (u64, u64) {
-        (self.0.union().receivers, self.0.union().los)
+    /// `P_LoS` of each UAV; NaN where it is undefined.
+    fn p_los(&self) -> Vec<f64> {
+        self.0.sites().iter().map(|site| site.tally.p_los().unwrap_or(f64::NAN)).collect()
+    }
+
+    /// `P_LoS` of all UAVs together; NaN where it is undefined.
+    fn union_p_los(&self) -> f64 {
+        self.0.union().p_los().unwrap_or(f64::NAN)
     }
 
     #[getter]

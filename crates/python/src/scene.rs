@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::sync::atomic::AtomicBool;
 
-use numpy::{PyArray2, PyReadonlyArray1};
+use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use skyshed::cli;
@@ -176,22 +176,18 @@ impl Scene {
         })
     }
 
-    /// Receivers in range of each UAV, and those of them in line of sight.
+    /// `P_LoS` of each UAV; NaN where it is undefined.
     #[pyo3(signature = (uavs, words, watch=None))]
-    fn counts<'py>(
+    fn p_los<'py>(
         &self,
         py: Python<'py>,
         uavs: Vec<AskedUav>,
         words: Vec<OsString>,
         watch: Option<Py<PyAny>>,
-    ) -> PyResult<Bound<'py, PyArray2<u64>>> {
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let (scene, uavs) = (self.0.clone(), uavs_of(uavs)?);
-        let counts = watched(py, watch, move |progress| Ok(cli::counts((scene, &uavs), &words, progress)?))?;
-        let rows: Vec<Vec<u64>> = counts.into_iter().map(|(receivers, los)| vec![receivers, los]).collect();
-        if rows.is_empty() {
-            return Ok(PyArray2::zeros(py, [0, 2], false));
-        }
-        Ok(PyArray2::from_vec2(py, &rows)?)
+        let p_los = watched(py, watch, move |progress| Ok(cli::p_los((scene, &uavs), &words, progress)?))?;
+        Ok(PyArray1::from_iter(py, p_los.into_iter().map(|p| p.unwrap_or(f64::NAN))))
     }
 
     /// Asks a command of the program over this scene.

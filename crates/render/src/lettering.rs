@@ -146,13 +146,14 @@ pub fn percent(part: u64, whole: u64) -> String {
     if whole == 0 {
         return "–".to_string();
     }
-    let value = 100.0 * part as f64 / whole as f64;
-    match (part, value) {
-        (0, _) => "0 %".to_string(),
-        (p, _) if p == whole => "100 %".to_string(),
-        (_, v) if v < 0.05 => "< 0.1 %".to_string(),
-        (_, v) if v >= 99.95 => "> 99.9 %".to_string(),
-        (_, v) => format!("{v:.1} %"),
+    // Tenths of a percent, halves up: the same digits wherever a share is told, here and on pages.
+    let tenths = (u128::from(part) * 2000 + u128::from(whole)) / (u128::from(whole) * 2);
+    match tenths {
+        _ if part == 0 => "0 %".to_string(),
+        _ if part == whole => "100 %".to_string(),
+        0 => "< 0.1 %".to_string(),
+        1000.. => "> 99.9 %".to_string(),
+        _ => format!("{}.{} %", tenths / 10, tenths % 10),
     }
     .replace(' ', "\u{202F}")
 }

@@ -103,7 +103,8 @@ fn legend(picture: &MapPicture<'_>, of_colors: Vec<u64>, range: Option<&ValueRan
     let MapPicture { layer, n_cols, n_rows, receivers_name, others_name, .. } = *picture;
     if let (Layer::Los(_), Some(tally)) = (layer, picture.counts) {
         let nlos = tally.receivers - tally.los;
-        histogram = vec![nlos, tally.los, tally.not_receivers, tally.out_of_range, tally.nodata, 0];
+        let nodata = if histogram[4] > 0 { tally.nodata } else { 0 };
+        histogram = vec![nlos, tally.los, tally.not_receivers, tally.out_of_range, nodata, 0];
     }
     let (swatch, who) = if picture.is_in_air { (Swatch::Observer, "observer") } else { (Swatch::Uav, "UAV") };
     let words = LegendWords { receivers_name, others_name, who, has_counts: true, has_rings: layer.has_rings() };

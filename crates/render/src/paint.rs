@@ -5,6 +5,8 @@
 //! of the heights of some 16 of them. Work and memory beyond the input are those of the picture, not of the raster.
 //! Cells that are not square keep their proportions.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use image::RgbaImage;
 use rayon::prelude::*;
 use skyshed_core::raster::Surface;
@@ -14,6 +16,9 @@ use super::colors::{self, FULL_LIGHT, Light, Ramp, Rgb};
 
 /// The class of open ground that holds no receiver, which pictures tell from buildings; masks in files do not.
 pub const OPEN_GROUND: u8 = 4;
+
+/// Place of nodata among the indices behind the colors.
+const NODATA: usize = 2;
 
 /// A map with a picture of its own: its longer side \[px\], and the most cells along it that are drawn one by one.
 pub(crate) const LARGE: (f64, f64) = (1400.0, 2000.0);
@@ -67,7 +72,8 @@ pub(crate) struct Canvas<'a> {
 pub(crate) struct Painted {
     /// The map, without furniture.
     pub(crate) image: RgbaImage,
-    /// Cells per color, then not receivers, out of range, nodata, open ground.
+    /// Cells per color, then not receivers, out of range, nodata, open ground. No cell counts as nodata where no pixel is hatched: a few of them are
+    /// lost in the colors of their neighbors.
     pub(crate) histogram: Vec<u64>,
 }
 
@@ -78,7 +84,7 @@ pub(crate) fn special(class: u8, n_colors: usize) -> Option<usize> {
         2 => Some(n_colors),
         3 => Some(n_colors + 1),
         OPEN_GROUND => Some(n_colors + 3),
-        _ => Some(n_colors + 2),
+        _ => Some(n_colors + NODATA),
     }
 }
 
@@ -144,12 +150,16 @@ impl<'a> Canvas<'a> {
         let ground = Ground::new(self, |cell| index_of(cell) == colors.len());
         let packed = packed(colors);
         let mut pixels = vec![0_u8; across.n_px * down.n_px * 4];
+        let is_hatched = AtomicBool::new(false);
         let paint_row = |mut histogram: Vec<u64>, (y, pixels): (usize, &mut [u8])| {
             let work_row = down.work_of_px(y);
             let first = y == 0 || down.work_of_px(y - 1) != work_row;
             let sums = sum_row(self.axes, &packed, &index_of, work_row, first.then_some(&mut histogram));
             let color = |(col, sum)| ground.color(sum, work_row, col);
             let row_colors: Vec<_> = sums.iter().enumerate().map(color).collect();
+            if row_colors.contains(&None) {
+                is_hatched.store(true, Ordering::Relaxed);
+            }
             for (x, pixel) in pixels.chunks_exact_mut(4).enumerate() {
                 let [r, g, b] = row_colors[across.work_of_px(x)].unwrap_or_else(|| hatch(x, y));
                 pixel.copy_from_slice(&[r, g, b, 255]);
@@ -158,10 +168,13 @@ impl<'a> Canvas<'a> {
         };
         let none = || vec![0_u64; packed.len()];
         let rows = pixels.par_chunks_exact_mut(across.n_px * 4).enumerate();
-        let histogram = rows.fold(none, paint_row).reduce(none, |mut sums, numbers| {
+        let mut histogram = rows.fold(none, paint_row).reduce(none, |mut sums, numbers| {
             add(&mut sums, &numbers);
             sums
         });
+        if !is_hatched.into_inner() {
+            histogram[colors.len() + NODATA] = 0;
+        }
         let [width, height] = self.axes.map(|axis| u32::try_from(axis.n_px).expect("an image is smaller than that"));
         let image = RgbaImage::from_raw(width, height, pixels).expect("the buffer has this size");
         Painted { image, histogram }

@@ -176,6 +176,7 @@ impl ReadingArgs {
             _ => DataAreaChoice::Within(word.clone().into()),
         });
         Ok(SceneOptions {
+            draws_cells: false,
             terrain: self.terrain.clone(),
             ground_m: self.ground,
             building_threshold_m: self.building_threshold,

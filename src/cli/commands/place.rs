@@ -78,7 +78,7 @@ pub(in crate::cli) struct PlaceArgs {
     /// Polygons (.geojson) whose receivers count for the goals p_los(area) and margin(area)
     #[arg(long, value_name = "FILE", help_heading = "Goal", hide_short_help = true)]
     area: Option<PathBuf>,
-    /// Raster of weights such as population for the goal p_los(weights): a receiver counts what the cell that holds it says
+    /// Raster of scores for the goal p_los(weights): each receiver counts the whole value of the cell that holds it; no persons per cell, which many receivers would share
     #[arg(long, value_name = "FILE", help_heading = "Goal", hide_short_help = true)]
     weights: Option<PathBuf>,
     /// Instead of the largest share, the least height that reaches the share of the goal

@@ -140,6 +140,7 @@ fn of_places(of: PlacesIn) -> &'static str {
         PlacesIn::TrackTable => {
             "a track is a table with the columns `x,y` or `lon,lat`, separated by commas, semicolons or tabs"
         }
+        PlacesIn::TrackHeights => "`track` walks at the height of `--rx-height` alone: leave heights out",
         PlacesIn::TrackFeatures => "a track is one LineString, or Points in their order",
     }
 }

@@ -57,7 +57,19 @@ impl BuiltUpCity {
 
     /// Builds the whole city. Its origin is the south-west corner of a crossroad; buildings are cut at the edge, that of the
     /// margin if there is one. A margin changes no building within the city.
+    ///
+    /// # Errors
+    /// Usage errors for lengths that are no lengths, limit errors for too many cells or buildings.
     pub fn city(&self) -> Result<City> {
+        self.city_on_cells_from([0.0; 2])
+    }
+
+    /// Builds the whole city on cells that begin so many parts of a cell, 0 to 1, west and south of its origin. Walls lie at the same places of
+    /// the cells in every city; shares of cells over many cities are unbiased if this is drawn for each of them.
+    ///
+    /// # Errors
+    /// As [`BuiltUpCity::city`].
+    pub fn city_on_cells_from(&self, shift: [f64; 2]) -> Result<City> {
         for (length, found) in [("size", self.size_m), ("cell size", self.cell_m)] {
             if !(found > 0.0 && found.is_finite()) {
                 return Err(CityError::Length { length, found }.into());
@@ -69,7 +81,8 @@ impl BuiltUpCity {
         if size_m > MAX_EXTENT_UNITS {
             return Err(CityError::Size { size_m: self.size_m, whole_m: size_m }.into());
         }
-        let n_cells = whole(self.size_m / self.cell_m).ceil().max(1.0) + 2.0 * n_margin;
+        let one_more = if shift.iter().any(|share| *share > 0.0) { 1.0 } else { 0.0 };
+        let n_cells = whole(self.size_m / self.cell_m).ceil().max(1.0) + 2.0 * n_margin + one_more;
         if n_cells > MAX_EXTENT_UNITS {
             return Err(CityError::Cells { found: n_cells }.into());
         }
@@ -85,7 +98,8 @@ impl BuiltUpCity {
         let n = n_cells as usize;
         let extent = self.cell_m * n_cells;
         // Not `-margin_m`, which would write −0 into files.
-        let grid = GeoRef::new((0.0 - margin_m, extent - margin_m), (self.cell_m, self.cell_m), (n, n), None)
+        let [west, south] = shift.map(|share| 0.0 - margin_m - share * self.cell_m);
+        let grid = GeoRef::new((west, extent + south), (self.cell_m, self.cell_m), (n, n), None)
             .ok_or(Error::Fault(Fault::CityGrid))?;
         let ground = height_steps(self.ground_m).ok_or(CityError::Ground { found: self.ground_m })?;
         Ok(City {

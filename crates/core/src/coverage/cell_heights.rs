@@ -101,7 +101,7 @@ pub(super) fn with_margin(least: f64, z: i64, base: i32, is_los: bool) -> (f32, 
 /// The surface that a UAV at a place must not be below \[1/1024 m\]: the ground, or the roof or surface there; [`VOID`] if
 /// none is known.
 pub fn surface_under(field: &HeightField, place: &Place) -> i32 {
-    field.ground_at(place).max(field.inside_prisms_below(place)).max(field.inside_columns_below(place))
+    field.below_uav(place).surface
 }
 
 /// A surface as the least height over it \[1/1024 m\]; nothing known bounds nothing.

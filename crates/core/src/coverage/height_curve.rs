@@ -13,7 +13,7 @@ use std::sync::atomic::Ordering;
 use rayon::prelude::*;
 
 use super::cell_heights::surface_under;
-use super::{Control, Receivers, SiteCoverage, Uav, class};
+use super::{Control, HoversOver, Receivers, SiteCoverage, Uav, class};
 use crate::error::Result;
 use crate::height_field::{CellKind, GridPositions, HeightField, Station};
 use crate::los::{GridLos, Method, link_least_step};
@@ -93,17 +93,24 @@ impl HeightCurve {
         above.checked_sub(1).map_or(0, |last| self.steps[last].1)
     }
 
+    fn is_over_nodata(&self) -> bool {
+        self.uav.placement == HoversOver::Nodata
+    }
+
     /// P_LoS of a UAV at `height` \[1/1024 m above the datum\]; `None` without a receiver, and below the lowest height,
     /// where the UAV cannot be.
     pub fn p_los_at(&self, height: i32) -> Option<f64> {
-        share(self.los_at(height), self.receivers).filter(|_| height >= self.lowest)
+        share(self.los_at(height), self.receivers).filter(|_| height >= self.lowest && !self.is_over_nodata())
     }
 
     /// The least height \[1/1024 m above the datum\] from which at least `percent` \[%\] of the receivers are in sight;
-    /// `None` where no height within ±32 768 m is enough, or there is no receiver.
+    /// `None` where no height within ±32 768 m is enough, without a receiver, and over no data.
     pub fn least_height_reaching(&self, percent: u8) -> Option<i32> {
         // Shares are compared as products: u64 holds 100 times any count of cells.
         let reaches = |in_sight: u64| in_sight * 100 >= self.receivers * u64::from(percent);
+        if self.is_over_nodata() {
+            return None;
+        }
         if self.receivers > 0 && reaches(0) {
             return Some(self.lowest);
         }
@@ -221,7 +228,7 @@ impl<'a> LeastHeights<'a> {
                 _ => steps.push((z, in_sight)),
             }
         }
-        let ground = Some(self.field.ground_at(&self.uav.station.place)).filter(|z| *z != VOID);
+        let ground = Some(self.field.below_uav(&self.uav.station.place).ground).filter(|z| *z != VOID);
         HeightCurve { uav: self.uav, ground, lowest: self.lowest, receivers, method, steps }
     }
 }

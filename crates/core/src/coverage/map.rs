@@ -84,7 +84,7 @@ impl SiteCoverage {
             stability: None,
             sure: None,
             p_los: None,
-            tally,
+            tally: tally.of_uav(uav),
         }
     }
 }

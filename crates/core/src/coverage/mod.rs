@@ -49,7 +49,7 @@ pub use stability::{Move, Stability, Turned};
 pub use streamed::StreamedMapper;
 pub use tally::{BAND_DEGREES, ElevationBand, Tally};
 pub use track::{Stretch, Track, TrackPoint, TrackState, along_track};
-pub use uav::{HoversOver, Uav, height_over};
+pub use uav::{HoversOver, Uav, height_over, is_nodata_below};
 pub use uav_grid::UavGrid;
 pub use uncertain_heights::{
     CORRELATION_M, Deciding, HeightBounds, HeightErrors, OwnErrors, RedrawnCounts, RedrawnHeights, Sure,

@@ -3,6 +3,7 @@
 use super::cell_classes::RowSets;
 use super::class;
 use super::elevation::{N_BANDS, RowElevations};
+use super::uav::{HoversOver, Uav};
 use crate::quantity::share;
 
 /// Width of an elevation band \[deg\].
@@ -34,6 +35,8 @@ pub struct Tally {
     pub out_of_range: u64,
     /// Cells of class 255.
     pub nodata: u64,
+    /// A UAV is over no data, so that there is no P_LoS.
+    pub is_over_nodata: bool,
     bands: [(u64, u64); N_BANDS],
 }
 
@@ -65,6 +68,17 @@ impl Tally {
         });
     }
 
+    /// Counts of receivers alone.
+    pub fn of_receivers(receivers: u64, los: u64) -> Self {
+        Tally { receivers, los, ..Tally::default() }
+    }
+
+    /// The same counts of a UAV that may be over no data.
+    #[must_use]
+    pub fn of_uav(self, uav: &Uav) -> Self {
+        Tally { is_over_nodata: self.is_over_nodata || uav.placement == HoversOver::Nodata, ..self }
+    }
+
     /// Counts a mask, without elevation bands.
     pub fn of_mask(mask: &[u8]) -> Self {
         let mut counts = [0_u64; 256];
@@ -74,7 +88,8 @@ impl Tally {
 
     /// These receivers, with the other cells of a mask.
     pub(super) fn with_others_of(self, mask: &[u8]) -> Self {
-        Tally { receivers: self.receivers, los: self.los, bands: self.bands, ..Tally::of_mask(mask) }
+        let Tally { receivers, los, bands, is_over_nodata, .. } = self;
+        Tally { receivers, los, bands, is_over_nodata, ..Tally::of_mask(mask) }
     }
 
     fn of_counts(counts: &[u64; 256]) -> Self {
@@ -104,6 +119,7 @@ impl Tally {
         self.not_receivers += other.not_receivers;
         self.out_of_range += other.out_of_range;
         self.nodata += other.nodata;
+        self.is_over_nodata |= other.is_over_nodata;
         for (a, b) in self.bands.iter_mut().zip(&other.bands) {
             a.0 += b.0;
             a.1 += b.1;
@@ -111,14 +127,16 @@ impl Tally {
         self
     }
 
-    /// P_LoS: the share of receivers in line of sight, `None` without a receiver.
+    /// P_LoS: the share of receivers in line of sight, `None` without a receiver and of a UAV over no data.
     pub fn p_los(&self) -> Option<f64> {
-        share(self.los, self.receivers)
+        share(self.los, self.receivers).filter(|_| !self.is_over_nodata)
     }
 
     /// Why there is no P_LoS.
     pub fn reason(&self) -> &'static str {
-        if self.out_of_range > 0 && self.not_receivers == 0 && self.nodata == 0 {
+        if self.receivers > 0 {
+            "the UAV is over no data"
+        } else if self.out_of_range > 0 && self.not_receivers == 0 && self.nodata == 0 {
             "no receiver in range"
         } else if self.not_receivers > 0 {
             "every cell in range is a building or outside the chosen receivers"

@@ -24,10 +24,13 @@ pub struct Uav {
 /// What lies below a UAV.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HoversOver {
-    /// Open ground, or nothing known.
+    /// Open ground, or what is outside the grid of a raster.
     Ground,
     /// A building.
     Rooftop,
+    /// A cell without data, or what is outside the data area of a scene of footprints. What stands around such a UAV is not known, so it has no
+    /// P_LoS.
+    Nodata,
 }
 
 impl HoversOver {
@@ -36,6 +39,7 @@ impl HoversOver {
         match self {
             HoversOver::Ground => "ground",
             HoversOver::Rooftop => "rooftop",
+            HoversOver::Nodata => "nodata",
         }
     }
 }
@@ -52,7 +56,7 @@ impl Uav {
     pub fn place(site: &Site, field: &HeightField, radius: Option<f64>) -> Result<Uav, Error> {
         let units = [field.prisms_frame(), field.columns_frame()];
         check_extent((site.x, site.y), (field.grid(), &units), radius).map_err(|why| refused(site, why))?;
-        Uav::over(site, field, field.place(site.x, site.y))
+        Uav::over(site, (field, field.grid()), field.place(site.x, site.y))
     }
 
     /// Places a site in a part of a raster scene just where it is in the whole, whose lattice rounds it; in other scenes as
@@ -70,7 +74,7 @@ impl Uav {
         let (x, y) = frame.lattice_from_world(site.x, site.y);
         #[expect(clippy::cast_precision_loss, reason = "lattice positions in reach are below 2^53")]
         let (x, y) = frame.world_from_lattice(x as f64, y as f64);
-        Uav::over(site, field, field.place(x, y).told_as(site.x, site.y))
+        Uav::over(site, (field, whole), field.place(x, y).told_as(site.x, site.y))
     }
 
     /// Places a site in a scene that is read window by window, as [`Uav::place`] does in one that is in memory.
@@ -94,15 +98,15 @@ impl Uav {
         let field = HeightField::build(&grid.part(window), scene.solids(window)?).field;
         #[expect(clippy::cast_precision_loss, reason = "lattice positions in reach are below 2^53")]
         let (x, y) = frame.world_from_lattice(x as f64, y as f64);
-        let mut uav = Uav::over(site, &field, field.place(x, y))?;
+        let mut uav = Uav::over(site, (&field, grid), field.place(x, y))?;
         uav.station.place = Place::on_cells(grid, site.x, site.y);
         Ok(uav)
     }
 
-    /// A site over a place of a scene.
-    fn over(site: &Site, field: &HeightField, place: Place) -> Result<Uav, Error> {
+    /// A site over a place of a scene, or of a part of one with the grid of the whole.
+    fn over(site: &Site, (field, whole): (&HeightField, &GeoRef), place: Place) -> Result<Uav, Error> {
         height_over(field, &place, site.height)
-            .and_then(|z| Uav::hovering((&site.id, site.antenna), field, (place, z)))
+            .and_then(|z| Uav::hovering((&site.id, site.antenna), (field, whole), (place, z)))
             .map_err(|why| refused(site, why))
     }
 
@@ -115,7 +119,7 @@ impl Uav {
         z.ok_or(UavError::Height { amsl_m })
             .and_then(|z| {
                 check_extent((place.x, place.y), (field.grid(), &units), radius)?;
-                Uav::hovering((&self.id, self.antenna), field, (place, z))
+                Uav::hovering((&self.id, self.antenna), (field, field.grid()), (place, z))
             })
             .map_err(|why| Error::Uav {
                 attempt: UavAttempt::Move { id: self.id.clone(), steps: [east, north, up] },
@@ -126,7 +130,7 @@ impl Uav {
     /// A UAV at a place and a height, if it is in the clear there.
     fn hovering(
         (id, antenna): (&str, Antenna),
-        field: &HeightField,
+        (field, whole): (&HeightField, &GeoRef),
         (place, z): (Place, i32),
     ) -> Result<Uav, UavError> {
         let (ground, roof) = (field.ground_at(&place), field.roof_at(&place));
@@ -144,11 +148,18 @@ impl Uav {
         if z < floor {
             return Err(UavError::BelowGround { amsl_m, surface_m: meters(floor), ground_m });
         }
+        let placement = if is_nodata_below(&place, field, whole) {
+            HoversOver::Nodata
+        } else if roof.is_some() {
+            HoversOver::Rooftop
+        } else {
+            HoversOver::Ground
+        };
         Ok(Uav {
             id: id.to_string(),
             station: Station { place, z: i64::from(z) },
             height_agl_m: ground_m.map(|ground_m| amsl_m - ground_m),
-            placement: if roof.is_some() { HoversOver::Rooftop } else { HoversOver::Ground },
+            placement,
             antenna,
         })
     }
@@ -157,6 +168,15 @@ impl Uav {
     pub fn height_amsl_m(&self) -> f64 {
         i32::try_from(self.station.z).map_or(f64::NAN, meters)
     }
+}
+
+/// Whether a place of a scene, or of a part of one with the grid of the whole, is over no data: outside of the data area of footprints, or over a cell
+/// without a height. Outside of the grid of a raster it is not.
+pub fn is_nodata_below(place: &Place, field: &HeightField, whole: &GeoRef) -> bool {
+    let is_void = || {
+        field.roof_at(place).is_none() && field.ground_at(place) == VOID && field.inside_columns_below(place) == VOID
+    };
+    !field.is_known_at(place.x, place.y) || (whole.cell_at(place.x, place.y).is_some() && is_void())
 }
 
 /// The height of an end of a link over a place, above the datum \[1/1024 m\].

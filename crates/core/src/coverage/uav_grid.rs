@@ -70,28 +70,52 @@ impl Mapper<'_> {
 
     /// Whether [`Mapper::count_grid`] can count these UAVs and should take less time than [`Mapper::count`] for each.
     pub fn is_counted_sooner(&self, uavs: &UavGrid) -> bool {
-        let Some(positions) = self.engine.uav_positions(&uavs.shadows, uavs.z, &self.receivers) else { return false };
-        // PERF: µs of one thread, fitted to the itu cities and Munich on cells of 2 and 5 m with 500 to 40 000 UAVs; only their
-        // ratio matters. Of 65 trials it takes the slower way in 6: three ties, and at most 1.9 times the time where UAVs are
-        // so high (200 m) that counting them together takes half as long. The passes over words matter for millions of places.
+        let [together, one_by_one] = self.counting_us(uavs);
+        together < one_by_one
+    }
+
+    /// About how long one thread counts what UAVs see over a grid \[µs\]: by [`Mapper::count_grid`], infinite if that cannot, and by
+    /// [`Mapper::count`] for each.
+    pub fn counting_us(&self, uavs: &UavGrid) -> [f64; 2] {
         #[expect(clippy::cast_precision_loss, reason = "an estimate")]
-        let [casters, rows, words] =
-            [positions.casters.all().len(), uavs.grid.n_rows(), uavs.places.words().len()].map(|n| n as f64);
+        let n_uavs = uavs.places.count() as f64;
+        let one_by_one = self.counting_one_us().map_or(f64::INFINITY, |one| n_uavs * one);
+        let Some(positions) = self.engine.uav_positions(&uavs.shadows, uavs.z, &self.receivers) else {
+            return [f64::INFINITY, one_by_one];
+        };
+        // PERF: fitted to the itu cities and Munich on cells of 2 and 5 m with 500 to 40 000 UAVs. Of 65 trials it takes the slower
+        // way in 6: three ties, and at most 1.9 times the time where UAVs are so high (200 m) that counting them together takes half as
+        // long. The passes over words matter for millions of places.
         #[expect(clippy::cast_precision_loss, reason = "an estimate")]
-        let [n_uavs, receivers] =
-            [uavs.places.count(), self.receivers.iter().map(|r| r.cells.count()).sum()].map(|n| n as f64);
-        let (casters, rows) = self.options.radius.map_or((casters, rows), |radius| {
-            let grid = self.field.grid();
-            let area = (grid.x_max() - grid.x_min()) * (grid.y_max() - grid.y_min());
-            let disc = std::f64::consts::PI * radius * radius;
-            (casters * (disc / area).min(1.0), rows.min(2.0 * radius / uavs.grid.cell_height()))
-        });
-        // On a raster of plateaus one UAV takes twice as long.
-        let of_raster = if self.field.prisms().is_none() { 2.0 } else { 1.0 };
-        let one_uav = (40.0 + 0.2 * casters) * of_raster;
+        let [rows, words, receivers] = [
+            uavs.grid.n_rows() as u64,
+            uavs.places.words().len() as u64,
+            self.receivers.iter().map(|r| r.cells.count()).sum(),
+        ]
+        .map(|n| n as f64);
+        let casters = self.in_range(positions.casters.all().len());
+        let rows = self.options.radius.map_or(rows, |radius| rows.min(2.0 * radius / uavs.grid.cell_height()));
         let of_range = if self.options.radius.is_some() { 2.0 } else { 1.0 };
         let one_receiver = (5.0 + 0.005 * casters) * (0.4 + 0.006 * rows) * of_range + 0.0025 * words;
-        receivers * one_receiver < n_uavs * one_uav
+        [receivers * one_receiver, one_by_one]
+    }
+
+    /// About how long one thread takes for [`Mapper::count`] \[µs\]; `None` unless the engine is `shadow` over a flat earth.
+    pub fn counting_one_us(&self) -> Option<f64> {
+        // On a raster of plateaus one UAV takes twice as long.
+        let of_raster = if self.field.prisms().is_none() { 2.0 } else { 1.0 };
+        Some((40.0 + 0.2 * self.in_range(self.engine.n_casters()?)) * of_raster)
+    }
+
+    /// How many of some casters are in range of a UAV, if they stand everywhere alike.
+    #[expect(clippy::cast_precision_loss, reason = "an estimate")]
+    fn in_range(&self, n_casters: usize) -> f64 {
+        let share = self.options.radius.map_or(1.0, |radius| {
+            let grid = self.field.grid();
+            let area = (grid.x_max() - grid.x_min()) * (grid.y_max() - grid.y_min());
+            (std::f64::consts::PI * radius * radius / area).min(1.0)
+        });
+        n_casters as f64 * share
     }
 
     /// What each UAV of a grid sees, place by place, 0 for those without a UAV: for each receiver of a cell `weight(cell)`,

@@ -13,7 +13,7 @@ use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
 
 use super::solid::{RasterSolid, Solid, VectorGround, VectorSolid};
-use super::{Bulge, Columns, Curvature, CurvedGround, GridPositions, HeightField, Place, TILE, TileMaxima};
+use super::{BelowUav, Bulge, Columns, Curvature, CurvedGround, GridPositions, HeightField, Place, TILE, TileMaxima};
 use crate::dispatch;
 use crate::quantity::{BLOCKS_ALL, Frame, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::{CellWindow, GeoRef, LargeVec};
@@ -309,7 +309,7 @@ impl HeightField {
     /// stand on ground that is lowered as well.
     pub(crate) fn bent_raster(&self, drops: Drops) -> Option<HeightField> {
         let solid = Solid::Raster(self.solid.raster()?.bent(Arc::new(drops), self.grid.window()));
-        Some(self.with_bent(solid, None))
+        Some(self.with_bent(solid, None, None))
     }
 
     /// The scene over a curved earth as it is seen from a place, with the drops of its cells.
@@ -327,7 +327,8 @@ impl HeightField {
         let meters_per_unit = self.grid.meters_per_unit();
         let vector = match &self.solid {
             Solid::Raster(raster) => {
-                return self.with_bent(Solid::Raster(raster.bent(Arc::clone(drops), window)), None);
+                let below = Some(self.below_uav(place));
+                return self.with_bent(Solid::Raster(raster.bent(Arc::clone(drops), window)), None, below);
             }
             Solid::Vector(vector) => vector,
         };
@@ -341,12 +342,17 @@ impl HeightField {
         let earth = Bulge::new(curvature, vector.frame.unit_x * meters_per_unit);
         let earth = earth.map(|bulge| CurvedGround { bulge, ground: self.flat_ground() });
         let solid = VectorSolid { prisms: vector.prisms.on_earth(earth), ..vector.clone() };
-        self.with_bent(Solid::Vector(solid), terrain)
+        self.with_bent(Solid::Vector(solid), terrain, Some(self.below_uav(place)))
     }
 
-    fn with_bent(&self, solid: Solid, bent_terrain: Option<Arc<BentTerrain>>) -> HeightField {
+    fn with_bent(
+        &self,
+        solid: Solid,
+        bent_terrain: Option<Arc<BentTerrain>>,
+        below_uav: Option<BelowUav>,
+    ) -> HeightField {
         let (without_data, cells) = (self.without_data.clone(), self.cells.clone());
-        HeightField { grid: self.grid.clone(), solid, without_data, cells, bent_terrain }
+        HeightField { grid: self.grid.clone(), solid, without_data, cells, bent_terrain, below_uav }
     }
 }
 

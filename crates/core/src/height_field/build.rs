@@ -41,6 +41,7 @@ impl HeightField {
                     without_data: voids.map(Arc::new),
                     cells: no_cells,
                     bent_terrain: None,
+                    below_uav: None,
                 }
             }
             Solids::Vector { footprints, frame, ground, data_area, .. } => {
@@ -48,7 +49,7 @@ impl HeightField {
                 let is_auto = matches!(data_area, DataArea::NearFootprints);
                 let known_ground = match data_area {
                     DataArea::All => None,
-                    DataArea::NearFootprints => KnownGround::near(&footprints, &frame, grid),
+                    DataArea::NearFootprints => KnownGround::near(&footprints, &frame, grid.meters_per_unit()),
                     DataArea::Within(area) => Some(KnownGround::Area(area)),
                 };
                 let has_errors = footprints.iter().any(|f| f.height_error.is_some());
@@ -77,8 +78,14 @@ impl HeightField {
                     building_errors,
                 };
                 let solid = Solid::Vector(solid);
-                let mut field =
-                    HeightField { grid: grid.clone(), solid, without_data: None, cells: no_cells, bent_terrain: None };
+                let mut field = HeightField {
+                    grid: grid.clone(),
+                    solid,
+                    without_data: None,
+                    cells: no_cells,
+                    bent_terrain: None,
+                    below_uav: None,
+                };
                 field.find_roofs();
                 field.find_cells_without_data();
                 if is_auto && field.knows_all_as_little_is_open() {

@@ -6,7 +6,6 @@ use super::HeightField;
 use super::known_ground::KnownGround;
 use super::solid::Solid;
 use crate::city::BuildingHeight;
-use crate::quantity::VOID;
 use crate::raster::BitGrid;
 
 impl HeightField {
@@ -26,10 +25,9 @@ impl HeightField {
     /// building says nothing of a city.
     pub(super) fn knows_all_as_little_is_open(&mut self) -> bool {
         let Solid::Vector(vector) = &mut self.solid else { return false };
-        let n_known = self.grid.n_cells() as u64 - self.without_data.as_deref().map_or(0, BitGrid::count);
-        let n_built = vector.roofs.iter().filter(|roof| **roof != VOID).count() as u64;
-        let is_open = n_known > 0 && 10 * n_known.saturating_sub(n_built) >= n_known;
-        if vector.known_ground.is_none() || is_open {
+        /// What is less is little.
+        const LEAST_SHARE: f64 = 0.1;
+        if vector.known_ground.as_ref().is_none_or(|known| known.open_share() >= LEAST_SHARE) {
             return false;
         }
         (vector.known_ground, self.without_data) = (None, None);

@@ -24,6 +24,17 @@ pub struct HeightField {
     pub(super) cells: Arc<CellSets>,
     /// The terrain below footprints as a UAV sees it over a curved earth, where that is not as it is.
     pub(super) bent_terrain: Option<Arc<BentTerrain>>,
+    /// Ground and surface below the UAV that the scene is bent for, over a flat earth; `None` where it is not bent.
+    pub(super) below_uav: Option<BelowUav>,
+}
+
+/// Heights at the place of a UAV \[1/1024 m above the datum\]; [`VOID`] where none is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BelowUav {
+    /// Ground.
+    pub ground: i32,
+    /// Ground, roof or surface, whichever is highest: the UAV must not be below.
+    pub surface: i32,
 }
 
 /// What a cell of the receivers' grid is.
@@ -238,6 +249,18 @@ impl HeightField {
             CellKind::Building(roof) => Some(roof),
             CellKind::Open(_) | CellKind::Void => None,
         }
+    }
+
+    /// Heights below a UAV at a place. In a scene that is bent for a UAV they are those of the scene before: below the UAV itself the earth does
+    /// not fall away, but the middle of its cell is lower, and so is all ground that is known without a cell.
+    pub fn below_uav(&self, place: &Place) -> BelowUav {
+        self.below_uav.unwrap_or_else(|| {
+            let ground = self.ground_at(place);
+            BelowUav {
+                ground,
+                surface: ground.max(self.inside_prisms_below(place)).max(self.inside_columns_below(place)),
+            }
+        })
     }
 
     /// The height below which the vertical line at a place is inside the prisms; [`VOID`] if it is not.

@@ -209,19 +209,37 @@ impl Prisms {
     ///
     /// On an edge or a vertex of pieces this is the lowest, over all directions around the point, of what lies that way.
     pub(crate) fn solid_at(&self, x: i64, y: i64) -> Option<(i32, usize)> {
+        let around = self.around(x, y);
+        around.sides.into_iter().map(|side| side.max(around.whole)).min().unwrap_or(around.whole)
+    }
+
+    /// The pieces around `(x, y)`: those in whose interior it lies, and, if walls meet there and leave no side open, the highest piece of each
+    /// side that the others do not cover.
+    pub(crate) fn pieces_around(&self, x: i64, y: i64) -> (Vec<usize>, Vec<usize>) {
+        let inside = self.touching(x, y).filter(|(_, ring)| sector_at(ring, x, y).is_none());
+        let around = self.around(x, y);
+        let sides: Option<Vec<(i32, usize)>> = around.sides.into_iter().collect();
+        let mut sides = sides.unwrap_or_default();
+        sides.sort_unstable();
+        sides.dedup();
+        (inside.map(|(piece, _)| piece).collect(), sides.into_iter().map(|(_, piece)| piece).collect())
+    }
+
+    /// What lies around a point: the highest roof in whose interior it is, and, for each direction in which that changes, the highest roof
+    /// just counterclockwise of it that ends at the point.
+    fn around(&self, x: i64, y: i64) -> Around {
         /// What a piece covers around the point: the directions from `from` counterclockwise to `to`.
         struct Sector {
             from: [i64; 2],
             to: [i64; 2],
             roof: (i32, usize),
         }
-        // The highest roof all around the point, and those above it on some sides.
-        let mut all_around: Option<(i32, usize)> = None;
+        let mut whole: Option<(i32, usize)> = None;
         let mut sectors: Vec<Sector> = Vec::new();
         for (i, ring) in self.touching(x, y) {
             let roof = (self.top_at(&self.parts.pieces[i], x, y), i);
             match sector_at(ring, x, y) {
-                None => all_around = all_around.max(Some(roof)),
+                None => whole = whole.max(Some(roof)),
                 // Of walls on one another the highest counts.
                 Some((from, to)) => match sectors.iter_mut().find(|s| (s.from, s.to) == (from, to)) {
                     Some(known) => known.roof = known.roof.max(roof),
@@ -229,7 +247,6 @@ impl Prisms {
                 },
             }
         }
-        sectors.retain(|sector| Some(sector.roof) > all_around);
         let cross =
             |a: [i64; 2], b: [i64; 2]| i128::from(a[0]) * i128::from(b[1]) - i128::from(a[1]) * i128::from(b[0]);
         let dot = |a: [i64; 2], b: [i64; 2]| i128::from(a[0]) * i128::from(b[0]) + i128::from(a[1]) * i128::from(b[1]);
@@ -237,9 +254,10 @@ impl Prisms {
         let covers = |Sector { from, to, .. }: &Sector, d: [i64; 2]| {
             (cross(*from, d) == 0 && dot(*from, d) > 0) || (cross(*from, d) > 0 && cross(d, *to) > 0)
         };
-        let highest = |d: [i64; 2]| sectors.iter().filter(|s| covers(s, d)).map(|s| s.roof).max().max(all_around);
+        let highest = |d: [i64; 2]| sectors.iter().filter(|s| covers(s, d)).map(|s| s.roof).max();
         // What lies around the point changes only where a sector begins or ends.
-        sectors.iter().flat_map(|s| [s.from, s.to]).map(highest).min().unwrap_or(all_around)
+        let sides = sectors.iter().flat_map(|s| [s.from, s.to]).map(highest).collect();
+        Around { whole, sides }
     }
 
     /// The height of the solid there, of a slope rounded up; [`VOID`] where there is none.
@@ -265,6 +283,12 @@ impl Parts {
     fn heights(&self, piece: &Piece) -> Option<&[i32]> {
         (piece.heights != FLAT).then(|| &self.heights[piece.heights as usize..(piece.heights + piece.len) as usize])
     }
+}
+
+/// The roofs around a point, each with its piece.
+struct Around {
+    whole: Option<(i32, usize)>,
+    sides: Vec<Option<(i32, usize)>>,
 }
 
 /// Whether a convex counterclockwise ring holds a position under the half-open rule: a position on an edge belongs to

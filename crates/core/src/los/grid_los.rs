@@ -178,6 +178,16 @@ impl<'a> GridLos<'a> {
         Some(UavPositions { prisms, casters, grid, z, level: self.level })
     }
 
+    /// How many casters there are, if the engine is `shadow` over a flat earth.
+    pub(crate) fn n_casters(&self) -> Option<usize> {
+        let prisms = match &self.engine {
+            Engine::Shadow(PrismShadows { prisms, .. }) => *prisms,
+            Engine::Plateaus(_, plateaus, _) => plateaus.prisms(),
+            _ => return None,
+        };
+        Some(self.casters.as_deref().unwrap_or(prisms.casters()).all().len())
+    }
+
     /// A station on the lattice of what casts shadows.
     pub(crate) fn on_shadows(&self, station: &Station) -> LatticePoint {
         if self.field.prisms().is_some() { station.on_prisms() } else { station.on_columns() }

@@ -7,39 +7,50 @@
 /// Two buildings side by side along a link, and how much higher each may be if the other one is in its way \[1/1024 m\]; of sloped roofs, where
 /// the lower of both comes nearest to the link, which is all that matters while both are off alike.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Wall {
+pub struct Wall<R = i64> {
     /// Their numbers.
     pub buildings: [u32; 2],
     /// How much higher each may be; below 0 where it is too high as it is.
-    pub rooms: [i64; 2],
+    pub rooms: [R; 2],
 }
 
-/// How much higher than they are known to be buildings may be so that a link past them is clear.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct HeightLimits {
+/// Per building, how far its roof may rise before it blocks the link: in whole steps, rounded down, or in reals.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct HeightLimits<R = i64> {
     /// The buildings that the link crosses, each with by how much it may be higher so that it leaves it clear \[1/1024 m\].
-    pub crossed: Vec<(u32, i64)>,
+    pub crossed: Vec<(u32, R)>,
     /// Walls between two buildings that the link runs along: it is clear if one of both has the room.
-    pub walls: Vec<Wall>,
+    pub walls: Vec<Wall<R>>,
 }
 
-impl HeightLimits {
+impl<R> Default for HeightLimits<R> {
+    /// Of a link that meets no building.
+    fn default() -> Self {
+        HeightLimits { crossed: Vec::new(), walls: Vec::new() }
+    }
+}
+
+impl<R: PartialOrd + Copy> HeightLimits<R> {
     /// Adds the room of a building, of which the least counts.
-    pub(super) fn limit(&mut self, building: u32, room: i64) {
+    pub(super) fn limit(&mut self, building: u32, room: R) {
         match self.crossed.iter_mut().find(|(b, _)| *b == building) {
-            Some((_, known)) => *known = (*known).min(room),
+            Some((_, known)) => *known = least(*known, room),
             None => self.crossed.push((building, room)),
         }
     }
 
     /// Adds a wall between pieces of two buildings, or of one.
-    pub(super) fn wall(&mut self, buildings: [u32; 2], rooms: [i64; 2]) {
+    pub(super) fn wall(&mut self, buildings: [u32; 2], rooms: [R; 2]) {
         let [a, b] = buildings;
-        if a == b { self.limit(a, rooms[0].max(rooms[1])) } else { self.walls.push(Wall { buildings, rooms }) }
+        if a == b {
+            self.limit(a, if rooms[0] > rooms[1] { rooms[0] } else { rooms[1] })
+        } else {
+            self.walls.push(Wall { buildings, rooms })
+        }
     }
 
     /// What is left to ask of the others once it is known by how much one building is higher; `None` if that is too much.
-    pub(crate) fn with_error_of(mut self, building: u32, by: i64) -> Option<HeightLimits> {
+    pub(crate) fn with_error_of(mut self, building: u32, by: R) -> Option<HeightLimits<R>> {
         if self.crossed.iter().any(|(of, room)| *of == building && by > *room) {
             return None;
         }
@@ -59,8 +70,8 @@ impl HeightLimits {
     /// more than this higher \[1/1024 m\].
     ///
     /// Cost: linear in the buildings crossed; quadratic in walls that have buildings in common.
-    pub fn probability(&self, probability: &impl Fn(u32, i64) -> f64) -> f64 {
-        let mut spans: Vec<Span> =
+    pub fn probability(&self, probability: &impl Fn(u32, R) -> f64) -> f64 {
+        let mut spans: Vec<Span<R>> =
             self.crossed.iter().map(|(of, room)| Span { up_to: Some(*room), ..Span::all(*of) }).collect();
         if self.walls.is_empty() {
             return product(&spans, probability);
@@ -76,46 +87,54 @@ impl HeightLimits {
 
 /// Errors of a building: above one, up to another.
 #[derive(Debug, Clone, Copy)]
-struct Span {
+struct Span<R> {
     building: u32,
-    over: Option<i64>,
-    up_to: Option<i64>,
+    over: Option<R>,
+    up_to: Option<R>,
 }
 
-impl Span {
-    fn all(building: u32) -> Span {
+fn least<R: PartialOrd>(a: R, b: R) -> R {
+    if b < a { b } else { a }
+}
+
+impl<R: PartialOrd + Copy> Span<R> {
+    fn all(building: u32) -> Self {
         Span { building, over: None, up_to: None }
     }
 
-    fn probability(&self, probability: &impl Fn(u32, i64) -> f64) -> f64 {
-        let up_to = |limit: Option<i64>, without: f64| limit.map_or(without, |limit| probability(self.building, limit));
+    fn probability(&self, probability: &impl Fn(u32, R) -> f64) -> f64 {
+        let up_to = |limit: Option<R>, without: f64| limit.map_or(without, |limit| probability(self.building, limit));
         (up_to(self.up_to, 1.0) - up_to(self.over, 0.0)).max(0.0)
     }
 
-    fn is_below(&self, room: i64) -> bool {
+    fn is_below(&self, room: R) -> bool {
         self.up_to.is_some_and(|up_to| up_to <= room)
     }
 
-    fn is_above(&self, room: i64) -> bool {
+    fn is_above(&self, room: R) -> bool {
         self.over.is_some_and(|over| over >= room)
     }
 
-    fn lower(&mut self, room: i64) {
-        self.up_to = Some(self.up_to.map_or(room, |up_to| up_to.min(room)));
+    fn lower(&mut self, room: R) {
+        self.up_to = Some(self.up_to.map_or(room, |up_to| least(up_to, room)));
     }
 }
 
-fn product(spans: &[Span], probability: &impl Fn(u32, i64) -> f64) -> f64 {
+fn product<R: PartialOrd + Copy>(spans: &[Span<R>], probability: &impl Fn(u32, R) -> f64) -> f64 {
     spans.iter().map(|span| span.probability(probability)).product()
 }
 
-fn span_of(spans: &mut [Span], building: u32) -> &mut Span {
+fn span_of<R>(spans: &mut [Span<R>], building: u32) -> &mut Span<R> {
     let at = spans.iter().position(|span| span.building == building);
     &mut spans[at.expect("all buildings of walls have a span")]
 }
 
 /// The probability that errors are within their spans, and that of each wall one side is low enough.
-fn probability_of(mut spans: Vec<Span>, mut walls: Vec<Wall>, probability: &impl Fn(u32, i64) -> f64) -> f64 {
+fn probability_of<R: PartialOrd + Copy>(
+    mut spans: Vec<Span<R>>,
+    mut walls: Vec<Wall<R>>,
+    probability: &impl Fn(u32, R) -> f64,
+) -> f64 {
     // What spans say of walls, and the other way round, until neither has news.
     loop {
         let n = walls.len();
@@ -155,20 +174,22 @@ fn probability_of(mut spans: Vec<Span>, mut walls: Vec<Wall>, probability: &impl
         }
     }
     let is_together = |building: u32| together.contains(&building);
-    let (of_them, others): (Vec<Span>, Vec<Span>) = spans.into_iter().partition(|span| is_together(span.building));
-    let (their_walls, other_walls): (Vec<Wall>, Vec<Wall>) =
+    let (of_them, others): (Vec<Span<R>>, Vec<Span<R>>) =
+        spans.into_iter().partition(|span| is_together(span.building));
+    let (their_walls, other_walls): (Vec<Wall<R>>, Vec<Wall<R>>) =
         walls.into_iter().partition(|wall| is_together(wall.buildings[0]));
     // One wall in the middle is told apart by cases, which parts a row of houses in two.
     let mut left = their_walls;
     let Wall { buildings: [a, b], rooms: [room_a, room_b] } = left.remove(left.len() / 2);
-    let case = |change: &dyn Fn(&mut [Span])| {
+    let case = |change: &dyn Fn(&mut [Span<R>])| {
         let mut spans = of_them.clone();
         change(&mut spans);
         probability_of(spans, left.clone(), probability)
     };
     let low = case(&|spans| span_of(spans, a).lower(room_a));
     let high = case(&|spans| {
-        span_of(spans, a).over = Some(span_of(spans, a).over.map_or(room_a, |over| over.max(room_a)));
+        span_of(spans, a).over =
+            Some(span_of(spans, a).over.map_or(room_a, |over| if room_a > over { room_a } else { over }));
         span_of(spans, b).lower(room_b);
     });
     (low + high) * probability_of(others, other_walls, probability)

@@ -1,10 +1,10 @@
 //! One link of a scene: both solids together, each on its own lattice.
 
 use super::columns_ray::columns_least_height_above;
-use super::prisms_ray::{prisms_height_limits, prisms_least_height_above};
+use super::prisms_ray::prisms_least_height_above;
 use super::{
-    HeightLimits, LeastHeight, columns_least_receiver_height, columns_least_step, columns_los,
-    prisms_least_receiver_height, prisms_least_step, prisms_los,
+    LeastHeight, columns_least_receiver_height, columns_least_step, columns_los, prisms_least_receiver_height,
+    prisms_least_step, prisms_los,
 };
 use crate::height_field::{HeightField, Station};
 
@@ -13,16 +13,6 @@ use crate::height_field::{HeightField, Station};
 pub fn link_los(field: &HeightField, uav: &Station, receiver: &Station) -> bool {
     field.prisms().is_none_or(|p| prisms_los(p, uav.on_prisms(), receiver.on_prisms()))
         && field.columns().is_none_or(|c| columns_los(c, uav.on_columns(), field.seen_on_columns(receiver)))
-}
-
-/// How much higher each building may be so that a link is clear, as long as none is more than `reach` higher than is known
-/// \[1/1024 m\]; `None` where ground is in the way, so that no heights make it clear.
-pub fn link_height_limits(field: &HeightField, uav: &Station, receiver: &Station, reach: i32) -> Option<HeightLimits> {
-    if field.columns().is_some_and(|c| !columns_los(c, uav.on_columns(), field.seen_on_columns(receiver))) {
-        return None;
-    }
-    let of_prisms = |p| prisms_height_limits(p, uav.on_prisms(), receiver.on_prisms(), reach);
-    field.prisms().map_or_else(|| Some(HeightLimits::default()), of_prisms)
 }
 
 /// What the solids of a scene ask of a receiver: how high it has to be to be in line of sight.

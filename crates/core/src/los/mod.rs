@@ -42,6 +42,7 @@ mod link;
 mod lowest_between;
 mod method;
 mod obstruction;
+mod plan_crossings;
 mod prism_crossing;
 mod prisms_ray;
 mod sag;
@@ -58,10 +59,11 @@ pub use grid_los::GridLos;
 pub(crate) use grid_los::height_by_cell;
 pub use grid_receivers::GridReceivers;
 pub use height_limits::{HeightLimits, Wall};
-pub use link::{LeastHeights, link_height_limits, link_least_receiver_heights, link_los};
+pub use link::{LeastHeights, link_least_receiver_heights, link_los};
 pub(crate) use link::{link_least_height, link_least_step};
 pub use method::{Method, MethodChoice, WrongMethod};
 pub use obstruction::{HORIZON, LeastHeight, Obstruction};
+pub use plan_crossings::PlanCrossings;
 pub use prisms_ray::{
     prisms_crossed, prisms_least_height, prisms_least_receiver_height, prisms_least_step, prisms_los,
 };

@@ -11,8 +11,8 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use super::cell_walk::{CellWalk, Crossing};
-use super::height_limits::HeightLimits;
 use super::obstruction::{LeastHeight, Obstruction, surely_binds_less};
+use super::plan_crossings::MetPiece;
 use super::prism_crossing::{Edge, Interval, Meeting, Ray, rest, walls_along};
 use super::sag::Sag;
 use super::slope::Slope;
@@ -106,30 +106,37 @@ pub(super) fn prisms_least_height_above(
     bound_from(prisms, receiver, uav, Walk::AwayFromPivot, Some(floor))
 }
 
-/// How much higher each building may be so that a link is clear, as long as none is more than `reach` higher than is known \[1/1024 m\];
-/// `None` where flat ground of a curved earth is in the way.
+/// The pieces that a link meets in the plane, each alone and along walls, as far as one whose top is `reach` higher than is known
+/// rises above the ray \[1/1024 m\].
 ///
 /// Cost: the pieces listed by the buckets along the link in which the ray is below the highest top with that on it.
-pub(super) fn prisms_height_limits(
+pub(super) fn prisms_met(
     prisms: &Prisms,
     uav: LatticePoint,
     receiver: LatticePoint,
     reach: i32,
-) -> Option<HeightLimits> {
-    let mut limits = HeightLimits::default();
-    let building = |piece: usize| prisms.pieces()[piece].building;
+) -> (Vec<MetPiece>, Vec<[MetPiece; 2]>) {
+    let met = |index: usize, interval: Interval| {
+        let piece = &prisms.pieces()[index];
+        MetPiece { building: piece.building, top: piece.top, plane: prisms.plane(piece), interval }
+    };
     if uav.x == receiver.x && uav.y == receiver.y {
-        if let Some((top, piece)) = prisms.solid_at(uav.x, uav.y).filter(|_| uav.z != receiver.z) {
-            limits.limit(building(piece), uav.z.min(receiver.z) - i64::from(top));
-        }
-        return Some(limits);
+        let all = Interval { far: Crossing { n: 0, d: 1 }, near: Crossing { n: 1, d: 1 } };
+        let (inside, sides) = prisms.pieces_around(uav.x, uav.y);
+        let mut pieces: Vec<MetPiece> = inside.into_iter().map(|index| met(index, all)).collect();
+        // Walls that meet there block together: where they are more than two, the two lowest are taken for all.
+        let walls = match sides[..] {
+            [] => Vec::new(),
+            [side] => {
+                pieces.push(met(side, all));
+                Vec::new()
+            }
+            [lowest, next, ..] => vec![[met(lowest, all), met(next, all)]],
+        };
+        return (pieces, walls);
     }
-    let sag = Sag::new(prisms.earth(), receiver.x - uav.x, receiver.y - uav.y);
-    let ray = Ray { sag, ..Ray::new(uav, receiver) };
-    if ray.is_below_horizon(prisms) {
-        return None;
-    }
-    let mut edges: Vec<Edge> = Vec::new();
+    let ray = Ray { sag: Sag::new(prisms.earth(), receiver.x - uav.x, receiver.y - uav.y), ..Ray::new(uav, receiver) };
+    let (mut pieces, mut edges): (Vec<MetPiece>, Vec<Edge>) = (Vec::new(), Vec::new());
     // Of the bucket that is visited.
     let lowest = Cell::new(0.0);
     let may_reach = |top: i32| f64::from(top) + f64::from(reach) > lowest.get();
@@ -141,31 +148,18 @@ pub(super) fn prisms_height_limits(
             may_reach(max_top)
         },
         |index, piece| {
-            if !may_reach(piece.top) {
-                return ControlFlow::Continue(());
-            }
-            match ray.meet(prisms.ring(piece)) {
-                Meeting::Interior(interval) => {
-                    let room = match prisms.plane(piece) {
-                        None => ray.highest_clear(&interval) - i64::from(piece.top),
-                        Some(plane) => Slope::over(&plane, uav, receiver).room(interval.far, interval.near),
-                    };
-                    limits.limit(piece.building, room);
+            if may_reach(piece.top) {
+                match ray.meet(prisms.ring(piece)) {
+                    Meeting::Interior(interval) => pieces.push(met(index, interval)),
+                    Meeting::Edge(side, interval) => edges.push(Edge { piece: index, top: piece.top, side, interval }),
+                    Meeting::Nothing => {}
                 }
-                Meeting::Edge(side, interval) => edges.push(Edge { piece: index, top: piece.top, side, interval }),
-                Meeting::Nothing => {}
             }
             ControlFlow::Continue(())
         },
     );
-    for (a, b, interval) in walls_along(&edges) {
-        let rooms = match ray.slopes(prisms, (a, b)) {
-            None => [a, b].map(|edge| ray.highest_clear(&interval) - i64::from(edge.top)),
-            Some((a, b)) => a.rooms_with(&b, interval.far, interval.near),
-        };
-        limits.wall([building(a.piece), building(b.piece)], rooms);
-    }
-    Some(limits)
+    let walls = walls_along(&edges).map(|(a, b, interval)| [a, b].map(|edge| met(edge.piece, interval))).collect();
+    (pieces, walls)
 }
 
 /// Which way buckets are visited.
@@ -266,7 +260,7 @@ pub fn prisms_crossed(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint
 
 impl Ray {
     /// Whether the flat ground of a curved earth is in the way: the ray is below it at its lowest place, between the ends.
-    fn is_below_horizon(&self, prisms: &Prisms) -> bool {
+    pub(super) fn is_below_horizon(&self, prisms: &Prisms) -> bool {
         let Some((sag, ground)) = self.sag.zip(prisms.earth().and_then(|earth| earth.ground)) else { return false };
         let above = self.uav.z - i64::from(ground);
         let (start, end) = (Crossing { n: 0, d: 1 }, Crossing { n: 1, d: 1 });
@@ -324,7 +318,7 @@ impl Ray {
     }
 
     /// The highest top that does not block the ray over an interval.
-    fn highest_clear(&self, interval: &Interval) -> i64 {
+    pub(super) fn highest_clear(&self, interval: &Interval) -> i64 {
         let at = if self.dz <= 0 { interval.near } else { interval.far };
         // EXACT: heights are below 2^28, so the quotient is, too.
         let rise = (i128::from(at.n) * i128::from(self.dz)).div_euclid(i128::from(at.d));

@@ -40,6 +40,11 @@ impl Sag {
         Some(Sag { bulge, length_squared, scale })
     }
 
+    /// b, rounded \[1/1024 m\].
+    pub(super) fn scale(&self) -> f64 {
+        self.scale
+    }
+
     /// How far it sags at most \[1/1024 m\], rounded up.
     pub(super) fn most(&self) -> i64 {
         #[expect(clippy::cast_possible_truncation, reason = "farther than all heights")]

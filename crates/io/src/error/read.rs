@@ -181,6 +181,8 @@ pub enum PlacesIn {
     SiteFeatures,
     TrackTable,
     TrackFeatures,
+    /// A track that has heights.
+    TrackHeights,
 }
 
 /// What has a height.

@@ -95,6 +95,10 @@ fn add_geotiff(batch: &mut Batch, result: &MapResult<'_>, path: &Path) -> Result
             .into_iter()
             .map(|(name, band)| {
                 let values = match band {
+                    // A file has one nodata for all its bands.
+                    Band::Class(mask) if !is_any_number_a_set => {
+                        mask.iter().map(|c| if *c == class::NODATA { NO_COUNT } else { u32::from(*c) }).collect()
+                    }
                     Band::Class(mask) => mask.iter().map(|c| u32::from(*c)).collect(),
                     Band::Count(n) => n,
                     Band::Bits(bits) => bits.to_vec(),

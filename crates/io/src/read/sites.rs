@@ -44,7 +44,7 @@ fn read_csv(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>)
     let refuse = |found: String| bad_rows(input, PlacesIn::SiteTable, found, false);
     let table = Table::parse(&input.text("a table as UTF-8 text")?).map_err(refuse)?;
     let Position { columns: (x_column, y_column), is_degrees } = table.position().map_err(refuse)?;
-    let Some(h_column) = table.column(&["h", "h_m", "height", "height_m"]) else {
+    let Some(h_column) = table.column(&HEIGHT_COLUMNS) else {
         return Err(refuse(format!("line 1: found columns `{}`, wanted a height", table.found())));
     };
     let (above_column, id_column) = (table.column(&["h_above"]), table.column(&["id", "site", "name"]));
@@ -101,7 +101,7 @@ fn site_of(feature: &Value, (crs, grid): (&Crs, &GeoRef), number: usize) -> std:
         names.iter().find_map(|n| feature.get("properties")?.get(n)).filter(|v| !v.is_null()).map(text)
     };
     let above = property(&["h_above"]);
-    let height = match (property(&["h", "h_m", "height", "height_m"]), property(&["height_amsl_m"])) {
+    let height = match (property(&HEIGHT_COLUMNS), property(&["height_amsl_m"])) {
         (Some(h), _) => height(&h, above.as_deref()),
         (None, Some(h)) => height(&h, Some("amsl")),
         (None, None) => Err("found no height `h`".into()),
@@ -117,6 +117,9 @@ fn site_of(feature: &Value, (crs, grid): (&Crs, &GeoRef), number: usize) -> std:
     let site = Site { antenna: antenna(of_antenna)?, ..Site::new(id, (x, y), height) };
     Ok(GivenSite { site, lonlat: is_degrees.then_some([given.0, given.1]) })
 }
+
+/// Names of the column or property with the height of a place.
+pub(super) const HEIGHT_COLUMNS: [&str; 4] = ["h", "h_m", "height", "height_m"];
 
 /// The columns of an antenna.
 const OF_ANTENNA: [&str; 4] = ["min_radius", "sector", "elevation", "beam"];

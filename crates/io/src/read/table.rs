@@ -77,6 +77,11 @@ impl Table {
         self.headers.iter().position(|header| names.contains(&header.to_lowercase().as_str()))
     }
 
+    /// The name of a column, as the table has it.
+    pub fn name(&self, column: usize) -> &str {
+        &self.headers[column]
+    }
+
     /// The names of all columns, for messages.
     pub fn found(&self) -> String {
         self.headers.iter().collect::<Vec<_>>().join(",")

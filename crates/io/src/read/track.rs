@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::sites::{bad_rows, check_placeable, degrees_or_named, in_scene, refused};
+use super::sites::{HEIGHT_COLUMNS, bad_rows, check_placeable, degrees_or_named, in_scene, refused};
 use super::source::is_geojson;
 use super::table::{BadRows, NUMBER, Position, RowFault, Table, readable};
 use super::vector::geojson::{features, named_crs, read_document};
@@ -15,11 +15,12 @@ use crate::raster::Crs;
 ///
 /// CSV: columns `x,y` in the scene's CRS, or `lon,lat` in degrees; rows in the order of the track, other columns ignored.
 /// GeoJSON: one LineString (a MultiLineString of one part, or Points in their order, serve too), longitude and latitude
-/// unless a `crs` member says otherwise. A place that repeats the one before it is dropped.
+/// unless a `crs` member says otherwise. A place that repeats the one before it is dropped. Every place is at the height of the
+/// receivers, so a track that has heights of its own is refused.
 ///
 /// # Errors
-/// File errors naming the lines or features, also for fewer than two different places; site errors if places cannot be
-/// brought into the scene's CRS.
+/// File errors naming the lines or features, also for heights and for fewer than two different places; site errors if places
+/// cannot be brought into the scene's CRS.
 pub fn read_track(input: impl Into<Input>, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<Vec<[f64; 2]>> {
     let input = &input.into();
     let mut places = match is_geojson(input)? {
@@ -37,6 +38,15 @@ fn read_csv(input: &Input, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<
     let refuse = |found: String| bad_rows(input, PlacesIn::TrackTable, found, false);
     let table = Table::parse(&input.text("a table as UTF-8 text")?).map_err(refuse)?;
     let Position { columns: (x_column, y_column), is_degrees } = table.position().map_err(refuse)?;
+    if let Some(column) = table.column(&HEIGHT_COLUMNS).or_else(|| table.column(&["z", "alt", "altitude", "ele"])) {
+        let name = table.name(column);
+        return Err(bad_rows(
+            input,
+            PlacesIn::TrackHeights,
+            format!("line 1: found heights in column `{name}`"),
+            false,
+        ));
+    }
     let wgs84 = if is_degrees { Some(crs::from_epsg(4326)?) } else { None };
     check_placeable(input, wgs84.as_ref(), scene_crs)?;
     let rows = table.rows(|_, row| {
@@ -62,6 +72,16 @@ fn read_geojson(input: &Input, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Res
         match line {
             Err(found) => rows.push((place, Err(RowFault::Text(found.into())))),
             Ok(line) => {
+                // Programs write a third coordinate of 0 where there is no height.
+                let height = line.iter().filter_map(|position| position[2].as_f64()).find(|z| *z != 0.0);
+                if let Some(z) = height {
+                    return Err(bad_rows(
+                        input,
+                        PlacesIn::TrackHeights,
+                        format!("{place}: found the height {z}"),
+                        false,
+                    ));
+                }
                 for position in line {
                     let xy = position[0].as_f64().zip(position[1].as_f64());
                     let from = xy.and_then(|xy| degrees_or_named(&crs, xy));

@@ -29,7 +29,7 @@ pub use candidates::{Candidate, CandidateRules, Candidates, PlaceGrid, Skipped, 
 pub use cover::{Chosen, Cover, SeenSets, cover, greedy_cover};
 pub use least_height::{LeastHeight, least_heights};
 pub use margin::{WorstMargin, ranked_margins, worst_margins};
-pub use over_grid::scores_over_grid;
+pub use over_grid::{scores_over_grid, scoring_s};
 pub use refine::{Refined, refined};
 pub use sampled::{
     Drawn, DrawnPlaces, MOST_CUT, ReceiverParts, SampledCounts, WholeDiscs, count_by_part, middles_of, over_cities,

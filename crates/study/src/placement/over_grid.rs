@@ -17,13 +17,9 @@ pub fn scores_over_grid(
     candidates: &[Candidate],
     control: &Control,
 ) -> Result<Vec<Score>> {
-    let mut of_heights: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
-    for (k, candidate) in candidates.iter().enumerate() {
-        of_heights.entry(candidate.uav.station.z).or_default().push(k);
-    }
     let mut found = vec![Score::default(); candidates.len()];
     let mut one_by_one: Vec<usize> = Vec::new();
-    for at_height in of_heights.into_values() {
+    for at_height in by_height(candidates).into_values() {
         match together(scorer, places, (candidates, &at_height), control)? {
             Some(scores) => at_height.iter().zip(scores).for_each(|(k, score)| found[*k] = score),
             None => one_by_one.extend(at_height),
@@ -34,6 +30,34 @@ pub fn scores_over_grid(
         found[*k] = score;
     }
     Ok(found)
+}
+
+/// About how long one thread takes for [`scores_over_grid`], or for [`scores`] where there is no grid \[s\]; `None` unless the engine is `shadow` over a
+/// flat earth.
+pub fn scoring_s(scorer: &Scorer<'_>, places: Option<&PlaceGrid>, candidates: &[Candidate]) -> Option<f64> {
+    let one_us = scorer.mapper.counting_one_us()?;
+    let Some(places) = places else {
+        #[expect(clippy::cast_precision_loss, reason = "an estimate")]
+        let n = candidates.len() as f64;
+        return Some(n * one_us * 1e-6);
+    };
+    let of_height = |at_height: &Vec<usize>| {
+        let uavs = at_height.iter().map(|k| (candidates[*k].spot.place, &candidates[*k].uav));
+        let costs = scorer.mapper.uav_grid(&places.grid, uavs).map(|uavs| scorer.mapper.counting_us(&uavs));
+        #[expect(clippy::cast_precision_loss, reason = "an estimate")]
+        let one_by_one = at_height.len() as f64 * one_us;
+        costs.map_or(one_by_one, |[together, one_by_one]| together.min(one_by_one))
+    };
+    Some(by_height(candidates).values().map(of_height).sum::<f64>() * 1e-6)
+}
+
+/// Numbers of candidates by their height above the datum.
+fn by_height(candidates: &[Candidate]) -> BTreeMap<i64, Vec<usize>> {
+    let mut of_heights: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
+    for (k, candidate) in candidates.iter().enumerate() {
+        of_heights.entry(candidate.uav.station.z).or_default().push(k);
+    }
+    of_heights
 }
 
 /// The scores of candidates at one height, counted together; `None` where one by one is sooner.

@@ -6,7 +6,7 @@ use super::super::curved::CurvedScene;
 use crate::coverage::{Control, HeightBounds, Mapper, Uav};
 use crate::error::{MapError, Result};
 use crate::height_field::Station;
-use crate::los::{HeightLimits, Wall, link_height_limits};
+use crate::los::{HeightLimits, PlanCrossings, Wall};
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::set_bits;
 
@@ -24,7 +24,7 @@ pub struct Deciding {
 impl Mapper<'_> {
     /// What hangs on heights of the buildings of the scene that are off by at most so much \[m\], for one UAV.
     ///
-    /// Cost: twice the line of sight of a map, and past footprints a walk for each receiver that hangs on the heights; on roofs three.
+    /// Cost: twice the line of sight of a map, and past footprints a walk for each receiver on a roof, and for each that hangs on the heights.
     ///
     /// # Errors
     /// E118 if the error is no length, or makes a roof leave ±32 768 m, and for an earth so curved that heights would leave the lattice.
@@ -55,9 +55,8 @@ impl Mapper<'_> {
                     let place = seen.engine.positions().center(row, col);
                     let z = receivers.height(row * n_cols + col);
                     let own = field.building_at(&place).filter(|_| self.is_on_roofs(kind));
-                    let limits =
-                        |by: i64| link_height_limits(field, &uav.station, &Station { place, z: z + by }, error);
-                    let turned = turned_by(error.into(), own, limits);
+                    let link = PlanCrossings::new(field, &uav.station, &Station { place, z }, error, error);
+                    let turned = turned_by(error.into(), own, &link);
                     turned.into_iter().for_each(|building| counts[building as usize] += 1);
                 }
                 counts
@@ -73,11 +72,11 @@ impl Mapper<'_> {
 }
 
 /// The buildings each of which alone turns the answer for a receiver if it is higher or lower by so much: on the roof of one of them, or on the
-/// ground. `limits` are those with this roof so many steps higher.
-fn turned_by(error: i64, own: Option<u32>, limits: impl Fn(i64) -> Option<HeightLimits>) -> Vec<u32> {
+/// ground.
+fn turned_by(error: i64, own: Option<u32>, link: &PlanCrossings<'_>) -> Vec<u32> {
     let with_own = |by: i64| match own {
-        Some(building) => limits(by)?.with_error_of(building, by),
-        None => limits(by),
+        Some(building) => link.limits(by)?.with_error_of(building, by),
+        None => link.limits(by),
     };
     let known = with_own(0);
     let is_clear = known.as_ref().is_some_and(|limits| is_clear(limits, None));

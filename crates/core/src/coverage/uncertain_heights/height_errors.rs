@@ -8,12 +8,13 @@
 //! building without an error of its own hides the receiver all of a sudden, by Gauss–Legendre of five nodes in parts that end there. That is good to
 //! about 10⁻⁵. Errors beyond six standard deviations are left out.
 //!
-//! Rooms are the largest errors, in whole steps of the lattice, that leave a link clear. The largest of all is somewhere in the step above, so half a
-//! step is added.
+//! **A receiver on a roof** is as much higher or lower as that, by b = e_i + t of its building. Its link is clear of the ground and of its own roof for one
+//! interval of b ([`PlanCrossings`]), to which the mean is cut. Rooms of other buildings are the least of straight lines in b, so parts end where
+//! one gives way to another. Given b, t is normal with mean b·τ²/(σ_i² + τ²) and deviation τσ_i/√(σ_i² + τ²).
 
 use std::sync::Arc;
 
-use crate::los::HeightLimits;
+use crate::los::{HeightLimits, PlanCrossings};
 use crate::quadrature::mean_over_unit;
 use crate::quantity::STEPS_PER_UNIT;
 
@@ -32,9 +33,6 @@ const MOST_AT_STEP: usize = 3;
 /// Errors of buildings alone that are this small against those that they share are taken as none: that changes probabilities by
 /// some 10⁻⁵, and bounds the number of steps.
 const TINY: f64 = 0.01;
-
-/// Roofs above and below the known one for which links are walked.
-const ROOFS: i32 = 2;
 
 /// Standard deviations of the errors that buildings have of their own \[m\].
 #[derive(Debug, Clone, PartialEq)]
@@ -96,94 +94,111 @@ impl HeightErrors {
 type Slack = (u32, f64);
 
 impl HeightErrors {
-    /// The probability that a link is clear, given how high buildings may be for it.
-    pub(super) fn probability(&self, limits: &HeightLimits) -> f64 {
-        self.given(limits, 0.0, steps(self.shared_m))
+    /// The probability that the link of a receiver whose height is known is clear, on the roof of a building or on the ground.
+    pub(super) fn probability(&self, on_roof_of: Option<u32>, link: &PlanCrossings<'_>) -> f64 {
+        if link.coincides_at() == Some(0) {
+            return 1.0;
+        }
+        let Some(exact) = link.limits(0) else { return 0.0 };
+        let mut rooms = link.rooms(0.0, |_| true);
+        // A building without an error is in the way or not: whole steps decide that exactly.
+        if self.shared_m <= 0.0 {
+            for ((of, room), (_, exact)) in rooms.crossed.iter_mut().zip(&exact.crossed) {
+                *room = if self.own(*of) > 0.0 { *room } else { as_f64(*exact) };
+            }
+            for (wall, exact) in rooms.walls.iter_mut().zip(&exact.walls) {
+                for k in 0..2 {
+                    let is_known = self.own(wall.buildings[k]) <= 0.0;
+                    wall.rooms[k] = if is_known { as_f64(exact.rooms[k]) } else { wall.rooms[k] };
+                }
+            }
+        }
+        let rooms = match on_roof_of {
+            Some(building) => rooms.with_error_of(building, 0.0),
+            None => Some(rooms),
+        };
+        rooms.map_or(0.0, |rooms| self.given(&rooms, 0.0, steps(self.shared_m)))
     }
 
-    /// That of the link of a receiver on the roof of a building, which is as much higher or lower as that: `limits` are those with the roof so many
-    /// steps higher.
-    ///
-    /// A higher receiver raises its link everywhere, the more the nearer to it, and with the link the limits of buildings. That is a straight line for each
-    /// place, so limits are found for five roofs and taken as straight between them.
-    pub(super) fn probability_on_roof(&self, building: u32, limits: impl Fn(i64) -> Option<HeightLimits>) -> f64 {
+    /// That of the link of a receiver on the roof of a building, as far as [`CERTAIN`] deviations of its error reach.
+    pub(super) fn probability_on_roof(&self, building: u32, link: &PlanCrossings<'_>) -> f64 {
         let (shared, own) = (steps(self.shared_m), self.own(building));
         let of_roof = shared.hypot(own);
-        let with_roof = |by: i64| limits(by)?.with_error_of(building, by);
-        // A roof that moves by less than a step does not move.
-        if of_roof <= 1.0 {
-            return with_roof(0).map_or(0.0, |limits| self.given(&limits, 0.0, shared));
+        if of_roof <= 0.0 {
+            return self.probability(Some(building), link);
         }
+        let Some((from, to)) = self.clear_of_ground_and_roof(building, link) else { return 0.0 };
         // What is known of the shared error once that of the roof is.
         let (part, left) = ((shared / of_roof).powi(2), shared * own / of_roof);
+        let certain = |of: u32| CERTAIN * self.own(of).hypot(left);
+        // Rooms are concave, so they are least at an end.
+        let at_ends = [from, to].map(|b| (b * part, link.rooms(b, |of| of != building)));
+        let mut near: Vec<u32> = Vec::new();
+        for (mean, rooms) in &at_ends {
+            let of_walls = rooms.walls.iter().flat_map(|wall| [0, 1].map(|k| (wall.buildings[k], wall.rooms[k])));
+            for (of, room) in rooms.crossed.iter().copied().chain(of_walls) {
+                if of != building && room - mean < certain(of) && !near.contains(&of) {
+                    near.push(of);
+                }
+            }
+        }
+        let is_near = |of: u32| near.contains(&of);
+        let given = |b: f64| {
+            let rooms = link.rooms(b, is_near).with_error_of(building, b);
+            rooms.map_or(0.0, |rooms| self.given(&rooms, b * part, left))
+        };
+        if near.is_empty() {
+            return (below(to, of_roof) - below(from, of_roof)).max(0.0);
+        }
+        // Over what is left of the shared error, another building hides the receiver little by little.
         let tiny = TINY * of_roof;
-        let walked =
-            |error: f64| with_roof(rounded(error)).map_or(0.0, |limits| self.given(&limits, error * part, left));
-        let known: Vec<(f64, Option<HeightLimits>)> = (-ROOFS..=ROOFS)
-            .map(|k| {
-                let by = rounded(CERTAIN * of_roof * f64::from(k) / f64::from(ROOFS));
-                (as_f64(by), limits(by))
-            })
-            .collect();
-        let sum: f64 = known
-            .windows(2)
-            .map(|pair| {
-                let [(from, low), (to, high)] = pair else { return 0.0 };
-                let ramps = low.as_ref().zip(high.as_ref()).and_then(|(low, high)| self.ramps(low, high));
-                let Some(ramps) = ramps else { return mean(of_roof, (*from, *to), of_roof, Vec::new(), walked) };
-                let slack_at = |ramp: &Ramp, error: f64| {
-                    let limit = ramp.limits.0 + (ramp.limits.1 - ramp.limits.0) * (error - from) / (to - from);
-                    limit - if ramp.building == building { error } else { error * part }
-                };
-                let of = |error: f64| {
-                    let mut slacks = Vec::with_capacity(ramps.len());
-                    for ramp in &ramps {
-                        match slack_at(ramp, error) {
-                            slack if ramp.building != building => slacks.push((ramp.building, slack)),
-                            slack if slack < 0.0 => return 0.0,
-                            _ => {}
-                        }
+        let smooth = |of: u32| self.own(of).hypot(left);
+        let mut breaks = link.kinks((from, to), is_near);
+        breaks.sort_unstable_by(f64::total_cmp);
+        let sudden: Vec<u32> = near.iter().copied().filter(|of| smooth(*of) <= tiny).collect();
+        let slacks = |b: f64| {
+            let rooms = link.rooms(b, |of| sudden.contains(&of));
+            let of_walls = rooms.walls.iter().flat_map(|wall| wall.rooms);
+            let all = rooms.crossed.iter().map(|(_, room)| *room).chain(of_walls);
+            all.map(|room| room - b * part).collect::<Vec<f64>>()
+        };
+        if !sudden.is_empty() {
+            let ends: Vec<f64> = [from].into_iter().chain(breaks.iter().copied()).chain([to]).collect();
+            for pair in ends.windows(2) {
+                for (a, b) in slacks(pair[0]).into_iter().zip(slacks(pair[1])) {
+                    if a * b < 0.0 {
+                        breaks.push(pair[0] + (pair[1] - pair[0]) * a / (a - b));
                     }
-                    self.of_slacks(slacks, left)
-                };
-                // Over what is left of the shared error, another building hides the receiver little by little.
-                let smooth = |ramp: &Ramp| self.own(ramp.building).hypot(left);
-                let is_sudden = |ramp: &&Ramp| ramp.building == building || smooth(ramp) <= tiny;
-                let turn = |ramp: &Ramp| {
-                    let (a, b) = (slack_at(ramp, *from), slack_at(ramp, *to));
-                    (a * b < 0.0).then(|| from + (to - from) * a / (a - b))
-                };
-                let breaks = ramps.iter().filter(is_sudden).filter_map(turn).collect();
-                let shortest = ramps.iter().map(smooth).filter(|smooth| *smooth > tiny).fold(of_roof, f64::min);
-                mean(of_roof, (*from, *to), shortest, breaks, of)
-            })
-            .sum();
-        sum.clamp(0.0, 1.0)
+                }
+            }
+        }
+        let shortest = near.iter().map(|of| smooth(*of)).filter(|smooth| *smooth > tiny).fold(of_roof, f64::min);
+        mean(of_roof, (from, to), shortest, breaks, given).clamp(0.0, 1.0)
     }
 
-    /// The limits of buildings between those of two roofs; `None` where walls are passed.
-    fn ramps(&self, low: &HeightLimits, high: &HeightLimits) -> Option<Vec<Ramp>> {
-        if !low.walls.is_empty() || !high.walls.is_empty() {
+    /// Between which errors of the roof below a receiver neither ground nor that roof blocks its link \[1/1024 m\].
+    fn clear_of_ground_and_roof(&self, building: u32, link: &PlanCrossings<'_>) -> Option<(f64, f64)> {
+        let most = CERTAIN * steps(self.shared_m).hypot(self.own(building));
+        let to = link.most_on_roof(building).min(most);
+        let (mut hidden, mut clear) = (rounded(-most), rounded(to.max(-most)));
+        let from = if link.is_clear_of_ground(hidden) {
+            -most
+        } else if !link.is_clear_of_ground(clear) {
             return None;
-        }
-        let of = |limits: &HeightLimits, building: u32| {
-            let limit = limits.crossed.iter().find(|(of, _)| *of == building);
-            // One that is far below a link may be left out.
-            limit.map_or_else(
-                || CERTAIN * (self.own(building) + steps(self.shared_m)),
-                |(_, limit)| as_f64(*limit) + 0.5,
-            )
+        } else {
+            while clear - hidden > 1 {
+                let middle = i64::midpoint(hidden, clear);
+                if link.is_clear_of_ground(middle) { clear = middle } else { hidden = middle }
+            }
+            // Somewhere in the step.
+            as_f64(clear) - 0.5
         };
-        let mut buildings: Vec<u32> = low.crossed.iter().chain(&high.crossed).map(|(of, _)| *of).collect();
-        buildings.sort_unstable();
-        buildings.dedup();
-        let ramp = |building: u32| Ramp { building, limits: (of(low, building), of(high, building)) };
-        Some(buildings.into_iter().map(ramp).collect())
+        (from <= to).then_some((from, to))
     }
 
     /// The probability given the mean and the standard deviation of the shared error \[1/1024 m\].
-    fn given(&self, limits: &HeightLimits, mean_error: f64, shared: f64) -> f64 {
-        let slack = |room: i64| as_f64(room) + 0.5 - mean_error;
+    fn given(&self, limits: &HeightLimits<f64>, mean_error: f64, shared: f64) -> f64 {
+        let slack = |room: f64| room - mean_error;
         if limits.walls.is_empty() {
             return self.of_slacks(limits.crossed.iter().map(|(of, room)| (*of, slack(*room))).collect(), shared);
         }
@@ -229,12 +244,6 @@ impl HeightErrors {
     fn own(&self, building: u32) -> f64 {
         steps(self.own_m(building))
     }
-}
-
-/// The limits of a building with the lower and the higher of two roofs.
-struct Ramp {
-    building: u32,
-    limits: (f64, f64),
 }
 
 /// The mean of a function of a normal error between two, as a part of that between all: of one that is smooth over `shortest` but for some
@@ -304,7 +313,7 @@ mod tests {
     use super::*;
 
     /// By the midpoint rule, finely: the means over the shared error, and over each building's own one for the link to be clear.
-    fn by_many_parts(limits: &HeightLimits, errors: &HeightErrors) -> f64 {
+    fn by_many_parts(limits: &HeightLimits<f64>, errors: &HeightErrors) -> f64 {
         let n = 200_000;
         let mut sum = 0.0;
         for k in 0..n {
@@ -314,7 +323,7 @@ mod tests {
                 .crossed
                 .iter()
                 .map(|(of, limit)| {
-                    let slack = as_f64(*limit) + 0.5 - t * steps(errors.shared_m);
+                    let slack = *limit - t * steps(errors.shared_m);
                     below(slack, steps(errors.own_m(*of)))
                 })
                 .product();
@@ -329,10 +338,10 @@ mod tests {
         for errors in
             [of([1.0; 4], 1.0), of([0.3, 2.0, 1.0, 0.2], 3.0), of([0.0, 2.0, 0.0, 1.0], 1.5), of([0.0; 4], 0.7)]
         {
-            for limits in [vec![(0, 1000)], vec![(0, -1000), (1, 500), (2, 1)], vec![(2, 1000), (3, -1000)]] {
+            for limits in [vec![(0, 1e3)], vec![(0, -1e3), (1, 500.0), (2, 1.0)], vec![(2, 1e3), (3, -1e3)]] {
                 let limits = HeightLimits { crossed: limits, ..HeightLimits::default() };
                 let wanted = by_many_parts(&limits, &errors);
-                let found = errors.probability(&limits);
+                let found = errors.given(&limits, 0.0, steps(errors.shared_m));
                 // A jump of the midpoint rule is off by a part.
                 assert!((found - wanted).abs() < 3e-5, "{found} {wanted} {limits:?} {errors:?}");
                 assert!(wanted > 0.01 && wanted < 0.99, "{wanted}");
@@ -342,48 +351,40 @@ mod tests {
 
     #[test]
     fn tiny_errors_beside_a_shared_one_are_none_and_take_no_time() {
-        let limits = HeightLimits { crossed: vec![(0, -1000), (1, 500)], ..HeightLimits::default() };
+        let limits = HeightLimits { crossed: vec![(0, -1e3), (1, 500.0)], ..HeightLimits::default() };
         let of = |own_m: f64| {
             let errors = HeightErrors::same(own_m, 3.0);
-            let on_roof = errors.probability_on_roof(0, |by| {
-                let crossed = vec![(0, 500), (1, 300 + by / 2)];
-                Some(HeightLimits { crossed, ..HeightLimits::default() })
-            });
-            [errors.probability(&limits), on_roof]
+            errors.given(&limits, 0.0, steps(errors.shared_m))
         };
         let wanted = of(0.0);
         for own_m in [1e-12, 1e-6, 0.001, 0.02] {
             let found = of(own_m);
-            assert!((0..2).all(|k| (found[k] - wanted[k]).abs() < 1e-3), "{own_m}: {found:?} {wanted:?}");
-            assert!(wanted.iter().all(|p| *p > 0.1 && *p < 0.9), "{wanted:?}");
+            assert!((found - wanted).abs() < 1e-3, "{own_m}: {found} {wanted}");
         }
-        // A roof that moves by less than a step.
-        let errors = HeightErrors::same(1e-7, 0.0);
-        let clear = HeightLimits { crossed: vec![(1, 1)], ..HeightLimits::default() };
-        assert!(errors.probability_on_roof(0, |_| Some(clear.clone())) > 0.999);
+        assert!(wanted > 0.1 && wanted < 0.9, "{wanted}");
     }
 
     #[test]
     fn without_errors_a_link_is_clear_or_not() {
         let errors = HeightErrors::same(0.0, 0.0);
-        let of = |limit: i64| {
+        let of = |limit: f64| {
             let limits = HeightLimits { crossed: vec![(0, limit)], ..HeightLimits::default() };
-            errors.probability(&limits)
+            errors.given(&limits, 0.0, steps(errors.shared_m))
         };
-        assert_eq!([-1, 0, 1].map(|limit| of(limit).to_bits()), [0.0_f64, 1.0, 1.0].map(f64::to_bits));
+        assert_eq!([-1.0, 0.0, 1.0].map(|limit| of(limit).to_bits()), [0.0_f64, 1.0, 1.0].map(f64::to_bits));
     }
 
     #[test]
     fn a_building_that_is_as_high_as_its_limit_is_clear_half_the_time() {
         for errors in [HeightErrors::same(2.0, 0.0), HeightErrors::same(0.0, 2.0), HeightErrors::same(1.2, 1.6)] {
-            let of = |limit: i64| {
+            let of = |limit: f64| {
                 let limits = HeightLimits { crossed: vec![(0, limit)], ..HeightLimits::default() };
-                errors.probability(&limits)
+                errors.given(&limits, 0.0, steps(errors.shared_m))
             };
-            // Tables of the normal distribution: one standard deviation of 2 m, half a step on.
-            assert!((of(0) - 0.5).abs() < 2e-4, "{}", of(0));
-            assert!((of(2048) - 0.841_344_7).abs() < 2e-4, "{}", of(2048));
-            assert!((of(-4096) - 0.022_750_1).abs() < 2e-4, "{}", of(-4096));
+            // Tables of the normal distribution: one standard deviation of 2 m.
+            assert!((of(0.0) - 0.5).abs() < 2e-7, "{}", of(0.0));
+            assert!((of(2048.0) - 0.841_344_7).abs() < 2e-7, "{}", of(2048.0));
+            assert!((of(-4096.0) - 0.022_750_1).abs() < 2e-7, "{}", of(-4096.0));
         }
     }
 }

@@ -5,6 +5,7 @@
 
 mod deciding;
 mod height_errors;
+mod on_roofs;
 mod p_los;
 mod redrawn;
 mod sure;

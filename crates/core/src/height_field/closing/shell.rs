@@ -1,0 +1,165 @@
+//! What may bound the centers of discs: corners and edges of footprints near the border of the closing.
+
+use super::TIE;
+use super::cells::Cells;
+use super::vectors::{Place, dot, length, minus, plus};
+use crate::city::Footprint;
+use crate::raster::BitGrid;
+
+/// The corners and edges of footprints that may bound E.
+pub(super) struct Shell {
+    pub(super) radius: f64,
+    pub(super) points: Vec<Place>,
+    pub(super) edges: Vec<Edge>,
+    /// Columns and rows of squares of the radius, and what each holds of points and of edges.
+    pub(super) buckets: [usize; 2],
+    pub(super) points_in: Vec<Vec<u32>>,
+    pub(super) edges_in: Vec<Vec<u32>>,
+}
+
+/// An edge: an end, its direction, a normal of length 1, its length.
+#[derive(Clone, Copy)]
+pub(super) struct Edge {
+    pub(super) from: Place,
+    pub(super) along: Place,
+    pub(super) normal: Place,
+    pub(super) length: f64,
+}
+
+impl Edge {
+    pub(super) fn between(from: Place, to: Place) -> Edge {
+        let d = minus(to, from);
+        let length = length(d);
+        let along = [d[0] / length, d[1] / length];
+        Edge { from, along, normal: [-along[1], along[0]], length }
+    }
+
+    /// A place along the edge and to its left.
+    pub(super) fn seen(&self, place: Place) -> (f64, f64) {
+        let d = minus(place, self.from);
+        (dot(d, self.along), dot(d, self.normal))
+    }
+
+    /// The place so far along the edge and so far to its left.
+    pub(super) fn place(&self, t: f64, h: f64) -> Place {
+        plus(plus(self.from, t, self.along), h, self.normal)
+    }
+}
+
+impl Shell {
+    /// Those in cells of `near`, and edges that pass any.
+    pub(super) fn of(footprints: &[Footprint], cells: &Cells, near: &BitGrid, radius: f64) -> Shell {
+        let place = |p: &[i32; 2]| cells.place(p.map(i64::from));
+        let (mut points, mut edges) = (Vec::new(), Vec::new());
+        for ring in footprints.iter().flat_map(|f| f.polygons.iter().flatten()) {
+            let last = ring.last().map(place);
+            let mut before = last.unwrap_or_default();
+            for to in ring.iter().map(place) {
+                if cells.holds(near, to) {
+                    points.push(to);
+                }
+                let from = std::mem::replace(&mut before, to);
+                if length(minus(to, from)) > 0.0 && passes(cells, near, from, to) {
+                    edges.push(Edge::between(from, to));
+                }
+            }
+        }
+        #[expect(clippy::cast_precision_loss, reason = "below 2^27")]
+        let sides = [cells.n_cols, cells.n_rows].map(|n| n as f64 * cells.side as f64);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most thousands")]
+        let buckets = sides.map(|side| (side / radius) as usize + 1);
+        let mut shell = Shell {
+            radius,
+            points,
+            edges,
+            buckets,
+            points_in: vec![Vec::new(); buckets[0] * buckets[1]],
+            edges_in: vec![Vec::new(); buckets[0] * buckets[1]],
+        };
+        for k in 0..shell.points.len() {
+            let of = shell.buckets_of([shell.points[k]; 2], 0.0);
+            of.for_each(|bucket| shell.points_in[bucket].push(index_of(k)));
+        }
+        for k in 0..shell.edges.len() {
+            let Edge { from, length, .. } = shell.edges[k];
+            let of = shell.buckets_of([from, shell.edges[k].place(length, 0.0)], 0.0);
+            of.for_each(|bucket| shell.edges_in[bucket].push(index_of(k)));
+        }
+        shell
+    }
+
+    /// The squares that a box between two places meets, grown by a margin.
+    pub(super) fn buckets_of(&self, ends: [Place; 2], margin: f64) -> impl Iterator<Item = usize> + use<> {
+        buckets_of(self.buckets, self.radius, ends, margin)
+    }
+
+    /// Numbers of points, and of edges, in squares that are at most `margin` from a box between two places.
+    pub(super) fn near(&self, ends: [Place; 2], margin: f64) -> (Vec<u32>, Vec<u32>) {
+        let (mut points, mut edges) = (Vec::new(), Vec::new());
+        for bucket in self.buckets_of(ends, margin) {
+            points.extend(&self.points_in[bucket]);
+            edges.extend(&self.edges_in[bucket]);
+        }
+        edges.sort_unstable();
+        edges.dedup();
+        (points, edges)
+    }
+
+    /// Whether a disc around a place meets a footprint, as far as these tell.
+    pub(super) fn covers(&self, center: Place) -> bool {
+        let within = self.radius - TIE;
+        self.buckets_of([center; 2], self.radius).any(|bucket| {
+            self.points_in[bucket].iter().any(|k| {
+                let d = minus(self.points[*k as usize], center);
+                dot(d, d) < within * within
+            }) || self.edges_in[bucket].iter().any(|k| {
+                let edge = &self.edges[*k as usize];
+                let (t, h) = edge.seen(center);
+                (0.0..=edge.length).contains(&t) && h.abs() < within
+            })
+        })
+    }
+}
+
+pub(super) fn index_of(k: usize) -> u32 {
+    u32::try_from(k).unwrap_or(u32::MAX)
+}
+
+/// Whether an edge passes a cell of a set, or comes near one: by the cells around places at most a side apart.
+pub(super) fn passes(cells: &Cells, set: &BitGrid, from: Place, to: Place) -> bool {
+    let d = minus(to, from);
+    steps(cells, length(d)).any(|t| holds_near(cells, set, plus(from, t, d)))
+}
+
+/// Shares of a length, at most a side of a cell apart, with both ends.
+pub(super) fn steps(cells: &Cells, length: f64) -> impl Iterator<Item = f64> + use<> {
+    #[expect(clippy::cast_precision_loss, reason = "a side is below 2^26")]
+    let side = cells.side as f64;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most the cells of the grid")]
+    let n = (length / side).ceil().max(1.0) as u32;
+    (0..=n).map(move |k| f64::from(k) / f64::from(n))
+}
+
+/// Whether the cell of a place or one of its eight neighbors is in a set.
+pub(super) fn holds_near(cells: &Cells, set: &BitGrid, place: Place) -> bool {
+    let Some((row, col)) = cells.at(place) else { return false };
+    let rows = row.saturating_sub(1)..(row + 2).min(cells.n_rows);
+    rows.into_iter().any(|row| (col.saturating_sub(1)..(col + 2).min(cells.n_cols)).any(|col| set.contains(row, col)))
+}
+
+/// The squares of `side` that a box between two places meets, grown by a margin.
+pub(super) fn buckets_of(
+    shape: [usize; 2],
+    side: f64,
+    ends: [Place; 2],
+    margin: f64,
+) -> impl Iterator<Item = usize> + use<> {
+    let range = |k: usize| {
+        let (low, high) = (ends[0][k].min(ends[1][k]) - margin, ends[0][k].max(ends[1][k]) + margin);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the grid of squares")]
+        let at = |v: f64| ((v / side) as u32 as usize).min(shape[k] - 1);
+        at(low)..=at(high)
+    };
+    let (cols, n_cols) = (range(0), shape[0]);
+    range(1).flat_map(move |row| cols.clone().map(move |col| row * n_cols + col))
+}
