@@ -59,7 +59,7 @@ impl Expected {
         Expected { bytes: n_cells.saturating_mul(FIELD_BYTES_PER_CELL + bytes_per_cell) as u64, seconds }
     }
 
-    /// The same with another time of the processors for the line of sight \[s\], if that is known, over all threads.
+    /// What is expected if the line of sight takes so much CPU time over all threads \[s\]; unchanged if that is unknown.
     pub(crate) fn with_cpu_seconds(self, cpu_s: Option<f64>) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "a few threads")]
         let n_threads = rayon::current_num_threads() as f64;

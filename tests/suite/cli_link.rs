@@ -205,6 +205,10 @@ fn info_describes_each_kind_of_scene() {
     assert_eq!(document["built_up"]["beta_per_km2"], 500.0);
     let answer = folder.type_in("info wall.asc --ground 0").done();
     assert!(answer.out.contains("grid       5 × 5 cells of 10 × 10 m, 50 × 50 m"), "{}", answer.out);
-    assert!(answer.out.contains("24 open ground (96.0\u{202f}%), 1 building (4.0\u{202f}%), 0 nodata"), "{}", answer.out);
+    assert!(
+        answer.out.contains("24 open ground (96.0\u{202f}%), 1 building (4.0\u{202f}%), 0 nodata"),
+        "{}",
+        answer.out
+    );
     assert_eq!(answer.warnings().len(), 1, "local coordinates: {}", answer.err);
 }

@@ -73,7 +73,7 @@ impl Tally {
         Tally { receivers, los, ..Tally::default() }
     }
 
-    /// The same counts of a UAV that may be over no data.
+    /// These counts, of a UAV that may be over no data.
     #[must_use]
     pub fn of_uav(self, uav: &Uav) -> Self {
         Tally { is_over_nodata: self.is_over_nodata || uav.placement == HoversOver::Nodata, ..self }

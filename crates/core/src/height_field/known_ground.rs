@@ -15,7 +15,7 @@ use crate::raster::{BitGrid, GeoRef};
 const RADIUS_M: f64 = 100.0;
 
 /// Cells of the closing along the longer side of the footprints, at least.
-const CELLS_PER_SIDE: f64 = 512.0;
+const CELLS_PER_SIDE: f64 = 256.0;
 
 /// The ground that is known, for any grid of receivers.
 #[derive(Debug, Clone)]

@@ -21,6 +21,8 @@
 
 mod cells;
 mod finder;
+mod free;
+mod grid;
 mod rim;
 mod shell;
 mod vectors;

@@ -69,8 +69,8 @@ impl Rim {
             arcs: around.into_iter().flat_map(|found| found.0).collect(),
             sides: beside.into_iter().flat_map(|found| found.0).collect(),
             corners,
-            buckets: shell.buckets,
-            in_bucket: vec![Vec::new(); shell.buckets[0] * shell.buckets[1]],
+            buckets: shell.squares,
+            in_bucket: vec![Vec::new(); shell.squares[0] * shell.squares[1]],
         };
         let r = rim.radius;
         for k in 0..rim.arcs.len() {

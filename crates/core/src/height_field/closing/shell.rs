@@ -1,21 +1,10 @@
 //! What may bound the centers of discs: corners and edges of footprints near the border of the closing.
 
-use super::TIE;
 use super::cells::Cells;
+use super::grid::{Grid, whole};
 use super::vectors::{Place, dot, length, minus, plus};
 use crate::city::Footprint;
 use crate::raster::BitGrid;
-
-/// The corners and edges of footprints that may bound E.
-pub(super) struct Shell {
-    pub(super) radius: f64,
-    pub(super) points: Vec<Place>,
-    pub(super) edges: Vec<Edge>,
-    /// Columns and rows of squares of the radius, and what each holds of points and of edges.
-    pub(super) buckets: [usize; 2],
-    pub(super) points_in: Vec<Vec<u32>>,
-    pub(super) edges_in: Vec<Vec<u32>>,
-}
 
 /// An edge: an end, its direction, a normal of length 1, its length.
 #[derive(Clone, Copy)]
@@ -34,6 +23,10 @@ impl Edge {
         Edge { from, along, normal: [-along[1], along[0]], length }
     }
 
+    pub(super) fn ends(&self) -> [Place; 2] {
+        [self.from, self.place(self.length, 0.0)]
+    }
+
     /// A place along the edge and to its left.
     pub(super) fn seen(&self, place: Place) -> (f64, f64) {
         let d = minus(place, self.from);
@@ -46,78 +39,37 @@ impl Edge {
     }
 }
 
+/// The corners and edges of footprints that may bound E.
+pub(super) struct Shell {
+    pub(super) radius: f64,
+    /// Columns and rows of squares of the radius.
+    pub(super) squares: [usize; 2],
+    pub(super) points: Vec<Place>,
+    pub(super) edges: Vec<Edge>,
+    pub(super) grid: Grid,
+}
+
 impl Shell {
-    /// Those in cells of `near`, and edges that pass any.
+    /// Edges that pass cells of `near`, their ends, and other corners in these cells.
     pub(super) fn of(footprints: &[Footprint], cells: &Cells, near: &BitGrid, radius: f64) -> Shell {
         let place = |p: &[i32; 2]| cells.place(p.map(i64::from));
         let (mut points, mut edges) = (Vec::new(), Vec::new());
         for ring in footprints.iter().flat_map(|f| f.polygons.iter().flatten()) {
-            let last = ring.last().map(place);
-            let mut before = last.unwrap_or_default();
-            for to in ring.iter().map(place) {
-                if cells.holds(near, to) {
-                    points.push(to);
+            let next = ring.iter().cycle().skip(1);
+            let passes = |from: Place, to: Place| length(minus(to, from)) > 0.0 && passes(cells, near, from, to);
+            let mut is_end = ring.last().zip(ring.first()).is_some_and(|(from, to)| passes(place(from), place(to)));
+            for (from, to) in ring.iter().zip(next).map(|(from, to)| (place(from), place(to))) {
+                let is_kept = passes(from, to);
+                if is_end || is_kept || cells.holds(near, from) {
+                    points.push(from);
                 }
-                let from = std::mem::replace(&mut before, to);
-                if length(minus(to, from)) > 0.0 && passes(cells, near, from, to) {
-                    edges.push(Edge::between(from, to));
-                }
+                edges.extend(is_kept.then(|| Edge::between(from, to)));
+                is_end = is_kept;
             }
         }
         #[expect(clippy::cast_precision_loss, reason = "below 2^27")]
-        let sides = [cells.n_cols, cells.n_rows].map(|n| n as f64 * cells.side as f64);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most thousands")]
-        let buckets = sides.map(|side| (side / radius) as usize + 1);
-        let mut shell = Shell {
-            radius,
-            points,
-            edges,
-            buckets,
-            points_in: vec![Vec::new(); buckets[0] * buckets[1]],
-            edges_in: vec![Vec::new(); buckets[0] * buckets[1]],
-        };
-        for k in 0..shell.points.len() {
-            let of = shell.buckets_of([shell.points[k]; 2], 0.0);
-            of.for_each(|bucket| shell.points_in[bucket].push(index_of(k)));
-        }
-        for k in 0..shell.edges.len() {
-            let Edge { from, length, .. } = shell.edges[k];
-            let of = shell.buckets_of([from, shell.edges[k].place(length, 0.0)], 0.0);
-            of.for_each(|bucket| shell.edges_in[bucket].push(index_of(k)));
-        }
-        shell
-    }
-
-    /// The squares that a box between two places meets, grown by a margin.
-    pub(super) fn buckets_of(&self, ends: [Place; 2], margin: f64) -> impl Iterator<Item = usize> + use<> {
-        buckets_of(self.buckets, self.radius, ends, margin)
-    }
-
-    /// Numbers of points, and of edges, in squares that are at most `margin` from a box between two places.
-    pub(super) fn near(&self, ends: [Place; 2], margin: f64) -> (Vec<u32>, Vec<u32>) {
-        let (mut points, mut edges) = (Vec::new(), Vec::new());
-        for bucket in self.buckets_of(ends, margin) {
-            points.extend(&self.points_in[bucket]);
-            edges.extend(&self.edges_in[bucket]);
-        }
-        edges.sort_unstable();
-        edges.dedup();
-        (points, edges)
-    }
-
-    /// Whether a disc around a place meets a footprint, as far as these tell.
-    pub(super) fn covers(&self, center: Place) -> bool {
-        let within = self.radius - TIE;
-        self.buckets_of([center; 2], self.radius).any(|bucket| {
-            self.points_in[bucket].iter().any(|k| {
-                let d = minus(self.points[*k as usize], center);
-                dot(d, d) < within * within
-            }) || self.edges_in[bucket].iter().any(|k| {
-                let edge = &self.edges[*k as usize];
-                let (t, h) = edge.seen(center);
-                (0.0..=edge.length).contains(&t) && h.abs() < within
-            })
-        })
+        let squares = [cells.n_cols, cells.n_rows].map(|n| whole(n as f64 * cells.side as f64 / radius) + 1);
+        Shell { radius, squares, grid: Grid::of(&points, &edges), points, edges }
     }
 }
 
@@ -126,7 +78,7 @@ pub(super) fn index_of(k: usize) -> u32 {
 }
 
 /// Whether an edge passes a cell of a set, or comes near one: by the cells around places at most a side apart.
-pub(super) fn passes(cells: &Cells, set: &BitGrid, from: Place, to: Place) -> bool {
+fn passes(cells: &Cells, set: &BitGrid, from: Place, to: Place) -> bool {
     let d = minus(to, from);
     steps(cells, length(d)).any(|t| holds_near(cells, set, plus(from, t, d)))
 }

@@ -33,19 +33,22 @@ pub(super) fn turn([x, y]: Place) -> f64 {
     }
 }
 
-/// The direction in the middle between two, counter-clockwise from the first; opposite if they are one.
-pub(super) fn between(first: Place, last: Place) -> Place {
-    let (a, b) = (length(first), length(last));
-    let sum = [first[0] / a + last[0] / b, first[1] / a + last[1] / b];
-    let side = cross(first, last);
-    if side > 0.0 {
-        sum
-    } else if side < 0.0 {
-        [-sum[0], -sum[1]]
-    } else if dot(first, last) > 0.0 {
-        [-first[0], -first[1]]
-    } else {
-        [-first[1], first[0]]
+/// The vector of length 1 that has a [turn] of 0 to 4.
+pub(super) fn direction(turn: f64) -> Place {
+    let in_quarter = |t: f64| [1.0 - t, t];
+    let [x, y] = match turn {
+        ..1.0 => in_quarter(turn),
+        ..2.0 => in_quarter(turn - 1.0),
+        ..3.0 => in_quarter(turn - 2.0),
+        _ => in_quarter(turn - 3.0),
+    };
+    let far = length([x, y]);
+    let (x, y) = (x / far, y / far);
+    match turn {
+        ..1.0 => [x, y],
+        ..2.0 => [-y, x],
+        ..3.0 => [-x, -y],
+        _ => [y, -x],
     }
 }
 
@@ -58,8 +61,9 @@ mod tests {
         let circle =
             [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, 0.0], [-1.0, -1.0], [0.0, -1.0], [1.0, -1.0]];
         assert!(circle.map(turn).is_sorted_by(|a, b| a < b));
-        assert!(length(minus(between([1.0, 0.0], [0.0, 2.0]), [1.0, 1.0])) < 1e-15);
-        assert!(cross(between([0.0, 1.0], [1.0, 0.0]), [-1.0, -1.0]).abs() < 1e-15);
-        assert!(length(minus(between([1.0, 0.0], [-3.0, 0.0]), [0.0, 1.0])) < 1e-15);
+        for k in 0..=400 {
+            let t = f64::from(k) / 100.0;
+            assert!((turn(direction(t)) - t % 4.0).abs() < 1e-15 && (length(direction(t)) - 1.0).abs() < 1e-15, "{t}");
+        }
     }
 }
