@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::coverage::{
     HeightErrors, HoversOver, MapOptions, Mapper, OwnErrors, RedrawnCounts, RedrawnHeights, SiteCoverage, Uav,
+    check_height_error,
 };
 use crate::error::{Error, Result};
 use crate::height_field::HeightField;
@@ -44,15 +45,11 @@ impl AskedErrors {
     /// # Errors
     /// E113.
     pub(crate) fn checked(self) -> Result<Self> {
-        // No city has heights that are off by more.
-        const MOST_M: f64 = 1000.0;
-        let check = |what: &'static str, found: f64, most: f64, wanted: &str| {
-            let is_fine = (0.0..=most).contains(&found);
-            if is_fine { Ok(()) } else { Err(Error::number(what, found, wanted)) }
-        };
-        check("the error of heights", self.own_m, MOST_M, "0 m to 1000 m")?;
-        check("the bias of heights", self.shared_m, MOST_M, "0 m to 1000 m")?;
-        check("the number of standard deviations", self.sigma, 10.0, "0 to 10")?;
+        check_height_error("the error of heights", self.own_m)?;
+        check_height_error("the bias of heights", self.shared_m)?;
+        if !(0.0..=10.0).contains(&self.sigma) {
+            return Err(Error::number("the number of standard deviations", self.sigma, "0 to 10"));
+        }
         Ok(self)
     }
 

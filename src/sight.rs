@@ -4,12 +4,12 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::city::{Antenna, GivenSite};
-use crate::coverage::{self, MapOptions, Tally};
-use crate::error::{Error, OddRun, RequestError, Result, Warning};
+use crate::coverage::{self, CheckedNumbers, MapOptions, SightNumbers, Tally};
+use crate::error::{OddRun, RequestError, Result, Warning};
 use crate::height_field::{Curvature, HeightField};
 use crate::los::{Method, MethodChoice};
 use crate::picture::{crs_words, program};
-use crate::quantity::{height_steps, tidy};
+use crate::quantity::{VOID, meters, tidy};
 use crate::raster::GeoRef;
 use crate::scene::Scene;
 use crate::zones::{Zone, ZoneMap};
@@ -67,6 +67,15 @@ impl Receivers {
     /// One of those.
     pub(crate) fn looked_at_by_one(self) -> &'static str {
         if self == Receivers::Air { "an observer" } else { "a UAV" }
+    }
+
+    /// Whether whoever looks at them from a place and a height above the datum \[m\] is an observer on what is below, and no UAV in the
+    /// air. The live page draws the same line.
+    pub(crate) fn has_observer(self, field: &HeightField, (x, y): (f64, f64), height_amsl_m: f64) -> bool {
+        const OBSERVER_BELOW_M: f64 = 20.0;
+        let place = field.place(x, y);
+        let below = field.roof_at(&place).unwrap_or_else(|| field.ground_at(&place));
+        self == Receivers::Air && below != VOID && height_amsl_m - meters(below) < OBSERVER_BELOW_M
     }
 
     /// What they are counted as.
@@ -149,23 +158,9 @@ impl AskedSight {
     /// E113.
     pub(crate) fn checked(self) -> Result<Sight> {
         let AskedSight { receivers, rx_height_m, radius_m, antenna, earth_k, method } = self;
-        let rx_height = receivers_height(rx_height_m)?;
-        if let Some(r) = radius_m.filter(|r| *r <= 0.0) {
-            return Err(Error::number("the radius", r, "above 0 m"));
-        }
-        let curvature = match earth_k {
-            // An earth without an end is flat.
-            Some(k) if k == f64::INFINITY => None,
-            Some(k) => Some(Curvature::of_earth_k(k).ok_or_else(|| Error::number("K of the earth", k, "above 0"))?),
-            None => None,
-        };
-        let antenna = antenna.checked().map_err(RequestError::Antenna)?;
-        match (antenna.min_radius_m, radius_m) {
-            (Some(min), Some(r)) if min > r => {
-                Err(Error::number("the least radius", min, format!("at most the radius, {} m", tidy(r))))
-            }
-            _ => Ok(Sight { receivers, rx_height_m, rx_height, radius_m, antenna, curvature, method }),
-        }
+        let numbers = SightNumbers { rx_height_m, radius_m, antenna, earth_k };
+        let CheckedNumbers { rx_height, antenna, curvature } = numbers.checked()?;
+        Ok(Sight { receivers, rx_height_m, rx_height, radius_m, antenna, curvature, method })
     }
 }
 
@@ -174,8 +169,7 @@ impl AskedSight {
 /// # Errors
 /// E113.
 pub(crate) fn receivers_height(height_m: f64) -> Result<i32> {
-    let steps = height_steps(height_m).filter(|h| *h >= 0);
-    steps.ok_or_else(|| Error::number("the receivers' height", height_m, "0 m to 32768 m"))
+    Ok(coverage::receiver_height(height_m)?)
 }
 
 /// How line of sight is asked for, checked.

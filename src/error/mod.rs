@@ -17,6 +17,9 @@ pub(crate) use skyshed_core::error::{MOST_FOUND, escaped, io_words, is_text, one
 pub(crate) use warning::warned;
 pub use warning::{Caution, OddRun, Warning};
 
+use skyshed_core::coverage::NumberFault;
+use skyshed_core::quantity::OutOfRange;
+
 /// The error of every fallible function of this crate.
 ///
 /// It has a class, which fixes the exit code of the command line, a stable code, and one line of text. `docs/codes.md` in the
@@ -117,6 +120,21 @@ impl Error {
             Error::Fault(_) => 902,
         };
         format!("E{number}")
+    }
+}
+
+impl From<OutOfRange> for Error {
+    fn from(OutOfRange { what, found, wanted }: OutOfRange) -> Self {
+        Error::number(what, found, wanted)
+    }
+}
+
+impl From<NumberFault> for Error {
+    fn from(fault: NumberFault) -> Self {
+        match fault {
+            NumberFault::Range(number) => number.into(),
+            NumberFault::Antenna(fault) => RequestError::Antenna(fault).into(),
+        }
     }
 }
 

@@ -4,6 +4,7 @@
 //! 1/1024 of a unit (the meter in vector scenes, the cell in raster scenes). Numbers are rounded once, on entry, by at
 //! most half a lattice step (0.5 mm in height); after that nothing is rounded.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::str::FromStr;
 
@@ -183,6 +184,61 @@ pub fn signed(v: f64, n: usize) -> String {
 pub fn whole(quotient: f64) -> f64 {
     let nearest = quotient.round();
     if (quotient - nearest).abs() <= 1e-6 { nearest } else { quotient }
+}
+
+/// A number that cannot be: its name, what was found and what is wanted.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{what} is `{found}`, wanted {wanted}")]
+#[expect(missing_docs, reason = "the docs of the type say what its fields are")]
+pub struct OutOfRange {
+    pub what: &'static str,
+    pub found: f64,
+    pub wanted: Cow<'static, str>,
+}
+
+/// Reads a finite number as it is typed.
+///
+/// # Errors
+/// What was found instead, and what was wanted.
+pub fn read_number(text: &str) -> Result<f64, String> {
+    parse_number(text).map_err(|found| format!("{found}, wanted a finite number"))
+}
+
+/// Reads a length in meters, or in feet with `ft`, as it is typed \[m\].
+///
+/// # Errors
+/// What was found instead, and what was wanted.
+pub fn read_length(text: &str) -> Result<f64, String> {
+    parse_meters(text).map_err(|found| format!("{found}, wanted meters, or feet such as 5ft"))
+}
+
+/// Reads a number, a fraction such as `4/3`, or `inf`, as it is typed.
+///
+/// # Errors
+/// What was found instead, and what was wanted.
+pub fn read_fraction(text: &str) -> Result<f64, String> {
+    match text.split_once('/') {
+        _ if text == "inf" => Ok(f64::INFINITY),
+        Some((a, b)) => Ok(read_number(a)? / read_number(b)?),
+        None => read_number(text),
+    }
+}
+
+/// Reads so many numbers between separators. `wanted` says what they are.
+///
+/// # Errors
+/// What was found instead, and what was wanted.
+pub fn read_numbers<const N: usize>(text: &str, separator: char, wanted: &str) -> Result<[f64; N], String> {
+    let numbers: Result<Vec<f64>, String> = text.split(separator).map(read_number).collect();
+    <[f64; N]>::try_from(numbers?).map_err(|n| format!("found {} numbers, wanted {wanted}", n.len()))
+}
+
+/// Reads two angles, such as `90,180`, as they are typed.
+///
+/// # Errors
+/// What was found instead, and what was wanted.
+pub fn read_angles(text: &str) -> Result<[f64; 2], String> {
+    read_numbers(text, ',', "two, such as 90,180")
 }
 
 /// A length in meters, typed as such (`120`, `120m`) or in international feet (`400ft`); or what was found instead.

@@ -5,7 +5,10 @@ use std::ffi::{OsStr, OsString};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use crate::placements::one_unit;
-use crate::quantity::{parse_meters, parse_number};
+use crate::quantity::read_numbers;
+pub(crate) use crate::quantity::{
+    read_angles as pair, read_fraction as fraction, read_length as length, read_number as number,
+};
 use crate::read::Projection;
 use crate::sight::Receivers;
 use crate::uav::Shard;
@@ -43,45 +46,16 @@ pub(crate) const ZONES: Words<Zone> = &[
     ("rooftop", "Buildings", Zone::Rooftop),
 ];
 
-pub(crate) fn number(text: &str) -> Result<f64, String> {
-    parse_number(text).map_err(|found| format!("{found}, wanted a finite number"))
-}
-
-/// A length in meters, or in feet with `ft`.
-pub(crate) fn length(text: &str) -> Result<f64, String> {
-    parse_meters(text).map_err(|found| format!("{found}, wanted meters, or feet such as 5ft"))
-}
-
 pub(crate) fn projection(text: &str) -> Result<Projection, String> {
     Projection::parse(text).map_err(|e| e.to_string())
 }
 
-/// So many numbers between separators.
-fn exactly<const N: usize>(text: &str, separator: char, wanted: &str) -> Result<[f64; N], String> {
-    let numbers: Result<Vec<f64>, String> = text.split(separator).map(number).collect();
-    <[f64; N]>::try_from(numbers?).map_err(|n| format!("found {} numbers, wanted {wanted}", n.len()))
-}
-
 pub(crate) fn range(text: &str) -> Result<[f64; 3], String> {
-    exactly(text, ':', "A:B:S")
+    read_numbers(text, ':', "A:B:S")
 }
 
 pub(crate) fn extent(text: &str) -> Result<[f64; 4], String> {
-    exactly(text, ',', "W,S,E,N")
-}
-
-/// A number, a fraction such as `4/3`, or `inf`.
-pub(crate) fn fraction(text: &str) -> Result<f64, String> {
-    match text.split_once('/') {
-        _ if text == "inf" => Ok(f64::INFINITY),
-        Some((a, b)) => Ok(number(a)? / number(b)?),
-        None => number(text),
-    }
-}
-
-/// Two angles: `90,180`.
-pub(crate) fn pair(text: &str) -> Result<[f64; 2], String> {
-    exactly(text, ',', "two, such as 90,180")
+    read_numbers(text, ',', "W,S,E,N")
 }
 
 /// One of several parts: `3/16`.
