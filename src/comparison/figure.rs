@@ -57,6 +57,17 @@ impl<'a> Figure<'a> {
         Figure { of, title: unbreakable(&title), labels, heights, verdict, caption: caption(of, look) }
     }
 
+    /// The mark of a UAV, or of an observer, on a grid.
+    fn mark_of<'b>(&self, placement: &'b PlacementFacts, height: &'b str, grid: &GeoRef) -> Option<Mark<'b>> {
+        let at = placement.position()?;
+        let Comparison { scene, report, .. } = self.of;
+        // Of a saved mask no height is known.
+        let [height_amsl_m, _] = placement.heights();
+        let is_observer = height_amsl_m
+            .is_some_and(|height_m| report.sight.receivers().has_observer(&scene.field, (at.x, at.y), height_m));
+        Some(Mark { is_observer, ..mark(grid, (at.x, at.y), &placement.id, height) })
+    }
+
     /// Makes the sheet, cropped to the receivers, and hands it to `draw`.
     pub(super) fn with_sheet<T>(&self, draw: impl FnOnce(&CompareSheet<'_>) -> T) -> T {
         let Comparison { scene, report, .. } = self.of;
@@ -78,7 +89,7 @@ impl<'a> Figure<'a> {
                 title: &self.labels[k],
                 detail: &details[k],
                 mask: &masks[k],
-                mark: mark_of(&report.placements[k], &self.heights[k], &shown),
+                mark: self.mark_of(&report.placements[k], &self.heights[k], &shown),
             })
             .collect();
         let is_shown = |pair: &&PairFacts| maps.len() <= MOST_WITH_ALL_PAIRS || pair.first == 0;
@@ -133,7 +144,7 @@ impl<'a> Figure<'a> {
                 id: &p.id,
                 label,
                 mask: mask.as_slice(),
-                mark: mark_of(p, height, grid),
+                mark: self.mark_of(p, height, grid),
             })
             .collect();
         let sentences: Vec<String> = report.pairs.iter().map(|pair| report.sentence(pair)).collect();
@@ -181,12 +192,6 @@ fn caption(of: &Comparison, look: &Look) -> Vec<String> {
     lines.push(report.sight.in_words(scene.grid(), scene, report.facts.method));
     lines.extend(scene.last_lines(look));
     lines.iter().map(|line| unbreakable(line)).collect()
-}
-
-/// The mark of a UAV on a grid.
-fn mark_of<'a>(placement: &'a PlacementFacts, height: &'a str, grid: &GeoRef) -> Option<Mark<'a>> {
-    let at = placement.position()?;
-    Some(mark(grid, (at.x, at.y), &placement.id, height))
 }
 
 /// The cells that hold receivers of any placement, with a border of a twentieth; all of them without a receiver.
@@ -246,7 +251,7 @@ fn matrix(report: &CompareReport) -> PageTable {
         let star = if difference.exceeds() == Some(true) { "*" } else { "" };
         match difference.value {
             // A pair holds the second less the first.
-            Some(value) => format!("{}{star}", signed(if row > col { value } else { -value } + 0.0)),
+            Some(value) => format!("{}{star}", signed(if row > col { value } else { -value })),
             None => "no receiver of both".to_string(),
         }
     };

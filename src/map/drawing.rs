@@ -103,7 +103,7 @@ impl MapDrawing<'_> {
             .iter()
             .zip(words)
             .map(|(site, (height, label))| Mark {
-                is_observer: self.is_in_air(),
+                is_observer: self.is_observer(site),
                 ..mark(&part, (site.x, site.y), label, height)
             })
             .collect();
@@ -183,7 +183,7 @@ impl MapDrawing<'_> {
     fn labels(&self, subject: Subject) -> Vec<String> {
         let is_crowd = subject != Subject::Each && self.of.sites.len() > MOST_WITH_HEIGHTS;
         let label = |s: &SiteFacts| {
-            if is_crowd { s.id.clone() } else { capitalized(&format!("{} {}", self.looked_at_by(), s.id)) }
+            if is_crowd { s.id.clone() } else { capitalized(&format!("{} {}", self.looks(s), s.id)) }
         };
         self.of.report.sites.iter().map(label).collect()
     }
@@ -209,24 +209,45 @@ impl MapDrawing<'_> {
         self.of.report.sight.receivers() == Receivers::Air
     }
 
+    /// Whether one who looks stands on the ground or a roof.
+    fn is_observer(&self, site: &SiteFacts) -> bool {
+        let of = &self.of;
+        of.report.sight.receivers().has_observer(&of.scene.field, (site.x, site.y), site.height_amsl_m)
+    }
+
+    /// Whether all who look do.
+    fn are_observers(&self) -> bool {
+        self.is_in_air() && self.of.report.sites.iter().all(|site| self.is_observer(site))
+    }
+
+    /// What one who looks is called.
+    fn looks(&self, site: &SiteFacts) -> &'static str {
+        if self.is_observer(site) { "observer" } else { "UAV" }
+    }
+
     /// What those are called who look.
     fn looked_at_by(&self) -> &'static str {
-        self.of.report.sight.receivers().looked_at_by()
+        if self.are_observers() { "observer" } else { "UAV" }
     }
 
     fn subject_words(&self, subject: Subject) -> &'static str {
         if self.is_in_air() {
-            return match (self.drawn_layer(), subject) {
-                (Layer::Margin, _) => "Margin of a drone's line of sight over",
-                (Layer::LeastReceiverHeight, _) => "Least height of a drone in sight over",
-                (Layer::LeastHeight, _) => "How high an observer must be to see a drone over",
-                (Layer::Stability, _) => "Stability of a drone's line of sight over",
-                (Layer::Sure, _) => "What is sure of a drone's line of sight over",
-                (Layer::PLos, _) => "Probability of a drone's line of sight over",
-                (_, Subject::One) => "Where an observer sees a drone over",
-                (_, Subject::Any) => "Where at least one observer sees a drone over",
-                (_, Subject::Best) => "The nearest observer who sees a drone over",
-                _ => "Where the observers see a drone over",
+            return match (self.drawn_layer(), subject, self.are_observers()) {
+                (Layer::Margin, ..) => "Margin of a drone's line of sight over",
+                (Layer::LeastReceiverHeight, ..) => "Least height of a drone in sight over",
+                (Layer::LeastHeight, _, true) => "How high an observer must be to see a drone over",
+                (Layer::LeastHeight, _, false) => "How high a UAV must hover to see a drone over",
+                (Layer::Stability, ..) => "Stability of a drone's line of sight over",
+                (Layer::Sure, ..) => "What is sure of a drone's line of sight over",
+                (Layer::PLos, ..) => "Probability of a drone's line of sight over",
+                (_, Subject::One, true) => "Where an observer sees a drone over",
+                (_, Subject::One, false) => "Where a UAV sees a drone over",
+                (_, Subject::Any, true) => "Where at least one observer sees a drone over",
+                (_, Subject::Any, false) => "Where at least one UAV sees a drone over",
+                (_, Subject::Best, true) => "The nearest observer who sees a drone over",
+                (_, Subject::Best, false) => "The nearest UAV that sees a drone over",
+                (_, _, true) => "Where the observers see a drone over",
+                (_, _, false) => "Where the UAVs see a drone over",
             };
         }
         match (self.drawn_layer(), subject) {
@@ -369,8 +390,8 @@ impl MapDrawing<'_> {
             lines.push(format!("Seen by at least one: {}", share(&self.of.report.union)));
         }
         const MOST_SITES: usize = 4;
-        let who = self.looked_at_by();
         for s in self.of.report.sites.iter().take(MOST_SITES) {
+            let who = self.looks(s);
             let (id, height, place, own) = (&s.id, s.height_words(), s.position().in_words(), s.antenna.in_words());
             let own = if own.is_empty() { own } else { format!(", {own}") };
             let interval = s.uncertain.and_then(|uncertain| uncertain.interval);
@@ -378,7 +399,7 @@ impl MapDrawing<'_> {
             lines.push(capitalized(&format!("{who} {id}: {height} at {place}{own}, {}{interval}", share(&s.tally))));
         }
         if self.of.report.sites.len() > MOST_SITES {
-            lines.push(format!("and {} more {who}s", self.of.report.sites.len() - MOST_SITES));
+            lines.push(format!("and {} more {}s", self.of.report.sites.len() - MOST_SITES, self.looked_at_by()));
         }
         lines.extend(self.reading(subject));
         lines.extend(of.heights.in_words());

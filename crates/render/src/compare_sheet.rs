@@ -8,7 +8,7 @@ use super::colors::{self, Rgb};
 use super::furniture::{self, Block, NAME, Swatch};
 use super::lettering::{self, Type};
 use super::map_legend;
-use super::marks::Mark;
+use super::marks::{self, Mark};
 use super::page::MARGIN;
 use super::paint::{add, special};
 use super::sheet::Sheet;
@@ -183,9 +183,8 @@ impl Painter<'_> {
         let sheet = self.sheet;
         let special = map_legend::special_legend(&self.classes[2..], sheet.others_name, sheet.surface_m.is_some());
         classes.extend(special.into_iter().map(|(swatch, name, _)| entry(swatch, name)));
-        if sheet.maps.iter().any(|map| map.mark.is_some()) {
-            classes.push(entry(Swatch::Uav, "UAV"));
-        }
+        let marks = sheet.maps.iter().filter_map(|map| map.mark);
+        classes.extend(marks::symbols(marks).into_iter().map(|(swatch, name)| entry(swatch, name)));
         let [neither, lost, gained, both] = colors::PAIR;
         let pairs = flat(&[
             (self.pairs[2], gained, "Gained: only the second sees it"),

@@ -1,9 +1,9 @@
 //! Maps of several UAVs side by side: one layer of each, with one scale and one legend.
 
-use super::furniture::{self, Swatch};
+use super::furniture;
 use super::map_layers::{self, Layer};
 use super::map_legend::{self, LegendWords};
-use super::marks::Mark;
+use super::marks::{self, Mark};
 use super::paint::add;
 use super::sheet::Sheet;
 use super::small_maps::Maps;
@@ -83,7 +83,8 @@ pub fn draw_map_panels(sheet: &MapPanels<'_>) -> Result<Sheet, String> {
     let words =
         LegendWords { receivers_name: "", others_name: sheet.others_name, who: "UAV", has_counts: false, has_rings };
     let mut legend = map_legend::entries(layers[0], &histogram, range.as_ref(), sheet.surface_m.is_some(), words);
-    legend.push(furniture::legend_entry(Swatch::Uav, "UAV", ""));
+    let symbols = marks::symbols(sheet.maps.iter().map(|map| map.mark));
+    legend.extend(symbols.into_iter().map(|(swatch, name)| furniture::legend_entry(swatch, name, "")));
 
     let mut page = maps.page(sheet.title);
     maps.place(&mut page, panels);

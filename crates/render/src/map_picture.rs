@@ -106,7 +106,8 @@ fn legend(picture: &MapPicture<'_>, of_colors: Vec<u64>, range: Option<&ValueRan
         let nodata = if histogram[4] > 0 { tally.nodata } else { 0 };
         histogram = vec![nlos, tally.los, tally.not_receivers, tally.out_of_range, nodata, 0];
     }
-    let (swatch, who) = if picture.is_in_air { (Swatch::Observer, "observer") } else { (Swatch::Uav, "UAV") };
+    let are_observers = picture.uavs.iter().all(|uav| uav.is_observer) && picture.is_in_air;
+    let (swatch, who) = if are_observers { (Swatch::Observer, "observer") } else { (Swatch::Uav, "UAV") };
     let words = LegendWords { receivers_name, others_name, who, has_counts: true, has_rings: layer.has_rings() };
     let mut legend = map_legend::entries(layer, &histogram, range, picture.surface_m.is_some(), words);
     if picture.is_in_air && picture.surface_m.is_some() {

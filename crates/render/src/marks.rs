@@ -1,6 +1,6 @@
 //! UAV marks on a map, and labels that keep out of each other's way.
 
-use super::furniture::{self, NAME};
+use super::furniture::{self, NAME, Swatch};
 use super::lettering::{self, Type, Weight};
 use super::sheet::Drawing;
 
@@ -17,6 +17,17 @@ pub struct Mark<'a> {
     pub row: f64,
     /// Whether it is an observer on the ground, not a UAV.
     pub is_observer: bool,
+}
+
+/// What a legend says of some marks: a UAV, an observer, or both.
+pub(crate) fn symbols<'a>(marks: impl Iterator<Item = Mark<'a>>) -> Vec<(Swatch, &'static str)> {
+    let (mut has_uav, mut has_observer) = (false, false);
+    for mark in marks {
+        has_uav |= !mark.is_observer;
+        has_observer |= mark.is_observer;
+    }
+    let kinds = [(has_uav, (Swatch::Uav, "UAV")), (has_observer, (Swatch::Observer, "observer"))];
+    kinds.into_iter().filter(|(has, _)| *has).map(|(_, kind)| kind).collect()
 }
 
 /// A rectangle: left, top, right, bottom \[px\].
