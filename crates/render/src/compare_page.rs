@@ -22,7 +22,7 @@ use super::marks::Mark;
 use super::paint::{self, Canvas};
 use super::png;
 use super::sheet::Drawing;
-use super::web_page::{filled, in_script};
+use super::web_page::{SHARES, filled, in_script};
 
 const TEMPLATE: &str = include_str!("compare_page/page.html");
 const STYLE: &str = include_str!("compare_page/page.css");
@@ -132,21 +132,19 @@ pub fn compare_page(page: &ComparePage<'_>) -> Result<String, String> {
     let [neither, lost, gained, both] = colors::PAIR.map(hex);
     let lines =
         |texts: &[String], tag: &str| texts.iter().map(|text| format!("<{tag}>{}</{tag}>\n", words(text))).collect();
-    let mut symbol = Drawing::default();
-    furniture::uav_symbol(&mut symbol, [20.0, 20.0], 18.0);
-    let symbol = format!("<svg viewBox=\"0 0 40 40\" aria-hidden=\"true\">{}</svg>", symbol.svg.replace('\n', ""));
+    let symbols = [furniture::uav_symbol, furniture::observer_symbol].map(symbol);
     let parts: [(&str, String); 27] = [
         ("generator", format!("skyshed {}", env!("CARGO_PKG_VERSION"))),
         ("css", STYLE.to_string()),
-        ("js", SCRIPT.to_string()),
+        ("js", [SHARES, SCRIPT].concat()),
         ("title", escape(page.title)),
         ("verdict", words(page.verdict)),
         ("matrix", table(page.matrix)),
         ("options", options(page)),
         ("aspect", format!("{aspect:.6}")),
         ("backdrop", picture("id=\"backdrop\" alt=\"buildings\"", &thinned.backdrop()?)),
-        ("marks", marks(page, &symbol)),
-        ("symbol", symbol),
+        ("marks", marks(page, &symbols)),
+        ("symbols", legend_of_marks(page, &symbols)),
         ("los", hex(colors::LOS)),
         ("nlos", hex(colors::NLOS)),
         ("neither", neither),
@@ -177,8 +175,24 @@ fn options(page: &ComparePage<'_>) -> String {
     page.placements.iter().map(option).collect()
 }
 
+/// A symbol as markup.
+fn symbol(draw: fn(&mut Drawing, [f64; 2], f64)) -> String {
+    let mut drawing = Drawing::default();
+    draw(&mut drawing, [20.0, 20.0], 18.0);
+    format!("<svg viewBox=\"0 0 40 40\" aria-hidden=\"true\">{}</svg>", drawing.svg.replace('\n', ""))
+}
+
+/// Legend entries of the symbols that are on the map: of UAVs and of observers.
+fn legend_of_marks(page: &ComparePage<'_>, symbols: &[String; 2]) -> String {
+    let has = |is_observer: bool| page.placements.iter().any(|p| p.mark.is_some_and(|m| m.is_observer == is_observer));
+    let entry = |(symbol, (is_observer, name)): (&String, (bool, &str))| {
+        if has(is_observer) { format!("<li>{symbol}{name}</li>\n") } else { String::new() }
+    };
+    symbols.iter().zip([(false, "UAV"), (true, "observer")]).map(entry).collect()
+}
+
 /// Symbols and names of the UAVs that are on the map; of those at one place each stands below the one before it.
-fn marks(page: &ComparePage<'_>, symbol: &str) -> String {
+fn marks(page: &ComparePage<'_>, symbols: &[String; 2]) -> String {
     let mut out = String::new();
     let places: Vec<Option<[f64; 2]>> =
         page.placements.iter().map(|p| p.mark.map(|mark| [mark.col, mark.row])).collect();
@@ -189,6 +203,7 @@ fn marks(page: &ComparePage<'_>, symbol: &str) -> String {
             let n_before = places[..k].iter().filter(|place| **place == places[k]).count();
             let side = if x > 0.5 { " left-of" } else { "" };
             let way = if y > 0.75 { " up" } else { "" };
+            let symbol = &symbols[usize::from(mark.is_observer)];
             let height = if mark.height.is_empty() { String::new() } else { format!(" · {}", escape(mark.height)) };
             let _ = writeln!(
                 out,

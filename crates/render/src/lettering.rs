@@ -142,6 +142,8 @@ pub fn grouped(n: u64) -> String {
 }
 
 /// Writes the share `part / whole` in percent with one decimal, never rounding a remainder away.
+///
+/// Halves are rounded up, by whole numbers, as `web_page/shares.js` does in pages: one count has one share everywhere.
 pub fn percent(part: u64, whole: u64) -> String {
     if whole == 0 {
         return "–".to_string();
@@ -223,6 +225,12 @@ mod tests {
             (length(1234.0), "1.2 km"),
             (percent(1, 100_000), "<\u{202F}0.1\u{202F}%"),
             (percent(0, 0), "–"),
+            (percent(637, 1000), "63.7\u{202F}%"),
+            // Ties, of which 3 / 2000 is below its half as a double.
+            (percent(1, 400), "0.3\u{202F}%"),
+            (percent(3, 2000), "0.2\u{202F}%"),
+            (percent(1, 2000), "0.1\u{202F}%"),
+            (percent(1999, 2000), ">\u{202F}99.9\u{202F}%"),
             (escape("a<b & \"c\"\u{7}"), "a&lt;b &amp; &quot;c&quot; "),
         ] {
             assert_eq!(text, expected);

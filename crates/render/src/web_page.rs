@@ -5,6 +5,9 @@ use std::io::Write as _;
 use flate2::{Compression, GzBuilder};
 use serde_json::Value;
 
+/// How scripts write shares and numbers.
+pub(crate) const SHARES: &str = include_str!("web_page/shares.js");
+
 /// A template with its marks `{{name}}` replaced, in one pass, so that words of the user are never taken for a mark.
 ///
 /// # Panics

@@ -92,7 +92,7 @@
       output.dataset.pLos = receivers ? los / receivers : "";
       const index = document.createElement("sub");
       index.textContent = "LoS";
-      const value = receivers ? (los / receivers).toFixed(4) : "undefined: no receiver";
+      const value = receivers ? rounded(los / receivers, 4) : "undefined: no receiver";
       output.replaceChildren(`${id === "share-a" ? "A" : "B"}: ${view.labels[k]}, P`, index, ` ${value}`);
     };
     share("share-a", state.a, a);
@@ -103,7 +103,7 @@
     for (const output of document.querySelectorAll("output[data-pair]")) {
       const count = counts[Number(output.dataset.pair)];
       output.dataset.cells = count;
-      output.textContent = compared ? `${((100 * count) / compared).toFixed(1)} %` : "";
+      output.textContent = compared ? shareWords(count, compared) : "";
     }
   }
 
