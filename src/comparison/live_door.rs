@@ -1,11 +1,10 @@
 //! The way from the page of a comparison to the live page of the same place.
 
-use super::facts::{Origin, PlacementFacts};
 use super::outcome::Comparison;
 use crate::city::{Antenna, Site};
+use crate::height_field::Curvature;
 use crate::live::LivePage;
 use crate::picture::Look;
-use crate::quantity::Height;
 use crate::render::gzip;
 
 /// The live page of a comparison, packed, and what its address says.
@@ -19,14 +18,13 @@ impl Comparison {
     /// The live page of the same place, where the UAVs are known and a page can hold the scene.
     pub(super) fn live(&self, look: &Look) -> Option<LivePacked> {
         let run = self.report.sight.antenna();
-        let uav = |placement: &PlacementFacts| match &placement.origin {
-            // A page has one antenna.
-            Origin::Uav(uav) if uav.antenna.or(run) == run => {
-                Some(Site::new(placement.id.clone(), (uav.x, uav.y), Height::amsl(uav.height_amsl_m)))
-            }
-            _ => None,
+        // A page has one antenna.
+        let site = |uav: &Site| {
+            let as_asked = Site { antenna: Antenna::default(), ..uav.clone() };
+            (uav.antenna.or(run) == run).then_some(as_asked)
         };
-        let sites: Vec<Option<Site>> = self.report.placements.iter().map(uav).collect();
+        let n_masks = self.report.placements.len() - self.uavs.len();
+        let sites: Vec<Option<Site>> = self.uavs.iter().map(site).chain(std::iter::repeat_n(None, n_masks)).collect();
         let first = sites.iter().flatten().next()?.clone();
         let (scene, sight) = (&self.scene, self.report.sight);
         let page =
@@ -38,20 +36,21 @@ impl Comparison {
                 "{},{},{range}{}",
                 sight.rx_height_m(),
                 sight.receivers().name(),
-                in_address(sight.antenna())
+                in_address(sight.antenna(), sight.curvature().map(Curvature::earth_k))
             ),
             uavs: sites.iter().map(|site| site.as_ref().map(|s| format!("{},{},{}", s.x, s.y, s.height))).collect(),
         })
     }
 }
 
-/// An antenna as the address of a live page says it: nothing, or six numbers that may be empty.
-fn in_address(antenna: Antenna) -> String {
-    if antenna == Antenna::default() {
+/// An antenna and K of the earth as the address of a live page says them: nothing, or six numbers that may be empty, and K behind them.
+fn in_address(antenna: Antenna, earth_k: Option<f64>) -> String {
+    if antenna == Antenna::default() && earth_k.is_none() {
         return String::new();
     }
     let number = |v: Option<f64>| v.map_or(String::new(), |v| v.to_string());
     let pair = |v: Option<[f64; 2]>| v.map_or(",".to_string(), |[a, b]| format!("{a},{b}"));
     let Antenna { min_radius_m, sector_deg, elevation_deg, beam_deg } = antenna;
-    format!(",{},{},{},{}", number(min_radius_m), pair(sector_deg), pair(elevation_deg), number(beam_deg))
+    let k = earth_k.map_or(String::new(), |k| format!(",{k}"));
+    format!(",{},{},{},{}{k}", number(min_radius_m), pair(sector_deg), pair(elevation_deg), number(beam_deg))
 }

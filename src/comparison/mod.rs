@@ -162,7 +162,8 @@ impl ComparisonPlan {
             }
         }
         let masks = placed.into_iter().map(|p| p.mask).collect();
-        Ok(Comparison { scene, masks, overlay, report, scene_words: self.scene_words.clone() })
+        let asked = found.sites.iter().map(|given| given.site.clone()).collect();
+        Ok(Comparison { scene, masks, overlay, report, uavs: asked, scene_words: self.scene_words.clone() })
     }
 
     fn report(

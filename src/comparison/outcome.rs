@@ -1,6 +1,7 @@
 //! Placements that were compared.
 
 use super::report::CompareReport;
+use crate::city::Site;
 use crate::coverage::Overlay;
 use crate::raster::LargeVec;
 use crate::scene::Scene;
@@ -14,6 +15,8 @@ pub(crate) struct Comparison {
     /// All masks together.
     pub(super) overlay: Overlay,
     pub(super) report: CompareReport,
+    /// UAVs as they were asked for: those of the first placements; all later ones are saved masks.
+    pub(super) uavs: Vec<Site>,
     /// Words of the scene and how it is read.
     pub(super) scene_words: Vec<String>,
 }
