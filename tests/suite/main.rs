@@ -75,6 +75,7 @@ mod sampled; // P_LoS by zone of the placement, from maps, against the product
 mod compare; // placements side by side: counts by hand, saved masks, intervals, sheets, refusals
 mod compare_page; // their page: pictures, words of users, a browser
 mod live; // the live page: digests, sizes, hostile words, a browser
+mod live_claims; // what pages say: fields, commands, links, marks, shares, places over no data
 mod economy; // footprints that hide nobody, what a map needs and what limits it, against maps of the changed scenes
 mod tolerance; // the coarsest cells within a tolerance: its bound holds, on generated and on real cities
 mod track; // line of sight along a track: stretches, links, files

@@ -10,6 +10,8 @@ pub struct Opened {
     pub has_zones: bool,
     /// Whether there are buildings.
     pub has_buildings: bool,
+    /// Whether there are cells without data.
+    pub has_no_data: bool,
 }
 
 /// What was found of a map.
@@ -19,6 +21,8 @@ pub struct Mapped {
     pub uavs: Vec<Seen>,
     /// All together.
     pub all: Together,
+    /// Whether the picture has cells out of range.
+    pub has_out_of_range: bool,
 }
 
 /// What one UAV sees.
@@ -31,10 +35,14 @@ pub enum Seen {
         ok: True,
         amsl_m: f64,
         agl_m: Option<f64>,
+        /// Height above the ground or roof below, if one is known there.
+        above_m: Option<f64>,
         over: &'static str,
         receivers: u64,
         los: u64,
         p_los: Option<f64>,
+        /// Why there is no P_LoS though there are receivers.
+        reason: Option<&'static str>,
         /// Receivers that are surely in line of sight, and those that hang on heights, where these may be off.
         sure: Option<[u64; 2]>,
         zones: Option<ByZone>,
@@ -70,6 +78,8 @@ pub struct Together {
     pub los: u64,
     /// Receivers that exactly 0, 1, 2, … see.
     pub seen_by: Vec<u64>,
+    /// Why there is no P_LoS though there are receivers.
+    pub reason: Option<&'static str>,
 }
 
 /// A cell.
@@ -180,8 +190,16 @@ pub struct BestPlace {
 #[serde(untagged)]
 #[expect(missing_docs, reason = "named as in the program's documents")]
 pub enum ComparedFacts {
-    /// Cells in sight here and not there are gained, the reverse are lost.
-    Found { ok: True, receivers: u64, los: u64, p_los: Option<f64>, gained: u64, lost: u64 },
+    /// Cells in sight here and not there are gained, the reverse are lost. `reason` says why there is no P_LoS.
+    Found {
+        ok: True,
+        receivers: u64,
+        los: u64,
+        p_los: Option<f64>,
+        reason: Option<&'static str>,
+        gained: u64,
+        lost: u64,
+    },
     /// A UAV cannot hover there.
     Refused { ok: False, words: String },
 }

@@ -1,6 +1,6 @@
 //! The best place near a UAV: places on a square grid within a circle, tried one by one.
 
-use skyshed_core::coverage::{self, Mapper};
+use skyshed_core::coverage::{self, HoversOver, Mapper};
 use skyshed_core::height_field::HeightField;
 
 use crate::answers::{BestFacts, BestPlace};
@@ -39,7 +39,9 @@ impl Search {
             self.next += 1;
             let site = Uav { x, y, ..self.uav.clone() }.site();
             let is_over_grid = field.grid().cell_at(x, y).is_some();
-            if let Some(uav) = coverage::Uav::place(&site, field, radius).ok().filter(|_| is_over_grid) {
+            // A place over no data has no share that could be compared.
+            let is_place = |uav: &coverage::Uav| is_over_grid && uav.placement != HoversOver::Nodata;
+            if let Some(uav) = coverage::Uav::place(&site, field, radius).ok().filter(is_place) {
                 self.tried += 1;
                 let (receivers, los) = mapper.count(&uav);
                 if self.best.is_none_or(|best| los > best.los) {

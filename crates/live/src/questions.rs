@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use skyshed_core::city::{Antenna, Site};
+use skyshed_core::coverage::SightNumbers;
 use skyshed_core::height_field::Curvature;
 use skyshed_core::quantity::Height;
 
@@ -18,8 +19,24 @@ pub enum Question {
         /// What the picture shows.
         shown: Shown,
     },
-    /// The digest of the masks of the last map.
-    Digest,
+    /// The digest of the masks of the last map, or of one of them.
+    Digest {
+        /// Which UAV; all without one.
+        #[serde(default)]
+        which: Option<usize>,
+    },
+    /// What was typed into a field, read as the program reads its command line; nothing changes. A number is to go with all
+    /// others of the last map.
+    Read {
+        /// Which.
+        field: Field,
+        /// What was typed.
+        text: String,
+        /// East of the UAV that a height is to be of.
+        x: f64,
+        /// North of it.
+        y: f64,
+    },
     /// What is at a position.
     Cell {
         /// East.
@@ -69,6 +86,24 @@ pub enum Question {
         /// Which.
         which: Option<usize>,
     },
+}
+
+/// A field of the page for a height, a number or two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[expect(missing_docs, reason = "as the program calls them")]
+pub enum Field {
+    Height,
+    RxHeight,
+    Radius,
+    MinRadius,
+    Sector,
+    Elevation,
+    Beam,
+    EarthK,
+    HeightError,
+    /// How far around a UAV the best place is looked for.
+    SearchRadius,
 }
 
 /// A UAV as the page knows it.
@@ -157,6 +192,12 @@ impl Sight {
     /// The curve of the earth, if it has one.
     pub(crate) fn curvature(&self) -> Option<Curvature> {
         self.earth_k.and_then(Curvature::of_earth_k)
+    }
+
+    /// Its numbers, not yet checked.
+    pub(crate) fn numbers(&self) -> SightNumbers {
+        let Sight { rx_height_m, radius_m, earth_k, .. } = *self;
+        SightNumbers { rx_height_m, radius_m, antenna: self.antenna(), earth_k }
     }
 
     /// What the antennas of all UAVs serve.

@@ -9,13 +9,14 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use super::lettering::escape;
-use super::web_page::{filled, gzip, in_script};
+use super::web_page::{SHARES, filled, gzip, in_script};
 
 const TEMPLATE: &str = include_str!("live_page/page.html");
 const STYLE: &str = include_str!("live_page/page.css");
 /// The script is in parts, of which each uses those before it.
-const SCRIPTS: [&str; 27] = [
+const SCRIPTS: [&str; 29] = [
     include_str!("live_page/types.js"),
+    SHARES,
     include_str!("live_page/texts.js"),
     include_str!("live_page/elements.js"),
     include_str!("live_page/colors.js"),
@@ -32,6 +33,7 @@ const SCRIPTS: [&str; 27] = [
     include_str!("live_page/readout.js"),
     include_str!("live_page/chart.js"),
     include_str!("live_page/side_view.js"),
+    include_str!("live_page/fields.js"),
     include_str!("live_page/curve.js"),
     include_str!("live_page/best.js"),
     include_str!("live_page/results.js"),

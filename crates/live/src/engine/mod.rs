@@ -1,16 +1,18 @@
 //! The engine of a page: one scene for its life, the UAVs of the last question, and what they see.
 
+mod fields;
 mod places;
 mod studies;
 
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use skyshed_core::coverage::{
-    self, HeightBounds, MapOptions, Mapper, Seen as SeenCells, Sure, check_drop, surface_under,
+    self, CheckedNumbers, HeightBounds, HoversOver, MapOptions, Mapper, Seen as SeenCells, Sure, Tally, check_drop,
+    check_height_error, class, receiver_height, surface_under,
 };
 use skyshed_core::error::Error;
 use skyshed_core::height_field::{CellSets, HeightField};
-use skyshed_core::quantity::{BLOCKS_ALL, VOID, height_steps, meters, share};
+use skyshed_core::quantity::{BLOCKS_ALL, VOID, meters};
 use skyshed_core::raster::BitGrid;
 use skyshed_core::zones::{Zone, ZoneBasis, ZoneMap};
 
@@ -19,7 +21,7 @@ use crate::backdrop::backdrop;
 use crate::best_place::Search;
 use crate::cell_picture::{CellPicture, seen_by};
 use crate::pack::{NotPacked, PackedCity, unpack};
-use crate::questions::{Layer, Question, Receivers, Shown, Sight, Uav};
+use crate::questions::{Field, Layer, Question, Receivers, Shown, Sight, Uav};
 
 /// The most UAVs of a page: as many as a picture of counts tells apart.
 pub const MOST_UAVS: usize = 32;
@@ -64,6 +66,8 @@ struct Map {
 #[derive(Debug)]
 struct Found {
     uav: coverage::Uav,
+    /// Its height above the ground or roof below, if one is known there \[m\].
+    above_m: Option<f64>,
     /// All cells in range; `None` without a limit.
     in_range: Option<BitGrid>,
     seen: SeenCells,
@@ -113,7 +117,12 @@ impl Engine {
 
     /// What is said of the scene.
     pub fn opened(&self) -> Opened {
-        Opened { has_zones: self.zones.is_some(), has_buildings: self.field.cells().building.count() > 0 }
+        let CellSets { open, building } = self.field.cells();
+        Opened {
+            has_zones: self.zones.is_some(),
+            has_buildings: building.count() > 0,
+            has_no_data: open.count() + building.count() < self.field.grid().n_cells() as u64,
+        }
     }
 
     /// Columns and rows of the grid.
@@ -138,7 +147,9 @@ impl Engine {
     pub fn answer(&mut self, question: Question) -> Result<Value, String> {
         match question {
             Question::Map { uavs, sight, shown } => self.map(uavs, sight, shown).map(|mapped| json!(mapped)),
-            Question::Digest => Ok(json!({ "digest": self.digest() })),
+            Question::Digest { which } => Ok(json!({ "digest": self.digest(which) })),
+            Question::Read { field: Field::Height, text, x, y } => Ok(self.read_height(&text, (x, y))),
+            Question::Read { field, text, .. } => Ok(self.read_number(field, &text)),
             Question::Cell { x, y, which } => Ok(json!(self.cell(x, y, which))),
             Question::Link { which, x, y } => Ok(json!(self.link(which, x, y))),
             Question::Curve { which } => self.begin_curve(which).map(|()| json!({ "share": 0.0 })),
@@ -181,6 +192,7 @@ impl Engine {
             // What may fail comes before what changes.
             if sight.height_error_m != self.sight.height_error_m {
                 let of = |m: f64| {
+                    check_height_error("the error of heights", m).map_err(|e| e.to_string())?;
                     let bounds = HeightBounds::of(self.field, m);
                     bounds.ok_or_else(|| format!("heights that are off by {m} m"))
                 };
@@ -202,7 +214,11 @@ impl Engine {
             self.maps.push(map);
         }
         self.draw(shown);
-        Ok(Mapped { uavs: self.maps.iter().map(Map::seen).collect(), all: self.count_together() })
+        Ok(Mapped {
+            uavs: self.maps.iter().map(Map::seen).collect(),
+            all: self.count_together(),
+            has_out_of_range: self.picture.contains(&class::OUT_OF_RANGE),
+        })
     }
 
     fn map_one(&self, asked: Uav) -> Map {
@@ -211,11 +227,18 @@ impl Engine {
                 let (seen, in_range) = (self.mapper.seen(&uav), self.mapper.cells_in_range(&uav));
                 let zones = self.zones.as_ref().map(|zones| zones.count(&seen));
                 let sure = self.bounds.as_ref().and_then(|bounds| self.mapper.sure(&uav, bounds).ok());
-                Ok(Found { uav, in_range, seen, sure, zones })
+                let above_m = self.height_above(&uav);
+                Ok(Found { uav, above_m, in_range, seen, sure, zones })
             }
             Err(error) => Err(self.refused(&asked, &error)),
         };
         Map { asked, found }
+    }
+
+    fn height_above(&self, uav: &coverage::Uav) -> Option<f64> {
+        let place = &uav.station.place;
+        let below = self.field.roof_at(place).unwrap_or_else(|| self.field.ground_at(place));
+        (below != VOID).then(|| uav.height_amsl_m() - meters(below))
     }
 
     /// Why a UAV cannot hover somewhere.
@@ -231,7 +254,7 @@ impl Engine {
 
     /// The UAVs that hover.
     fn hovering(&self) -> impl Iterator<Item = &Found> {
-        self.maps.iter().filter_map(|map| map.found.as_ref().ok())
+        self.maps.iter().filter_map(Map::found)
     }
 
     /// What any UAV sees, and the cells in range of any; `None` if all are.
@@ -246,19 +269,22 @@ impl Engine {
     }
 
     fn count_together(&self) -> Together {
+        let is_over_nodata = || self.hovering().any(|found| found.uav.placement == HoversOver::Nodata);
+        let reason = || p_los_of((1, 0), is_over_nodata()).1;
         let mut hovering = self.hovering();
         match (hovering.next(), hovering.next()) {
             (None, _) => Together::default(),
             (Some(one), None) => {
                 let (receivers, los) = (one.seen.receivers.count(), one.seen.los.count());
-                Together { receivers, los, seen_by: vec![receivers - los, los] }
+                Together { receivers, los, seen_by: vec![receivers - los, los], reason: reason() }
             }
             (Some(one), Some(_)) => {
                 let receivers =
                     self.hovering().fold(one.seen.receivers.clone(), |sum, found| sum.or(&found.seen.receivers));
                 let sets: Vec<&BitGrid> = self.hovering().map(|found| &found.seen.los).collect();
                 let seen_by = seen_by(&receivers, &sets);
-                Together { receivers: seen_by.iter().sum(), los: seen_by.iter().skip(1).sum(), seen_by }
+                let (receivers, los) = (seen_by.iter().sum(), seen_by.iter().skip(1).sum());
+                Together { receivers, los, seen_by, reason: reason() }
             }
         }
     }
@@ -286,26 +312,34 @@ impl Engine {
                 self.cells.counts(&mut picture, &self.receivers, sets, self.together().1.as_ref());
             }
             (Layer::Who, _) => {
-                let sets: Vec<&BitGrid> = self.hovering().map(|found| &found.seen.los).take(MOST_WHO).collect();
+                // A UAV that cannot hover keeps its place among the colors.
+                let (n_cols, n_rows) = self.shape();
+                let none = BitGrid::new(n_rows, n_cols);
+                let los = |map| Map::found(map).map_or(&none, |found| &found.seen.los);
+                let sets: Vec<&BitGrid> = self.maps.iter().take(MOST_WHO).map(los).collect();
                 self.cells.who(&mut picture, &self.receivers, &sets, self.together().1.as_ref());
             }
         }
         self.picture = picture;
     }
 
-    /// The digest of all masks, as the program makes it; none while a UAV cannot hover.
-    fn digest(&self) -> Option<String> {
+    /// The digest of all masks, or of one, as the program makes it; none while a UAV of it cannot hover.
+    fn digest(&self, which: Option<usize>) -> Option<String> {
+        let maps = match which {
+            None => &self.maps[..],
+            Some(which) => self.maps.get(which..=which)?,
+        };
         let (n_cols, n_rows) = self.shape();
         let mut hasher = Sha256::new();
         [n_cols, n_rows].into_iter().for_each(|n| hasher.update((n as u64).to_le_bytes()));
         let mut mask = Vec::new();
-        for map in &self.maps {
+        for map in maps {
             let found = map.found.as_ref().ok()?;
             self.cells.mask(&mut mask, &found.seen.los, found.in_range.as_ref());
             hasher.update(&mask);
         }
         let hex: String = hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-        (!self.maps.is_empty()).then(|| format!("sha256:{hex}"))
+        (!maps.is_empty()).then(|| format!("sha256:{hex}"))
     }
 
     fn found(&self, which: usize) -> Result<&Found, String> {
@@ -344,21 +378,29 @@ impl Zones {
 }
 
 impl Map {
+    /// What it sees, if it hovers.
+    fn found(&self) -> Option<&Found> {
+        self.found.as_ref().ok()
+    }
+
     fn seen(&self) -> Seen {
         match &self.found {
             Err(refused) => refused.clone(),
-            Ok(Found { uav, seen, sure, zones, .. }) => {
+            Ok(Found { uav, above_m, seen, sure, zones, .. }) => {
                 let surely = |sure: &Sure| sure.surely.count();
                 let sure = sure.as_ref().map(|sure| [surely(sure), sure.possibly.count() - surely(sure)]);
                 let (receivers, los) = (seen.receivers.count(), seen.los.count());
+                let (p_los, reason) = p_los_of((receivers, los), uav.placement == HoversOver::Nodata);
                 Seen::Found {
                     ok: True,
                     amsl_m: uav.height_amsl_m(),
                     agl_m: uav.height_agl_m,
+                    above_m: *above_m,
                     over: uav.placement.name(),
                     receivers,
                     los,
-                    p_los: share(los, receivers),
+                    p_los,
+                    reason,
                     sure,
                     zones: *zones,
                 }
@@ -386,29 +428,34 @@ fn receivers_of(sight: &Sight) -> coverage::Receivers {
     }
 }
 
+/// P_LoS of receivers and those of them in line of sight, and why there is none though there are receivers.
+fn p_los_of((receivers, los): (u64, u64), is_over_nodata: bool) -> (Option<f64>, Option<&'static str>) {
+    let mut tally = Tally::of_receivers(receivers, los);
+    tally.is_over_nodata = is_over_nodata;
+    (tally.p_los(), is_over_nodata.then(|| tally.reason()))
+}
+
 fn rx_height(sight: &Sight) -> Result<i32, String> {
-    height_steps(sight.rx_height_m).filter(|h| *h >= 0).ok_or_else(|| format!("receivers at {} m", sight.rx_height_m))
+    receiver_height(sight.rx_height_m).map_err(|e| e.to_string())
 }
 
 /// What makes maps for some receivers.
 fn mapper(field: &'static HeightField, sight: &Sight, zones: Option<&Zones>) -> Result<Mapper<'static>, String> {
     let meters_per_unit = field.grid().meters_per_unit();
-    if sight.radius_m.is_some_and(|r| !(r > 0.0 && r.is_finite())) {
-        return Err("the radius must be above 0 m".into());
-    }
-    let antenna = sight.antenna().checked().map_err(|fault| fault.to_string())?;
-    if let Some(curvature) = sight.curvature() {
+    let CheckedNumbers { rx_height, antenna, curvature } = sight.numbers().checked().map_err(|e| e.to_string())?;
+    if let Some(curvature) = curvature {
         let grid = field.grid();
         let across = (grid.x_max() - grid.x_min()).hypot(grid.y_max() - grid.y_min()) * meters_per_unit;
-        check_drop(curvature.drop_m(2.0 * across), field.lowest_known()).map_err(|e| e.to_string())?;
+        let reach = sight.radius_m.map_or(across, |r| r.min(across));
+        check_drop(curvature.drop_m(2.0 * reach), field.lowest_known()).map_err(|e| e.to_string())?;
     }
     let options = MapOptions {
-        rx_height: rx_height(sight)?,
+        rx_height,
         receivers: receivers_of(sight),
         within: zone_of(sight.receivers).and_then(|zone| zones.and_then(|zones| zones.cells(zone))),
         radius: sight.radius_m.map(|r| r / meters_per_unit),
         antenna,
-        curvature: sight.curvature(),
+        curvature,
         meters_per_unit,
         ..MapOptions::default()
     };

@@ -1,10 +1,10 @@
 //! What takes longer than a map: P_LoS against height, the best place near, sets of UAVs side by side.
 
-use skyshed_core::coverage::{self, Control, CurvedScene, LeastHeights, Uav};
-use skyshed_core::quantity::{meters, share};
+use skyshed_core::coverage::{self, Control, CurvedScene, HoversOver, LeastHeights, Uav, check_radius};
+use skyshed_core::quantity::meters;
 use skyshed_core::raster::BitGrid;
 
-use super::{Engine, mapper, receivers_of, rx_height};
+use super::{Engine, mapper, p_los_of, receivers_of, rx_height};
 use crate::answers::{ComparedFacts, CurveFacts, False, True};
 use crate::best_place::Search;
 use crate::questions::Kept;
@@ -19,6 +19,17 @@ pub(super) struct Curve {
     found: Vec<i32>,
     mask: Vec<u8>,
     next_row: usize,
+}
+
+/// Cells of a set of UAVs.
+#[derive(Debug)]
+struct SeenTogether {
+    /// Receivers of any.
+    receivers: BitGrid,
+    /// Receivers that any sees.
+    los: BitGrid,
+    /// One of them is over no data.
+    is_over_nodata: bool,
 }
 
 impl Engine {
@@ -67,9 +78,7 @@ impl Engine {
     pub(super) fn begin_search(&mut self, which: usize, radius_m: f64) -> Result<(), String> {
         let grid = self.field.grid();
         let asked = &self.maps.get(which).ok_or("there is no such UAV")?.asked;
-        if !(radius_m > 0.0 && radius_m.is_finite()) {
-            return Err(format!("{radius_m} m is no radius"));
-        }
+        check_radius(radius_m).map_err(|e| e.to_string())?;
         let cell = grid.cell_width().max(grid.cell_height());
         self.search = Some(Search::around(asked, radius_m / grid.meters_per_unit(), cell));
         Ok(())
@@ -77,17 +86,19 @@ impl Engine {
 
     /// What each set of UAVs sees, held against one of the sets.
     pub(super) fn compare(&self, kept: &[Kept], base: usize) -> Vec<ComparedFacts> {
-        let seen: Vec<Result<(BitGrid, BitGrid), String>> = kept.iter().map(|kept| self.seen_by(kept)).collect();
-        let reference = seen.get(base).and_then(|seen| seen.as_ref().ok()).map(|(_, los)| los);
+        let seen: Vec<Result<SeenTogether, String>> = kept.iter().map(|kept| self.seen_by(kept)).collect();
+        let reference = seen.get(base).and_then(|seen| seen.as_ref().ok()).map(|seen| &seen.los);
         let facts = seen.iter().map(|seen| match seen {
-            Ok((receivers, los)) => {
+            Ok(SeenTogether { receivers, los, is_over_nodata }) => {
                 let (n_receivers, n_los) = (receivers.count(), los.count());
+                let (p_los, reason) = p_los_of((n_receivers, n_los), *is_over_nodata);
                 let both = reference.map_or(n_los, |base| los.count_in(base));
                 ComparedFacts::Found {
                     ok: True,
                     receivers: n_receivers,
                     los: n_los,
-                    p_los: share(n_los, n_receivers),
+                    p_los,
+                    reason,
                     gained: n_los - both,
                     lost: reference.map_or(0, |base| base.count() - both),
                 }
@@ -97,8 +108,7 @@ impl Engine {
         facts.collect()
     }
 
-    /// The receivers of a set of UAVs, and those that any of them sees.
-    fn seen_by(&self, kept: &Kept) -> Result<(BitGrid, BitGrid), String> {
+    fn seen_by(&self, kept: &Kept) -> Result<SeenTogether, String> {
         let own;
         let mapper = if kept.sight == self.sight {
             &self.mapper
@@ -107,12 +117,17 @@ impl Engine {
             &own
         };
         let (n_cols, n_rows) = self.shape();
-        let mut sum = (BitGrid::new(n_rows, n_cols), BitGrid::new(n_rows, n_cols));
+        let none = || BitGrid::new(n_rows, n_cols);
+        let mut sum = SeenTogether { receivers: none(), los: none(), is_over_nodata: false };
         let radius = kept.sight.radius_m.map(|r| r / self.field.grid().meters_per_unit());
         for asked in &kept.uavs {
             let uav = coverage::Uav::place(&asked.site(), self.field, radius).map_err(|e| e.to_string())?;
             let seen = mapper.seen(&uav);
-            sum = (sum.0.or(&seen.receivers), sum.1.or(&seen.los));
+            sum = SeenTogether {
+                receivers: sum.receivers.or(&seen.receivers),
+                los: sum.los.or(&seen.los),
+                is_over_nodata: sum.is_over_nodata || uav.placement == HoversOver::Nodata,
+            };
         }
         Ok(sum)
     }

@@ -60,8 +60,8 @@ function answered(answer) {
   }
   engine.waiting.delete(answer.id);
   engine.long.delete(answer.id);
-  // A link that cannot be is an answer like any other.
-  if (answer.ok === false && answer.do !== "link") waiting.refuse(new Error(answer.words));
+  // A link or a number that cannot be is an answer like any other.
+  if (answer.ok === false && answer.do !== "link" && answer.do !== "read") waiting.refuse(new Error(answer.words));
   else waiting.settle(answer);
 }
 

@@ -3,21 +3,22 @@
 
 const bestBox = byId("best", HTMLDetailsElement);
 const bestStatus = htmlById("best-status");
-const bestRadius = inputById("best-radius");
+const bestRadius = makeField("search_radius", ["best-radius"], (radius_m) => {
+  searchRadius = radius_m;
+  forgetSearch();
+}, () => [fieldText(searchRadius)]);
 const bestStart = buttonById("best-start");
 const bestGo = buttonById("best-go");
 
+/** How far around it: a tenth of the map to begin with, in round meters. */
+let searchRadius = roundLength((Math.min(X_MAX - grid.x_min, grid.y_max - Y_MIN) * grid.meters_per_unit) / 8);
 /** Which UAV is searched for, and what it sees now; null while nothing is searched. @type {{which: number, los: number} | null} */
 let search = null;
-
-/** A tenth of the map to begin with, in round meters. */
-const DEFAULT_RADIUS = roundLength((Math.min(X_MAX - grid.x_min, grid.y_max - Y_MIN) * grid.meters_per_unit) / 8);
 
 /** Shows the circle while the panel is open. */
 function showSearchCircle() {
   const { x, y } = selectedUav();
-  const radius_m = Number(bestRadius.value);
-  overlay.search = bestBox.open && radius_m > 0 ? { x, y, radius_m } : null;
+  overlay.search = bestBox.open ? { x, y, radius_m: searchRadius } : null;
   if (!bestBox.open) overlay.best = null;
   placeLines();
 }
@@ -27,17 +28,18 @@ async function startSearch() {
     stopLong();
     return;
   }
+  // What was typed last is read first.
+  if (fieldsInReading.has(bestRadius)) await idle();
   const which = state.selected;
   const seen = coverage.answer?.uavs[which];
-  const radius_m = Number(bestRadius.value);
-  if (!engine.opened || !(radius_m > 0)) return;
-  search = { which, los: seen?.ok ? seen.los : -1 };
+  if (!engine.opened || bestRadius.reason) return;
+  search = { which, los: seen?.ok && !seen.reason ? seen.los : -1 };
   overlay.best = null;
   showSearchCircle();
   showSearch(null);
   try {
     /** @type {BestAnswer} */
-    const answer = await ask({ do: "best", which, radius_m }, showSearch);
+    const answer = await ask({ do: "best", which, radius_m: searchRadius }, showSearch);
     showSearch({ ...answer, done: true });
   } catch (error) {
     setText(bestStatus, wordsOf(error));
@@ -62,8 +64,7 @@ function showSearch(answer) {
   else if (!best) setText(bestStatus, answer.stopped ? words.stopped : words.bestNone);
   else if (best.los <= los) setText(bestStatus, words.bestSame);
   else {
-    const points = (100 * (best.los - Math.max(0, los))) / Math.max(1, best.receivers);
-    setText(bestStatus, words.bestFound(percent(best.los, best.receivers), words.more(number(points, 1))));
+    setText(bestStatus, words.bestFound(percent(best.los, best.receivers), words.more(points(best.los - Math.max(0, los), best.receivers))));
   }
   bestGo.hidden = !(best && best.los > los);
   showSearchButtons();
@@ -83,12 +84,11 @@ function forgetSearch() {
 }
 
 function listenToBest() {
-  bestRadius.value = String(DEFAULT_RADIUS);
+  showField(bestRadius);
   bestBox.addEventListener("toggle", () => {
     if (!bestBox.open && search) stopLong();
     showSearchCircle();
   });
-  bestRadius.addEventListener("input", forgetSearch);
   bestStart.addEventListener("click", () => void startSearch());
   bestGo.addEventListener("click", () => {
     const { best } = overlay;

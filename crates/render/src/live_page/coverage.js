@@ -17,6 +17,7 @@ const coverage = {
   /** @type {string | null} */ digest: null,
   /** @type {ReturnType<typeof setTimeout> | undefined} */ restTimer: undefined,
   /** Counts changes, so that a late answer is told from the newest. */ version: 0,
+  /** The sight of the newest answer. @type {Sight} */ sight: structuredClone(facts.start.sight),
   /** @type {(() => void)[]} */ idle: [],
 };
 
@@ -42,17 +43,22 @@ async function sendMap() {
   coverage.isStale = false;
   const { since } = coverage;
   const { layer, which } = shown();
+  const { uavs, sight } = structuredClone({ uavs: state.uavs, sight: state.sight });
   /** @type {MapAnswer} */
   let answer;
   try {
-    answer = await ask({ do: "map", uavs: state.uavs, sight: sightAsked(state.sight), shown: { layer, which }, picture: true });
+    answer = await ask({ do: "map", uavs, sight: sightAsked(sight), shown: { layer, which }, picture: true });
   } catch (error) {
     coverage.isAsking = false;
     if (coverage.isStale) void sendMap();
-    else showFailed(error);
+    else refuseSight(error);
     return;
   }
   coverage.isAsking = false;
+  coverage.sight = sight;
+  answer.uavs.forEach((seen, k) => {
+    if (seen.ok) seen.asked = uavs[k];
+  });
   // The worker goes on while this answer is drawn.
   if (coverage.isStale) void sendMap();
   coverage.answer = answer;
@@ -63,10 +69,20 @@ async function sendMap() {
   frame.drawMask(() => {
     if (times.length >= MOST_TIMES) times.shift();
     times.push(performance.now() - since);
-    if (!coverage.isAsking) settle();
   });
   for (const listener of onCoverage) listener(answer);
   if (!coverage.isAsking) coverage.restTimer = setTimeout(rest, REST);
+}
+
+/** Goes back to the sight of the map on screen where the engine refuses that of now, and says why. @param {unknown} error */
+function refuseSight(error) {
+  if (JSON.stringify(state.sight) === JSON.stringify(coverage.sight)) {
+    showFailed(error);
+    return;
+  }
+  state.sight = structuredClone(coverage.sight);
+  notify(wordsOf(error));
+  changed("restored");
 }
 
 /** Cells of classes 16 to 21 in a picture of who sees them. @param {ArrayBuffer} picture */
@@ -81,7 +97,8 @@ async function rest() {
   const { version } = coverage;
   const isNewest = () => version === coverage.version;
   try {
-    const { digest } = await ask({ do: "digest" });
+    const { layer, which } = shown();
+    const { digest } = await ask({ do: "digest", which: layer === "one" ? which : null });
     if (isNewest()) coverage.digest = digest;
   } catch (error) {
     notify(wordsOf(error));
@@ -89,13 +106,13 @@ async function rest() {
   if (isNewest()) for (const listener of onRest) listener();
 }
 
-/** Tells who waits that the last map is exact and drawn. */
+/** Whether the last map is exact and drawn, and all fields are read. */
+const isSettled = () => coverage.answer !== null && !coverage.isAsking && !frame.isWaiting && fieldsInReading.size === 0;
+
+/** Tells who waits, once all is settled. */
 function settle() {
-  for (const resolve of coverage.idle.splice(0)) resolve();
+  if (coverage.idle.length > 0 && isSettled()) for (const resolve of coverage.idle.splice(0)) resolve();
 }
 
-/** Resolves when the last map is exact and drawn. @returns {Promise<void>} */
-function idle() {
-  if (coverage.answer && !coverage.isAsking && !frame.isWaiting) return Promise.resolve();
-  return new Promise((resolve) => coverage.idle.push(resolve));
-}
+/** Resolves when the last map is exact and drawn, and all fields are read. @returns {Promise<void>} */
+const idle = () => (isSettled() ? Promise.resolve() : new Promise((resolve) => coverage.idle.push(resolve)));

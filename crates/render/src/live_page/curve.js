@@ -71,6 +71,12 @@ function drawCurve() {
   const { answer } = lastCurve;
   const words = say();
   const seen = coverage.answer?.uavs[lastCurve.which];
+  if (seen?.ok && seen.reason) {
+    htmlById("curve-chart").replaceChildren();
+    setText(curveStatus, sayOf(selectedUav()).overNoData);
+    drawnKey = keyOfCurve();
+    return;
+  }
   const base = answer.ground_m ?? 0;
   const above = answer.heights_m.map((h) => h - base);
   const shares = answer.los.map((los) => (answer.receivers > 0 ? los / answer.receivers : 0));
@@ -80,7 +86,7 @@ function drawCurve() {
   const chart = makeChart({
     width: 320, height: 210, xRange: [xMin, xMax], yRange: [0, 1],
     yTicks: [0, 0.25, 0.5, 0.75, 1].map((v) => [v, `${100 * v}${THIN}%`]),
-    xName: words.heightAxis(answer.ground_m !== null), yName: words.share, label: words.curve,
+    xName: sayOf(selectedUav()).heightAxis(answer.ground_m !== null), yName: words.share, label: words.curve,
   });
   const points = above.map((h, k) => [h, shares[k]]).filter(([h]) => h <= xMax);
   const next = above.findIndex((h) => h > xMax);

@@ -72,6 +72,21 @@ function setValue(control, value) {
 }
 
 /**
+ * Someone who looks up, in a square of 48; the head has the UAV's color.
+ * @param {string} color
+ * @returns {SVGSVGElement}
+ */
+function observer(color) {
+  const body = (/** @type {string} */ ink, /** @type {number} */ grow) => draw("g", { fill: ink, stroke: ink, "stroke-width": 2 * grow, "stroke-linejoin": "round" },
+    draw("circle", { cx: 24, cy: 14, r: 7.5 }), draw("path", { d: "M17 23H31L37 43H11Z" }));
+  return draw("svg", { viewBox: "-1 -1 50 50", "aria-hidden": "true" },
+    body("#ffffff", 3), body("#101418", 0), draw("circle", { cx: 24, cy: 14, r: 4.2, fill: color }));
+}
+
+/** The symbol of who looks. @param {Uav} uav @param {number} k */
+const symbolOf = (uav, k) => (isObserver(uav) ? observer : quadcopter)(hex(uavColor(k)));
+
+/**
  * A quadcopter from above in a square of 48; the rotors have the UAV's color.
  * @param {string} color
  * @returns {SVGSVGElement}

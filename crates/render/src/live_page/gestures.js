@@ -136,7 +136,8 @@ function turnWheel(event) {
 function stepHeight(k, steps, since) {
   const { kind, m } = state.uavs[k].height;
   const step = m < 30 ? 1 : m < 150 ? 2 : 5;
-  setHeight(k, { kind, m: Math.round(m / step) * step + steps * step }, since);
+  const least = kind === "amsl" ? -Infinity : 0;
+  setHeight(k, { kind, m: Math.max(least, Math.round(m / step) * step + steps * step) }, since);
 }
 
 /** @param {KeyboardEvent} event */

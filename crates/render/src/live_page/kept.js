@@ -59,9 +59,9 @@ function keptRow(kept, k, row) {
 function numbersOf(row, isBase) {
   if (row && !row.ok) return [make("td", { colspan: 3, class: "refused" }, row.words)];
   const texts = !row ? ["…", "", ""]
-    : [percent(row.los, row.receivers), ...(isBase ? ["–", "–"] : [`+${grouped(row.gained)}`, `−${grouped(row.lost)}`])];
-  const points = (/** @type {number} */ cells) => (row ? say().points(fixed((100 * cells) / Math.max(1, row.receivers), 1)) : "");
-  const below = row && !isBase ? ["", points(row.gained), points(row.lost)] : [];
+    : [row.reason ? "–" : percent(row.los, row.receivers), ...(isBase ? ["–", "–"] : [`+${grouped(row.gained)}`, `−${grouped(row.lost)}`])];
+  const inPoints = (/** @type {number} */ cells) => (row ? say().points(points(cells, row.receivers)) : "");
+  const below = row && !isBase ? ["", inPoints(row.gained), inPoints(row.lost)] : [];
   return texts.map((text, k) => make("td", { class: "number" }, text, ...(below[k] ? [make("small", {}, below[k])] : [])));
 }
 

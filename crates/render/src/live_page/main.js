@@ -7,22 +7,26 @@ const ADDRESS_AFTER = 250;
 let addressTimer;
 
 /** Changes that need another map. @type {Set<Change>} */
-const ASKS_MAP = new Set(["place", "uavs", "sight", "layer", "alone"]);
+const ASKS_MAP = new Set(["place", "uavs", "sight", "layer", "alone", "restored"]);
+/** Whether the words on the page are about observers. */
+let saysObservers = false;
 
 /** @param {Change} change @param {number} since */
 function follow(change, since) {
   if (ASKS_MAP.has(change)) wantMap(since);
   if (change === "selected" && state.layer === "one" && state.uavs.length > 1) wantMap(since);
-  if (change === "uavs") {
+  followFields(change);
+  if (change === "uavs" || change === "restored") {
     makeMarks();
     makeUavList();
   }
+  if (change !== "look" && change !== "view") showRoles();
   if (change === "look") showLook();
   if (change === "view") {
     placeOverlay();
     askCell();
     frame.drawSoon();
-  } else if (change === "place" || change === "selected" || change === "uavs" || change === "sight") {
+  } else if (change === "place" || change === "selected" || change === "uavs" || change === "sight" || change === "restored") {
     describeMarks();
     describeUavs();
     showHeight();
@@ -43,6 +47,25 @@ function follow(change, since) {
   if (saveDialog.open) showSave();
   clearTimeout(addressTimer);
   addressTimer = setTimeout(writeAddress, ADDRESS_AFTER);
+}
+
+/** What was refused is read anew where its reason may be gone; what was typed for something else is forgotten. @param {Change} change */
+function followFields(change) {
+  if (change === "restored") fields.forEach(forgetField);
+  else if (change === "selected" || change === "uavs" || (change === "place" && heightField.reason)) forgetField(heightField);
+  if (change !== "sight" && change !== "look") return;
+  for (const field of fields) if (field.reason) void readField(field);
+}
+
+/** Marks and words follow those who look: observers on the ground, or UAVs. */
+function showRoles() {
+  if (areObservers() !== saysObservers) {
+    saysObservers = areObservers();
+    showLook();
+  } else if (isInAir() && state.uavs.some((uav, k) => marks[k]?.classList.contains("observer") !== isObserver(uav))) {
+    makeMarks();
+    makeUavList();
+  }
 }
 
 /** Everything that language and theme change. */
@@ -94,7 +117,8 @@ const ready = start();
 Object.assign(window, { skyshed: { state, facts, ready, idle }, skyshedTimes: times });
 
 async function start() {
-  readAddress(location.hash.slice(1));
+  const wrong = readAddress(location.hash.slice(1));
+  saysObservers = areObservers();
   listeners.push(follow);
   new ResizeObserver(() => {
     measure();
@@ -118,6 +142,7 @@ async function start() {
     showOpened(opened);
     wantMap(performance.now());
     await idle();
+    tellWrong(wrong);
   } catch (error) {
     showFailed(error);
   }
@@ -134,6 +159,7 @@ function showOpened(opened) {
   showKeptRows();
   askCompare();
   placeOverlay();
+  for (const field of fieldsInReading) void readField(field);
   frame.drawSoon();
 }
 
@@ -146,12 +172,13 @@ function listenToRest() {
   curveBox.addEventListener("toggle", () => void refreshCurve());
   window.addEventListener("hashchange", () => {
     if (location.hash.slice(1) === addressOf()) return;
-    readAddress(location.hash.slice(1));
-    changed("uavs");
+    tellWrong(readAddress(location.hash.slice(1)));
+    changed("restored");
     changed("kept");
     setView(currentView());
   });
   onCoverage.push((answer) => {
+    showRoles();
     showResults(answer);
     describeMarks();
     describeUavs();

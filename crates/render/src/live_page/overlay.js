@@ -25,7 +25,7 @@ function makeMarks() {
     const badge = make("b", { class: "badge", style: `background:${hex(color)};color:${inkOn(color)}` }, String(k + 1));
     const words = /^\d+$/.test(uav.id) ? [] : [make("span", { class: "name" }, uav.id)];
     const tag = make("span", { class: "tag" }, badge, ...words, make("span", { class: "height" }));
-    const mark = make("button", { class: "mark", type: "button", id: `mark-${k + 1}`, "data-k": k }, quadcopter(hex(color)), tag);
+    const mark = make("button", { class: `mark${isObserver(uav) ? " observer" : ""}`, type: "button", id: `mark-${k + 1}`, "data-k": k }, symbolOf(uav, k), tag);
     marks.push(mark);
   });
   marksBox.append(...marks);
@@ -44,9 +44,9 @@ function describeMarks() {
     mark.classList.toggle("selected", k === state.selected && state.uavs.length > 1);
     mark.classList.toggle("failed", answer?.ok === false);
     mark.setAttribute("aria-pressed", String(k === state.selected));
-    const share = answer?.ok ? percent(answer.los, answer.receivers) : "";
+    const share = answer?.ok && !answer.reason ? percent(answer.los, answer.receivers) : "";
     mark.setAttribute("aria-label", say().markLabel(uavName(uav), heightWords(uav.height), share));
-    mark.title = answer?.ok === false ? `${say().cannotHover}: ${answer.words}` : "";
+    mark.title = answer?.ok === false ? `${sayOf(uav).cannotHover}: ${answer.words}` : "";
   });
 }
 
@@ -147,7 +147,7 @@ function placeLines() {
   while (circles.childElementCount < wanted) circles.append(draw("circle"));
   state.uavs.slice(0, wanted).forEach((uav, k) => {
     const { x: cx, y: cy } = at(uav);
-    place(/** @type {SVGElement} */ (circles.children[k]), { cx, cy, r: (radius ?? 0) * px });
+    place(/** @type {SVGElement} */ (circles.children[k]), { cx, cy, r: Math.max(0, radius ?? 0) * px });
   });
 
   const center = search && at(search);

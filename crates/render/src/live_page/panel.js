@@ -16,7 +16,7 @@ function makeUavList() {
       bringIntoView(state.uavs[k].x, state.uavs[k].y);
     });
     const name = make("input", {
-      type: "text", id: `name-${k + 1}`, "aria-label": words.rename(uavName(uav)), placeholder: `${isInAir() ? words.observer : words.uav} ${uav.id}`, maxlength: 80, autocomplete: "off", spellcheck: "false",
+      type: "text", id: `name-${k + 1}`, "aria-label": words.rename(uavName(uav)), placeholder: `${isObserver(uav) ? words.observer : words.uav} ${uav.id}`, maxlength: 80, autocomplete: "off", spellcheck: "false",
     });
     name.value = /^\d+$/.test(uav.id) ? "" : uav.id;
     name.addEventListener("focus", () => select(k));
@@ -46,7 +46,7 @@ function describeUavs() {
     if (row.firstElementChild) row.firstElementChild.setAttribute("aria-pressed", String(k === state.selected));
     const [height, share, place] = [row.querySelector(".height"), row.querySelector(".share"), row.querySelector(".place")];
     if (height) setText(height, heightShort(uav.height));
-    if (share) setText(share, !seen ? "" : seen.ok ? percent(seen.los, seen.receivers) : "!");
+    if (share) setText(share, !seen ? "" : seen.ok ? shareOf(seen) : "!");
     const isBeyond = k === state.selected && below?.uav === uav && isBelow(uav) && below.cell.kind === "void";
     if (place) setText(place, isBeyond ? `${placeWords(uav)} · ${say().beyond}` : `${say().position}: ${placeWords(uav)}`);
   });
@@ -60,7 +60,8 @@ function showHeight() {
   const uav = selectedUav();
   const { kind, m } = uav.height;
   setText(htmlById("height-of"), state.uavs.length > 1 ? say().heightOf(uavName(uav)) : say().height);
-  setValue(heightInput, String(m));
+  showField(heightField);
+  htmlById("height-unit").hidden = kind !== "agl";
   setValue(heightKind, kind);
   const seen = coverage.answer?.uavs[state.selected];
   const ground = kind === "amsl" && seen?.ok && seen.agl_m !== null ? Math.floor(seen.amsl_m - seen.agl_m) : 0;
@@ -77,29 +78,32 @@ function showHeight() {
   heightSlider.setAttribute("aria-valuetext", heightWords(uav.height));
 }
 
-/**
- * The height above something else at which the selected UAV stays where it is, as far as the city is known.
- * @param {HeightKind} kind
- * @param {number} amsl
- */
-async function heightAbove(kind, amsl) {
-  const { x, y } = selectedUav();
-  const seen = coverage.answer?.uavs[state.selected];
-  if (kind === "agl" && seen?.ok && seen.agl_m !== null) return { kind, m: Math.ceil(1000 * (seen.agl_m + amsl - seen.amsl_m) - 1e-6) / 1000 };
-  /** @type {CellAnswer} */
-  const cell = await ask({ do: "cell", x, y, which: state.selected });
-  const below = kind === "amsl" ? 0 : kind === "agl" ? cell.ground_m : cell.roof_m ?? cell.ground_m;
-  return below === null || below === undefined ? null : { kind, m: Math.ceil(1000 * (amsl - below) - 1e-6) / 1000 };
+/** The shortest number that is this height on the engine's lattice of 1/1024 m. @param {number} m */
+function shortHeight(m) {
+  const steps = (/** @type {number} */ v) => Math.floor(1024 * v + 0.5);
+  const short = [0, 1, 2, 3].map((digits) => Number(m.toFixed(digits))).find((v) => steps(v) === steps(m));
+  return short ?? Number(m.toFixed(4));
 }
 
-/** Measures the height from something else; the UAV stays where it is, to a decimeter. @param {HeightKind} kind */
-async function changeKind(kind) {
+/**
+ * How high the selected UAV is above something else; null where that is not known.
+ * @param {HeightKind} kind
+ * @param {SeenWell} seen
+ */
+function heightAbove(kind, { amsl_m, agl_m, above_m, over }) {
+  if (kind === "amsl") return amsl_m;
+  return kind === "agl" ? agl_m : over === "rooftop" ? above_m : null;
+}
+
+/** Measures the height from something else; the UAV stays where it is. @param {HeightKind} kind */
+function changeKind(kind) {
   const k = state.selected;
   const seen = coverage.answer?.uavs[k];
-  const found = engine.opened && seen?.ok ? await heightAbove(kind, seen.amsl_m) : null;
-  if (found && (kind === "amsl" || found.m >= 0)) setHeight(k, { kind, m: Math.round(10 * found.m) / 10 });
-  // Where it is not known how high that would be, only a number can be typed: it stays as it was.
-  else if (seen && !seen.ok) setHeight(k, { kind, m: state.uavs[k].height.m });
+  forgetField(heightField);
+  const m = seen?.ok ? heightAbove(kind, seen) : state.uavs[k].height.m;
+  if (m === null) tellReason(heightField, kind === "roof" ? say().noRoof : say().noGround);
+  // Where it cannot hover, the number stays as it was.
+  else setHeight(k, { kind, m: seen?.ok ? shortHeight(m) : m });
   showHeight();
 }
 
@@ -131,31 +135,31 @@ function zeroOf(uav, kind) {
   return kind === "agl" ? below.cell.ground_m : below.cell.roof_m;
 }
 
-/** Whether a height above a roof is asked for where there is no building. @param {Uav} uav @param {SeenNot} seen */
-const isRoofMissing = (uav, seen) => seen.code === "E204" && uav.height.kind === "roof" && !facts.surface_only;
+/** Whether a height above a roof is asked for where there is no building. @param {Height} height @param {SeenNot} seen */
+const isRoofMissing = (height, seen) => seen.code === "E204" && height.kind === "roof" && !facts.surface_only;
 
 /** How far a UAV is lifted above the lowest height at which it can hover [m]. */
 const CLEARANCE = 5;
 
 /** A height at which a UAV can hover, in the reference of its own if that is possible. @param {Uav} uav @param {SeenNot} seen @returns {Height | null} */
 function heightToHover(uav, seen) {
-  if (isRoofMissing(uav, seen)) return { kind: "agl", m: uav.height.m };
+  if (isRoofMissing(uav.height, seen)) return { kind: "agl", m: uav.height.m };
   if (seen.lowest_amsl_m === null) return null;
   const zero = zeroOf(uav, uav.height.kind);
   const m = Math.ceil(10 * (seen.lowest_amsl_m + CLEARANCE - (zero ?? 0)) - 1e-6) / 10;
   return { kind: zero === null ? "amsl" : uav.height.kind, m };
 }
 
-/** Why a UAV cannot hover, in the reference in which its height is given. @param {Uav} uav @param {SeenNot} seen */
-function failureWords(uav, seen) {
-  const words = say();
-  if (isRoofMissing(uav, seen)) return words.noRoof;
+/** Why a UAV cannot hover at a height, in the reference in which that is given. @param {Uav} uav @param {SeenNot} seen */
+function failureWords(uav, seen, { kind, m } = uav.height) {
+  const words = sayOf(uav);
+  if (isRoofMissing({ kind, m }, seen)) return words.noRoof;
   if (seen.code === "E204" && seen.lowest_amsl_m === null) return words.beyondData;
   const lowest = seen.lowest_amsl_m;
   if (lowest === null || (seen.code !== "E201" && seen.code !== "E202")) return `${words.cannotHover}: ${seen.words}`;
-  const zero = zeroOf(uav, uav.height.kind);
-  const top = { kind: zero === null ? /** @type {const} */ ("amsl") : uav.height.kind, m: lowest - (zero ?? 0) };
-  return (seen.code === "E201" ? words.insideBuilding : words.belowGround)(heightWords(uav.height), heightWords(top));
+  const zero = zeroOf(uav, kind);
+  const top = { kind: zero === null ? /** @type {const} */ ("amsl") : kind, m: lowest - (zero ?? 0) };
+  return (seen.code === "E201" ? words.insideBuilding : words.belowGround)(heightWords({ kind, m }), heightWords(top));
 }
 
 /** Lifts the selected UAV to where it can hover. */
@@ -198,16 +202,40 @@ function setReceivers(receivers) {
   const part = { receivers };
   if (was !== is) {
     const to = is ? IN_AIR : ON_GROUND;
-    if (is ? state.sight.rx_height_m < 20 : state.sight.rx_height_m >= 20) part.rx_height_m = to.rx_height_m;
-    for (const uav of state.uavs) if (is ? uav.height.m >= 20 : uav.height.m < 20) uav.height = { kind: "agl", m: to.uav_m };
+    if (state.sight.rx_height_m < OBSERVER_BELOW === is) part.rx_height_m = to.rx_height_m;
+    for (const uav of state.uavs) if (uav.height.m < OBSERVER_BELOW !== is) uav.height = { kind: "agl", m: to.uav_m };
     changed("place");
   }
   setSight(part);
   changed("uavs");
 }
 
-/** The numbers of the antenna, in the order of the address. */
-const ANTENNA_INPUTS = ["min-radius", "sector-from", "sector-to", "elevation-from", "elevation-to", "beam"];
+/** Texts of two angles, or of none. @param {[number, number] | null} pair */
+const pairTexts = (pair) => (pair ?? [null, null]).map(fieldText);
+/** Takes another part of the antenna. @param {Partial<Antenna>} part */
+const setAntenna = (part) => setSight({ antenna: antennaWith(state.sight.antenna, part) });
+
+/** A height as it is typed: a bare number is above the ground. @param {Height} height */
+const heightText = ({ kind, m }) => fieldText(m) + (kind === "agl" ? "" : kind);
+const heightField = makeField("height", ["height"], (height, since) => setHeight(state.selected, height, since), () => [heightText(selectedUav().height)]);
+const radiusField = makeField("radius", ["radius"], (radius_m) => setSight({ radius_m }), () => [fieldText(state.sight.radius_m)]);
+/** The fields that are read with each letter; all others are when they are left. */
+const QUICK_FIELDS = [
+  heightField,
+  makeField("rx_height", ["rx-height"], (rx_height_m) => setSight({ rx_height_m }), () => [fieldText(state.sight.rx_height_m)]),
+];
+makeField("min_radius", ["min-radius"], (min_radius_m) => setAntenna({ min_radius_m }), () => [fieldText(state.sight.antenna?.min_radius_m ?? null)]);
+makeField("sector", ["sector-from", "sector-to"], (sector_deg) => setAntenna({ sector_deg }), () => pairTexts(state.sight.antenna?.sector_deg ?? null));
+makeField("elevation", ["elevation-from", "elevation-to"], (elevation_deg) => setAntenna({ elevation_deg }), () => pairTexts(state.sight.antenna?.elevation_deg ?? null));
+makeField("beam", ["beam"], (beam_deg) => setAntenna({ beam_deg }), () => [fieldText(state.sight.antenna?.beam_deg ?? null)]);
+makeField("earth_k", ["earth-k"], (earth_k) => setSight({ earth_k }), () => [kText(state.sight.earth_k)]);
+makeField("height_error", ["height-error"], (height_error_m) => setSight({ height_error_m }), () => [fieldText(state.sight.height_error_m || null)]);
+
+/** K of the earth as a fraction where it is one of few parts. @param {number | null} k */
+function kText(k) {
+  const parts = k === null ? undefined : [1, 2, 3, 6].find((parts) => Math.round(k * parts) / parts === k && Math.round(k * parts) > 0);
+  return k === null || parts === undefined || parts === 1 ? fieldText(k) : `${Math.round(k * parts)}/${parts}`;
+}
 
 function showTitle() {
   const title = say().title(facts.name, facts.title);
@@ -219,24 +247,15 @@ function showSight() {
   showTitle();
   const { receivers, rx_height_m, radius_m, antenna, earth_k, height_error_m } = state.sight;
   setValue(selectById("receivers"), receivers);
-  setValue(inputById("rx-height"), String(rx_height_m));
   inputById("radius-limited").checked = radius_m === null;
   const radius = inputById("radius-slider");
   radius.max = String(Math.max(LONGEST_RANGE, radius_m ?? 0));
   setValue(radius, String(radius_m ?? radius.max));
   radius.setAttribute("aria-valuetext", radius_m === null ? say().unlimited : meters(radius_m));
   radius.style.setProperty("--part", `${(100 * Number(radius.value)) / Number(radius.max)}%`);
-  setValue(inputById("radius"), radius_m === null ? "" : String(radius_m));
   const range = radius_m === null ? say().unlimited : lengthWords(radius_m);
   setText(htmlById("sight-says"), [say().receiversChoice[receivers], meters(rx_height_m, 2), range, ...antennaSays(antenna), ...earthSays(earth_k), ...heightErrorSays(height_error_m)].join(" · "));
-  setValue(inputById("earth-k"), String(earth_k ?? ""));
-  setValue(inputById("height-error"), String(height_error_m ?? ""));
-  const numbers = antenna ? antennaNumbers(antenna) : [];
-  ANTENNA_INPUTS.forEach((id, k) => {
-    // One end alone waits for the other.
-    const isHalf = k >= 1 && k <= 4 && (inputById(id).value === "") !== (inputById(ANTENNA_INPUTS[k % 2 ? k + 1 : k - 1]).value === "");
-    if (!isHalf || typeof numbers[k] === "number") setValue(inputById(id), String(numbers[k] ?? ""));
-  });
+  for (const field of fields) if (field !== heightField) showField(field);
   for (const input of document.querySelectorAll('input[name="layer"]')) {
     if (input instanceof HTMLInputElement) input.checked = input.value === shown().layer;
   }
@@ -278,8 +297,11 @@ function freePlace() {
   return [placeX(free[0]), placeY(free[1])];
 }
 
-/** A number that was typed, if it is one. @param {HTMLInputElement} input @param {number} least */
-const typed = (input, least) => (input.value !== "" && Number.isFinite(input.valueAsNumber) && input.valueAsNumber >= least ? input.valueAsNumber : null);
+/** Reads a text as if it had been typed. @param {Field} field @param {string} text */
+function typeInto(field, text) {
+  field.inputs[0].value = text;
+  void readField(field);
+}
 
 function listenToPanel() {
   const add = () => {
@@ -289,31 +311,28 @@ function listenToPanel() {
   };
   buttonById("add").addEventListener("click", add);
   buttonById("add-here").addEventListener("click", add);
-  heightSlider.addEventListener("input", () => setHeight(state.selected, { kind: selectedUav().height.kind, m: Number(heightSlider.value) }, performance.now()));
-  heightInput.addEventListener("input", () => {
-    const m = typed(heightInput, -HIGHEST);
-    if (m !== null) setHeight(state.selected, { kind: selectedUav().height.kind, m }, performance.now());
+  for (const field of fields) {
+    for (const input of field.inputs) {
+      input.addEventListener(QUICK_FIELDS.includes(field) ? "input" : "change", () => void readField(field));
+      input.addEventListener("blur", () => showField(field));
+    }
+  }
+  heightInput.addEventListener("keydown", (event) => {
+    const steps = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+    if (!steps) return;
+    event.preventDefault();
+    stepHeight(state.selected, steps * (event.shiftKey ? 10 : 1), performance.now());
+    forgetField(heightField);
   });
-  heightInput.addEventListener("blur", showHeight);
-  heightKind.addEventListener("change", () => void changeKind(/** @type {HeightKind} */ (heightKind.value)));
+  heightSlider.addEventListener("input", () => setHeight(state.selected, { kind: selectedUav().height.kind, m: Number(heightSlider.value) }, performance.now()));
+  heightKind.addEventListener("change", () => changeKind(/** @type {HeightKind} */ (heightKind.value)));
   buttonById("lift").addEventListener("click", liftSelected);
   for (const input of document.querySelectorAll('input[name="layer"]')) {
     if (input instanceof HTMLInputElement) input.addEventListener("change", () => setLayer(/** @type {Layer} */ (input.value)));
   }
   selectById("receivers").addEventListener("change", () => setReceivers(/** @type {Receivers} */ (selectById("receivers").value)));
-  inputById("earth-k").addEventListener("change", () => setSight({ earth_k: typed(inputById("earth-k"), 1e-9) }));
-  inputById("height-error").addEventListener("change", () => setSight({ height_error_m: typed(inputById("height-error"), 1e-9) }));
-  inputById("rx-height").addEventListener("input", () => {
-    const rx_height_m = typed(inputById("rx-height"), 0);
-    if (rx_height_m !== null) setSight({ rx_height_m });
-  });
-  inputById("radius-slider").addEventListener("input", () => setSight({ radius_m: Number(inputById("radius-slider").value) }));
-  inputById("radius").addEventListener("change", () => setSight({ radius_m: typed(inputById("radius"), 1e-9) }));
-  inputById("radius-limited").addEventListener("change", () => setSight({ radius_m: inputById("radius-limited").checked ? null : Number(inputById("radius-slider").value) }));
-  for (const id of ANTENNA_INPUTS) {
-    inputById(id).addEventListener("change", () => setSight({ antenna: antennaOf(ANTENNA_INPUTS.map((other) => typed(inputById(other), -360))) }));
-  }
-  for (const id of ["rx-height", "radius"]) inputById(id).addEventListener("blur", showSight);
+  inputById("radius-slider").addEventListener("input", () => typeInto(radiusField, inputById("radius-slider").value));
+  inputById("radius-limited").addEventListener("change", () => typeInto(radiusField, inputById("radius-limited").checked ? "" : inputById("radius-slider").value));
   buttonById("language").addEventListener("click", () => {
     state.language = state.language === "de" ? "en" : "de";
     changed("look");

@@ -64,7 +64,7 @@ function drawPicture(part, answer, rows) {
   context.strokeStyle = INK;
   context.lineWidth = 1.6;
   context.strokeRect(PAGE_MARGIN, mapTop, width, height);
-  const shares = percents(rows.map((row) => (row.isReceiver ? row.cells ?? 0 : 0)));
+  const shares = legendShares(rows);
   legend.items.forEach(({ row, x, y }, k) => legendItem(context, row, shares[k], PAGE_MARGIN + x, legendTop + y));
   drawOrientation(context, pageWidth - PAGE_MARGIN, legendTop, view.scale / grid.meters_per_unit);
   context.strokeStyle = HAIRLINE;
@@ -184,10 +184,27 @@ function pictureQuadcopter(context, x, y, radius, color) {
   for (const [dx, dy] of [[-arm, -arm], [arm, -arm], [arm, arm], [-arm, arm]]) disc(context, x + dx, y + dy, 0.19 * radius, color);
 }
 
+/** Someone who looks up. @param {CanvasRenderingContext2D} context @param {number} x @param {number} y @param {number} radius @param {string} color */
+function pictureObserver(context, x, y, radius, color) {
+  for (const [ink, grow] of /** @type {[string, number][]} */ ([["#ffffff", 0.17 * radius], ["#101418", 0]])) {
+    disc(context, x, y - 0.45 * radius, 0.32 * radius + grow, ink);
+    context.beginPath();
+    for (const [dx, dy] of [[-0.3, -0.05], [0.3, -0.05], [0.55, 0.85], [-0.55, 0.85]]) context.lineTo(x + dx * radius, y + dy * radius);
+    context.closePath();
+    context.fillStyle = ink;
+    context.fill();
+    context.strokeStyle = ink;
+    context.lineWidth = 2 * grow;
+    context.lineJoin = "round";
+    if (grow > 0) context.stroke();
+  }
+  disc(context, x, y - 0.45 * radius, 0.18 * radius, color);
+}
+
 /** @param {CanvasRenderingContext2D} context @param {Uav} uav @param {number} k @param {number} x @param {number} y @param {number} width */
 function pictureUav(context, uav, k, x, y, width) {
   const isAlone = state.uavs.length === 1;
-  pictureQuadcopter(context, x, y, 23, isAlone ? "#ffffff" : hex(uavColor(k)));
+  (isObserver(uav) ? pictureObserver : pictureQuadcopter)(context, x, y, 23, isAlone ? "#ffffff" : hex(uavColor(k)));
   const [name, height] = [uavName(uav), heightWords(uav.height)];
   context.font = font(22, 600);
   const nameWidth = context.measureText(name).width;
@@ -244,7 +261,7 @@ function legendItem(context, row, share, x, y) {
   context.strokeStyle = "rgba(27, 31, 36, 0.45)";
   context.lineWidth = 1;
   context.stroke();
-  const cells = row.cells === null ? "" : row.isReceiver ? `${share} · ${grouped(row.cells)}` : grouped(row.cells);
+  const cells = row.cells === null ? "" : row.isReceiver && !hasNoShare() ? `${share} · ${grouped(row.cells)}` : grouped(row.cells);
   richText(context, row.name, x + 65, y + (cells ? 21 : 34), font(25, 600), INK);
   richText(context, cells, x + 65, y + 48, font(23), MUTED);
 }
@@ -282,11 +299,12 @@ function captionLines(answer) {
     const seen = answer.uavs[k];
     const place = `(${coordinate(uav.x)}, ${coordinate(uav.y)})`;
     if (!seen?.ok) return `${uavName(uav)}: ${seen?.words ?? ""}`;
-    const p = seen.receivers > 0 ? fixed(seen.los / seen.receivers, 4) : "–";
-    return words.captionUav(uavName(uav), heightWords(uav.height), place, p, words.cellsOf(grouped(seen.los), grouped(seen.receivers)));
+    const p = seen.receivers > 0 && !seen.reason ? fixed(seen.los / seen.receivers, 4) : "–";
+    const lines = seen.reason ? `; ${words.overNoData}` : "";
+    return words.captionUav(uavName(uav), heightWords(uav.height), place, p, words.cellsOf(grouped(seen.los), grouped(seen.receivers))) + lines;
   });
   const { all } = answer;
-  if (state.uavs.length > 1 && all.receivers > 0) uavs.push(words.captionAll(fixed(all.los / all.receivers, 4)));
+  if (state.uavs.length > 1 && all.receivers > 0 && !all.reason) uavs.push(words.captionAll(fixed(all.los / all.receivers, 4)));
   const cell = number(grid.cell_width * grid.meters_per_unit, 3);
   const { rx_height_m, radius_m, antenna, earth_k, height_error_m } = state.sight;
   const how = [

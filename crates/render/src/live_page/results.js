@@ -46,12 +46,29 @@ function otherRows() {
   const rows = [];
   if (engine.opened?.has_buildings && !["roof", "all", "air"].includes(state.sight.receivers)) rows.push({ name: words.buildings, fill: "buildings", cells: null, isReceiver: false });
   if (!["ground", "all", "air"].includes(state.sight.receivers)) rows.push({ name: words.others, fill: "ground", cells: null, isReceiver: false });
-  if (state.sight.radius_m !== null || state.sight.antenna) rows.push({ name: words.outOfRange, fill: "away", cells: null, isReceiver: false });
-  return [...rows, { name: words.noData, fill: "hatched", cells: null, isReceiver: false }];
+  if (coverage.answer?.has_out_of_range) rows.push({ name: words.outOfRange, fill: "away", cells: null, isReceiver: false });
+  if (engine.opened?.has_no_data) rows.push({ name: words.noData, fill: "hatched", cells: null, isReceiver: false });
+  return rows;
 }
 
 /** Elements of the legend, reused from answer to answer. @type {{row: HTMLElement, name: HTMLElement, detail: HTMLElement, swatch: HTMLElement}[]} */
 const legendItems = [];
+
+/** The shares of the classes of receivers; their cells where there is no share. @param {LegendRow[]} rows */
+function legendShares(rows) {
+  const receivers = rows.reduce((sum, row) => sum + (row.isReceiver ? row.cells ?? 0 : 0), 0);
+  return rows.map(({ cells }) => (hasNoShare() ? grouped(cells ?? 0) : percent(cells ?? 0, receivers)));
+}
+
+/** Whether there is no share though there are receivers: a UAV on the map is over no data. */
+function hasNoShare() {
+  const { layer, which } = shown();
+  const seen = layer === "one" ? coverage.answer?.uavs[which] : coverage.answer?.all;
+  return Boolean(seen && "reason" in seen && seen.reason);
+}
+
+/** What a UAV sees of its receivers. @param {SeenWell} seen */
+const shareOf = (seen) => (seen.reason ? "–" : percent(seen.los, seen.receivers));
 
 /** @param {LegendRow[]} rows */
 function showLegend(rows) {
@@ -62,7 +79,7 @@ function showLegend(rows) {
     list.append(item);
     legendItems.push({ row: item, name, detail, swatch });
   }
-  const shares = percents(rows.map((row) => (row.isReceiver ? row.cells ?? 0 : 0)));
+  const shares = legendShares(rows);
   legendItems.forEach((item, k) => {
     const row = rows[k];
     item.row.hidden = !row;
@@ -97,9 +114,11 @@ function showResults(answer) {
   const rows = receiverRows(answer);
   const of = layer === "one" ? uavName(state.uavs[which]) : words.layersLong[layer];
   setText(htmlById("result-of"), state.alone !== null ? words.alone(of) : state.uavs.length > 1 ? of : "");
-  setText(htmlById("share"), share ? percent(share.los, share.receivers) : "–");
-  setText(htmlById("share-of"), share?.receivers === 0 ? words.noReceivers : words.ofReceivers(words.receiversNames[state.sight.receivers] + withinRange()));
-  setText(htmlById("p-los"), share && share.receivers > 0 ? `= ${fixed(share.los / share.receivers, 4)}` : "= –");
+  const hasShare = share !== null && !hasNoShare();
+  setText(htmlById("share"), hasShare ? percent(share.los, share.receivers) : "–");
+  const of_ = words.ofReceivers(words.receiversNames[state.sight.receivers] + withinRange());
+  setText(htmlById("share-of"), hasNoShare() ? words.overNoData : share?.receivers === 0 ? words.noReceivers : of_);
+  setText(htmlById("p-los"), hasShare && share.receivers > 0 ? `= ${fixed(share.los / share.receivers, 4)}` : "= –");
   setText(htmlById("cells"), share ? ` · ${words.cellsOf(grouped(share.los), grouped(share.receivers))}` : "");
   showBar(rows);
   showLegend([...rows, ...otherRows()]);
@@ -118,7 +137,7 @@ function showFailure() {
   const height = heightToHover(selectedUav(), seen);
   const lift = buttonById("lift");
   lift.hidden = !height;
-  if (height) setText(lift, (isRoofMissing(selectedUav(), seen) ? say().useHeight : say().lift)(heightWords(height)));
+  if (height) setText(lift, (isRoofMissing(selectedUav().height, seen) ? say().useHeight : say().lift)(heightWords(height)));
 }
 
 /** The newest zones, which keep their room while the UAV cannot hover. @type {ZoneShares | null} */
@@ -143,7 +162,7 @@ function showZones(seen) {
     item.classList.toggle("none", !seen?.ok);
     const [name, meter, detail] = item.children;
     setText(name, say().zoneNames[zone]);
-    setText(detail, seen?.ok ? percent(los, receivers) : "–");
+    setText(detail, seen?.ok && !seen.reason ? percent(los, receivers) : "–");
     /** @type {HTMLElement} */ (meter.firstElementChild).style.width = `${receivers > 0 && seen?.ok ? (100 * los) / receivers : 0}%`;
   });
 }
@@ -155,6 +174,7 @@ function speakResult() {
   const { layer, which } = shown();
   const of = layer === "one" ? `${uavName(state.uavs[which])}, ${heightWords(state.uavs[which].height)}` : say().layersLong[layer];
   const failed = answer?.uavs[which];
-  if (share) setText(htmlById("spoken"), say().said(percent(share.los, share.receivers), of));
+  if (hasNoShare()) setText(htmlById("spoken"), say().overNoData);
+  else if (share) setText(htmlById("spoken"), say().said(percent(share.los, share.receivers), of));
   else if (failed && !failed.ok) setText(htmlById("spoken"), failureWords(state.uavs[which], failed));
 }

@@ -71,14 +71,22 @@ const copyAddress = () => copyText(addressToCopy(), location.protocol === "file:
 
 /** Brings what the dialog shows up to date. */
 function showSave() {
+  const words = say();
+  const uavs = uavsOnMap();
+  const left = shown().layer === "one" ? [] : state.uavs.filter((uav) => !uavs.includes(uav));
   // What is a part of a raster is not what the command maps.
-  if (facts.is_part) for (const id of ["command-says", "digest-says"]) setText(htmlById(id), say().partSays);
+  const same = facts.is_part ? words.partSays : words.commandSays;
+  const leftOut = left.length > 0 ? ` ${words.leftOut(left.map(uavName).join(", "))}` : "";
+  setText(htmlById("command-says"), uavs.length > 0 ? same + leftOut : words.noMap);
+  setText(htmlById("digest-says"), facts.is_part ? words.partSays : coverage.digest ? words.digestSays : "");
   inputById("address").value = addressToCopy();
   setText(htmlById("link-note"), location.protocol === "file:" ? say().linkLocal : say().linkSays);
   // Lines break before options, not at their hyphens.
   const parts = commandWords().join(" ").split(/ (?=-)/);
   htmlById("command").replaceChildren(...parts.flatMap((part, k) => [...(k > 0 ? [" "] : []), make("span", {}, part)]));
-  setText(htmlById("digest"), coverage.digest ?? say().digestLater);
+  buttonById("copy-command").disabled = uavs.length === 0;
+  buttonById("copy-digest").disabled = coverage.digest === null;
+  setText(htmlById("digest"), coverage.digest ?? (uavs.length === 0 || left.length > 0 ? words.digestNone : words.digestLater));
   const select = selectById("mask-of");
   const options = state.uavs.map((uav, k) => new Option(uavName(uav), String(k)));
   if (state.uavs.length > 1) options.unshift(new Option(say().maskAny, ""));

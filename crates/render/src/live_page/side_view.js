@@ -143,7 +143,7 @@ function sideView(link) {
     xRange: [-0.06 * long, 1.06 * long],
     yRange: [low - 0.1 * span, high + 0.16 * span],
     xTicks: ticks(0, long, width / 90),
-    xName: words.distanceAxis,
+    xName: sayOf(state.uavs[shown().which]).distanceAxis,
     yName: words.heightAboveDatum,
     label: `${words.link}: ${link.los ? words.linkSees : blockedWords(link.obstruction)}`,
   });
@@ -168,7 +168,7 @@ function sideView(link) {
   ray(uav, receiver, "casing");
   ray(uav, met, "clear");
   if (!link.los) ray(met, receiver, "blocked");
-  plot.append(draw("circle", { class: "receiver", cx: receiver[0], cy: receiver[1], r: 5 }));
+  if (!isInAir()) plot.append(draw("circle", { class: "receiver", cx: receiver[0], cy: receiver[1], r: 5 }));
   const stop = link.obstruction;
   if (stop) {
     const roof = stop.roof_height_m;
@@ -178,8 +178,14 @@ function sideView(link) {
     plot.append(draw("circle", { class: "on-ray", cx: onRay[0], cy: onRay[1], r: 4 }));
     if (roof !== null) chartLabel(chart, onRay[0], y(roof) - 28, `${words.roof} ${meters(roof)}, ${words.ray} ${meters(stop.ray_height_m)}`);
   }
-  const symbol = quadcopter(hex(uavColor(shown().which)));
-  for (const [name, value] of Object.entries({ x: uav[0] - 13, y: uav[1] - 13, width: 26, height: 26 })) symbol.setAttribute(name, String(value));
-  plot.append(symbol);
+  /** @param {SVGSVGElement} symbol @param {number[]} at */
+  const put = (symbol, [px, py]) => {
+    for (const [name, value] of Object.entries({ x: px - 13, y: py - 13, width: 26, height: 26 })) symbol.setAttribute(name, String(value));
+    plot.append(symbol);
+  };
+  const { which } = shown();
+  put(symbolOf(state.uavs[which], which), uav);
+  // What is looked at from there is a drone.
+  if (isInAir()) put(quadcopter("#ffffff"), receiver);
   return chart.svg;
 }

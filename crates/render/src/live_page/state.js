@@ -26,7 +26,7 @@ const state = {
 
 // A surface model alone tells no ground and no building: what others call ground is its surface.
 if (facts.surface_only) {
-  for (const words of Object.values(TEXTS)) {
+  for (const words of [...Object.values(TEXTS), ...Object.values(OBSERVER_TEXTS)]) {
     const { name, of, above, axis } = words.surface;
     words.receiversChoice.ground = name;
     words.receiversNames.ground = of;
@@ -38,13 +38,36 @@ if (facts.surface_only) {
   }
 }
 
-/** The texts in the language of the page. */
-const say = () => TEXTS[state.language];
+/** The texts in the language of the page, about those who look. */
+const say = () => (areObservers() ? OBSERVER_TEXTS : TEXTS)[state.language];
+
+/** Whether receivers are places of a drone, which someone looks at. */
+const isInAir = () => state.sight.receivers === "air";
+
+/** Who looks at a drone from less than this above the ground or roof below is an observer there, all others are UAVs [m]. */
+const OBSERVER_BELOW = 20;
+
+/** Whether someone looks at a drone from the ground or a roof. @param {Uav} uav */
+function isObserver(uav) {
+  if (!isInAir()) return false;
+  const seen = coverage.answer?.uavs[state.uavs.indexOf(uav)];
+  const known = seen?.ok ? seen.above_m ?? Infinity : 0;
+  // An answer may be about the place before.
+  const of = seen?.ok ? seen.asked : undefined;
+  const isOfNow = of?.x === uav.x && of.y === uav.y && of.height.m === uav.height.m && of.height.kind === uav.height.kind;
+  return (isOfNow || uav.height.kind === "amsl" ? known : uav.height.m) < OBSERVER_BELOW;
+}
+
+/** The texts about one of those who look. @param {Uav} uav */
+const sayOf = (uav) => (isObserver(uav) ? OBSERVER_TEXTS : TEXTS)[state.language];
+
+/** Whether all who look are observers. */
+const areObservers = () => isInAir() && state.uavs.every(isObserver);
 
 /**
  * What changed: place (a UAV's place or height), uavs (which there are, names), selected, alone, sight, layer, view, kept,
- * look (language, theme).
- * @typedef {'place' | 'uavs' | 'selected' | 'alone' | 'sight' | 'layer' | 'view' | 'kept' | 'look'} Change
+ * look (language, theme), restored (UAVs and sight together, by something else than their fields).
+ * @typedef {'place' | 'uavs' | 'selected' | 'alone' | 'sight' | 'layer' | 'view' | 'kept' | 'look' | 'restored'} Change
  */
 
 /** @type {((change: Change, since: number) => void)[]} */
@@ -90,19 +113,15 @@ function moveUav(k, x, y, since) {
   changed("place", since);
 }
 
-/** Heights are asked for to the millimeter; beyond this no scene has any [m]. */
-const HIGHEST = 32000;
-
 /**
  * @param {number} k
  * @param {Height} height
  * @param {number} [since]
  */
-function setHeight(k, height, since) {
-  const m = Math.round(1000 * within(height.m, height.kind === "amsl" ? -HIGHEST : 0, HIGHEST)) / 1000;
+function setHeight(k, { kind, m }, since) {
   const { height: old } = state.uavs[k];
-  if (old.m === m && old.kind === height.kind) return;
-  state.uavs[k].height = { kind: height.kind, m };
+  if (old.m === m && old.kind === kind) return;
+  state.uavs[k].height = { kind, m };
   changed("place", since);
 }
 
@@ -155,24 +174,13 @@ function renameUav(k, id) {
   changed("uavs");
 }
 
-/**
- * An antenna of numbers that are told: from which distance, two azimuths, two elevations, the beam. Numbers that no antenna has, and ends
- * without their other end, limit nothing.
- * @param {(number | null)[]} numbers
- * @returns {Antenna | null}
- */
-function antennaOf([min = null, from = null, to = null, low = null, high = null, beam = null]) {
-  const isWithin = (/** @type {number | null} */ v, /** @type {number} */ least, /** @type {number} */ most) => v !== null && v >= least && v <= most;
-  const hasSector = isWithin(from, -360, 360) && isWithin(to, -360, 360) && from !== null && to !== null && (to > from || (to - from) % 360 !== 0);
-  const hasElevation = low !== null && high !== null && isWithin(low, -90, high) && high <= 90;
-  /** @type {Antenna} */
-  const antenna = {
-    min_radius_m: isWithin(min, 0, 1e9) ? min : null,
-    sector_deg: hasSector ? [from, to] : null,
-    elevation_deg: hasElevation ? [low, high] : null,
-    beam_deg: beam && isWithin(beam, 0, 360) ? beam : null,
-  };
-  return Object.values(antenna).some((part) => part !== null) ? antenna : null;
+/** An antenna without limits. @type {Antenna} */
+const NO_ANTENNA = { min_radius_m: null, sector_deg: null, elevation_deg: null, beam_deg: null };
+
+/** An antenna with another part; null without any limit. @param {Antenna | null} antenna @param {Partial<Antenna>} part @returns {Antenna | null} */
+function antennaWith(antenna, part) {
+  const changed = { ...(antenna ?? NO_ANTENNA), ...part };
+  return Object.values(changed).some((limit) => limit !== null) ? changed : null;
 }
 
 /** @param {Partial<Sight>} part */
@@ -225,11 +233,9 @@ function showKept(k) {
   Object.assign(state, { uavs, sight, selected: 0, alone: null });
   if (uavs.length === 1) state.layer = "one";
   else if (state.layer === "one" || (state.layer === "who" && uavs.length > MOST_WHO)) state.layer = "union";
-  changed("sight");
-  changed("uavs");
+  changed("restored");
   return () => {
     Object.assign(state, before, { alone: null });
-    changed("sight");
-    changed("uavs");
+    changed("restored");
   };
 }

@@ -16,16 +16,18 @@
  *
  * @typedef {{receivers: number, los: number}} Share
  * @typedef {{street: Share, crossroad: Share, courtyard: Share, rooftop: Share}} ZoneShares
- * @typedef {{ok: true, amsl_m: number, agl_m: number | null, over: string, receivers: number, los: number,
- *   p_los: number | null, sure: [number, number] | null, zones: ZoneShares | null}} SeenWell sure: receivers surely in sight, and those that
- *   hang on heights
+ * @typedef {{ok: true, amsl_m: number, agl_m: number | null, above_m: number | null, over: string, receivers: number, los: number,
+ *   p_los: number | null, reason: string | null, sure: [number, number] | null, zones: ZoneShares | null, asked?: Uav}} SeenWell above_m: above
+ *   ground or roof; reason: why there is no share though there are receivers; sure: receivers surely in sight, and those that hang on heights
  * @typedef {{ok: false, code: string, words: string, lowest_amsl_m: number | null}} SeenNot
  * @typedef {SeenWell | SeenNot} Seen what a UAV sees, or why it cannot hover there
- * @typedef {{receivers: number, los: number, seen_by: number[], who?: number[]}} AllSeen
+ * @typedef {{receivers: number, los: number, seen_by: number[], reason: string | null, who?: number[]}} AllSeen
  *   seen_by: cells seen by no UAV, by one …; who: cells of classes 16 to 21 in layer 'who'
- * @typedef {{uavs: Seen[], all: AllSeen, picture: ArrayBuffer | null, ms: number}} MapAnswer
+ * @typedef {{uavs: Seen[], all: AllSeen, has_out_of_range: boolean, picture: ArrayBuffer | null, ms: number}} MapAnswer
  *
- * @typedef {{simd: boolean, has_zones: boolean, has_buildings: boolean, tone: ArrayBuffer,
+ * @typedef {{ok: true, value: any} | {ok: false, words: string} | (SeenNot & {height: Height})} FieldAnswer what a text in a field means, or
+ *   why it cannot be: a height at which the UAV cannot hover is told
+ * @typedef {{simd: boolean, has_zones: boolean, has_buildings: boolean, has_no_data: boolean, tone: ArrayBuffer,
  *   ms: number}} Opened
  * @typedef {{inside: boolean, row: number, col: number, ground_m: number | null, roof_m: number | null,
  *   kind: 'open' | 'building' | 'void', zone: string | null, sees: (boolean | null)[], margin_m: number | null}} CellAnswer
@@ -41,7 +43,7 @@
  *   lowest_m: number, heights_m: number[], los: number[]}} CurveAnswer heights above the datum, ascending
  * @typedef {{x: number, y: number, los: number, receivers: number}} Candidate
  * @typedef {{done?: boolean, stopped?: boolean, share: number, tried: number, best: Candidate | null}} BestAnswer
- * @typedef {{ok: true, receivers: number, los: number, p_los: number | null, gained: number, lost: number} |
+ * @typedef {{ok: true, receivers: number, los: number, p_los: number | null, reason: string | null, gained: number, lost: number} |
  *   {ok: false, words: string}} ComparedRow
  *
  * @typedef {{x_min: number, y_max: number, cell_width: number, cell_height: number, n_cols: number, n_rows: number,

@@ -238,6 +238,7 @@ const frame = {
     const { width, height, pxPerPoint } = screenSize;
     if (width > 0 && height > 0) painter.hand.paint(windowOf(currentView(), mapCanvas.width, mapCanvas.height, pxPerPoint), this.isDraft);
     if (this.after.length > 0) for (const after of this.after.splice(0)) after();
+    settle();
   },
 };
 

@@ -13,13 +13,12 @@ const withMark = (text) => (state.language === "de" ? text.replace(".", ",") : t
  * @param {number} [decimals]
  */
 function number(value, decimals = 1) {
-  const text = value.toFixed(decimals);
-  const tidy = text.includes(".") ? text.replace(/\.?0+$/, "") : text;
-  return withMark(tidy === "-0" ? "0" : tidy);
+  const text = rounded(value, decimals);
+  return withMark(text.includes(".") ? text.replace(/\.?0+$/, "") : text);
 }
 
 /** A number with exactly so many decimals. @param {number} value @param {number} decimals */
-const fixed = (value, decimals) => withMark(value.toFixed(decimals));
+const fixed = (value, decimals) => withMark(rounded(value, decimals));
 
 /** A whole number with spaces between its thousands. @param {number} n */
 function grouped(n) {
@@ -27,31 +26,11 @@ function grouped(n) {
   return text.length > 4 ? text.replace(/\B(?=(\d{3})+$)/g, THIN) : text;
 }
 
-/**
- * A share in percent with one decimal, never rounding a remainder away.
- * @param {number} part
- * @param {number} whole
- * @param {number} [tenths] of a percent, if they were rounded elsewhere
- */
-function percent(part, whole, tenths = Math.round((1000 * part) / whole)) {
-  if (whole === 0) return "–";
-  if (part === 0) return `0${THIN}%`;
-  if (part === whole) return `100${THIN}%`;
-  if (tenths < 1) return withMark(`<${THIN}0.1${THIN}%`);
-  if (tenths > 999) return withMark(`>${THIN}99.9${THIN}%`);
-  return withMark(`${(tenths / 10).toFixed(1)}${THIN}%`);
-}
+/** A share in percent. @param {number} part @param {number} whole */
+const percent = (part, whole) => withMark(shareWords(part, whole));
 
-/** Shares of a whole in percent, rounded so that they sum to 100 %: the largest remainders are rounded up. @param {number[]} parts */
-function percents(parts) {
-  const whole = parts.reduce((sum, part) => sum + part, 0);
-  const exact = parts.map((part) => (whole > 0 ? (1000 * part) / whole : 0));
-  const tenths = exact.map(Math.floor);
-  const missing = whole > 0 ? 1000 - tenths.reduce((sum, part) => sum + part, 0) : 0;
-  const byRemainder = exact.map((_, k) => k).sort((a, b) => (exact[b] % 1) - (exact[a] % 1));
-  for (const k of byRemainder.slice(0, missing)) tenths[k] += 1;
-  return parts.map((part, k) => percent(part, whole, tenths[k]));
-}
+/** A share in percentage points. @param {number} part @param {number} whole */
+const points = (part, whole) => fixed(tenthsOf(part, Math.max(1, whole)) / 10, 1);
 
 /** A length in meters, or in kilometers from 1 km on. @param {number} m */
 const lengthWords = (m) => (m >= 1000 ? `${number(m / 1000, 2)}${THIN}km` : `${number(m, m < 10 ? 1 : 0)}${THIN}m`);
@@ -65,10 +44,7 @@ const heightWords = (height) => `${meters(height.m)} ${say().kinds[height.kind]}
 const heightShort = (height) => `${meters(height.m)} ${say().kindsShort[height.kind]}`.trimEnd();
 
 /** A name for reading: a mere number is that of a UAV. @param {Uav} uav */
-const uavName = (uav) => (/^\d+$/.test(uav.id) ? `${isInAir() ? say().observer : say().uav} ${uav.id}` : uav.id);
-
-/** Whether receivers are places of a drone, which an observer looks at. */
-const isInAir = () => state.sight.receivers === "air";
+const uavName = (uav) => (/^\d+$/.test(uav.id) ? `${isObserver(uav) ? say().observer : say().uav} ${uav.id}` : uav.id);
 
 /** A place for reading. @param {{x: number, y: number}} at */
 const placeWords = ({ x, y }) => `x ${coordinate(x)}, y ${coordinate(y)}`;
@@ -171,13 +147,27 @@ function optionWords(uavs, sight) {
   return words;
 }
 
-/** The command line that gives the map on screen, word by word. */
-const commandWords = () => ["skyshed", "map", ...facts.command, ...optionWords(state.uavs, state.sight), ...boundWords(), "-o", `${fileStem()}.png`].map(shellWord);
+/** The UAVs whose map is on screen: the one that is shown, or all that hover. */
+function uavsOnMap() {
+  const { layer, which } = shown();
+  const hovers = (/** @type {number} */ k) => coverage.answer?.uavs[k]?.ok !== false;
+  return state.uavs.filter((_, k) => hovers(k) && (layer !== "one" || k === which));
+}
 
-/** The options of a map that tells what hangs on heights, if that is on screen. */
-function boundWords() {
+/** The command line that gives the map on screen, word by word; none without a map. */
+function commandWords() {
+  const uavs = uavsOnMap();
+  if (uavs.length === 0) return [];
+  return ["skyshed", "map", ...facts.command, ...optionWords(uavs, state.sight), ...layerWords(uavs.length), "-o", `${fileStem()}.png`].map(shellWord);
+}
+
+/** The options of the layer on screen, of so many UAVs. @param {number} nUavs */
+function layerWords(nUavs) {
+  const { layer } = shown();
   const { height_error_m } = state.sight;
-  return height_error_m && shown().layer === "one" ? ["--height-error", String(height_error_m), "--sigma", "1", "--layers", "sure"] : [];
+  if (layer === "one" && height_error_m) return ["--height-error", String(height_error_m), "--sigma", "1", "--layers", "sure"];
+  // What one UAV sees is the same in all layers.
+  return layer === "one" || nUavs === 1 ? [] : ["--layers", { union: "union", count: "count", who: "which" }[layer]];
 }
 
 /** The beginning of the names of files that are saved: letters and digits of the scene's name. */

@@ -22,7 +22,7 @@ const WITH_VECTORS = new Uint8Array([
 /** Long work looks this often at what else was asked [ms]. */
 const PIECE_MS = 12;
 /** Questions that take no time, and are answered between two pieces of long work; any other ends that. */
-const LIGHT = new Set(['cell', 'link', 'digest']);
+const LIGHT = new Set(['cell', 'link', 'digest', 'read']);
 
 /** @type {Exports} */
 let engine;
