@@ -116,7 +116,7 @@ impl LivePage {
                 Solids::Vector { footprints, .. } => footprints.len(),
                 Solids::Raster { .. } => 0,
             };
-            return Err(too_large(options, word, &city.grid, n_footprints));
+            return Err(too_large((options, is_raster_scene(word)), word, &city.grid, n_footprints));
         }
         let mut scene = Scene::built(options, (word, city), warnings, start)?;
         let found = plan.uavs.read(scene.grid())?;
@@ -147,7 +147,8 @@ impl LivePage {
         if grid.n_cells() > MOST_CELLS || n_footprints > MOST_FOOTPRINTS {
             let edge_m = (grid.x_max() - grid.x_min()) * grid.meters_per_unit();
             let options = SceneOptions::default().size_m(edge_m);
-            return Err(too_large(&options, OsStr::new(&scene.word), grid, n_footprints));
+            let is_of_cells = scene.field.prisms().is_none();
+            return Err(too_large((&options, is_of_cells), OsStr::new(&scene.word), grid, n_footprints));
         }
         let sight = one_antenna(uavs, sight)?;
         let solids = scene.solids().ok_or(Error::Fault("a live page needs the solids of its scene"))?;
@@ -296,8 +297,8 @@ fn part_in_range(options: &SceneOptions, word: &OsStr, plan: &LivePlan) -> Resul
     part.map(Some).ok_or_else(|| LimitError::PageCity { name, n, what, most, fits }.into())
 }
 
-/// E505: a city that a page cannot hold, with what would fit.
-fn too_large(options: &SceneOptions, word: &OsStr, grid: &GeoRef, n_footprints: usize) -> Error {
+/// E505: a city that a page cannot hold, with what would fit; whether it is one of cells, which has no other extent.
+fn too_large((options, is_of_cells): (&SceneOptions, bool), word: &OsStr, grid: &GeoRef, n_footprints: usize) -> Error {
     let (n, what, most) = match n_footprints {
         n if n > MOST_FOOTPRINTS => (n, "footprints", MOST_FOOTPRINTS),
         _ => (grid.n_cells(), "cells", MOST_CELLS),
@@ -308,7 +309,7 @@ fn too_large(options: &SceneOptions, word: &OsStr, grid: &GeoRef, n_footprints: 
     let cell_m = (what == "cells").then_some(larger_m);
     let fits = if built_up(word).is_some() {
         FitsPage::Size { size_m: (options.city_edge_m() * part).floor(), cell_m }
-    } else if is_raster_scene(word) {
+    } else if is_of_cells {
         FitsPage::Cells { cell_m: larger_m }
     } else {
         FitsPage::Extent { extent: middle(grid, part), cell_m }

@@ -116,7 +116,8 @@ pub(crate) fn check_bytes(name: &impl fmt::Display, what: &str, more: u64) -> Re
     let lack = lacking(more).or_else(|| is_refused.then(|| (more, "there is".into())));
     let Some((needed, limit)) = lack else { return Ok(()) };
     let (name, what) = (name.to_string(), what.to_string());
-    Err(LimitError::Memory { name, what, needed: memory_words(needed), limit }.into())
+    let is_typed = TYPED.load(Ordering::Acquire) > 0;
+    Err(LimitError::Memory { name, what, needed: memory_words(needed), limit, is_typed }.into())
 }
 
 /// A number of bytes for reading.

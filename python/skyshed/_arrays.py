@@ -152,7 +152,9 @@ def _of_xarray(name: str, array: Any, transform: Any, crs: Any, nodata: Any) -> 
     if crs is None:
         crs = said.get("crs_wkt") or said.get("spatial_ref") or array.attrs.get("crs")
     if crs is None and (x_dim.lower() in ("lon", "longitude") or y_dim.lower() in ("lat", "latitude")):
-        raise Error(f"{name}: found coordinates in degrees by their names ({y_dim}, {x_dim}), wanted meters", "E310", "crs=, if they are")
+        degrees = f"coordinates in degrees by their names ({y_dim}, {x_dim})"
+        hint = '`crs="EPSG:4326", project="auto"` brings them to meters; if they are meters, name their system with `crs`'
+        raise Error(f"{name}: found {degrees}, wanted meters", "E310", hint)
     if nodata is None:
         keys = ("_FillValue", "missing_value", "nodata", "nodatavals")
         found = [said.get(key) for said in (array.attrs, array.encoding) for key in keys]

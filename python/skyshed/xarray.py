@@ -15,13 +15,17 @@ import numpy as np
 import xarray
 
 from skyshed._answers import OUT_OF_RANGE
-from skyshed._errors import tell
+from skyshed._errors import Error, tell
 from skyshed._scene import Scene
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from skyshed._scene import SceneOptions
+
+
+#: How rioxarray brings heights in degrees to meters.
+_IN_METERS = "bring the heights to meters first: `array.rio.reproject(array.rio.estimate_utm_crs())` of rioxarray"
 
 
 @xarray.register_dataarray_accessor("skyshed")  # type: ignore[no-untyped-call]
@@ -55,7 +59,14 @@ class SkyshedAccessor:
         The answer has the dimensions and coordinates of these heights, and classes: 1 seen, 0 not, 2 no receiver, 3 out of range,
         255 no data. Unlike there, the observer stands at (x, y) itself, and cells are decided exactly, at their centers.
         """
-        scene = self.scene(**options)
+        if options.get("project") is not None:
+            raise Error("project: the answer lies on the cells of these heights", "E116", _IN_METERS)
+        try:
+            scene = self.scene(**options)
+        except Error as error:
+            if error.code == "E310" and "degrees" in error.text:
+                raise type(error)(error.text, error.code, _IN_METERS) from None
+            raise
         seen = scene.map((float(x), float(y), float(observer_elev)), rx_height=target_elev, radius=max_distance)
         # Of a part in range, the rest of the cells is out of range.
         row = round((scene.bounds[3] - seen.bounds[3]) / -scene.transform.e)

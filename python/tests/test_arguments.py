@@ -148,6 +148,7 @@ HOSTILE: list[tuple[Callable[[], Any], str]] = [
     (lambda: raster(ground=1e9), "ground"),
     (lambda: raster(extent=(0, 0, 1, 1)), "extent"),
     (lambda: raster(project="auto"), "project"),
+    (lambda: raster(project="nonsense"), "project"),
     (lambda: raster(cell=2), "cell"),
     (lambda: raster(building_threshold=-1, ground=0), "building_threshold"),
     (lambda: raster(nodata_as="wall"), "nodata_as"),

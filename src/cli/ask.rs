@@ -41,9 +41,19 @@ pub struct Refusal {
     pub hint: Option<String>,
 }
 
+/// A remedy without the command that lists flags, which no caller types.
+fn without_help(remedy: &str) -> Option<String> {
+    let parts: Vec<&str> = remedy.split("; ").filter(|part| !part.contains(" --help`")).collect();
+    (!parts.is_empty()).then(|| parts.join("; "))
+}
+
 impl From<Failure> for Refusal {
     fn from(failure: Failure) -> Refusal {
-        let (class, code, hint) = (failure.class(), failure.code(), failure.remedy());
+        let (class, code) = (failure.class(), failure.code());
+        let hint = match &failure {
+            Failure::Library(error) => hints::hint_for_caller(error),
+            Failure::Words { remedy, .. } => remedy.as_deref().and_then(without_help),
+        };
         Refusal { class, code, text: failure.to_string(), hint }
     }
 }

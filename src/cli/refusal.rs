@@ -24,7 +24,7 @@ pub(super) fn answer(refusal: &clap::Error) -> Result<()> {
         }
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             let text = "no command, wanted one such as `map`, `link`, `info`, `plos` or `place`";
-            Err(refusal_with(101, text, "skyshed --help"))
+            Err(refusal_with(101, text, "`skyshed --help` lists all"))
         }
         _ => Err(in_words(text.strip_prefix("error: ").unwrap_or(&text))),
     }
@@ -42,7 +42,7 @@ pub(super) fn in_words(text: &str) -> Failure {
     let command = rest.lines().find_map(|l| l.trim().strip_prefix("Usage: "));
     let help = command.map(|usage| {
         let words: Vec<&str> = usage.split(' ').take_while(|w| !w.starts_with(['[', '<', '-'])).collect();
-        format!("{} --help", words.join(" "))
+        format!("`{} --help` lists what there is", words.join(" "))
     });
     let hints: Vec<String> = [similar.map(|tip| tip.replace("tip: ", "")), help].into_iter().flatten().collect();
     if hints.is_empty() { refusal(101, first) } else { refusal_with(101, first, hints.join("; ")) }

@@ -242,7 +242,10 @@ mod tests {
     #[test]
     fn warnings_of_a_batch_are_said_once_and_those_of_one_run_stay_apart() {
         let mut batch = WarningsOfRuns::default();
-        let flat = |m: u32| OddRun::FlatEarth { farthest_m: m.into(), drop_m: f64::from(m / 1000) + 0.5 }.into();
+        let flat = |m: u32| {
+            let (farthest_m, drop_m) = (m.into(), f64::from(m / 1000) + 0.5);
+            OddRun::FlatEarth { farthest_m, drop_m, is_choice: true }.into()
+        };
         for k in 1..=7 {
             let results = |year: u32| OddRun::Results { path: format!("{year}.tif"), schema: "map".into() }.into();
             batch.add(&k.to_string(), &[flat(10_000 + k), results(2019), results(2020)]);

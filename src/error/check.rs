@@ -5,9 +5,9 @@
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
 pub enum CheckError {
-    /// E603: units of work that are not done; how many of how many, and one of them with why.
+    /// E603: units of work that are not done; how many of how many, one of them with why, and what does them.
     #[error("{n_open} of {n_units} units are not done: {name}: {why}")]
-    OpenUnits { n_open: usize, n_units: usize, name: String, why: String },
+    OpenUnits { n_open: usize, n_units: usize, name: String, why: String, by: Restart },
     /// E603: units of work whose files do not tell what they hold.
     #[error("no file of {0} tells what it holds, wanted a .tif, .exr, .npz, .png or .json among them")]
     NoDocument(String),
@@ -17,4 +17,16 @@ impl CheckError {
     pub(super) fn code(&self) -> u16 {
         603
     }
+}
+
+/// What does units of work that are not done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Restart {
+    /// A run that resumes.
+    Resumes,
+    /// A run that resumes and may replace files of another run or program.
+    Replaces,
+    /// No run: a folder has the name of a file.
+    Blocked,
 }

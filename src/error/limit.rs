@@ -13,12 +13,12 @@ pub enum LimitError {
     /// E501: the run took more than this.
     #[error("cannot go on: the run takes more memory than {0}")]
     Exceeded(String),
-    /// E501: what a scene would need, in words.
+    /// E501: what a scene would need at least, in words; whether the limit was typed.
     #[error("cannot map {name}: {what} need {needed} of memory, more than {limit}")]
-    Memory { name: String, what: String, needed: String, limit: String },
-    /// E501: what is not mapped strip by strip.
+    Memory { name: String, what: String, needed: String, limit: String, is_typed: bool },
+    /// E501: what is not mapped strip by strip, which was asked for or not.
     #[error("cannot map {word} strip by strip: {what}")]
-    Strips { word: String, what: String },
+    Strips { word: String, what: String, are_asked: bool },
     /// E501: a raster beyond memory and the lattice.
     #[error(
         "cannot map {word}: {n_cols}×{n_rows} cells are neither few enough for memory nor at most {MAX_EXTENT_UNITS} a side"

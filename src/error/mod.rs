@@ -7,7 +7,7 @@ mod places;
 mod request;
 mod warning;
 
-pub use check::CheckError;
+pub use check::{CheckError, Restart};
 pub use input::InputError;
 pub use limit::{FitsPage, LimitError};
 pub use places::PlacesError;

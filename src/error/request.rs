@@ -35,6 +35,11 @@ pub enum RequestError {
     /// E106: an output that is there, made by another run.
     #[error("cannot write {0}: it exists, made by another run")]
     OfAnotherRun(String),
+    /// E106: an output that is there, in which nothing says that this program made it.
+    #[error(
+        "cannot write {0}: it exists, and nothing in it says which run made it: it is damaged, or of another program"
+    )]
+    OfNobody(String),
     /// E107: GDAL's values are those of one UAV's line of sight; which layers of how many UAVs were asked for.
     #[error("`gdal_values` writes line of sight of one UAV, found the layers `{layers}` of {uavs}")]
     GdalValues { layers: String, uavs: String },
@@ -164,7 +169,7 @@ impl RequestError {
         match self {
             R::Goal { .. } => 101,
             R::NotNamedAfterUavs(_) | R::NotNamedAfterTiles(_) | R::FileOfUnit { .. } | R::Scratch(_) => 105,
-            R::OfAnotherRun(_) => 106,
+            R::OfAnotherRun(_) | R::OfNobody(_) => 106,
             R::GdalValues { .. } | R::LayerOfTile { .. } => 107,
             R::GoalNeeds { .. } | R::TooFewToCompare(_) => 108,
             R::NoFootprints(_) | R::VerticalLink | R::NoGrid | R::NoTilesToJoin(_) | R::NoCrs(_) => 109,

@@ -24,9 +24,9 @@ pub enum Warning {
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
 pub enum OddRun {
-    /// W201: the earth drops by so much below its tangent plane at the farthest receiver \[m\].
+    /// W201: the earth drops by so much below its tangent plane at the farthest receiver \[m\]; whether it could have been curved.
     #[error("the earth is taken as flat; at {farthest_m:.0} m, the farthest receiver, it drops by {drop_m:.1} m")]
-    FlatEarth { farthest_m: f64, drop_m: f64 },
+    FlatEarth { farthest_m: f64, drop_m: f64, is_choice: bool },
     /// W202: a UAV or a placement, by its id, has no receiver.
     #[error("{what} `{id}` has no receiver: {why}; P_LoS is undefined")]
     NoReceiver { what: &'static str, id: String, why: &'static str },

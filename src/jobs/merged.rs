@@ -225,11 +225,7 @@ impl Jobs<'_> {
         if self.job.uavs.shard.is_some() || !self.job.tiles.only.is_empty() {
             return Err(RequestError::PartOfUnits.into());
         }
-        let status = self.status(command.clone());
-        if let Some((name, why)) = status.first_open() {
-            let (n_open, n_units) = (status.n_open(), self.units.parts.len());
-            return Err(CheckError::OpenUnits { n_open, n_units, name: name.into(), why: why.into() }.into());
-        }
+        self.status(command.clone()).check()?;
         let read = |part: &Part| {
             let unit = self.runs.unit(&self.units, part);
             let document = unit.document().ok_or_else(|| CheckError::NoDocument(part.name()))?;

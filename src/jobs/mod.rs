@@ -10,7 +10,7 @@ mod status;
 use serde::Serialize;
 
 pub(crate) use merged::{MergeDocument, MergedRow};
-pub(crate) use status::{Status, StatusDocument};
+pub(crate) use status::StatusDocument;
 
 use std::path::{Path, PathBuf};
 

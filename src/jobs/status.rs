@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::Jobs;
 use crate::answer::{Answer, Head, RunFacts, Spent, document_of};
-use crate::error::{Error, Result, Warning};
+use crate::error::{CheckError, Error, Restart, Result, Warning};
 use crate::export::{Batch, Format};
 use crate::map::Found;
 use crate::picture::Look;
@@ -24,6 +24,8 @@ pub(crate) struct Status {
     missing: Vec<String>,
     /// Those with files that are not theirs, or not whole: name and why.
     broken: Vec<(String, String)>,
+    /// What does those that are not done.
+    by: Restart,
 }
 
 /// Which units of work are done, missing and broken.
@@ -37,7 +39,7 @@ pub(crate) struct StatusDocument {
     done: usize,
     /// Units whose files are not there, or not all of them, by name.
     missing: Vec<String>,
-    /// Units with a file that another run made, or that cannot be read.
+    /// Units with a file that another run made, or that is cut short or damaged.
     broken: Vec<BrokenUnit>,
 }
 
@@ -59,14 +61,24 @@ impl Jobs<'_> {
             (part.name(), state)
         };
         let states: Vec<(String, Result<Found>)> = self.units.parts.par_iter().map(of_part).collect();
+        let facts = self.facts(command);
         let mut status =
-            Status { facts: self.facts(command), n_units: states.len(), missing: Vec::new(), broken: Vec::new() };
+            Status { facts, n_units: states.len(), missing: Vec::new(), broken: Vec::new(), by: Restart::Resumes };
         for (name, state) in states {
             match state {
                 Ok(Found::All) => {}
                 Ok(Found::Some | Found::Nothing) => status.missing.push(name),
-                Ok(Found::Damaged) => status.broken.push((name, "a raster of it is cut short".into())),
-                Err(why) => status.broken.push((name, why.to_string())),
+                Ok(Found::Damaged(file)) => {
+                    status.broken.push((name, format!("{} is cut short or damaged", file.display())));
+                }
+                Err(why) => {
+                    status.by = match (status.by, why.code().as_str()) {
+                        (Restart::Blocked, _) => Restart::Blocked,
+                        (_, "E106") => Restart::Replaces,
+                        _ => Restart::Blocked,
+                    };
+                    status.broken.push((name, why.to_string()));
+                }
             }
         }
         status
@@ -75,19 +87,20 @@ impl Jobs<'_> {
 
 impl Status {
     /// How many units are not done.
-    pub(crate) fn n_open(&self) -> usize {
+    fn n_open(&self) -> usize {
         self.missing.len() + self.broken.len()
     }
 
-    /// How many units there are.
-    pub(crate) fn n_units(&self) -> usize {
-        self.n_units
-    }
-
-    /// The first unit that is not done, and why.
-    pub(crate) fn first_open(&self) -> Option<(&str, &str)> {
+    /// Refuses units that are not done.
+    ///
+    /// # Errors
+    /// E603 that names the first of them.
+    pub(crate) fn check(&self) -> Result<()> {
         let broken = self.broken.first().map(|(name, why)| (name.as_str(), why.as_str()));
-        broken.or_else(|| self.missing.first().map(|name| (name.as_str(), "it has no files yet")))
+        let first = broken.or_else(|| self.missing.first().map(|name| (name.as_str(), "it has no files yet")));
+        let Some((name, why)) = first else { return Ok(()) };
+        let (n_open, n_units, by) = (self.n_open(), self.n_units, self.by);
+        Err(CheckError::OpenUnits { n_open, n_units, name: name.into(), why: why.into(), by }.into())
     }
 
     fn n_done(&self) -> usize {

@@ -102,7 +102,8 @@ pub(crate) fn on_disk(job: &MapJob, progress: &Progress, warnings: &mut Vec<Warn
 
 /// Refuses what cannot be mapped strip by strip, or does not fit in memory even so, before anything is copied.
 pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
-    let refuse = |what| Err(LimitError::Strips { word: job.word.display().to_string(), what }.into());
+    let refuse =
+        |what| Err(LimitError::Strips { word: job.word.display().to_string(), what, are_asked: job.strips }.into());
     let formats = job.outputs.iter().map(|path| Ok(Format::of(path)?)).collect::<Result<Vec<_>>>()?;
     for (path, format) in job.outputs.iter().zip(&formats) {
         let is_made = matches!(format, Format::GeoTiff | Format::Csv | Format::Json | Format::GeoJson | Format::Stdout)

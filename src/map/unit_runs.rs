@@ -238,7 +238,7 @@ impl<'a> UnitRuns<'a> {
         let mut job = self.job.clone();
         match found(&job, &unit)? {
             Found::All => return each(Outcome::AllThere),
-            Found::Some | Found::Damaged => job.save.overwrite = true,
+            Found::Some | Found::Damaged(_) => job.save.overwrite = true,
             Found::Nothing => {}
         }
         let scene = self.given.clone().map_or(GivenScene::Asked, |scene| GivenScene::InMemory(Box::new(scene)));
@@ -307,7 +307,7 @@ impl<'a> UnitRuns<'a> {
             match found(&job, &hash)? {
                 Found::All => return Ok(None),
                 // A run that was killed between two files leaves the first; a disk may lose the end of one.
-                Found::Some | Found::Damaged => job.save.overwrite = true,
+                Found::Some | Found::Damaged(_) => job.save.overwrite = true,
                 Found::Nothing => {}
             }
         }

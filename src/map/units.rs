@@ -17,22 +17,23 @@ use super::tiles::{ROW_AND_COL, Tile};
 use crate::answer::digest_words;
 use crate::city::{Antenna, GivenSite};
 use crate::digest::Sha256;
-use crate::error::{PlacesError, RequestError, Result};
-use crate::export::{Format, Layer, sidecars, site_in_names, with_suffix};
+use crate::error::{Error, PlacesError, RequestError, Result};
+use crate::export::{Format, Layer, Left, left_of, sidecars, site_in_names, with_suffix};
 use crate::formats::{RasterFile, origin_of};
 use crate::os_words::split;
 use crate::read::source_of;
 use crate::scene::{SceneOptions, built_up};
+use skyshed_io::error::WriteFault;
 use skyshed_io::{identity, is_remote};
 
 /// Which files of a unit are there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Found {
     Nothing,
     /// Some are there, all of them of this unit.
     Some,
-    /// All are there, but a raster among them is cut short; of other files no more is looked at than what they say of themselves.
-    Damaged,
+    /// This one is cut short or damaged, and says of no other run that it made it.
+    Damaged(PathBuf),
     All,
 }
 
@@ -211,8 +212,8 @@ pub(super) fn inputs(job: &MapJob, with_sites: bool) -> Result<String> {
 
 /// Which of the files of a run are there, made by a unit.
 ///
-/// A file appears after what stands beside it, so that one that is there is complete; what stands there alone was left by a
-/// run that was killed.
+/// A file appears after what stands beside it, so that one that is there is complete, unless a disk or a copy lost its end;
+/// what stands there alone was left by a run that was killed.
 ///
 /// # Errors
 /// E106 if one is there that is not of this unit, unless it may be replaced.
@@ -222,7 +223,23 @@ pub(super) fn found(job: &MapJob, unit: &str) -> Result<Found> {
     let is_there =
         |file: &Path| std::fs::metadata(file).is_ok_and(|metadata| metadata.len() > 0 || !metadata.is_file());
     let there: Vec<&PathBuf> = files.iter().copied().filter(|file| is_there(file)).collect();
-    let other = there.iter().find(|file| !is_of(file, unit));
+    let mut damaged = None;
+    for file in &there {
+        if file.is_dir() {
+            let fault = WriteFault::Folder;
+            return Err(Error::Io(skyshed_io::Error::Write(file.display().to_string(), fault)));
+        }
+        match maker_of(file, unit, job.save.bare) {
+            Maker::Unit => {}
+            Maker::Damaged(part) => damaged = damaged.or(Some(part)),
+            Maker::AnotherRun | Maker::Nobody if job.save.overwrite => return Ok(Found::Nothing),
+            Maker::AnotherRun => return Err(RequestError::OfAnotherRun(file.display().to_string()).into()),
+            Maker::Nobody => return Err(RequestError::OfNobody(file.display().to_string()).into()),
+        }
+    }
+    if let Some(part) = damaged {
+        return Ok(Found::Damaged(part));
+    }
     let is_left_alone = |file: &PathBuf| {
         let beside = Format::of(file).map_or_else(|_| Vec::new(), |format| sidecars(file, format, job.save.bare));
         let is_own = |sidecar: &PathBuf| match sidecar.extension() {
@@ -235,20 +252,61 @@ pub(super) fn found(job: &MapJob, unit: &str) -> Result<Found> {
         };
         !file.exists() && beside.iter().any(|sidecar| sidecar.exists() && is_own(sidecar))
     };
-    match other {
-        Some(_) if job.save.overwrite => Ok(Found::Nothing),
-        Some(other) => Err(RequestError::OfAnotherRun(other.display().to_string()).into()),
-        None if there.len() == files.len() => {
-            Ok(if files.iter().any(|file| is_cut(file)) { Found::Damaged } else { Found::All })
-        }
-        None if files.iter().any(|file| file.exists() || is_left_alone(file)) => Ok(Found::Some),
-        None => Ok(Found::Nothing),
+    if there.len() == files.len() {
+        return Ok(Found::All);
+    }
+    let is_begun = files.iter().any(|file| file.exists() || is_left_alone(file));
+    Ok(if is_begun { Found::Some } else { Found::Nothing })
+}
+
+/// Who made a file that is there.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Maker {
+    /// The unit, and it is whole.
+    Unit,
+    /// The unit, as far as can be told; this, the file or the document beside it, is cut short or damaged.
+    Damaged(PathBuf),
+    /// Another run of this program.
+    AnotherRun,
+    /// Nothing of this program is in it.
+    Nobody,
+}
+
+fn maker_of(file: &Path, unit: &str, is_bare: bool) -> Maker {
+    let Ok(format) = Format::of(file) else { return Maker::Nobody };
+    let document = with_suffix(file, ".json");
+    let document = Some(document).filter(|path| sidecars(file, format, is_bare).contains(path) && path.exists());
+    let parts = [Some((file.to_path_buf(), format)), document.map(|path| (path, Format::Json))];
+    let left = parts.into_iter().flatten().map(|(part, format)| (left_of(&part, format), part));
+    let is_own = says(file, unit);
+    match left.into_iter().find(|(left, _)| *left != Left::Whole) {
+        None if is_own => Maker::Unit,
+        None if says(file, "\"skyshed/") => Maker::AnotherRun,
+        None => Maker::Nobody,
+        Some((_, part)) if is_own => Maker::Damaged(part),
+        Some(_) if names_a_unit(file, unit) => Maker::AnotherRun,
+        Some((Left::Damaged, part)) => Maker::Damaged(part),
+        Some(_) => Maker::Nobody,
     }
 }
 
-/// Whether a file is a GeoTIFF whose blocks are not all there.
-fn is_cut(file: &Path) -> bool {
-    Format::of(file).is_ok_and(|format| format == Format::GeoTiff) && RasterFile::open(file, &mut Vec::new()).is_err()
+/// Whether what is left of a file that does not name `unit`, or of the document beside it, names another one.
+fn names_a_unit(file: &Path, unit: &str) -> bool {
+    /// As it stands in JSON, and in that in XML.
+    const KEYS: [&str; 2] = ["\"unit\":", "&quot;unit&quot;:"];
+    const QUOTES: [&str; 2] = ["\"", "&quot;"];
+    // Where the file ends within the name of its unit, it may be that of any.
+    let is_cut_within = |path: &Path, key: &str| {
+        let tail = std::fs::read(path).map(|bytes| bytes[bytes.len().saturating_sub(key.len() + 100)..].to_vec());
+        let tail = tail.map(|tail| String::from_utf8_lossy(&tail).into_owned()).unwrap_or_default();
+        let name = tail.rsplit_once(key).map(|(_, name)| name.trim_start());
+        name.is_some_and(|name| {
+            let within = QUOTES.iter().find_map(|quote| name.strip_prefix(quote)).unwrap_or(name);
+            unit.starts_with(within) || QUOTES.iter().any(|quote| quote.starts_with(within))
+        })
+    };
+    let names_one = |path: &Path| KEYS.iter().any(|key| holds_in(path, key) && !is_cut_within(path, key));
+    [file.to_path_buf(), with_suffix(file, ".json")].iter().any(|path| names_one(path))
 }
 
 /// The files that an input consists of, and what may stand beside them.
@@ -264,18 +322,18 @@ fn parts_of(input: &Path) -> Vec<PathBuf> {
     with_others.collect()
 }
 
-/// Whether a file was made by a unit: its hash is in what the file, or the document beside it, says of its origin, or among
-/// its bytes as they are or as members of an archive.
-fn is_of(file: &Path, unit: &str) -> bool {
+/// Whether a text is in what a file, or the document beside it, says of its origin, or among its bytes as they are or as
+/// members of an archive.
+fn says(file: &Path, text: &str) -> bool {
     let in_archive = |path: &Path| {
         let archive = std::fs::File::open(path).map_err(zip::result::ZipError::from).and_then(zip::ZipArchive::new);
         archive.is_ok_and(|mut archive| {
-            (0..archive.len()).any(|k| archive.by_index(k).is_ok_and(|member| holds(member, unit.as_bytes())))
+            (0..archive.len()).any(|k| archive.by_index(k).is_ok_and(|member| holds(member, text.as_bytes())))
         })
     };
-    origin_of(file).is_some_and(|origin| origin.contains(unit))
-        || holds_in(&with_suffix(file, ".json"), unit)
-        || holds_in(file, unit)
+    origin_of(file).is_some_and(|origin| origin.contains(text))
+        || holds_in(&with_suffix(file, ".json"), text)
+        || holds_in(file, text)
         || in_archive(file)
 }
 

@@ -100,7 +100,7 @@ impl Real {
         let area_km2 = (building + open) as f64 * grid.cell_width() * grid.cell_height() * unit * unit / 1e6;
         let fit = BuiltUpFit::of(building as f64 / (building + open) as f64, field.heights_in_data(&heights), area_km2);
         let mut own = Vec::new();
-        warn_of_drop_across(&grid, sweeps.farthest_m(), &mut own);
+        warn_of_drop_across(&grid, sweeps.farthest_m(), false, &mut own);
         let limits = limits_in_words(scene.height_gap.as_ref(), &field, &own);
         warnings.extend(own);
         Ok(Real {

@@ -120,7 +120,7 @@ impl SamplePlan {
         self.sight.receivers().check(first.field.is_surface_only())?;
         let farthest_m = self.sight.radius_m().unwrap_or(f64::INFINITY);
         match self.sight.curvature() {
-            None => warn_of_drop_across(first.field.grid(), farthest_m, &mut first.warnings),
+            None => warn_of_drop_across(first.field.grid(), farthest_m, true, &mut first.warnings),
             Some(curvature) => {
                 let drop_m = curvature.drop_m(across_m(first.field.grid()).min(farthest_m));
                 check_drop(drop_m, first.field.lowest_known())?;

@@ -56,9 +56,10 @@ fn farthest_m(uavs: &[Uav], grid: &GeoRef, sight: &Sight) -> f64 {
     uavs.iter().map(of).fold(0.0, f64::max).min(sight.radius_m().unwrap_or(f64::INFINITY))
 }
 
-/// Warns likewise where UAVs and receivers may be anywhere on a grid, but no farther apart than some meters.
-pub(crate) fn warn_of_drop_across(grid: &GeoRef, most_m: f64, warnings: &mut Vec<Warning>) {
-    warn_of_drop(across_m(grid).min(most_m), warnings);
+/// Warns likewise where UAVs and receivers may be anywhere on a grid, but no farther apart than some meters; `is_choice` says
+/// whether the earth could be curved.
+pub(crate) fn warn_of_drop_across(grid: &GeoRef, most_m: f64, is_choice: bool, warnings: &mut Vec<Warning>) {
+    warnings.extend(flat_earth(across_m(grid).min(most_m), is_choice));
 }
 
 /// From corner to corner \[m\].
@@ -68,8 +69,10 @@ pub(crate) fn across_m(grid: &GeoRef) -> f64 {
 
 /// Warns likewise of receivers up to so far away \[m\].
 pub(crate) fn warn_of_drop(farthest_m: f64, warnings: &mut Vec<Warning>) {
+    warnings.extend(flat_earth(farthest_m, true));
+}
+
+fn flat_earth(farthest_m: f64, is_choice: bool) -> Option<Warning> {
     let drop_m = farthest_m * farthest_m / (2.0 * EARTH_RADIUS_M);
-    if drop_m > 1.0 {
-        warnings.push(OddRun::FlatEarth { farthest_m, drop_m }.into());
-    }
+    (drop_m > 1.0).then(|| OddRun::FlatEarth { farthest_m, drop_m, is_choice }.into())
 }

@@ -59,6 +59,8 @@ mod front_door; // the library answers what the program does
 mod cli; // the program from outside: words, exit codes, flags
 mod cli_help; // what help says: its length, its examples, its defaults
 mod answers; // what every command says: its answer, its files, errors in one form
+#[cfg(target_os = "linux")]
+mod hints; // the command that a hint names is typed, and works; sources and tests name the same hints
 mod tables; // UAVs, tracks and curves: bad rows, feet, decimal commas, standard input, names that mean something
 #[cfg(unix)]
 mod odd_paths; // names of files that are no Unicode
@@ -94,6 +96,7 @@ mod in_range; // rasters with a radius: the part in range, the same of all
 mod streamed; // rasters that do not fit in memory: the maps of memory, what is refused, 50 000 cells a side
 mod map_sites; // a run for each UAV: the files of single runs, what is left alone, killed at any moment
 mod map_tiles; // tiles of the ground, cell for cell those of the whole, and what jobs tell of units
+mod cut_units; // files of units that were cut short, of every format
 mod stress; // families of scenes where methods fail: the truth against the oracle, engines against the truth
 mod curvature; // the curve of the earth against the oracle in exact arithmetic
 mod curved_footprints; // and over footprints, whose roofs are curved like the earth
@@ -106,6 +109,8 @@ mod data_area; // where the data end: known ground, missing heights; whole discs
 mod regressions; // one test per bug
 
 mod program; // runs the program from outside
+#[cfg(target_os = "linux")]
+mod hint_inputs; // the files that the lines of hints read
 mod plain_tiff; // writes simple GeoTIFFs
 mod polygons; // triangulation and repair of footprints
 mod codes; // the page of codes, from the sources

@@ -350,6 +350,10 @@ fn what_went_wrong_is_made_again_and_told_by_name() {
     let answer = folder.type_in(&format!("{asked} --resume"));
     assert!(answer.code() != 0 && answer.err.contains("3-3"), "{answer:?}");
     assert!(answer.err.contains("1 tile mapped, 14 there already, 1 not"), "{answer:?}");
+    // No flag makes a file of a folder.
+    let blocked = folder.type_in(&format!("jobs status {asked}"));
+    assert!(blocked.out.contains("broken tile 3,3: cannot write t/3-3.tif: it is a folder"), "{blocked:?}");
+    assert!(!blocked.err.contains("hint: "), "{blocked:?}");
 }
 
 #[test]

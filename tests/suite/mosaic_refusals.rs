@@ -28,7 +28,7 @@ fn virtual_rasters_that_cannot_be_read_cell_by_cell_say_why_and_what_to_do() {
     folder.write("good.vrt", GOOD);
     assert!(read(&folder.join("good.vrt")).is_ok());
     // What is replaced, by what, the code, and parts of the answer.
-    let gdal = "gdal_translate bad.vrt OUT.tif";
+    let gdal = "`gdal_translate bad.vrt bad_whole.tif`";
     let cases: [(&str, &str, &str, &[&str]); 31] = [
         ("<VRTDataset ", "<VRTDataset subClass=\"VRTWarpedDataset\" ", "E304", &["VRTWarpedDataset", gdal]),
         ("band=\"1\">", "subClass=\"VRTDerivedRasterBand\">", "E304", &["VRTDerivedRasterBand", gdal]),

@@ -167,7 +167,7 @@ fn a_terrain_in_degrees_is_looked_up_below_each_cell() {
     let is_told = warnings.iter().any(|w| w.code() == "W346" && w.to_string().contains("in EPSG:4326"));
     assert!(is_told, "{warnings:?}");
     // Without leave it is refused, and what would help is said first.
-    folder.refuses("info utm.tif --terrain ground.tif", "E310", &["hint: `--project auto`, or gdalwarp"]);
+    folder.refuses("info utm.tif --terrain ground.tif", "E310", &["hint: `--project auto`, or `gdalwarp"]);
     // Footprints on it: the terrain is brought to their system, whose grid then is its own.
     let square =
         "[[[11.5710, 48.1390], [11.5712, 48.1390], [11.5712, 48.1392], [11.5710, 48.1392], [11.5710, 48.1390]]]";
@@ -186,7 +186,11 @@ fn the_program_projects_rasters_when_it_is_told_to() {
     let folder = Folder::new();
     let (georef, heights) = degrees();
     write(&folder, "degrees.tif", &georef, &heights);
-    folder.refuses("info degrees.tif", "E310", &["hint: `--project auto`, or gdalwarp -t_srs EPSG:32632"]);
+    folder.refuses(
+        "info degrees.tif",
+        "E310",
+        &["hint: `--project auto`, or `gdalwarp", "-t_srs EPSG:32632 degrees.tif degrees_32632.tif`"],
+    );
     folder.write("sites.csv", "lon,lat,h\n11.5712,48.1391,2000amsl\n");
     let line = "map degrees.tif --project auto --cell 2 --uavs sites.csv --json";
     let answer = folder.type_in(line).done();

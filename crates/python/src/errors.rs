@@ -68,8 +68,49 @@ fn raised(py: Python<'_>, refusal: &Refusal) -> PyErr {
     }
 }
 
-/// A text in which the options of the command line are named as arguments: `--rx-height` becomes `rx_height`.
+/// A text in which the options of the command line are named as arguments: `--rx-height` becomes `rx_height`, and in backticks
+/// `--project auto` becomes `project="auto"`. Commands of the shell stay.
 pub(crate) fn in_python(text: &str) -> String {
+    let is_balanced = text.matches('`').count() % 2 == 0;
+    let piece = |(k, piece): (usize, &str)| match k % 2 == 1 && is_balanced {
+        true if piece.starts_with('-') => arguments(piece),
+        true => piece.to_string(),
+        false => named(piece),
+    };
+    text.split('`').enumerate().map(piece).collect::<Vec<_>>().join("`")
+}
+
+/// Options with their values as arguments.
+fn arguments(options: &str) -> String {
+    /// What is on or off.
+    const SWITCHES: [&str; 5] = ["overwrite", "skip_bad", "resume", "strips", "hash"];
+    let mut words = options.split(' ').peekable();
+    let mut arguments = Vec::new();
+    while let Some(option) = words.next() {
+        let name = if option == "-o" { "output".into() } else { option.trim_start_matches('-').replace('-', "_") };
+        arguments.push(match words.next_if(|word| !word.starts_with('-')) {
+            Some(value) => format!("{name}={}", literal(value)),
+            None if SWITCHES.contains(&name.as_str()) => format!("{name}=True"),
+            None => name,
+        });
+    }
+    arguments.join(", ")
+}
+
+/// A value as Python writes it; one capital letter stands for a number, longer words for a text.
+fn literal(value: &str) -> String {
+    let is_number =
+        |part: &str| part.parse::<f64>().is_ok() || part.len() == 1 && part.chars().all(|c| c.is_ascii_uppercase());
+    let parts: Vec<&str> = value.split(',').collect();
+    match parts.iter().all(|part| is_number(part)) {
+        true if parts.len() == 1 => value.to_string(),
+        true => format!("({})", parts.join(", ")),
+        false => value.split('|').map(|way| format!("\"{way}\"")).collect::<Vec<_>>().join("|"),
+    }
+}
+
+/// A text outside of backticks, its options without dashes.
+fn named(text: &str) -> String {
     let mut told = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(at) = rest.find("--") {

@@ -58,7 +58,7 @@ impl OutputArgs {
     ) -> Result<Vec<Output>> {
         if let Some(path) = csv.filter(|path| !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))) {
             let text = format!("cannot write {}: `--csv` writes a table", path.display());
-            return Err(refusal_with(105, text, "give it a name that ends in .csv"));
+            return Err(refusal_with(105, text, "give it a name that ends in .csv: `--csv NAME.csv`"));
         }
         let all: Vec<PathBuf> = self.output.iter().chain(csv).cloned().collect();
         Ok(check_outputs(&all, OutputRules { allowed, inputs, overwrite: self.overwrite, bare: false })?)

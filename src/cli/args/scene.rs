@@ -8,7 +8,8 @@ use clap::{Arg, ArgAction, Args, Command};
 
 use super::words::{Words, extent, number, one_of, projection};
 use crate::city::NodataAs;
-use crate::cli::failure::{Result, refusal};
+use crate::cli::failure::{Result, refusal, refusal_with};
+use crate::cli::hints;
 use crate::cli::typed::Typed;
 use crate::crs;
 use crate::read::{BaseRule, DataAreaChoice, HeightUnit, MissingHeight, Projection, Roofs};
@@ -211,7 +212,10 @@ impl ReadingArgs {
     ///
     /// E115: a text that is no reference system.
     pub(crate) fn crs(&self) -> Result<Option<crate::raster::Crs>> {
-        self.crs.as_deref().map(crs::parse).transpose().map_err(|e| refusal(115, format!("`--crs`: {e}")))
+        self.crs.as_deref().map(crs::parse).transpose().map_err(|error| {
+            let text = format!("`--crs`: {error}");
+            hints::hint(&error.into()).map_or_else(|| refusal(115, &text), |hint| refusal_with(115, &text, hint))
+        })
     }
 
     /// The files that a scene names, for the refusal to overwrite them.

@@ -56,7 +56,7 @@ pub(crate) fn parse_uav(text: &str, id: String) -> Result<Site> {
         refusal_with(
             102,
             format!("cannot read `--uav {text}`: {found}"),
-            "write X,Y,H, for example 500,500,100 or 691549.7,5334762.2,30roof",
+            "write X,Y,H, for example `500,500,100` or `691549.7,5334762.2,30roof`",
         )
     };
     let parts: Vec<&str> = text.split(',').collect();
@@ -74,7 +74,7 @@ pub(crate) fn parse_receiver(text: &str, rx_height_m: f64) -> Result<((f64, f64)
         refusal_with(
             103,
             format!("cannot read `--rx {text}`: {found}"),
-            "write X,Y or X,Y,H, for example 630,480 or 620,480,1.5roof",
+            "write X,Y or X,Y,H, for example `630,480` or `620,480,1.5roof`",
         )
     };
     let parts: Vec<&str> = text.split(',').collect();

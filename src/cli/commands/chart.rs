@@ -100,7 +100,7 @@ impl ChartArgs {
         let city = self.scene.scene.display().to_string();
         let Some(built_up) = built_up(&self.scene.scene) else {
             let text = format!("`--plos` has no meaning for {city}: it charts a generated city");
-            let hint = "`skyshed info` tells α, β, γ of a city: chart itu:α,β,γ --plos";
+            let hint = "`chart itu:α,β,γ --plos`; of footprints `skyshed info` gives α, β, γ";
             return Err(refusal_with(116, text, hint));
         };
         run.typed.refuse_others(&OF_P_LOS, "with `--plos`, which maps no scene")?;

@@ -12,7 +12,6 @@ use crate::cli::interrupt;
 use crate::cli::program::Cli;
 use crate::cli::run::{Run, check_scenes};
 use crate::cli::say;
-use crate::error::CheckError;
 use crate::export::Format;
 use crate::jobs::Jobs;
 use crate::memory;
@@ -79,7 +78,11 @@ impl JobsArgs {
         let (cli, typed) = Cli::from_words(&words).map_err(|e| refusal(101, first_line(&e)))?;
         let Some(map) = cli.map() else {
             let found = self.map.first().map_or_else(String::new, |word| word.display().to_string());
-            return Err(refusal_with(101, format!("found `{found}`, wanted `map`"), "jobs are those of a map"));
+            return Err(refusal_with(
+                101,
+                format!("found `{found}`, wanted `map`"),
+                "jobs are those of a map: `skyshed jobs plan map SCENE --uavs FILE -o NAME-{site}.tif`",
+            ));
         };
         check_scenes(&[&map.scene.scene])?;
         let job = map
@@ -90,10 +93,7 @@ impl JobsArgs {
             Asked::Status => {
                 let status = jobs.status(run.words());
                 run.emit(&status, &[], (&self.out, &self.out.look()))?;
-                match status.first_open() {
-                    Some((name, why)) => Err(open_units(&status, name, why)),
-                    None => Ok(()),
-                }
+                Ok(status.check()?)
             }
             Asked::Merge => {
                 let inputs = [job.inputs.clone(), job.uavs.table.iter().cloned().collect()].concat();
@@ -104,12 +104,6 @@ impl JobsArgs {
             }
         }
     }
-}
-
-/// That units are not done.
-fn open_units(status: &crate::jobs::Status, name: &str, why: &str) -> crate::cli::failure::Failure {
-    let (n_open, n_units) = (status.n_open(), status.n_units());
-    crate::error::Error::from(CheckError::OpenUnits { n_open, n_units, name: name.into(), why: why.into() }).into()
 }
 
 /// What is wrong with words, without the usage that follows.

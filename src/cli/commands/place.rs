@@ -138,7 +138,7 @@ impl PlaceArgs {
         match (self.minimize, goal.at_least) {
             (Some(()), None) => {
                 let text = format!("the goal is `{}`, wanted a share to reach with `--minimize height`", self.goal);
-                return Err(refusal_with(101, text, "--goal 'p_los>=0.8' --minimize height"));
+                return Err(refusal_with(101, text, "for example `--goal p_los>=0.8 --minimize height`"));
             }
             (None, Some(_)) => {
                 let text = format!("the goal `{}` names a share, but not what to minimize", self.goal);
@@ -148,7 +148,7 @@ impl PlaceArgs {
         }
         if self.minimize.is_some() && !heights.as_deref().is_some_and(have_one_reference) {
             let text = "`--minimize height` compares the heights of `--height`: wanted all above the same";
-            return Err(refusal_with(113, text, "--height 20:200:10"));
+            return Err(refusal_with(113, text, "for example `--height 20:200:10`"));
         }
         Ok(SearchPlan {
             sight: self.sight.checked()?,
@@ -176,7 +176,7 @@ impl PlaceArgs {
         let is_spatial = |format: &Format| format.is_picture() || *format == Format::GeoTiff;
         if let Some((path, _)) = outputs.iter().find(|(_, f)| self.candidates.is_some() && is_spatial(f)) {
             let text = format!("cannot write {}: only candidates on a grid make a picture or a raster", path.display());
-            return Err(refusal_with(109, text, "-o places.geojson"));
+            return Err(refusal_with(109, text, "write them as points: `-o places.geojson`"));
         }
         let Some(path) = &self.map else { return Ok((outputs, None)) };
         if !Format::of(path).is_ok_and(|format| is_spatial(&format)) {

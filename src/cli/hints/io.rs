@@ -9,6 +9,7 @@ use skyshed_io::error::{
     WriteFault,
 };
 use skyshed_io::export::Format;
+use skyshed_io::is_remote;
 use skyshed_io::read::METERS_PER_LEVEL;
 
 use crate::quantity::tidy;
@@ -26,79 +27,142 @@ pub(super) fn hint(error: &Error) -> Option<String> {
     }
 }
 
-fn of_cause(ReadError { name, cause, .. }: &ReadError) -> Option<String> {
-    let words = match cause {
-        Cause::CutShort => "the file is cut short or damaged: fetch it again",
-        Cause::DamagedHeader => "the header is damaged: fetch the file again",
-        Cause::DamagedBlock => {
-            "the file is damaged: fetch it again, or see what GDAL makes of it with `gdalinfo -checksum`"
+fn of_cause(ReadError { name, cause, fault, .. }: &ReadError) -> Option<String> {
+    let made = |command: &str, end: &str| format!("{command} {} {}", shell_word(name), shell_word(&beside(name, end)));
+    Some(match cause {
+        Cause::CutShort => "the file is cut short or damaged: fetch it again".into(),
+        Cause::DamagedHeader => "the header is damaged: fetch the file again".into(),
+        Cause::DamagedBlock => "the file is damaged: fetch it again".into(),
+        Cause::MixedFiles => "copy its files again, all from one place".into(),
+        Cause::TooFewCells => "the file is cut short, or `ncols` and `nrows` are wrong".into(),
+        Cause::TooManyCells => "`ncols` and `nrows` may be wrong".into(),
+        Cause::DecimalCommas => "replace the decimal commas by points".into(),
+        Cause::OtherRaster => {
+            format!("if it holds heights, convert it with `{}`", made("gdal_translate", "_geotiff.tif"))
         }
-        Cause::MixedFiles => "copy its files again, all from one place",
-        Cause::TooFewCells => "the file is cut short, or `ncols` and `nrows` are wrong",
-        Cause::TooManyCells => "`ncols` and `nrows` may be wrong",
-        Cause::DecimalCommas => "replace the decimal commas by points",
-        Cause::OtherRaster => "convert a raster of another format with `gdal_translate IN OUT.tif`",
-        Cause::FeatureALine => "for one feature a line, convert first: `ogr2ogr collection.geojson features.geojsonl`",
-        Cause::StaleVrt => "make it again from the files as they are: `gdalbuildvrt`",
-        Cause::ForGdal => {
-            return Some(format!("let GDAL make one raster of it: `gdal_translate {name} OUT.tif`"));
+        Cause::FeatureALine => {
+            let collection = shell_word(&beside(name, "_collection.geojson"));
+            format!("it holds one feature a line: convert it with `ogr2ogr {collection} {}`", shell_word(name))
         }
-        Cause::SampleType => "rewrite it with `gdal_translate -ot Float32 IN OUT`",
-        Cause::OneBit => "rewrite it with `gdal_translate -ot Byte IN OUT`",
-        Cause::Compression => "rewrite it with `gdal_translate -co COMPRESS=DEFLATE IN OUT`",
-        Cause::LargeBlock => "rewrite it with `gdal_translate -co TILED=YES -co COMPRESS=DEFLATE IN OUT`",
-        Cause::ColorJpeg => "extract the band with `gdal_translate -b 1 -co COMPRESS=DEFLATE IN OUT`",
-        Cause::NoPlace => "set its place with `gdal_edit.py -a_ullr ULX ULY LRX LRY FILE`",
-        Cause::ControlPoints => "resample it with `gdalwarp IN OUT`",
+        Cause::StaleVrt => format!(
+            "make it again from the files as they are: `gdalbuildvrt -overwrite -vrtnodata -9999 {} FILE …`",
+            shell_word(name)
+        ),
+        Cause::ForGdal => format!("let GDAL make one raster of it: `{}`", made("gdal_translate", "_whole.tif")),
+        Cause::SampleType => format!("rewrite it with `{}`", made("gdal_translate -ot Float32", "_float32.tif")),
+        Cause::OneBit => format!("rewrite it with `{}`", made("gdal_translate -ot Byte", "_byte.tif")),
+        Cause::Compression => {
+            format!("rewrite it with `{}`", made("gdal_translate -co COMPRESS=DEFLATE", "_deflate.tif"))
+        }
+        Cause::LargeBlock => format!(
+            "rewrite it with `{}`",
+            made("gdal_translate -co TILED=YES -co COMPRESS=DEFLATE -co BIGTIFF=IF_SAFER", "_tiled.tif")
+        ),
+        Cause::ColorJpeg => {
+            format!("extract the band with `{}`", made("gdal_translate -b 1 -co COMPRESS=DEFLATE", "_band1.tif"))
+        }
+        Cause::NoPlace => format!(
+            "set its place: `{}`, the corners in the reference system",
+            made("gdal_translate -a_ullr ULX ULY LRX LRY", "_placed.tif")
+        ),
+        Cause::ControlPoints => format!("resample it with `{}`", made(WARP, "_north_up.tif")),
         Cause::OtherGrid => {
-            "`gdalbuildvrt ALL.vrt FILE …`, then `gdal_translate ALL.vrt ALL.tif`, brings them onto one grid"
+            let (vrt, tif) = (shell_word(&beside(name, ".vrt")), shell_word(&beside(name, ".tif")));
+            format!(
+                "bring them onto one grid: `gdalbuildvrt -vrtnodata -9999 {vrt} FILE …`, then `gdal_translate {vrt} {tif}`"
+            )
         }
-        Cause::FarTile => "is there a tile of another place in the folder?",
-        Cause::Nodata => "look at the nodata value and the band with `gdalinfo -stats`",
-        Cause::LargeCells => "give a smaller `--cell`",
-        Cause::LargeRaster => {
-            "read the part in range with `--radius M`, or cut one out with `gdal_translate -projwin \
-             ULX ULY LRX LRY IN OUT`"
+        Cause::FarTile => "is there a tile of another place in the folder?".into(),
+        Cause::Nodata => format!(
+            "all cells hold the number that it declares as nodata; if they are heights, say so with `{}`",
+            made("gdal_translate -a_nodata none", "_heights.tif")
+        ),
+        Cause::LargeCells => "give a smaller `--cell`".into(),
+        Cause::LargeRaster => of_large_raster(name),
+        Cause::Multipatch => "give the buildings as CityJSON, or as a mesh in .obj or .ply".into(),
+        Cause::OpenDatabase => "close the program that has it open".into(),
+        Cause::BesideScene => return of_other_file(name, fault),
+        Cause::NotBuilt => {
+            let converted = shell_word(&beside(name, ".fgb"));
+            format!("convert it, for example with `ogr2ogr {converted} {}`", shell_word(name))
         }
-        Cause::Multipatch => "give the buildings as CityJSON, or as a mesh in .obj or .ply",
-        Cause::OpenDatabase => "close the program that has it open",
-        Cause::NotBuilt => "convert it, for example with `ogr2ogr city.fgb city.gpkg`",
         _ => return None,
-    };
-    Some(words.to_string())
+    })
+}
+
+/// The remedy for a file of places or of an area, of which the options of a scene say nothing.
+fn of_other_file(name: &str, fault: &ReadFault) -> Option<String> {
+    let file = shell_word(name);
+    match fault {
+        ReadFault::Layers(layers) => {
+            let (made, layer) = (shell_word(&beside(name, "_layer.geojson")), shell_word(layers.first()?));
+            Some(format!("take one of them: `ogr2ogr {made} {file} {layer}`"))
+        }
+        ReadFault::Crs(..) | ReadFault::CrsMember(_) | ReadFault::CrsNotUnderstood(_) => {
+            let made = shell_word(&beside(name, "_crs.geojson"));
+            Some(format!("say which it is: `ogr2ogr -a_srs EPSG:n {made} {file}`"))
+        }
+        _ => None,
+    }
+}
+
+/// Resamples a raster so that what it does not reach is no height of 0 m.
+const WARP: &str = "gdalwarp -ot Float32 -dstnodata -9999";
+
+/// Ways to read less of a raster that is too large.
+pub(super) fn of_large_raster(name: &str) -> String {
+    format!("{}; `map --radius M` reads the part in range alone", part_of_raster(name))
+}
+
+/// The command that makes a smaller raster of one that is too large.
+pub(super) fn part_of_raster(name: &str) -> String {
+    if Path::new(name).is_dir() {
+        return "name a folder of fewer tiles".into();
+    }
+    let (whole, part) = (shell_word(name), shell_word(&beside(name, "_part.tif")));
+    format!("cut a part out with `gdal_translate -projwin ULX ULY LRX LRY {whole} {part}`")
 }
 
 fn of_fault(ReadError { name, fault, .. }: &ReadError) -> Option<String> {
-    let words = match fault {
-        ReadFault::Missing => {
-            return near_name(Path::new(name)).map(|near| format!("did you mean {}?", near.display()));
-        }
-        ReadFault::NoFile => "save it as a file first",
+    Some(match fault {
+        ReadFault::Missing => near_name(Path::new(name)).map(|near| format!("did you mean {}?", near.display()))?,
+        ReadFault::NoFile => "save it as a file first".into(),
         ReadFault::NoSidecar(path, _) if path.to_lowercase().ends_with(".shx") => {
-            let remedy = format!("`ogrinfo --config SHAPE_RESTORE_SHX YES {name}`");
-            return Some(format!("copy it too, or make it anew: {remedy}"));
+            let anew = format!("ogrinfo --config SHAPE_RESTORE_SHX YES {}", shell_word(name));
+            format!("copy it too, or make it anew: `{anew}`")
         }
-        ReadFault::NoSidecar(..) => "a shapefile is .shp, .shx, .dbf and .prj together",
-        ReadFault::Rows { of, some_are_good, .. } => return Some(with_skipping(of_places(*of), *some_are_good)),
+        ReadFault::NoSidecar(..) => "a shapefile is .shp, .shx, .dbf and .prj together".into(),
+        ReadFault::Rows { of, some_are_good, .. } => with_skipping(of_places(*of), *some_are_good),
         ReadFault::NoTable(layer) => {
-            return Some(format!("write a view as a table: `ogr2ogr table.gpkg {name} {layer}`"));
+            let table = shell_word(&beside(name, "_table.gpkg"));
+            format!("write a view as a table: `ogr2ogr {table} {} {}`", shell_word(name), shell_word(layer))
         }
-        ReadFault::Rotated(_) => "resample it with `gdalwarp IN OUT`, which makes it north-up",
-        ReadFault::Nothing(Wanted::Extent) => "give `--extent W,S,E,N` or `--terrain FILE`",
-        ReadFault::Nothing(Wanted::Tiles) => "folders in it are not looked into: name the one that holds the tiles",
-        ReadFault::Nothing(Wanted::CityObjects) => {
-            "a file of one object a line holds them further down: `cjseq collect`"
+        ReadFault::Rotated(_) => {
+            let north_up = shell_word(&beside(name, "_north_up.tif"));
+            format!("resample it with `{WARP} {} {north_up}`, which makes it north-up", shell_word(name))
         }
-        ReadFault::Nothing(Wanted::Faces) => "of a cloud of points make a raster first",
-        ReadFault::HeightMissing(..) => "`--missing drop|levels|median`, or name the property with `--height-field`",
-        ReadFault::HeightsMissing(missing) => return Some(of_missing(missing)),
-        ReadFault::Crs(..) | ReadFault::CrsNotUnderstood(_) => "override it with `--crs EPSG:n`",
-        ReadFault::CrsMember(_) => "say it with `--crs EPSG:n`",
-        ReadFault::NoCrs => "say which it is: `--crs EPSG:n`",
-        ReadFault::Degrees { kind, center, .. } => return Some(of_degrees(name, *kind, *center)),
-        ReadFault::NoFaceInGrid(_) => "check `--extent`; a mesh with y up has to be turned first",
+        ReadFault::Nothing(Wanted::Extent) => "give `--extent W,S,E,N`, or a terrain with `--terrain FILE`".into(),
+        ReadFault::Nothing(Wanted::Tiles) => {
+            "folders in it are not looked into: name the one that holds the tiles".into()
+        }
+        ReadFault::Nothing(Wanted::CityObjects) => format!(
+            "a file of one object a line holds them further down: `cjseq collect < {} > {}`",
+            shell_word(name),
+            shell_word(&beside(name, "_collected.city.json"))
+        ),
+        ReadFault::Nothing(Wanted::Faces) => "of a cloud of points make a raster first".into(),
+        ReadFault::HeightMissing(..) if is_held(name) => "`--missing drop|median`".into(),
+        ReadFault::HeightMissing(..) => {
+            "`--missing drop|levels|median`, or name the property with `--height-field NAME`".into()
+        }
+        ReadFault::HeightsMissing(missing) => of_missing(name, missing),
+        ReadFault::Crs(..) | ReadFault::CrsNotUnderstood(_) => "override it with `--crs EPSG:n`".into(),
+        ReadFault::CrsMember(_) => "say it with `--crs EPSG:n`".into(),
+        ReadFault::NoCrs => "say which it is: `--crs EPSG:n`".into(),
+        ReadFault::Degrees { crs, kind, center } => of_degrees((name, crs), *kind, *center),
+        ReadFault::NoFaceInGrid(_) => "check `--extent`; a mesh with y up has to be turned first".into(),
         ReadFault::NoHeightProperty { like_heights, like_storeys, others, .. } => {
-            return Some(match (quoted(like_heights), quoted(like_storeys), quoted(others)) {
+            match (quoted(like_heights), quoted(like_storeys), quoted(others)) {
                 (Some(found), ..) => {
                     format!("{found} may hold heights: `--height-field NAME`, or `--top-field NAME` above the datum")
                 }
@@ -109,25 +173,25 @@ fn of_fault(ReadError { name, fault, .. }: &ReadError) -> Option<String> {
                 (None, None, None) => {
                     "no feature has any property; heights come as a property of each footprint".into()
                 }
-            });
+            }
         }
-        ReadFault::Layers(_) => "`--layer NAME` says which",
-        ReadFault::HeightRange(HeightOf::Cell, _) => {
-            "if it stands for nodata, declare it: `gdal_translate -a_nodata VALUE in.tif out.tif`"
-        }
+        ReadFault::Layers(_) => "`--layer NAME` says which".into(),
+        ReadFault::HeightRange(HeightOf::Cell, _) => format!(
+            "if it stands for nodata, declare it: `gdal_translate -a_nodata VALUE {} {}`",
+            shell_word(name),
+            shell_word(&beside(name, "_nodata.tif"))
+        ),
         ReadFault::NoSceneCrs(_) => {
-            "give the scene's CRS with `--crs EPSG:n`, or sites as `x,y` in the scene's own coordinates"
+            "give the scene's CRS with `--crs EPSG:n`, or sites as `x,y` in the scene's own coordinates".into()
         }
         ReadFault::Misplaced { is_degrees: true, some_are_good, .. } => {
-            let words = "longitude comes first in GeoJSON, and the columns are `lon,lat`";
-            return Some(with_skipping(words, *some_are_good));
+            with_skipping("longitude comes first in GeoJSON, and the columns are `lon,lat`", *some_are_good)
         }
-        ReadFault::OutsideScene(_) => "a file in projected coordinates names its CRS in a `crs` member",
-        ReadFault::GridTooLarge(..) => "give `--extent W,S,E,N`, or a larger `--cell`",
-        ReadFault::Tangle(..) => "mend or leave out the feature; is it one building?",
+        ReadFault::OutsideScene(_) => "a file in projected coordinates names its CRS in a `crs` member".into(),
+        ReadFault::GridTooLarge(..) => "give `--extent W,S,E,N`, or a larger `--cell`".into(),
+        ReadFault::Tangle(..) => "mend or leave out the feature; is it one building?".into(),
         _ => return None,
-    };
-    Some(words.to_string())
+    })
 }
 
 fn of_places(of: PlacesIn) -> &'static str {
@@ -136,7 +200,7 @@ fn of_places(of: PlacesIn) -> &'static str {
             "a table of sites has the columns `x,y,h` or `lon,lat,h`, and optionally `id`, `h_above`, separated by commas, \
              semicolons or tabs"
         }
-        PlacesIn::SiteFeatures => "a site is a Point with the property `h`, and optionally `id`, `h_above`",
+        PlacesIn::SiteFeatures => "a site is a Point with the property `h`; it may have `id` and `h_above`, too",
         PlacesIn::TrackTable => {
             "a track is a table with the columns `x,y` or `lon,lat`, separated by commas, semicolons or tabs"
         }
@@ -151,49 +215,81 @@ pub(super) fn with_skipping(hint: &str, some_are_good: bool) -> String {
 }
 
 /// What each policy would do about missing heights.
-fn of_missing(missing: &HeightsMissing) -> String {
-    let of_median = missing.median_m.map_or("has none to take".into(), |m| format!("gives them {} m", tidy(m)));
-    format!(
-        "`--missing drop` leaves them out, as if nothing stood there; `levels` gives {} of them 3 m a storey of `{}` and \
-         leaves {} out; `median` {of_median}; or name another property with `--height-field`",
-        missing.n_storeys,
-        missing.levels_field,
-        missing.n_missing - missing.n_storeys
-    )
+fn of_missing(name: &str, missing: &HeightsMissing) -> String {
+    let HeightsMissing { n_missing, n_storeys, levels_field, median_m, .. } = missing;
+    let mut ways = vec!["`--missing drop` leaves them out, as if nothing stood there".to_string()];
+    if *n_storeys > 0 {
+        let n_left = n_missing - n_storeys;
+        ways.push(format!(
+            "`--missing levels` gives {n_storeys} of them {METERS_PER_LEVEL} m a storey of `{levels_field}` and leaves {n_left} out"
+        ));
+    }
+    ways.extend(median_m.map(|m| format!("`--missing median` gives them {} m", tidy(m))));
+    if !is_held(name) {
+        ways.push("or name another property with `--height-field NAME`".into());
+    }
+    ways.join("; ")
 }
 
-/// The command that brings a file out of degrees.
-fn of_degrees(name: &str, kind: InputKind, (lon, lat): (f64, f64)) -> String {
+/// Whether what has this name is held in memory, so that it has one property alone.
+pub(super) fn is_held(name: &str) -> bool {
+    !Path::new(name).exists() && !is_remote(Path::new(name))
+}
+
+/// The ways to bring a file out of degrees; what is held in memory no other program converts.
+fn of_degrees((name, crs): (&str, &str), kind: InputKind, (lon, lat): (f64, f64)) -> String {
     if !((-180.0..=360.0).contains(&lon) && (-90.0..=90.0).contains(&lat)) {
         return format!(
-            "its middle, longitude {lon} and latitude {lat}, is not on Earth: is the coordinate system right?"
+            "its middle, longitude {} and latitude {}, is not on Earth: is the coordinate system right?",
+            tidy(lon),
+            tidy(lat)
         );
     }
+    let extension = Path::new(name).extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if ["obj", "ply"].contains(&extension.as_str()) {
+        return "a mesh has its coordinates in meters: name their system with `--crs EPSG:n`".into();
+    }
+    // GDAL takes neither folders of tiles nor CityJSON.
+    if !Path::new(name).is_file() || extension == "json" {
+        return "`--project auto`".into();
+    }
     let epsg = utm_for(lon, lat);
-    let stem = Path::new(name).with_extension("").display().to_string();
-    let name = shell_word(name);
+    // The file itself may name another system, or none.
+    let from = if crs.starts_with("EPSG:") { format!("-s_srs {crs} ") } else { String::new() };
+    let way = format!("{from}-t_srs EPSG:{epsg}");
     let command = match kind {
         InputKind::Raster => {
-            format!("gdalwarp -t_srs EPSG:{epsg} -r near {name} {}", shell_word(&format!("{stem}_{epsg}.tif")))
+            let made = shell_word(&beside(name, &format!("_{epsg}.tif")));
+            format!("{WARP} -r near {way} {} {made}", shell_word(name))
         }
         InputKind::Vector => {
-            format!("ogr2ogr -t_srs EPSG:{epsg} {} {name}", shell_word(&format!("{stem}_{epsg}.geojson")))
+            // Tables of a GeoPackage stay several.
+            let extension = if extension == "gpkg" { "gpkg" } else { "geojson" };
+            let made = shell_word(&beside(name, &format!("_{epsg}.{extension}")));
+            format!("ogr2ogr {way} {made} {}", shell_word(name))
         }
     };
-    format!("`--project auto`, or {command}")
+    format!("`--project auto`, or `{command}`")
 }
 
 fn of_two(error: &CombineError) -> String {
     match error {
-        CombineError::TwoCrs { names: [a, b], crs: [a_crs, b_crs], pair } => match pair {
-            Pair::FootprintsTerrain => format!("ogr2ogr -t_srs {b_crs} reprojected.geojson {a}"),
-            Pair::SurfaceTerrain => format!("gdalwarp -t_srs {a_crs} {b} terrain_reprojected.tif"),
-            Pair::Tiles => format!("gdalwarp -t_srs {a_crs} {b} tile_reprojected.tif"),
-            Pair::WeightsScene => format!("gdalwarp -s_srs {a_crs} -t_srs {b_crs} {a} weights.tif"),
+        CombineError::TwoCrs { names: [a, _], crs: [a_crs, b_crs], pair } => match pair {
+            Pair::FootprintsTerrain | Pair::SurfaceTerrain => "`--project auto` takes both".into(),
+            Pair::Tiles => {
+                let folder = Path::new(a).parent().unwrap_or(Path::new("")).display().to_string();
+                let made = shell_word(&(folder + "_one.tif"));
+                format!("make one raster of all tiles: `{WARP} -t_srs {} FILE … {made}`", shell_word(a_crs))
+            }
+            Pair::WeightsScene => {
+                let (from, to) = (shell_word(a_crs), shell_word(b_crs));
+                let made = shell_word(&beside(a, "_reprojected.tif"));
+                format!("`{WARP} -s_srs {from} -t_srs {to} {} {made}`", shell_word(a))
+            }
             _ => format!("make the map again from a scene in {a_crs}"),
         },
-        CombineError::TwoDatums(_) => "bring one of them over with `gdalwarp -t_srs EPSG:HORIZONTAL+VERTICAL`; `--crs \
-                                       EPSG:n` says that both are in one system, whatever they name"
+        CombineError::TwoDatums(_) => "bring one of them over with `gdalwarp -t_srs EPSG:HORIZONTAL+VERTICAL IN OUT`; \
+                                       `--crs EPSG:n` says that both are in one system, whatever they name"
             .to_string(),
         _ => "compare the extents and coordinate reference systems that `skyshed info` gives for both".to_string(),
     }
@@ -204,7 +300,8 @@ fn of_crs(error: &CrsError) -> Option<String> {
         CrsError::UnknownCode(_) => "give another EPSG code, or the definition as WKT or PROJ string",
         CrsError::Unreadable(..) => "wanted for example `EPSG:25832`, a WKT or a PROJ string",
         CrsError::NoWay { .. } => {
-            "bring the files into one coordinate reference system, for example with gdalwarp or ogr2ogr"
+            "bring the files into one coordinate reference system, for example with `gdalwarp -t_srs EPSG:n IN OUT` or \
+             `ogr2ogr -t_srs EPSG:n OUT IN`"
         }
         _ => return None,
     };
@@ -220,7 +317,7 @@ fn of_output(fault: &WriteFault) -> Option<String> {
         WriteFault::NoFile => "where a command offers `-o -`, that writes to standard output",
         WriteFault::Exists | WriteFault::ExistsMeanwhile => "`--overwrite` replaces it",
         WriteFault::OneLayer(..) => "choose one site and one layer, or write .tif",
-        WriteFault::Without(_) => "add `los` to `--layers`, or write .tif",
+        WriteFault::Without(_) => "`--layers los` with the others behind it, or write .tif",
         WriteFault::SetsBesideMeasures => "write `which` to a .tif of its own, or to .exr",
         WriteFault::SetsBesideCounts => "write each to a .tif of its own, or both to .exr",
         WriteFault::NoBoxes(..) => "write .geojson, or .xml for Mitsuba and Sionna RT",
@@ -244,8 +341,13 @@ fn quoted(names: &[String]) -> Option<String> {
     (!names.is_empty()).then(|| quoted.join(", "))
 }
 
+/// A file beside another one: its name with another end.
+pub(super) fn beside(name: &str, end: &str) -> String {
+    Path::new(name).with_extension("").display().to_string() + end
+}
+
 /// A word that a POSIX shell reads back as `text`.
-fn shell_word(text: &str) -> String {
+pub(super) fn shell_word(text: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "/._-+:@%,=".contains(c);
     if !text.is_empty() && text.chars().all(plain) {
         text.to_string()
@@ -303,9 +405,15 @@ mod tests {
 
     #[test]
     fn degrees_are_answered_with_the_command_that_helps() {
-        assert_eq!(
-            of_degrees("maps/old town.tif", InputKind::Raster, (9.18, 48.78)),
-            "`--project auto`, or gdalwarp -t_srs EPSG:32632 -r near 'maps/old town.tif' 'maps/old town_32632.tif'"
-        );
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("old town.tif");
+        let name = file.display().to_string();
+        let hint = || of_degrees((&name, "EPSG:4326"), InputKind::Raster, (9.18, 48.78));
+        // Nothing can be done with a file that is held in memory alone.
+        assert_eq!(hint(), "`--project auto`");
+        std::fs::write(&file, "heights").expect("a file");
+        let made = name.replace(".tif", "_32632.tif");
+        let way = "-r near -s_srs EPSG:4326 -t_srs EPSG:32632";
+        assert_eq!(hint(), format!("`--project auto`, or `{WARP} {way} '{name}' '{made}'`"));
     }
 }

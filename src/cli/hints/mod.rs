@@ -1,11 +1,13 @@
 //! Remedies for errors and warnings, in the words of the command line.
 
+mod caller;
 mod core;
 mod io;
 mod own;
 mod study;
 mod warning;
 
+pub(in crate::cli) use caller::hint_for_caller;
 pub(in crate::cli) use warning::of_warning;
 
 use crate::error::Error;

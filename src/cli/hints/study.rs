@@ -10,7 +10,7 @@ pub(in crate::cli) fn hint(error: &Error) -> Option<String> {
         Error::LosProbability(LosProbabilityError::CityTooLarge { .. }) => {
             "`--method geometry` or `--method product` draw no whole city; or choose larger angles"
         }
-        Error::Chart(ChartError::Method { instead, .. }) => return Some(format!("`{instead}` can")),
+        Error::Chart(ChartError::Method { instead, .. }) => return Some(format!("`--method {instead}` can")),
         Error::Stress(StressError::ExactIsWrong { .. }) => "this is a fault of skyshed: please report it",
         _ => return None,
     };

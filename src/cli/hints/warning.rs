@@ -2,43 +2,53 @@
 
 use skyshed_core::Warning as OddScene;
 use skyshed_io::Warning as OddFiles;
-use skyshed_io::error::{OddFile, OddRaster};
+use skyshed_io::error::{OddFile, OddRaster, Oddity};
 
+use super::io::{beside, is_held, shell_word};
 use crate::error::{OddRun, Warning};
 use crate::quantity::tidy;
 
 /// The flag that a warning is about, or a remedy, where one is known.
 pub(in crate::cli) fn of_warning(warning: &Warning) -> Option<String> {
     let hint = match warning {
-        Warning::Core(OddScene::UnknownGround { .. }) => "`--nodata-as`",
-        Warning::Core(OddScene::LittleOpenGround) => "`--data-area auto|all|FILE`",
-        Warning::Io(OddFiles::WholeExtent) => "`--extent` was given, and no `--data-area auto|all|FILE`",
-        Warning::Io(OddFiles::Raster(oddity)) => return of_raster(&oddity.odd).map(str::to_string),
-        Warning::Io(OddFiles::File(_, odd)) => return of_file(odd),
-        Warning::Run(OddRun::FlatEarth { .. }) => "over rasters `--earth-k 4/3` for radio, `7/6` for light",
+        Warning::Core(OddScene::UnknownGround { .. }) => "`--nodata-as block|clear`",
+        Warning::Core(OddScene::LittleOpenGround) | Warning::Io(OddFiles::WholeExtent) => {
+            "`--data-area all` says so, `--data-area FILE` limits it"
+        }
+        Warning::Io(OddFiles::Raster(oddity)) => return of_raster(oddity),
+        Warning::Io(OddFiles::File(name, odd)) => return of_file(name, odd),
+        Warning::Run(OddRun::FlatEarth { is_choice: true, .. }) => {
+            "`--earth-k 4/3` for radio, `--earth-k 7/6` for light"
+        }
         Warning::Run(OddRun::Results { .. }) => "`skyshed info` tells what it is",
         _ => return None,
     };
     Some(hint.to_string())
 }
 
-fn of_raster(odd: &OddRaster) -> Option<&'static str> {
+fn of_raster(Oddity { name, odd, .. }: &Oddity) -> Option<String> {
     match odd {
-        OddRaster::WebMercator => Some("resample it with `gdalwarp -t_srs EPSG:326NN`"),
-        OddRaster::Unlikely(_) => Some("declare nodata with `gdal_edit.py -a_nodata VALUE` if they are none"),
-        OddRaster::Gaps { .. } => Some("give it one with `gdalbuildvrt -vrtnodata -9999`"),
+        OddRaster::WebMercator { utm_epsg } => Some(format!("`--project EPSG:{utm_epsg}` brings it into UTM")),
+        OddRaster::Unlikely(_) => {
+            let (file, made) = (shell_word(name), shell_word(&beside(name, "_nodata.tif")));
+            Some(format!("if they are none, declare it: `gdal_translate -a_nodata VALUE {file} {made}`"))
+        }
+        OddRaster::Gaps { .. } => {
+            Some(format!("give it one: `gdalbuildvrt -overwrite -vrtnodata -9999 {} FILE …`", shell_word(name)))
+        }
         _ => None,
     }
 }
 
-fn of_file(odd: &OddFile) -> Option<String> {
+fn of_file(name: &str, odd: &OddFile) -> Option<String> {
     let hint = match odd {
         OddFile::NoCrs => "`--crs EPSG:n`",
-        OddFile::Voids { .. } => "`--nodata-as`",
+        OddFile::Voids { .. } => "`--nodata-as block|clear`",
         OddFile::SurfaceAlone => "give `--terrain FILE` or `--ground Z` to put them on the ground",
         OddFile::NotInMeters(_) => "`--radius` and `--cell` too",
         OddFile::ManyCells => "give `--radius` so that one map fits",
-        OddFile::MissingHeights { left_out: Some(_), .. } => "`--missing levels|median|fail`",
+        OddFile::MissingHeights { left_out: Some(_), .. } if is_held(name) => "`--missing median`",
+        OddFile::MissingHeights { left_out: Some(_), .. } => "`--missing levels|median`",
         OddFile::OtherGround { median_m, .. } => {
             return Some(format!("`--terrain FILE`, or `--ground {}`, the median", tidy(*median_m)));
         }

@@ -207,6 +207,11 @@ fn operation_near(from: &CrsDef, to: &CrsDef, near: (f64, f64)) -> proj_core::Re
     Ok(valid.filter_map(built).next().unwrap_or(first))
 }
 
+/// Whether the projection of a system is known, so that ways lead from and to it; of some no more than the name is.
+pub(crate) fn is_projection_known(crs: &Crs) -> bool {
+    horizontal(crs).is_some()
+}
+
 /// Takes one point from one system to another; for many points prepare a [`Transformation`].
 ///
 /// # Errors

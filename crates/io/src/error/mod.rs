@@ -188,6 +188,16 @@ impl Error {
         self
     }
 
+    /// Adds that the file is one beside the scene, where nothing else is known of the cause.
+    pub(crate) fn beside_scene(mut self) -> Error {
+        if let Error::Read(read) = &mut self
+            && read.cause == Cause::AsSaid
+        {
+            read.cause = Cause::BesideScene;
+        }
+        self
+    }
+
     /// Names the larger thing that the error is in, at the end of its text, in parentheses.
     #[must_use]
     pub fn within(self, more: impl Display) -> Error {

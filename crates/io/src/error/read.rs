@@ -276,7 +276,7 @@ pub enum Cause {
     OtherGrid,
     /// A tile of another place.
     FarTile,
-    /// Nodata that is declared wrongly, or not at all.
+    /// All cells hold the number that stands for no height.
     Nodata,
     /// Cells that are too large.
     LargeCells,
@@ -288,6 +288,8 @@ pub enum Cause {
     OpenDatabase,
     /// A program that was built without a format.
     NotBuilt,
+    /// A file of places or of an area: the options of the scene say nothing of it.
+    BesideScene,
 }
 
 /// Names in backticks.

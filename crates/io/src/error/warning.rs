@@ -76,7 +76,7 @@ pub enum OddRaster {
     #[error("has a negative cell height: read as positive, north up")]
     NegativeHeight,
     #[error("is in web Mercator, whose meters are stretched by 1/cos(latitude): distances and angles are off")]
-    WebMercator,
+    WebMercator { utm_epsg: u32 },
     #[error("gives its heights in units of {0} m; scenes convert them")]
     Unit(f64),
     #[error("has {0} bands: the first is read as heights")]
@@ -282,7 +282,7 @@ impl OddRaster {
             OddRaster::Unlikely(_) => 328,
             OddRaster::LaterImage(_) => 329,
             OddRaster::SouthUp | OddRaster::NegativeHeight => 330,
-            OddRaster::WebMercator => 331,
+            OddRaster::WebMercator { .. } => 331,
             OddRaster::Unit(_) => 332,
             OddRaster::Scaled(..) | OddRaster::TileScaling(..) => 333,
             OddRaster::Jpeg => 334,

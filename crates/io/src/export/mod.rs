@@ -21,6 +21,7 @@ mod single_band;
 mod table;
 mod temporary;
 mod vrt;
+mod whole;
 mod zones;
 
 pub use self::flatgeobuf::{PolygonFile, add_flatgeobuf};
@@ -39,4 +40,5 @@ pub use parquet::{Column, encode_parquet};
 pub use table::{as_text, encode_table};
 pub use temporary::abandon_files;
 pub use vrt::{MosaicTile, Near, vrt};
+pub use whole::{Left, left_of};
 pub use zones::add_zones;

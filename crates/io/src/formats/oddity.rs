@@ -2,9 +2,20 @@
 
 use std::fmt::Display;
 
+use crate::crs::{Transformation, from_epsg, is_web_mercator, utm_for};
 use crate::error::{OddRaster, Oddity, Result, Warning};
+use crate::raster::GeoRef;
 
 impl OddRaster {
+    /// That a grid is in web Mercator, if it is, with the zone of UTM that its middle lies in.
+    pub(super) fn of_web_mercator(grid: &GeoRef) -> Option<OddRaster> {
+        let crs = grid.crs().filter(|crs| is_web_mercator(crs))?;
+        let (x, y) = ((grid.x_min() + grid.x_max()) / 2.0, (grid.y_min() + grid.y_max()) / 2.0);
+        let wgs84 = from_epsg(4326).ok()?;
+        let (lon, lat) = Transformation::new(crs, &wgs84, (x, y)).ok()?.apply((x, y)).ok()?;
+        Some(OddRaster::WebMercator { utm_epsg: utm_for(lon, lat) })
+    }
+
     /// Whether it is about the reference system, so that another one settles it.
     pub(crate) fn is_of_crs(&self) -> bool {
         matches!(self.number(), 325 | 326 | 331)
@@ -17,6 +28,11 @@ impl OddRaster {
 }
 
 impl Oddity {
+    /// Whether it is that the raster is in web Mercator.
+    pub(crate) fn is_web_mercator(&self) -> bool {
+        matches!(self.odd, OddRaster::WebMercator { .. })
+    }
+
     pub(super) fn new(name: impl Display, odd: OddRaster) -> Oddity {
         Oddity { name: name.to_string(), odd, n_more: 0 }
     }

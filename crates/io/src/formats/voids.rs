@@ -103,7 +103,8 @@ impl Voids {
         let n_voids = self.n_nodata + self.n_missing + self.nan.count + self.infinite.count;
         if self.n_heights == 0 {
             let read = ReadFault::AllVoid(n_voids, "read holds".into());
-            return Err(Error::read(name, read).because(Cause::Nodata));
+            let are_marked = self.n_nodata > 0 && self.nodata.is_some_and(|number| !number.is_nan());
+            return Err(Error::read(name, read).because(if are_marked { Cause::Nodata } else { Cause::AsSaid }));
         }
         let found = |cells: CellsFound| (cells.count > 0).then_some(cells);
         let odd = [

@@ -18,8 +18,8 @@ use crate::raster::GeoRef;
 /// brought into the scene's CRS (E206) or no polygon meets the grid (E208).
 pub fn read_area(input: impl Into<Input>, grid: &GeoRef) -> Result<Area> {
     let input = &input.into();
-    let set = read_features(input, Selection::default())?;
-    let named = set.crs?;
+    let set = read_features(input, Selection::default()).map_err(Error::beside_scene)?;
+    let named = set.crs.map_err(Error::beside_scene)?;
     let areas: Vec<_> = set.features.into_iter().enumerate().filter(|(_, f)| !f.polygons.is_empty()).collect();
     if areas.is_empty() {
         return Err(Error::read(input, ReadFault::Nothing(Wanted::Area)));

@@ -8,10 +8,11 @@ use rayon::prelude::*;
 
 use super::footprint_options::{FootprintOptions, HEIGHT};
 use super::footprints;
-use super::heights::check_grid;
+use super::heights::{Heights, check_grid};
 use super::repairs::Listing;
-use super::surface::{Empty, SurfaceOptions, scene_over, warning_of_voids};
-use super::terrain::{Placed, terrain_on_grid};
+use super::reprojected::Reprojection;
+use super::surface::{Empty, SurfaceOptions, reprojection_of, scene_of, scene_over, warning_of_voids};
+use super::terrain::{Placed, terrain_on_grid, way_to_terrain};
 use super::vector::{Feature, FeatureSet, Property, wkb};
 use crate::city::City;
 use crate::error::{Error, HeightOf, Place, ReadFault, Result, Warning};
@@ -79,7 +80,8 @@ impl HeldHeights {
     }
 }
 
-/// The scene of a surface model, and of the terrain below it if that is held, too.
+/// The scene of a surface model, and of the terrain below it if that is held, too. Into another reference system they are
+/// brought as files are.
 ///
 /// # Errors
 /// Those of [`super::read_surface`] about heights and reference systems.
@@ -90,14 +92,19 @@ pub fn surface_of(
     warnings: &mut Vec<Warning>,
 ) -> Result<City> {
     let HeldHeights { name, raster, n_void } = surface;
-    check_grid(&name, raster.georef(), warnings)?;
+    let reprojection = reprojection_of(&name, raster.georef(), options)?;
+    let heights = Heights { raster, n_void, sources: Vec::new() };
+    let Heights { raster, n_void, .. } = Reprojection::of_held(reprojection, (&name, heights), warnings)?;
     warnings.extend(warning_of_voids(&name, n_void, options.nodata_as));
     let Some(HeldHeights { name: terrain_name, raster: terrain, .. }) = terrain else {
-        return super::surface::scene_of(&name, (raster, Empty::Nodata), Vec::new(), options, warnings);
+        return scene_of(&name, (raster, Empty::Nodata), Vec::new(), options, warnings);
     };
-    check_grid(&terrain_name, terrain.georef(), warnings)?;
+    let way = way_to_terrain(raster.georef(), terrain.georef(), options.project.is_some())?;
+    if way.is_none() {
+        check_grid(&terrain_name, terrain.georef(), warnings)?;
+    }
     let (above, below) = (Placed { input: &name, on: raster.georef() }, Placed { input: &terrain_name, on: terrain });
-    let terrain = terrain_on_grid(above, below, None, warnings)?;
+    let terrain = terrain_on_grid(above, below, way.as_ref(), warnings)?;
     let terrain = Some(Placed { input: &terrain_name, on: terrain });
     scene_over(&name, (raster, Empty::Nodata), terrain, Vec::new(), options, warnings)
 }

@@ -77,6 +77,20 @@ impl<'a> Reprojection<'a> {
         }
     }
 
+    /// Heights in memory on the grid if there is one, with a warning of what was done; else as they are.
+    pub(super) fn of_held(
+        plan: Option<Reprojection<'_>>,
+        (input, heights): (&Input, Heights),
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Heights> {
+        let grid = plan.as_ref().map_or(heights.raster.georef(), |plan| &plan.grid);
+        check_grid(input, grid, warnings)?;
+        match plan {
+            None => Ok(heights),
+            Some(plan) => plan.apply(heights, warnings),
+        }
+    }
+
     fn apply(self, heights: Heights, warnings: &mut Vec<Warning>) -> Result<Heights> {
         let Reprojection { input, from, to, grid, sources, farthest } = self;
         let cells = sources.resampled(heights.raster.cells(), VOID);

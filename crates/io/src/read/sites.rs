@@ -69,7 +69,7 @@ fn read_csv(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>)
 
 fn read_geojson(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
     let document = read_document(input)?;
-    let crs = named_crs(input, &document)?.map_or_else(|| crs::from_epsg(4326), Ok)?;
+    let crs = named_crs(input, &document).map_err(Error::beside_scene)?.map_or_else(|| crs::from_epsg(4326), Ok)?;
     let mut rows = Vec::new();
     for (number, feature) in features(input, document)?.iter().enumerate() {
         let from = position_of(&feature["geometry"]).ok().and_then(|xy| degrees_or_named(&crs, xy));
@@ -188,6 +188,7 @@ pub(super) fn refused(input: &Input, told: BadRowsTold, of: PlacesIn, is_degrees
     match first {
         RowFault::Text(_) => bad_rows(input, of, what, some_are_good),
         RowFault::Place(_) => Error::read(input, ReadFault::Misplaced { what, is_degrees, some_are_good }),
+        RowFault::NoWay(_) => Error::read(input, ReadFault::Misplaced { what, is_degrees: false, some_are_good }),
     }
 }
 
@@ -201,5 +202,8 @@ pub(super) fn in_scene(
     if from.epsg().is_some() && from.epsg() == to.epsg() {
         return Ok(xy);
     }
-    transform(from, to, xy).map_err(|e| RowFault::Place(format!("{e} ({} to {})", from.label(), to.label())))
+    transform(from, to, xy).map_err(|e| {
+        let fault = if crs::is_projection_known(to) { RowFault::Place } else { RowFault::NoWay };
+        fault(format!("{e} ({} to {})", from.label(), to.label()))
+    })
 }

@@ -71,18 +71,33 @@ pub fn read_surface(input: impl Into<Input>, options: &SurfaceOptions, warnings:
 /// The heights of the surface, in the wanted system.
 fn surface_heights(input: &Input, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<Heights> {
     let file = HeightFile::open(input, options.crs.as_ref(), warnings)?;
-    let reprojection = match &options.project {
-        None => None,
-        Some(projection) => Reprojection::plan(input, file.georef(), projection, options.cell_m)?,
-    };
-    if reprojection.is_none() && options.cell_m.is_some() {
-        return Err(OptionError::CellKept(input.to_string()).into());
+    let reprojection = reprojection_of(input, file.georef(), options)?;
+    if reprojection.is_some() {
+        // Its meters are those of another system then.
+        let is_mercator = |odd: &Warning| matches!(odd, Warning::Raster(odd) if odd.is_web_mercator());
+        warnings.retain(|odd| !is_mercator(odd));
     }
     let file = match options.around {
         Some(around) => file.around(around),
         None => file,
     };
     Reprojection::read(reprojection, file, options.always_hash, warnings)
+}
+
+/// The way of a surface into the wanted system; `None` where it stays in its own.
+pub(super) fn reprojection_of<'a>(
+    input: &'a Input,
+    grid: &GeoRef,
+    options: &SurfaceOptions,
+) -> Result<Option<Reprojection<'a>>> {
+    let reprojection = match &options.project {
+        None => None,
+        Some(projection) => Reprojection::plan(input, grid, projection, options.cell_m)?,
+    };
+    if reprojection.is_none() && options.cell_m.is_some() {
+        return Err(OptionError::CellKept(input.to_string()).into());
+    }
+    Ok(reprojection)
 }
 
 /// The grid of a surface, without reading its cells.

@@ -227,12 +227,14 @@ pub enum RowFault {
     Text(String),
     /// Where its position lies.
     Place(String),
+    /// Its position in a system from or to which no way is known.
+    NoWay(String),
 }
 
 impl std::fmt::Display for RowFault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            RowFault::Text(words) | RowFault::Place(words) => f.write_str(words),
+            RowFault::Text(words) | RowFault::Place(words) | RowFault::NoWay(words) => f.write_str(words),
         }
     }
 }

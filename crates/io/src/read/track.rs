@@ -58,7 +58,7 @@ fn read_csv(input: &Input, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<
 
 fn read_geojson(input: &Input, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<Vec<[f64; 2]>> {
     let document = read_document(input)?;
-    let crs = named_crs(input, &document)?.map_or_else(|| crs::from_epsg(4326), Ok)?;
+    let crs = named_crs(input, &document).map_err(Error::beside_scene)?.map_or_else(|| crs::from_epsg(4326), Ok)?;
     let mut rows = Vec::new();
     let mut n_lines = 0;
     for (number, feature) in features(input, document)?.into_iter().enumerate() {

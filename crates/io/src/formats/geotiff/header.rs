@@ -374,7 +374,8 @@ fn codec(source: &mut TiffSource, directory: &Directory) -> Result<Codec> {
     };
     let wanted = "none, LZW, deflate, PackBits, Zstandard, LERC or JPEG";
     let error = source.unsupported(format!("unsupported compression `{code}` ({name}), wanted {wanted}"));
-    Err(error.because(Cause::Compression))
+    // What nobody knows no program decodes.
+    Err(error.because(if name == "unknown" { Cause::DamagedHeader } else { Cause::Compression }))
 }
 
 fn predictor(source: &mut TiffSource, directory: &Directory, codec: Codec, sample: Sample) -> Result<Predictor> {

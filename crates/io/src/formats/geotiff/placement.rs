@@ -95,6 +95,7 @@ pub(super) fn read_placement(
     let y_max = if south_up { f + e * n_rows as f64 } else { f };
     let crs = crs(&keys, &mut tell);
     let georef = GeoRef::new((c, y_max), (a, e.abs()), (n_rows, n_cols), crs).ok_or_else(irregular)?;
+    OddRaster::of_web_mercator(&georef).into_iter().for_each(&mut tell);
     let vertical = vertical(&keys);
     // The unit of a system of the registry is part of it, and often not repeated.
     let of_system = vertical.as_ref().and_then(VerticalCrs::meters_per_unit);
@@ -117,7 +118,8 @@ fn affine(source: &mut TiffSource, directory: &Directory, tell: &mut impl FnMut(
         }
         (_, _, Some([a, b, _, c, d, e, _, f, ..])) => Ok(Some(Affine { a: *a, b: *b, c: *c, d: *d, e: *e, f: *f })),
         (None, None, None) => Ok(None),
-        (None, Some(points), None) if points.len() >= 6 => {
+        // Fewer do not tell how columns and rows run.
+        (None, Some(points), None) if points.len() >= 3 * 6 => {
             let text = format!("it is placed by {} ground control points, wanted a regular grid", points.len() / 6);
             Err(Error::read(source.input(), ReadFault::Irregular(text)).because(Cause::ControlPoints))
         }
@@ -157,7 +159,7 @@ fn crs(keys: &GeoKeys, tell: &mut impl FnMut(OddRaster)) -> Option<Crs> {
     let meters_per_unit = if geographic { None } else { keys.meters_per_unit(3076, 3077) };
     let citation = keys.text(citation_key).or_else(|| keys.text(1026)).unwrap_or_default();
     let named = |name: &str| Some(crs::from_geokeys_citation(name, meters_per_unit, geographic));
-    let crs = match keys.short(code_key) {
+    match keys.short(code_key) {
         Some(code) if code != USER_DEFINED && code != 0 => match crs::from_epsg(u32::from(code)) {
             Ok(crs) => Some(crs),
             Err(error) => {
@@ -171,11 +173,7 @@ fn crs(keys: &GeoKeys, tell: &mut impl FnMut(OddRaster)) -> Option<Crs> {
             _ if citation.is_empty() => named("user-defined"),
             _ => named(&citation),
         },
-    };
-    if crs.as_ref().and_then(Crs::epsg) == Some(3857) {
-        tell(OddRaster::WebMercator);
     }
-    crs
 }
 
 /// The vertical system that the keys name.

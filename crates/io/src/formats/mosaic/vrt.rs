@@ -15,7 +15,7 @@ use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers}
 use super::vrt_source::Source;
 use super::vrt_xml::{Vrt, attribute, child, read_xml, refuse_crowds, text_of};
 use crate::crs;
-use crate::crs::{contradicts, is_web_mercator};
+use crate::crs::contradicts;
 use crate::error::{Cause, Error, OddRaster, Oddity, Pair, ReadFault, Result, two_crs};
 use crate::formats::geotiff::meters_per_named_unit;
 use crate::formats::oddity::each_once;
@@ -210,9 +210,6 @@ fn placement(vrt: Vrt<'_>, root: Node<'_, '_>, odd: &mut Vec<Oddity>) -> Result<
     if child(root, "SRS").is_none() {
         tell(OddRaster::NoCrs);
     }
-    if crs.as_ref().is_some_and(is_web_mercator) {
-        tell(OddRaster::WebMercator);
-    }
     let Some(node) = child(root, "GeoTransform") else {
         if let Some(list) = child(root, "GCPList") {
             let what = "it is placed by ground control points, wanted a regular grid";
@@ -235,6 +232,8 @@ fn placement(vrt: Vrt<'_>, root: Node<'_, '_>, odd: &mut Vec<Oddity>) -> Result<
             ReadFault::Rotated(format!("`GeoTransform` is `{}`, wanted a north-up raster", text_of(node))),
         ));
     }
-    GeoRef::new((x_min, y_max), (width, -height), (n_rows, n_cols), crs)
-        .ok_or_else(|| vrt.error(node, ReadFault::Irregular("`GeoTransform` gives no regular grid".into())))
+    let georef = GeoRef::new((x_min, y_max), (width, -height), (n_rows, n_cols), crs)
+        .ok_or_else(|| vrt.error(node, ReadFault::Irregular("`GeoTransform` gives no regular grid".into())))?;
+    OddRaster::of_web_mercator(&georef).into_iter().for_each(tell);
+    Ok(georef)
 }
