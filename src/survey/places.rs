@@ -259,7 +259,10 @@ fn looks_of(path: &Path) -> Looks {
 /// A table of UAVs has heights; any other is a track, which says what it lacks.
 fn table_looks(path: &Path) -> Option<Looks> {
     let lines = BufReader::new(File::open(path).ok()?.take(1 << 16)).lines();
-    let header = lines.map_while(std::io::Result::ok).find(|line| !line.starts_with('#'))?.to_lowercase();
+    let header = lines
+        .map_while(std::io::Result::ok)
+        .find(|line| !(line.starts_with('#') || line.trim().is_empty()))?
+        .to_lowercase();
     let names: Vec<&str> = header
         .trim_start_matches('\u{feff}')
         .split([',', ';', '\t'])
