@@ -174,15 +174,16 @@ pub(super) fn scene_over(
 ) -> Result<City> {
     let ground = match (terrain, options.ground_m) {
         (Some(Placed { input: terrain_path, on: terrain }), _) => {
-            let cells = surface.cells().par_iter().with_min_len(PART).zip(terrain.cells());
-            let above = cells.filter(|(s, t)| **s != VOID && t > s).count();
+            let parts = surface.cells().par_chunks(PART).zip(terrain.cells().par_chunks(PART));
+            let above: usize = parts.map(|(s, t)| s.iter().zip(t).filter(|(s, t)| **s != VOID && t > s).count()).sum();
             warnings.extend(warning_of_high_terrain(terrain_path, above as u64, surface.cells().len()));
             Ground::Terrain(terrain)
         }
         (None, Some(ground_m)) => {
             let z = ground_steps(ground_m)?;
             // A surface that is flat where it is ground is often a rounding below the ground that was typed.
-            let buried = surface.cells().par_iter().with_min_len(PART).filter(|s| **s != VOID && **s < z - 1).count();
+            let parts = surface.cells().par_chunks(PART);
+            let buried: usize = parts.map(|part| part.iter().filter(|s| **s != VOID && **s < z - 1).count()).sum();
             warnings.extend(warning_of_high_ground(input, ground_m, buried as u64, surface.cells().len()));
             Ground::Flat(z)
         }
@@ -239,10 +240,10 @@ pub(super) fn raise(
     // VOID is below every height, so a cell without one takes the ground's.
     match ground {
         Ground::Terrain(terrain) => {
-            let raised = cells.par_iter_mut().with_min_len(PART).zip(terrain.cells());
-            raised.for_each(|(s, t)| *s = (*s).max(*t));
+            let parts = cells.par_chunks_mut(PART).zip(terrain.cells().par_chunks(PART));
+            parts.for_each(|(s, t)| s.iter_mut().zip(t).for_each(|(s, t)| *s = (*s).max(*t)));
         }
-        Ground::Flat(z) => cells.par_iter_mut().with_min_len(PART).for_each(|s| *s = (*s).max(*z)),
+        Ground::Flat(z) => cells.par_chunks_mut(PART).for_each(|part| part.iter_mut().for_each(|s| *s = (*s).max(*z))),
         Ground::Surface => {}
     }
     voids
@@ -250,7 +251,7 @@ pub(super) fn raise(
 
 /// The cells without a height, if there are any.
 fn voids_of(cells: &[i32], (n_rows, n_cols): (usize, usize)) -> Option<BitGrid> {
-    cells.par_iter().with_min_len(PART).any(|s| *s == VOID).then(|| {
+    cells.par_chunks(PART).any(|part| part.contains(&VOID)).then(|| {
         let mut voids = BitGrid::new(n_rows, n_cols);
         let per_row = voids.words_per_row();
         voids.words_mut().par_chunks_mut(per_row).zip(cells.par_chunks(n_cols)).for_each(|(words, cells)| {
