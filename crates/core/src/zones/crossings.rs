@@ -17,7 +17,8 @@ const SMALLEST_YARD_M2: f64 = 25.0;
 /// A branch shorter than this share of the width of its gate is cut off.
 const SHORTEST_BRANCH_WIDTHS: f64 = 1.0;
 
-/// A gate counts as narrower only if it is this share of another or less.
+/// Share of another gate's width below which a gate counts as narrower. Without it the mouths of streets whose walls are
+/// parallel would depend on rounding.
 const NARROWER_SHARE: f64 = 0.97;
 
 /// Where gates no longer narrow, a narrower one is looked for this far on \[widths of the narrowest found\]. The streets
@@ -172,13 +173,14 @@ impl<'a> Gates<'a> {
         let mut is_narrowing = true;
         for (k, gate) in gates.enumerate() {
             let length = self.mesh.length(gate.0, gate.1);
-            is_narrowing &= length < width;
+            let is_narrower = length < NARROWER_SHARE * width;
+            is_narrowing &= is_narrower;
             walked += last.map_or(0.0, |l| self.distance(l, gate));
             last = Some(gate);
             if !is_narrowing && walked > MOUTH_SEARCH_WIDTHS * width {
                 break;
             }
-            if is_narrowing || length < NARROWER_SHARE * width {
+            if is_narrower {
                 (best, width, walked) = (k, length, 0.0);
             }
         }

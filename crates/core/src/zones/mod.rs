@@ -30,8 +30,8 @@
 //!    street goes on beyond it.
 //! 5. A triangle with three gates left is a *junction*; triangles with two form streets. From each gate of a junction the
 //!    street's *mouth* is looked for: onward as long as each gate is narrower than the one before, and then to any that
-//!    is narrower yet within 0.35 times its width. The junction and the ground as far as its mouths is a crossing, and
-//!    crossings whose mouths are less than a quarter of their width apart are one.
+//!    is narrower yet within 0.35 times its width. Narrower means by 3 % or more. The junction and the ground as far as
+//!    its mouths is a crossing, and crossings whose mouths are less than a quarter of their width apart are one.
 //! 6. **Crossroad** is a crossing where three streets meet, the third at least 0.3 times as wide as the second: an alley
 //!    off an avenue makes none. So which diagonal the triangulation takes where corners lie on one circle does not matter.
 //! 7. **Street** is all other open ground: streets, alleys, dead ends, bends, yards with a way in.
