@@ -26,6 +26,7 @@ mod truth; // real cities against an independent engine's masks
 mod cities; // generated cities: golden hashes, statistics
 mod tiles; // α, β, γ by tile: by hand, of generated cities, read back by GDAL
 mod zones; // street, crossroad, courtyard, rooftop: drawn cases, and the triangulation against the construction
+mod zones_turned; // the same zones from all sides: mirrored, turned, shifted, in another order
 mod models; // every published P_LoS model against its table of values
 mod los_probability; // P_LoS of generated cities: reference values, brute force, both simulators, intervals
 mod simulators; // both simulators against the product, each other and rays

@@ -265,7 +265,7 @@ fn the_open_ground_of_generated_cities_has_the_zones_of_their_construction() {
         let ours = ZoneMap::of_open_ground(&field);
         assert_eq!((truth.basis(), ours.basis()), (ZoneBasis::StreetGrid, ZoneBasis::OpenGround));
         let (all, inner) = agreement(&truth, &ours, built_up.period());
-        assert!(all >= 0.95, "{built_up}: {all}, {inner} a period from the frame");
+        assert!(all >= 0.999, "{built_up}: {all}, {inner} a period from the frame");
         assert!(inner >= 0.995, "{built_up}: {inner}");
     }
 }
@@ -401,49 +401,10 @@ fn munich_has_all_zones_in_plausible_shares_on_any_number_of_threads() {
     let share = |zone: Zone| map.count(zone) as f64 / open;
     assert!((0.05..0.3).contains(&share(Zone::Crossroad)), "{}", share(Zone::Crossroad));
     assert!((0.1..0.35).contains(&share(Zone::Courtyard)), "{}", share(Zone::Courtyard));
-    for n_threads in [1, 3] {
+    for n_threads in [1, 2, 3] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
         assert_eq!(pool.install(|| ZoneMap::of(&build(&munich()), None)), map);
     }
-}
-
-/// The share of cells with the same zone after a scene's footprints and its map went through `point` and `cell`.
-fn symmetry(scene: &City, point: impl Fn([i64; 2]) -> [i64; 2], cell: impl Fn(usize, usize) -> (usize, usize)) -> f64 {
-    let map = ZoneMap::of(&build(scene), None);
-    let mut other = scene.clone();
-    if let Solids::Vector { footprints, .. } = &mut other.solids {
-        for p in footprints.iter_mut().flat_map(|f| &mut f.polygons).flatten().flatten() {
-            *p = point(p.map(i64::from)).map(|v| i32::try_from(v).unwrap());
-        }
-    }
-    let twin = ZoneMap::of(&build(&other), None);
-    let (n_rows, n_cols) = (map.grid().n_rows(), map.grid().n_cols());
-    let same = (0..n_rows * n_cols).filter(|k| {
-        let (row, col) = cell(k / n_cols, k % n_cols);
-        map.of_cell(k / n_cols, k % n_cols) == twin.of_cell(row, col)
-    });
-    same.count() as f64 / (n_rows * n_cols) as f64
-}
-
-#[test]
-fn a_mirrored_or_turned_city_has_mirrored_or_turned_zones() {
-    let scene = munich();
-    let Solids::Vector { frame, .. } = &scene.solids else { panic!("footprints") };
-    let ends = |grid: &GeoRef| {
-        let (west, south) = frame.lattice_from_world(grid.x_min(), grid.y_min());
-        let (east, north) = frame.lattice_from_world(grid.x_max(), grid.y_max());
-        (west + east, south + north)
-    };
-    let (n_rows, n_cols) = (scene.grid.n_rows(), scene.grid.n_cols());
-    let (x_sum, y_sum) = ends(&scene.grid);
-    let mirrored = symmetry(&scene, |[x, y]| [x_sum - x, y], |row, col| (row, n_cols - 1 - col));
-    assert!(mirrored > 0.995, "{mirrored}");
-    let half_turn = symmetry(&scene, |[x, y]| [x_sum - x, y_sum - y], |row, col| (n_rows - 1 - row, n_cols - 1 - col));
-    assert!(half_turn > 0.995, "{half_turn}");
-    let mut city = generated("urban", 1, 300.0).city().unwrap();
-    city.built_up = None;
-    let quarter_turn = symmetry(&city, |[x, y]| [300 * i64::from(STEPS) - y, x], |row, col| (299 - col, row));
-    assert!(quarter_turn > 0.995, "{quarter_turn}");
 }
 
 #[test]

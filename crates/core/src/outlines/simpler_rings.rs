@@ -163,7 +163,7 @@ fn is_in(p: [i64; 2], [a, b, c]: [[i64; 2]; 3]) -> bool {
 }
 
 /// Distance of a point from a segment.
-pub(crate) fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (ab, ap) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let squared = ab[0] * ab[0] + ab[1] * ab[1];
     let along = if squared > 0.0 { ((ab[0] * ap[0] + ab[1] * ap[1]) / squared).clamp(0.0, 1.0) } else { 0.0 };

@@ -1,6 +1,7 @@
 //! How much the edges of rings cross, found before an overlay pays for it.
 
 use std::fmt;
+use std::ops::ControlFlow;
 
 use super::rings::Ring;
 
@@ -49,14 +50,22 @@ pub fn tangle(rings: &[Ring]) -> Option<Tangle> {
 }
 
 /// Whether rings cross so often that joining them by halves costs less. Pairs side by side are as many in halves.
-pub(super) fn are_many<'a>(rings: impl IntoIterator<Item = &'a Ring>) -> bool {
+pub(crate) fn are_many<'a>(rings: impl IntoIterator<Item = &'a Ring>) -> bool {
     let mut edges = edges_of(rings);
     let most = 1000 + CROSSINGS_PER_EDGE * edges.len();
     matches!(exceeds(&mut edges, most), Some(Tangle::Crossings(_)))
 }
 
 /// An edge from its smaller end.
-type Edge = [[i32; 2]; 2];
+pub(super) type Edge = [[i32; 2]; 2];
+
+/// Returns the edges of rings, each once, in ascending order.
+pub(super) fn edges_once<'a>(rings: impl IntoIterator<Item = &'a Ring>) -> Vec<Edge> {
+    let mut edges = edges_of(rings);
+    edges.sort_unstable();
+    edges.dedup();
+    edges
+}
 
 fn edges_of<'a>(rings: impl IntoIterator<Item = &'a Ring>) -> Vec<Edge> {
     let of_ring = |ring: &'a Ring| ring.iter().zip(ring.iter().cycle().skip(1)).map(|(&a, &b)| [a.min(b), a.max(b)]);
@@ -64,64 +73,83 @@ fn edges_of<'a>(rings: impl IntoIterator<Item = &'a Ring>) -> Vec<Edge> {
 }
 
 /// Counts crossings of edges, or the pairs compared for it, until there are too many.
-///
-/// The plane is cut into strips about as high as an edge, or as many as the root of their number. In each strip edges are
-/// met from west to east, and compared with those before them that reach as far.
 fn exceeds(edges: &mut Vec<Edge>, most: usize) -> Option<Tangle> {
     edges.sort_unstable();
     edges.dedup();
+    let most_pairs = MOST_PAIRS + PAIRS_PER_EDGE * edges.len();
+    let mut n_crossings = 0;
+    let met = for_each_crossing(edges, most_pairs, |_, _| {
+        n_crossings += 1;
+        if n_crossings > most { ControlFlow::Break(Tangle::Crossings(most)) } else { ControlFlow::Continue(()) }
+    });
+    met.break_value()
+}
+
+/// Calls `visit` with the numbers of each two edges that cross, until it breaks, or more than `most_pairs` were compared.
+///
+/// `edges` are in ascending order. The plane is cut into strips about as high as an edge, or as many as the root of their
+/// number. In each strip edges are met from west to east, and compared with those before them that reach as far.
+pub(super) fn for_each_crossing(
+    edges: &[Edge],
+    most_pairs: usize,
+    mut visit: impl FnMut(usize, usize) -> ControlFlow<Tangle>,
+) -> ControlFlow<Tangle> {
     let n = edges.len();
-    let most_pairs = MOST_PAIRS + PAIRS_PER_EDGE * n;
     let ys = |edge: &Edge| [edge[0][1].min(edge[1][1]), edge[0][1].max(edge[1][1])].map(i64::from);
-    let south = edges.iter().map(|edge| ys(edge)[0]).min()?;
-    let north = edges.iter().map(|edge| ys(edge)[1]).max()?;
-    let count = i64::try_from(n).ok()?;
+    let south = edges.iter().map(|edge| ys(edge)[0]).min();
+    let north = edges.iter().map(|edge| ys(edge)[1]).max();
+    let (Some(south), Some(north), Ok(count)) = (south, north, i64::try_from(n)) else {
+        return ControlFlow::Continue(());
+    };
     let mean = edges.iter().map(|edge| ys(edge)[1] - ys(edge)[0]).sum::<i64>() / count;
     let height = mean.max((north - south) / count.isqrt()) + 1;
     let strip = |y: i64| usize::try_from((y - south) / height).unwrap_or(0);
-    let mut in_strips: Vec<Vec<&Edge>> = vec![Vec::new(); strip(north) + 1];
-    for edge in &*edges {
+    let mut in_strips: Vec<Vec<usize>> = vec![Vec::new(); strip(north) + 1];
+    for (number, edge) in edges.iter().enumerate() {
         let [low, high] = ys(edge);
-        in_strips[strip(low)..=strip(high)].iter_mut().for_each(|edges| edges.push(edge));
+        in_strips[strip(low)..=strip(high)].iter_mut().for_each(|numbers| numbers.push(number));
     }
-    let (mut n_crossings, mut n_pairs) = (0, 0);
-    for (k, edges) in in_strips.iter().enumerate() {
-        let mut before: Vec<&Edge> = Vec::new();
-        for edge in edges {
+    let mut n_pairs = 0;
+    let mut before: Vec<usize> = Vec::new();
+    for (k, numbers) in in_strips.iter().enumerate() {
+        before.clear();
+        for &number in numbers {
             n_pairs += before.len();
             if n_pairs > most_pairs {
-                return Some(Tangle::Pairs(most_pairs));
+                return ControlFlow::Break(Tangle::Pairs(most_pairs));
             }
-            before.retain(|other| other[1][0] >= edge[0][0]);
+            let edge = &edges[number];
+            before.retain(|other| edges[*other][1][0] >= edge[0][0]);
             let [low, high] = ys(edge);
-            // Where both lie in several strips, they are compared in the lowest of them.
-            let is_here = |other: &Edge| {
-                let [other_low, other_high] = ys(other);
-                other_low <= high && other_high >= low && strip(other_low.max(low)) == k
-            };
-            n_crossings += before.iter().filter(|other| is_here(other) && cross(other, edge)).count();
-            if n_crossings > most {
-                return Some(Tangle::Crossings(most));
+            for &other in &before {
+                let [other_low, other_high] = ys(&edges[other]);
+                // Where both lie in several strips, they are compared in the lowest of them.
+                let is_here = other_low <= high && other_high >= low && strip(other_low.max(low)) == k;
+                if is_here && cross(&edges[other], edge) {
+                    visit(other, number)?;
+                }
             }
-            before.push(edge);
+            before.push(number);
         }
     }
-    None
+    ControlFlow::Continue(())
 }
 
 /// Whether two edges that differ have more in common than an end.
 fn cross([a, b]: &Edge, [c, d]: &Edge) -> bool {
-    let turn = |p: &[i32; 2], q: &[i32; 2], r: &[i32; 2]| {
-        let d = |p: &[i32; 2], q: &[i32; 2]| [0, 1].map(|k| i64::from(q[k]) - i64::from(p[k]));
-        let ([ux, uy], [vx, vy]) = (d(p, q), d(p, r));
-        (ux * vy - uy * vx).signum()
-    };
     let (of_c, of_d) = (turn(a, b, c), turn(a, b, d));
     if of_c == 0 && of_d == 0 {
         return a.max(c) < b.min(d);
     }
     let shares_end = a == c || a == d || b == c || b == d;
     !shares_end && of_c * of_d <= 0 && turn(c, d, a) * turn(c, d, b) <= 0
+}
+
+/// Returns 1 where r is to the left of the way from p to q, −1 to its right, 0 on its line.
+pub(super) fn turn(p: &[i32; 2], q: &[i32; 2], r: &[i32; 2]) -> i64 {
+    let d = |p: &[i32; 2], q: &[i32; 2]| [0, 1].map(|k| i64::from(q[k]) - i64::from(p[k]));
+    let ([ux, uy], [vx, vy]) = (d(p, q), d(p, r));
+    (ux * vy - uy * vx).signum()
 }
 
 #[cfg(test)]

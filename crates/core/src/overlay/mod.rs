@@ -4,17 +4,21 @@
 //! before a polygon is repaired, and [`union`] joins by halves what lies on one another. Where edges cross off the lattice, the crossing is
 //! rounded to it and the edges bend by less than a step. Coordinates are within ±2^28.
 
+mod arrangement;
 mod crossings;
 mod rings;
 mod triangulation;
 
 use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::integer::OverlayInt;
 use i_overlay::core::overlay::Overlay;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
+pub(crate) use arrangement::{FINER, arranged, finer};
+pub(crate) use crossings::are_many;
 pub use crossings::{Tangle, tangle};
-pub(crate) use rings::bounds_of;
+pub(crate) use rings::{FinePolygon, FineRing, bounds_of};
 pub use rings::{Polygon, Ring, doubled_area};
 pub(crate) use triangulation::{Cdt, corners_and_edges, inside_faces, triangulated};
 
@@ -58,6 +62,20 @@ pub fn union(mut polygons: Vec<Polygon>) -> Vec<Polygon> {
     polygons_of(Overlay::<i32>::from_subj(&contours(halves.iter().flatten())), OverlayRule::Subject, FillRule::NonZero)
 }
 
+/// Joins rings that were [`arranged`] together. Shells are wound alike, and holes the other way.
+pub(crate) fn fine_union(rings: &[FineRing]) -> Vec<FinePolygon> {
+    polygons_of(Overlay::from_subj(&contours(rings)), OverlayRule::Subject, FillRule::NonZero)
+}
+
+/// Cuts rings out of others; all were [`arranged`] together. Rings of one side that overlap are wound alike.
+pub(crate) fn fine_difference(rings: &[FineRing], less: &[FineRing]) -> Vec<FinePolygon> {
+    polygons_of(
+        Overlay::from_subj_and_clip(&contours(rings), &contours(less)),
+        OverlayRule::Difference,
+        FillRule::NonZero,
+    )
+}
+
 /// A polygon with its shell counterclockwise and its holes clockwise.
 pub fn wound(polygon: &Polygon) -> Polygon {
     let ring = |(k, ring): (usize, &Ring)| {
@@ -70,12 +88,12 @@ pub fn wound(polygon: &Polygon) -> Polygon {
     polygon.iter().enumerate().map(ring).collect()
 }
 
-fn contours<'a>(rings: impl IntoIterator<Item = &'a Ring>) -> Vec<Vec<IntPoint<i32>>> {
+fn contours<'a, I: OverlayInt + 'a>(rings: impl IntoIterator<Item = &'a Vec<[I; 2]>>) -> Vec<Vec<IntPoint<I>>> {
     rings.into_iter().map(|ring| ring.iter().map(|p| IntPoint { x: p[0], y: p[1] }).collect()).collect()
 }
 
-fn polygons_of(mut overlay: Overlay<i32>, rule: OverlayRule, fill: FillRule) -> Vec<Polygon> {
-    let ring = |contour: Vec<IntPoint<i32>>| contour.into_iter().map(|p| [p.x, p.y]).collect();
+fn polygons_of<I: OverlayInt>(mut overlay: Overlay<I>, rule: OverlayRule, fill: FillRule) -> Vec<Vec<Vec<[I; 2]>>> {
+    let ring = |contour: Vec<IntPoint<I>>| contour.into_iter().map(|p| [p.x, p.y]).collect();
     overlay.overlay(rule, fill).into_iter().map(|shape| shape.into_iter().map(ring).collect()).collect()
 }
 

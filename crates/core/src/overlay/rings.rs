@@ -7,6 +7,12 @@ pub type Ring = Vec<[i32; 2]>;
 /// holes.
 pub type Polygon = Vec<Ring>;
 
+/// Ring on the finer lattice of an arrangement.
+pub(crate) type FineRing = Vec<[i64; 2]>;
+
+/// Shell and its holes on the finer lattice.
+pub(crate) type FinePolygon = Vec<FineRing>;
+
 /// Twice the signed area of a ring, positive counterclockwise; exact.
 pub fn doubled_area<T: Copy + Into<i128>>(ring: &[[T; 2]]) -> i128 {
     let next = ring.iter().cycle().skip(1);

@@ -1,21 +1,20 @@
 //! Constrained Delaunay triangulations of rings (spade).
 
 use std::collections::HashMap;
+use std::hash::Hash;
 
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
-
-use super::Ring;
 
 /// A triangulation of which the edges of rings are constraint edges.
 pub(crate) type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
 /// The corners of some rings, each once, in the order in which they come, and the edges between them.
-pub(crate) fn corners_and_edges(rings: &[Ring]) -> (Vec<[i32; 2]>, Vec<[usize; 2]>) {
-    let mut index: HashMap<[i32; 2], usize> = HashMap::new();
+pub(crate) fn corners_and_edges<T: Copy + Eq + Hash>(rings: &[Vec<[T; 2]>]) -> (Vec<[T; 2]>, Vec<[usize; 2]>) {
+    let mut index: HashMap<[T; 2], usize> = HashMap::new();
     let mut corners = Vec::new();
     let mut edges = Vec::new();
     for ring in rings {
-        let number = |p: &[i32; 2]| {
+        let number = |p: &[T; 2]| {
             *index.entry(*p).or_insert_with(|| {
                 corners.push(*p);
                 corners.len() - 1

@@ -1,17 +1,24 @@
-//! The open ground as triangles: a constrained Delaunay triangulation whose walls are split where a corner of another
-//! wall stands opposite.
+//! The open ground as cells: a constrained Delaunay triangulation whose walls are split where a corner of another wall stands
+//! opposite, and whose triangles on one circle are one cell.
 //!
 //! A long wall has no vertex where a street ends against it, and the triangles there would reach to its far ends. So
 //! the foot of every corner on the wall opposite becomes a vertex too, and the triangulation is made again until no foot
-//! is missing. After that the shortest way across a street from a corner is a side of a triangle.
+//! is missing. After that the shortest way across a street from a corner is a side of a cell.
+//!
+//! The corners of a rectangle lie on one circle, and either diagonal makes a Delaunay triangulation of it. So a side that two
+//! triangles on one circle share is no side of the mesh. All others are sides of every Delaunay triangulation. Hence the
+//! cells depend neither on how the scene is turned or mirrored, nor on the order of its corners. Nothing else here may:
+//! lengths are rounded from exact differences, and a choice among several takes all that are equal.
 //!
 //! Corners are integers, so that a corner which touches a wall lies exactly on it, and the triangulation splits the wall
 //! there; scaled to meters first, it would fall to either side, and edges would cross.
 
 use spade::Triangulation;
+use spade::handles::DirectedEdgeHandle;
 
+use super::circle::are_on_one_circle;
 use super::outline::OpenGround;
-use crate::overlay::{Cdt, corners_and_edges, inside_faces, triangulated};
+use crate::overlay::{Cdt, FineRing, corners_and_edges, inside_faces, triangulated};
 
 /// A foot this close to an end of its wall \[m\], or this share of its distance, is left out.
 const CLOSEST_FOOT_M: f64 = 0.25;
@@ -23,73 +30,144 @@ const MOST_ROUNDS: usize = 8;
 /// The most further passes of the overlay where edges cross.
 const MOST_REPAIRS: usize = 3;
 
-/// Triangles of open ground.
+/// Cells of open ground: convex polygons, each with its corners on one circle.
 #[derive(Debug, Default)]
 pub(super) struct Mesh {
-    /// Vertices \[m\].
-    pub(super) points: Vec<[f64; 2]>,
-    pub(super) triangles: Vec<Triangle>,
-    /// West, south, east, north \[m\].
-    frame: [f64; 4],
+    /// Vertices on the lattice of the open ground.
+    points: Vec<[i64; 2]>,
+    /// The sides of all cells, cell by cell, counterclockwise.
+    sides: Vec<Side>,
+    /// The first side of each cell, and the number of all.
+    first_sides: Vec<usize>,
+    /// West, south, east, north.
+    frame: [i64; 4],
+    /// Length of a step of the lattice \[m\].
+    step_m: f64,
 }
 
-/// A triangle, counterclockwise.
+/// Side of a cell.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Triangle {
-    pub(super) corners: [usize; 3],
-    /// Side k runs from corner k to the next.
-    pub(super) sides: [Side; 3],
+struct Side {
+    /// The vertex where it begins.
+    from: usize,
+    cell: usize,
+    beyond: Beyond,
 }
 
-/// What lies beyond a side of a triangle.
+/// Ground or obstacle beyond a side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Side {
+pub(super) enum Beyond {
     /// A building.
     Wall,
     /// The end of the scene.
     Frame,
-    /// More open ground: this triangle.
+    /// More open ground: this side of another cell is the same.
     Open(usize),
 }
 
 impl Mesh {
-    pub(super) fn ends(&self, triangle: usize, side: usize) -> [[f64; 2]; 2] {
-        let corners = self.triangles[triangle].corners;
-        [self.points[corners[side]], self.points[corners[(side + 1) % 3]]]
+    pub(super) fn n_cells(&self) -> usize {
+        self.first_sides.len().saturating_sub(1)
     }
 
-    /// Length of a side \[m\].
-    pub(super) fn length(&self, triangle: usize, side: usize) -> f64 {
-        let [a, b] = self.ends(triangle, side);
-        (a[0] - b[0]).hypot(a[1] - b[1])
+    pub(super) fn n_sides(&self) -> usize {
+        self.sides.len()
     }
 
-    /// Area of a triangle \[m²\].
-    pub(super) fn area(&self, triangle: usize) -> f64 {
-        let [a, b, c] = self.triangles[triangle].corners.map(|corner| self.points[corner]);
-        ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs() / 2.0
+    pub(super) fn sides(&self, cell: usize) -> std::ops::Range<usize> {
+        self.first_sides[cell]..self.first_sides[cell + 1]
     }
 
-    pub(super) fn meets_frame(&self, triangle: usize) -> bool {
-        #[expect(clippy::float_cmp, reason = "points on the frame have its coordinates exactly")]
-        let is_on_frame = |p: [f64; 2]| (0..4).any(|k| p[k % 2] == self.frame[k]);
-        self.triangles[triangle].corners.iter().any(|corner| is_on_frame(self.points[*corner]))
+    pub(super) fn cell(&self, side: usize) -> usize {
+        self.sides[side].cell
     }
 
-    pub(super) fn middle(&self, triangle: usize, side: usize) -> [f64; 2] {
-        let [a, b] = self.ends(triangle, side);
-        [f64::midpoint(a[0], b[0]), f64::midpoint(a[1], b[1])]
+    pub(super) fn beyond(&self, side: usize) -> Beyond {
+        self.sides[side].beyond
     }
 
-    /// Triangulates open ground.
-    pub(super) fn of(ground: &OpenGround) -> Mesh {
-        let mut outline = Outline::of(ground);
+    pub(super) fn corners(&self, cell: usize) -> impl Iterator<Item = [i64; 2]> + Clone {
+        self.sides(cell).map(|side| self.points[self.sides[side].from])
+    }
+
+    /// Returns the ends of a side, counterclockwise around its cell.
+    pub(super) fn ends(&self, side: usize) -> [[i64; 2]; 2] {
+        let sides = self.sides(self.cell(side));
+        let next = if side + 1 < sides.end { side + 1 } else { sides.start };
+        [side, next].map(|side| self.points[self.sides[side].from])
+    }
+
+    /// Returns the length of a side \[steps\].
+    pub(super) fn length(&self, side: usize) -> i64 {
+        let [a, b] = self.ends(side);
+        distance(a, b)
+    }
+
+    /// Returns the distance between the middles of two sides \[steps\].
+    pub(super) fn distance(&self, side: usize, other: usize) -> i64 {
+        halved_distance(self.doubled_middle(side), self.doubled_middle(other))
+    }
+
+    /// Returns the distance from the middle of a side to the farthest corner of its cell that is no end of it \[steps\].
+    pub(super) fn depth(&self, side: usize) -> i64 {
+        let ends = self.ends(side);
+        let middle = self.doubled_middle(side);
+        let others = self.corners(self.cell(side)).filter(|corner| !ends.contains(corner));
+        others.map(|corner| halved_distance(corner.map(|v| 2 * v), middle)).max().unwrap_or(0)
+    }
+
+    fn doubled_middle(&self, side: usize) -> [i64; 2] {
+        let [a, b] = self.ends(side);
+        [a[0] + b[0], a[1] + b[1]]
+    }
+
+    /// Returns twice the area of a cell \[steps²\].
+    pub(super) fn doubled_area(&self, cell: usize) -> i128 {
+        self.sides(cell)
+            .map(|side| {
+                let [a, b] = self.ends(side).map(|p| p.map(i128::from));
+                a[0] * b[1] - a[1] * b[0]
+            })
+            .sum()
+    }
+
+    /// Returns an area \[m²\] from twice the area \[steps²\].
+    pub(super) fn square_meters(&self, doubled: i128) -> f64 {
+        doubled as f64 / 2.0 * self.step_m * self.step_m
+    }
+
+    pub(super) fn meters(&self, steps: i64) -> f64 {
+        steps as f64 * self.step_m
+    }
+
+    pub(super) fn meets_frame(&self, cell: usize) -> bool {
+        let is_on_frame = |p: [i64; 2]| (0..4).any(|k| p[k % 2] == self.frame[k]);
+        self.corners(cell).any(is_on_frame)
+    }
+
+    /// Returns the width of a cell across each corner of the frame that it holds \[steps\]: the distance between the far ends
+    /// of the two sides there.
+    pub(super) fn frame_corners(&self, cell: usize) -> impl Iterator<Item = i64> {
+        let sides = self.sides(cell);
+        let n = sides.len();
+        let after = move |side: usize| sides.start + (side + 1 - sides.start) % n;
+        let is_frame = |side: usize| self.sides[side].beyond == Beyond::Frame;
+        let corners = self.sides(cell).map(move |side| (side, after(side)));
+        corners
+            .filter(move |(side, next)| is_frame(*side) && is_frame(*next))
+            .map(|(side, next)| distance(self.ends(side)[0], self.ends(next)[1]))
+    }
+
+    /// Cuts open ground into cells.
+    pub(super) fn of(mut ground: OpenGround) -> Mesh {
+        let mut outline = Outline::of(&ground.rings);
         let mut triangulated = outline.triangulated();
         for _ in 0..MOST_REPAIRS {
             if !matches!(triangulated, Some((_, false))) {
                 break;
             }
-            outline = Outline::of(&ground.again());
+            ground = ground.again();
+            outline = Outline::of(&ground.rings);
             triangulated = outline.triangulated();
         }
         // Should edges still cross, one of each two is left out.
@@ -104,25 +182,51 @@ impl Mesh {
                 _ => break,
             }
         }
-        mesh_of(&cdt, ground)
+        outline.points.truncate(cdt.num_vertices());
+        mesh_of(&cdt, outline.points, &ground)
     }
+}
+
+/// Returns the distance between two points, rounded to a step.
+fn distance(a: [i64; 2], b: [i64; 2]) -> i64 {
+    halved_distance(a.map(|v| 2 * v), b.map(|v| 2 * v))
+}
+
+/// Returns half the distance between two points, rounded to a step. It is the same however they are turned and mirrored.
+fn halved_distance(a: [i64; 2], b: [i64; 2]) -> i64 {
+    #[expect(clippy::cast_precision_loss, reason = "below 2^51")]
+    let [dx, dy] = [0, 1].map(|k| (a[k] - b[k]) as f64);
+    #[expect(clippy::cast_possible_truncation, reason = "below 2^51")]
+    let rounded = ((dx * dx + dy * dy).sqrt() / 2.0).round() as i64;
+    rounded
 }
 
 /// Vertices and the edges of walls and frame between them.
 struct Outline {
-    points: Vec<[f64; 2]>,
+    points: Vec<[i64; 2]>,
     edges: Vec<[usize; 2]>,
 }
 
+/// Foot of a corner on a wall.
+struct Foot {
+    /// Distance from the wall's first end, times the wall's length.
+    along: i128,
+    /// Distance of the corner from the wall.
+    distance: f64,
+    corner: [i64; 2],
+}
+
 impl Outline {
-    fn of(ground: &OpenGround) -> Self {
-        let (corners, edges) = corners_and_edges(&ground.rings);
-        Outline { points: corners.into_iter().map(|p| p.map(f64::from)).collect(), edges }
+    fn of(rings: &[FineRing]) -> Self {
+        let (points, edges) = corners_and_edges(rings);
+        Outline { points, edges }
     }
 
     /// The triangulation, and whether no edges cross; `None` if there are too few vertices.
     fn triangulated(&self) -> Option<(Cdt, bool)> {
-        triangulated(&self.points, self.edges.clone())
+        #[expect(clippy::cast_precision_loss, reason = "below 2^53")]
+        let points: Vec<[f64; 2]> = self.points.iter().map(|p| p.map(|v| v as f64)).collect();
+        triangulated(&points, self.edges.clone())
     }
 
     /// Splits walls at the feet of the first `n_corners` vertices opposite; says whether there were any.
@@ -131,31 +235,41 @@ impl Outline {
         let closest = CLOSEST_FOOT_M / step_m;
         let mut edges = Vec::with_capacity(self.edges.len() * 2);
         let n_before = self.points.len();
+        let (mut opposite, mut feet) = (Vec::new(), Vec::new());
         for edge in cdt.undirected_edges().filter(|e| e.is_constraint_edge()) {
             let [from, to] = edge.vertices().map(|v| v.fix().index());
             let (p, q) = (self.points[from], self.points[to]);
-            let along = [q[0] - p[0], q[1] - p[1]];
-            let length = along[0].hypot(along[1]);
-            let mut feet: Vec<f64> = Vec::new();
+            let along = difference(q, p);
+            let squared = dot(along, along);
+            let length = (squared as f64).sqrt();
+            opposite.clear();
             for side in [edge.as_directed(), edge.as_directed().rev()] {
-                let Some(apex) = side.opposite_vertex().map(|v| v.fix().index()) else { continue };
-                if apex >= n_corners || !is_open[side.face().fix().index()] {
-                    continue;
-                }
-                let a = self.points[apex];
-                let at = ((a[0] - p[0]) * along[0] + (a[1] - p[1]) * along[1]) / length;
-                let distance = ((a[0] - p[0]) * along[1] - (a[1] - p[1]) * along[0]).abs() / length;
-                let margin = closest.max(CLOSEST_FOOT_SHARE * distance);
-                if at > margin && length - at > margin {
-                    feet.push(at);
+                if is_open[side.face().fix().index()] {
+                    self.add_opposite(side, &mut opposite);
                 }
             }
-            feet.sort_unstable_by(f64::total_cmp);
-            feet.dedup_by(|b, a| *b - *a < closest);
+            feet.clear();
+            for corner in opposite.iter().filter(|corner| **corner < n_corners).map(|corner| self.points[*corner]) {
+                let to_corner = difference(corner, p);
+                let foot = Foot {
+                    along: dot(to_corner, along),
+                    distance: (to_corner[0] * along[1] - to_corner[1] * along[0]).abs() as f64 / length,
+                    corner,
+                };
+                let margin = closest.max(CLOSEST_FOOT_SHARE * foot.distance);
+                let [from_p, from_q] = [foot.along, squared - foot.along].map(|along| along as f64 / length);
+                if from_p > margin && from_q > margin {
+                    feet.push(foot);
+                }
+            }
+            // Of feet close to one another that of the nearest corner is taken, or of all that are as near.
+            let is_beside = |a: &Foot, b: &Foot| ((a.along - b.along).abs() as f64) < closest * length;
+            let is_taken = |a: &&Foot| !feet.iter().any(|b| b.distance < a.distance && is_beside(a, b));
+            let mut taken: Vec<&Foot> = feet.iter().filter(is_taken).collect();
+            taken.sort_unstable_by_key(|foot| foot.along);
             let mut last = from;
-            for at in feet {
-                let t = at / length;
-                self.points.push([p[0] + t * along[0], p[1] + t * along[1]]);
+            for foot in taken {
+                self.points.push(position(foot, [p, q], squared));
                 edges.push([last, self.points.len() - 1]);
                 last = self.points.len() - 1;
             }
@@ -164,36 +278,94 @@ impl Outline {
         self.edges = edges;
         self.points.len() > n_before
     }
+
+    /// Adds the vertices of the cell to the left of an edge, without the ends of the edge.
+    fn add_opposite(&self, edge: Edge, opposite: &mut Vec<usize>) {
+        opposite.extend(edge.opposite_vertex().map(|v| v.fix().index()));
+        for other in [edge.next(), edge.prev()] {
+            if is_within_cell(other, &self.points) {
+                self.add_opposite(other.rev(), opposite);
+            }
+        }
+    }
 }
 
-/// The triangles of open ground.
-fn mesh_of(cdt: &Cdt, ground: &OpenGround) -> Mesh {
+type Edge<'a> = DirectedEdgeHandle<'a, spade::Point2<f64>, (), spade::CdtEdge<()>, ()>;
+
+/// Returns whether an edge lies between two triangles of one cell.
+fn is_within_cell(edge: Edge, points: &[[i64; 2]]) -> bool {
+    let (Some(left), Some(right)) = (edge.opposite_vertex(), edge.rev().opposite_vertex()) else { return false };
+    let corners = [edge.from(), edge.to(), left, right];
+    !edge.is_constraint_edge() && are_on_one_circle(corners.map(|v| points[v.fix().index()]))
+}
+
+fn difference(a: [i64; 2], b: [i64; 2]) -> [i128; 2] {
+    [0, 1].map(|k| i128::from(a[k] - b[k]))
+}
+
+fn dot(a: [i128; 2], b: [i128; 2]) -> i128 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// Returns the lattice point nearest to a foot, reckoned from the nearer end of the wall. Halfway between the ends it is
+/// rounded to the corner's side.
+fn position(foot: &Foot, [p, q]: [[i64; 2]; 2], squared: i128) -> [i64; 2] {
+    let (near, far, along) = if 2 * foot.along <= squared { (p, q, foot.along) } else { (q, p, squared - foot.along) };
+    if 2 * along == squared {
+        return [0, 1].map(|k| {
+            let sum = p[k] + q[k];
+            sum.div_euclid(2) + i64::from(sum.rem_euclid(2) == 1 && 2 * foot.corner[k] > sum)
+        });
+    }
+    let share = along as f64 / squared as f64;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "below 2^50")]
+    let step = |k: usize| (share * (far[k] - near[k]) as f64).round() as i64;
+    [0, 1].map(|k| near[k] + step(k))
+}
+
+/// Makes cells of the triangles of open ground.
+fn mesh_of(cdt: &Cdt, points: Vec<[i64; 2]>, ground: &OpenGround) -> Mesh {
     let (is_open, _) = inside_faces(cdt);
-    let mut number = vec![usize::MAX; cdt.num_all_faces()];
-    let faces = || cdt.inner_faces().filter(|f| is_open[f.fix().index()]);
-    for (k, face) in faces().enumerate() {
-        number[face.fix().index()] = k;
-    }
-    let mut points = vec![[0.0; 2]; cdt.num_vertices()];
-    for vertex in cdt.vertices() {
-        points[vertex.fix().index()] = [vertex.position().x, vertex.position().y].map(|v| v * ground.step_m);
-    }
-    let frame = ground.frame.map(|v| f64::from(v) * ground.step_m);
-    #[expect(clippy::float_cmp, reason = "points on the frame have its coordinates exactly")]
-    let on_frame = |a: [f64; 2], b: [f64; 2]| (0..4).any(|k| a[k % 2] == frame[k] && b[k % 2] == frame[k]);
-    let triangles = faces()
-        .map(|face| {
-            let edges = face.adjacent_edges();
-            let sides = edges.map(|edge| {
-                let [a, b] = [edge.from(), edge.to()].map(|v| points[v.fix().index()]);
-                match number[edge.rev().face().fix().index()] {
-                    k if k != usize::MAX && !edge.is_constraint_edge() => Side::Open(k),
-                    _ if on_frame(a, b) => Side::Frame,
-                    _ => Side::Wall,
-                }
-            });
-            Triangle { corners: edges.map(|edge| edge.from().fix().index()), sides }
-        })
+    let is_open = |edge: Edge| is_open[edge.face().fix().index()];
+    let within: Vec<bool> = cdt
+        .undirected_edges()
+        .map(|edge| is_open(edge.as_directed()) && is_within_cell(edge.as_directed(), &points))
         .collect();
-    Mesh { points, triangles, frame }
+    let is_within = |edge: Edge| within[edge.as_undirected().fix().index()];
+    // The side of each directed edge.
+    let mut side_of = vec![usize::MAX; cdt.num_directed_edges()];
+    let (mut sides, mut first_sides) = (Vec::new(), Vec::new());
+    for first in cdt.directed_edges() {
+        if side_of[first.fix().index()] != usize::MAX || !is_open(first) || is_within(first) {
+            continue;
+        }
+        let cell = first_sides.len();
+        first_sides.push(sides.len());
+        let mut edge = first;
+        loop {
+            side_of[edge.fix().index()] = sides.len();
+            sides.push((edge, cell));
+            edge = edge.next();
+            while is_within(edge) {
+                edge = edge.rev().next();
+            }
+            if edge == first {
+                break;
+            }
+        }
+    }
+    first_sides.push(sides.len());
+    let frame = ground.frame;
+    let on_frame = |a: [i64; 2], b: [i64; 2]| (0..4).any(|k| a[k % 2] == frame[k] && b[k % 2] == frame[k]);
+    let side = |(edge, cell): (Edge, usize)| {
+        let [from, to] = [edge.from(), edge.to()].map(|v| v.fix().index());
+        let beyond = match side_of[edge.rev().fix().index()] {
+            other if other != usize::MAX && !edge.is_constraint_edge() => Beyond::Open(other),
+            _ if on_frame(points[from], points[to]) => Beyond::Frame,
+            _ => Beyond::Wall,
+        };
+        Side { from, cell, beyond }
+    };
+    let sides = sides.into_iter().map(side).collect();
+    Mesh { points, sides, first_sides, frame, step_m: ground.step_m }
 }

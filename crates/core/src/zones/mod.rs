@@ -2,7 +2,7 @@
 //!
 //! In a generated city the zones are known by construction: streets are {x mod T ≤ s} and {y mod T ≤ s}, and a crossroad
 //! is where both hold. Any other scene is read from its open ground, by the rules below; on generated cities they give
-//! back the construction for 95 % or more of the open cells, and for all that are a period or more from the edge; turned
+//! back the construction for 99.9 % or more of the open cells, and for all that are a period or more from the edge; turned
 //! against the axes for 99.9 % as footprints, and for 90 % or more as a raster of 1 m cells (`tests/suite/zones.rs`).
 //!
 //! ```text
@@ -11,8 +11,8 @@
 //!  ###ooooo###########...################   .  street; above, a recess that is part of it
 //!  ###################...################
 //!  ..............A'------B'..............   A', B' feet of A and B on the wall opposite
-//!  ..............|xxx /xx|...............   x  crossroad: the triangles AA'B' and AB'B
-//!  ..............|xx /xxx|...............      between the mouths AA', BB' and AB
+//!  ..............|xxxxxxx|...............   x  crossroad: the mesh cell AA'B'B
+//!  ..............|xxxxxxx|...............      between the mouths AA', BB' and AB
 //!  ##############A-------B###############
 //!  ##############|.......|###############
 //! ```
@@ -20,20 +20,21 @@
 //! 1. **Rooftop** is every building cell. Footprints that touch or overlap are one *block*; building cells of a raster
 //!    are outlined along their edges, and the outlines simplified to one cell. Free-standing blocks below 25 m² (kiosks,
 //!    sheds) keep their cells, but divide no street.
-//! 2. The ground between blocks, as far as the *frame* (the extent of the scene), is cut into triangles: the constrained
-//!    Delaunay triangulation of the corners and of their feet on the walls opposite. A side between two triangles, 1 m
-//!    or longer, is a *gate*.
+//! 2. The ground between blocks, as far as the *frame* (the extent of the scene), is cut into *mesh cells*: the triangles
+//!    of the constrained Delaunay triangulation of the corners and of their feet on the walls opposite. Triangles that share
+//!    a side and lie on one circle are one mesh cell. A side between two mesh cells, 1 m or longer, is a *gate*.
 //! 3. **Courtyard** is a part of the ground from which no way through gates leads to the frame. A slit below 25 m² that
 //!    opens to other ground, but by no gate, is what it opens to.
-//! 4. A *branch*, ground that one gate separates and that holds no cycle, is cut off if it reaches less far from its
-//!    gate than the gate is wide, and is part of what it hangs on. A branch that ends at the frame is kept, because a
-//!    street goes on beyond it.
-//! 5. A triangle with three gates left is a *junction*; triangles with two form streets. From each gate of a junction the
-//!    street's *mouth* is looked for: onward as long as each gate is narrower than the one before, and then to any that
-//!    is narrower yet within 0.35 times its width. Narrower means by 3 % or more. The junction and the ground as far as
-//!    its mouths is a crossing, and crossings whose mouths are less than a quarter of their width apart are one.
+//! 4. A mesh cell with three gates or more is a *junction*. So is one with two gates that holds a corner of the frame, as
+//!    if a street left it there. A *branch* is ground that one gate of a junction separates and that holds no cycle. It is
+//!    cut off if it reaches less far from its gate than the gate is wide, and has the zone of its junction. All such
+//!    branches are cut off at once. A branch that ends at the frame is kept, because a street goes on beyond it.
+//! 5. Between the junctions that are left, mesh cells with two gates form streets. From each gate of a junction the street's
+//!    *mouth* is looked for: onward as long as each gate is narrower than the one before, and then to any that is narrower
+//!    yet within 0.35 times its width. Narrower means by 3 % or more. The junction and the ground as far as its mouths is a
+//!    crossing, and crossings whose mouths are less than a quarter of their width apart are one.
 //! 6. **Crossroad** is a crossing where three streets meet, the third at least 0.3 times as wide as the second: an alley
-//!    off an avenue makes none. So which diagonal the triangulation takes where corners lie on one circle does not matter.
+//!    off an avenue makes none.
 //! 7. **Street** is all other open ground: streets, alleys, dead ends, bends, yards with a way in.
 //!
 //! **Squares and parks.** A square where streets meet is a crossroad as a whole, as long as it is no larger than 30
@@ -41,9 +42,13 @@
 //! over it. Larger open ground (parks, rivers, fields) is street, the zone of open ground without other claims. So is a
 //! mouth wider than four typical streets (the upper quartile of all mouths) no street.
 //!
-//! **The frame** is no wall of a building, but streets along it need another side, so it bounds their triangles; the edge
-//! street of a generated city crosses the others as anywhere. What a crossing covers of triangles at the frame may be two
+//! **The frame** is no wall of a building, but streets along it need another side, so it bounds their mesh cells; the edge
+//! street of a generated city crosses the others as anywhere. What a crossing covers of mesh cells at the frame may be two
 //! squares of its widest street's width; what is more, and what hangs on it, is taken for the outskirts, and is street.
+//!
+//! **Symmetry.** A city that is mirrored, or turned by a quarter, has the same zones, mirrored or turned, cell by cell. So
+//! a center on a side of two mesh cells is in a crossroad if either is one. Only a center on a wall can differ: whether it is
+//! on the building depends on which side of it that is.
 //!
 //! A surface model alone does not say what is a building: no cell of it has a zone.
 //!
@@ -52,9 +57,14 @@
 //! generated grid).
 
 mod grid;
+mod groups;
 mod cell_outline;
 mod outline;
+mod circle;
 mod mesh;
+mod gates;
+mod courtyards;
+mod branches;
 mod crossings;
 mod open_space;
 mod zone;

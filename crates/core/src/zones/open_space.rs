@@ -1,5 +1,8 @@
 //! The zones of any scene, from the shape of the ground between its buildings.
 
+use std::cmp::Ordering;
+use std::ops::Range;
+
 use super::crossings::zones_of;
 use super::mesh::Mesh;
 use super::outline::Outlines;
@@ -9,17 +12,17 @@ use crate::height_field::HeightField;
 /// The zone codes of the cells, row by row from the north-west.
 pub(super) fn codes(field: &HeightField) -> Vec<u8> {
     let ground = Outlines::of(field).open_ground();
-    let mesh = Mesh::of(&ground);
+    let [xs, ys] = ground.centers.clone();
+    let mesh = Mesh::of(ground);
     let zones = zones_of(&mesh);
-    let grid = field.grid();
-    let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
-    // Cell centers in meters from the origin of the mesh.
-    let xs: Vec<f64> = (0..n_cols).map(|col| grid.world_from_cell(0, col).0 - ground.origin[0]).collect();
-    let ys: Vec<f64> = (0..n_rows).rev().map(|row| grid.world_from_cell(row, 0).1 - ground.origin[1]).collect();
-    let mut codes = vec![NONE; grid.n_cells()];
-    for (triangle, zone) in mesh.triangles.iter().zip(&zones) {
-        let corners = triangle.corners.map(|c| mesh.points[c]);
-        fill(corners, &xs, &ys, |x, y| codes[(n_rows - 1 - y) * n_cols + x] = zone.code());
+    let (n_rows, n_cols) = (field.grid().n_rows(), field.grid().n_cols());
+    let mut codes = vec![NONE; n_rows * n_cols];
+    let mut centers = Centers::new(&xs, &ys);
+    for (cell, zone) in zones.iter().enumerate() {
+        centers.inside(mesh.sides(cell).map(|side| mesh.ends(side)), |y, cols| {
+            let row = (n_rows - 1 - y) * n_cols;
+            codes[row + cols.start..row + cols.end].iter_mut().for_each(|code| *code = zone.code().max(*code));
+        });
     }
     let cells = field.cells();
     let mut left_over = Vec::new();
@@ -39,31 +42,86 @@ pub(super) fn codes(field: &HeightField) -> Vec<u8> {
     codes
 }
 
-/// Calls `visit` with the indices of the positions inside a counterclockwise triangle. Positions on a side that two
-/// triangles share belong to exactly one.
-fn fill(corners: [[f64; 2]; 3], xs: &[f64], ys: &[f64], mut visit: impl FnMut(usize, usize)) {
-    let south = corners.iter().map(|c| c[1]).fold(f64::INFINITY, f64::min);
-    let north = corners.iter().map(|c| c[1]).fold(f64::NEG_INFINITY, f64::max);
-    let first = ys.partition_point(|y| *y < south);
-    let last = ys.partition_point(|y| *y < north);
-    for (k, &y) in ys.iter().enumerate().take(last).skip(first) {
-        let (mut west, mut east) = (f64::INFINITY, f64::NEG_INFINITY);
-        for side in 0..3 {
-            let (a, b) = (corners[side], corners[(side + 1) % 3]);
-            // The same order of ends from both sides gives the same crossing.
-            let (low, high) = if (a[1], a[0]) <= (b[1], b[0]) { (a, b) } else { (b, a) };
-            if low[1] <= y && y < high[1] {
-                let x = low[0] + (y - low[1]) / (high[1] - low[1]) * (high[0] - low[0]);
-                (west, east) = (west.min(x), east.max(x));
+/// Compares a point with the line through two others, the second farther north: `Greater` is east of it. EXACT.
+fn side_of([low, high]: [[i64; 2]; 2], p: [i64; 2]) -> Ordering {
+    let [dx, dy, px, py] = [high[0] - low[0], high[1] - low[1], p[0] - low[0], p[1] - low[1]].map(i128::from);
+    (px * dy).cmp(&(py * dx))
+}
+
+/// Centers of the cells of a grid.
+struct Centers<'a> {
+    /// Centers of columns from west to east, and of rows from south to north.
+    xs: &'a [i64],
+    ys: &'a [i64],
+    /// Columns for each step along x.
+    cols_per_step: f64,
+    /// Columns inside a polygon in each of its rows.
+    cols: Vec<Range<usize>>,
+}
+
+impl<'a> Centers<'a> {
+    fn new(xs: &'a [i64], ys: &'a [i64]) -> Self {
+        let cols_per_step = match xs {
+            [first, .., last] => (xs.len() - 1) as f64 / (last - first).max(1) as f64,
+            _ => 0.0,
+        };
+        Centers { xs, ys, cols_per_step, cols: Vec::new() }
+    }
+
+    /// Calls `visit` with a row, counted from the south, and the columns of the centers in it that are inside a convex polygon
+    /// or on a side of it. Its sides are given counterclockwise. EXACT.
+    fn inside(
+        &mut self,
+        sides: impl Iterator<Item = [[i64; 2]; 2]> + Clone,
+        mut visit: impl FnMut(usize, Range<usize>),
+    ) {
+        let rows = |south: i64, north: i64| {
+            self.ys.partition_point(|center| *center < south)..self.ys.partition_point(|center| *center <= north)
+        };
+        let ys = sides.clone().map(|[a, _]| a[1]);
+        let (Some(south), Some(north)) = (ys.clone().min(), ys.max()) else { return };
+        let rows_inside = rows(south, north);
+        self.cols.clear();
+        self.cols.resize(rows_inside.len(), 0..0);
+        for [a, b] in sides {
+            // What goes down is west of the polygon, what goes up is east of it.
+            let (low, high, beyond) = match a[1].cmp(&b[1]) {
+                Ordering::Greater => (b, a, Ordering::Less),
+                Ordering::Less => (a, b, Ordering::Equal),
+                Ordering::Equal => continue,
+            };
+            for row in rows(low[1], high[1]) {
+                let col = self.first_beyond([low, high], self.ys[row], beyond);
+                let cols = &mut self.cols[row - rows_inside.start];
+                *(if beyond == Ordering::Less { &mut cols.start } else { &mut cols.end }) = col;
             }
         }
-        for x in xs.partition_point(|x| *x < west)..xs.partition_point(|x| *x < east) {
-            visit(x, k);
+        for (row, cols) in rows_inside.zip(&self.cols) {
+            if !cols.is_empty() {
+                visit(row, cols.clone());
+            }
         }
+    }
+
+    /// Returns the first column whose center at y compares greater with a line than `last`.
+    fn first_beyond(&self, line: [[i64; 2]; 2], y: i64, last: Ordering) -> usize {
+        let [low, high] = line;
+        let x = low[0] as f64 + (y - low[1]) as f64 / (high[1] - low[1]) as f64 * (high[0] - low[0]) as f64;
+        // A guess, corrected by exact comparisons.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the columns")]
+        let mut col = (((x - self.xs[0] as f64) * self.cols_per_step).ceil().max(0.0) as usize).min(self.xs.len());
+        let is_before = |col: usize| side_of(line, [self.xs[col], y]) <= last;
+        while col > 0 && !is_before(col - 1) {
+            col -= 1;
+        }
+        while col < self.xs.len() && is_before(col) {
+            col += 1;
+        }
+        col
     }
 }
 
-/// Gives open cells that lie in no triangle (on a wall, or by a block too small to count) the zone of a neighbor, ring
+/// Gives open cells that lie in no cell of the mesh (on a wall, or by a block too small to count) the zone of a neighbor, ring
 /// by ring; those that reach none are street.
 fn spread(codes: &mut [u8], mut left_over: Vec<(usize, usize)>, (n_rows, n_cols): (usize, usize)) {
     while !left_over.is_empty() {
