@@ -71,7 +71,7 @@ fn raised(py: Python<'_>, refusal: &Refusal) -> PyErr {
 /// A text in which the options of the command line are named as arguments: `--rx-height` becomes `rx_height`, and in backticks
 /// `--project auto` becomes `project="auto"`. Commands of the shell stay.
 pub(crate) fn in_python(text: &str) -> String {
-    let is_balanced = text.matches('`').count() % 2 == 0;
+    let is_balanced = text.matches('`').count().is_multiple_of(2);
     let piece = |(k, piece): (usize, &str)| match k % 2 == 1 && is_balanced {
         true if piece.starts_with('-') => arguments(piece),
         true => piece.to_string(),

@@ -47,7 +47,7 @@ impl Finder<'_> {
             }
             let ends = [first.exact, last.exact];
             if ends[0] < ends[1] {
-                let is_all = ends == [0.0, 4.0];
+                let is_all = ends[1] - ends[0] >= 4.0;
                 arcs.push(Arc { around: point, between: (!is_all).then(|| ends.map(direction)) });
             }
             corners.extend(ends.map(at));

@@ -81,9 +81,10 @@ impl Squares {
     /// The cells that an edge passes.
     fn passed(&self, edge: &Edge) -> impl Iterator<Item = usize> {
         let [[x0, y0], [x1, y1]] = edge.ends();
-        let at = move |y: f64| if y0 == y1 { x0 } else { x0 + (y - y0) / (y1 - y0) * (x1 - x0) };
+        let dy = y1 - y0;
+        let at = move |y: f64| if dy == 0.0 { x0 } else { x0 + (y - y0) / dy * (x1 - x0) };
         let span = move |[low, high]: [f64; 2]| {
-            if y0 == y1 { [x0.min(x1), x0.max(x1)] } else { [at(low).min(at(high)), at(low).max(at(high))] }
+            if dy == 0.0 { [x0.min(x1), x0.max(x1)] } else { [at(low).min(at(high)), at(low).max(at(high))] }
         };
         self.met([y0.min(y1), y0.max(y1)], span).flatten()
     }
@@ -165,7 +166,7 @@ mod tests {
             let points: Vec<Place> = (0..200).map(|_| place()).collect();
             let mut edges = Vec::new();
             for (from, to) in points.iter().map(|point| (*point, place())) {
-                edges.extend((from != to).then(|| Edge::between(from, to)));
+                edges.extend((length(minus(to, from)) > 0.0).then(|| Edge::between(from, to)));
             }
             let grid = Grid::of(&points, &edges);
             for center in (0..40).map(|_| place()) {
