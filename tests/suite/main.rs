@@ -79,6 +79,7 @@ mod compare; // placements side by side: counts by hand, saved masks, intervals,
 mod compare_page; // their page: pictures, words of users, a browser
 mod live; // the live page: digests, sizes, hostile words, a browser
 mod live_claims; // what pages say: fields, commands, links, marks, shares, places over no data
+mod live_fields; // fields and addresses of the live page: what is typed means what it means to the program
 mod economy; // footprints that hide nobody, what a map needs and what limits it, against maps of the changed scenes
 mod tolerance; // the coarsest cells within a tolerance: its bound holds, on generated and on real cities
 mod track; // line of sight along a track: stretches, links, files

@@ -5,6 +5,7 @@
 //! courtyards and rooftops apart; [`coverage`] makes maps. What line of sight means is written once, in [`los`].
 
 pub mod coverage;
+pub mod disjoint_sets;
 pub mod error;
 pub mod height_field;
 pub mod los;

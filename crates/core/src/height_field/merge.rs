@@ -6,6 +6,7 @@
 //! stand between large pieces. For a triangulated polygon the outcome has at most four times the pieces of the best.
 
 use super::rings::{turn, without_collinear};
+use crate::disjoint_sets::DisjointSets;
 use crate::overlay::Ring;
 
 /// Joins convex counterclockwise rings where the union is convex. Vertices on a straight edge are removed.
@@ -38,9 +39,9 @@ pub(super) fn merged(rings: Vec<Ring>) -> Vec<Ring> {
 
     // Straight vertices stay until the end: a shorter edge that ends there may be shared too.
     let mut rings: Vec<Option<Ring>> = rings.into_iter().map(Some).collect();
-    let mut joined_into: Vec<usize> = (0..rings.len()).collect();
+    let mut joined = DisjointSets::new(rings.len());
     for (_, (a, b, first), second) in shared {
-        let (p, q) = (root(&mut joined_into, first), root(&mut joined_into, second));
+        let (p, q) = (joined.root(first), joined.root(second));
         if p == q {
             continue;
         }
@@ -48,19 +49,10 @@ pub(super) fn merged(rings: Vec<Ring>) -> Vec<Ring> {
         if let Some(union) = join(one, other, a, b).or_else(|| join(one, other, b, a)) {
             rings[p] = Some(union);
             rings[q] = None;
-            joined_into[q] = p;
+            joined.join_into(q, p);
         }
     }
     rings.into_iter().flatten().map(|ring| without_collinear(&ring)).collect()
-}
-
-/// The ring that ring `k` has become a part of.
-fn root(joined_into: &mut [usize], mut k: usize) -> usize {
-    while joined_into[k] != k {
-        joined_into[k] = joined_into[joined_into[k]];
-        k = joined_into[k];
-    }
-    k
 }
 
 /// The union of `p`, which runs from `a` to `b`, and `q`, which runs from `b` to `a`, if it is convex.

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! which rises with b, by t for each unit. The building below the receiver rises by b, too. With U and D the heights of UAV and receiver above
-//! its roof, or above the plane of it, it blocks the link from a threshold on:
+//! its roof, or above the plane of it, it leaves the link clear as long as
 //!
 //! ```text
 //!   b ≤ min over t of  U + D·t/(1 − t) − sag(t)/(1 − t)

@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 use super::branches::cut_short;
 use super::courtyards::courtyards;
 use super::gates::Gates;
-use super::groups::Groups;
 use super::mesh::Mesh;
 use super::zone::Zone;
+use crate::disjoint_sets::DisjointSets;
 
 /// Crossings whose mouths are closer than this share of their width are one.
 const SHORTEST_STREET_WIDTHS: f64 = 0.25;
@@ -82,7 +82,7 @@ fn spread_into_branches(zones: &mut [Zone], gates: &Gates, cut: &[usize]) {
 fn crossings(gates: &Gates) -> Vec<bool> {
     let mesh = gates.mesh;
     let junctions: Vec<usize> = (0..mesh.n_cells()).filter(|cell| gates.is_junction(*cell)).collect();
-    let mut groups = Groups::new(mesh.n_cells());
+    let mut groups = DisjointSets::new(mesh.n_cells());
     // Junctions, and cells between one and a mouth, each with its junction.
     let mut parts: Vec<(usize, usize)> = junctions.iter().map(|cell| (*cell, *cell)).collect();
     // The mouths of junctions, as sides of the last cells before the streets.

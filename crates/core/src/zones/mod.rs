@@ -57,7 +57,6 @@
 //! generated grid).
 
 mod grid;
-mod groups;
 mod cell_outline;
 mod outline;
 mod circle;

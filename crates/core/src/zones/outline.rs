@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::cell_outline::rings_around;
-use super::groups::Groups;
+use crate::disjoint_sets::DisjointSets;
 use crate::height_field::HeightField;
 use crate::overlay::{
     FINER, FineRing, Polygon, Ring, are_many, arranged, doubled_area, fine_difference, fine_union, finer, union,
@@ -119,7 +119,7 @@ impl Outlines {
 
 /// Returns the rings of blocks that are not small. Polygons that meet at a corner are one block.
 fn large_blocks(polygons: Vec<Vec<FineRing>>, step_m: f64) -> Vec<FineRing> {
-    let mut blocks = Groups::new(polygons.len());
+    let mut blocks = DisjointSets::new(polygons.len());
     let mut polygon_at: HashMap<[i64; 2], usize> = HashMap::new();
     for (k, polygon) in polygons.iter().enumerate() {
         for corner in polygon.iter().flatten() {

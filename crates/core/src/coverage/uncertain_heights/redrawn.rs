@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use super::super::curved::CurvedScene;
 use crate::coverage::{Control, HeightErrors, Mapper, OwnErrors, Uav};
+use crate::disjoint_sets::DisjointSets;
 use crate::error::{MapError, Result};
 use crate::height_field::HeightField;
 use crate::quantity::STEPS_PER_UNIT;
@@ -147,26 +148,13 @@ fn is_block_model(field: &HeightField) -> bool {
 fn blocks_of(field: &HeightField) -> (Vec<u32>, Vec<u64>) {
     let (buildings, n_cols) = (field.cells_of_buildings(), field.grid().n_cols());
     let tops = field.roofs_of_cells();
-    // Each cell points to one before it of the same block, the first to itself.
-    let mut first_of: Vec<u32> = vec![0; tops.len()];
-    fn root(first_of: &mut [u32], mut cell: u32) -> u32 {
-        while first_of[cell as usize] != cell {
-            first_of[cell as usize] = first_of[first_of[cell as usize] as usize];
-            cell = first_of[cell as usize];
-        }
-        cell
-    }
+    let mut sets = DisjointSets::new(tops.len());
     for (row, col) in buildings.cells() {
         let cell = row * n_cols + col;
-        let mut first = u32::try_from(cell).unwrap_or(u32::MAX);
-        first_of[cell] = first;
         let west = (col > 0 && buildings.contains(row, col - 1)).then(|| cell - 1);
         let north = (row > 0 && buildings.contains(row - 1, col)).then(|| cell - n_cols);
         for near in west.into_iter().chain(north).filter(|near| tops[*near] == tops[cell]) {
-            let other = root(&mut first_of, u32::try_from(near).unwrap_or(u32::MAX));
-            let (low, high) = (first.min(other), first.max(other));
-            first_of[high as usize] = low;
-            first = low;
+            sets.join(cell, near);
         }
     }
     let (first_row, first_col) = field.grid().first_of_whole();
@@ -174,7 +162,7 @@ fn blocks_of(field: &HeightField) -> (Vec<u32>, Vec<u64>) {
     let mut blocks = vec![0_u32; tops.len()];
     for (row, col) in buildings.cells() {
         let cell = row * n_cols + col;
-        let first = root(&mut first_of, u32::try_from(cell).unwrap_or(u32::MAX)) as usize;
+        let first = sets.root(cell);
         if first == cell {
             // 0 is the stream of what all share.
             streams.push(((row + first_row) as u64) << 32 | (col + first_col + 1) as u64);

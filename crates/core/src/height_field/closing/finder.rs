@@ -41,7 +41,7 @@ impl Finder<'_> {
         }
         let (mut arcs, mut corners) = (Vec::new(), Vec::new());
         for [first, last] in circle.free.intervals {
-            // Places of E are all in these cells. An arc has either none of them or ends where a footprint near such a cell covers it.
+            // An arc leaves E only where a footprint near these cells covers it, and ends there: its middle speaks for all of it.
             if !self.cells.holds(self.may_be_center, at(0.5 * (first.loose + last.loose))) {
                 continue;
             }
@@ -187,7 +187,7 @@ impl Circle {
         if h.abs() >= 2.0 * r || t < -r || t > edge.length + r {
             return;
         }
-        // Without the centers on the far side of the line from the edge, there are none.
+        // Only directions toward the line of the edge lead to centers nearer to that than the radius.
         let away = if h < 0.0 { [-edge.normal[0], -edge.normal[1]] } else { edge.normal };
         let is_met = |(interval, [first, last]): (&[End; 2], &[Place; 2])| {
             let is_wide = interval[1].loose - interval[0].loose > 1.5;

@@ -31,9 +31,10 @@ use rayon::prelude::*;
 
 use self::cells::{Cells, grown, less_than};
 use self::rim::Rim;
-use self::shell::{Shell, index_of};
+use self::shell::Shell;
 use self::vectors::{Place, length, minus};
 use crate::city::Footprint;
+use crate::disjoint_sets::DisjointSets;
 use crate::outlines::{covered_shares, overlapped_cells};
 use crate::raster::BitGrid;
 
@@ -143,7 +144,7 @@ fn built_cells(footprints: &[Footprint], cells: &Cells) -> (BitGrid, f64) {
 
 /// The cells whose centers are outside of the closing and not in a hole of it.
 fn open_cells(cells: &Cells, outside: &BitGrid, band: &BitGrid, rim: &Rim) -> BitGrid {
-    let mut parts = Parts((0..index_of(cells.n_rows * cells.n_cols)).collect());
+    let mut parts = DisjointSets::new(cells.n_rows * cells.n_cols);
     let in_band: Vec<((usize, usize), Place)> = band
         .cells()
         .collect::<Vec<_>>()
@@ -160,7 +161,7 @@ fn open_cells(cells: &Cells, outside: &BitGrid, band: &BitGrid, rim: &Rim) -> Bi
             }
         }
     }
-    let joined = |parts: &mut Parts, cell: (usize, usize), place: Place| {
+    let joined = |parts: &mut DisjointSets, cell: (usize, usize), place: Place| {
         if let Some(other) = cells.at(place).filter(|(row, col)| of_cell.contains(*row, *col)) {
             parts.join(cells.index(cell), cells.index(other));
         }
@@ -191,24 +192,4 @@ fn open_cells(cells: &Cells, outside: &BitGrid, band: &BitGrid, rim: &Rim) -> Bi
         open.set(row, col, parts.root(cells.index((row, col))) == root);
     }
     open
-}
-
-/// Sets of cells, each with the number of another cell of its own set.
-struct Parts(Vec<u32>);
-
-impl Parts {
-    fn root(&mut self, cell: usize) -> usize {
-        let mut at = cell;
-        while self.0[at] as usize != at {
-            let next = self.0[self.0[at] as usize];
-            self.0[at] = next;
-            at = next as usize;
-        }
-        at
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.0[a.max(b)] = index_of(a.min(b));
-    }
 }

@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use skyshed_core::disjoint_sets::DisjointSets;
+
 use super::super::solid::Face;
 use super::faces::Mesh;
 
@@ -9,42 +11,28 @@ use super::faces::Mesh;
 /// numbers are.
 pub(super) fn buildings(mesh: &Mesh) -> Vec<Vec<Face>> {
     let mut numbers: HashMap<[u64; 3], usize> = HashMap::new();
-    let mut joined: Vec<usize> = Vec::new();
+    let mut joined = DisjointSets::default();
     let mut faces: Vec<(Face, usize)> = Vec::new();
     for face in mesh.faces() {
         let corners: Vec<[f64; 3]> = face.collect();
         let mut first = None;
         for corner in &corners {
             // Adding 0 makes one zero of both.
-            let number = *numbers.entry(corner.map(|v| (v + 0.0).to_bits())).or_insert_with(|| {
-                joined.push(joined.len());
-                joined.len() - 1
-            });
-            let of_face = *first.get_or_insert(number);
-            let (a, b) = (root(&mut joined, of_face), root(&mut joined, number));
-            joined[a.max(b)] = a.min(b);
+            let number = *numbers.entry(corner.map(|v| (v + 0.0).to_bits())).or_insert_with(|| joined.add());
+            joined.join(*first.get_or_insert(number), number);
         }
         faces.extend(first.map(|number| (vec![corners], number)));
     }
     let mut at: HashMap<usize, usize> = HashMap::new();
     let mut buildings: Vec<Vec<Face>> = Vec::new();
     for (face, number) in faces {
-        let building = *at.entry(root(&mut joined, number)).or_insert_with(|| {
+        let building = *at.entry(joined.root(number)).or_insert_with(|| {
             buildings.push(Vec::new());
             buildings.len() - 1
         });
         buildings[building].push(face);
     }
     buildings
-}
-
-/// What stands for all that a number is joined with.
-fn root(joined: &mut [usize], mut number: usize) -> usize {
-    while joined[number] != number {
-        joined[number] = joined[joined[number]];
-        number = joined[number];
-    }
-    number
 }
 
 #[cfg(test)]
