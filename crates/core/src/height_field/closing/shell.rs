@@ -1,7 +1,7 @@
 //! What may bound the centers of discs: corners and edges of footprints near the border of the closing.
 
 use super::cells::Cells;
-use super::grid::{Grid, whole};
+use super::grid::Grid;
 use super::vectors::{Place, dot, length, minus, plus};
 use crate::city::Footprint;
 use crate::raster::BitGrid;
@@ -42,8 +42,6 @@ impl Edge {
 /// The corners and edges of footprints that may bound E.
 pub(super) struct Shell {
     pub(super) radius: f64,
-    /// Columns and rows of squares of the radius.
-    pub(super) squares: [usize; 2],
     pub(super) points: Vec<Place>,
     pub(super) edges: Vec<Edge>,
     pub(super) grid: Grid,
@@ -67,9 +65,7 @@ impl Shell {
                 is_end = is_kept;
             }
         }
-        #[expect(clippy::cast_precision_loss, reason = "below 2^27")]
-        let squares = [cells.n_cols, cells.n_rows].map(|n| whole(n as f64 * cells.side as f64 / radius) + 1);
-        Shell { radius, squares, grid: Grid::of(&points, &edges), points, edges }
+        Shell { radius, grid: Grid::of(&points, &edges), points, edges }
     }
 }
 
@@ -97,21 +93,4 @@ pub(super) fn holds_near(cells: &Cells, set: &BitGrid, place: Place) -> bool {
     let Some((row, col)) = cells.at(place) else { return false };
     let rows = row.saturating_sub(1)..(row + 2).min(cells.n_rows);
     rows.into_iter().any(|row| (col.saturating_sub(1)..(col + 2).min(cells.n_cols)).any(|col| set.contains(row, col)))
-}
-
-/// The squares of `side` that a box between two places meets, grown by a margin.
-pub(super) fn buckets_of(
-    shape: [usize; 2],
-    side: f64,
-    ends: [Place; 2],
-    margin: f64,
-) -> impl Iterator<Item = usize> + use<> {
-    let range = |k: usize| {
-        let (low, high) = (ends[0][k].min(ends[1][k]) - margin, ends[0][k].max(ends[1][k]) + margin);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the grid of squares")]
-        let at = |v: f64| ((v / side) as u32 as usize).min(shape[k] - 1);
-        at(low)..=at(high)
-    };
-    let (cols, n_cols) = (range(0), shape[0]);
-    range(1).flat_map(move |row| cols.clone().map(move |col| row * n_cols + col))
 }
