@@ -168,3 +168,31 @@ fn a_column_whose_name_is_no_text_is_no_panic() {
     let scene = read(&path, &mut warnings);
     assert!(scene.is_err() || warnings.iter().any(|w| w.code() == "W354"), "{warnings:?}");
 }
+
+/// A file without its last byte was read where the extent left the last feature out.
+#[test]
+fn a_flatgeobuf_without_its_last_byte_is_refused() {
+    let folder = Folder::new();
+    for has_index in [true, false] {
+        write_flatgeobuf(&folder.join("whole.fgb"), &city(), has_index);
+        let bytes = folder.read("whole.fgb");
+        std::fs::write(folder.join("cut.fgb"), &bytes[..bytes.len() - 1]).unwrap();
+        let box_of = |west: f64| format!("{west},{NORTH},{},{}", west + 10.0, NORTH + 10.0);
+        for words in [String::new(), format!("--extent {}", box_of(EAST)), format!("--extent {}", box_of(EAST + 1e4))] {
+            let seen = folder.type_in(&format!("info whole.fgb {words}"));
+            assert_eq!(seen.code(), 0, "{words}: {seen:?}");
+            folder.refuses(&format!("info cut.fgb {words}"), "E303", &["cut short"]);
+        }
+    }
+}
+
+/// Some writers end the properties of a feature with a byte more; GDAL passes over it (gdal#1742).
+#[test]
+fn a_flatgeobuf_whose_properties_end_with_a_byte_alone_is_read() {
+    let Some(shared) = crate::needs::truth() else { return };
+    let path = shared.join("cases/16-flatgeobuf/alldatatypes.fgb");
+    let options = FootprintOptions { extent: Some([0.0, 0.0, 10.0, 10.0]), ..FootprintOptions::default() };
+    let city = read_footprints(&path, &options, &mut Vec::new());
+    // It holds a point, and no property of heights.
+    assert!(city.is_ok() || city.is_err_and(|error| error.code() == "E365"));
+}

@@ -67,7 +67,8 @@ pub(super) fn read(input: &Input, bounds: Option<[f64; 4]>) -> Result<FeatureSet
     };
     match wanted {
         Some(offsets) => {
-            for (number, offset) in offsets {
+            source.check_end(index.end.saturating_add(offsets.last))?;
+            for (number, offset) in offsets.wanted {
                 source.go_to(index.end.saturating_add(offset))?;
                 add(&mut source, number + 1)?;
             }
@@ -105,15 +106,29 @@ impl Source<'_> {
 
     /// The next `n` bytes.
     fn take(&mut self, n: u64) -> Result<Vec<u8>> {
+        self.check_left(n)?;
+        let mut bytes = Vec::new();
+        Read::by_ref(&mut self.file).take(n).read_to_end(&mut bytes).map_err(|e| cannot_read(self.input, &e))?;
+        self.at += bytes.len() as u64;
+        if bytes.len() as u64 == n { Ok(bytes) } else { Err(malformed(self.input, "an early end", "FlatGeobuf")) }
+    }
+
+    /// Refuses a file that ends before its last feature, which begins at `start`, does.
+    fn check_end(&mut self, start: u64) -> Result<()> {
+        self.go_to(start)?;
+        let bytes = self.take(4)?;
+        let n = u64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
+        self.check_left(n)
+    }
+
+    /// Refuses to take more than the file has left.
+    fn check_left(&self, n: u64) -> Result<()> {
         let left = self.length.saturating_sub(self.at);
         if n > left {
             let what = format!("at byte {} it announces {n} bytes, but {left} are left", self.at);
             return Err(Error::truncated(self.input, what).because(Cause::CutShort));
         }
-        let mut bytes = Vec::new();
-        Read::by_ref(&mut self.file).take(n).read_to_end(&mut bytes).map_err(|e| cannot_read(self.input, &e))?;
-        self.at += bytes.len() as u64;
-        if bytes.len() as u64 == n { Ok(bytes) } else { Err(malformed(self.input, "an early end", "FlatGeobuf")) }
+        Ok(())
     }
 
     /// The next table with the length that stands before it.
@@ -123,6 +138,14 @@ impl Source<'_> {
         bytes.extend(self.take(u64::from(n))?);
         Ok(bytes)
     }
+}
+
+/// Where features begin, from the end of the index.
+struct Offsets {
+    /// Number and offset of each feature that is wanted.
+    wanted: Vec<(u64, u64)>,
+    /// Offset of the last feature of the file.
+    last: u64,
 }
 
 /// Where the boxes of the features stand, and where the features begin.
@@ -156,15 +179,17 @@ impl Index {
     }
 
     /// Number and offset of each feature whose box meets `bounds`.
-    fn offsets(&self, source: &mut Source<'_>, bounds: [f64; 4]) -> Result<Vec<(u64, u64)>> {
+    fn offsets(&self, source: &mut Source<'_>, bounds: [f64; 4]) -> Result<Offsets> {
         source.go_to(self.boxes)?;
-        let mut offsets = Vec::new();
+        let mut offsets = Offsets { wanted: Vec::new(), last: 0 };
         for number in 0..self.n_boxes {
             let bytes = source.take(BOX_BYTES)?;
             let word = |k: usize| bytes[8 * k..].first_chunk::<8>().copied().unwrap_or_default();
             let [west, south, east, north] = [0, 1, 2, 3].map(|k| f64::from_le_bytes(word(k)));
+            let offset = u64::from_le_bytes(word(4));
+            offsets.last = offsets.last.max(offset);
             if west <= bounds[2] && east >= bounds[0] && south <= bounds[3] && north >= bounds[1] {
-                offsets.push((number, u64::from_le_bytes(word(4))));
+                offsets.wanted.push((number, offset));
             }
         }
         Ok(offsets)
@@ -174,7 +199,8 @@ impl Index {
 fn crs(input: &Input, header: &Header<'_>) -> Result<Option<Crs>> {
     let Some(crs) = header.crs() else { return Ok(None) };
     let code = (crs.code() > 0).then(|| format!("{}:{}", crs.org().unwrap_or("EPSG"), crs.code()));
-    match code.filter(|code| code.to_uppercase().starts_with("EPSG:")) {
+    let is_known = |code: &String| ["EPSG:", "ESRI:"].iter().any(|known| code.to_uppercase().starts_with(known));
+    match code.filter(is_known) {
         Some(code) => crs_of(input, &code),
         None => crs_of(input, crs.wkt().or(crs.code_string()).unwrap_or_default()),
     }
@@ -220,7 +246,8 @@ fn feature_of(
     let names = own.as_deref().unwrap_or(names);
     let bytes = table.properties().map(|p| p.bytes()).unwrap_or_default();
     let mut rest = bytes;
-    while !rest.is_empty() {
+    // A byte alone is no number of a column: some writers end with one, and GDAL passes over it.
+    while rest.len() > 1 {
         let number = usize::from(u16::from_le_bytes(taken(&mut rest)?));
         if number >= columns.len() {
             return Err(format!("a value for column {} of {}", number + 1, columns.len()));
