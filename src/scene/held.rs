@@ -78,7 +78,9 @@ impl Scene {
         let start = Instant::now();
         let PackedCity { grid, solids, .. } =
             unpack(bytes).map_err(|_| Error::Fault("these bytes are no packed scene"))?;
-        let crs = crs.map(crs::parse).transpose()?;
+        // The bytes hold the length of a unit where the scene lies.
+        let unit = grid.meters_per_unit();
+        let crs = crs.map(crs::parse).transpose()?.map(|crs| crs.with_true_meters_per_unit(unit));
         let city = City {
             name: name.into(),
             grid: grid.with_crs(crs),

@@ -148,6 +148,7 @@ fn vectors() -> Vec<(&'static str, String)> {
         ("town.geojson", features(UTM, &town)),
         ("far.geojson", features(UTM, &[house(ten, AT), house(ten, [1e5, 10.0, 1e5 + 4.0, 14.0])])),
         ("none.geojson", features(UTM, &[])),
+        ("unnamed.geojson", features(None, &[house(ten, AT)])),
         ("degrees.geojson", features(None, std::slice::from_ref(&in_degrees))),
         ("lines.geojson", format!("{in_degrees}\n{in_degrees}\n")),
         ("no_heights.geojson", features(UTM, &no_heights)),

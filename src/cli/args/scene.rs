@@ -143,8 +143,8 @@ pub(crate) struct ReadingArgs {
     /// Coordinate reference system of the scene, where its files name none or a wrong one
     #[arg(long, value_name = "EPSG:N", hide_short_help = true)]
     crs: Option<String>,
-    /// Reference system to bring footprints or a raster into: `auto` is the zone of UTM for those in degrees; EPSG:n, or as
-    /// `--crs`. Of a raster each cell takes the height of the cell of the file that holds its center
+    /// Reference system to bring footprints or a raster into: `auto` is the zone of UTM for those in degrees and web
+    /// Mercator; EPSG:n, or as `--crs`. Of a raster each cell takes the height of the cell of the file that holds its center
     #[arg(long, value_name = "auto|EPSG:N", value_parser = projection, hide_short_help = true)]
     project: Option<Projection>,
     /// Edge length of a generated city [m]; default 1000

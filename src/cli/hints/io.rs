@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use skyshed_io::Error;
 use skyshed_io::crs::utm_for;
 use skyshed_io::error::{
-    Cause, CombineError, CrsError, HeightOf, HeightsMissing, InputKind, Pair, PlacesIn, ReadError, ReadFault, Wanted,
-    WriteFault,
+    Cause, CombineError, CrsError, HeightOf, HeightsMissing, InputKind, Namer, Pair, PlacesIn, ReadError, ReadFault,
+    Wanted, WriteFault,
 };
 use skyshed_io::export::Format;
 use skyshed_io::is_remote;
@@ -160,6 +160,10 @@ fn of_fault(ReadError { name, fault, .. }: &ReadError) -> Option<String> {
         ReadFault::CrsMember(_) => "say it with `--crs EPSG:n`".into(),
         ReadFault::NoCrs => "say which it is: `--crs EPSG:n`".into(),
         ReadFault::Degrees { crs, kind, center } => of_degrees((name, crs), *kind, *center),
+        ReadFault::WebMercator { named_by: Namer::Footprints, .. } => "`--project auto` brings it into UTM".into(),
+        ReadFault::WebMercator { crs, named_by: Namer::Terrain } => {
+            format!("`--crs {crs} --project auto` brings both into UTM")
+        }
         ReadFault::NoFaceInGrid(_) => "check `--extent`; a mesh with y up has to be turned first".into(),
         ReadFault::NoHeightProperty { like_heights, like_storeys, others, .. } => {
             match (quoted(like_heights), quoted(like_storeys), quoted(others)) {
@@ -238,7 +242,7 @@ pub(super) fn is_held(name: &str) -> bool {
 
 /// The ways to bring a file out of degrees; what is held in memory no other program converts.
 fn of_degrees((name, crs): (&str, &str), kind: InputKind, (lon, lat): (f64, f64)) -> String {
-    if !((-180.0..=360.0).contains(&lon) && (-90.0..=90.0).contains(&lat)) {
+    if !((-360.0..=360.0).contains(&lon) && (-90.0..=90.0).contains(&lat)) {
         return format!(
             "its middle, longitude {} and latitude {}, is not on Earth: is the coordinate system right?",
             tidy(lon),

@@ -1,5 +1,7 @@
 //! What to do about what is odd: the words that follow a warning in parentheses.
 
+use std::path::Path;
+
 use skyshed_core::Warning as OddScene;
 use skyshed_io::Warning as OddFiles;
 use skyshed_io::error::{OddFile, OddRaster, Oddity};
@@ -28,7 +30,9 @@ pub(in crate::cli) fn of_warning(warning: &Warning) -> Option<String> {
 
 fn of_raster(Oddity { name, odd, .. }: &Oddity) -> Option<String> {
     match odd {
-        OddRaster::WebMercator { utm_epsg } => Some(format!("`--project EPSG:{utm_epsg}` brings it into UTM")),
+        // A mesh stays where it is.
+        OddRaster::WebMercator { .. } if is_mesh(name) => None,
+        OddRaster::WebMercator { utm_epsg, .. } => Some(format!("`--project EPSG:{utm_epsg}` brings it into UTM")),
         OddRaster::Unlikely(_) => {
             let (file, made) = (shell_word(name), shell_word(&beside(name, "_nodata.tif")));
             Some(format!("if they are none, declare it: `gdal_translate -a_nodata VALUE {file} {made}`"))
@@ -38,6 +42,11 @@ fn of_raster(Oddity { name, odd, .. }: &Oddity) -> Option<String> {
         }
         _ => None,
     }
+}
+
+fn is_mesh(name: &str) -> bool {
+    let extension = Path::new(name).extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    ["obj", "ply"].contains(&extension.as_str())
 }
 
 fn of_file(name: &str, odd: &OddFile) -> Option<String> {

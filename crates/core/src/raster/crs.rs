@@ -4,12 +4,22 @@
 ///
 /// Coordinates are always in the order x, y (east, north; longitude, latitude in degrees), whatever order an authority
 /// assigns: that is how rasters, GeoJSON and every GIS store them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Crs {
     epsg: Option<u32>,
     name: String,
     kind: CrsKind,
     definition: CrsDefinition,
+    /// Length of one coordinate unit on the ground where the data lie \[m\]; `None` if it is that of the kind.
+    true_meters_per_unit: Option<f64>,
+}
+
+impl PartialEq for Crs {
+    /// Whether two definitions are equal. Where in the system data lie is no part of it.
+    fn eq(&self, other: &Crs) -> bool {
+        let parts = |crs: &Crs| (crs.epsg, crs.kind);
+        parts(self) == parts(other) && self.name == other.name && self.definition == other.definition
+    }
 }
 
 /// What the coordinates of a [`Crs`] measure.
@@ -42,7 +52,22 @@ pub enum CrsDefinition {
 impl Crs {
     /// A system from its EPSG code, if it has one, its name, what its coordinates measure, and what defines it.
     pub fn new(epsg: Option<u32>, name: impl Into<String>, kind: CrsKind, definition: CrsDefinition) -> Crs {
-        Crs { epsg, name: name.into(), kind, definition }
+        Crs { epsg, name: name.into(), kind, definition, true_meters_per_unit: None }
+    }
+
+    /// Sets the length of one coordinate unit on the ground \[m\], for data in a projection that stretches lengths there.
+    #[must_use]
+    pub fn with_true_meters_per_unit(self, meters: f64) -> Crs {
+        Crs { true_meters_per_unit: Some(meters), ..self }
+    }
+
+    /// Length of one coordinate unit \[m\], on the ground where that was set; 1 in systems without a plane.
+    pub fn meters_per_unit(&self) -> f64 {
+        match (self.true_meters_per_unit, self.kind) {
+            (Some(meters), _) => meters,
+            (None, CrsKind::Projected { meters_per_unit }) => meters_per_unit,
+            (None, CrsKind::Geographic | CrsKind::Other) => 1.0,
+        }
     }
 
     /// The EPSG code of the horizontal system.

@@ -1,6 +1,6 @@
 //! Where the cells of a raster lie in the plane of a coordinate reference system.
 
-use super::{Crs, CrsKind};
+use super::Crs;
 
 /// A north-up grid of equal rectangular cells.
 ///
@@ -121,10 +121,7 @@ impl GeoRef {
 
     /// Length of a CRS unit \[m\]; 1 for local coordinates.
     pub fn meters_per_unit(&self) -> f64 {
-        match self.crs.as_ref().map(Crs::kind) {
-            Some(CrsKind::Projected { meters_per_unit }) => meters_per_unit,
-            _ => 1.0,
-        }
+        self.crs.as_ref().map_or(1.0, Crs::meters_per_unit)
     }
 
     /// Width of a cell, west to east \[CRS units\].

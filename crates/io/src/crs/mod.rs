@@ -6,18 +6,22 @@
 //! cover (names in Esri `.prj` files, the dialect of WKT that GDAL reads) is settled here.
 
 mod degrees;
+mod names;
+mod null_datums;
 mod vertical;
+mod web_mercator;
 mod wkt;
 
 pub use degrees::utm_for;
 pub use vertical::{VerticalCrs, VerticalDifference};
+pub(crate) use web_mercator::Stretch;
+pub use web_mercator::is_web_mercator;
 
 use std::fmt;
 use std::mem::discriminant;
 
 use proj_core::{
-    AreaOfInterest, AxisOrder, CrsDef, ProjectionMethod, SelectionOptions, Transform,
-    operation_candidates_between_with_selection_options,
+    AreaOfInterest, AxisOrder, CrsDef, SelectionOptions, Transform, operation_candidates_between_with_selection_options,
 };
 
 use crate::error::{CrsError, Error, Result};
@@ -33,8 +37,8 @@ pub fn from_epsg(code: u32) -> Result<Crs> {
 }
 
 /// Reads any common notation: `EPSG:25832`, `25832`, `urn:ogc:def:crs:EPSG::25832`,
-/// `urn:ogc:def:crs:OGC:1.3:CRS84`, `EPSG:25832+5783`, WKT 1 (also of Esri `.prj` files), WKT 2, PROJ strings,
-/// PROJJSON.
+/// `urn:ogc:def:crs:OGC:1.3:CRS84`, `EPSG:25832+5783`, addresses of the OGC, names of German surveys
+/// (`ETRS89_UTM32*DE_DHHN2016_NH`), WKT 1 (also of Esri `.prj` files), WKT 2, PROJ strings, PROJJSON.
 ///
 /// A definition without an EPSG code gets one if a registry entry has the same projection, unit, ellipsoid and
 /// name of geographic base. A WKT with a projection that is not supported is kept by name and unit, so that its
@@ -48,7 +52,7 @@ pub fn parse(text: &str) -> Result<Crs> {
     if is_wkt {
         return from_wkt(text);
     }
-    if let Some(code) = code_in(text) {
+    if let Some(code) = names::code_in(text) {
         return from_epsg(code);
     }
     let parsed = proj_wkt::parse_crs(text).map_err(|cause| unreadable(text, &cause.to_string()))?;
@@ -78,6 +82,9 @@ fn from_wkt(text: &str) -> Result<Crs> {
         return Ok(crs);
     }
     let name = wkt::name_of(node).ok_or_else(|| unreadable(text, "it has no name"))?.to_string();
+    if wkt::kind_of(node) == METERS && web_mercator::is_named_so(node) {
+        return from_epsg(3857);
+    }
     let parsed = proj_wkt::parse_crs(&wkt::for_proj_wkt(node)).ok().and_then(east_north);
     if let Some(horizontal) = &parsed {
         let base = if horizontal.is_projected() { wkt::base_name_of(node) } else { Some(name.as_str()) };
@@ -95,6 +102,9 @@ fn from_wkt(text: &str) -> Result<Crs> {
 ///
 /// Its rasters can be used; coordinates in it cannot be transformed. `meters_per_unit` counts for projected systems.
 pub fn from_geokeys_citation(name: &str, meters_per_unit: Option<f64>, geographic: bool) -> Crs {
+    if !geographic && meters_per_unit == Some(1.0) && web_mercator::is_named_so(name) {
+        return from_epsg(3857).unwrap_or_else(|_| Crs::new(None, name, METERS, CrsDefinition::Described));
+    }
     let kind = match meters_per_unit {
         _ if geographic => CrsKind::Geographic,
         Some(meters) if SENSIBLE_UNITS_M.contains(&meters) => CrsKind::Projected { meters_per_unit: meters },
@@ -111,13 +121,6 @@ pub(crate) fn contradicts(one: &Crs, other: &Crs) -> bool {
         (Some(one), Some(other)) => one != other,
         _ => discriminant(&one.kind()) != discriminant(&other.kind()),
     }
-}
-
-/// Whether this is the Web Mercator projection, whose meters are true at the equator only.
-pub fn is_web_mercator(crs: &Crs) -> bool {
-    horizontal(crs)
-        .and_then(|crs| crs.as_projected().map(|projected| projected.method()))
-        .is_some_and(|method| matches!(method, ProjectionMethod::WebMercator))
 }
 
 /// The definition as WKT 1 in the dialect of GDAL, for `.prj` files and the like; `None` if it cannot be written.
@@ -168,11 +171,19 @@ impl Transformation {
             return Ok(Transformation { operation: None, labels });
         }
         let refuse = |why: &str| no_way(format!("coordinates near `{near:?}`"), &labels, why);
+        // Areas of operations end at 180 degrees.
+        let is_beyond = matches!(from.kind(), CrsKind::Geographic) && near.0.abs() > 180.0;
+        let near = if is_beyond { ((near.0 + 180.0).rem_euclid(360.0) - 180.0, near.1) } else { near };
         let defined = |crs: &Crs| {
             horizontal(crs).ok_or_else(|| refuse(&format!("the projection of `{}` is not known", crs.label())))
         };
-        let operation =
-            operation_near(&defined(from)?, &defined(to)?, near).map_err(|cause| refuse(&cause.to_string()))?;
+        let (from, to) = (defined(from)?, defined(to)?);
+        let tied = || operation_near(&null_datums::tied(&from), &null_datums::tied(&to), near);
+        let operation = match null_datums::are_tied(&from, &to) {
+            true => tied(),
+            false => operation_near(&from, &to, near).or_else(|error| tied().map_err(|_| error)),
+        };
+        let operation = operation.map_err(|cause| refuse(&cause.to_string()))?;
         Ok(Transformation { operation: Some(operation), labels })
     }
 
@@ -220,6 +231,9 @@ pub fn transform(from: &Crs, to: &Crs, xy: (f64, f64)) -> Result<(f64, f64)> {
     Transformation::new(from, to, xy)?.apply(xy)
 }
 
+/// What coordinates in meters measure.
+const METERS: CrsKind = CrsKind::Projected { meters_per_unit: 1.0 };
+
 /// Lengths that a unit of coordinates may have \[m\].
 const SENSIBLE_UNITS_M: std::ops::RangeInclusive<f64> = 1e-3..=1e5;
 
@@ -257,18 +271,6 @@ fn kind_of(horizontal: &CrsDef) -> CrsKind {
         CrsDef::Projected(projected) => CrsKind::Projected { meters_per_unit: projected.linear_unit_to_meter() },
         CrsDef::Geocentric(_) | CrsDef::Compound(_) => CrsKind::Other,
     }
-}
-
-/// The code in `25832`, `EPSG:25832`, `EPSG:25832+5783` and the codes that stood for Web Mercator before it had one.
-fn code_in(text: &str) -> Option<u32> {
-    let bare = match text.split_once(':') {
-        Some((authority, rest)) if authority.trim().eq_ignore_ascii_case("EPSG") => rest,
-        Some((authority, rest)) if authority.trim().eq_ignore_ascii_case("ESRI") => rest,
-        Some(_) => return None,
-        None => text,
-    };
-    let code = bare.split('+').next()?.trim().parse().ok()?;
-    Some(if matches!(code, 3785 | 102_100 | 102_113 | 900_913) { 3857 } else { code })
 }
 
 /// Largest relative difference of two parameters that mean the same: a few millimeters in a false origin or an angle,

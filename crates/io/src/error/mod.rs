@@ -11,7 +11,7 @@ mod write;
 use std::fmt::Display;
 use std::sync::Arc;
 
-pub use read::{Cause, HeightOf, HeightsMissing, InputKind, Place, PlacesIn, ReadError, ReadFault, Wanted};
+pub use read::{Cause, HeightOf, HeightsMissing, InputKind, Namer, Place, PlacesIn, ReadError, ReadFault, Wanted};
 
 pub use skyshed_core::error::{ErrorClass, MOST_FOUND, io_words, is_text, shortened};
 use skyshed_core::error::{PassedError, one_line};

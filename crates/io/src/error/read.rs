@@ -93,6 +93,9 @@ pub enum ReadFault {
     /// E310: a file in degrees; its reference system, its kind, and longitude and latitude of its middle \[deg\].
     #[error("it is in degrees ({crs})")]
     Degrees { crs: String, kind: InputKind, center: (f64, f64) },
+    /// E310: footprints in web Mercator; their reference system, and the file that names it.
+    #[error("it is in web Mercator ({crs})")]
+    WebMercator { crs: String, named_by: Namer },
     /// E312: a mesh has no face over the grid, which is described.
     #[error("no face covers a cell of the grid, {0}")]
     NoFaceInGrid(String),
@@ -171,6 +174,14 @@ pub enum InputKind {
     Raster,
     /// Vectors: `ogr2ogr`.
     Vector,
+}
+
+/// The file that names the reference system of footprints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names of the variants say it")]
+pub enum Namer {
+    Footprints,
+    Terrain,
 }
 
 /// What a file of places was to hold.
@@ -314,7 +325,7 @@ impl ReadFault {
             Irregular(_) => 307,
             Nothing(_) => 308,
             HeightMissing(..) | HeightsMissing(_) => 309,
-            Crs(..) | CrsMember(_) | CrsNotUnderstood(_) | NoCrs | Degrees { .. } => 310,
+            Crs(..) | CrsMember(_) | CrsNotUnderstood(_) | NoCrs | Degrees { .. } | WebMercator { .. } => 310,
             NoFaceInGrid(_) => 312,
             NoHeightProperty { .. } | NoErrorProperty(_) | HeightError(..) => 365,
             Memory(_) => 501,
@@ -346,6 +357,10 @@ impl Display for ReadError {
         match (fault, place) {
             (ReadFault::Degrees { crs, .. }, _) => {
                 write!(f, "`{name}` is in degrees ({crs}); wanted a projected coordinate system in meters")
+            }
+            (ReadFault::WebMercator { crs, .. }, _) => {
+                let stretched = "whose meters are stretched by 1/cos(latitude)";
+                write!(f, "`{name}` is in web Mercator ({crs}), {stretched}; wanted a system of true lengths")
             }
             (_, Some(place)) => write!(f, "cannot {} {name}: {place}: {fault}", fault.verb()),
             (_, None) => write!(f, "cannot {} {name}: {fault}", fault.verb()),

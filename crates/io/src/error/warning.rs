@@ -75,8 +75,12 @@ pub enum OddRaster {
     SouthUp,
     #[error("has a negative cell height: read as positive, north up")]
     NegativeHeight,
-    #[error("is in web Mercator, whose meters are stretched by 1/cos(latitude): distances and angles are off")]
-    WebMercator { utm_epsg: u32 },
+    #[error(
+        "is in web Mercator, whose meters are stretched by 1/cos(latitude): lengths are multiplied by \
+         {meters_per_unit:.4}, the cosine of {lat:.2} degrees in its middle, and are off by up to {} % at its edge",
+        percent_up(*largest_error)
+    )]
+    WebMercator { meters_per_unit: f64, lat: f64, largest_error: f64, utm_epsg: u32 },
     #[error("gives its heights in units of {0} m; scenes convert them")]
     Unit(f64),
     #[error("has {0} bands: the first is read as heights")]
@@ -106,6 +110,13 @@ pub enum OddRaster {
         counted(*n, "cell", "cells")
     )]
     Gaps { n: u64, empty: f64 },
+}
+
+/// A share in percent, rounded up to two digits or one hundredth.
+fn percent_up(share: f64) -> String {
+    let percent = share * 100.0;
+    let step = if percent < 1.0 { 0.01 } else { 0.1 };
+    tidy((percent / step).ceil() * step).to_string()
 }
 
 /// Cells of one kind: how many, and the first and last row and column among them, counted from 0.

@@ -10,7 +10,7 @@
 use std::fmt::Write as _;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 
-use super::oddity::warned;
+use super::oddity::{warned, with_true_lengths};
 use super::reserve::reserve_cells;
 use super::voids::Voids;
 use crate::crs;
@@ -75,7 +75,8 @@ impl AsciiGrid {
             odd.push(Oddity::new(input, OddRaster::NoPrj));
         }
         let nodata = header.number("nodata_value").or(header.number("nodata")).unwrap_or(DEFAULT_NODATA);
-        Ok(AsciiGrid { input: input.clone(), georef: georef.with_crs(crs), nodata, cells_at, cells_line })
+        let georef = with_true_lengths(georef.with_crs(crs), &mut |of_grid| odd.push(Oddity::new(input, of_grid)));
+        Ok(AsciiGrid { input: input.clone(), georef, nodata, cells_at, cells_line })
     }
 
     /// Where the cells lie.

@@ -5,7 +5,7 @@ use super::cell_sources::bounds_through;
 use crate::crs;
 use crate::crs::Transformation;
 use crate::error::{Fault, Result};
-use crate::raster::{CrsKind, GeoRef};
+use crate::raster::GeoRef;
 
 /// Length of a degree of latitude \[m\], to half a percent everywhere.
 const METERS_PER_DEGREE: f64 = 111_195.0;
@@ -36,10 +36,7 @@ impl LonLatGrid {
         let (lon, lat) = to_degrees.apply(middle)?;
         let from_degrees = Transformation::new(&wgs84, crs, (lon, lat))?;
         let [west, south, east, north] = bounds_through(grid, &to_degrees)?;
-        let unit = match crs.kind() {
-            CrsKind::Projected { meters_per_unit } => meters_per_unit,
-            CrsKind::Geographic | CrsKind::Other => 1.0,
-        };
+        let unit = crs.meters_per_unit();
         let per_degree = (METERS_PER_DEGREE * lat.to_radians().cos(), METERS_PER_DEGREE);
         let columns = (east - west) * per_degree.0 / (grid.cell_width() * unit);
         let rows = (north - south) * per_degree.1 / (grid.cell_height() * unit);

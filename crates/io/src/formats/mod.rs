@@ -34,6 +34,7 @@ pub use geotiff::{
 pub use lonlat::LonLatGrid;
 pub use mosaic::Mosaic;
 pub use npz::{NpyArray, write_npz};
+pub(crate) use oddity::with_true_lengths;
 pub use origin::origin_of;
 pub(crate) use reserve::reserve_cells;
 pub use tile_store::{TileStore, TileStoreWriter};

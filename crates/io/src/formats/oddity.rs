@@ -2,20 +2,28 @@
 
 use std::fmt::Display;
 
-use crate::crs::{Transformation, from_epsg, is_web_mercator, utm_for};
+use crate::crs::Stretch;
 use crate::error::{OddRaster, Oddity, Result, Warning};
 use crate::raster::GeoRef;
 
-impl OddRaster {
-    /// That a grid is in web Mercator, if it is, with the zone of UTM that its middle lies in.
-    pub(super) fn of_web_mercator(grid: &GeoRef) -> Option<OddRaster> {
-        let crs = grid.crs().filter(|crs| is_web_mercator(crs))?;
-        let (x, y) = ((grid.x_min() + grid.x_max()) / 2.0, (grid.y_min() + grid.y_max()) / 2.0);
-        let wgs84 = from_epsg(4326).ok()?;
-        let (lon, lat) = Transformation::new(crs, &wgs84, (x, y)).ok()?.apply((x, y)).ok()?;
-        Some(OddRaster::WebMercator { utm_epsg: utm_for(lon, lat) })
-    }
+/// Gives a grid in web Mercator the length that its unit has in its middle, and tells of that; other grids stay.
+pub(crate) fn with_true_lengths(grid: GeoRef, tell: &mut impl FnMut(OddRaster)) -> GeoRef {
+    let bounds = [grid.x_min(), grid.y_min(), grid.x_max(), grid.y_max()];
+    let Some((crs, stretch)) = grid.crs().and_then(|crs| Some((crs.clone(), Stretch::of(crs, bounds)?))) else {
+        return grid;
+    };
+    tell(stretch.into());
+    grid.with_crs(Some(stretch.apply(crs)))
+}
 
+impl From<Stretch> for OddRaster {
+    fn from(stretch: Stretch) -> OddRaster {
+        let Stretch { meters_per_unit, lat, largest_error, utm_epsg } = stretch;
+        OddRaster::WebMercator { meters_per_unit, lat, largest_error, utm_epsg }
+    }
+}
+
+impl OddRaster {
     /// Whether it is about the reference system, so that another one settles it.
     pub(crate) fn is_of_crs(&self) -> bool {
         matches!(self.number(), 325 | 326 | 331)
@@ -33,7 +41,7 @@ impl Oddity {
         matches!(self.odd, OddRaster::WebMercator { .. })
     }
 
-    pub(super) fn new(name: impl Display, odd: OddRaster) -> Oddity {
+    pub(crate) fn new(name: impl Display, odd: OddRaster) -> Oddity {
         Oddity { name: name.to_string(), odd, n_more: 0 }
     }
 }

@@ -5,6 +5,7 @@
 //! left-out thing is counted in [`crate::city::FootprintFaults`] and reported. Formats end where features begin (`vector/`); what a
 //! feature says of a building is read in `building.rs`.
 
+use super::antimeridian;
 use super::area::read_area;
 use super::building::Buildings;
 use super::footprint_options::{DataAreaChoice, FootprintOptions};
@@ -17,12 +18,12 @@ use super::reprojected::Reprojection;
 use super::solid::Face;
 use super::source::{name_of, source_of};
 use super::surface::ground_steps;
-use super::systems::{refuse_degrees, refuse_two_crs};
+use super::systems::{refuse_degrees, refuse_two_crs, refuse_web_mercator};
 use super::vector::{FeatureSet, Selection, bounds, read_features};
 use crate::city::{City, DataArea, Footprint, Ground, NodataAs, Solids, Source};
 use crate::crs;
 use crate::crs::Transformation;
-use crate::error::{Error, InputKind, OddFile, Pair, ReadFault, Result, Warning};
+use crate::error::{Error, InputKind, Namer, OddFile, Pair, ReadFault, Result, Warning};
 use crate::formats::reserve_cells;
 use crate::input::Input;
 use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, meters};
@@ -90,6 +91,11 @@ pub(super) fn scene_of(
     if let (Some(within), Some(_)) = (within_reach(options), options.reach_m) {
         raw.keep_within(within);
     }
+    // Local coordinates are nowhere on earth.
+    if file_crs.is_some() || options.project.is_some() {
+        let crs = said_or_degrees(file_crs.as_ref(), raw.bounds())?;
+        crs.into_iter().for_each(|crs| antimeridian::unwrap(&mut raw, &crs));
+    }
     let file_crs = match &options.project {
         Some(projection) => {
             let (from, bounds) = (file_crs.clone(), raw.bounds());
@@ -101,6 +107,7 @@ pub(super) fn scene_of(
     };
     let bounds = raw.bounds();
     check_degrees(input, file_crs.as_ref(), bounds)?;
+    refuse_web_mercator(input, file_crs.as_ref(), Namer::Footprints)?;
 
     let terrain = match &options.terrain {
         None => None,
@@ -114,6 +121,7 @@ pub(super) fn scene_of(
         }
     };
     let crs = file_crs.or_else(|| terrain.as_ref().and_then(|t| t.georef().crs().cloned()));
+    refuse_web_mercator(input, crs.as_ref(), Namer::Terrain)?;
     if crs.is_none() {
         warnings.push(Warning::of(input, OddFile::NoCrs));
     }
@@ -219,6 +227,20 @@ fn move_listed(log: &mut FaultLog, from: Option<Crs>, to: Option<&Crs>, bounds: 
     Ok(())
 }
 
+/// The system of a file, or longitude and latitude where it names none and its positions can be degrees.
+fn said_or_degrees(said: Option<&Crs>, bounds: Option<[f64; 4]>) -> Result<Option<Crs>> {
+    match (said, bounds) {
+        (Some(crs), _) => Ok(Some(crs.clone())),
+        (None, Some(bounds)) if may_be_degrees(bounds) => crs::from_epsg(4326).map(Some),
+        (None, _) => Ok(None),
+    }
+}
+
+/// Whether positions can be longitude and latitude. Writers go on past 180 degrees rather than cut a polygon there.
+fn may_be_degrees([west, south, east, north]: [f64; 4]) -> bool {
+    west >= -360.0 && east <= 360.0 && south >= -90.0 && north <= 90.0
+}
+
 /// Takes all positions into the wanted system, and says so; returns the system that they are in afterwards.
 ///
 /// Without a system of their own, positions that can be degrees are taken for longitude and latitude.
@@ -230,12 +252,9 @@ fn project(
     warnings: &mut Vec<Warning>,
 ) -> Result<Option<Crs>> {
     let Some([west, south, east, north]) = raw.bounds() else { return Ok(from) };
-    let may_be_degrees = west >= -180.0 && east <= 180.0 && south >= -90.0 && north <= 90.0;
-    let from = match from {
-        Some(from) => from,
-        None if may_be_degrees => crs::from_epsg(4326)?,
-        None => return Err(Error::read(input, ReadFault::NoCrs)),
-    };
+    let bounds_of_file = [west, south, east, north];
+    let from = said_or_degrees(from.as_ref(), Some(bounds_of_file))?;
+    let from = from.ok_or_else(|| Error::read(input, ReadFault::NoCrs))?;
     let middle = ((west + east) / 2.0, (south + north) / 2.0);
     let to = projection.target(&from, middle)?;
     if from == to {
@@ -265,7 +284,7 @@ fn terrain_heights(
     options: &FootprintOptions,
     warnings: &mut Vec<Warning>,
 ) -> Result<Heights> {
-    let file = HeightFile::open(input, options.crs.as_ref(), warnings)?;
+    let file = HeightFile::open_terrain(input, options.crs.as_ref(), warnings)?;
     let wanted = scene_crs.filter(|_| options.project.is_some() && file.georef().crs().is_some());
     let reprojection = match wanted {
         None => None,
@@ -303,8 +322,7 @@ fn check_degrees(input: &Input, crs: Option<&Crs>, bounds: Option<[f64; 4]>) -> 
     }
     // A city in degrees spans less than a degree; local coordinates in meters of so small a scene would not.
     let [west, south, east, north] = bounds;
-    let on_earth = west >= -180.0 && east <= 180.0 && south >= -90.0 && north <= 90.0;
-    if on_earth && east - west < 1.0 && north - south < 1.0 {
+    if may_be_degrees(bounds) && east - west < 1.0 && north - south < 1.0 {
         return refuse_degrees(input, &crs::from_epsg(4326)?, bounds, InputKind::Vector);
     }
     Ok(())

@@ -6,8 +6,8 @@ use super::source::sources_of_raster;
 use super::systems::refuse_degrees;
 use super::terrain::no_terrain_below;
 use crate::city::Source;
-use crate::error::{Error, HeightOf, InputKind, OddFile, OddRaster, ReadFault, Result, Warning};
-use crate::formats::{RasterFile, TileStore, TileStoreWriter};
+use crate::error::{Error, HeightOf, InputKind, OddFile, OddRaster, Oddity, ReadFault, Result, Warning};
+use crate::formats::{RasterFile, TileStore, TileStoreWriter, with_true_lengths};
 use crate::input::Input;
 use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
 use crate::raster::{CellWindow, Crs, CrsKind, GeoRef, LargeVec, Raster};
@@ -67,11 +67,24 @@ impl<'a> HeightFile<'a> {
             }
             Some(crs) => {
                 odd.retain(|oddity| !oddity.odd.is_of_crs());
-                georef.with_crs(Some(crs.clone()))
+                let mut tell = |of_grid| odd.push(Oddity::new(input, of_grid));
+                with_true_lengths(georef.with_crs(Some(crs.clone())), &mut tell)
             }
         };
         warnings.extend(odd.into_iter().map(Warning::from));
         Ok(HeightFile { input, window: georef.window(), file, georef })
+    }
+
+    /// Opens a terrain model; lengths are those of the surface or the footprints above it, whatever its own are.
+    pub(super) fn open_terrain(
+        input: &'a Input,
+        crs: Option<&Crs>,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<HeightFile<'a>> {
+        let mut odd = Vec::new();
+        let file = HeightFile::open(input, crs, &mut odd)?;
+        warnings.extend(odd.into_iter().filter(|odd| !is_of_web_mercator(odd)));
+        Ok(file)
     }
 
     /// The cells that touch a box alone: west, south, east, north \[CRS units\].
@@ -221,6 +234,11 @@ impl LatticeHeights {
         }
         Ok(self.n_void)
     }
+}
+
+/// Whether a warning is that of lengths in web Mercator.
+pub(super) fn is_of_web_mercator(warning: &Warning) -> bool {
+    matches!(warning, Warning::Raster(odd) if odd.is_web_mercator())
 }
 
 /// Warns where coordinates are not meters.

@@ -15,8 +15,8 @@ use super::surface::{Empty, SurfaceOptions, reprojection_of, scene_of, scene_ove
 use super::terrain::{Placed, terrain_on_grid, way_to_terrain};
 use super::vector::{Feature, FeatureSet, Property, wkb};
 use crate::city::City;
-use crate::error::{Error, HeightOf, Place, ReadFault, Result, Warning};
-use crate::formats::reserve_cells;
+use crate::error::{Error, HeightOf, Oddity, Place, ReadFault, Result, Warning};
+use crate::formats::{reserve_cells, with_true_lengths};
 use crate::input::Input;
 use crate::quantity::{VOID, height_steps};
 use crate::raster::{GeoRef, LargeVec, Raster};
@@ -91,8 +91,14 @@ pub fn surface_of(
     options: &SurfaceOptions,
     warnings: &mut Vec<Warning>,
 ) -> Result<City> {
-    let HeldHeights { name, raster, n_void } = surface;
+    let HeldHeights { name, mut raster, n_void } = surface;
+    let mut odd = None;
+    let grid = with_true_lengths(raster.georef().clone(), &mut |of_grid| odd = Some(of_grid));
+    raster = Raster::new(grid, raster.into_cells());
     let reprojection = reprojection_of(&name, raster.georef(), options)?;
+    if reprojection.is_none() {
+        warnings.extend(odd.map(|odd| Oddity::new(&name, odd).into()));
+    }
     let heights = Heights { raster, n_void, sources: Vec::new() };
     let Heights { raster, n_void, .. } = Reprojection::of_held(reprojection, (&name, heights), warnings)?;
     warnings.extend(warning_of_voids(&name, n_void, options.nodata_as));

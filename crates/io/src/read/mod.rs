@@ -1,5 +1,6 @@
 //! Scenes and what belongs to them, read from files and checked once.
 
+mod antimeridian;
 mod area;
 mod building;
 mod faults;

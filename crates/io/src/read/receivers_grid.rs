@@ -3,7 +3,7 @@
 use crate::error::{Error, OptionError, ReadFault, Result, Wanted};
 use crate::input::Input;
 use crate::quantity::{MAX_EXTENT_UNITS, whole};
-use crate::raster::{Crs, CrsKind, GeoRef, Raster};
+use crate::raster::{Crs, GeoRef, Raster};
 
 /// What was asked for.
 #[derive(Debug, Clone, Copy)]
@@ -27,11 +27,7 @@ pub(super) fn receivers_grid(
     {
         return Err(OptionError::Cell(cell).into());
     }
-    let meters_per_unit = match crs.map(Crs::kind) {
-        Some(CrsKind::Projected { meters_per_unit }) => meters_per_unit,
-        _ => 1.0,
-    };
-    let cell = request.cell_m.unwrap_or(1.0) / meters_per_unit;
+    let cell = request.cell_m.unwrap_or(1.0) / crs.map_or(1.0, Crs::meters_per_unit);
     let [west, south, east, north] = match (request.extent, terrain, bounds) {
         (Some(extent), _, _) => {
             let [west, south, east, north] = extent;

@@ -6,12 +6,12 @@
 use super::heights::{HeightFile, Heights, check_grid};
 use super::projection::Projection;
 use super::receivers_grid::{GridRequest, receivers_grid};
-use crate::crs::Transformation;
-use crate::error::{Cause, Error, OddFile, ReadFault, Result, Warning};
+use crate::crs::{Stretch, Transformation, is_web_mercator};
+use crate::error::{Cause, Error, OddFile, Oddity, ReadFault, Result, Warning};
 use crate::formats::{CellSources, bounds_through, half_diagonal_through, reserve_cells, suggested_grid};
 use crate::input::Input;
 use crate::quantity::VOID;
-use crate::raster::{Crs, CrsKind, GeoRef, Raster};
+use crate::raster::{Crs, GeoRef, Raster};
 
 /// A grid in the wanted system, and the cells of a file that lie below its own.
 #[derive(Debug)]
@@ -23,6 +23,8 @@ pub(super) struct Reprojection<'a> {
     sources: CellSources,
     /// How far the center of a cell is from that of its source at most \[CRS units\].
     farthest: f64,
+    /// How lengths of the wanted system are stretched there.
+    stretch: Option<Stretch>,
 }
 
 impl<'a> Reprojection<'a> {
@@ -42,6 +44,8 @@ impl<'a> Reprojection<'a> {
         }
         let way = Transformation::new(from, &to, middle)?;
         let back = Transformation::new(&to, from, way.apply(middle)?)?;
+        let stretch = if is_web_mercator(&to) { Stretch::of(&to, bounds_through(file, &way)?) } else { None };
+        let to = stretch.map_or(to.clone(), |stretch| stretch.apply(to));
         let grid = match cell_m {
             None => suggested_grid(file, &way, to.clone())?,
             Some(_) => {
@@ -57,7 +61,7 @@ impl<'a> Reprojection<'a> {
         drop(reserve_cells::<u32>(input, &grid)?);
         let sources = CellSources::new(&grid, file, &back)?;
         let farthest = half_diagonal_through(file, &way)?;
-        Ok(Some(Reprojection { input, from: from.clone(), to, grid, sources, farthest }))
+        Ok(Some(Reprojection { input, from: from.clone(), to, grid, sources, farthest, stretch }))
     }
 
     /// The heights of a file on the grid if there is one, with a warning of what was done; else as they are.
@@ -92,17 +96,14 @@ impl<'a> Reprojection<'a> {
     }
 
     fn apply(self, heights: Heights, warnings: &mut Vec<Warning>) -> Result<Heights> {
-        let Reprojection { input, from, to, grid, sources, farthest } = self;
+        let Reprojection { input, from, to, grid, sources, farthest, stretch } = self;
         let cells = sources.resampled(heights.raster.cells(), VOID);
         let n_void = cells.iter().filter(|z| **z == VOID).count();
         if n_void == cells.len() {
             let over = ReadFault::AllVoid(n_void as u64, format!("in {} lies over", to.label()));
             return Err(Error::read(input, over).because(Cause::LargeCells));
         }
-        let unit = match to.kind() {
-            CrsKind::Projected { meters_per_unit } => meters_per_unit,
-            CrsKind::Geographic | CrsKind::Other => 1.0,
-        };
+        let unit = to.meters_per_unit();
         let odd = OddFile::Resampled {
             from: from.label(),
             to: to.label(),
@@ -113,6 +114,7 @@ impl<'a> Reprojection<'a> {
             n_outside: sources.n_outside() as u64,
         };
         warnings.push(Warning::of(input, odd));
+        warnings.extend(stretch.map(|stretch| Oddity::new(input, stretch.into()).into()));
         Ok(Heights { raster: Raster::new(grid, cells), n_void: n_void as u64, sources: heights.sources })
     }
 }

@@ -37,7 +37,7 @@ enum StreamedGround {
     Surface,
     Flat(i32),
     /// On a grid of its own, or the surface's.
-    Terrain(TileStore, GeoRef),
+    Terrain(TileStore, Box<GeoRef>),
 }
 
 impl StreamedSurface {
@@ -65,13 +65,14 @@ impl StreamedSurface {
         warnings.extend(warning_of_voids(input, n_void, options.nodata_as));
         let ground = match (&options.terrain, options.ground_m) {
             (Some(terrain_path), _) => {
-                let file = HeightFile::open(terrain_path, options.crs.as_ref(), warnings)?.in_meters(warnings)?;
+                let file = HeightFile::open_terrain(terrain_path, options.crs.as_ref(), warnings)?;
+                let file = file.in_meters(warnings)?;
                 let found = (terrain_path, file.georef().crs());
                 refuse_two_crs((input, grid.crs()), found, Pair::SurfaceTerrain)?;
                 let file = if options.around.is_some() { file.under((input, &grid))? } else { file };
                 let mut terrain = file.store(scratch, options.always_hash, warnings)?;
                 sources.append(&mut terrain.sources);
-                StreamedGround::Terrain(terrain.tiles, terrain.georef)
+                StreamedGround::Terrain(terrain.tiles, Box::new(terrain.georef))
             }
             (None, Some(ground_m)) => StreamedGround::Flat(ground_steps(ground_m)?),
             (None, None) => {

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::heights::{HeightFile, Heights};
+use super::heights::{HeightFile, Heights, is_of_web_mercator};
 use super::projection::Projection;
 use super::reprojected::Reprojection;
 use super::source::name_of;
@@ -74,8 +74,7 @@ fn surface_heights(input: &Input, options: &SurfaceOptions, warnings: &mut Vec<W
     let reprojection = reprojection_of(input, file.georef(), options)?;
     if reprojection.is_some() {
         // Its meters are those of another system then.
-        let is_mercator = |odd: &Warning| matches!(odd, Warning::Raster(odd) if odd.is_web_mercator());
-        warnings.retain(|odd| !is_mercator(odd));
+        warnings.retain(|odd| !is_of_web_mercator(odd));
     }
     let file = match options.around {
         Some(around) => file.around(around),
@@ -151,7 +150,7 @@ fn terrain_heights(
     options: &SurfaceOptions,
     warnings: &mut Vec<Warning>,
 ) -> Result<Heights> {
-    let file = HeightFile::open(path, options.crs.as_ref(), warnings)?;
+    let file = HeightFile::open_terrain(path, options.crs.as_ref(), warnings)?;
     let way = way_to_terrain(grid, file.georef(), options.project.is_some())?;
     let file = if way.is_none() { file.in_meters(warnings)? } else { file };
     let file = match options.around {

@@ -2,7 +2,8 @@
 
 use std::fmt::Display;
 
-use crate::error::{Error, InputKind, Pair, ReadFault, Result, two_crs};
+use crate::crs::is_web_mercator;
+use crate::error::{Error, InputKind, Namer, Pair, ReadFault, Result, two_crs};
 use crate::input::Input;
 use crate::raster::{Crs, CrsKind};
 
@@ -30,5 +31,13 @@ pub(crate) fn refuse_degrees(what: &Input, crs: &Crs, bounds: [f64; 4], kind: In
             Err(Error::read(what, ReadFault::Degrees { crs: crs.label(), kind, center }))
         }
         CrsKind::Projected { .. } | CrsKind::Other => Ok(()),
+    }
+}
+
+/// Refuses web Mercator for footprints: their lengths would be stretched.
+pub(super) fn refuse_web_mercator(what: &Input, crs: Option<&Crs>, named_by: Namer) -> Result<()> {
+    match crs.filter(|crs| is_web_mercator(crs)) {
+        Some(crs) => Err(Error::read(what, ReadFault::WebMercator { crs: crs.label(), named_by })),
+        None => Ok(()),
     }
 }

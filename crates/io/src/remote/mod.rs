@@ -18,6 +18,9 @@ pub(crate) use file::{RemoteReader, open};
 /// How names of such files begin.
 const SCHEMES: [&str; 3] = ["http://", "https://", "s3://"];
 
+/// How names of reference systems begin that have the form of addresses; no file of a city lies there.
+const SYSTEMS: [&str; 2] = ["http://www.opengis.net/", "https://www.opengis.net/"];
+
 /// Whether a path is the address of a file on a server.
 pub fn is_remote(path: &Path) -> bool {
     path.to_str().is_some_and(|path| SCHEMES.iter().any(|scheme| path.starts_with(scheme)))
@@ -31,8 +34,12 @@ fn addresses() -> MutexGuard<'static, HashMap<String, String>> {
 
 /// A word as it may be told: an address without a user and without what follows a `?`, which often is a signature; anything else
 /// as it is. This process goes on to know the whole address.
+///
+/// Names of reference systems have the form of addresses, and stay whole.
 pub fn told(word: &OsStr) -> Cow<'_, OsStr> {
-    let Some(address) = word.to_str().filter(|_| is_remote(Path::new(word))) else { return Cow::Borrowed(word) };
+    let is_system = |word: &str| SYSTEMS.iter().any(|begin| word.starts_with(begin));
+    let is_address = |word: &&str| is_remote(Path::new(word)) && !is_system(word);
+    let Some(address) = word.to_str().filter(is_address) else { return Cow::Borrowed(word) };
     let told = without_secrets(address);
     if told == address {
         return Cow::Borrowed(word);
@@ -93,6 +100,7 @@ mod tests {
             ("s3://bucket/a@b/dsm.tif", "s3://bucket/a@b/dsm.tif"),
             ("https://host", "https://host"),
             ("a?b@c", "a?b@c"),
+            ("http://www.opengis.net/gml/srs/epsg.xml#25832", "http://www.opengis.net/gml/srs/epsg.xml#25832"),
             ("ftp://a:b@c/d", "ftp://a:b@c/d"),
         ] {
             assert_eq!(told(OsStr::new(word)), OsStr::new(wanted));

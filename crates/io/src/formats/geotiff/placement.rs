@@ -10,6 +10,7 @@ use super::tags::{Directory, TiffSource, tag};
 use crate::crs;
 use crate::crs::VerticalCrs;
 use crate::error::{Cause, Error, OddRaster, Oddity, ReadFault, Result};
+use crate::formats::with_true_lengths;
 use crate::input::Input;
 use crate::raster::{Crs, GeoRef};
 
@@ -95,7 +96,7 @@ pub(super) fn read_placement(
     let y_max = if south_up { f + e * n_rows as f64 } else { f };
     let crs = crs(&keys, &mut tell);
     let georef = GeoRef::new((c, y_max), (a, e.abs()), (n_rows, n_cols), crs).ok_or_else(irregular)?;
-    OddRaster::of_web_mercator(&georef).into_iter().for_each(&mut tell);
+    let georef = with_true_lengths(georef, &mut tell);
     let vertical = vertical(&keys);
     // The unit of a system of the registry is part of it, and often not repeated.
     let of_system = vertical.as_ref().and_then(VerticalCrs::meters_per_unit);

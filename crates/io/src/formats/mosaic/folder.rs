@@ -7,7 +7,7 @@ use super::covered::{covered_area, n_covered_cells};
 use super::numbers::Rule;
 use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers};
 use crate::error::{Cause, Error, OddRaster, Oddity, Pair, ReadFault, Result, Wanted, two_crs};
-use crate::formats::oddity::each_once;
+use crate::formats::oddity::{each_once, with_true_lengths};
 use crate::input::cannot_read;
 use crate::raster::{Crs, GeoRef};
 
@@ -26,7 +26,9 @@ impl Mosaic {
         let paths = tile_files(path)?;
         let n_opened = AtomicUsize::new(0);
         let mut headers = read_headers(&paths, Nesting { ancestors: &[], n_opened: &n_opened, open })?;
-        odd.extend(each_once(headers.iter_mut().flat_map(|header| header.odd.drain(..))));
+        // Lengths are those in the middle of all.
+        let of_tiles = headers.iter_mut().flat_map(|header| header.odd.drain(..));
+        odd.extend(each_once(of_tiles.filter(|oddity| !oddity.is_web_mercator())));
         tell_of_bands(path, &headers, odd);
         let Some(first) = headers.first() else { return Err(no_tiles(path)) };
         // What has no CRS is taken to be in that of the others.
@@ -38,6 +40,7 @@ impl Mosaic {
             refuse_other_grid(path, first, other)?;
         }
         let georef = common_grid(path, &headers)?;
+        let georef = with_true_lengths(georef, &mut |of_all| odd.push(Oddity::new(path.display(), of_all)));
         let (first_col, first_row) = cells_from(&headers[0].georef, &georef);
         let place = |(k, header): (usize, &Header)| {
             // Both are whole numbers to a thousandth, so their difference is one.

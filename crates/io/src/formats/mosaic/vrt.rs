@@ -18,7 +18,7 @@ use crate::crs;
 use crate::crs::contradicts;
 use crate::error::{Cause, Error, OddRaster, Oddity, Pair, ReadFault, Result, two_crs};
 use crate::formats::geotiff::meters_per_named_unit;
-use crate::formats::oddity::each_once;
+use crate::formats::oddity::{each_once, with_true_lengths};
 use crate::formats::sample::Sample;
 use crate::input::cannot_read;
 use crate::raster::GeoRef;
@@ -234,6 +234,5 @@ fn placement(vrt: Vrt<'_>, root: Node<'_, '_>, odd: &mut Vec<Oddity>) -> Result<
     }
     let georef = GeoRef::new((x_min, y_max), (width, -height), (n_rows, n_cols), crs)
         .ok_or_else(|| vrt.error(node, ReadFault::Irregular("`GeoTransform` gives no regular grid".into())))?;
-    OddRaster::of_web_mercator(&georef).into_iter().for_each(tell);
-    Ok(georef)
+    Ok(with_true_lengths(georef, &mut tell))
 }

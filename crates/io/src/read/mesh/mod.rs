@@ -24,7 +24,8 @@ use super::surface::{Empty, SurfaceOptions, scene_of};
 use super::systems::refuse_degrees;
 use super::vector::{Feature, FeatureSet};
 use crate::city::City;
-use crate::error::{Error, InputKind, OddFile, ReadFault, Result, Wanted, Warning};
+use crate::crs::Stretch;
+use crate::error::{Error, InputKind, OddFile, Oddity, ReadFault, Result, Wanted, Warning};
 use crate::input::Input;
 use crate::quantity::VOID;
 
@@ -50,7 +51,10 @@ pub fn read_mesh(input: impl Into<Input>, options: &MeshOptions, warnings: &mut 
     let Some(bounds) = mesh.bounds() else {
         return Err(Error::read(input, ReadFault::Nothing(Wanted::Faces)));
     };
-    let crs = options.surface.crs.as_ref();
+    let stretch = options.surface.crs.as_ref().and_then(|crs| Stretch::of(crs, bounds));
+    warnings.extend(stretch.map(|stretch| Oddity::new(input, stretch.into()).into()));
+    let crs = options.surface.crs.clone().map(|crs| stretch.map_or(crs.clone(), |stretch| stretch.apply(crs)));
+    let crs = crs.as_ref();
     match crs {
         Some(crs) => {
             refuse_degrees(input, crs, bounds, InputKind::Vector)?;

@@ -1,0 +1,35 @@
+//! Datums that agree with WGS 84 within its accuracy, where the registry has no such operation or prefers a worse one.
+//!
+//! PROJ takes coordinates of CGCS2000 for those of WGS 84, and so those of GDA2020, with whose realization the current one
+//! of WGS 84 agrees. By way of GDA94 they would be off by 1.5 m, which is how far Australia has moved.
+
+use proj_core::{CrsDef, GeographicCrsDef, ProjectedCrsDef};
+
+/// Geographic systems whose datum agrees with WGS 84: CGCS2000 and GDA2020.
+const BASES: [u32; 2] = [4490, 7844];
+const WGS84: u32 = 4326;
+
+/// Returns whether one of two systems has such a datum and the other is of WGS 84.
+pub(super) fn are_tied(from: &CrsDef, to: &CrsDef) -> bool {
+    let is_wgs84 = |crs: &CrsDef| crs.base_geographic_crs_epsg() == Some(WGS84);
+    has_null_datum(from) && is_wgs84(to) || is_wgs84(from) && has_null_datum(to)
+}
+
+/// Takes a system with such a datum for one of WGS 84, on its own ellipsoid; other systems stay.
+pub(super) fn tied(crs: &CrsDef) -> CrsDef {
+    let datum = crs.datum().clone();
+    match crs {
+        CrsDef::Geographic(geographic) if has_null_datum(crs) => {
+            CrsDef::Geographic(GeographicCrsDef::new(WGS84, datum, geographic.name()))
+        }
+        CrsDef::Projected(projected) if has_null_datum(crs) => {
+            let (method, unit, name) = (projected.method(), projected.linear_unit(), projected.name());
+            CrsDef::Projected(ProjectedCrsDef::new_with_base_geographic_crs(0, WGS84, datum, method, unit, name))
+        }
+        _ => crs.clone(),
+    }
+}
+
+fn has_null_datum(crs: &CrsDef) -> bool {
+    crs.base_geographic_crs_epsg().is_some_and(|base| BASES.contains(&base))
+}

@@ -1,0 +1,36 @@
+"""Reference systems, as Python gives them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import skyshed
+from skyshed import Scene
+
+#: Cells of 2 units at Oslo, where these are half a meter.
+OSLO = (2, 0, 1196600, 0, -2, 8379820)
+TRUE_M = 1 / math.cosh(8379760 / 6378137)
+
+
+def test_an_array_in_web_mercator_has_lengths_on_the_ground() -> None:
+    with pytest.warns(skyshed.SkyshedWarning, match="W331"):
+        scene = Scene.from_raster(np.zeros((60, 60)), transform=OSLO, crs="EPSG:3857", ground=0)
+    link = scene.link((1196670, 8379761, 50), (1196610, 8379761, 1.5))
+    assert math.isclose(link["distance_m"], 60 * TRUE_M, rel_tol=1e-3)
+    with pytest.warns(skyshed.SkyshedWarning) as told:
+        moved = Scene.from_raster(np.zeros((60, 60)), transform=OSLO, crs="EPSG:3857", ground=0, project="auto")
+    assert moved.crs == "EPSG:32632"
+    assert not any("W331" in str(warning.message) for warning in told)
+
+
+def test_footprints_in_web_mercator_are_refused() -> None:
+    x, y = 1196700, 8379700
+    house = {"type": "Polygon", "coordinates": [[[x, y], [x + 40, y], [x + 40, y + 80], [x, y + 80], [x, y]]]}
+    with pytest.raises(skyshed.Error) as raised:
+        Scene.from_footprints([house], [20], crs="EPSG:3857")
+    assert raised.value.code == "E310" and 'project="auto"' in (raised.value.hint or "")
+    with pytest.warns(skyshed.SkyshedWarning, match="W335"):
+        Scene.from_footprints([house], [20], crs="EPSG:3857", project="auto")
