@@ -49,6 +49,7 @@ class SceneOptions(_Footprints, total=False):
     """How a scene is read: the options of the program under *Scene* of ``skyshed map --help``."""
 
     crs: object
+    band: int | str | None
 
 
 #: Names of the options that say how a scene is read.

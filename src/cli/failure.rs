@@ -82,7 +82,7 @@ impl From<skyshed_io::Error> for Failure {
 }
 
 /// The options of a scene that the library names, as they are typed.
-const FLAGS: [(&str, &str); 34] = [
+const FLAGS: [(&str, &str); 35] = [
     ("roofs", "--roofs"),
     ("area", "--area"),
     ("weights", "--weights"),
@@ -109,6 +109,7 @@ const FLAGS: [(&str, &str); 34] = [
     ("project", "--project"),
     ("size_m", "--size"),
     ("nodata_as", "--nodata-as"),
+    ("band", "--band"),
     ("bare", "--bare"),
     ("layers", "--layers"),
     ("tif_layout", "--tif-layout"),

@@ -36,6 +36,7 @@ impl SceneOptions {
     /// # Errors
     /// E1xx for options that have no meaning for it; E3xx for heights that cannot be used; E501.
     pub fn of_heights(&self, name: &str, surface: HeldHeights, terrain: Option<HeldHeights>) -> Result<Scene> {
+        self.refuse("heights in memory", &[("band", self.band.is_some())])?;
         self.refuse("heights over a terrain", &[("ground_m", self.ground_m.is_some() && terrain.is_some())])?;
         let (start, mut warnings) = (Instant::now(), Vec::new());
         let options = self.of_raster()?;

@@ -10,7 +10,7 @@ use super::results::results_in;
 use crate::answer::RunFacts;
 use crate::city::{BuiltUp, BuiltUpCity, NodataAs};
 use crate::error::{Error, OddRun, Result, Warning, warned};
-use crate::formats::RasterFile;
+use crate::formats::{Band, RasterFile};
 use crate::los_probability::points::Points;
 use crate::memory::{ANY_WORK, cells_of, check_bytes};
 use crate::raster::{Crs, GeoRef};
@@ -47,6 +47,7 @@ pub struct SceneOptions {
     pub(crate) draws_cells: bool,
     pub(crate) seed: Option<u64>,
     pub(crate) nodata_as: Option<NodataAs>,
+    pub(crate) band: Option<Band>,
     pub(crate) hash: bool,
     /// Whether the solids are kept as they were read, for a live page, if that can hold them.
     pub(crate) keeps_solids: bool,
@@ -183,6 +184,12 @@ impl SceneOptions {
         SceneOptions { nodata_as: Some(does), ..self }
     }
 
+    /// The band of a raster that holds its heights. Default: the first.
+    #[must_use]
+    pub fn band(self, band: Band) -> Self {
+        SceneOptions { band: Some(band), ..self }
+    }
+
     /// Keeps footprints as they were read, for [`Scene::live_page`] and [`Scene::packed`].
     #[must_use]
     pub fn keeps_footprints(self) -> Self {
@@ -232,6 +239,7 @@ impl SceneOptions {
                 ("project", self.project.is_some()),
                 ("building_threshold_m", self.building_threshold_m.is_some()),
                 ("nodata_as", self.nodata_as.is_some()),
+                ("band", self.band.is_some()),
             ],
         )?;
         if let Some(bytes) = city.memory() {
@@ -276,7 +284,9 @@ impl SceneOptions {
                 self.refuse("a mesh", &[("layer", self.layer.is_some())])?;
                 return Ok(read_mesh_buildings(path, &self.of_solids()?, odd)?);
             }
-            self.refuse("a mesh", &[("size_m", self.size_m.is_some()), ("project", self.project.is_some())])?;
+            let others = [("size_m", self.size_m.is_some()), ("project", self.project.is_some())];
+            self.refuse("a mesh", &others)?;
+            self.refuse("a mesh", &[("band", self.band.is_some())])?;
             self.refuse("a mesh", &self.of_footprints())?;
             let options = MeshOptions { surface: self.of_surface()?, extent: self.extent, cell_m: self.cell_m };
             return Ok(read_mesh(path, &options, odd)?);
@@ -368,6 +378,7 @@ impl SceneOptions {
             ground_m: self.ground_m,
             building_threshold_m: self.building_threshold_m.unwrap_or(defaults.building_threshold_m),
             nodata_as: self.nodata_as.unwrap_or_default(),
+            band: self.band.clone().unwrap_or_default(),
             crs: self.crs.clone(),
             always_hash: self.hash,
             ..defaults
@@ -390,7 +401,7 @@ impl SceneOptions {
     /// How footprints are read.
     pub(super) fn of_vector(&self) -> Result<FootprintOptions> {
         let threshold = ("building_threshold_m", self.building_threshold_m.is_some());
-        self.refuse("footprints", &[("size_m", self.size_m.is_some()), threshold])?;
+        self.refuse("footprints", &[("size_m", self.size_m.is_some()), threshold, ("band", self.band.is_some())])?;
         if self.terrain.is_none() {
             let of_terrain = [("nodata_as", self.nodata_as.is_some()), ("base", self.base.is_some())];
             self.refuse("footprints without `terrain`", &of_terrain)?;

@@ -54,6 +54,7 @@ fn help_names_defaults_with_their_units() {
         ("--base <RULE>", "terrain", "lowest"),
         ("--receivers <WHERE>", "receivers", "ground"),
         ("--nodata-as <WHAT>", "nodata", "clear"),
+        ("--band <N|NAME>", "number from 1", "1"),
         ("--method <METHOD>", "", "auto"),
         ("--layers <LAYER,…>", "", "los"),
         ("--tif-layout <HOW>", ".tif", "cog"),

@@ -469,7 +469,7 @@ const FLAGS: [(&str, &str); 32] = [
 ];
 
 /// Flags that change what is written or said.
-const OTHER: &str = "--roofs --width --dpi --project --skip-bad --repairs --levels-field --layer --output --csv --title \
+const OTHER: &str = "--roofs --band --width --dpi --project --skip-bad --repairs --levels-field --layer --output --csv --title \
     --attribution --json --overwrite --threads --quiet --max-memory --csv-text --hash --help --version";
 
 #[test]

@@ -32,7 +32,7 @@ const BASES: &[&str] = &[
 const VALUES: &str = "\
     --terrain slope.asc --ground 5 --building-threshold 4 --height-field tall --top-field z_top --height-unit ft \
     --levels-field tall --height-error-field tall --roofs lod2 --layer a --missing levels --base highest --data-area all --extent 0,0,48,48 --cell 0.5 \
-    --crs EPSG:25832 --project EPSG:25832 --size 210 --seed 5 --nodata-as block --repairs mended.csv --tile 20 \
+    --crs EPSG:25832 --project EPSG:25832 --size 210 --seed 5 --nodata-as block --band 2 --repairs mended.csv --tile 20 \
     --uav 30,5,45 --uavs sites.csv --rx 41,40 --track other.csv --every 3 --rx-height 9 --receivers all \
     --radius 25 --earth-k 0.01 --curvature-coefficient 99 --min-radius 15 --sector 20,110 --elevation -80,-50 --beam 50 --method ray --tolerance 0.2 --layers los,margin --height-curve curve.csv --curve-heights 10:50:10 \
     --output more.json --csv more.csv --threads 1 --max-memory 1G --tif-layout plain --polygons los --simplify 2 \

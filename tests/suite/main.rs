@@ -35,6 +35,7 @@ mod formats_read; // rasters in
 mod mosaic; // rasters made of many: folders and virtual rasters, as a brush and as GDAL makes one of them
 mod mosaic_refusals; // virtual rasters that compute, contradict their tiles, or attack; tiles that do not belong together
 mod systems; // reference systems: names, PROJ, web Mercator, 180 degrees
+mod bands; // bands of rasters, and what sidecars say of them
 mod reprojected; // rasters in degrees: cell by cell by hand and against gdalwarp
 mod formats_write; // rasters out, and back in
 mod cog; // GeoTIFFs are cloud optimized

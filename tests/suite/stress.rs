@@ -342,7 +342,7 @@ const FLAGS: [(&str, &str); 27] = [
 ];
 
 /// Flags that change no answer; other tests show what they do.
-const OTHER: &str = "--roofs --height-error-field --base --data-area --width --dpi --repairs --project --levels-field --layer --quiet --hash \
+const OTHER: &str = "--roofs --band --height-error-field --base --data-area --width --dpi --repairs --project --levels-field --layer --quiet --hash \
     --overwrite --json --output --threads --title --attribution --max-memory --csv-text --help --version";
 
 fn scenes() -> Folder {

@@ -6,12 +6,13 @@ use std::sync::{Arc, OnceLock};
 
 use clap::{Arg, ArgAction, Args, Command};
 
-use super::words::{Words, extent, number, one_of, projection};
+use super::words::{Words, band, extent, number, one_of, projection};
 use crate::city::NodataAs;
 use crate::cli::failure::{Result, refusal, refusal_with};
 use crate::cli::hints;
 use crate::cli::typed::Typed;
 use crate::crs;
+use crate::formats::Band;
 use crate::read::{BaseRule, DataAreaChoice, HeightUnit, MissingHeight, Projection, Roofs};
 use crate::scene::{FoundRepairs, Scene, SceneOptions};
 
@@ -156,6 +157,9 @@ pub(crate) struct ReadingArgs {
     /// What nodata cells do to links; default clear
     #[arg(long, value_name = "WHAT", value_parser = one_of(NODATA), hide_short_help = true)]
     nodata_as: Option<NodataAs>,
+    /// Band of a raster that holds its heights, by number from 1 or by name; default 1
+    #[arg(long, value_name = "N|NAME", value_parser = band, hide_short_help = true)]
+    band: Option<Band>,
     /// Hash inputs above 64 MB too
     #[arg(long, hide_short_help = true)]
     pub(crate) hash: bool,
@@ -199,6 +203,7 @@ impl ReadingArgs {
             margin_m: 0.0,
             seed: Some(self.seed),
             nodata_as: self.nodata_as,
+            band: self.band.clone(),
             hash: self.hash,
             keeps_solids: false,
             around: None,

@@ -4,6 +4,7 @@ use std::ffi::{OsStr, OsString};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
+use crate::formats::Band;
 use crate::placements::one_unit;
 use crate::quantity::read_numbers;
 pub(crate) use crate::quantity::{
@@ -48,6 +49,10 @@ pub(crate) const ZONES: Words<Zone> = &[
 
 pub(crate) fn projection(text: &str) -> Result<Projection, String> {
     Projection::parse(text).map_err(|e| e.to_string())
+}
+
+pub(crate) fn band(text: &str) -> Result<Band, String> {
+    Band::parse(text).ok_or_else(|| "wanted the number of a band, counted from 1, or its name".into())
 }
 
 pub(crate) fn range(text: &str) -> Result<[f64; 3], String> {

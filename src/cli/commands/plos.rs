@@ -10,7 +10,7 @@ use crate::plos::{FORMATS, Far, PlosPlan, Sweeps, read_curves};
 use crate::scene::built_up;
 
 /// What only cities in files can use.
-const OF_FILES: [&str; 22] = [
+const OF_FILES: [&str; 23] = [
     "roofs",
     "terrain",
     "extent",
@@ -22,6 +22,7 @@ const OF_FILES: [&str; 22] = [
     "top_field",
     "missing",
     "nodata_as",
+    "band",
     "ground",
     "hash",
     "positions",

@@ -33,6 +33,11 @@ fn of_raster(Oddity { name, odd, .. }: &Oddity) -> Option<String> {
         // A mesh stays where it is.
         OddRaster::WebMercator { .. } if is_mesh(name) => None,
         OddRaster::WebMercator { utm_epsg, .. } => Some(format!("`--project EPSG:{utm_epsg}` brings it into UTM")),
+        OddRaster::Bands { can_choose: true, .. }
+        | OddRaster::Colors { can_choose: true, .. }
+        | OddRaster::TileBands { can_choose: true, .. } => {
+            Some("`--band N|NAME` reads another, `--band 1` says that it is the first".into())
+        }
         OddRaster::Unlikely(_) => {
             let (file, made) = (shell_word(name), shell_word(&beside(name, "_nodata.tif")));
             Some(format!("if they are none, declare it: `gdal_translate -a_nodata VALUE {file} {made}`"))

@@ -2,6 +2,8 @@
 
 use proj_core::lookup_vertical_epsg;
 
+use super::wkt;
+
 /// A vertical coordinate reference system.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerticalCrs {
@@ -53,6 +55,24 @@ impl VerticalCrs {
             None => format!("EPSG:{code}"),
         };
         VerticalCrs { epsg: Some(code), name, meters_per_unit: is_ellipsoidal.then_some(1.0), reference }
+    }
+
+    /// Returns the vertical system in the text of a reference system: that of a compound WKT or of `EPSG:n+n`, or heights
+    /// above the ellipsoid of a three-dimensional WKT.
+    pub(crate) fn in_text(text: &str) -> Option<VerticalCrs> {
+        if let Some(node) = wkt::vertical_node(text) {
+            let name = wkt::name_of(node).unwrap_or("unnamed");
+            let known = wkt::epsg_of(node).map(|code| VerticalCrs::from_epsg(code, Some(name)));
+            let named = known.unwrap_or_else(|| VerticalCrs::named(name));
+            let unit = named.meters_per_unit.or_else(|| wkt::unit_of(node));
+            return Some(VerticalCrs { meters_per_unit: unit, ..named });
+        }
+        if wkt::is_three_dimensional(text) {
+            return Some(VerticalCrs::from_epsg(ELLIPSOIDAL[0], None));
+        }
+        let (_, code) = text.split_once('+').filter(|_| !text.contains('['))?;
+        let code = code.trim().trim_start_matches("EPSG:").parse().ok()?;
+        Some(VerticalCrs::from_epsg(code, None))
     }
 
     /// A system that a file describes by name.

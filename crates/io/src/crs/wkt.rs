@@ -13,6 +13,26 @@ pub(super) fn horizontal_node(text: &str) -> Option<&str> {
     nodes(text, usize::MAX).into_iter().find(|node| KEYWORDS.iter().any(|k| keyword(node).eq_ignore_ascii_case(k)))
 }
 
+/// The part of a WKT that defines what heights are above.
+pub(super) fn vertical_node(text: &str) -> Option<&str> {
+    const KEYWORDS: [&str; 4] = ["VERT_CS", "VERTCS", "VERTCRS", "VERTICALCRS"];
+    nodes(text, usize::MAX).into_iter().find(|node| KEYWORDS.iter().any(|k| keyword(node).eq_ignore_ascii_case(k)))
+}
+
+/// Whether a WKT has a third axis that goes up from its ellipsoid.
+pub(super) fn is_three_dimensional(text: &str) -> bool {
+    let is_system = |node: &&str| keyword(node).eq_ignore_ascii_case("CS");
+    let mut systems = nodes(text, usize::MAX).into_iter().filter(is_system);
+    systems.any(|node| node.trim_end_matches(']').rsplit(',').next().is_some_and(|n| n.trim() == "3"))
+}
+
+/// Length of the unit of heights of a vertical node \[m\].
+pub(super) fn unit_of(node: &str) -> Option<f64> {
+    let units = nodes(node, usize::MAX);
+    let unit = units.into_iter().find(|c| ["UNIT", "LENGTHUNIT"].contains(&keyword(c).to_uppercase().as_str()))?;
+    unit.split(',').nth(1)?.trim_end_matches(']').trim().parse().ok().filter(|meters: &f64| *meters > 0.0)
+}
+
 /// Whether all brackets and quotes of a text are closed.
 pub(super) fn is_whole(text: &str) -> bool {
     let (mut depth, mut is_quoted) = (0_usize, false);

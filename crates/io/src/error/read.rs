@@ -114,6 +114,9 @@ pub enum ReadFault {
     /// E108: a file that has several tables, and none was asked for.
     #[error("it has the layers {names}, wanted one", names = quoted(.0))]
     Layers(Vec<String>),
+    /// E108: a raster that has no such band; what was asked for, and what there is.
+    #[error("it has no band `{wanted}`, wanted one of {}", some_of(bands))]
+    NoBand { wanted: String, bands: Vec<String> },
     /// E205: something has a height beyond the lattice \[m above the datum\].
     #[error("{0} has height `{1}` m, wanted within ±32768 m of the datum")]
     HeightRange(HeightOf, f64),
@@ -303,6 +306,13 @@ pub enum Cause {
     BesideScene,
 }
 
+/// What a file has, the first of many.
+pub(super) fn some_of(names: &[String]) -> String {
+    const MOST: usize = 12;
+    let more = if names.len() > MOST { ", …" } else { "" };
+    format!("{}{more}", names[..names.len().min(MOST)].join(", "))
+}
+
 /// Names in backticks.
 fn quoted(names: &[String]) -> String {
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
@@ -312,7 +322,7 @@ impl ReadFault {
     pub(super) fn number(&self) -> u16 {
         use ReadFault::*;
         match self {
-            NoLayer(..) | Layers(_) => 108,
+            NoLayer(..) | Layers(_) | NoBand { .. } => 108,
             HeightRange(..) => 205,
             NoSceneCrs(_) | Misplaced { .. } => 206,
             OutsideScene(_) => 208,

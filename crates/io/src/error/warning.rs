@@ -5,6 +5,7 @@ use std::fmt::Display;
 use skyshed_core::error::one_line;
 use thiserror::Error as Words;
 
+use super::read::some_of;
 use crate::city::{FootprintFault, NodataAs};
 use crate::quantity::{counted, tidy};
 
@@ -55,6 +56,8 @@ pub enum OddRaster {
     Nodata(String),
     #[error("has a mask `{0}` beside it, which is not read: declare nodata instead")]
     Mask(String),
+    #[error("has a sidecar `{0}` that cannot be read: ignored ({1})")]
+    Sidecar(String, String),
     #[error("names no coordinate reference system: local coordinates in meters are assumed")]
     NoCrs,
     #[error("has no coordinate reference system (a `.prj` file): local coordinates in meters are assumed")]
@@ -83,18 +86,18 @@ pub enum OddRaster {
     WebMercator { meters_per_unit: f64, lat: f64, largest_error: f64, utm_epsg: u32 },
     #[error("gives its heights in units of {0} m; scenes convert them")]
     Unit(f64),
-    #[error("has {0} bands: the first is read as heights")]
-    Bands(usize),
-    #[error("is a color picture of {0} bands: the first is read as heights")]
-    Colors(usize),
+    #[error("has {n} bands{}: the first is read as heights", in_parentheses(names))]
+    Bands { n: usize, names: Vec<String>, can_choose: bool },
+    #[error("is a color picture of {n} bands: the first is read as heights")]
+    Colors { n: usize, can_choose: bool },
     #[error("stores its heights scaled: multiplied by {0}, then {1} added")]
     Scaled(f64, f64),
     #[error("is JPEG-compressed: its heights are off by up to several units, and are used as they are")]
     Jpeg,
     #[error("gives its heights in units of {0} m by its band, of {1} m by its vertical system: the band is believed")]
     TwoUnits(f64, f64),
-    #[error("has tiles of several bands (`{0}` has {1}): the first is read as heights")]
-    TileBands(String, usize),
+    #[error("has tiles of several bands (`{tile}` has {n}): the first is read as heights")]
+    TileBands { tile: String, n: usize, can_choose: bool },
     #[error("has tiles that store their heights scaled (`{0}`: multiplied by {scale}, then {offset} added)", scale = .1.0, offset = .1.1)]
     TileScaling(String, (f64, f64)),
     #[error("has {}: read as void", .0.with("NaN"))]
@@ -110,6 +113,11 @@ pub enum OddRaster {
         counted(*n, "cell", "cells")
     )]
     Gaps { n: u64, empty: f64 },
+}
+
+/// Bands by number and name, if any has a name; of many the first.
+fn in_parentheses(names: &[String]) -> String {
+    if names.iter().any(|name| name.contains('`')) { format!(" ({})", some_of(names)) } else { String::new() }
 }
 
 /// A share in percent, rounded up to two digits or one hundredth.
@@ -285,8 +293,8 @@ impl OddRaster {
             OddRaster::NotNumbers(_) | OddRaster::Infinite(_) => 320,
             OddRaster::Sparse(_) => 321,
             OddRaster::Nodata(_) => 322,
-            OddRaster::Bands(_) | OddRaster::Colors(_) | OddRaster::TileBands(..) => 323,
-            OddRaster::Mask(_) => 324,
+            OddRaster::Bands { .. } | OddRaster::Colors { .. } | OddRaster::TileBands { .. } => 323,
+            OddRaster::Mask(_) | OddRaster::Sidecar(..) => 324,
             OddRaster::NoCrs | OddRaster::NoPrj | OddRaster::ModelType(_) => 325,
             OddRaster::DamagedKeys(_) | OddRaster::CrsByName(_) | OddRaster::CrsIgnored(_) => 326,
             OddRaster::NoPlace => 327,

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicUsize;
 
 use super::mosaic::{Content, Header, Nesting, Tile, TileNumbers};
 use super::oddity::warned;
-use super::{AsciiGrid, GeoTiff, Mosaic};
+use super::{AsciiGrid, Band, GeoTiff, Mosaic};
 use crate::crs::VerticalCrs;
 use crate::error::{Cause, Error, Oddity, Result, Warning};
 use crate::input::{Input, cannot_read};
@@ -30,17 +30,17 @@ impl RasterFile {
     /// # Errors
     /// If the file cannot be opened, is of another kind (the error says of which), or its header is bad.
     pub fn open(input: impl Into<Input>, warnings: &mut Vec<Warning>) -> Result<RasterFile> {
-        warned(warnings, |odd| RasterFile::open_told(&input.into(), odd))
+        warned(warnings, |odd| RasterFile::open_told(&input.into(), None, odd))
     }
 
-    /// What is odd about its header comes as values.
-    pub(crate) fn open_told(input: &Input, odd: &mut Vec<Oddity>) -> Result<RasterFile> {
+    /// What is odd about its header comes as values; `band` is the one to read, where one can be asked for.
+    pub(crate) fn open_told(input: &Input, band: Option<&Band>, odd: &mut Vec<Oddity>) -> Result<RasterFile> {
         if input.is_folder() {
-            return Mosaic::open_folder(input.as_path(), read_header, odd).map(RasterFile::Mosaic);
+            return Mosaic::open_folder(input.as_path(), band, read_header, odd).map(RasterFile::Mosaic);
         }
         RasterFile::open_within(
             input,
-            Nesting { ancestors: &[], n_opened: &AtomicUsize::new(0), open: read_header },
+            Nesting { band, ancestors: &[], n_opened: &AtomicUsize::new(0), open: read_header },
             odd,
         )
     }
@@ -51,8 +51,12 @@ impl RasterFile {
         let mut head = Vec::new();
         file.by_ref().take(4096).read_to_end(&mut head).map_err(|e| cannot_read(input, &e))?;
         match kind_of(&head) {
-            Kind::Tiff => GeoTiff::open_told(input, odd).map(RasterFile::GeoTiff),
-            Kind::AsciiGrid => AsciiGrid::open_told(input, odd).map(RasterFile::AsciiGrid),
+            Kind::Tiff => GeoTiff::open_told(input, nesting.band, odd).map(RasterFile::GeoTiff),
+            Kind::AsciiGrid => {
+                // A grid of text has one band without a name.
+                nesting.band.unwrap_or(&Band::First).index(input, &[None])?;
+                AsciiGrid::open_told(input, odd).map(RasterFile::AsciiGrid)
+            }
             Kind::VirtualRaster if input.is_held() => {
                 Err(Error::unsupported(input, "a virtual raster names other files, wanted its path"))
             }
@@ -120,7 +124,7 @@ impl RasterFile {
         if let RasterFile::GeoTiff(tiff) = self { tiff.read_plain_heights(window, warnings) } else { Ok(None) }
     }
 
-    /// Reads a part of the (first band of the) raster; cells without a height arrive in `convert` as NaN.
+    /// Reads a part of the raster, of its first band if nobody named another; cells without a height arrive in `convert` as NaN.
     ///
     /// # Errors
     /// If the part does not fit in memory, the file cannot be read or decoded, or no cell of the part holds a height.
@@ -252,8 +256,11 @@ fn read_header(path: &Path, nesting: Nesting<'_>) -> Result<Header> {
     let meters_per_height_unit = file.meters_per_height_unit();
     let vertical = file.vertical().cloned();
     let (n_bands, numbers) = match &file {
-        RasterFile::GeoTiff(tiff) => (tiff.n_bands(), TileNumbers { nodata: tiff.nodata(), scaling: tiff.scaling(0) }),
-        RasterFile::AsciiGrid(grid) => (1, TileNumbers { nodata: Some(grid.nodata()), scaling: (1.0, 0.0) }),
+        RasterFile::GeoTiff(tiff) => {
+            let (band, nodata) = (tiff.band(), tiff.nodata());
+            (tiff.n_bands(), TileNumbers { band, nodata, scaling: tiff.scaling(band) })
+        }
+        RasterFile::AsciiGrid(grid) => (1, TileNumbers { band: 0, nodata: Some(grid.nodata()), scaling: (1.0, 0.0) }),
         RasterFile::Mosaic(mosaic) => (1, mosaic.numbers()),
     };
     let content = match file {

@@ -3,6 +3,7 @@
 //! Formats know nothing of line of sight.
 
 mod ascii_grid;
+mod band;
 mod bil_file;
 mod cell_sources;
 mod deflate_runs;
@@ -20,8 +21,10 @@ mod sample;
 mod tile_store;
 mod voids;
 mod world_file;
+mod xml;
 
 pub use ascii_grid::{AsciiGrid, write_ascii_grid};
+pub use band::Band;
 pub use bil_file::{BilValues, bil_header};
 pub use cell_sources::{CellSources, bounds_through, half_diagonal_through, suggested_grid};
 pub use exr_file::{ExrChannel, write_exr};

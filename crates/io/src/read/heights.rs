@@ -7,7 +7,7 @@ use super::systems::refuse_degrees;
 use super::terrain::no_terrain_below;
 use crate::city::Source;
 use crate::error::{Error, HeightOf, InputKind, OddFile, OddRaster, Oddity, ReadFault, Result, Warning};
-use crate::formats::{RasterFile, TileStore, TileStoreWriter, with_true_lengths};
+use crate::formats::{Band, RasterFile, TileStore, TileStoreWriter, with_true_lengths};
 use crate::input::Input;
 use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
 use crate::raster::{CellWindow, Crs, CrsKind, GeoRef, LargeVec, Raster};
@@ -47,10 +47,23 @@ pub(super) struct StoredHeights {
 }
 
 impl<'a> HeightFile<'a> {
-    /// Opens a raster; `crs` overrides what it says, or does not say, of its own.
-    pub(super) fn open(input: &'a Input, crs: Option<&Crs>, warnings: &mut Vec<Warning>) -> Result<HeightFile<'a>> {
+    /// Opens the raster of a scene; `crs` overrides what it says, or does not say, of its own.
+    pub(super) fn open(
+        input: &'a Input,
+        (crs, band): (Option<&Crs>, &Band),
+        warnings: &mut Vec<Warning>,
+    ) -> Result<HeightFile<'a>> {
+        HeightFile::open_band(input, (crs, Some(band)), warnings)
+    }
+
+    /// Opens a raster; `band` is the one to read, where one can be asked for.
+    fn open_band(
+        input: &'a Input,
+        (crs, band): (Option<&Crs>, Option<&Band>),
+        warnings: &mut Vec<Warning>,
+    ) -> Result<HeightFile<'a>> {
         let mut odd = Vec::new();
-        let file = RasterFile::open_told(input, &mut odd)?;
+        let file = RasterFile::open_told(input, band, &mut odd)?;
         let georef = file.georef().clone();
         let georef = match crs {
             None => {
@@ -82,7 +95,7 @@ impl<'a> HeightFile<'a> {
         warnings: &mut Vec<Warning>,
     ) -> Result<HeightFile<'a>> {
         let mut odd = Vec::new();
-        let file = HeightFile::open(input, crs, &mut odd)?;
+        let file = HeightFile::open_band(input, (crs, None), &mut odd)?;
         warnings.extend(odd.into_iter().filter(|odd| !is_of_web_mercator(odd)));
         Ok(file)
     }

@@ -55,7 +55,8 @@ impl StreamedSurface {
     ) -> Result<StreamedSurface> {
         let input = &input.into();
         let building_threshold = building_threshold(options)?;
-        let file = HeightFile::open(input, options.crs.as_ref(), warnings)?.in_meters(warnings)?;
+        let of_file = (options.crs.as_ref(), &options.band);
+        let file = HeightFile::open(input, of_file, warnings)?.in_meters(warnings)?;
         let file = match options.around {
             Some(around) => file.around(around),
             None => file,

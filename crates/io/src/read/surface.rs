@@ -9,6 +9,7 @@ use super::source::name_of;
 use super::terrain::{Placed, terrain_on_grid, way_to_terrain};
 use crate::city::{City, Ground, NodataAs, Solids, Source};
 use crate::error::{OddFile, OptionError, Result, Warning};
+use crate::formats::Band;
 use crate::input::Input;
 use crate::quantity::{BLOCKS_ALL, VOID, height_steps};
 use crate::raster::{BitGrid, Crs, GeoRef, Raster};
@@ -27,6 +28,8 @@ pub struct SurfaceOptions {
     pub building_threshold_m: f64,
     /// What nodata cells do.
     pub nodata_as: NodataAs,
+    /// The band that holds the heights; that of the terrain is its first.
+    pub band: Band,
     /// The CRS to assume where the file names none (or to override what it names).
     pub crs: Option<Crs>,
     /// Another CRS for the scene than that of the file; a terrain in a third one is looked up there.
@@ -47,6 +50,7 @@ impl Default for SurfaceOptions {
             ground_m: None,
             building_threshold_m: 0.25,
             nodata_as: NodataAs::default(),
+            band: Band::First,
             crs: None,
             project: None,
             cell_m: None,
@@ -70,7 +74,7 @@ pub fn read_surface(input: impl Into<Input>, options: &SurfaceOptions, warnings:
 
 /// The heights of the surface, in the wanted system.
 fn surface_heights(input: &Input, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<Heights> {
-    let file = HeightFile::open(input, options.crs.as_ref(), warnings)?;
+    let file = HeightFile::open(input, (options.crs.as_ref(), &options.band), warnings)?;
     let reprojection = reprojection_of(input, file.georef(), options)?;
     if reprojection.is_some() {
         // Its meters are those of another system then.
@@ -106,7 +110,7 @@ pub(super) fn reprojection_of<'a>(
 pub fn surface_grid(input: impl Into<Input>, options: &SurfaceOptions) -> Result<GeoRef> {
     let input = &input.into();
     let mut said = Vec::new();
-    let file = HeightFile::open(input, options.crs.as_ref(), &mut said)?.in_meters(&mut said)?;
+    let file = HeightFile::open(input, (options.crs.as_ref(), &options.band), &mut said)?.in_meters(&mut said)?;
     Ok(file.georef().clone())
 }
 

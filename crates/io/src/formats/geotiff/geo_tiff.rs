@@ -3,9 +3,11 @@
 use super::header::{Codec, Image};
 use super::metadata::Metadata;
 use super::placement::{Placement, meters_per_named_unit, read_placement};
+use super::sidecar::Sidecar;
 use super::tags::{Directory, TiffSource, tag};
 use crate::crs::VerticalCrs;
 use crate::error::{OddRaster, Oddity, Result, Warning};
+use crate::formats::band::Band;
 use crate::formats::oddity::warned;
 use crate::formats::sample::Sample;
 use crate::input::Input;
@@ -23,8 +25,14 @@ pub struct GeoTiff {
     pub(super) image: Image,
     pub(super) mask: Option<Mask>,
     pub(super) placement: Placement,
-    pub(super) nodata: Option<f64>,
+    /// The nodata value of the tags, for bands of which the sidecar has none.
+    nodata_of_all: Option<f64>,
+    sidecar: Sidecar,
     pub(super) metadata: Metadata,
+    /// The band that is read, counted from 0; `None` where nobody named one and the first is read.
+    chosen: Option<usize>,
+    /// Whether another band can be asked for.
+    pub(super) can_choose: bool,
     /// The first three bands are red, green and blue.
     pub(super) is_picture: bool,
 }
@@ -38,15 +46,18 @@ impl GeoTiff {
     /// If the file cannot be opened, is no TIFF, is cut short, is encoded in a way that is not read, or lies on no
     /// north-up grid.
     pub fn open(input: impl Into<Input>, warnings: &mut Vec<Warning>) -> Result<GeoTiff> {
-        warned(warnings, |odd| GeoTiff::open_told(&input.into(), odd))
+        warned(warnings, |odd| GeoTiff::open_told(&input.into(), None, odd))
     }
 
-    pub(in crate::formats) fn open_told(input: &Input, odd: &mut Vec<Oddity>) -> Result<GeoTiff> {
+    /// `band` is the one to read, where one can be asked for.
+    pub(in crate::formats) fn open_told(input: &Input, band: Option<&Band>, odd: &mut Vec<Oddity>) -> Result<GeoTiff> {
         let (mut source, first) = TiffSource::open(input)?;
         let directory = source.directory(first)?;
         let image = Image::parse(&mut source, &directory)?;
-        let placement = read_placement(&mut source, &directory, (image.n_rows, image.n_cols), odd)?;
-        let nodata = match directory.text(&mut source, tag::GDAL_NODATA)? {
+        let sidecar = Sidecar::of(input, odd);
+        let shape = (image.n_rows, image.n_cols);
+        let placement = read_placement((&mut source, &directory), &sidecar, shape, odd)?;
+        let nodata_of_all = match directory.text(&mut source, tag::GDAL_NODATA)? {
             None => None,
             Some(text) => {
                 let nodata = nodata_in(image.sample, &text);
@@ -57,14 +68,29 @@ impl GeoTiff {
             }
         };
         let metadata = directory.text(&mut source, tag::GDAL_METADATA)?.unwrap_or_default();
-        let metadata = Metadata::parse(&metadata);
+        let mut metadata = Metadata::parse(&metadata);
+        metadata.complete(&sidecar);
         let mask = match find_mask(&mut source, &directory, &image, first, odd) {
             Some(image) => Some(Mask { image, band: 0 }),
             None => alpha_band(&mut source, &directory, image.n_bands)?.map(|band| Mask { image: image.clone(), band }),
         };
         let is_picture = directory.integer(&mut source, tag::PHOTOMETRIC)? == Some(2) && image.n_bands >= 3;
-        let tiff =
-            GeoTiff { input: input.clone(), len: source.len(), image, mask, placement, nodata, metadata, is_picture };
+        let mut tiff = GeoTiff {
+            input: input.clone(),
+            len: source.len(),
+            image,
+            mask,
+            placement,
+            nodata_of_all,
+            sidecar,
+            metadata,
+            chosen: None,
+            can_choose: band.is_some(),
+            is_picture,
+        };
+        if let Some(band) = band.filter(|band| band.is_named()) {
+            tiff.chosen = Some(band.index(input, &tiff.band_names())?);
+        }
         tiff.tell_of_encoding(odd);
         Ok(tiff)
     }
@@ -78,7 +104,11 @@ impl GeoTiff {
             tell(OddRaster::Jpeg);
         }
         let is_other = |a: f64, b: f64| (a - b).abs() > 1e-9;
-        let of_band = self.metadata.unit.as_deref().and_then(meters_per_named_unit);
+        if let Some(text) = self.sidecar.nodata(self.band()).filter(|text| nodata_in(self.image.sample, text).is_none())
+        {
+            tell(OddRaster::Nodata(text.to_string()));
+        }
+        let of_band = self.metadata.unit(self.band()).and_then(meters_per_named_unit);
         match (of_band, self.placement.meters_per_height_unit) {
             (Some(band), Some(system)) if is_other(band, system) => tell(OddRaster::TwoUnits(band, system)),
             _ => {}
@@ -121,8 +151,23 @@ impl GeoTiff {
 
     /// What the bands are called, where the file says so.
     pub fn band_names(&self) -> Vec<Option<&str>> {
-        let name = |band: usize| self.metadata.names.iter().find(|(b, _)| *b == band).map(|(_, name)| name.as_str());
-        (0..self.n_bands()).map(name).collect()
+        (0..self.n_bands()).map(|band| self.metadata.name(band)).collect()
+    }
+
+    /// The band that is read, counted from 0.
+    pub(in crate::formats) fn band(&self) -> usize {
+        self.chosen.unwrap_or(0)
+    }
+
+    /// Whether nobody named the band that is read.
+    pub(in crate::formats) fn is_first_by_default(&self) -> bool {
+        self.chosen.is_none()
+    }
+
+    /// The declared nodata value of a band, as the samples can hold it.
+    pub(in crate::formats) fn nodata_of(&self, band: usize) -> Option<f64> {
+        let own = self.sidecar.nodata(band).and_then(|text| nodata_in(self.image.sample, text));
+        own.or(self.nodata_of_all)
     }
 
     /// What this program wrote into the file about its origin, as one JSON text; `None` in files of others.
@@ -132,7 +177,8 @@ impl GeoTiff {
 
     /// Meters per unit of height, where the file says so; [`GeoTiff::read`] converts nothing.
     pub fn meters_per_height_unit(&self) -> Option<f64> {
-        self.metadata.unit.as_deref().and_then(meters_per_named_unit).or(self.placement.meters_per_height_unit)
+        let of_band = self.metadata.unit(self.band()).and_then(meters_per_named_unit);
+        of_band.or(self.placement.meters_per_height_unit)
     }
 
     /// What heights are above, where the file names it.
@@ -151,7 +197,7 @@ impl GeoTiff {
         if image.n_bands > 1 {
             text += &format!(", {} bands", image.n_bands);
         }
-        if let Some(nodata) = self.nodata {
+        if let Some(nodata) = self.nodata() {
             text += &format!(", nodata {}", Number(nodata));
         }
         if self.mask.is_some() {

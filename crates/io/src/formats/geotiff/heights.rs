@@ -59,7 +59,7 @@ impl GeoTiff {
             return Err(source.truncated("the file has changed since it was opened"));
         }
         #[expect(clippy::cast_possible_truncation, reason = "rounded to the samples already")]
-        let nodata = self.nodata.map(|nodata| nodata as f32);
+        let nodata = self.nodata().map(|nodata| nodata as f32);
         let georef = self.georef().part(window);
         // Who asks for all heights one by one gets them.
         drop(reserve_cells::<i32>(&self.input, &georef)?);
@@ -70,7 +70,7 @@ impl GeoTiff {
             false => self.heights_of_blocks(window, nodata)?,
         };
         let Some((cells, n_nodata)) = found else { return Ok(None) };
-        let mut voids = Voids::new(self.nodata);
+        let mut voids = Voids::new(self.nodata());
         voids.n_nodata = n_nodata;
         voids.n_heights = cells.len() as u64 - n_nodata;
         voids.report(&self.input, warnings)?;

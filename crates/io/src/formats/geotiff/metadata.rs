@@ -1,14 +1,16 @@
-//! GDAL's metadata tag.
+//! What GDAL's metadata tag, and the sidecar, say of the bands.
+
+use super::sidecar::Sidecar;
 
 /// What GDAL's metadata tag says of the bands: a list of `<Item name=… sample=… role=…>value</Item>`.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Metadata {
     scales: Vec<(usize, f64)>,
     offsets: Vec<(usize, f64)>,
-    /// Unit of the first band.
-    pub(super) unit: Option<String>,
+    /// Units of bands.
+    units: Vec<(usize, String)>,
     /// Names of bands.
-    pub(super) names: Vec<(usize, String)>,
+    names: Vec<(usize, String)>,
     /// The item of this program.
     pub(super) provenance: Option<String>,
 }
@@ -28,23 +30,60 @@ impl Metadata {
             match (attribute("role"), number) {
                 (Some("scale"), Some(number)) if number != 0.0 => metadata.scales.push((band, number)),
                 (Some("offset"), Some(number)) => metadata.offsets.push((band, number)),
-                (Some("unittype"), _) if band == 0 => metadata.unit = Some(value.to_owned()),
+                (Some("unittype"), _) => metadata.units.push((band, value.to_owned())),
                 // Values are escaped twice, as GDAL does.
                 (None, _) if attribute("name") == Some("SKYSHED") => {
                     metadata.provenance = Some(unescaped(&unescaped(value)));
                 }
-                (Some("description"), _) => metadata.names.push((band, unescaped(&unescaped(value)))),
+                (Some("description"), _) if !value.is_empty() => {
+                    metadata.names.push((band, unescaped(&unescaped(value))))
+                }
                 _ => {}
             }
         }
         metadata
     }
 
+    /// Adds what a sidecar says of bands, where the tag says nothing. As in GDAL, a band that has a factor or a summand in
+    /// the tag takes neither from the sidecar.
+    pub(super) fn complete(&mut self, sidecar: &Sidecar) {
+        for of_band in &sidecar.bands {
+            let band = of_band.band;
+            if self.scaling(band) == (1.0, 0.0) && !self.has_scaling(band) {
+                self.scales.extend(of_band.scale.map(|scale| (band, scale)));
+                self.offsets.extend(of_band.offset.map(|offset| (band, offset)));
+            }
+            if self.unit(band).is_none() {
+                self.units.extend(of_band.unit.clone().map(|unit| (band, unit)));
+            }
+            if self.name(band).is_none() {
+                self.names.extend(of_band.name.clone().map(|name| (band, name)));
+            }
+        }
+    }
+
     /// Factor and summand that turn the stored numbers of a band into heights.
     pub(super) fn scaling(&self, band: usize) -> (f64, f64) {
-        let of = |list: &[(usize, f64)]| list.iter().find(|(b, _)| *b == band).map(|(_, value)| *value);
-        (of(&self.scales).unwrap_or(1.0), of(&self.offsets).unwrap_or(0.0))
+        (of_band(&self.scales, band).copied().unwrap_or(1.0), of_band(&self.offsets, band).copied().unwrap_or(0.0))
     }
+
+    fn has_scaling(&self, band: usize) -> bool {
+        of_band(&self.scales, band).is_some() || of_band(&self.offsets, band).is_some()
+    }
+
+    /// Name of the unit of a band.
+    pub(super) fn unit(&self, band: usize) -> Option<&str> {
+        of_band(&self.units, band).map(String::as_str)
+    }
+
+    /// Name of a band.
+    pub(super) fn name(&self, band: usize) -> Option<&str> {
+        of_band(&self.names, band).map(String::as_str)
+    }
+}
+
+fn of_band<T>(list: &[(usize, T)], band: usize) -> Option<&T> {
+    list.iter().find(|(other, _)| *other == band).map(|(_, value)| value)
 }
 
 /// XML text as it was before its escaping.

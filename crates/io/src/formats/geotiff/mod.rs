@@ -5,7 +5,7 @@
 //! Zstandard) and single-band JPEG; predictors 2 and 3; the first image of a file with overviews; GDAL's nodata value,
 //! scale and offset, internal masks, bands of opacity (0 is nothing) and missing (sparse) blocks. `MinIsWhite` changes no
 //! height. What is not: other compressions and depths, LERC in big-endian files, color JPEG, ground control points and rotation, which are refused
-//! by name; a `.msk` file beside the raster, which is reported; a `.aux.xml` file, which is not looked at.
+//! by name; a `.msk` file beside the raster, which is reported. Of a `.aux.xml` file what GDAL takes of it ([`sidecar`]).
 //!
 //! The first image directory is parsed ([`tags`]) and checked against the length of the file ([`header`]) before a decoder
 //! sees a byte, since a header may promise what no file can hold.
@@ -25,6 +25,7 @@ mod overview;
 mod placement;
 mod plain;
 mod read;
+mod sidecar;
 mod stored;
 mod tags;
 #[cfg(test)]

@@ -6,6 +6,7 @@
 
 use std::io::Read;
 
+use super::sidecar::Sidecar;
 use super::tags::{Directory, TiffSource, tag};
 use crate::crs;
 use crate::crs::VerticalCrs;
@@ -47,10 +48,10 @@ struct Affine {
     f: f64,
 }
 
-/// Reads the place of a raster of `n_rows` rows of `n_cols` cells.
+/// Reads the place of a raster of `n_rows` rows of `n_cols` cells; what the sidecar says counts before the tags.
 pub(super) fn read_placement(
-    source: &mut TiffSource,
-    directory: &Directory,
+    (source, directory): (&mut TiffSource, &Directory),
+    sidecar: &Sidecar,
     (n_rows, n_cols): (usize, usize),
     odd: &mut Vec<Oddity>,
 ) -> Result<Placement> {
@@ -60,12 +61,13 @@ pub(super) fn read_placement(
         tell(OddRaster::DamagedKeys(error.to_string()));
         GeoKeys::default()
     });
-    let mut affine = affine(source, directory, &mut tell)?;
-    if let (Some(affine), Some(PIXEL_IS_POINT)) = (&mut affine, keys.short(1025)) {
-        // The tie point names the center of a cell.
-        affine.c -= 0.5 * (affine.a + affine.b);
-        affine.f -= 0.5 * (affine.d + affine.e);
-    }
+    let affine = match sidecar.geo_transform {
+        Some([c, a, b, f, d, e]) => Some(Affine { a, b, c, d, e, f }),
+        None if sidecar.n_control_points > 0 => {
+            return Err(by_control_points(source.input(), sidecar.n_control_points));
+        }
+        None => affine_of_tags((source, directory), &keys, &mut tell)?,
+    };
     let affine = affine.or_else(|| world_file(source.input())).unwrap_or_else(|| {
         tell(OddRaster::NoPlace);
         Affine { a: 1.0, b: 0.0, c: 0.0, d: 0.0, e: -1.0, f: n_rows as f64 }
@@ -94,17 +96,44 @@ pub(super) fn read_placement(
         tell(OddRaster::SouthUp);
     }
     let y_max = if south_up { f + e * n_rows as f64 } else { f };
-    let crs = crs(&keys, &mut tell);
+    let crs = match &sidecar.crs {
+        None => crs(&keys, &mut tell),
+        Some(text) => crs::parse(text).map_err(|error| tell(OddRaster::CrsIgnored(error.to_string()))).ok(),
+    };
     let georef = GeoRef::new((c, y_max), (a, e.abs()), (n_rows, n_cols), crs).ok_or_else(irregular)?;
     let georef = with_true_lengths(georef, &mut tell);
-    let vertical = vertical(&keys);
+    let (vertical, of_keys) = match &sidecar.crs {
+        None => (vertical(&keys), keys.meters_per_unit(4099, 4098)),
+        Some(text) => (VerticalCrs::in_text(text), None),
+    };
     // The unit of a system of the registry is part of it, and often not repeated.
     let of_system = vertical.as_ref().and_then(VerticalCrs::meters_per_unit);
-    let meters_per_height_unit = keys.meters_per_unit(4099, 4098).or(of_system);
+    let meters_per_height_unit = of_keys.or(of_system);
     Ok(Placement { georef, south_up, meters_per_height_unit, vertical })
 }
 
-/// The affine map that the tags of the file give.
+/// The affine map that the tags of the file give, of cells as areas.
+fn affine_of_tags(
+    (source, directory): (&mut TiffSource, &Directory),
+    keys: &GeoKeys,
+    tell: &mut impl FnMut(OddRaster),
+) -> Result<Option<Affine>> {
+    let mut affine = affine(source, directory, tell)?;
+    if let (Some(affine), Some(PIXEL_IS_POINT)) = (&mut affine, keys.short(1025)) {
+        // The tie point names the center of a cell.
+        affine.c -= 0.5 * (affine.a + affine.b);
+        affine.f -= 0.5 * (affine.d + affine.e);
+    }
+    Ok(affine)
+}
+
+/// The error of a raster that ground control points place.
+fn by_control_points(input: &Input, n: usize) -> Error {
+    let text = format!("it is placed by {n} ground control points, wanted a regular grid");
+    Error::read(input, ReadFault::Irregular(text)).because(Cause::ControlPoints)
+}
+
+/// The affine map that the tags of the file hold.
 fn affine(source: &mut TiffSource, directory: &Directory, tell: &mut impl FnMut(OddRaster)) -> Result<Option<Affine>> {
     let scale = directory.floats(source, tag::MODEL_PIXEL_SCALE)?;
     let tie_points = directory.floats(source, tag::MODEL_TIE_POINT)?;
@@ -120,10 +149,7 @@ fn affine(source: &mut TiffSource, directory: &Directory, tell: &mut impl FnMut(
         (_, _, Some([a, b, _, c, d, e, _, f, ..])) => Ok(Some(Affine { a: *a, b: *b, c: *c, d: *d, e: *e, f: *f })),
         (None, None, None) => Ok(None),
         // Fewer do not tell how columns and rows run.
-        (None, Some(points), None) if points.len() >= 3 * 6 => {
-            let text = format!("it is placed by {} ground control points, wanted a regular grid", points.len() / 6);
-            Err(Error::read(source.input(), ReadFault::Irregular(text)).because(Cause::ControlPoints))
-        }
+        (None, Some(points), None) if points.len() >= 3 * 6 => Err(by_control_points(source.input(), points.len() / 6)),
         _ => {
             let what = "the tags of its place are incomplete, wanted a tie point and a cell size".into();
             Err(Error::read(source.input(), ReadFault::Irregular(what)).because(Cause::NoPlace))

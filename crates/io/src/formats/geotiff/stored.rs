@@ -4,12 +4,13 @@ use super::geo_tiff::{GeoTiff, Mask};
 use super::read::{Region, for_each_span};
 use super::tags::TiffSource;
 use crate::error::{OddRaster, Oddity, Result, Warning};
+use crate::formats::band::bands_in_words;
 use crate::formats::reserve::{check_cells, reserve_cells};
 use crate::formats::voids::{Stored, Voids};
 use crate::raster::{CellWindow, Raster};
 
 impl GeoTiff {
-    /// Reads a part of the first band; `convert` turns a stored height into what the raster holds.
+    /// Reads a part of the band that was named when it was opened, else of the first; `convert` turns a stored height into what the raster holds.
     ///
     /// Cells that hold no height (nodata, NaN, infinite, hidden by a mask, missing in a sparse file) arrive in `convert`
     /// as NaN. Heights are in the unit of the file, scaled where the file says so. `convert` is called once per cell,
@@ -27,11 +28,15 @@ impl GeoTiff {
         convert: impl FnMut(f64) -> T,
     ) -> Result<Raster<T>> {
         let is_alpha = |band: usize| self.mask.as_ref().is_some_and(|mask| mask.band == band && band > 0);
-        if (1..self.n_bands()).any(|band| !is_alpha(band)) {
-            let of_all = if self.is_picture { OddRaster::Colors } else { OddRaster::Bands };
-            warnings.push(Oddity::new(&self.input, of_all(self.n_bands())).into());
+        if self.is_first_by_default() && (1..self.n_bands()).any(|band| !is_alpha(band)) {
+            let (n, can_choose) = (self.n_bands(), self.can_choose);
+            let of_all = match self.is_picture {
+                true => OddRaster::Colors { n, can_choose },
+                false => OddRaster::Bands { n, names: bands_in_words(&self.band_names()), can_choose },
+            };
+            warnings.push(Oddity::new(&self.input, of_all).into());
         }
-        self.read_band(0, window, warnings, convert)
+        self.read_band(self.band(), window, warnings, convert)
     }
 
     /// Reads a part of one band, counted from 0, as [`GeoTiff::read`] does for the first.
@@ -52,13 +57,13 @@ impl GeoTiff {
         check_cells::<T>(&self.input, &georef)?;
         if self.is_empty() {
             // A sparse file without any block can be tiny and promise anything: no memory is taken for it.
-            let mut voids = Voids::new(self.nodata);
+            let mut voids = Voids::new(self.nodata_of(band));
             voids.n_missing = georef.n_cells() as u64;
             voids.report(&self.input, warnings)?;
         }
         let mut cells: Vec<T> = reserve_cells(&self.input, &georef)?;
         let (scale, offset) = self.metadata.scaling(band);
-        let mut voids = Voids::new(self.nodata);
+        let mut voids = Voids::new(self.nodata_of(band));
         self.for_each_stored(band, window, |row, col, stored| {
             cells.push(convert(voids.height_of(row, col, stored) * scale + offset));
         })?;
@@ -107,9 +112,9 @@ impl GeoTiff {
         })
     }
 
-    /// The declared nodata value, as the samples can hold it.
+    /// The declared nodata value of the band that is read, as the samples can hold it.
     pub(in crate::formats) fn nodata(&self) -> Option<f64> {
-        self.nodata
+        self.nodata_of(self.band())
     }
 
     /// Factor and summand that turn the stored numbers of a band into heights.

@@ -144,5 +144,5 @@ fn metadata_gives_scale_offset_and_unit() {
     );
     assert_eq!(metadata.scaling(0), (0.1, -50.0));
     assert_eq!(metadata.scaling(1), (1.0, 0.0));
-    assert_eq!(metadata.unit.as_deref(), Some("ft"));
+    assert_eq!(metadata.unit(0), Some("ft"));
 }

@@ -7,6 +7,7 @@ use super::covered::{covered_area, n_covered_cells};
 use super::numbers::Rule;
 use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers};
 use crate::error::{Cause, Error, OddRaster, Oddity, Pair, ReadFault, Result, Wanted, two_crs};
+use crate::formats::band::Band;
 use crate::formats::oddity::{each_once, with_true_lengths};
 use crate::input::cannot_read;
 use crate::raster::{Crs, GeoRef};
@@ -17,19 +18,20 @@ const MAX_SHIFT_CELLS: f64 = 1e-3;
 impl Mosaic {
     /// Opens a folder of tiles and reads their headers, no cell.
     ///
-    /// `open` reads the header of a tile of any format.
+    /// `open` reads the header of a tile of any format; `band` is the one to read, where one can be asked for.
     pub(in crate::formats) fn open_folder(
         path: &Path,
+        band: Option<&Band>,
         open: fn(&Path, Nesting<'_>) -> Result<Header>,
         odd: &mut Vec<Oddity>,
     ) -> Result<Mosaic> {
         let paths = tile_files(path)?;
         let n_opened = AtomicUsize::new(0);
-        let mut headers = read_headers(&paths, Nesting { ancestors: &[], n_opened: &n_opened, open })?;
+        let mut headers = read_headers(&paths, Nesting { band, ancestors: &[], n_opened: &n_opened, open })?;
         // Lengths are those in the middle of all.
         let of_tiles = headers.iter_mut().flat_map(|header| header.odd.drain(..));
         odd.extend(each_once(of_tiles.filter(|oddity| !oddity.is_web_mercator())));
-        tell_of_bands(path, &headers, odd);
+        tell_of_bands(path, &headers, band, odd);
         let Some(first) = headers.first() else { return Err(no_tiles(path)) };
         // What has no CRS is taken to be in that of the others.
         let named = headers.iter().find(|header| header.georef.crs().is_some());
@@ -53,7 +55,7 @@ impl Mosaic {
                 (row, col),
                 None,
             )?;
-            Some(Piece { tile: k, band: 0, row, col, area, rule: Rule::Heights })
+            Some(Piece { tile: k, band: header.tile.numbers.band, row, col, area, rule: Rule::Heights })
         };
         let pieces: Vec<Piece> = headers.iter().enumerate().filter_map(place).collect();
         let areas: Vec<_> = pieces.iter().map(|piece| piece.area).collect();
@@ -61,6 +63,7 @@ impl Mosaic {
         Ok(Mosaic {
             path: path.to_owned(),
             kind: Kind::Folder,
+            of_bands: None,
             vertical: headers.iter().find_map(|header| header.vertical.clone()),
             meters_per_height_unit: headers.iter().find_map(|header| header.meters_per_height_unit),
             georef,
@@ -167,10 +170,12 @@ fn common_grid(folder: &Path, headers: &[Header]) -> Result<GeoRef> {
 }
 
 /// Tells of tiles with several bands, and of scaled ones, which are read as single files are.
-fn tell_of_bands(folder: &Path, headers: &[Header], odd: &mut Vec<Oddity>) {
+fn tell_of_bands(folder: &Path, headers: &[Header], band: Option<&Band>, odd: &mut Vec<Oddity>) {
     let mut tell = |of_tiles| odd.push(Oddity::new(folder.display(), of_tiles));
-    if let Some(header) = headers.iter().find(|header| header.n_bands > 1) {
-        tell(OddRaster::TileBands(header.tile.path.display().to_string(), header.n_bands));
+    let is_named = band.is_some_and(Band::is_named);
+    if let Some(header) = headers.iter().find(|header| header.n_bands > 1 && !is_named) {
+        let (tile, n) = (header.tile.path.display().to_string(), header.n_bands);
+        tell(OddRaster::TileBands { tile, n, can_choose: band.is_some() });
     }
     if let Some(tile) = headers.iter().map(|header| &header.tile).find(|tile| tile.numbers.scaling != (1.0, 0.0)) {
         tell(OddRaster::TileScaling(tile.path.display().to_string(), tile.numbers.scaling));

@@ -53,9 +53,11 @@ impl Sample {
 /// What the stored numbers of a tile mean.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::formats) struct TileNumbers {
+    /// The band that they are of, counted from 0.
+    pub(in crate::formats) band: usize,
     /// The declared nodata value.
     pub(in crate::formats) nodata: Option<f64>,
-    /// Factor and summand that turn the numbers of the first band into heights.
+    /// Factor and summand that turn the numbers of the band into heights.
     pub(in crate::formats) scaling: (f64, f64),
 }
 

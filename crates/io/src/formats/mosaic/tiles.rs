@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::numbers::{Rule, TileNumbers};
 use crate::crs::VerticalCrs;
 use crate::error::{Error, OddPair, OddRaster, Oddity, Result, Warning};
+use crate::formats::band::Band;
 use crate::formats::reserve::reserve_cells;
 use crate::formats::sample::Sample;
 use crate::formats::voids::{Stored, Voids, is_nodata};
@@ -24,6 +25,8 @@ pub(super) const MAX_SIDE: f64 = 2_147_483_647.0;
 /// Where a file stands among virtual rasters that are in each other.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::formats) struct Nesting<'a> {
+    /// The band to read, where one can be asked for.
+    pub(in crate::formats) band: Option<&'a Band>,
     /// Those that it is in, outermost first.
     pub(in crate::formats) ancestors: &'a [PathBuf],
     /// Files that were opened for all but the outermost.
@@ -37,6 +40,8 @@ pub(in crate::formats) struct Nesting<'a> {
 pub struct Mosaic {
     pub(super) path: PathBuf,
     pub(super) kind: Kind,
+    /// The warning of a virtual raster of several bands, of which nobody named one.
+    pub(super) of_bands: Option<OddRaster>,
     pub(super) georef: GeoRef,
     pub(super) tiles: Vec<Tile>,
     /// In the order in which they lie over each other, the lowest first.
@@ -56,7 +61,7 @@ pub struct Mosaic {
 /// What a mosaic was opened from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    VirtualRaster { numbers: Sample, n_bands: usize },
+    VirtualRaster { numbers: Sample },
     Folder,
 }
 
@@ -101,7 +106,7 @@ impl Mosaic {
 
     /// What its numbers mean.
     pub(in crate::formats) fn numbers(&self) -> TileNumbers {
-        TileNumbers { nodata: self.nodata, scaling: self.scaling }
+        TileNumbers { band: 0, nodata: self.nodata, scaling: self.scaling }
     }
 
     /// What it is made of, in a few words: `mosaic of 24 tiles, 1200 cells in no tile`.
@@ -223,9 +228,7 @@ impl Mosaic {
 
     fn warn(&self, odd: &Oddities, warnings: &mut Vec<Warning>) {
         let path = self.path.display();
-        if let Kind::VirtualRaster { n_bands: n_bands @ 2.., .. } = self.kind {
-            warnings.push(Oddity::new(&path, OddRaster::Bands(n_bands)).into());
-        }
+        warnings.extend(self.of_bands.clone().map(|odd| Oddity::new(&path, odd).into()));
         if odd.n_differing > 0 {
             warnings.push(OddPair::TilesDiffer { folder: path.to_string(), n: odd.n_differing }.into());
         }
@@ -291,7 +294,7 @@ impl Tile {
                 // What is odd about its header was told when the mosaic was opened.
                 let tiff = GeoTiff::open(&self.path, &mut Vec::new())?;
                 let (n_rows, n_cols) = (tiff.georef().n_rows(), tiff.georef().n_cols());
-                if (n_rows, n_cols, tiff.nodata().map(f64::to_bits))
+                if (n_rows, n_cols, tiff.nodata_of(self.numbers.band).map(f64::to_bits))
                     != (self.n_rows, self.n_cols, self.numbers.nodata.map(f64::to_bits))
                 {
                     return Err(Error::truncated(self.path.display(), "the file has changed since it was opened"));

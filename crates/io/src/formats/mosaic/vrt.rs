@@ -13,13 +13,15 @@ use roxmltree::{Document, Node, ParsingOptions};
 use super::covered::n_covered_cells;
 use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers};
 use super::vrt_source::Source;
-use super::vrt_xml::{Vrt, attribute, child, read_xml, refuse_crowds, text_of};
+use super::vrt_xml::{Vrt, read_xml};
 use crate::crs;
 use crate::crs::contradicts;
 use crate::error::{Cause, Error, OddRaster, Oddity, Pair, ReadFault, Result, two_crs};
+use crate::formats::band::{Band, bands_in_words};
 use crate::formats::geotiff::meters_per_named_unit;
 use crate::formats::oddity::{each_once, with_true_lengths};
 use crate::formats::sample::Sample;
+use crate::formats::xml::{attribute, child, refuse_crowds, text_of};
 use crate::input::cannot_read;
 use crate::raster::GeoRef;
 
@@ -33,7 +35,7 @@ const MAX_SHEAR_CELLS: f64 = 1e-3;
 /// What an XML says of its raster.
 struct Described {
     georef: GeoRef,
-    n_bands: usize,
+    of_bands: Option<OddRaster>,
     numbers: Sample,
     /// The number of cells in no source, and of cells without a height.
     empty: f64,
@@ -49,7 +51,7 @@ impl Mosaic {
     /// `nesting` is that of the file.
     pub(in crate::formats) fn open_vrt(path: &Path, nesting: Nesting<'_>, odd: &mut Vec<Oddity>) -> Result<Mosaic> {
         let this = std::fs::canonicalize(path).map_err(|e| cannot_read(&path.into(), &e))?;
-        let Nesting { ancestors, n_opened, .. } = nesting;
+        let Nesting { band, ancestors, n_opened, .. } = nesting;
         if ancestors.contains(&this) {
             return Err(Error::malformed(path.display(), "it is a source of itself, wanted rasters"));
         }
@@ -59,7 +61,7 @@ impl Mosaic {
         }
         let ancestors: Vec<PathBuf> = ancestors.iter().cloned().chain([this]).collect();
         let xml = read_xml(path)?;
-        let described = describe(path, &xml, odd)?;
+        let described = describe(path, &xml, band, odd)?;
         let (paths, tile_of) = distinct(&described.sources);
         // A file that many name which many name is opened for each.
         let is_nested = ancestors.len() > 1;
@@ -67,7 +69,7 @@ impl Mosaic {
             let what = format!("virtual rasters in each other with more than {MOST_NESTED_FILES} sources");
             return Err(Error::read(path.display(), ReadFault::TooMany(what)).because(Cause::ForGdal));
         }
-        let mut headers = read_headers(&paths, Nesting { ancestors: &ancestors, ..nesting })
+        let mut headers = read_headers(&paths, Nesting { band: None, ancestors: &ancestors, ..nesting })
             .map_err(|error| error.within(format!("a source of `{}`", path.display())))?;
         // Place and reference system are those of the virtual raster.
         let of_tiles = headers.iter_mut().flat_map(|header| header.odd.drain(..));
@@ -99,7 +101,8 @@ impl Mosaic {
         let vertical = headers.iter().find_map(|header| header.vertical.clone());
         Ok(Mosaic {
             path: path.to_owned(),
-            kind: Kind::VirtualRaster { numbers: described.numbers, n_bands: described.n_bands },
+            kind: Kind::VirtualRaster { numbers: described.numbers },
+            of_bands: described.of_bands,
             georef: described.georef,
             tiles: headers.into_iter().map(|header| header.tile).collect(),
             pieces,
@@ -135,8 +138,13 @@ fn refuse_other_crs(path: &Path, georef: &GeoRef, header: &Header) -> Result<()>
     Err(two_crs((path.display(), wanted), (header.tile.path.display(), found), Pair::Tiles))
 }
 
-fn describe(path: &Path, xml: &str, odd: &mut Vec<Oddity>) -> Result<Described> {
-    refuse_crowds(path, xml)?;
+/// What a band is called.
+fn name_of<'a>(band: Node<'a, '_>) -> Option<&'a str> {
+    child(band, "Description").map(text_of).filter(|name| !name.is_empty())
+}
+
+fn describe(path: &Path, xml: &str, wanted: Option<&Band>, odd: &mut Vec<Oddity>) -> Result<Described> {
+    refuse_crowds(path.display(), xml)?;
     // Without document types there are no entities to blow up.
     let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
     let document = Document::parse_with_options(xml, options)
@@ -155,9 +163,18 @@ fn describe(path: &Path, xml: &str, odd: &mut Vec<Oddity>) -> Result<Described> 
     }
     let is_band =
         |node: &Node<'_, '_>| node.is_element() && node.tag_name().name().eq_ignore_ascii_case("VRTRasterBand");
-    let mut bands = root.children().filter(is_band);
-    let Some(band) = bands.next() else { return Err(vrt.malformed(root, "it has no `VRTRasterBand`, wanted one")) };
-    let n_bands = 1 + bands.count();
+    let bands: Vec<Node<'_, '_>> = root.children().filter(is_band).collect();
+    if bands.is_empty() {
+        return Err(vrt.malformed(root, "it has no `VRTRasterBand`, wanted one"));
+    }
+    let names: Vec<Option<&str>> = bands.iter().map(|band| name_of(*band)).collect();
+    let is_named = wanted.is_some_and(Band::is_named);
+    let of_bands = (bands.len() > 1 && !is_named).then(|| OddRaster::Bands {
+        n: bands.len(),
+        names: bands_in_words(&names),
+        can_choose: wanted.is_some(),
+    });
+    let band = bands[wanted.unwrap_or(&Band::First).index(&path.into(), &names)?];
     if let Some(kind) = attribute(band, "subClass").filter(|kind| !kind.eq_ignore_ascii_case("VRTSourcedRasterBand")) {
         return Err(vrt.unsupported(band, format!("its band is a `{kind}`")));
     }
@@ -182,7 +199,7 @@ fn describe(path: &Path, xml: &str, odd: &mut Vec<Oddity>) -> Result<Described> 
     let offset = vrt.child_number(band, "Offset")?.unwrap_or(0.0);
     Ok(Described {
         georef,
-        n_bands,
+        of_bands,
         numbers,
         empty: declared.map_or(0.0, |nodata| numbers.rounded(nodata)),
         nodata: declared.filter(|_| !is_hidden),

@@ -7,9 +7,10 @@ use roxmltree::Node;
 use super::covered::covered_area;
 use super::numbers::Rule;
 use super::tiles::{Header, Tile};
-use super::vrt_xml::{Vrt, attribute, child, text_of};
+use super::vrt_xml::Vrt;
 use crate::error::{Cause, Error, ReadFault, Result};
 use crate::formats::sample::Sample;
+use crate::formats::xml::{attribute, child, text_of};
 use crate::raster::CellWindow;
 
 /// How far a rectangle may be off whole cells \[cells\].

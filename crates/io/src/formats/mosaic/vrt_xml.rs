@@ -7,6 +7,7 @@ use std::path::Path;
 use roxmltree::{Document, Node};
 
 use crate::error::{Cause, Error, Place, ReadFault, Result};
+use crate::formats::xml::{child, text_of};
 use crate::input::{Input, cannot_read};
 
 /// Longest XML \[bytes\]: that of some hundred thousand sources.
@@ -61,59 +62,4 @@ impl Vrt<'_> {
     pub(super) fn child_number(&self, parent: Node<'_, '_>, name: &str) -> Result<Option<f64>> {
         child(parent, name).map(|node| self.number(node, name, text_of(node))).transpose()
     }
-}
-
-/// The first child element of a name; like GDAL in any case of letters.
-pub(super) fn child<'a, 'b>(parent: Node<'a, 'b>, name: &str) -> Option<Node<'a, 'b>> {
-    parent.children().find(|node| node.is_element() && node.tag_name().name().eq_ignore_ascii_case(name))
-}
-
-/// An attribute in any case of letters.
-pub(super) fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
-    node.attributes().find(|attribute| attribute.name().eq_ignore_ascii_case(name)).map(|attribute| attribute.value())
-}
-
-/// The text in an element, without blanks around it.
-pub(super) fn text_of<'a>(node: Node<'a, '_>) -> &'a str {
-    node.text().unwrap_or_default().trim()
-}
-
-/// Most attributes of an element and most namespaces of a file; the parser compares each with all others.
-const MOST_ATTRIBUTES: usize = 500;
-
-/// Refuses elements with more attributes than any virtual raster has, and more namespaces.
-pub(super) fn refuse_crowds(path: &Path, xml: &str) -> Result<()> {
-    let mut rest = xml;
-    let mut n_namespaces = 0;
-    while let Some(start) = rest.find('<') {
-        rest = &rest[start..];
-        let outside = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
-        if let Some((begin, end)) = outside.into_iter().find(|(begin, _)| rest.starts_with(begin)) {
-            rest = rest[begin.len()..].split_once(end).map_or("", |(_, after)| after);
-            continue;
-        }
-        // Each value in quotes is that of an attribute.
-        let (mut n_attributes, mut quote) = (0, None);
-        let end = rest.find(|c| match (quote, c) {
-            (Some(open), c) if c == open => {
-                quote = None;
-                false
-            }
-            (None, '"' | '\'') => {
-                n_attributes += 1;
-                quote = Some(c);
-                false
-            }
-            (quote, c) => quote.is_none() && c == '>',
-        });
-        let (tag, after) = rest.split_at(end.unwrap_or(rest.len()));
-        n_namespaces += tag.matches("xmlns").count();
-        if n_attributes.max(n_namespaces) > MOST_ATTRIBUTES {
-            let what =
-                format!("more than {MOST_ATTRIBUTES} attributes or namespaces, wanted the XML of a virtual raster");
-            return Err(Error::read(path.display(), ReadFault::TooMany(what)));
-        }
-        rest = after;
-    }
-    Ok(())
 }
