@@ -255,6 +255,35 @@ fn a_raster_across_180_degrees_lies_in_one_zone() {
         assert!(["EPSG:32760", "EPSG:32701"].contains(&zone), "{zone}");
         assert_eq!(info["cells"]["nodata"].as_u64().unwrap_or_default(), 0, "{info}");
     }
+    // Tiles on both sides are one city as well.
+    std::fs::create_dir(folder.join("tiles")).unwrap();
+    for (name, west) in [("a", 179.992), ("b", -180.0)] {
+        let tile = format!("ncols 8\nnrows 8\nxllcorner {west}\nyllcorner -16.8\ncellsize 0.001\n{rows}");
+        folder.write(&format!("tiles/{name}.asc"), &tile);
+        folder.write(&format!("tiles/{name}.prj"), "EPSG:4326");
+    }
+    let info = folder.type_in("info tiles --ground 0 --project auto --json").done().json();
+    assert_eq!(info["cells"]["nodata"].as_u64().unwrap_or_default(), 0, "{info}");
+    // 16 cells of a thousandth of a degree at 16.8° south, by 8.
+    let [width, height] =
+        [(2, 0), (3, 1)].map(|(a, b)| info["extent"][a].as_f64().unwrap() - info["extent"][b].as_f64().unwrap());
+    assert!((width - 1705.0).abs() < 60.0 && (height - 888.0).abs() < 60.0, "{width} by {height}");
+}
+
+#[test]
+fn an_overlay_across_180_degrees_is_as_small_as_the_city() {
+    let folder = Folder::new();
+    folder.write("city.geojson", &houses(None, &[179.9995, 180.0, 180.0005].map(house_at)));
+    folder.type_in("map city.geojson --project auto --uav 180210,8140148,60 --data-area all -o a.kmz -q").done();
+    let mut archive = zip::ZipArchive::new(std::io::Cursor::new(folder.read("a.kmz"))).unwrap();
+    let mut kml = String::new();
+    std::io::Read::read_to_string(&mut archive.by_name("doc.kml").unwrap(), &mut kml).unwrap();
+    let lon = |name: &str| -> f64 {
+        let text = kml.split(&format!("<{name}>")).nth(1).unwrap().split('<').next().unwrap();
+        text.split(',').next().unwrap().parse().unwrap()
+    };
+    let (west, east, uav) = (lon("west"), lon("east"), lon("coordinates"));
+    assert!(east - west < 0.0015 && west < uav && uav < east, "{west} to {east}, UAV at {uav}");
 }
 
 #[test]

@@ -146,6 +146,8 @@ fn horizontal(crs: &Crs) -> Option<CrsDef> {
 #[derive(Clone)]
 pub struct Transformation {
     operation: Option<Transform>,
+    /// Of results in degrees the longitude of the data, which they are at most half a turn away from.
+    lon_of_data: Option<f64>,
     labels: (String, String),
 }
 
@@ -168,7 +170,7 @@ impl Transformation {
     pub fn new(from: &Crs, to: &Crs, near: (f64, f64)) -> Result<Transformation> {
         let labels = (from.label(), to.label());
         if from == to {
-            return Ok(Transformation { operation: None, labels });
+            return Ok(Transformation { operation: None, lon_of_data: None, labels });
         }
         let refuse = |why: &str| no_way(format!("coordinates near `{near:?}`"), &labels, why);
         // Areas of operations end at 180 degrees.
@@ -177,6 +179,7 @@ impl Transformation {
         let defined = |crs: &Crs| {
             horizontal(crs).ok_or_else(|| refuse(&format!("the projection of `{}` is not known", crs.label())))
         };
+        let gives_degrees = matches!(to.kind(), CrsKind::Geographic);
         let (from, to) = (defined(from)?, defined(to)?);
         let tied = || operation_near(&null_datums::tied(&from), &null_datums::tied(&to), near);
         let operation = match null_datums::are_tied(&from, &to) {
@@ -184,10 +187,11 @@ impl Transformation {
             false => operation_near(&from, &to, near).or_else(|error| tied().map_err(|_| error)),
         };
         let operation = operation.map_err(|cause| refuse(&cause.to_string()))?;
-        Ok(Transformation { operation: Some(operation), labels })
+        let lon_of_data = operation.convert(near).ok().map(|(lon, _)| lon).filter(|_| gives_degrees);
+        Ok(Transformation { operation: Some(operation), lon_of_data, labels })
     }
 
-    /// Takes one point over: x, y in, x, y out \[CRS units; degrees if geographic\].
+    /// Takes one point over: x, y in, x, y out \[CRS units; degrees if geographic\]. Longitudes go on past 180 degrees where the data do.
     ///
     /// # Errors
     /// E310 if the point is not finite or lies outside the domain of the projections.
@@ -198,6 +202,10 @@ impl Transformation {
         }
         let Some(operation) = &self.operation else { return Ok((x, y)) };
         let (x, y) = operation.convert((x, y)).map_err(|cause| refuse(&cause.to_string()))?;
+        let x = match self.lon_of_data {
+            Some(lon) if (x - lon).abs() > 180.0 => x + 360.0_f64.copysign(lon - x),
+            _ => x,
+        };
         if x.is_finite() && y.is_finite() { Ok((x, y)) } else { Err(refuse("the result is not finite")) }
     }
 }

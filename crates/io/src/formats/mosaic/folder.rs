@@ -10,7 +10,7 @@ use crate::error::{Cause, Error, OddRaster, Oddity, Pair, ReadFault, Result, Wan
 use crate::formats::band::Band;
 use crate::formats::oddity::{each_once, with_true_lengths};
 use crate::input::cannot_read;
-use crate::raster::{Crs, GeoRef};
+use crate::raster::{Crs, CrsKind, GeoRef};
 
 /// How far the grids of two tiles may be apart \[cells\].
 const MAX_SHIFT_CELLS: f64 = 1e-3;
@@ -32,6 +32,7 @@ impl Mosaic {
         let of_tiles = headers.iter_mut().flat_map(|header| header.odd.drain(..));
         odd.extend(each_once(of_tiles.filter(|oddity| !oddity.is_web_mercator())));
         tell_of_bands(path, &headers, band, odd);
+        bring_together(&mut headers);
         let Some(first) = headers.first() else { return Err(no_tiles(path)) };
         // What has no CRS is taken to be in that of the others.
         let named = headers.iter().find(|header| header.georef.crs().is_some());
@@ -74,6 +75,29 @@ impl Mosaic {
             scaling: (1.0, 0.0),
             n_gaps,
         })
+    }
+}
+
+/// Takes tiles in degrees on both sides of 180 degrees a turn on, where they are nearer to each other so.
+fn bring_together(headers: &mut [Header]) {
+    /// Tiles that name no system and have larger cells than these are not in degrees \[deg\].
+    const MOST: f64 = 0.1;
+    let is_in_degrees = |header: &Header| match header.georef.crs() {
+        Some(crs) => matches!(crs.kind(), CrsKind::Geographic),
+        None => header.georef.cell_width() < MOST && header.georef.x_min() >= -180.0 && header.georef.x_max() <= 180.0,
+    };
+    let turned = |x: f64| if x < 0.0 { x + 360.0 } else { x };
+    let width = |of: &dyn Fn(f64) -> f64| {
+        let xs = || headers.iter().map(|header| of(header.georef.x_min()));
+        xs().fold(f64::NEG_INFINITY, f64::max) - xs().fold(f64::INFINITY, f64::min)
+    };
+    if !headers.iter().all(is_in_degrees) || width(&|x| x) <= 180.0 || width(&turned) >= width(&|x| x) {
+        return;
+    }
+    for georef in headers.iter_mut().map(|header| &mut header.georef) {
+        let (corner, cell) = ((turned(georef.x_min()), georef.y_max()), (georef.cell_width(), georef.cell_height()));
+        let moved = GeoRef::new(corner, cell, (georef.n_rows(), georef.n_cols()), georef.crs().cloned());
+        *georef = moved.unwrap_or_else(|| georef.clone());
     }
 }
 
