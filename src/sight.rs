@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::city::{Antenna, GivenSite};
-use crate::coverage::{self, CheckedNumbers, MapOptions, SightNumbers, Tally};
+use crate::coverage::{self, CheckedNumbers, HoversOver, MapOptions, SightNumbers, Tally, Uav};
 use crate::error::{OddRun, RequestError, Result, Warning};
 use crate::height_field::{Curvature, HeightField};
 use crate::los::{Method, MethodChoice};
@@ -365,6 +365,15 @@ pub(crate) fn earth_words(curvature: Curvature) -> String {
     // Five digits are told.
     let k = format!("{k:.4e}").parse().unwrap_or(k);
     format!("curved earth, K = {k}")
+}
+
+/// W205 for UAVs over no data, if there are any; returns whether there are.
+pub(crate) fn warn_of_nodata(uavs: &[Uav], warnings: &mut Vec<Warning>) -> bool {
+    let over_nodata = uavs.iter().filter(|uav| uav.placement == HoversOver::Nodata);
+    let ids: Vec<String> = over_nodata.map(|uav| uav.id.clone()).collect();
+    let are_any = !ids.is_empty();
+    warnings.extend(are_any.then(|| OddRun::OverNodata(ids).into()));
+    are_any
 }
 
 /// W202 for each UAV or placement, by its id, that has no receiver, and W205 for those that have, and are over no data.

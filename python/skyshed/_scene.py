@@ -22,16 +22,18 @@ if TYPE_CHECKING:
 
 
 class _AnyScene(TypedDict, total=False):
-    ground: float | None
+    ground: float | str | None
     building_threshold: float | None
     height_field: str | None
     top_field: str | None
     height_unit: str | None
+    base_field: str | None
     levels_field: str | None
     height_error_field: str | None
     roofs: str | None
     layer: str | None
-    missing: str | None
+    missing: str | float | Sequence[str | float] | None
+    parts: str | None
     base: str | None
     data_area: PathLike | None
     extent: Sequence[float] | None

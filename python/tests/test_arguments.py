@@ -156,7 +156,7 @@ HOSTILE: list[tuple[Callable[[], Any], str]] = [
     # Footprints.
     (lambda: footprints([SQUARE], [5, 6]), "heights"),
     (lambda: footprints([SQUARE], ["tall"]), "heights"),
-    (lambda: footprints([SQUARE], None), "heights"),
+    (lambda: footprints([SQUARE], None), "missing"),
     (lambda: footprints([SQUARE], "height"), "heights"),
     (lambda: footprints([SQUARE], [math.inf]), "height"),
     (lambda: footprints([SQUARE], [math.nan]), "height"),

@@ -128,7 +128,7 @@ fn caption_of_scene(look: &Look, scene: &Scene, report: &ChartReport) -> Vec<Str
     let uavs: Vec<String> = report.uavs.iter().take(MOST_UAVS).map(uav_words).collect();
     let more = report.uavs.len().saturating_sub(MOST_UAVS);
     let more = if more > 0 { format!("; and {more} more, counts summed") } else { String::new() };
-    let p_los = truth.p_los().map_or("undefined".to_string(), |p| format!("{p:.4}"));
+    let p_los = truth.p_los().filter(|_| !report.is_over_nodata).map_or("undefined".to_string(), |p| format!("{p:.4}"));
     let exact = match truth.checked {
         None => format!("exact by {}", truth.method),
         Some(checked) => format!("exact by {}, which ray confirms on {} links", truth.method, grouped(checked)),

@@ -120,6 +120,8 @@ pub(super) struct ChartReport {
     pub(super) uavs: Vec<(Uav, Option<[f64; 2]>)>,
     /// The exact answer.
     pub(super) truth: Truth,
+    /// Whether a UAV is over no data, so that P_LoS is undefined.
+    pub(super) is_over_nodata: bool,
     /// Threads of the timed runs.
     pub(super) threads: u16,
     /// What it costs to read each height once and to write the mask once, for all UAVs.
@@ -170,7 +172,8 @@ impl ChartReport {
         };
         let front = self.front();
         let row = |(k, row): (usize, &ChartRow)| self.row_document(row, front.contains(&k));
-        let p_los = self.truth.p_los();
+        let p_los = self.truth.p_los().filter(|_| !self.is_over_nodata);
+        let no_p_los = if self.is_over_nodata { "a UAV is over no data" } else { "no receiver in range" };
         let mut head = self.facts.head(CHART_SCHEMA);
         // The key stands for the exact answer below.
         head.exact = None;
@@ -187,7 +190,7 @@ impl ChartReport {
                 los: self.truth.los(),
                 p_los,
                 links_checked_by_ray: self.truth.checked,
-                reason: p_los.is_none().then_some("no receiver in range"),
+                reason: p_los.is_none().then_some(no_p_los),
             },
             meaning: MEANING,
             memory_floor: with_rows.then(|| self.floor.document()),

@@ -14,6 +14,7 @@ use crate::progress::Progress;
 use crate::quantity::{counted, signed};
 use crate::render::grouped;
 use crate::scene::Scene;
+use crate::sight::warn_of_nodata;
 use crate::uav::UavsFound;
 
 /// Bytes that a cell takes beside the scene: the scene once more on other cells, the heights and the mask of the floor, those
@@ -45,6 +46,7 @@ impl ChartPlan {
         if truth.receivers() == 0 {
             scene.warnings.push(OddRun::NoReceivers.into());
         }
+        let is_over_nodata = warn_of_nodata(&uavs, &mut scene.warnings);
         let planned = contestants.len() + usize::from(self.peers);
         let all = counted(truth.receivers(), "receiver", "receivers");
         let to_come = counted(planned as u64, "contestant", "contestants");
@@ -57,6 +59,7 @@ impl ChartPlan {
             sight: self.sight,
             uavs: uavs.iter().cloned().zip(found.sites.iter().map(|site| site.lonlat)).collect(),
             truth,
+            is_over_nodata,
             threads: self.threads,
             floor,
             rows,

@@ -82,17 +82,19 @@ impl From<skyshed_io::Error> for Failure {
 }
 
 /// The options of a scene that the library names, as they are typed.
-const FLAGS: [(&str, &str); 35] = [
+const FLAGS: [(&str, &str); 38] = [
     ("roofs", "--roofs"),
     ("area", "--area"),
     ("weights", "--weights"),
     ("count", "--count"),
     ("terrain", "--terrain"),
     ("ground_m", "--ground"),
+    ("ground_of_buildings", "--ground buildings"),
     ("building_threshold_m", "--building-threshold"),
     ("height_field", "--height-field"),
     ("top_field", "--top-field"),
     ("height_unit", "--height-unit"),
+    ("base_field", "--base-field"),
     ("levels_field", "--levels-field"),
     ("height_error", "--height-error"),
     ("height_bias", "--height-bias"),
@@ -100,6 +102,7 @@ const FLAGS: [(&str, &str); 35] = [
     ("height_error_field", "--height-error-field"),
     ("layer", "--layer"),
     ("missing", "--missing"),
+    ("parts", "--parts"),
     ("missing levels", "--missing levels"),
     ("base", "--base"),
     ("data_area", "--data-area"),

@@ -23,10 +23,10 @@ use crate::height_field::HeightField;
 use crate::map::IdleDocument;
 use crate::picture::Look;
 use crate::quantity::{signed, tidy};
-use crate::read::MissingHeight;
+use crate::read::MissingHeights;
 use crate::render::grouped;
 use crate::scene::{Scene, SceneOptions};
-use crate::sight::Sight;
+use crate::sight::{Sight, warn_of_nodata};
 use crate::uav::UavsAsked;
 use crate::words::idle_in_words;
 use crate::zones::ZoneMap;
@@ -119,7 +119,9 @@ impl LimitsPlan {
             uavs.iter().map(|uav| mapper.count(uav)).fold((0, 0), |sum, c| (sum.0 + c.0, sum.1 + c.1));
         drop(mapper);
         #[expect(clippy::cast_precision_loss, reason = "counts of cells")]
-        let (in_range, p_los) = (receivers as f64, (receivers > 0).then(|| los as f64 / receivers as f64));
+        let (in_range, share) = (receivers as f64, (receivers > 0).then(|| los as f64 / receivers as f64));
+        let is_over_nodata = warn_of_nodata(&uavs, &mut scene.warnings);
+        let p_los = share.filter(|_| !is_over_nodata);
         let threads = (method, rayon::current_num_threads());
         let expected = Expected::of(
             threads,
@@ -307,7 +309,7 @@ fn typical_errors(scene: &Scene, options: &SceneOptions) -> Option<&'static str>
     match (scene.built_up, scene.field.prisms()) {
         (Some(_), _) => None,
         (None, None) => Some("0.3 to 1 m for a laser scan"),
-        (None, Some(_)) if options.missing == Some(MissingHeight::Levels) => {
+        (None, Some(_)) if options.missing.as_ref().is_some_and(MissingHeights::counts_storeys) => {
             Some("2 m where heights are 3 m to a level, 0.3 to 1 m where they were measured")
         }
         (None, Some(_)) => Some("0.3 to 1 m where they were measured, 4 m for a global product"),

@@ -101,7 +101,7 @@ impl Real {
         let fit = BuiltUpFit::of(building as f64 / (building + open) as f64, field.heights_in_data(&heights), area_km2);
         let mut own = Vec::new();
         warn_of_drop_across(&grid, sweeps.farthest_m(), false, &mut own);
-        let limits = limits_in_words(scene.height_gap.as_ref(), &field, &own);
+        let limits = limits_in_words(scene.heights.as_ref(), &field, &own);
         warnings.extend(own);
         Ok(Real {
             word: word.display().to_string(),

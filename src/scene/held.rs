@@ -9,7 +9,7 @@ use super::{Scene, SceneOptions};
 use crate::city::City;
 use crate::crs;
 use crate::error::{Error, Result, warned};
-use crate::read::{HeldBuilding, HeldHeights, MissingHeight, footprints_of, surface_of};
+use crate::read::{HeldBuilding, HeldHeights, MissingHeights, footprints_of, surface_of};
 
 impl SceneOptions {
     /// Makes a scene of heights in memory ready for rays: a surface model, and the terrain below it if that is held, too.
@@ -37,7 +37,7 @@ impl SceneOptions {
     /// E1xx for options that have no meaning for it; E3xx for heights that cannot be used; E501.
     pub fn of_heights(&self, name: &str, surface: HeldHeights, terrain: Option<HeldHeights>) -> Result<Scene> {
         self.refuse("heights in memory", &[("band", self.band.is_some())])?;
-        self.refuse("heights over a terrain", &[("ground_m", self.ground_m.is_some() && terrain.is_some())])?;
+        self.refuse("heights over a terrain", &[("ground_m", self.ground.is_some() && terrain.is_some())])?;
         let (start, mut warnings) = (Instant::now(), Vec::new());
         let options = self.of_raster()?;
         let city = warned(&mut warnings, |odd| surface_of(surface, terrain, &options, odd))?;
@@ -55,7 +55,9 @@ impl SceneOptions {
             ("layer", self.layer.is_some()),
             ("levels_field", self.levels_field.is_some()),
             ("height_error_field", self.height_error_field.is_some()),
-            ("missing levels", self.missing == Some(MissingHeight::Levels)),
+            ("base_field", self.base_field.is_some()),
+            ("parts", self.parts.is_some()),
+            ("missing levels", self.missing.as_ref().is_some_and(MissingHeights::counts_storeys)),
         ];
         self.refuse("buildings in memory", &of_files)?;
         let (start, mut warnings) = (Instant::now(), Vec::new());
@@ -89,7 +91,7 @@ impl Scene {
             built_up: None,
             sources: Vec::new(),
             attribution: None,
-            height_gap: None,
+            heights: None,
         };
         let options = SceneOptions::default().keeps_footprints();
         Scene::built(&options, (OsStr::new(name), city), Vec::new(), start)

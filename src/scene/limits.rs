@@ -1,20 +1,59 @@
 //! What limits the truth of a map, in warnings and captions: the curve of the earth, unknown ground, missing heights.
 
-use crate::city::HeightGap;
+use crate::city::HeightSources;
 use crate::coverage::{Uav, check_drop};
 use crate::error::{OddRun, Result, Warning};
 use crate::height_field::{EARTH_RADIUS_M, HeightField};
+use crate::quantity::{counted, fixed, tidy};
 use crate::raster::GeoRef;
 use crate::render::percent;
 use crate::sight::Sight;
+use skyshed_io::Warning as OddFiles;
+use skyshed_io::error::{OddFile, OddRaster, Oddity};
 
 /// What limits the truth of a picture of a scene, in words.
-pub(crate) fn limits_in_words(gap: Option<&HeightGap>, field: &HeightField, warnings: &[Warning]) -> Option<String> {
+pub(crate) fn limits_in_words(
+    heights: Option<&HeightSources>,
+    field: &HeightField,
+    warnings: &[Warning],
+) -> Option<String> {
     let mut limits: Vec<String> = Vec::new();
-    if let Some(gap) = gap {
-        let share = 100.0 * gap.area_share;
-        limits.push(format!("{share:.1} % of the footprint area has no height: {}", gap.done));
+    if let Some(heights) = heights.filter(|heights| heights.missing().n > 0) {
+        let share = 100.0 * heights.missing().area_share;
+        limits.push(format!("{} % of the footprint area has no height: {}", fixed(share, 1), heights.treated()));
     }
+    let of_files = warnings.iter().filter_map(|warning| match warning {
+        Warning::Io(OddFiles::File(_, odd)) => Some(odd),
+        _ => None,
+    });
+    limits.extend(of_files.filter_map(|odd| match odd {
+        OddFile::GroundOfBases { ground_m, .. } => {
+            Some(format!("flat ground at {} m, the median of where buildings begin", tidy(*ground_m)))
+        }
+        OddFile::LeftOut { fault, n, area_share } => {
+            let [one, many] = fault.names();
+            let share = fixed(100.0 * area_share, 1);
+            Some(format!("{} left out, {share} % of the area with a height", counted(*n as u64, one, many)))
+        }
+        OddFile::OtherGround { ground_m, range_m, .. } => Some(format!(
+            "flat ground at {} m, where buildings begin at {} to {} m",
+            tidy(*ground_m),
+            tidy(range_m.0),
+            tidy(range_m.1)
+        )),
+        OddFile::Rests { n, .. } => Some(format!(
+            "outlines beside parts of {} are as high as the lowest part",
+            counted(*n as u64, "building", "buildings")
+        )),
+        _ => None,
+    }));
+    let stretched = warnings.iter().find_map(|warning| match warning {
+        Warning::Io(OddFiles::Raster(Oddity { odd: OddRaster::WebMercator { largest_error, .. }, .. })) => {
+            Some(*largest_error)
+        }
+        _ => None,
+    });
+    limits.extend(stretched.map(|off| format!("web Mercator: lengths are off by up to {} %", fixed(100.0 * off, 2))));
     if let Some(outside) = field.outside_data() {
         let share = percent(outside.count(), field.grid().n_cells() as u64);
         limits.push(format!("no data beyond the footprints ({share} of the extent)"));

@@ -11,7 +11,7 @@ use std::ffi::OsStr;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use crate::city::{BuiltUp, City, HeightGap, Solids, Source};
+use crate::city::{BuiltUp, City, HeightSources, Solids, Source};
 pub use options::SceneOptions;
 pub(crate) use options::{FoundRepairs, built_up, is_raster, is_raster_scene};
 
@@ -52,7 +52,7 @@ pub struct Scene {
     /// Whom pictures must credit.
     pub(crate) attribution: Option<String>,
     /// Footprints without heights, where there are any.
-    pub(crate) height_gap: Option<HeightGap>,
+    pub(crate) heights: Option<HeightSources>,
     pub(crate) built_up: Option<BuiltUp>,
     /// The seed of everything random about it.
     pub(crate) seed: u64,
@@ -82,7 +82,7 @@ impl Scene {
         start: Instant,
     ) -> Result<Scene> {
         let read_s = start.elapsed().as_secs_f64();
-        let City { name, grid, solids, built_up, sources, attribution, height_gap } = scene;
+        let City { name, grid, solids, built_up, sources, attribution, heights } = scene;
         // Heights of a raster are there already.
         if matches!(solids, Solids::Vector { .. }) {
             check_memory(&word.display(), &grid, FIELD_BYTES_PER_CELL)?;
@@ -101,7 +101,7 @@ impl Scene {
             solids: kept,
             sources,
             attribution,
-            height_gap,
+            heights,
             built_up,
             seed: options.seed_of_all(),
             warnings,
@@ -119,7 +119,7 @@ impl Scene {
             solids: None,
             sources: Vec::new(),
             attribution: None,
-            height_gap: None,
+            heights: None,
             built_up: None,
             seed: 1,
             warnings,
@@ -200,7 +200,7 @@ impl Scene {
 
     /// What limits the truth of a picture of it.
     pub(crate) fn limits_in_words(&self) -> Option<String> {
-        limits::limits_in_words(self.height_gap.as_ref(), &self.field, &self.warnings)
+        limits::limits_in_words(self.heights.as_ref(), &self.field, &self.warnings)
     }
 
     /// The last lines of a caption: what limits the truth of a picture of it, and whom to credit.

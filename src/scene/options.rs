@@ -15,9 +15,9 @@ use crate::los_probability::points::Points;
 use crate::memory::{ANY_WORK, cells_of, check_bytes};
 use crate::raster::{Crs, GeoRef};
 use crate::read::{
-    BaseRule, DataAreaChoice, FootprintOptions, HeightUnit, MeshOptions, MissingHeight, Projection, Repair, Roofs,
-    SurfaceOptions, SystemSaid, VectorFormat, compare_vertical, read_footprints, read_footprints_and_repairs,
-    read_mesh, read_mesh_buildings, read_surface, vertical_of,
+    BaseRule, DataAreaChoice, FootprintOptions, GroundChoice, HeightUnit, MeshOptions, MissingHeights, Parts,
+    Projection, Repair, Roofs, SurfaceOptions, SystemSaid, VectorFormat, compare_vertical, read_footprints,
+    read_footprints_and_repairs, read_mesh, read_mesh_buildings, read_surface, vertical_of,
 };
 
 /// How a scene is read; what is not set is as the program does it. What has no meaning for the kind of the scene is an
@@ -25,16 +25,18 @@ use crate::read::{
 #[derive(Debug, Clone, Default)]
 pub struct SceneOptions {
     pub(crate) terrain: Option<PathBuf>,
-    pub(crate) ground_m: Option<f64>,
+    pub(crate) ground: Option<GroundChoice>,
     pub(crate) building_threshold_m: Option<f64>,
     pub(crate) height_field: Option<String>,
     pub(crate) top_field: Option<String>,
     pub(crate) height_unit: Option<HeightUnit>,
+    pub(crate) base_field: Option<String>,
     pub(crate) levels_field: Option<String>,
     pub(crate) height_error_field: Option<String>,
     pub(crate) roofs: Option<Roofs>,
     pub(crate) layer: Option<String>,
-    pub(crate) missing: Option<MissingHeight>,
+    pub(crate) missing: Option<MissingHeights>,
+    pub(crate) parts: Option<Parts>,
     pub(crate) base: Option<BaseRule>,
     pub(crate) data_area: Option<DataAreaChoice>,
     pub(crate) extent: Option<[f64; 4]>,
@@ -71,10 +73,17 @@ impl SceneOptions {
         SceneOptions { terrain: Some(path.into()), ..self }
     }
 
-    /// Flat ground at this height above the datum \[m\]. Default: 0 for footprints and generated cities.
+    /// Flat ground at this height above the datum \[m\]. Default: 0 for footprints and generated cities; for tops above the datum the median
+    /// of where buildings begin.
     #[must_use]
     pub fn ground_m(self, height_m: f64) -> Self {
-        SceneOptions { ground_m: Some(height_m), ..self }
+        SceneOptions { ground: Some(GroundChoice::Flat(height_m)), ..self }
+    }
+
+    /// A terrain through the ground below buildings, as their file tells it.
+    #[must_use]
+    pub fn ground_of_buildings(self) -> Self {
+        SceneOptions { ground: Some(GroundChoice::Buildings), ..self }
     }
 
     /// A cell whose surface is more than this above the ground is a building \[m\]. Default: 0.25.
@@ -101,7 +110,15 @@ impl SceneOptions {
         SceneOptions { height_unit: Some(unit), ..self }
     }
 
-    /// The property that holds the number of storeys, for [`MissingHeight::Levels`]. Default: `building:levels`.
+    /// The property that holds the ground below a building \[m above the datum\], for tops above the datum and
+    /// [`SceneOptions::ground_of_buildings`]. Default: the first of `b3_h_maaiveld`, `ground_height`, `z_ground`, `h_ground`, `ground`.
+    #[must_use]
+    pub fn base_field(self, name: impl Into<String>) -> Self {
+        SceneOptions { base_field: Some(name.into()), ..self }
+    }
+
+    /// The property that holds the number of storeys, for [`HeightRule::Levels`](crate::read::HeightRule::Levels). Default: the first
+    /// of `building:levels`, `num_floors`, `storeysAboveGround`, `numberOfFloorsAboveGround` that a feature has.
     #[must_use]
     pub fn levels_field(self, name: impl Into<String>) -> Self {
         SceneOptions { levels_field: Some(name.into()), ..self }
@@ -126,8 +143,14 @@ impl SceneOptions {
 
     /// What becomes of footprints without a usable height. Default: left out up to 2 % of the footprint area, E309 above.
     #[must_use]
-    pub fn missing(self, policy: MissingHeight) -> Self {
-        SceneOptions { missing: Some(policy), ..self }
+    pub fn missing(self, rules: MissingHeights) -> Self {
+        SceneOptions { missing: Some(rules), ..self }
+    }
+
+    /// What becomes of outlines whose buildings are drawn by parts as well. Default: the parts stand in their place.
+    #[must_use]
+    pub fn parts(self, rule: Parts) -> Self {
+        SceneOptions { parts: Some(rule), ..self }
     }
 
     /// Which of the terrain cells below a footprint its height is above. Default: the lowest.
@@ -259,7 +282,7 @@ impl SceneOptions {
             margin_m: self.margin_m,
             cell_m: self.cell_m.unwrap_or(1.0),
             seed: self.seed_of_all(),
-            ground_m: self.ground_m.unwrap_or(0.0),
+            ground_m: self.flat_ground_m().unwrap_or(0.0),
         }
     }
 
@@ -281,7 +304,13 @@ impl SceneOptions {
                 return Ok(read_surface(path, &self.of_raster()?, odd)?);
             }
             if self.roofs.is_some() {
-                self.refuse("a mesh", &[("layer", self.layer.is_some())])?;
+                let of_features = [
+                    ("layer", self.layer.is_some()),
+                    ("levels_field", self.levels_field.is_some()),
+                    ("missing", self.missing.is_some()),
+                    ("parts", self.parts.is_some()),
+                ];
+                self.refuse("a mesh", &of_features)?;
                 return Ok(read_mesh_buildings(path, &self.of_solids()?, odd)?);
             }
             let others = [("size_m", self.size_m.is_some()), ("project", self.project.is_some())];
@@ -369,13 +398,14 @@ impl SceneOptions {
     /// How any surface is read.
     fn of_surface(&self) -> Result<SurfaceOptions> {
         let defaults = SurfaceOptions::default();
-        if self.terrain.is_none() && self.ground_m.is_none() {
+        self.refuse("a surface", &[("ground_of_buildings", self.ground == Some(GroundChoice::Buildings))])?;
+        if self.terrain.is_none() && self.ground.is_none() {
             let threshold = [("building_threshold_m", self.building_threshold_m.is_some())];
             self.refuse("a surface without `terrain` or `ground_m`", &threshold)?;
         }
         Ok(SurfaceOptions {
             terrain: self.terrain.clone().map(Into::into),
-            ground_m: self.ground_m,
+            ground_m: self.flat_ground_m(),
             building_threshold_m: self.building_threshold_m.unwrap_or(defaults.building_threshold_m),
             nodata_as: self.nodata_as.unwrap_or_default(),
             band: self.band.clone().unwrap_or_default(),
@@ -391,8 +421,6 @@ impl SceneOptions {
             ("height_field", self.height_field.is_some()),
             ("top_field", self.top_field.is_some()),
             ("height_unit", self.height_unit.is_some()),
-            ("levels_field", self.levels_field.is_some()),
-            ("missing", self.missing.is_some()),
         ];
         self.refuse("roofs of surfaces", &of_properties)?;
         self.of_vector()
@@ -406,26 +434,31 @@ impl SceneOptions {
             let of_terrain = [("nodata_as", self.nodata_as.is_some()), ("base", self.base.is_some())];
             self.refuse("footprints without `terrain`", &of_terrain)?;
         }
-        if self.missing != Some(MissingHeight::Levels) {
+        let is_known = self.terrain.is_some() || self.flat_ground_m().is_some();
+        if is_known || !(self.top_field.is_some() || self.ground == Some(GroundChoice::Buildings)) {
+            let of_base = [("base_field", self.base_field.is_some())];
+            self.refuse("heights above a ground that is known otherwise", &of_base)?;
+        }
+        if !self.missing.as_ref().is_some_and(MissingHeights::counts_storeys) {
             let levels = [("levels_field", self.levels_field.is_some())];
             self.refuse("footprints without `missing levels`", &levels)?;
         }
-        let defaults = FootprintOptions::default();
+        let missing = self.missing.clone().unwrap_or_default();
+        // What is only told of refuses nothing.
+        let missing = if self.tells_faults { missing.with_rest_dropped() } else { missing };
         Ok(FootprintOptions {
             height_field: self.height_field.clone(),
             top_field: self.top_field.clone(),
             height_unit: self.height_unit.unwrap_or_default(),
-            levels_field: self.levels_field.clone().unwrap_or(defaults.levels_field),
+            base_field: self.base_field.clone(),
+            levels_field: self.levels_field.clone(),
             height_error_field: self.height_error_field.clone(),
             roofs: self.roofs,
-            missing: self.missing.unwrap_or(if self.tells_faults {
-                MissingHeight::Drop
-            } else {
-                MissingHeight::default()
-            }),
+            missing,
+            parts: self.parts.unwrap_or_default(),
             layer: self.layer.clone(),
             terrain: self.terrain.clone().map(Into::into),
-            ground_m: self.ground_m,
+            ground: self.ground.unwrap_or_default(),
             extent: self.extent,
             reach_m: self.reach_m,
             cell_m: self.cell_m,
@@ -439,19 +472,29 @@ impl SceneOptions {
     }
 
     /// What only footprints can use.
-    fn of_footprints(&self) -> [Set; 10] {
+    fn of_footprints(&self) -> [Set; 12] {
         [
             ("roofs", self.roofs.is_some()),
             ("height_field", self.height_field.is_some()),
             ("top_field", self.top_field.is_some()),
             ("height_unit", self.height_unit.is_some()),
+            ("base_field", self.base_field.is_some()),
             ("levels_field", self.levels_field.is_some()),
             ("height_error_field", self.height_error_field.is_some()),
             ("missing", self.missing.is_some()),
+            ("parts", self.parts.is_some()),
             ("layer", self.layer.is_some()),
             ("base", self.base.is_some()),
             ("data_area", self.data_area.is_some()),
         ]
+    }
+
+    /// The height of flat ground, if that is set \[m above the datum\].
+    pub(crate) fn flat_ground_m(&self) -> Option<f64> {
+        match self.ground {
+            Some(GroundChoice::Flat(m)) => Some(m),
+            _ => None,
+        }
     }
 
     /// An ignored input is an error, never silence.

@@ -18,7 +18,9 @@ pub(crate) use tiles::TileRow;
 use tiles::{Tiles, TilesDocument};
 
 use crate::answer::{Answer, Provenance, Rows, RunFacts, SourceFacts, Spent, WarningFacts, document_of, warnings_of};
-use crate::city::{BuiltUp, Footprint, FootprintFault, FootprintFaults, Solids};
+use crate::city::{
+    BuiltUp, Footprint, FootprintFault, FootprintFaults, HeightSource, HeightSources, Solids, SourceShare,
+};
 use crate::crs::VerticalCrs;
 use crate::error::{Result, Warning};
 use crate::export::{Batch, Format};
@@ -44,6 +46,7 @@ pub(crate) struct Survey {
     counts: Counts,
     /// Of footprints.
     faults: Option<FootprintFaults>,
+    n_buildings: usize,
     estimate: Option<BuiltUp>,
     tiles: Option<Tiles>,
     /// The raster files that hold heights, with what these are above.
@@ -65,7 +68,7 @@ impl Survey {
         let (start, mut warnings) = (Instant::now(), Vec::new());
         let city = SceneOptions { tells_faults: true, ..options.clone() }.read(word, &mut warnings)?;
         let size = tile_m.map(|edge| tiles::checked_size(edge, &city.grid, word)).transpose()?;
-        let heights = city.solids.building_heights();
+        let (heights, n_buildings) = (city.solids.building_heights(), city.solids.n_buildings());
         let (faults, footprints): (_, Option<(Vec<Footprint>, Frame)>) = match &city.solids {
             Solids::Vector { footprints, faults, frame, .. } => {
                 (Some(*faults), size.map(|_| (footprints.clone(), *frame)))
@@ -84,7 +87,7 @@ impl Survey {
         let rasters = std::iter::once(PathBuf::from(word)).filter(|path| is_raster(path) && path.is_file());
         let vertical = rasters.chain(options.terrain.clone()).map(|path| (path.clone(), vertical_of(&path))).collect();
         let facts = RunFacts { command, ..scene.facts(None) };
-        Ok(Survey { scene, facts, counts, faults, estimate, tiles, vertical })
+        Ok(Survey { scene, facts, counts, faults, n_buildings, estimate, tiles, vertical })
     }
 
     fn kind(&self) -> &'static str {
@@ -151,9 +154,12 @@ impl Survey {
         if let Some(pieces) = self.scene.field.prisms().map(|p| p.pieces().len()) {
             text += &format!(
                 "buildings  {}, cut into {} convex pieces\n",
-                grouped(self.scene.field.n_buildings() as u64),
+                grouped(self.n_buildings as u64),
                 grouped(pieces as u64)
             );
+        }
+        if let Some(heights) = self.scene.heights.as_ref().filter(|heights| heights.n() > 0) {
+            text += &format!("heights    {}\n", heights.told(&HeightSource::ALL));
         }
         if let Some(b) = self.scene.built_up {
             text += &format!(
@@ -197,7 +203,7 @@ impl Answer for Survey {
             ground_m: range(counts.ground),
             surface_m: range(counts.surface),
             cells: CellsInfo { open: counts.open, building: counts.building, nodata: counts.void },
-            buildings: self.faults.map(|_| self.scene.field.n_buildings()),
+            buildings: self.faults.map(|_| self.n_buildings),
             convex_pieces: self.scene.field.prisms().map(|p| p.pieces().len()),
             built_up: self.scene.built_up.map(|b| GeneratedInfo {
                 parameters: BuiltUpInfo::of(&b),
@@ -207,6 +213,7 @@ impl Answer for Survey {
             }),
             estimated_built_up: self.estimate.as_ref().map(BuiltUpInfo::of),
             tiles: self.tiles.as_ref().map(Tiles::document),
+            height_sources: self.scene.heights.as_ref().map(HeightSourceInfo::of_all),
             faults: self.faults.map(FaultsInfo::of),
             sources: SourceFacts::of(&self.facts.sources),
             warnings: warnings_of(&self.facts.warnings),
@@ -361,6 +368,8 @@ pub(crate) struct SceneInfo {
     estimated_built_up: Option<BuiltUpInfo>,
     /// Parameters by tile, where they were asked for.
     tiles: Option<TilesDocument>,
+    /// Where the heights of footprints come from.
+    height_sources: Option<Vec<HeightSourceInfo>>,
     /// What was mended or left out of footprints.
     faults: Option<FaultsInfo>,
     /// Files that were read.
@@ -434,6 +443,27 @@ struct GeneratedInfo {
     seed: u64,
 }
 
+/// Heights of footprints that come from one source.
+#[derive(Debug, Serialize, JsonSchema)]
+struct HeightSourceInfo {
+    /// file, storeys, median, number, or nowhere, which are left out.
+    source: &'static str,
+    /// Footprints.
+    footprints: usize,
+    /// Their share of the area of all.
+    area_share: f64,
+}
+
+impl HeightSourceInfo {
+    fn of_all(heights: &HeightSources) -> Vec<Self> {
+        let of = |source: HeightSource| {
+            let SourceShare { n, area_share } = heights.from(source);
+            HeightSourceInfo { source: source.word(), footprints: n, area_share }
+        };
+        HeightSource::ALL.map(of).into_iter().filter(|of| of.footprints > 0).collect()
+    }
+}
+
 /// Footprints by what was wrong with them.
 #[derive(Debug, Serialize, JsonSchema)]
 struct FaultsInfo {
@@ -463,8 +493,10 @@ struct FaultsInfo {
     not_buildings: usize,
     /// Parts that float above the ground.
     floating: usize,
-    /// Outlines whose parts are told apart.
+    /// Buildings that are drawn by their parts.
     parts: usize,
+    /// With a top at or below the ground.
+    below_ground: usize,
 }
 
 impl FaultsInfo {
@@ -484,6 +516,7 @@ impl FaultsInfo {
             not_buildings: f.of(FootprintFault::NotABuilding),
             floating: f.of(FootprintFault::Floating),
             parts: f.of(FootprintFault::Part),
+            below_ground: f.of(FootprintFault::BelowGround),
         }
     }
 }

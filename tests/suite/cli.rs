@@ -11,9 +11,9 @@ use crate::support::{Random, is_long};
 
 /// Three buildings without heights, with storeys, and with everything; tops measured from the datum too.
 const FOOTPRINTS: &str = r#"{"type": "FeatureCollection", "features": [
-  {"type": "Feature", "properties": {"height": 20, "tall": 35, "z_top": 18},
+  {"type": "Feature", "properties": {"height": 20, "tall": 35, "z_top": 18, "z_ground": 0},
    "geometry": {"type": "Polygon", "coordinates": [[[20,20],[30,20],[30,30],[20,30],[20,20]]]}},
-  {"type": "Feature", "properties": {"height": 12, "tall": 5, "z_top": 30},
+  {"type": "Feature", "properties": {"height": 12, "tall": 5, "z_top": 30, "z_ground": 0},
    "geometry": {"type": "Polygon", "coordinates": [[[5,5],[15,5],[15,12],[5,12],[5,5]]]}},
   {"type": "Feature", "properties": {"building:levels": 5},
    "geometry": {"type": "Polygon", "coordinates": [[[42.6,13],[44,13],[44,14],[42.6,14],[42.6,13]]]}}]}"#;

@@ -224,7 +224,7 @@ const FLAGS: [(&str, &str); 34] = [
 ];
 
 /// Flags that change where things are written or how they are decided, or that other tests show at work; those of the scene.
-const OTHER: &str = "--roofs --width --dpi --project --skip-bad --repairs --levels-field --layer --output --csv --map --title \
+const OTHER: &str = "--roofs --width --dpi --project --skip-bad --repairs --levels-field --base-field --parts --layer --output --csv --map --title \
     --attribution --json --overwrite --threads --quiet --max-memory --csv-text --method --hash --crs --help --version \
     --earth-k --curvature-coefficient --terrain --base --data-area --building-threshold --extent --size --seed --nodata-as --band";
 
@@ -234,9 +234,9 @@ fn every_flag_changes_what_is_found() {
     folder.write(
         "tall.geojson",
         r#"{"type": "FeatureCollection", "features": [
-          {"type": "Feature", "properties": {"height": 8, "tall": 12, "z_top": 9}, "geometry": {"type": "Polygon",
+          {"type": "Feature", "properties": {"height": 8, "tall": 12, "z_top": 9, "z_ground": 0}, "geometry": {"type": "Polygon",
            "coordinates": [[[10,10],[20,10],[20,40],[10,40],[10,10]]]}},
-          {"type": "Feature", "properties": {"building:levels": "3", "tall": 5, "z_top": 6}, "geometry": {"type": "Polygon",
+          {"type": "Feature", "properties": {"building:levels": "3", "tall": 5, "z_top": 6, "z_ground": 0}, "geometry": {"type": "Polygon",
            "coordinates": [[[38,28],[40,28],[40,30],[38,30],[38,28]]]}}]}"#,
     );
     let west = [[0, 0], [22, 0], [22, 50], [0, 50], [0, 0]];

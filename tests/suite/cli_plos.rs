@@ -8,11 +8,11 @@ use crate::program::Folder;
 
 /// Two small blocks and a tower, so that every kind of real-city output exists.
 const CITY: &str = r#"{"type": "FeatureCollection", "attribution": "drawn by hand", "features": [
-  {"type": "Feature", "properties": {"height": 20, "tall": 25, "z_top": 18},
+  {"type": "Feature", "properties": {"height": 20, "tall": 25, "z_top": 18, "z_ground": 0},
    "geometry": {"type": "Polygon", "coordinates": [[[20,20],[60,20],[60,60],[20,60],[20,20]]]}},
-  {"type": "Feature", "properties": {"height": 12, "tall": 5, "z_top": 30},
+  {"type": "Feature", "properties": {"height": 12, "tall": 5, "z_top": 30, "z_ground": 0},
    "geometry": {"type": "Polygon", "coordinates": [[[90,20],[130,20],[130,60],[90,60],[90,20]]]}},
-  {"type": "Feature", "properties": {"height": 50, "tall": 60, "z_top": 50},
+  {"type": "Feature", "properties": {"height": 50, "tall": 60, "z_top": 50, "z_ground": 0},
    "geometry": {"type": "Polygon", "coordinates": [[[20,90],[60,90],[60,130],[20,130],[20,90]]]}},
   {"type": "Feature", "properties": {"building:levels": 5},
    "geometry": {"type": "Polygon", "coordinates": [[[121,121],[130,121],[130,130],[121,130],[121,121]]]}}]}"#;

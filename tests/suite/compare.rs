@@ -19,9 +19,9 @@ const COUNT: [u8; 16] = [2, 1, 0, 1, 2, 255, 1, 0, 1, 255, 0, 2, 0, 0, 1, 2];
 
 /// A block and a tower, so that placements differ.
 const CITY: &str = r#"{"type": "FeatureCollection", "features": [
-  {"type": "Feature", "properties": {"height": 20, "tall": 25, "z_top": 18},
+  {"type": "Feature", "properties": {"height": 20, "tall": 25, "z_top": 18, "z_ground": 0},
    "geometry": {"type": "Polygon", "coordinates": [[[20,20],[60,20],[60,60],[20,60],[20,20]]]}},
-  {"type": "Feature", "properties": {"height": 50, "tall": 60, "z_top": 50},
+  {"type": "Feature", "properties": {"height": 50, "tall": 60, "z_top": 50, "z_ground": 0},
    "geometry": {"type": "Polygon", "coordinates": [[[20,90],[60,90],[60,130],[20,130],[20,90]]]}},
   {"type": "Feature", "properties": {"building:levels": 5},
    "geometry": {"type": "Polygon", "coordinates": [[[123,123],[130,123],[130,130],[123,130],[123,123]]]}}]}"#;
@@ -469,7 +469,7 @@ const FLAGS: [(&str, &str); 32] = [
 ];
 
 /// Flags that change what is written or said.
-const OTHER: &str = "--roofs --band --width --dpi --project --skip-bad --repairs --levels-field --layer --output --csv --title \
+const OTHER: &str = "--roofs --band --width --dpi --project --skip-bad --repairs --levels-field --base-field --parts --layer --output --csv --title \
     --attribution --json --overwrite --threads --quiet --max-memory --csv-text --hash --help --version";
 
 #[test]

@@ -235,12 +235,17 @@ fn missing_heights_are_refused_above_two_percent_of_the_area() {
     let answer = folder.type_in("map c.geojson --uav 995,50,30 --json");
     assert_eq!(answer.error(), "E309");
     // What is missing, and what each policy would do here.
-    for told in
-        ["3 of 100 ", " 3.0 % ", "`--missing levels` gives 2 ", "leaves 1 out", "`--missing median` gives them 11 m"]
-    {
+    for told in [
+        "3 of 100 ",
+        " 3.0 % ",
+        "`--missing drop` leaves them out",
+        "`--missing levels,median` gives 2 of the 3 ",
+        "`--missing median` gives them 11 m",
+    ] {
         assert!(answer.err.contains(told), "{told}: {answer:?}");
     }
-    for policy in ["drop", "levels", "median"] {
+    // One of a hundred is left by the storeys.
+    for policy in ["drop", "levels", "median", "levels,median", "levels,drop", "9"] {
         folder.type_in(&format!("map c.geojson --uav 995,50,30 --json --missing {policy}")).done();
     }
     // `info` tells what is wrong.

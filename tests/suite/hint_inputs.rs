@@ -140,6 +140,11 @@ fn vectors() -> Vec<(&'static str, String)> {
     ];
     let few_heights =
         [house(ten, [0.0, 0.0, 90.0, 90.0]), house(&json!({"building:levels": 2}), [100.0, 0.0, 104.0, 4.0])];
+    let top = json!({"top": 512, "foot": 500});
+    let tower = json!({"height": 30, "building:part": "yes"});
+    let of_3dbag = json!({"b3_h_dak_max": 512, "b3_h_maaiveld": 500});
+    let few_tops =
+        [house(&json!({"top": 512, "roof": 511}), AT), house(&json!({"roof": 511}), [30.0, 10.0, 34.0, 14.0])];
     let block = |k: u32| f64::from(k) * 30.0;
     let town: Vec<Value> =
         (0..16).map(|k| (block(k % 4), block(k / 4))).map(|(x, y)| house(ten, [x, y, x + 10.0, y + 10.0])).collect();
@@ -154,6 +159,13 @@ fn vectors() -> Vec<(&'static str, String)> {
         ("no_heights.geojson", features(UTM, &no_heights)),
         ("few_heights.geojson", features(UTM, &few_heights)),
         ("hoehe.geojson", features(UTM, &[house(&json!({"hoehe": 10}), AT)])),
+        ("plain.geojson", features(UTM, &[house(&json!({"name": "Villa"}), AT)])),
+        ("bare.geojson", features(UTM, &[house(&json!({}), AT)])),
+        ("3dbag.geojson", features(UTM, &[house(&of_3dbag, AT)])),
+        ("few_tops.geojson", features(UTM, &few_tops)),
+        ("blank.geojson", features(UTM, &[house(&json!({"height": null}), AT)])),
+        ("tops.geojson", features(UTM, &[house(&top, AT)])),
+        ("parts.geojson", features(UTM, &[house(&json!({"height": 30}), [10.0, 10.0, 18.0, 14.0]), house(&tower, AT)])),
         ("floors.geojson", features(UTM, &[house(&json!({"floors": 3}), AT)])),
         ("unknown_crs.geojson", features(Some("EPSG:999999"), &[house(ten, AT)])),
         ("linked_crs.geojson", linked(features(UTM, &[house(ten, [0.0, 0.0, 40.0, 40.0])]))),

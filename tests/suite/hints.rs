@@ -26,7 +26,7 @@ const NOT_RUN: [(&str, &str); 12] = [
     ("`ulimit -u`", "the same"),
     ("`--radius` and `--cell` too", "says in which unit flags are, not what to type"),
     ("`{name}`", "no hint but names in one"),
-    ("`--missing drop|median`", "of buildings in memory: python/tests/test_hints.py"),
+    ("`--missing drop`, or `--missing median`", "of buildings in memory: python/tests/test_hints.py"),
     ("`--missing median`", "the same"),
 ];
 

@@ -16,7 +16,7 @@ const BASES: &[&str] = &[
     "city city.geojson --json -o c.geojson",
     "info city.geojson --json",
     "zones city.geojson --top-field z_top --ground 10 --json",
-    "limits city.geojson --uav 2,2,50amsl --cities 2 --json",
+    "limits city.geojson --data-area all --uav 2,2,50amsl --cities 2 --json",
     "plos itu:urban --height 100 --distance 50 --method product --json",
     "place city.geojson --height 40,60 --step 20 --json",
     "sample itu:urban --size 200 --zones street:4 --height 60 --json",
@@ -31,7 +31,7 @@ const BASES: &[&str] = &[
 /// A value of each flag that takes one.
 const VALUES: &str = "\
     --terrain slope.asc --ground 5 --building-threshold 4 --height-field tall --top-field z_top --height-unit ft \
-    --levels-field tall --height-error-field tall --roofs lod2 --layer a --missing levels --base highest --data-area all --extent 0,0,48,48 --cell 0.5 \
+    --levels-field tall --base-field tall --parts join --height-error-field tall --roofs lod2 --layer a --missing levels --base highest --data-area all --extent 0,0,48,48 --cell 0.5 \
     --crs EPSG:25832 --project EPSG:25832 --size 210 --seed 5 --nodata-as block --band 2 --repairs mended.csv --tile 20 \
     --uav 30,5,45 --uavs sites.csv --rx 41,40 --track other.csv --every 3 --rx-height 9 --receivers all \
     --radius 25 --earth-k 0.01 --curvature-coefficient 99 --min-radius 15 --sector 20,110 --elevation -80,-50 --beam 50 --method ray --tolerance 0.2 --layers los,margin --height-curve curve.csv --curve-heights 10:50:10 \
@@ -63,6 +63,7 @@ const QUIET: &[(&str, &str)] = &[
     ("--csv-text", "names_that_mean_something_to_a_program_reach_none"),
     ("--strips", "maps_strip_by_strip_are_those_in_memory"),
     ("--method", "exact engines agree: engines, agreement"),
+    ("--parts", "of a file without any: building_meaning"),
     ("--resume", "what_is_there_is_left_alone"),
     ("--json", "of a run that is asked for it already"),
 ];

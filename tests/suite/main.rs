@@ -108,6 +108,9 @@ mod antennas; // who is in range of a sector, a beam, between elevations: by the
 mod in_air; // places of a drone: who they are, and whom an observer sees
 mod stability; // which answers turn with the last digit: by hand, by maps made anew, in files
 mod ground_truth; // what a scene is made of: bases, voids, typed ground, holes, lattices, extents, ranges
+mod building_meaning; // missing heights, parts, what is not there: by hand, and against a reference in Python
+mod building_counts; // how they are counted and told: one number for each warning, shares, captions, names that formats cut
+mod cityjson_parts; // the same of CityJSON: buildings and their parts, measured heights, fillers
 mod closing; // the data area of footprints: against all discs, whatever the cells are
 mod data_area; // where the data end: known ground, missing heights; whole discs, bands of angles, goals within a radius
 mod regressions; // one test per bug

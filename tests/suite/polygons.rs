@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use skyshed_core::city::{City, Solids};
 use skyshed_core::height_field::{Built, ConvexPieces, HeightField, Ring, convex_pieces};
 use skyshed_core::overlay::even_odd;
-use skyshed_io::read::{FootprintOptions, MissingHeight, read_footprints};
+use skyshed_io::read::{FootprintOptions, MissingHeights, WithoutHeight, read_footprints};
 
 use crate::program::Folder;
 use crate::shapes::{doubled_area, rectangle, star, turn};
@@ -250,7 +250,7 @@ fn read(features: &[String], name: &str) -> City {
     let folder = Folder::new();
     folder.write(name, &format!(r#"{{"type":"FeatureCollection","features":[{}]}}"#, features.join(",")));
     let options = FootprintOptions {
-        missing: MissingHeight::Fail,
+        missing: MissingHeights::only(WithoutHeight::Fail),
         extent: Some([0.0, 0.0, 130.0, 130.0]),
         cell_m: Some(10.0),
         ..FootprintOptions::default()

@@ -21,7 +21,7 @@ use skyshed_core::los::{
 use skyshed_core::quantity::{LatticePoint, VOID};
 use skyshed_core::raster::BitGrid;
 use skyshed_core::simd::{SimdLevel, simd_levels};
-use skyshed_io::read::{FootprintOptions, MissingHeight, read_footprints};
+use skyshed_io::read::{FootprintOptions, GroundChoice, MissingHeights, WithoutHeight, read_footprints};
 
 use crate::oracle::Prism;
 use crate::referee::{Count, check_cells, over_seeds};
@@ -413,9 +413,9 @@ fn munich(terrain: bool) -> HeightField {
     let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps");
     let options = FootprintOptions {
         top_field: Some("z_top".into()),
-        missing: MissingHeight::Fail,
+        missing: MissingHeights::only(WithoutHeight::Fail),
         terrain: terrain.then(|| maps.join("munich_terrain.tif").into()),
-        ground_m: (!terrain).then_some(0.0),
+        ground: if terrain { GroundChoice::Auto } else { GroundChoice::Flat(0.0) },
         ..FootprintOptions::default()
     };
     let scene = read_footprints(maps.join("munich.geojson"), &options, &mut Vec::new()).unwrap();

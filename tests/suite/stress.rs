@@ -331,7 +331,7 @@ const FLAGS: [(&str, &str); 27] = [
     ("dsm.asc --ground 0 --uav 2.5,2.5,9", "--nodata-as block"),
     ("dsm.asc --ground 0 --uav 2.5,2.5,9", "--crs EPSG:25832"),
     ("a.geojson --uav 2,2,9 --missing drop", "--height-field tall"),
-    ("a.geojson --uav 2,2,9 --missing drop", "--top-field top"),
+    ("a.geojson --uav 2,2,9 --missing drop --ground 0", "--top-field top"),
     ("a.geojson --uav 2,2,9", "--missing levels"),
     ("a.geojson --uav 2,2,9 --missing drop", "--height-unit ft"),
     ("a.geojson --uav 2,2,9 --missing drop", "--extent 0,0,5,5"),
@@ -342,7 +342,7 @@ const FLAGS: [(&str, &str); 27] = [
 ];
 
 /// Flags that change no answer; other tests show what they do.
-const OTHER: &str = "--roofs --band --height-error-field --base --data-area --width --dpi --repairs --project --levels-field --layer --quiet --hash \
+const OTHER: &str = "--roofs --band --height-error-field --base --data-area --width --dpi --repairs --project --levels-field --base-field --parts --layer --quiet --hash \
     --overwrite --json --output --threads --title --attribution --max-memory --csv-text --help --version";
 
 fn scenes() -> Folder {

@@ -16,7 +16,7 @@ use skyshed_core::los::{MethodChoice, link_los};
 use skyshed_core::quantity::{Height, LatticePoint, height_steps};
 use skyshed_io::formats::GeoTiff;
 use skyshed_io::read::{
-    DataAreaChoice, FootprintOptions, MissingHeight, SurfaceOptions, read_footprints, read_surface,
+    DataAreaChoice, FootprintOptions, MissingHeights, SurfaceOptions, WithoutHeight, read_footprints, read_surface,
 };
 
 use crate::invariants::map;
@@ -41,7 +41,7 @@ fn surface_scene(dsm: &Path, terrain: &Path, building_threshold_m: f64) -> City 
 fn footprint_scene(buildings: &Path, terrain: &Path) -> City {
     let options = FootprintOptions {
         top_field: Some("z_top".into()),
-        missing: MissingHeight::Fail,
+        missing: MissingHeights::only(WithoutHeight::Fail),
         data_area: DataAreaChoice::All,
         terrain: Some(terrain.into()),
         ..FootprintOptions::default()

@@ -177,7 +177,7 @@ fn city(rings: Vec<Vec<[i64; 2]>>, [width, height]: [usize; 2]) -> City {
         built_up: None,
         sources: Vec::new(),
         attribution: None,
-        height_gap: None,
+        heights: None,
     }
 }
 

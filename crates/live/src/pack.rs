@@ -409,6 +409,7 @@ impl In<'_> {
                 roof,
                 base,
                 height_error: None,
+                part_of: None,
             })
             .collect())
     }
@@ -450,6 +451,7 @@ mod tests {
             roof: vec![[[-5, 7, -9], [1_000_000, 8, -100], [3, 1_000_000, -9]]],
             base,
             height_error: None,
+            part_of: None,
         };
         let vector = |data_area| Solids::Vector {
             footprints: vec![footprint(None), footprint(Some(3))],

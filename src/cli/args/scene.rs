@@ -6,21 +6,19 @@ use std::sync::{Arc, OnceLock};
 
 use clap::{Arg, ArgAction, Args, Command};
 
-use super::words::{Words, band, extent, number, one_of, projection};
+use super::words::{Words, band, extent, ground, number, one_of, projection};
 use crate::city::NodataAs;
 use crate::cli::failure::{Result, refusal, refusal_with};
 use crate::cli::hints;
 use crate::cli::typed::Typed;
 use crate::crs;
 use crate::formats::Band;
-use crate::read::{BaseRule, DataAreaChoice, HeightUnit, MissingHeight, Projection, Roofs};
+use crate::read::{BaseRule, DataAreaChoice, GroundChoice, HeightUnit, MissingHeights, Parts, Projection, Roofs};
 use crate::scene::{FoundRepairs, Scene, SceneOptions};
 
-const MISSING: Words<MissingHeight> = &[
-    ("fail", "Refuse the file", MissingHeight::Fail),
-    ("drop", "Leave the footprint out and say so", MissingHeight::Drop),
-    ("levels", "3 m for each storey", MissingHeight::Levels),
-    ("median", "The median of the known heights", MissingHeight::Median),
+const PARTS: Words<Parts> = &[
+    ("replace", "Parts stand in place of the outline", Parts::Replace),
+    ("join", "Both stand, and the highest counts", Parts::Join),
 ];
 
 const BASE: Words<BaseRule> = &[
@@ -86,11 +84,12 @@ pub(crate) struct ReadingArgs {
     /// A raster file, or a folder of tiles; with `--project` in any reference system.
     #[arg(long, value_name = "FILE")]
     terrain: Option<PathBuf>,
-    /// Flat ground at this height above the datum [m]
+    /// Flat ground at this height above the datum [m], or `buildings`
     ///
-    /// Footprints and generated cities have it at 0 where nothing else is said.
-    #[arg(long, value_name = "Z", value_parser = number, allow_hyphen_values = true, conflicts_with = "terrain")]
-    ground: Option<f64>,
+    /// Footprints and generated cities have it at 0 where nothing else is said; buildings whose tops are above the datum in the
+    /// median of where they begin. `buildings` is a terrain through where they begin.
+    #[arg(long, value_name = "Z", value_parser = ground, allow_hyphen_values = true, conflicts_with = "terrain")]
+    ground: Option<GroundChoice>,
     /// A cell whose surface is more than this above the ground is a building [m]; default 0.25
     #[arg(long, value_name = "M", value_parser = number, allow_hyphen_values = true, hide_short_help = true)]
     building_threshold: Option<f64>,
@@ -105,7 +104,12 @@ pub(crate) struct ReadingArgs {
     /// Unit of heights of footprints that name none; default m
     #[arg(long, value_name = "UNIT", value_parser = one_of(HEIGHT_UNITS), hide_short_help = true)]
     height_unit: Option<HeightUnit>,
-    /// Property that holds a footprint's number of storeys, for `--missing levels`; default `building:levels`
+    /// Property that holds the ground below a footprint [m above the datum], for `--top-field` and `--ground buildings`;
+    /// default the first there is of `b3_h_maaiveld`, `ground_height`, `z_ground`, `h_ground`, `ground`
+    #[arg(long, value_name = "NAME", conflicts_with = "terrain", hide_short_help = true)]
+    base_field: Option<String>,
+    /// Property that holds a footprint's number of storeys, for `--missing levels`; default the first there is of
+    /// `building:levels`, `num_floors`, `storeysAboveGround`, `numberOfFloorsAboveGround`
     #[arg(long, value_name = "NAME", hide_short_help = true)]
     levels_field: Option<String>,
     /// Property with the standard deviation of the error of a footprint's height [m], for `map`, `compare` and `place`
@@ -121,10 +125,16 @@ pub(crate) struct ReadingArgs {
     /// Table of a GeoPackage, where it has several
     #[arg(long, value_name = "NAME", hide_short_help = true)]
     layer: Option<String>,
-    /// What to do with footprints without a usable height; default: leave them out where they cover at most 2 % of the
-    /// footprint area, refuse the file otherwise
-    #[arg(long, value_name = "WHAT", value_parser = one_of(MISSING), hide_short_help = true)]
-    missing: Option<MissingHeight>,
+    /// Heights of footprints without a usable one, the first that there is: `levels` (3 m for each storey), `median` (of the known
+    /// heights), a number [m]; and at the end `drop` (leave them out) or `fail`
+    ///
+    /// For example `levels,median` or `levels,9`. By default, and where a list gives none, they are left out where they cover at most
+    /// 2 % of the footprint area; the file is refused otherwise.
+    #[arg(long, value_name = "LIST", hide_short_help = true)]
+    missing: Option<MissingHeights>,
+    /// Outlines of buildings that are drawn by parts as well; default replace
+    #[arg(long, value_name = "RULE", value_parser = one_of(PARTS), hide_short_help = true)]
+    parts: Option<Parts>,
     /// Which of the terrain cells that a footprint overlaps its height is above; default lowest
     #[arg(long, value_name = "RULE", value_parser = one_of(BASE), hide_short_help = true)]
     base: Option<BaseRule>,
@@ -183,16 +193,18 @@ impl ReadingArgs {
         Ok(SceneOptions {
             draws_cells: false,
             terrain: self.terrain.clone(),
-            ground_m: self.ground,
+            ground: self.ground,
             building_threshold_m: self.building_threshold,
             height_field: self.height_field.clone(),
             top_field: self.top_field.clone(),
             height_unit: self.height_unit,
+            base_field: self.base_field.clone(),
             levels_field: self.levels_field.clone(),
             height_error_field: self.height_error_field.clone(),
             roofs: self.roofs,
             layer: self.layer.clone(),
-            missing: self.missing,
+            missing: self.missing.clone(),
+            parts: self.parts,
             base: self.base,
             data_area,
             extent: self.extent,

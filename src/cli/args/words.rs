@@ -10,7 +10,7 @@ use crate::quantity::read_numbers;
 pub(crate) use crate::quantity::{
     read_angles as pair, read_fraction as fraction, read_length as length, read_number as number,
 };
-use crate::read::Projection;
+use crate::read::{GroundChoice, Projection};
 use crate::sight::Receivers;
 use crate::uav::Shard;
 use crate::zones::Zone;
@@ -53,6 +53,14 @@ pub(crate) fn projection(text: &str) -> Result<Projection, String> {
 
 pub(crate) fn band(text: &str) -> Result<Band, String> {
     Band::parse(text).ok_or_else(|| "wanted the number of a band, counted from 1, or its name".into())
+}
+
+/// The ground of a scene: a height, or `buildings`.
+pub(crate) fn ground(text: &str) -> Result<GroundChoice, String> {
+    if text == "buildings" {
+        return Ok(GroundChoice::Buildings);
+    }
+    number(text).map(GroundChoice::Flat).map_err(|what| format!("{what}, or `buildings`"))
 }
 
 pub(crate) fn range(text: &str) -> Result<[f64; 3], String> {

@@ -10,7 +10,7 @@ use crate::plos::{FORMATS, Far, PlosPlan, Sweeps, read_curves};
 use crate::scene::built_up;
 
 /// What only cities in files can use.
-const OF_FILES: [&str; 23] = [
+const OF_FILES: [&str; 25] = [
     "roofs",
     "terrain",
     "extent",
@@ -30,7 +30,9 @@ const OF_FILES: [&str; 23] = [
     "base",
     "data_area",
     "height_unit",
+    "base_field",
     "levels_field",
+    "parts",
     "layer",
     "theta_band",
     "attribution",

@@ -141,7 +141,9 @@ fn of_fault(ReadError { name, fault, .. }: &ReadError) -> Option<String> {
             let north_up = shell_word(&beside(name, "_north_up.tif"));
             format!("resample it with `{WARP} {} {north_up}`, which makes it north-up", shell_word(name))
         }
-        ReadFault::Nothing(Wanted::Extent) => "give `--extent W,S,E,N`, or a terrain with `--terrain FILE`".into(),
+        ReadFault::Nothing(Wanted::Extent | Wanted::Building) => {
+            "give `--extent W,S,E,N`, or a terrain with `--terrain FILE`".into()
+        }
         ReadFault::Nothing(Wanted::Tiles) => {
             "folders in it are not looked into: name the one that holds the tiles".into()
         }
@@ -151,9 +153,15 @@ fn of_fault(ReadError { name, fault, .. }: &ReadError) -> Option<String> {
             shell_word(&beside(name, "_collected.city.json"))
         ),
         ReadFault::Nothing(Wanted::Faces) => "of a cloud of points make a raster first".into(),
-        ReadFault::HeightMissing(..) if is_held(name) => "`--missing drop|median`".into(),
+        ReadFault::NoBaseProperty(_) => {
+            "name the property with `--base-field NAME`, or give a ground by `--ground Z` or by `--terrain FILE`".into()
+        }
+        ReadFault::NoBases(_) => {
+            "`--base-field NAME` names the property that holds it; `--ground Z` or `--terrain FILE` gives it".into()
+        }
+        ReadFault::HeightMissing(..) if is_held(name) => "`--missing drop`, or `--missing median`".into(),
         ReadFault::HeightMissing(..) => {
-            "`--missing drop|levels|median`, or name the property with `--height-field NAME`".into()
+            "`--missing drop`, `--missing levels,median`, or name the property with `--height-field NAME`".into()
         }
         ReadFault::HeightsMissing(missing) => of_missing(name, missing),
         ReadFault::Crs(..) | ReadFault::CrsNotUnderstood(_) => "override it with `--crs EPSG:n`".into(),
@@ -165,17 +173,23 @@ fn of_fault(ReadError { name, fault, .. }: &ReadError) -> Option<String> {
             format!("`--crs {crs} --project auto` brings both into UTM")
         }
         ReadFault::NoFaceInGrid(_) => "check `--extent`; a mesh with y up has to be turned first".into(),
-        ReadFault::NoHeightProperty { like_heights, like_storeys, others, .. } => {
+        ReadFault::NoHeightProperty { like_heights, like_storeys, others, has_bases, .. } => {
             match (quoted(like_heights), quoted(like_storeys), quoted(others)) {
+                (Some(found), ..) if *has_bases => format!(
+                    "{found} may hold heights: `--top-field NAME` if above the datum, or `--height-field NAME` above the ground"
+                ),
                 (Some(found), ..) => {
                     format!("{found} may hold heights: `--height-field NAME`, or `--top-field NAME` above the datum")
                 }
                 (None, Some(found), _) => format!(
-                    "{found} may count storeys: `--missing levels --levels-field NAME` takes {METERS_PER_LEVEL} m for each"
+                    "{found} may count storeys: `--missing levels,9 --levels-field NAME` takes {METERS_PER_LEVEL} m for each, and 9 m where there are none"
                 ),
-                (None, None, Some(others)) => format!("no property looks like a height; there are {others}"),
+                (None, None, Some(others)) => {
+                    format!("no property looks like a height; there are {others}; `--missing 9` gives each one 9 m")
+                }
                 (None, None, None) => {
-                    "no feature has any property; heights come as a property of each footprint".into()
+                    "no feature has any property; heights come as one of each footprint, or `--missing 9` gives each one 9 m"
+                        .into()
                 }
             }
         }
@@ -220,17 +234,23 @@ pub(super) fn with_skipping(hint: &str, some_are_good: bool) -> String {
 
 /// What each policy would do about missing heights.
 fn of_missing(name: &str, missing: &HeightsMissing) -> String {
-    let HeightsMissing { n_missing, n_storeys, levels_field, median_m, .. } = missing;
-    let mut ways = vec!["`--missing drop` leaves them out, as if nothing stood there".to_string()];
+    let HeightsMissing { n_missing, n_storeys, median_m, rules, is_top, .. } = missing;
+    let before = if rules.is_empty() { String::new() } else { format!("{rules},") };
+    let mut ways = vec![format!("`--missing {before}drop` leaves them out, as if nothing stood there")];
     if *n_storeys > 0 {
-        let n_left = n_missing - n_storeys;
+        let rest = if median_m.is_some() { "median" } else { "drop" };
         ways.push(format!(
-            "`--missing levels` gives {n_storeys} of them {METERS_PER_LEVEL} m a storey of `{levels_field}` and leaves {n_left} out"
+            "`--missing levels,{rest}` gives {n_storeys} of the {n_missing} {METERS_PER_LEVEL} m for each storey"
         ));
     }
-    ways.extend(median_m.map(|m| format!("`--missing median` gives them {} m", tidy(m))));
-    if !is_held(name) {
-        ways.push("or name another property with `--height-field NAME`".into());
+    ways.push(match median_m {
+        Some(m) => format!("`--missing {before}median` gives them {} m", tidy(*m)),
+        None => format!("`--missing {before}9` gives them 9 m"),
+    });
+    match is_top {
+        true => ways.push("or name another property with `--top-field NAME`".into()),
+        false if is_held(name) => {}
+        false => ways.push("or name another property with `--height-field NAME`".into()),
     }
     ways.join("; ")
 }

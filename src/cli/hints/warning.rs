@@ -61,8 +61,10 @@ fn of_file(name: &str, odd: &OddFile) -> Option<String> {
         OddFile::SurfaceAlone => "give `--terrain FILE` or `--ground Z` to put them on the ground",
         OddFile::NotInMeters(_) => "`--radius` and `--cell` too",
         OddFile::ManyCells => "give `--radius` so that one map fits",
-        OddFile::MissingHeights { left_out: Some(_), .. } if is_held(name) => "`--missing median`",
-        OddFile::MissingHeights { left_out: Some(_), .. } => "`--missing levels|median`",
+        OddFile::MissingHeights { asks_nothing: true, .. } if is_held(name) => "`--missing median`",
+        OddFile::MissingHeights { asks_nothing: true, .. } => "`--missing levels,median`",
+        OddFile::GroundOfBases { .. } => "`--ground Z` or `--terrain FILE` is another, `--ground buildings` a terrain",
+        OddFile::Rests { .. } => "`--parts join` takes outlines as high as they are",
         OddFile::OtherGround { median_m, .. } => {
             return Some(format!("`--terrain FILE`, or `--ground {}`, the median", tidy(*median_m)));
         }

@@ -17,7 +17,7 @@ pub enum FootprintFault {
     NoGround,
     /// Farther than 65 536 m from the grid's corner: left out.
     TooFar,
-    /// An area that is `building=no` or `building=demolished`: left out.
+    /// What stands for nothing above the ground: no building, not or no longer there, or below the ground. Left out.
     NotABuilding,
     /// No usable height: treated as the reader was told.
     MissingHeight,
@@ -27,7 +27,7 @@ pub enum FootprintFault {
     DecimalComma,
     /// A building that begins above the ground (`min_height`, `building:min_level`): taken as solid from the ground up.
     Floating,
-    /// A part of a building (`building:part`): joined with its outline, the highest counts.
+    /// A building that is drawn by its parts (`building:part`, `building_id`): these stand in place of its outline.
     Part,
     /// A missing height that is that of the storeys.
     HeightFromLevels,
@@ -41,13 +41,15 @@ pub enum FootprintFault {
     BareGround,
     /// A building without a surface of a roof among others that have some: taken flat at its highest point.
     NoRoof,
+    /// A top at or below the ground: left out.
+    BelowGround,
 }
 
 use FootprintFault as F;
 
 impl FootprintFault {
     /// All kinds.
-    pub const ALL: [F; 19] = [
+    pub const ALL: [F; 20] = [
         F::NotAnArea,
         F::SelfIntersection,
         F::StrayHole,
@@ -67,6 +69,7 @@ impl FootprintFault {
         F::UnevenRoof,
         F::BareGround,
         F::NoRoof,
+        F::BelowGround,
     ];
 
     /// The word for it, the code of its warning, and what one and many of them are called.
@@ -105,7 +108,7 @@ impl FootprintFault {
             F::NotABuilding => (
                 "not-a-building",
                 361,
-                ["area that is `building=no` or `demolished`", "areas that are `building=no` or `demolished`"],
+                ["area that is no building above the ground", "areas that are no buildings above the ground"],
             ),
             F::MissingHeight => {
                 ("missing-height", 354, ["footprint without a usable height", "footprints without a usable height"])
@@ -117,7 +120,7 @@ impl FootprintFault {
             F::Floating => {
                 ("floating", 362, ["footprint that begins above the ground", "footprints that begin above the ground"])
             }
-            F::Part => ("building-part", 363, ["part of a building", "parts of buildings"]),
+            F::Part => ("building-part", 363, ["building drawn by its parts", "buildings drawn by their parts"]),
             F::HeightFromLevels => {
                 ("height-from-levels", 364, ["height from a number of storeys", "heights from numbers of storeys"])
             }
@@ -156,6 +159,11 @@ impl FootprintFault {
             F::NoRoof => {
                 ("no-roof", 381, ["building without a surface of a roof", "buildings without a surface of a roof"])
             }
+            F::BelowGround => (
+                "below-ground",
+                382,
+                ["building with its top at or below its ground", "buildings with their tops at or below their ground"],
+            ),
         }
     }
 
@@ -182,7 +190,7 @@ impl FootprintFault {
             F::UnclosedRing => "closed",
             F::DecimalComma => "the comma is read as a point",
             F::Floating => "taken as solid from the ground up",
-            F::Part => "joined with their outlines, the highest of what overlaps counts",
+            F::Part => "the parts stand in place of the outline",
             F::HeightFromLevels => "3 m for each",
             F::Overhang => "taken as solid below",
             F::RoughRoof => "these are taken flat at their highest",

@@ -1,5 +1,7 @@
 //! A building of a vector scene.
 
+use std::collections::HashMap;
+
 use crate::quantity::{Frame, meters};
 
 /// A triangle of a roof, counterclockwise as seen from above: corners on the lattice, each with its height \[1/1024 m above the datum\].
@@ -22,12 +24,14 @@ pub struct Footprint {
     pub base: Option<i32>,
     /// Standard deviation of the error of its height \[1/1024 m\], if it is told.
     pub height_error: Option<i32>,
+    /// The number of the building that it is one of several parts of, if it is.
+    pub part_of: Option<u32>,
 }
 
 impl Footprint {
     /// A footprint on ground at 0 m, whose height is known.
     pub fn on_zero(id: String, polygons: Vec<Vec<Vec<[i32; 2]>>>, top: i32) -> Self {
-        Footprint { id, polygons, top, roof: Vec::new(), base: Some(0), height_error: None }
+        Footprint { id, polygons, top, roof: Vec::new(), base: Some(0), height_error: None, part_of: None }
     }
 }
 
@@ -72,12 +76,34 @@ impl Footprint {
         corners.len() == 4 && turns_alike && corners.iter().all(|c| c.1.abs() <= DEGREE)
     }
 
-    /// Its height and where it stands, on the lattice of `frame`; `None` without area or a known ground.
-    pub(super) fn building_height(&self, frame: Frame) -> Option<BuildingHeight> {
-        let ([x, y], denominator) = self.centroid()?;
-        #[expect(clippy::cast_precision_loss, reason = "to some hundredths of a step")]
-        let (x, y) = frame.world_from_lattice(x as f64 / denominator as f64, y as f64 / denominator as f64);
-        self.height_m().map(|height_m| BuildingHeight { x, y, height_m })
+    /// The heights of buildings and where they stand, on the lattice of `frame`; of those with an area and a known ground. A building of
+    /// parts has the mean of their heights by their areas.
+    pub(super) fn building_heights(footprints: &[Footprint], frame: Frame) -> Vec<BuildingHeight> {
+        // Each with its area in square steps.
+        let mut found: Vec<(BuildingHeight, f64)> = Vec::with_capacity(footprints.len());
+        let mut place_of: HashMap<u32, usize> = HashMap::new();
+        for footprint in footprints {
+            let (Some(([x, y], denominator)), Some(height_m)) = (footprint.centroid(), footprint.height_m()) else {
+                continue;
+            };
+            #[expect(clippy::cast_precision_loss, reason = "to some hundredths of a step")]
+            let (area, x, y) = (denominator as f64 / 6.0, x as f64 / denominator as f64, y as f64 / denominator as f64);
+            let (x, y) = frame.world_from_lattice(x, y);
+            match footprint.part_of.map(|group| *place_of.entry(group).or_insert(found.len())) {
+                Some(place) if place < found.len() => {
+                    let (whole, of_all) = &mut found[place];
+                    *of_all += area;
+                    let mean = |all: f64, part: f64| all + (part - all) * area / *of_all;
+                    *whole = BuildingHeight {
+                        x: mean(whole.x, x),
+                        y: mean(whole.y, y),
+                        height_m: mean(whole.height_m, height_m),
+                    };
+                }
+                _ => found.push((BuildingHeight { x, y, height_m }, area)),
+            }
+        }
+        found.into_iter().map(|(height, _)| height).collect()
     }
 
     /// The centroid as numerators and one denominator above 0, in lattice steps; `None` without area.

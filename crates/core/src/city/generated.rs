@@ -115,7 +115,7 @@ impl BuiltUpCity {
             built_up: Some(self.built_up),
             sources: Vec::new(),
             attribution: None,
-            height_gap: None,
+            heights: None,
         })
     }
 
@@ -146,6 +146,7 @@ impl BuiltUpCity {
                     roof: Vec::new(),
                     base: Some(ground),
                     height_error: None,
+                    part_of: None,
                 });
             }
         }

@@ -1,6 +1,8 @@
 //! A scene as it was given: its grid of receivers, and what stands on which ground.
 
-use super::{Area, BuildingHeight, BuiltUp, Footprint, FootprintFaults};
+use std::collections::HashSet;
+
+use super::{Area, BuildingHeight, BuiltUp, Footprint, FootprintFaults, HeightSources};
 use crate::quantity::Frame;
 use crate::raster::{BitGrid, GeoRef, Raster};
 
@@ -19,8 +21,8 @@ pub struct City {
     pub sources: Vec<Source>,
     /// Whom pictures must credit, where the data say so.
     pub attribution: Option<String>,
-    /// Footprints without heights, where there are any.
-    pub height_gap: Option<HeightGap>,
+    /// Where the heights of footprints come from, of a file of these.
+    pub heights: Option<HeightSources>,
 }
 
 /// A file that a scene was read from.
@@ -30,15 +32,6 @@ pub struct Source {
     pub path: String,
     /// SHA-256 of its bytes in hexadecimal, if it was computed.
     pub sha256: Option<String>,
-}
-
-/// Footprints whose heights are missing.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HeightGap {
-    /// Share of these footprints in the area of all.
-    pub area_share: f64,
-    /// What was done about them, in words.
-    pub done: String,
 }
 
 /// The solids of a scene.
@@ -72,10 +65,18 @@ pub enum Solids {
 }
 
 impl Solids {
-    /// The heights of the buildings of a vector scene and where they stand, of those that have both; none of a raster.
+    /// The heights of the buildings of a vector scene and where they stand, of those that have both; none of a raster. Parts of one building are
+    /// one, as high as they are in the mean over their areas.
     pub fn building_heights(&self) -> Vec<BuildingHeight> {
         let Solids::Vector { footprints, frame, .. } = self else { return Vec::new() };
-        footprints.iter().filter_map(|footprint| footprint.building_height(*frame)).collect()
+        Footprint::building_heights(footprints, *frame)
+    }
+
+    /// Number of buildings of a vector scene, where the parts of one are one; 0 of a raster.
+    pub fn n_buildings(&self) -> usize {
+        let Solids::Vector { footprints, .. } = self else { return 0 };
+        let groups: HashSet<u32> = footprints.iter().filter_map(|footprint| footprint.part_of).collect();
+        groups.len() + footprints.iter().filter(|footprint| footprint.part_of.is_none()).count()
     }
 }
 

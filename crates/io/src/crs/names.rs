@@ -5,8 +5,13 @@
 ///
 /// `None` of a text that is none of these.
 pub(super) fn code_in(text: &str) -> Option<u32> {
-    let text = text.trim();
-    let text = text.replace("&amp;", "&");
+    let text = text
+        .trim()
+        .replace("&amp;", "&")
+        .replace("%3A", ":")
+        .replace("%3a", ":")
+        .replace("%2F", "/")
+        .replace("%2f", "/");
     let horizontal = horizontal_part(&text);
     let code = of_survey(horizontal).or_else(|| of_authority(horizontal))?;
     // Codes that stood for web Mercator before it had one of its own.
@@ -32,7 +37,8 @@ fn of_authority(name: &str) -> Option<u32> {
     if let Ok(code) = name.parse() {
         return Some(code);
     }
-    let is_web = ["http://", "https://"].iter().any(|scheme| find_ignoring_case(name, scheme) == Some(0));
+    let begins = |with: &&str| find_ignoring_case(name, with) == Some(0);
+    let is_web = ["http://", "https://", "epsg.xml#"].iter().any(begins);
     let mut words = name.trim_end_matches('/').rsplit([':', '/', '#']).map(str::trim);
     let code = words.next()?.parse().ok()?;
     let authority = words.find(|word| !is_version(word))?;
@@ -128,6 +134,11 @@ mod tests {
             (
                 "http://www.opengis.net/def/crs-compound?2=http://www.opengis.net/def/crs/EPSG/0/7837&1=http://www.opengis.net/def/crs/EPSG/0/25833",
                 25833,
+            ),
+            ("epsg.xml#25832", 25832),
+            (
+                "http%3A%2F%2Fwww.opengis.net%2Fdef%2Fcrs-compound?1=http%3A%2F%2Fwww.opengis.net%2Fdef%2Fcrs%2FEPSG%2F0%2F25832&2=http%3A%2F%2Fwww.opengis.net%2Fdef%2Fcrs%2FEPSG%2F0%2F7837",
+                25832,
             ),
             ("https://epsg.io/25832", 25832),
             ("http://spatialreference.org/ref/epsg/25832/", 25832),

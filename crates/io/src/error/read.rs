@@ -101,7 +101,19 @@ pub enum ReadFault {
     NoFaceInGrid(String),
     /// E365: no feature has the property of heights; others that may hold heights, count storeys, or do neither.
     #[error("no feature has the property `{wanted}`, wanted one that holds heights")]
-    NoHeightProperty { wanted: String, like_heights: Vec<String>, like_storeys: Vec<String>, others: Vec<String> },
+    NoHeightProperty {
+        wanted: String,
+        like_heights: Vec<String>,
+        like_storeys: Vec<String>,
+        others: Vec<String>,
+        has_bases: bool,
+    },
+    /// E365: no feature has the property of the ground below buildings.
+    #[error("no feature has the property `{0}`, wanted one that holds the ground below buildings")]
+    NoBaseProperty(String),
+    /// E365: heights are above a ground that nothing tells; the property of the heights.
+    #[error("nothing tells the ground below the buildings, which `{0}` needs, wanted a property of it or a ground")]
+    NoBases(String),
     /// E365: no feature has the property of errors of heights.
     #[error("no feature has the property `{0}`, wanted one that holds errors of heights")]
     NoErrorProperty(String),
@@ -162,10 +174,12 @@ pub struct HeightsMissing {
     pub most: f64,
     /// The property that was looked at.
     pub property: String,
-    /// How many of those without a height have storeys, in `levels_field`.
+    /// The list of what gives heights that are missing, as it was typed; empty without one.
+    pub rules: String,
+    /// Whether heights are those of tops above the datum.
+    pub is_top: bool,
+    /// How many of those without a height have storeys that the list did not ask for.
     pub n_storeys: usize,
-    /// The property that counts storeys.
-    pub levels_field: String,
     /// The median of the known heights \[m\].
     pub median_m: Option<f64>,
 }
@@ -220,6 +234,9 @@ pub enum Wanted {
     /// Footprints that tell how large the grid is.
     #[error("it holds no polygon, so the grid's extent is unknown")]
     Extent,
+    /// A building, among areas that all stand for nothing above the ground.
+    #[error("none of its areas is a building above the ground, so the grid's extent is unknown")]
+    Building,
     /// Sites.
     #[error("it holds no site")]
     Sites,
@@ -337,7 +354,7 @@ impl ReadFault {
             HeightMissing(..) | HeightsMissing(_) => 309,
             Crs(..) | CrsMember(_) | CrsNotUnderstood(_) | NoCrs | Degrees { .. } | WebMercator { .. } => 310,
             NoFaceInGrid(_) => 312,
-            NoHeightProperty { .. } | NoErrorProperty(_) | HeightError(..) => 365,
+            NoHeightProperty { .. } | NoBaseProperty(_) | NoBases(_) | NoErrorProperty(_) | HeightError(..) => 365,
             Memory(_) => 501,
             TooMany(_) | GridTooLarge(..) => 502,
             Tangle(..) => 504,
@@ -349,9 +366,9 @@ impl ReadFault {
         use ReadFault::*;
         match self {
             AllVoid(..) | HeightMissing(..) | HeightsMissing(_) | NoFaceInGrid(_) => "use",
-            NoHeightProperty { .. } | NoErrorProperty(_) | HeightError(..) => "use",
+            NoHeightProperty { .. } | NoBaseProperty(_) | NoBases(_) | NoErrorProperty(_) | HeightError(..) => "use",
             HeightRange(..) | OutsideScene(_) | Tangle(..) => "use",
-            Nothing(Wanted::Extent) | GridTooLarge(..) => "map",
+            Nothing(Wanted::Extent | Wanted::Building) | GridTooLarge(..) => "map",
             Nothing(Wanted::Tiles) => "read",
             Nothing(_) => "use",
             NoCrs => "project",

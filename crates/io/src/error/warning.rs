@@ -7,7 +7,7 @@ use thiserror::Error as Words;
 
 use super::read::some_of;
 use crate::city::{FootprintFault, NodataAs};
-use crate::quantity::{counted, tidy};
+use crate::quantity::{counted, fixed, tidy};
 
 /// Something odd about files that did not stop the work: what was found and what was done instead, on one line.
 #[derive(Debug, Clone, PartialEq, Words)]
@@ -198,9 +198,19 @@ pub enum OddFile {
     /// W350–W368: so many faults of footprints that are always treated alike.
     #[error("{}: {}", fault_words(*.0, *.1), .0.done())]
     Fault(FootprintFault, usize),
-    /// W354: footprints without a height, how they were treated, and their share of the area if they were left out.
-    #[error("{}: {treated}{}", fault_words(FootprintFault::MissingHeight, *n), of_area(*left_out))]
-    MissingHeights { n: usize, treated: String, left_out: Option<f64> },
+    /// W354: footprints without a height, how they were treated, and whether nothing was asked.
+    #[error("{}: {treated}", fault_words(FootprintFault::MissingHeight, *n))]
+    MissingHeights { n: usize, treated: String, asks_nothing: bool },
+    /// W355, W361, W382: so many footprints with a height are left out, with their share of the area of all that have one.
+    #[error("{}: left out, {} % of the area with a height", fault_words(*fault, *n), fixed(100.0 * area_share, 1))]
+    LeftOut { fault: FootprintFault, n: usize, area_share: f64 },
+    /// W363: so many buildings are drawn by their parts, which leave an area of outlines as high as the lowest of these
+    /// \[m²\].
+    #[error(
+        "{}: the parts stand in place of the outline; beside them {} m² stand as high as the lowest part",
+        fault_words(FootprintFault::Part, *n), fixed(*area_m2, 0)
+    )]
+    Rests { n: usize, area_m2: f64 },
     /// W359: no building is left.
     #[error("no building is left; every link is unobstructed")]
     NoBuilding,
@@ -217,6 +227,12 @@ pub enum OddFile {
         tidy(*ground_m), tidy(range_m.0), tidy(range_m.1)
     )]
     OtherGround { ground_m: f64, range_m: (f64, f64), median_m: f64 },
+    /// W366: the ground was taken from the buildings: the median of where they begin, and the lowest and the highest of that \[m above the datum\].
+    #[error(
+        "heights are above the datum: the ground is taken at {} m, the median of where buildings begin, {} to {} m",
+        tidy(*ground_m), tidy(range_m.0), tidy(range_m.1)
+    )]
+    GroundOfBases { ground_m: f64, range_m: (f64, f64) },
     /// W375: buildings with roofs that slope, which are taken flat.
     #[error(
         "{} that slope: taken flat, as high as they are highest",
@@ -248,10 +264,6 @@ fn effect(nodata_as: NodataAs) -> &'static str {
 fn fault_words(fault: FootprintFault, n: usize) -> String {
     let [one, many] = fault.names();
     counted(n as u64, one, many)
-}
-
-fn of_area(share: Option<f64>) -> String {
-    share.map_or_else(String::new, |share| format!(", {:.1} % of the footprint area", share * 100.0))
 }
 
 /// What is odd about files that are taken together, and what is done.
@@ -327,7 +339,9 @@ impl OddFile {
             OddFile::MissingHeights { .. } => FootprintFault::MissingHeight.code(),
             OddFile::NoBuilding => 359,
             OddFile::NoneMeets { .. } => 360,
-            OddFile::OtherGround { .. } => 366,
+            OddFile::OtherGround { .. } | OddFile::GroundOfBases { .. } => 366,
+            OddFile::LeftOut { fault, .. } => fault.code(),
+            OddFile::Rests { .. } => FootprintFault::Part.code(),
             OddFile::NoFace { .. } => 367,
             OddFile::FlatRoofs { .. } => 375,
             OddFile::BadRows { .. } => 380,

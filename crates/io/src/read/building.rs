@@ -1,27 +1,43 @@
-//! What a feature says of a building: whether it is one, how high it is and in which unit.
+//! What a feature says of a building: whether it is one, a part of one, how high it is and in which unit.
 //!
 //! Names and meanings are those of OpenStreetMap, which most tables of buildings borrow: `height` above the ground,
 //! `building:levels` without the storeys under the roof, which `roof:levels` counts; `min_height` where a part begins
-//! above the ground; `building:part` for parts of different heights inside an outline. A prism here is solid from the
-//! ground up, and what overlaps is as high as the highest of it: a part that floats is taken as solid, and an outline
-//! counts beside its parts. Both are counted.
+//! above the ground; `building:part` for parts of different heights inside an outline ([`super::parts`]), which Overture tells by
+//! `building_id`. A prism here is solid from the ground up: a part that floats is taken as solid, and counted.
 
-use super::footprint_options::Roofs;
-use super::footprint_options::{FootprintOptions, HEIGHT, HeightUnit, METERS_PER_FOOT, MissingHeight};
+use std::collections::HashMap;
+
+use super::footprint_options::{FootprintOptions, GroundChoice, HEIGHT, HeightUnit, Roofs};
+use super::height_value::{FoundHeight, found_height, is_no_top};
+use super::not_there::Tagging;
 use super::repairs::{Culprit, FaultLog};
 use super::solid::{Face, plan};
-use super::vector::{Feature, FeatureSet, Polygon, Property, bounds, opened};
+use super::vector::{Feature, FeatureSet, Polygon, Property, SolidHeight, bounds, doubled_area, opened};
 use crate::city::FootprintFault;
 use crate::error::{Error, Place, ReadFault, Result, Wanted};
 use crate::input::Input;
 
-/// Meters that stand for one storey where only their number is known (the default of OpenStreetMap renderers).
-pub const METERS_PER_LEVEL: f64 = 3.0;
+/// Properties that count storeys where none is named: the first that a feature has counts.
+const STOREYS: [&str; 4] = ["building:levels", "num_floors", "storeysAboveGround", "numberOfFloorsAboveGround"];
+
+/// Properties that hold the ground below a building where none is named: the first that a feature has counts. The last is what `city` writes.
+const BASES: [&str; 5] = ["b3_h_maaiveld", "ground_height", "z_ground", "h_ground", "ground"];
 
 /// The areas of a file with what is known of their heights.
 #[derive(Debug, Default)]
 pub(super) struct Buildings {
     pub(super) footprints: Vec<RawFootprint>,
+    /// Share of the area of all features with a height that those have which stand for nothing above the ground.
+    pub(super) not_there_share: f64,
+}
+
+/// The building that a part belongs to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum PartOf {
+    /// By its id.
+    Named(String),
+    /// The one that holds most of it.
+    Outline,
 }
 
 /// One feature with areas.
@@ -36,14 +52,16 @@ pub(super) struct RawFootprint {
     pub(super) height: FoundHeight,
     /// Whether the height is that of the top above the datum.
     pub(super) above_datum: bool,
+    /// The ground below it \[m above the datum\], as the file tells it.
+    pub(super) base_m: Option<f64>,
+    /// The building that it is a part of, if it is one.
+    pub(super) part_of: Option<PartOf>,
     /// Storeys, those under the roof included.
     pub(super) levels: Option<f64>,
     /// Standard deviation of the error of the height \[m\].
     pub(super) height_error_m: Option<f64>,
     /// Whether it begins above the ground.
     pub(super) floats: bool,
-    /// Lowest point of a solid \[m above the datum\].
-    pub(super) lowest: Option<f64>,
     /// The surfaces of its roof, if that is taken as it is.
     pub(super) roof: Vec<Face>,
     /// What it covers of the ground then, where that is known.
@@ -53,6 +71,25 @@ pub(super) struct RawFootprint {
 }
 
 impl RawFootprint {
+    /// Area of its polygons as they are drawn \[square CRS units\].
+    pub(super) fn area(&self) -> f64 {
+        let of_ring = |ring: &Vec<[f64; 2]>| 0.5 * doubled_area(ring).abs();
+        let of_polygon =
+            |rings: &Polygon| rings.first().map_or(0.0, of_ring) - rings.iter().skip(1).map(of_ring).sum::<f64>();
+        self.polygons.iter().map(of_polygon).sum()
+    }
+
+    /// Whether it meets a box: west, south, east, north \[CRS units\].
+    pub(super) fn meets(&self, of: [f64; 4]) -> bool {
+        meets(&self.polygons, of)
+    }
+
+    /// Its height above the ground that it stands on by itself \[m\]; `None` where that is missing, or above a ground that the file does not tell.
+    pub(super) fn height_above_ground(&self) -> Option<f64> {
+        let height = self.height.meters()?;
+        if self.above_datum { self.base_m.map(|base| height - base) } else { Some(height) }
+    }
+
     /// What a fault of it is of.
     pub(super) fn culprit(&self) -> Culprit<'_> {
         self.culprit_at(0)
@@ -63,14 +100,6 @@ impl RawFootprint {
         let first = self.polygons.get(k).and_then(|rings| rings.iter().flatten().next());
         Culprit { feature: self.number, id: &self.id, place: first.copied() }
     }
-}
-
-/// What a height property held.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum FoundHeight {
-    Meters(f64),
-    DecimalComma(f64),
-    Missing,
 }
 
 impl Buildings {
@@ -84,11 +113,34 @@ impl Buildings {
         if options.roofs == Some(Roofs::Lod2) && set.features.iter().all(|feature| feature.roof.is_empty()) {
             return Err(Error::read(input, ReadFault::Nothing(Wanted::Roofs)));
         }
-        refuse_unknown_property(input, &set, options)?;
+        // What a file means does not hang on what is read of it beyond the extent. Of another system that is not known yet.
+        let extent = options.extent.filter(|_| options.project.is_none());
+        let is_asked = |feature: &Feature| {
+            !feature.polygons.is_empty() && extent.is_none_or(|extent| meets(&feature.polygons, extent))
+        };
+        let asked: Vec<&Feature> = set.features.iter().filter(|feature| is_asked(feature)).collect();
+        let tagging = Tagging::of(&asked, set.name_limit);
+        let says = Reading { name_limit: set.name_limit, options, base_field: None };
+        let has_storeys = |feature: &Feature| {
+            let is_none = || tagging.is_not_there(feature, set.name_limit, FoundHeight::Missing);
+            let says = says.about(feature);
+            // A part may have those of its outline.
+            says.levels().is_some() || says.part_of().is_some() || is_none()
+        };
+        let all_have_storeys = options.missing.counts_storeys() && asked.iter().all(|feature| has_storeys(feature));
+        refuse_unknown_property(input, &asked, set.name_limit, (options, all_have_storeys))?;
+        // One property for the whole file: the first that any of its features has.
+        let has_base = |name: &&str| asked.iter().any(|feature| says.about(feature).base_in(name).is_some());
+        let base_field = match options.base_field.as_deref() {
+            Some(name) => Some(name),
+            None => BASES.into_iter().find(has_base),
+        };
+        refuse_unknown_bases(input, &asked, set.name_limit, (options, base_field))?;
         let mut buildings = Buildings::default();
+        let (mut area, mut area_not_there) = (0.0, 0.0);
         for (index, feature) in set.features.into_iter().enumerate() {
             let number = index + 1;
-            let says = Says { feature: &feature, name_limit: set.name_limit, options };
+            let says = Reading { name_limit: set.name_limit, options, base_field }.about(&feature);
             if feature.polygons.is_empty() {
                 log.note(FootprintFault::NotAnArea, Culprit { feature: number, id: &says.id(number), place: None });
                 continue;
@@ -102,24 +154,26 @@ impl Buildings {
             if feature.has_other_parts {
                 log.note(FootprintFault::NotAnArea, footprint.culprit());
             }
-            if says.is_no_building() {
-                log.note(FootprintFault::NotABuilding, footprint.culprit());
+            // Without a height nobody would have taken it for a building of some.
+            let has_height = footprint.height != FoundHeight::Missing;
+            let is_asked = extent.is_none_or(|extent| footprint.meets(extent));
+            let of_it = if has_height && is_asked { footprint.area() } else { 0.0 };
+            area += of_it;
+            let is_flat = footprint.height.meters() == Some(0.0) && !footprint.above_datum;
+            if is_flat || tagging.is_not_there(&feature, set.name_limit, footprint.height) {
+                area_not_there += of_it;
+                if is_asked {
+                    log.note(FootprintFault::NotABuilding, footprint.culprit());
+                }
                 continue;
-            }
-            if says.is_part() {
-                log.note(FootprintFault::Part, footprint.culprit());
             }
             buildings.footprints.push(footprint);
         }
+        if area > 0.0 {
+            buildings.not_there_share = area_not_there / area;
+        }
+        share_bases(&mut buildings.footprints);
         Ok(buildings)
-    }
-
-    /// Forgets those that do not meet a box: west, south, east, north \[CRS units\].
-    pub(super) fn keep_within(&mut self, [west, south, east, north]: [f64; 4]) {
-        self.footprints.retain(|footprint| {
-            bounds(footprint.polygons.iter())
-                .is_some_and(|[w, s, e, n]| w <= east && e >= west && s <= north && n >= south)
-        });
     }
 
     /// West, south, east, north of all positions; `None` if there is none.
@@ -128,19 +182,42 @@ impl Buildings {
     }
 }
 
-/// Refuses a file of areas of which none has the property that heights are read from, unless storeys stand in for a
-/// property that nobody named.
-fn refuse_unknown_property(input: &Input, set: &FeatureSet, options: &FootprintOptions) -> Result<()> {
+/// Parts of a building begin where the lowest of them does: a tower that is drawn from a roof on stands on the ground of its building.
+fn share_bases(footprints: &mut [RawFootprint]) {
+    let mut lowest: HashMap<String, f64> = HashMap::new();
+    for footprint in footprints.iter() {
+        if let (Some(PartOf::Named(name)), Some(base)) = (&footprint.part_of, footprint.base_m) {
+            lowest.entry(name.clone()).and_modify(|m| *m = m.min(base)).or_insert(base);
+        }
+    }
+    for footprint in footprints {
+        if let Some(PartOf::Named(name)) = &footprint.part_of {
+            footprint.base_m = lowest.get(name).copied();
+        }
+    }
+}
+
+/// Whether the box around polygons meets another: west, south, east, north.
+fn meets(polygons: &[Polygon], [west, south, east, north]: [f64; 4]) -> bool {
+    bounds(polygons.iter()).is_some_and(|[w, s, e, n]| w <= east && e >= west && s <= north && n >= south)
+}
+
+/// Refuses areas of which none has the property that heights are read from, unless the list for missing heights gives each one.
+fn refuse_unknown_property(
+    input: &Input,
+    areas: &[&Feature],
+    name_limit: Option<usize>,
+    (options, all_have_storeys): (&FootprintOptions, bool),
+) -> Result<()> {
     let name = options.height_property();
-    let areas = || set.features.iter().filter(|feature| !feature.polygons.is_empty());
-    let has = |name: &str| areas().any(|feature| feature.property(name, set.name_limit).is_some());
+    let areas = || areas.iter();
+    let has = |name: &str| areas().any(|feature| feature.column(name, name_limit).is_some());
     let is_named = options.top_field.is_some() || options.height_field.is_some();
-    let by_storeys = options.missing == MissingHeight::Levels && !is_named && has(&options.levels_field);
     let by_itself = !is_named && areas().any(|feature| feature.heights.is_some());
     if let Some(name) = options.height_error_field.as_deref().filter(|name| areas().next().is_some() && !has(name)) {
         return Err(Error::read(input, ReadFault::NoErrorProperty(name.to_string())));
     }
-    if areas().next().is_none() || has(name) || by_storeys || by_itself {
+    if areas().next().is_none() || has(name) || all_have_storeys || by_itself || options.missing.gives_all() {
         return Ok(());
     }
     const MOST: usize = 12;
@@ -159,8 +236,46 @@ fn refuse_unknown_property(input: &Input, set: &FeatureSet, options: &FootprintO
     }
     let [like_heights, like_storeys, others] =
         [like_heights, like_storeys, others].map(|names| names.into_iter().map(str::to_string).collect());
-    let wanted = name.to_string();
-    Err(Error::read(input, ReadFault::NoHeightProperty { wanted, like_heights, like_storeys, others }))
+    let (wanted, has_bases) = (name.to_string(), BASES.iter().any(|name| has(name)));
+    Err(Error::read(input, ReadFault::NoHeightProperty { wanted, like_heights, like_storeys, others, has_bases }))
+}
+
+/// The properties that count storeys.
+fn storeys_of(options: &FootprintOptions) -> Vec<&str> {
+    options.levels_field.as_deref().map_or(STOREYS.to_vec(), |name| vec![name])
+}
+
+/// Refuses areas that tell nowhere what ground they stand on, where that is needed.
+///
+/// # Errors
+/// E365 without the property that was named, or without any of those that are known.
+fn refuse_unknown_bases(
+    input: &Input,
+    areas: &[&Feature],
+    name_limit: Option<usize>,
+    (options, base_field): (&FootprintOptions, Option<&str>),
+) -> Result<()> {
+    if areas.is_empty() {
+        return Ok(());
+    }
+    let has = |name: &str| areas.iter().any(|feature| feature.column(name, name_limit).is_some());
+    if let Some(name) = options.base_field.as_deref().filter(|name| !has(name)) {
+        return Err(Error::read(input, ReadFault::NoBaseProperty(name.into())));
+    }
+    let says = Reading { name_limit, options, base_field };
+    let of_property = match (options.top_field.as_deref(), options.ground) {
+        (Some(top), _) if options.needs_bases() => Some(top),
+        (None, GroundChoice::Buildings) if areas.iter().all(|feature| feature.heights.is_none()) => {
+            Some(options.height_property())
+        }
+        _ => None,
+    };
+    match of_property {
+        Some(name) if areas.iter().all(|feature| says.about(feature).base_m().is_none()) => {
+            Err(Error::read(input, ReadFault::NoBases(name.into())))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// What a property may hold by its name.
@@ -171,10 +286,13 @@ enum Likeness {
 
 /// Whether a property may hold the height of a building, or the number of its storeys.
 fn likeness(name: &str, value: &Property) -> Option<Likeness> {
-    const HEIGHTS: [&str; 10] =
-        ["height", "heigth", "hgt", "hoehe", "höhe", "haut", "altura", "altezza", "hoogte", "z_"];
+    const HEIGHTS: [&str; 11] =
+        ["height", "heigth", "hgt", "hoehe", "höhe", "haut", "altura", "altezza", "hoogte", "z_", "b3_h_"];
     const WHOLE: [&str; 5] = ["h", "z", "top", "roof", "elev"];
     const STOREYS: [&str; 4] = ["level", "storey", "stories", "floors"];
+    if BASES.contains(&name) {
+        return None;
+    }
     let name = name.to_lowercase();
     let has = |words: &[&str]| words.iter().any(|word| name.contains(word));
     let likeness = if has(&STOREYS) {
@@ -187,11 +305,31 @@ fn likeness(name: &str, value: &Property) -> Option<Likeness> {
     (!matches!(found_height(value, HeightUnit::Meters), FoundHeight::Missing)).then_some(likeness)
 }
 
+/// How the features of a file are read.
+#[derive(Clone, Copy)]
+struct Reading<'a> {
+    name_limit: Option<usize>,
+    options: &'a FootprintOptions,
+    /// The property of the ground below buildings, if the file has one.
+    base_field: Option<&'a str>,
+}
+
+impl<'a> Reading<'a> {
+    fn about<'f>(self, feature: &'f Feature) -> Says<'f>
+    where
+        'a: 'f,
+    {
+        let Reading { name_limit, options, base_field } = self;
+        Says { feature, name_limit, options, base_field }
+    }
+}
+
 /// A feature and how it is read.
 struct Says<'a> {
     feature: &'a Feature,
     name_limit: Option<usize>,
     options: &'a FootprintOptions,
+    base_field: Option<&'a str>,
 }
 
 impl Says<'_> {
@@ -203,27 +341,42 @@ impl Says<'_> {
         self.property(name).and_then(Property::text).map(|text| text.trim().to_lowercase())
     }
 
-    fn is_no_building(&self) -> bool {
-        self.word("building").is_some_and(|word| word == "no" || word == "demolished")
-    }
-
-    fn is_part(&self) -> bool {
-        self.word("building:part").is_some_and(|word| word != "no" && !word.is_empty())
+    /// The building that it is a part of.
+    fn part_of(&self) -> Option<PartOf> {
+        let named = self.feature.part_of.clone().or_else(|| self.property("building_id").and_then(Property::text));
+        let is_part = || self.word("building:part").is_some_and(|word| word != "no" && !word.is_empty());
+        named.map(PartOf::Named).or_else(|| is_part().then_some(PartOf::Outline))
     }
 
     /// Whether a number other than zero is given.
     fn is_above_zero(&self, name: &str) -> bool {
         let found = self.property(name).map(|value| found_height(value, HeightUnit::Meters));
-        matches!(found, Some(FoundHeight::Meters(v) | FoundHeight::DecimalComma(v)) if v > 0.0)
+        found.and_then(FoundHeight::meters).is_some_and(|v| v > 0.0)
+    }
+
+    /// A number that a property holds.
+    fn number(&self, name: &str) -> Option<f64> {
+        found_height(self.property(name)?, HeightUnit::Meters).meters()
     }
 
     fn levels(&self) -> Option<f64> {
-        let number = |name: &str| match found_height(self.property(name)?, HeightUnit::Meters) {
-            FoundHeight::Meters(n) | FoundHeight::DecimalComma(n) => Some(n),
-            FoundHeight::Missing => None,
-        };
-        let levels = number(&self.options.levels_field).filter(|n| *n > 0.0)?;
-        Some(levels + number("roof:levels").filter(|n| *n > 0.0).unwrap_or(0.0))
+        let levels = storeys_of(self.options).into_iter().find_map(|name| self.number(name).filter(|n| *n > 0.0))?;
+        Some(levels + self.number("roof:levels").filter(|n| *n > 0.0).unwrap_or(0.0))
+    }
+
+    /// The ground below it \[m above the datum\] that a property holds.
+    fn base_in(&self, name: &str) -> Option<f64> {
+        found_height(self.property(name)?, self.options.height_unit).unless(is_no_top).meters()
+    }
+
+    /// The ground below it \[m above the datum\]: of a solid its lowest point, unless the property of another height is named.
+    fn base_m(&self) -> Option<f64> {
+        let of_solid = self.feature.heights.map(|[lowest, _]| lowest);
+        let of_field = || self.base_in(self.base_field?);
+        match self.options.top_field.is_some() || self.options.height_field.is_some() {
+            true => of_field().or(of_solid),
+            false => of_solid.or_else(of_field),
+        }
     }
 
     /// The standard deviation of the error of the height \[m\], if it is told.
@@ -242,11 +395,16 @@ impl Says<'_> {
         let of = |name: &str| {
             self.property(name).map_or(FoundHeight::Missing, |value| found_height(value, options.height_unit))
         };
-        match (&options.top_field, &options.height_field, self.feature.heights) {
-            (Some(name), _, _) => (of(name), true),
-            (None, Some(name), _) => (of(name), false),
-            (None, None, Some([_, highest])) => (FoundHeight::Meters(highest), true),
-            (None, None, None) => (of(HEIGHT), false),
+        // A number below 0 stands for none, unless the feature begins somewhere below the ground.
+        let begins_somewhere = self.property("min_height").is_some();
+        let above_ground = |name: &str| of(name).unless(|m| m < 0.0 && !begins_somewhere);
+        match (&options.top_field, &options.height_field, self.feature.heights, self.feature.height) {
+            (Some(name), ..) => (of(name).unless(is_no_top), true),
+            (None, Some(name), ..) => (above_ground(name), false),
+            (None, None, Some(_), Some(SolidHeight::Measured(m))) => (FoundHeight::Meters(m), false),
+            (None, None, Some(_), Some(SolidHeight::Unknown)) => (FoundHeight::Missing, false),
+            (None, None, Some([_, highest]), None) => (FoundHeight::Meters(highest), true),
+            (None, None, None, _) => (above_ground(HEIGHT), false),
         }
     }
 
@@ -257,7 +415,8 @@ impl Says<'_> {
     }
 
     fn footprint(&self, number: usize) -> RawFootprint {
-        let is_as_it_is = self.options.roofs == Some(Roofs::Lod2);
+        // Surfaces that do not tell the height are no roof.
+        let is_as_it_is = self.options.roofs == Some(Roofs::Lod2) && self.feature.height.is_none();
         let (roof, ground) = match is_as_it_is {
             true => (self.feature.roof.clone(), opened(self.feature.ground.clone()).0),
             false => (Vec::new(), Vec::new()),
@@ -276,79 +435,14 @@ impl Says<'_> {
             unclosed,
             height,
             above_datum,
+            base_m: self.base_m(),
+            part_of: self.part_of(),
             levels: self.levels(),
             height_error_m: self.height_error_m(),
             floats: self.is_above_zero("min_height") || self.is_above_zero("building:min_level"),
-            lowest: self.feature.heights.map(|[lowest, _]| lowest),
             lacks_roof: is_as_it_is && roof.is_empty(),
             roof,
             ground,
         }
-    }
-}
-
-/// A height from a property: a number, or text such as `12`, `12.5 m`, `40 ft`, `39'4"`, `12,5`; `unit` is that of
-/// numbers without one.
-pub(super) fn found_height(value: &Property, unit: HeightUnit) -> FoundHeight {
-    let text = match value {
-        Property::Number(n) if n.is_finite() => return FoundHeight::Meters(n * unit.meters()),
-        Property::Number(_) | Property::Null => return FoundHeight::Missing,
-        Property::Text(text) => text.trim(),
-    };
-    if let Some((feet, inches)) = text.split_once('\'') {
-        return feet_and_inches(feet, inches).map_or(FoundHeight::Missing, FoundHeight::Meters);
-    }
-    const UNITS: [(&str, f64); 8] = [
-        ("ft", METERS_PER_FOOT),
-        ("feet", METERS_PER_FOOT),
-        ("foot", METERS_PER_FOOT),
-        ("meters", 1.0),
-        ("metres", 1.0),
-        ("meter", 1.0),
-        ("metre", 1.0),
-        ("m", 1.0),
-    ];
-    let named = UNITS.iter().find_map(|(name, meters)| text.strip_suffix(name).map(|n| (n.trim_end(), *meters)));
-    let (number, meters) = named.unwrap_or((text, unit.meters()));
-    if let Ok(v) = number.parse::<f64>() {
-        return if v.is_finite() { FoundHeight::Meters(v * meters) } else { FoundHeight::Missing };
-    }
-    // One comma and no point: a decimal comma, not a thousands separator followed by three digits.
-    match number.split_once(',') {
-        Some((whole, decimals)) if decimals.len() != 3 && !number.contains('.') => format!("{whole}.{decimals}")
-            .parse::<f64>()
-            .map_or(FoundHeight::Missing, |v| FoundHeight::DecimalComma(v * meters)),
-        _ => FoundHeight::Missing,
-    }
-}
-
-/// `39` and `4"` as meters, the inches left out or below 12.
-fn feet_and_inches(feet: &str, inches: &str) -> Option<f64> {
-    let feet: f64 = feet.trim().parse().ok().filter(|v: &f64| v.is_finite())?;
-    let inches = inches.trim().trim_end_matches(['"', '\'']).trim();
-    let inches: f64 = if inches.is_empty() { 0.0 } else { inches.parse().ok()? };
-    (0.0..12.0).contains(&inches).then_some((feet + inches / 12.0) * METERS_PER_FOOT)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn heights_are_read_with_their_units_and_nonsense_is_missing() {
-        let read = |text: &str| found_height(&Property::Text(text.into()), HeightUnit::Meters);
-        for (text, meters) in [("12 m", 12.0), ("12.5m", 12.5), ("12.5", 12.5), ("100 ft", 30.48), ("100'", 30.48)] {
-            assert_eq!(read(text), FoundHeight::Meters(meters), "{text}");
-        }
-        // 39 feet and 4 inches are 472 inches of 25.4 mm.
-        let FoundHeight::Meters(mixed) = read("39'4\"") else { panic!("no height") };
-        assert!((mixed - 472.0 * 0.0254).abs() < 1e-12, "{mixed}");
-        assert_eq!(read("12,5"), FoundHeight::DecimalComma(12.5));
-        for nonsense in ["1,200", "tall", "inf", "", "m", "39'14\"", "39'x", "nan ft"] {
-            assert_eq!(read(nonsense), FoundHeight::Missing, "{nonsense}");
-        }
-        assert_eq!(found_height(&Property::Number(100.0), HeightUnit::Feet), FoundHeight::Meters(30.48));
-        assert_eq!(found_height(&Property::Text("100 m".into()), HeightUnit::Feet), FoundHeight::Meters(100.0));
-        assert_eq!(found_height(&Property::Number(f64::NAN), HeightUnit::Meters), FoundHeight::Missing);
     }
 }

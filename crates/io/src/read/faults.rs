@@ -1,47 +1,47 @@
 //! Faults of footprints as warnings, one for each kind.
 
-use super::footprint_options::{FootprintOptions, MissingHeight};
-use crate::city::{FootprintFault, FootprintFaults};
+use std::collections::HashMap;
+
+use super::file_heights::FileHeights;
+use super::footprint_options::FootprintOptions;
+use crate::city::{FootprintFault, FootprintFaults, HeightSource};
 use crate::error::{OddFile, Warning};
 use crate::input::Input;
 
-/// How heights were looked for, in words.
-pub(super) struct HeightWords {
-    /// The property that holds them.
-    pub(super) property: String,
-    /// What is done without one.
-    pub(super) treated: String,
-    drops: bool,
-}
-
-impl HeightWords {
-    pub(super) fn of(options: &FootprintOptions) -> HeightWords {
-        let treated = match options.missing {
-            MissingHeight::Fail => "refused".to_string(),
-            MissingHeight::Few | MissingHeight::Drop => "left out".to_string(),
-            MissingHeight::Levels => {
-                format!("3 m for each of `{}` and `roof:levels`, left out without that", options.levels_field)
-            }
-            MissingHeight::Median => "given the median height".to_string(),
-        };
-        let drops = matches!(options.missing, MissingHeight::Few | MissingHeight::Drop);
-        HeightWords { property: options.height_property().to_string(), treated, drops }
-    }
+/// What warnings tell beside the numbers of faults.
+pub(super) struct Said<'a> {
+    pub(super) heights: &'a FileHeights,
+    /// What outlines are beside their parts, as high as the lowest of these \[m²\].
+    pub(super) rest_area_m2: f64,
+    /// Shares of the area of all that have a height, of faults whose footprints are left out.
+    pub(super) left_out: &'a HashMap<FootprintFault, f64>,
 }
 
 /// Warns of each kind of fault, with how many there are and what was done.
 pub(super) fn warn_of_faults(
     faults: &FootprintFaults,
     input: &Input,
-    words: &HeightWords,
-    missing_area_share: f64,
+    options: &FootprintOptions,
+    said: &Said<'_>,
     warnings: &mut Vec<Warning>,
 ) {
-    for fault in FootprintFault::ALL.into_iter().filter(|fault| faults.of(*fault) > 0) {
-        let (n, left_out) = (faults.of(fault), words.drops.then_some(missing_area_share));
+    /// A smaller share of the area is not told.
+    const TOLD: f64 = 0.02;
+    let sources = &said.heights.sources;
+    let missing = sources.missing();
+    for fault in FootprintFault::ALL {
+        let n = if fault == FootprintFault::MissingHeight { missing.n } else { faults.of(fault) };
         let odd = match fault {
-            FootprintFault::MissingHeight => OddFile::MissingHeights { n, treated: words.treated.clone(), left_out },
-            _ => OddFile::Fault(fault, n),
+            _ if n == 0 => continue,
+            FootprintFault::MissingHeight => {
+                let asks_nothing = options.missing.rules().is_empty() && sources.from(HeightSource::Nowhere).n > 0;
+                OddFile::MissingHeights { n, treated: sources.treated(), asks_nothing }
+            }
+            FootprintFault::Part if said.rest_area_m2 > 0.0 => OddFile::Rests { n, area_m2: said.rest_area_m2 },
+            _ => match said.left_out.get(&fault) {
+                Some(area_share) if *area_share > TOLD => OddFile::LeftOut { fault, n, area_share: *area_share },
+                _ => OddFile::Fault(fault, n),
+            },
         };
         warnings.push(Warning::of(input, odd));
     }

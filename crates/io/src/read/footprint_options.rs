@@ -1,25 +1,31 @@
 //! How footprints are read.
 
+use super::missing_heights::MissingHeights;
 use super::projection::Projection;
 use crate::city::NodataAs;
 use crate::input::Input;
 use crate::raster::Crs;
 
-/// What to do with footprints whose height is missing.
+/// What becomes of an outline whose building is drawn by parts as well.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum MissingHeight {
-    /// Leave them out where they cover at most 2 % of the area of all footprints, refuse the file otherwise.
+pub enum Parts {
+    /// Parts stand in its place; beside them stands what they leave of it, if that is more than a tenth.
     #[default]
-    Few,
-    /// Refuse the file.
-    Fail,
-    /// Leave the footprint out, and say so.
-    Drop,
-    /// Three meters for each storey of [`FootprintOptions::levels_field`] and of `roof:levels`; left out where the former
-    /// is missing too.
-    Levels,
-    /// The median of the known heights.
-    Median,
+    Replace,
+    /// Both stand, and the highest of what overlaps counts.
+    Join,
+}
+
+/// The ground of footprints, where no terrain is given.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum GroundChoice {
+    /// A plane at 0 m. Tops above the datum take a plane in the median of the ground below buildings, which the file must tell.
+    #[default]
+    Auto,
+    /// A plane at so many meters above the datum.
+    Flat(f64),
+    /// A terrain through the ground below buildings, as the file tells it.
+    Buildings,
 }
 
 /// Which of the terrain columns that a footprint's area overlaps it stands on.
@@ -64,20 +70,25 @@ pub struct FootprintOptions {
     pub top_field: Option<String>,
     /// Unit of heights that name none.
     pub height_unit: HeightUnit,
-    /// Property that holds the number of storeys, for [`MissingHeight::Levels`].
-    pub levels_field: String,
+    /// Property that holds the ground below the building \[m above the datum\]; `None` is the first of the known names that a file has, where one
+    /// is needed.
+    pub base_field: Option<String>,
+    /// Property that holds the number of storeys; `None` is the first of the known names that a feature has.
+    pub levels_field: Option<String>,
     /// Property that holds the standard deviation of the error of the height \[m\], if one does.
     pub height_error_field: Option<String>,
     /// The shape of roofs, of files that hold surfaces; flat, which is told, where nothing is said.
     pub roofs: Option<Roofs>,
-    /// Policy for missing heights.
-    pub missing: MissingHeight,
+    /// What becomes of missing heights.
+    pub missing: MissingHeights,
+    /// What becomes of outlines that have parts.
+    pub parts: Parts,
     /// Table of a GeoPackage; needed where it has several.
     pub layer: Option<String>,
     /// Terrain model, in the same CRS unless `project` is given.
     pub terrain: Option<Input>,
-    /// Height of flat ground \[m above the datum\], 0 by default.
-    pub ground_m: Option<f64>,
+    /// The ground without a terrain.
+    pub ground: GroundChoice,
     /// Extent of the receivers' grid: west, south, east, north \[CRS units\].
     pub extent: Option<[f64; 4]>,
     /// How far from the extent a building can matter at most \[m\]; by default as far as engines can see.
@@ -105,13 +116,15 @@ impl Default for FootprintOptions {
             height_field: None,
             top_field: None,
             height_unit: HeightUnit::default(),
-            levels_field: "building:levels".into(),
+            base_field: None,
+            levels_field: None,
             height_error_field: None,
             roofs: None,
-            missing: MissingHeight::default(),
+            missing: MissingHeights::default(),
+            parts: Parts::default(),
             layer: None,
             terrain: None,
-            ground_m: None,
+            ground: GroundChoice::default(),
             extent: None,
             reach_m: None,
             cell_m: None,
@@ -154,5 +167,10 @@ impl FootprintOptions {
     /// The property that heights are read from.
     pub(super) fn height_property(&self) -> &str {
         self.top_field.as_deref().or(self.height_field.as_deref()).unwrap_or(HEIGHT)
+    }
+
+    /// Whether the ground is that below buildings, as the file tells it.
+    pub(super) fn needs_bases(&self) -> bool {
+        self.terrain.is_none() && !matches!(self.ground, GroundChoice::Flat(_))
     }
 }

@@ -7,10 +7,13 @@
 
 use super::antimeridian;
 use super::area::read_area;
-use super::building::Buildings;
-use super::footprint_options::{DataAreaChoice, FootprintOptions};
+use super::building::{Buildings, RawFootprint};
+use super::file_heights::FileHeights;
+use super::footprint_options::{DataAreaChoice, FootprintOptions, GroundChoice};
+use super::ground_of_bases::terrain_through;
 use super::heights::{HeightFile, Heights, warn_of_units};
-use super::lattice_footprints::{Making, median};
+use super::lattice_footprints::Making;
+use super::parts::Grouping;
 use super::projection::Projection;
 use super::receivers_grid::{GridRequest, receivers_grid};
 use super::repairs::{FaultLog, Listing, Repair};
@@ -23,7 +26,7 @@ use super::vector::{FeatureSet, Selection, bounds, read_features};
 use crate::city::{City, DataArea, Footprint, Ground, NodataAs, Solids, Source};
 use crate::crs;
 use crate::crs::Transformation;
-use crate::error::{Error, InputKind, Namer, OddFile, Pair, ReadFault, Result, Warning};
+use crate::error::{Error, InputKind, Namer, OddFile, Pair, ReadFault, Result, Wanted, Warning};
 use crate::formats::reserve_cells;
 use crate::input::Input;
 use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, meters};
@@ -67,9 +70,13 @@ fn read(
     scene_of(input, (set, vec![source]), options, listing, warnings)
 }
 
-/// The box that can matter of a file: the extent is in the scene's CRS, so of a file in another one all must be read.
+/// The box that can matter of a file, with all parts of what meets it: the extent is in the scene's CRS, so of a file in another one all must
+/// be read.
 fn within_reach(options: &FootprintOptions) -> Option<[f64; 4]> {
-    options.extent.filter(|_| options.project.is_none()).map(|extent| grown(extent, options.reach_m))
+    /// No building is longer \[CRS units\].
+    const LONGEST: f64 = 5000.0;
+    let [west, south, east, north] = grown(options.extent.filter(|_| options.project.is_none())?, options.reach_m);
+    Some([west - LONGEST, south - LONGEST, east + LONGEST, north + LONGEST])
 }
 
 /// The scene of features, and everything that was mended or left out.
@@ -88,9 +95,6 @@ pub(super) fn scene_of(
     let mut log = FaultLog::new(listing);
     warn_of_flat_roofs(input, &set, options, warnings);
     let mut raw = Buildings::of(input, set, options, &mut log)?;
-    if let (Some(within), Some(_)) = (within_reach(options), options.reach_m) {
-        raw.keep_within(within);
-    }
     // Local coordinates are nowhere on earth.
     if file_crs.is_some() || options.project.is_some() {
         let crs = said_or_degrees(file_crs.as_ref(), raw.bounds())?;
@@ -128,6 +132,9 @@ pub(super) fn scene_of(
     if let Some(crs) = &crs {
         warn_of_units(input, crs, warnings);
     }
+    if raw.footprints.is_empty() && raw.not_there_share > 0.0 && options.extent.is_none() && terrain.is_none() {
+        return Err(Error::read(input, ReadFault::Nothing(Wanted::Building)));
+    }
     let request = GridRequest { extent: options.extent, cell_m: options.cell_m };
     let grid = receivers_grid(input, request, terrain.as_ref(), bounds, crs.as_ref())?.with_crs(crs);
     let frame = Frame { x_origin: grid.x_min().floor(), y_origin: grid.y_min().floor(), unit_x: 1.0, unit_y: 1.0 };
@@ -135,13 +142,31 @@ pub(super) fn scene_of(
     if let DataAreaChoice::Within(input) = &options.data_area {
         sources.push(source_of(input, options.always_hash)?);
     }
-    let mut ground = match terrain {
-        Some(terrain) => Ground::Terrain(terrain),
-        None => Ground::Flat(ground_steps(options.ground_m.unwrap_or(0.0))?),
+    let is_asked = |footprint: &RawFootprint| options.extent.is_none_or(|extent| footprint.meets(extent));
+    let grouping = Grouping::of(&raw.footprints, options.parts, frame);
+    let heights = FileHeights::of(&raw.footprints, is_asked, &grouping, &options.missing);
+    let near = options.extent.zip(options.reach_m).map(|(extent, reach_m)| grown(extent, Some(reach_m)));
+    let mut ground = match (terrain, options.ground, heights.bases) {
+        (Some(terrain), ..) => Ground::Terrain(terrain),
+        (None, GroundChoice::Flat(m), _) => Ground::Flat(ground_steps(m)?),
+        (None, GroundChoice::Buildings, Some(_)) => {
+            let is_near = |footprint: &&RawFootprint| near.is_none_or(|near| footprint.meets(near));
+            Ground::Terrain(terrain_through(input, raw.footprints.iter().filter(is_near), &grid)?)
+        }
+        (None, GroundChoice::Auto, Some(bases)) if heights.has_tops => Ground::Flat(ground_steps(bases.middle)?),
+        (None, ..) => Ground::Flat(ground_steps(0.0)?),
     };
-    warn_of_the_ground(input, &raw, &ground, warnings);
-    let making = Making { input, options, ground: &ground, frame };
-    let (footprints, height_gap) = making.prisms(raw, &mut log, warnings)?;
+    warn_of_the_ground(input, &heights, (options, &ground), warnings);
+    let making = Making {
+        input,
+        options,
+        ground: &ground,
+        frame,
+        meters_per_unit: grid.meters_per_unit(),
+        heights: &heights,
+        grouping: &grouping,
+    };
+    let footprints = making.prisms(raw, near, &mut log, warnings)?;
     if let (Ground::Terrain(terrain), NodataAs::Block) = (&ground, options.nodata_as) {
         ground = Ground::Terrain(blocking_where_unknown(input, terrain, &grid)?);
     }
@@ -154,7 +179,7 @@ pub(super) fn scene_of(
         built_up: None,
         sources,
         attribution,
-        height_gap,
+        heights: Some(heights.sources),
     };
     Ok((scene, log.into_list()))
 }
@@ -301,16 +326,20 @@ fn grown([west, south, east, north]: [f64; 4], reach_m: Option<f64>) -> [f64; 4]
     [west - reach, south - reach, east + reach, north + reach]
 }
 
-/// Warns where solids stand on another height than the flat ground of the scene.
-fn warn_of_the_ground(input: &Input, raw: &Buildings, ground: &Ground, warnings: &mut Vec<Warning>) {
-    let Ground::Flat(z) = ground else { return };
-    let lowest: Vec<f64> = raw.footprints.iter().filter_map(|f| f.lowest).collect();
-    let range = lowest.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, z| (r.0.min(*z), r.1.max(*z)));
-    let Some(middle) = median(lowest) else { return };
-    if (range.0..=range.1).contains(&meters(*z)) {
-        return;
-    }
-    let odd = OddFile::OtherGround { ground_m: meters(*z), range_m: range, median_m: middle };
+/// Warns where solids stand on another height than the flat ground of the scene, and says what ground was taken for them.
+fn warn_of_the_ground(
+    input: &Input,
+    heights: &FileHeights,
+    (options, ground): (&FootprintOptions, &Ground),
+    warnings: &mut Vec<Warning>,
+) {
+    let (Ground::Flat(z), Some(bases), true) = (ground, heights.bases, heights.has_tops) else { return };
+    let (ground_m, range_m) = (meters(*z), (bases.lowest, bases.highest));
+    let odd = match options.ground {
+        GroundChoice::Auto => OddFile::GroundOfBases { ground_m, range_m },
+        _ if (bases.lowest..=bases.highest).contains(&ground_m) => return,
+        _ => OddFile::OtherGround { ground_m, range_m, median_m: bases.middle },
+    };
     warnings.push(Warning::of(input, odd));
 }
 

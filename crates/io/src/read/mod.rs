@@ -2,15 +2,22 @@
 
 mod antimeridian;
 mod area;
+mod box_index;
 mod building;
 mod faults;
+mod file_heights;
 mod footprint_options;
 mod footprints;
+mod ground_of_bases;
+mod height_value;
 mod heights;
 mod held;
 mod lattice_footprints;
 mod mesh;
+mod missing_heights;
+mod not_there;
 mod outline;
+mod parts;
 mod projection;
 mod receivers_grid;
 mod repairs;
@@ -29,11 +36,12 @@ mod vector;
 mod vertical;
 
 pub use area::read_area;
-pub use building::METERS_PER_LEVEL;
-pub use footprint_options::{BaseRule, DataAreaChoice, FootprintOptions, HeightUnit, MissingHeight, Roofs};
+pub use file_heights::METERS_PER_LEVEL;
+pub use footprint_options::{BaseRule, DataAreaChoice, FootprintOptions, GroundChoice, HeightUnit, Parts, Roofs};
 pub use footprints::{read_footprints, read_footprints_and_repairs};
 pub use held::{HeldBuilding, HeldHeights, footprints_of, surface_of};
 pub use mesh::{MeshOptions, read_mesh, read_mesh_buildings};
+pub use missing_heights::{HeightRule, MissingHeights, WithoutHeight};
 pub use outline::{Region, region_of};
 pub use projection::Projection;
 pub use repairs::Repair;

@@ -130,6 +130,18 @@ pub(super) fn enclosing(mut rings: Vec<Ring>) -> Vec<Ring> {
     rings
 }
 
+/// Polygons as drawn, on the lattice and mended; none beyond it.
+pub(super) fn lattice_polygons(polygons: &[Vec<Vec<[f64; 2]>>], frame: Frame) -> Vec<Polygon> {
+    let rings = polygons.iter().map(|polygon| lattice_rings(polygon, frame)).collect::<Option<Vec<_>>>();
+    let is_sound = |rings: &Vec<Ring>| tangle(rings).is_none();
+    rings
+        .unwrap_or_default()
+        .iter()
+        .filter(|rings| is_sound(rings))
+        .flat_map(|rings| region_of(rings).polygons)
+        .collect()
+}
+
 /// Polygons, repaired.
 fn shape_polygons(shaped: &mut Shaped, frame: Frame) {
     for (k, polygon) in shaped.raw.polygons.iter().enumerate() {

@@ -111,7 +111,7 @@ impl StreamedSurface {
             built_up: None,
             sources: self.sources.clone(),
             attribution: None,
-            height_gap: None,
+            heights: None,
         })
     }
 

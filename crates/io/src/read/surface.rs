@@ -211,7 +211,7 @@ pub(super) fn scene_over(
         built_up: None,
         sources,
         attribution: None,
-        height_gap: None,
+        heights: None,
     })
 }
 

@@ -11,7 +11,7 @@
 use serde_json::{Map, Value};
 
 use super::super::solid::{FaceKind, Solid};
-use super::feature::{Feature, FeatureSet, Properties, Property, crs_of, malformed};
+use super::feature::{Feature, FeatureSet, Properties, Property, SolidHeight, crs_of, malformed, with_others};
 use crate::error::{Error, ReadFault, Result, Wanted};
 use crate::input::Input;
 
@@ -40,13 +40,22 @@ pub(super) fn features(input: &Input, document: &Value) -> Result<FeatureSet> {
         if !["Building", "BuildingPart"].contains(&kind) {
             continue;
         }
-        let solid = most_detailed(object).map(|geometry| solid_of(geometry, &vertices)).transpose();
-        let solid = solid.map_err(|found| wrong(&format!("object `{id}`: {found}")))?;
-        // A building whose parts have the geometry is no feature of its own.
-        let Some(solid) = solid else { continue };
+        // A building is what its parts are, if they are more detailed.
+        let of_parts = names(object, "children").filter_map(|part| most_detailed(objects.get(part)?));
+        let best = most_detailed(object).filter(|geometry| of_parts.map(detail).all(|part| part <= detail(geometry)));
+        let Some(geometry) = best else { continue };
+        let solid = solid_of(geometry, &vertices).map_err(|found| wrong(&format!("object `{id}`: {found}")))?;
+        let attributes = |object: &Value| object.get("attributes").and_then(Value::as_object).cloned();
+        let building = names(object, "parents").next().filter(|_| kind == "BuildingPart");
+        // A part has the attributes of its building, but for those of its own.
+        let of_building = building.and_then(|id| attributes(objects.get(id)?)).unwrap_or_default();
+        let properties = with_others(properties(&attributes(object).unwrap_or_default()), &of_building);
+        let measured = properties.iter().find(|(name, _)| **name == *"measuredHeight").map(|(_, value)| value);
         features.push(Feature {
             id: Some(id.clone()),
-            properties: object.get("attributes").and_then(Value::as_object).map(properties).unwrap_or_default(),
+            height: height_of(measured, detail(geometry), solid.heights),
+            part_of: building.map(str::to_string),
+            properties,
             ..Feature::of_solid(solid)
         });
     }
@@ -90,20 +99,47 @@ fn vertices(document: &Value) -> std::result::Result<Vec<[f64; 3]>, String> {
     list.iter().enumerate().map(vertex).collect()
 }
 
-/// The geometry with the highest level of detail; `None` without one.
-fn most_detailed(object: &Value) -> Option<&Value> {
+/// Names in a list of an object.
+fn names<'a>(object: &'a Value, list: &str) -> impl Iterator<Item = &'a str> {
+    object.get(list).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str)
+}
+
+/// The level of detail of a geometry.
+fn detail(geometry: &Value) -> f64 {
     // 1.0 writes a number, later versions text.
-    let detail = |geometry: &Value| match geometry.get("lod") {
+    match geometry.get("lod") {
         Some(Value::Number(n)) => n.as_f64().unwrap_or(0.0),
         Some(Value::String(text)) => text.parse().unwrap_or(0.0),
         _ => 0.0,
-    };
+    }
+}
+
+/// The geometry with the highest level of detail; `None` without one.
+fn most_detailed(object: &Value) -> Option<&Value> {
     let is_surfaces = |geometry: &&Value| {
         let kind = geometry.get("type").and_then(Value::as_str).unwrap_or_default();
         shells_above(kind).is_some()
     };
     let geometries = object.get("geometry").and_then(Value::as_array)?;
     geometries.iter().filter(is_surfaces).max_by(|a, b| detail(a).total_cmp(&detail(b)))
+}
+
+/// The height of a building that its surfaces do not tell: of an outline alone the measured one, and of a block of just 3 m, which stands for
+/// a height that nobody knows.
+fn height_of(measured: Option<&Property>, detail: f64, heights: Option<[f64; 2]>) -> Option<SolidHeight> {
+    const FILLER_M: f64 = 3.0;
+    let [low, high] = heights?;
+    let measured = measured.and_then(|value| match value {
+        Property::Number(m) => Some(*m).filter(|m| *m >= 0.0),
+        _ => None,
+    });
+    let is_outline = detail < 1.0 && high - low < 1e-6;
+    // Levels such as 1.2 are made of measured roofs.
+    let is_filler = (detail - 1.0).abs() < 1e-6 && (high - low - FILLER_M).abs() < 1e-6 && measured.is_none();
+    match measured {
+        Some(m) if is_outline => Some(SolidHeight::Measured(m)),
+        _ => (is_outline || is_filler).then_some(SolidHeight::Unknown),
+    }
 }
 
 /// How many lists hold the surfaces of a type of geometry, beyond the one of a surface list.

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use serde_json::{Map, Value};
+
 use super::super::solid::{Face, Solid};
 use crate::crs;
 use crate::error::{Error, ReadFault, Result};
@@ -43,6 +45,19 @@ pub(in crate::read) struct Feature {
     pub(in crate::read) roof: Vec<Face>,
     /// What a solid covers of the ground, where that is known.
     pub(in crate::read) ground: Vec<Polygon>,
+    /// What else than its surfaces tells its height.
+    pub(in crate::read) height: Option<SolidHeight>,
+    /// Name of the building that it is a part of.
+    pub(in crate::read) part_of: Option<String>,
+}
+
+/// The height of a building whose surfaces do not tell it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::read) enum SolidHeight {
+    /// Above the ground \[m\].
+    Measured(f64),
+    /// It is missing.
+    Unknown,
 }
 
 /// Properties by name; formats with columns share the names.
@@ -77,14 +92,35 @@ impl Feature {
 
     /// The value of a property; where the format cuts names, also of the one that `name` is cut to.
     pub(in crate::read) fn property(&self, name: &str, name_limit: Option<usize>) -> Option<&Property> {
-        let find = |name: &str| self.properties.iter().find(|(n, _)| **n == *name).map(|(_, value)| value);
-        let found = find(name).or_else(|| {
-            let cut: String = name.chars().take(name_limit?).collect();
-            // GDAL writes an underscore for a colon, too.
-            find(&cut).or_else(|| find(&cut.replace(':', "_")))
-        });
-        found.filter(|value| **value != Property::Null)
+        self.column(name, name_limit).filter(|value| **value != Property::Null)
     }
+
+    /// The value of a property, `null` included.
+    pub(in crate::read) fn column(&self, name: &str, name_limit: Option<usize>) -> Option<&Property> {
+        let find = |name: &str| {
+            let of =
+                |is_it: &dyn Fn(&str) -> bool| self.properties.iter().find(|(n, _)| is_it(n)).map(|(_, value)| value);
+            // GDAL writes an underscore for a colon.
+            let is_like = |n: &str| {
+                let pairs = || n.bytes().zip(name.bytes());
+                n.len() == name.len() && pairs().all(|(a, b)| a == b || (a, b) == (b'_', b':'))
+            };
+            of(&|n| n == name).or_else(|| of(&is_like).filter(|_| name.contains(':')))
+        };
+        find(name).or_else(|| find(&name.chars().take(name_limit?).collect::<String>()))
+    }
+}
+
+/// Properties with others behind them: those of an object `tags`, or of the building of a part. Of one name the first counts that is not `null`.
+pub(super) fn with_others(mut properties: Properties, others: &Map<String, Value>) -> Properties {
+    for (name, value) in others {
+        match properties.iter_mut().find(|(known, _)| **known == **name) {
+            Some((_, known)) if *known == Property::Null => *known = Property::of_json(value),
+            Some(_) => {}
+            None => properties.push((name.as_str().into(), Property::of_json(value))),
+        }
+    }
+    properties
 }
 
 impl Property {

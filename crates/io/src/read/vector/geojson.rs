@@ -176,7 +176,19 @@ fn feature_of(feature: Feature, names: &mut HashSet<Arc<str>>) -> std::result::R
             name
         }
     };
-    let properties = properties.map(|(name, value)| (shared(name), Property::of_json(&value))).collect();
+    let mut tags = None;
+    let properties = properties.map(|(name, value)| {
+        let property = Property::of_json(&value);
+        if let ("tags", Value::Object(of)) = (name.as_str(), value) {
+            tags = Some(of);
+        }
+        (shared(name), property)
+    });
+    let properties: Vec<_> = properties.collect();
+    let properties = match &tags {
+        Some(tags) => feature::with_others(properties, tags),
+        None => properties,
+    };
     Ok(feature::Feature { id, properties, polygons, has_other_parts, ..feature::Feature::default() })
 }
 

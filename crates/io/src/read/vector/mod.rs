@@ -14,7 +14,7 @@ mod rings;
 mod shapefile;
 pub(super) mod wkb;
 
-pub(super) use feature::{Feature, FeatureSet, Polygon, Property, Selection, bounds, opened};
+pub(super) use feature::{Feature, FeatureSet, Polygon, Property, Selection, SolidHeight, bounds, opened};
 pub(super) use rings::doubled_area;
 
 use std::path::Path;

@@ -1,0 +1,107 @@
+//! Where the heights of footprints come from.
+
+use crate::quantity::fixed;
+
+/// Where a height comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum HeightSource {
+    /// The property of a height, or the surfaces of the building.
+    File,
+    /// Its number of storeys.
+    Storeys,
+    /// The median of the heights of the file.
+    Median,
+    /// A number that was given.
+    Number,
+    /// Nowhere: it is left out.
+    Nowhere,
+}
+
+/// How many heights come from a source, and what of the area of all footprints they are of.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SourceShare {
+    /// Footprints.
+    pub n: usize,
+    /// Share of the area of all footprints, 0 to 1.
+    pub area_share: f64,
+}
+
+/// Where the heights of all footprints of a file come from.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct HeightSources([SourceShare; 5]);
+
+impl HeightSource {
+    /// All of them, in the order in which they are told.
+    pub const ALL: [HeightSource; 5] =
+        [HeightSource::File, HeightSource::Storeys, HeightSource::Median, HeightSource::Number, HeightSource::Nowhere];
+
+    fn place(self) -> usize {
+        match self {
+            HeightSource::File => 0,
+            HeightSource::Storeys => 1,
+            HeightSource::Median => 2,
+            HeightSource::Number => 3,
+            HeightSource::Nowhere => 4,
+        }
+    }
+
+    /// A word that never changes its meaning.
+    pub fn word(self) -> &'static str {
+        ["file", "storeys", "median", "number", "nowhere"][self.place()]
+    }
+
+    /// What was done, in words.
+    pub fn done(self) -> &'static str {
+        ["from the file", "by storeys", "given the median height", "given a height", "left out"][self.place()]
+    }
+}
+
+impl HeightSources {
+    /// Of footprints, each with its source and its area.
+    pub fn of(footprints: impl Iterator<Item = (HeightSource, f64)>) -> HeightSources {
+        let mut sources = HeightSources::default();
+        for (source, area) in footprints {
+            let of = &mut sources.0[source.place()];
+            *of = SourceShare { n: of.n + 1, area_share: of.area_share + area };
+        }
+        let total: f64 = sources.0.iter().map(|of| of.area_share).sum();
+        if total > 0.0 {
+            sources.0.iter_mut().for_each(|of| of.area_share /= total);
+        }
+        sources
+    }
+
+    /// What comes from a source.
+    pub fn from(&self, source: HeightSource) -> SourceShare {
+        self.0[source.place()]
+    }
+
+    /// Footprints without a height of their own.
+    pub fn missing(&self) -> SourceShare {
+        let sum = |sum: SourceShare, of: &SourceShare| SourceShare {
+            n: sum.n + of.n,
+            area_share: sum.area_share + of.area_share,
+        };
+        self.0[1..].iter().fold(SourceShare::default(), sum)
+    }
+
+    /// How many there are of all.
+    pub fn n(&self) -> usize {
+        self.0.iter().map(|of| of.n).sum()
+    }
+
+    /// Counts and shares of some sources, in words: `6 by storeys (3.0 % of the area)`.
+    pub fn told(&self, sources: &[HeightSource]) -> String {
+        let words = |source: &HeightSource| {
+            let of = self.from(*source);
+            (of.n > 0)
+                .then(|| format!("{} {} ({} % of the area)", of.n, source.done(), fixed(100.0 * of.area_share, 1)))
+        };
+        sources.iter().filter_map(words).collect::<Vec<_>>().join(", ")
+    }
+
+    /// What was done with those without a height of their own, in words.
+    pub fn treated(&self) -> String {
+        self.told(&HeightSource::ALL[1..])
+    }
+}

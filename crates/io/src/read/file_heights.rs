@@ -1,0 +1,160 @@
+//! Where the heights of a file come from: facts of all its features, which decide about each of them.
+//!
+//! They are of all features that the typed extent meets, whatever a radius, a tile or a block of a file leaves to be read: so the same building has
+//! the same height in every run.
+
+use std::collections::{HashMap, HashSet};
+
+use super::building::RawFootprint;
+use super::height_value::FoundHeight;
+use super::missing_heights::{HeightRule, MissingHeights};
+use super::parts::Grouping;
+use crate::city::{HeightSource, HeightSources};
+
+/// Meters that stand for one storey where only their number is known (the default of OpenStreetMap renderers).
+pub const METERS_PER_LEVEL: f64 = 3.0;
+
+/// A height \[m\], and what it is above.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Height {
+    pub(super) m: f64,
+    pub(super) above_datum: bool,
+}
+
+/// Facts of the heights of a file.
+#[derive(Debug, Clone, Default)]
+pub(super) struct FileHeights {
+    /// The lower middle of all heights above the ground that were read; of tops without a ground of their own, of these.
+    median: Option<Height>,
+    /// The lower middle of the ground below buildings, lowest and highest \[m above the datum\]; `None` where the file tells of none.
+    pub(super) bases: Option<BaseRange>,
+    /// Where they come from.
+    pub(super) sources: HeightSources,
+    /// The first that comes from nowhere, by its id.
+    pub(super) without: Option<String>,
+    /// Of those that have no height of their own, how many have storeys.
+    pub(super) n_storeys: usize,
+    /// Whether a height is that of a top above the datum.
+    pub(super) has_tops: bool,
+}
+
+/// The ground below the buildings of a file \[m above the datum\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BaseRange {
+    pub(super) lowest: f64,
+    pub(super) middle: f64,
+    pub(super) highest: f64,
+}
+
+impl FileHeights {
+    /// Facts of those footprints that are asked.
+    pub(super) fn of(
+        footprints: &[RawFootprint],
+        is_asked: impl Fn(&RawFootprint) -> bool,
+        grouping: &Grouping,
+        missing: &MissingHeights,
+    ) -> FileHeights {
+        let asked: Vec<usize> = (0..footprints.len()).filter(|k| is_asked(&footprints[*k])).collect();
+        let all = || asked.iter().map(|k| &footprints[*k]);
+        let height_of =
+            |height: &dyn Fn(&RawFootprint) -> Option<f64>| by_building(footprints, &asked, grouping, height);
+        let above_ground = height_of(&|f| f.height_above_ground().filter(|m| *m > 0.0));
+        let tops = height_of(&|f| f.height.meters().filter(|_| f.above_datum));
+        let height = |above_datum: bool| move |m: f64| Height { m, above_datum };
+        let median = lower_middle(above_ground).map(height(false)).or_else(|| lower_middle(tops).map(height(true)));
+        let bases: Vec<f64> = all().filter_map(|footprint| footprint.base_m).collect();
+        let bases = bases
+            .iter()
+            .copied()
+            .reduce(f64::min)
+            .zip(bases.iter().copied().reduce(f64::max))
+            .and_then(|(lowest, highest)| Some(BaseRange { lowest, highest, middle: lower_middle(bases)? }));
+        let has_tops = all().any(|footprint| footprint.above_datum && footprint.height.meters().is_some());
+        let facts = FileHeights { median, bases, has_tops, ..FileHeights::default() };
+        let source_of = |k: usize| {
+            let outline = grouping.outline_of(k).map(|outline| &footprints[outline]);
+            facts.height(&footprints[k], outline, missing).0
+        };
+        // Parts stand in place of an outline: it misses nothing.
+        let is_replaced = |k: usize| {
+            grouping.parts_of(k).is_some_and(|parts| parts.iter().any(|part| source_of(*part) != HeightSource::Nowhere))
+        };
+        let own = || asked.iter().copied().filter(|k| !is_replaced(*k));
+        let is_missing = |of: &RawFootprint| of.height == FoundHeight::Missing;
+        let n_storeys = own().filter(|k| is_missing(&footprints[*k]) && footprints[*k].levels.is_some()).count();
+        let sources = HeightSources::of(own().map(|k| (source_of(k), footprints[k].area())));
+        let without = own().find(|k| source_of(*k) == HeightSource::Nowhere).map(|k| footprints[k].id.clone());
+        FileHeights { sources, without, n_storeys, ..facts }
+    }
+
+    /// The median \[m\], as rules take it.
+    pub(super) fn median_m(&self) -> Option<f64> {
+        self.median.map(|height| height.m)
+    }
+
+    /// The height of a footprint, and where it comes from. A part has its own storeys, else those of its outline.
+    pub(super) fn height(
+        &self,
+        of: &RawFootprint,
+        outline: Option<&RawFootprint>,
+        missing: &MissingHeights,
+    ) -> (HeightSource, Option<Height>) {
+        if let Some(m) = of.height.meters() {
+            return (HeightSource::File, Some(Height { m, above_datum: of.above_datum }));
+        }
+        // Storeys are counted from the ground, whatever the property would have been measured from.
+        let above_ground = |m: f64| Height { m, above_datum: false };
+        let of_storeys = of.levels.map(|levels| above_ground(levels * METERS_PER_LEVEL));
+        let of_outline = || outline?.levels.map(|levels| above_ground(levels * METERS_PER_LEVEL));
+        if let Some(height) = of_storeys.or_else(of_outline).filter(|_| of.part_of.is_some()) {
+            return (HeightSource::Storeys, Some(height));
+        }
+        let found = missing.rules().iter().find_map(|rule| match rule {
+            HeightRule::Levels => of_storeys.map(|height| (HeightSource::Storeys, height)),
+            HeightRule::Median => self.median.map(|height| (HeightSource::Median, height)),
+            HeightRule::Meters(m) => Some((HeightSource::Number, above_ground(*m))),
+        });
+        found.map_or((HeightSource::Nowhere, None), |(source, height)| (source, Some(height)))
+    }
+}
+
+/// A height of each building that is asked: that of its outline, else of its highest part.
+fn by_building(
+    footprints: &[RawFootprint],
+    asked: &[usize],
+    grouping: &Grouping,
+    height: &dyn Fn(&RawFootprint) -> Option<f64>,
+) -> Vec<f64> {
+    let mut found = Vec::new();
+    // Of buildings that parts name, and that are not drawn.
+    let (mut undrawn, mut drawn): (HashMap<u32, f64>, HashSet<u32>) = Default::default();
+    // Without a grouping parts count where nothing else is drawn.
+    let has_outlines = asked.iter().any(|k| footprints[*k].part_of.is_none());
+    for k in asked.iter().copied() {
+        let (own, parts) = (height(&footprints[k]), grouping.parts_of(k));
+        if let Some(parts) = parts {
+            found.extend(own.or_else(|| parts.iter().filter_map(|part| height(&footprints[*part])).reduce(f64::max)));
+        } else if footprints[k].part_of.is_none() {
+            drawn.extend(grouping.group_of(k));
+            found.extend(own);
+        } else if grouping.is_empty() {
+            found.extend(own.filter(|_| !has_outlines));
+        } else if grouping.outline_of(k).is_none() {
+            match (grouping.group_of(k), own) {
+                (Some(group), Some(m)) => {
+                    undrawn.entry(group).and_modify(|most| *most = most.max(m)).or_insert(m);
+                }
+                (_, own) => found.extend(own),
+            }
+        }
+    }
+    found.extend(undrawn.into_iter().filter(|(group, _)| !drawn.contains(group)).map(|(_, m)| m));
+    found
+}
+
+/// The middle of some numbers, of two the lower one.
+pub(super) fn lower_middle(mut values: Vec<f64>) -> Option<f64> {
+    let middle = values.len().checked_sub(1)? / 2;
+    let (_, m, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    Some(*m)
+}

@@ -1,0 +1,80 @@
+//! A terrain through the ground below buildings.
+
+use rayon::prelude::*;
+use spade::{DelaunayTriangulation, FloatTriangulation, HasPosition, HierarchyHintGenerator, Point2, Triangulation};
+
+use super::building::RawFootprint;
+use crate::error::Result;
+use crate::formats::reserve_cells;
+use crate::input::Input;
+use crate::quantity::{VOID, height_steps};
+use crate::raster::{GeoRef, Raster};
+
+/// A corner of a building, and the ground below it \[m above the datum\].
+struct Corner {
+    at: Point2<f64>,
+    base_m: f64,
+}
+
+impl HasPosition for Corner {
+    type Scalar = f64;
+
+    fn position(&self) -> Point2<f64> {
+        self.at
+    }
+}
+
+/// A terrain on the cells of a grid, grown to hold all buildings: linear between the corners of these, which are triangulated (Delaunay), and
+/// beyond their hull that of the nearest corner. Where corners of several buildings meet, the lowest counts.
+///
+/// # Errors
+/// E501 if the cells do not fit in memory.
+pub(super) fn terrain_through<'a>(
+    input: &Input,
+    buildings: impl Iterator<Item = &'a RawFootprint>,
+    grid: &GeoRef,
+) -> Result<Raster<i32>> {
+    let corners_of = |building: &'a RawFootprint| {
+        let base_m = building.base_m;
+        let corners = building.polygons.iter().flatten().flatten();
+        corners.filter_map(move |[x, y]| Some(Corner { at: Point2::new(*x, *y), base_m: base_m? }))
+    };
+    // Of those at one place the last is kept: the lowest.
+    let mut corners: Vec<Corner> = buildings.flat_map(corners_of).collect();
+    corners.sort_by(|a, b| b.base_m.total_cmp(&a.base_m));
+    let georef = grown(grid, &corners);
+    let mut mesh: DelaunayTriangulation<Corner, (), (), (), HierarchyHintGenerator<f64>> = DelaunayTriangulation::new();
+    for corner in corners {
+        // Positions are finite, and no lattice has any that spade would refuse.
+        let _ = mesh.insert(corner);
+    }
+    let mut cells = reserve_cells(input, &georef)?;
+    cells.resize(georef.n_cells(), VOID);
+    let n_cols = georef.n_cols();
+    cells.par_chunks_mut(n_cols).enumerate().for_each(|(row, cells)| {
+        let between = mesh.barycentric();
+        for (col, cell) in cells.iter_mut().enumerate() {
+            let (x, y) = georef.world_from_cell(row, col);
+            let at = Point2::new(x, y);
+            let height = between.interpolate(|corner| corner.data().base_m, at);
+            let height = height.or_else(|| mesh.nearest_neighbor(at).map(|corner| corner.data().base_m));
+            *cell = height.and_then(height_steps).unwrap_or(VOID);
+        }
+    });
+    Ok(Raster::new(georef, cells))
+}
+
+/// A grid with as many more cells on each side as hold all corners.
+fn grown(grid: &GeoRef, corners: &[Corner]) -> GeoRef {
+    let (width, height) = (grid.cell_width(), grid.cell_height());
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, and is not below 0")]
+    let n = |length: f64, cell: f64| (length / cell).ceil().max(0.0) as usize;
+    let most = |of: fn(&Corner) -> f64| corners.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+    let west = n(grid.x_min() + most(|c| -c.at.x), width);
+    let east = n(most(|c| c.at.x) - grid.x_max(), width);
+    let south = n(grid.y_min() + most(|c| -c.at.y), height);
+    let north = n(most(|c| c.at.y) - grid.y_max(), height);
+    let corner = (grid.x_min() - west as f64 * width, grid.y_max() + north as f64 * height);
+    let shape = (grid.n_rows() + south + north, grid.n_cols() + west + east);
+    GeoRef::new(corner, (width, height), shape, grid.crs().cloned()).unwrap_or_else(|| grid.clone())
+}
