@@ -236,7 +236,7 @@ fn a_uav_over_no_data_has_no_share_in_the_page() {
     questions.push(json!({"do": "compare", "kept": [kept(known), kept(unknown)], "base": 0}));
     questions.push(json!({"do": "best", "which": 0, "radius_m": 60.0}));
     questions.push(map(&[known, unknown]));
-    let answers = ask(&folder.word("page.html"), false, None, &questions);
+    let answers = ask(&folder.word("page.html"), None, &questions);
     let [over_data, over_none] = [&answers[1]["uavs"][0], &answers[2]["uavs"][0]];
     assert!(over_data["p_los"].is_f64() && over_data["reason"].is_null(), "{over_data}");
     assert_eq!((&over_none["p_los"], &over_none["reason"]), (&Value::Null, &json!("the UAV is over no data")));
@@ -350,4 +350,18 @@ fn one_count_has_one_share() {
     // 13 of 416 are 1 of 32: 3.125 %.
     assert!(page[0].as_str().unwrap().ends_with("0.0312"), "{page}");
     assert_eq!(page[1], "3.1\u{202F}%");
+}
+
+#[test]
+fn a_browser_without_vectors_is_told_to_be_too_old() {
+    let Some(driver) = driver() else { return };
+    let folder = Folder::new();
+    folder.type_in("live itu:urban --size 100 -o page.html -q").done();
+    let script = [
+        json!({"before": "WebAssembly.validate = () => false"}),
+        json!({"open": ""}),
+        json!({"ask": "document.getElementById('progress-words').textContent"}),
+    ];
+    let words = steps(&driver, &folder.word("page.html"), DESK, &script);
+    assert!(words[0].as_str().is_some_and(|words| words.contains("2023")), "{words:?}");
 }

@@ -57,7 +57,7 @@ fn heights_mean_in_a_page_what_they_mean_to_the_program() {
     let cases: Vec<((f64, f64), &str, Meaning)> =
         street.chain(roof.map(|(text, wanted)| ((30.0, 30.0), text, wanted))).collect();
     let questions: Vec<Value> = cases.iter().map(|(place, text, _)| read("height", text, *place)).collect();
-    let answers = ask(&folder.word("page.html"), false, None, &questions);
+    let answers = ask(&folder.word("page.html"), None, &questions);
     for (((x, y), text, wanted), answer) in cases.iter().zip(&answers[1..]) {
         let uav = format!("{x},{y},{text}");
         let program = folder.run(&["map", "itu:urban", "--size", "300", "--uav", &uav, "--json", "-q"]);
@@ -146,7 +146,7 @@ fn numbers_mean_in_a_page_what_they_mean_to_the_program() {
     // What limits nothing is empty.
     questions.extend(["radius", "sector", "beam", "earth_k"].map(|field| read(field, "", (150.0, 150.0))));
     questions.extend(["0", "-1", "x"].map(|text| read("search_radius", text, (150.0, 150.0))));
-    let answers = ask(&folder.word("page.html"), false, None, &questions);
+    let answers = ask(&folder.word("page.html"), None, &questions);
     let answers = &answers[2..];
     for ((field, text, wanted), answer) in cases.iter().zip(answers) {
         let flag = format!("--{}={text}", field.replace('_', "-"));

@@ -1,8 +1,8 @@
 // Asks the engine of a live page, without a browser: the worker's own script, run here.
-// node live.mjs PAGE.html [plain] < questions, one JSON a line > answers, one JSON a line
+// node live.mjs PAGE.html < questions, one JSON a line > answers, one JSON a line
 import { readFileSync } from 'node:fs';
 
-const [file, plain] = process.argv.slice(2);
+const [file] = process.argv.slice(2);
 const page = readFileSync(file, 'utf8');
 const block = (id) => {
   const found = page.match(new RegExp(`<script type="[^"]*" id="${id}">([^]*?)</script>`));
@@ -22,7 +22,7 @@ const send = (message) =>
     };
     globalThis.onmessage({ data: message });
   });
-const opened = await send({ do: 'open', scene: block('scene'), engine: block('engine'), is_plain: plain === 'plain' });
+const opened = await send({ do: 'open', scene: block('scene'), engine: block('engine') });
 if (opened.do === 'failed') throw new Error(opened.words);
 const { tone, ...facts } = opened;
 console.log(JSON.stringify({ ...facts, cells: tone.byteLength }));

@@ -2,7 +2,7 @@
 // node live_steps.mjs PAGE.html [WIDTH,HEIGHT[,dark]] < steps, one JSON a line > answers of the steps that ask, one JSON a line
 // {"open": "#fragment"}, {"fill": ["#id", "text"]}, {"leave": "#id"}, {"choose": ["#id", "value"]}, {"press": ["#id", "Key"]},
 // {"click": "#id"}, {"follow": "#id"} (a click that opens another page, which the next steps are about), {"ask": "expression"},
-// {"look": "file.png"}
+// {"look": "file.png"}, {"before": "script"} (that runs before those of pages opened from then on)
 import { createRequire } from 'node:module';
 import { readFileSync } from 'node:fs';
 
@@ -19,8 +19,8 @@ const said = [];
 context.on('console', (message) => said.push(message.text()));
 context.on('weberror', (error) => said.push(error.error().stack ?? error.error().message));
 let page = await context.newPage();
-/** Waits until a live page rests; others are ready at once. */
-const rest = () => page.evaluate('window.skyshed && skyshed.ready.then(() => skyshed.idle())');
+/** Waits until a live page rests, unless it cannot work; others are ready at once. */
+const rest = () => page.evaluate('window.skyshed && skyshed.ready.then(() => engine.opened && skyshed.idle())');
 const steps = {
   open: async (fragment) => {
     // A fragment alone would not load the page anew.
@@ -36,6 +36,7 @@ const steps = {
     [page] = await Promise.all([context.waitForEvent('page'), page.locator(selector).click()]);
     await page.waitForLoadState();
   },
+  before: (script) => context.addInitScript(script),
   look: (path) => page.screenshot({ path }),
   ask: async (expression) => console.log(JSON.stringify((await page.evaluate(expression)) ?? null)),
 };

@@ -45,13 +45,10 @@ const SCRIPTS: [&str; 29] = [
     include_str!("live_page/save.js"),
     include_str!("live_page/main.js"),
 ];
-/// What unpacks the engine, and what asks it.
-const WORKER: [&str; 2] = [include_str!("live_page/lzma.js"), include_str!("live_page/worker.js")];
-/// The engine as WebAssembly, with and without vectors of 128 bits, packed together: made by `scripts/engine`, which also says
-/// how to see that it is what the sources give.
-const ENGINE: &[u8] = include_bytes!("live_page/engine.lzma");
-/// Lengths of both before they were packed.
-const ENGINE_LENGTHS: &str = include_str!("live_page/engine.lengths");
+/// Script of the worker, which holds the engine.
+const WORKER: &str = include_str!("live_page/worker.js");
+/// The engine as WebAssembly with vectors of 128 bits, gzipped by `scripts/engine`, which also checks it against the sources.
+const ENGINE: &[u8] = include_bytes!("live_page/engine.wasm.gz");
 
 /// What a live page is made of.
 #[derive(Debug, Clone, Copy)]
@@ -81,10 +78,10 @@ pub fn live_page(page: &LivePage<'_>) -> String {
         ("title", escape(page.title)),
         ("css", without_spaces(&without_comments(STYLE))),
         ("js", script),
-        ("worker", WORKER.map(without_comments).concat()),
+        ("worker", without_comments(WORKER)),
         ("facts", in_script(page.facts)),
         ("scene", base85(&gzip(page.scene))),
-        ("engine", format!("{ENGINE_LENGTHS} {}", base85(ENGINE))),
+        ("engine", base85(ENGINE)),
     ];
     filled(TEMPLATE, &parts)
 }

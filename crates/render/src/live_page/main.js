@@ -137,6 +137,7 @@ async function start() {
   try {
     // The first picture of the page comes before the engine's work.
     await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
+    if (!WebAssembly.validate(WITH_VECTORS)) throw new Error(say().oldBrowser);
     const opened = await openScene(showProgress);
     painter.hand.setTone(new Uint8Array(opened.tone));
     showOpened(opened);
@@ -152,7 +153,6 @@ async function start() {
 function showOpened(opened) {
   htmlById("progress").hidden = true;
   document.documentElement.dataset.ready = "true";
-  htmlById("slower").hidden = opened.simd;
   // What the scene does not have cannot be chosen.
   for (const option of selectById("height-kind").options) option.disabled = option.value === "roof" && facts.surface_only;
   for (const option of selectById("receivers").options) option.disabled = !opened.has_buildings && !["ground", "all", "air"].includes(option.value);

@@ -14,7 +14,7 @@ const ENGLISH = {
   hint: "Drag the drone",
   starting: "Starting the engine …", unpacking: "Unpacking the city …", building: "Building the city …",
   failed: "The page cannot work",
-  slower: "This browser has no SIMD: answers take longer.",
+  oldBrowser: "this browser is too old, wanted one of 2023 or later (WebAssembly with SIMD)",
 
   ofReceivers: (/** @type {string} */ what) => `of ${what} in line of sight`,
   within: (/** @type {string} */ range) => `within ${range}`,
@@ -232,7 +232,7 @@ const GERMAN = {
   hint: "Zieh die Drohne",
   starting: "Rechenkern startet …", unpacking: "Stadt wird entpackt …", building: "Stadt wird aufgebaut …",
   failed: "Die Seite kann nicht arbeiten",
-  slower: "Dieser Browser kann kein SIMD: Antworten dauern länger.",
+  oldBrowser: "dieser Browser ist zu alt, gebraucht wird einer ab 2023 (WebAssembly mit SIMD)",
 
   ofReceivers: (what) => `von ${what} in Sicht`,
   within: (range) => `im Umkreis von ${range}`,

@@ -27,8 +27,7 @@
  *
  * @typedef {{ok: true, value: any} | {ok: false, words: string} | (SeenNot & {height: Height})} FieldAnswer what a text in a field means, or
  *   why it cannot be: a height at which the UAV cannot hover is told
- * @typedef {{simd: boolean, has_zones: boolean, has_buildings: boolean, has_no_data: boolean, tone: ArrayBuffer,
- *   ms: number}} Opened
+ * @typedef {{has_zones: boolean, has_buildings: boolean, has_no_data: boolean, tone: ArrayBuffer, ms: number}} Opened
  * @typedef {{inside: boolean, row: number, col: number, ground_m: number | null, roof_m: number | null,
  *   kind: 'open' | 'building' | 'void', zone: string | null, sees: (boolean | null)[], margin_m: number | null}} CellAnswer
  * @typedef {{x: number, y: number, amsl_m: number}} Place

@@ -14,11 +14,6 @@
  * }} Exports
  */
 
-/** The shortest module that uses vectors of 128 bits: a browser that has them takes it. */
-const WITH_VECTORS = new Uint8Array([
-  0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11,
-]);
-
 /** Long work looks this often at what else was asked [ms]. */
 const PIECE_MS = 12;
 /** Questions that take no time, and are answered between two pieces of long work; any other ends that. */
@@ -50,24 +45,13 @@ function decoded(text) {
   return bytes;
 }
 
-/** The scene. @param {string} text @returns {Promise<Uint8Array>} */
-async function unpackedScene(text) {
+/** What is packed in a text. @param {string} text @returns {Promise<Uint8Array<ArrayBuffer>>} */
+async function unpacked(text) {
   const stream = new Blob([decoded(text)]).stream().pipeThrough(new DecompressionStream('gzip'));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/**
- * The engine with vectors or, packed behind it, the one without.
- * @param {string} text Length of both, and what is packed.
- * @param {boolean} withVectors
- */
-function unpackedEngine(text, withVectors) {
-  const [first, second, packed] = text.trim().split(' ');
-  const [start, end] = withVectors ? [0, Number(first)] : [Number(first), Number(first) + Number(second)];
-  return unpackLzma(decoded(packed), end).subarray(start);
-}
-
-/** @param {Uint8Array} bytes @returns {Promise<Exports>} */
+/** @param {Uint8Array<ArrayBuffer>} bytes @returns {Promise<Exports>} */
 async function instance(bytes) {
   const compiled = await WebAssembly.compile(bytes);
   // Libraries name functions of a page (clocks, random numbers) that no question calls.
@@ -113,20 +97,19 @@ function tell(message, buffers = []) {
   self.postMessage(message, /** @type {any} */ (buffers));
 }
 
-/** @param {{scene: string, engine: string, is_plain?: boolean}} request */
+/** @param {{scene: string, engine: string}} request */
 async function open(request) {
   const start = performance.now();
-  const simd = !request.is_plain && WebAssembly.validate(WITH_VECTORS);
   tell({ do: 'progress', step: 'engine', share: null });
-  engine = await instance(unpackedEngine(request.engine, simd));
+  engine = await instance(await unpacked(request.engine));
   tell({ do: 'progress', step: 'unpack', share: null });
-  hand(await unpackedScene(request.scene));
+  hand(await unpacked(request.scene));
   tell({ do: 'progress', step: 'build', share: null });
   // The page is to see that before the work begins.
   await pause();
   if (engine.open() !== 0) throw new Error(words());
   const tone = copied(engine.backdrop(), engine.backdrop_length());
-  tell({ do: 'opened', simd, ...JSON.parse(words()), tone, ms: performance.now() - start }, [tone]);
+  tell({ do: 'opened', ...JSON.parse(words()), tone, ms: performance.now() - start }, [tone]);
 }
 
 /** Lets messages come in. @returns {Promise<void>} */
