@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import tempfile
@@ -228,11 +229,7 @@ def as_files(given: Mapping[str, Any], crs: str | None, height: Any) -> Iterator
 def _write_table(file: TextIO, rows: Sequence[AskedUav]) -> None:
     if not rows:
         raise wrong("candidates", "none", "at least one", "E209")
-    has_ids = any(id is not None for *_, id, _ in rows)
-    print("x,y,h,id" if has_ids else "x,y,h", file=file)
-    for x, y, h, id, _ in rows:
-        quoted = ',"' + (id or "").replace('"', '""') + '"' if has_ids else ""
-        print(f"{x!r},{y!r},{h}{quoted}", file=file)
+    csv.writer(file, lineterminator="\n").writerows(table_of(rows))
 
 
 def _collection(name: str, area: Any, crs: str | None) -> Mapping[str, Any]:

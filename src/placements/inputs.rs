@@ -53,6 +53,7 @@ impl Inputs {
                     x: sites[place].x,
                     y: sites[place].y,
                     height,
+                    antenna: sites[place].antenna,
                 };
                 let own = (0..sites.len()).map(|k| at(k, 0, sites[k].height));
                 let spots: Vec<Spot> = if heights.is_empty() {

@@ -336,3 +336,28 @@ fn tables_give_each_uav_its_own_antenna() {
     ];
     folder.refuses("map itu:urban --size 200 --uavs bad.csv --json", "E302", &words);
 }
+
+/// Candidates of a table have their own antennas, alone, in a choice of several, and by another method.
+#[test]
+fn candidates_with_antennas_are_counted_as_maps_count_them() {
+    let folder = Folder::new();
+    let table = "x,y,h,min_radius,sector,elevation,beam\n\
+                 60,60,50,,\"0,90\",,\n240,60,50,20,,,\n150,150,60,,,\"-60,-20\",\n60,240,50,,,,80\n240,240,50,,,,\n";
+    folder.write("sites.csv", table);
+    let scene = "itu:urban --size 300 --seed 4";
+    let map = folder.type_in(&format!("map {scene} --uavs sites.csv --json -q")).done().json();
+    for method in ["auto", "ray"] {
+        let line = format!("place {scene} --candidates sites.csv --top 5 --method {method} --json -q");
+        let found = folder.type_in(&line).done().json();
+        let ranked = found["ranked"].as_array().expect("ranks");
+        assert_eq!(ranked.len(), 5, "{found}");
+        for rank in ranked {
+            let at = |site: &&serde_json::Value| (&site["x"], &site["y"]) == (&rank["x"], &rank["y"]);
+            let site = map["sites"].as_array().and_then(|sites| sites.iter().find(at)).expect("the same UAV");
+            assert_eq!(rank["los"], site["los"], "{rank}");
+        }
+    }
+    // All five see what the map's union is: the last one has all receivers in range.
+    let several = folder.type_in(&format!("place {scene} --candidates sites.csv --count 5 --json -q")).done().json();
+    assert_eq!(several["several"]["p_los"], map["union"]["p_los"], "{several}");
+}

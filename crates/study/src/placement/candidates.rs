@@ -1,6 +1,6 @@
 //! Which places and heights can be flown, and why the others cannot.
 
-use crate::city::{Area, Site};
+use crate::city::{Antenna, Area, Site};
 use crate::coverage::{HoversOver, Uav, surface_under};
 use crate::error::Result;
 use crate::height_field::HeightField;
@@ -39,7 +39,7 @@ impl PlaceGrid {
         let n_cols = self.grid.n_cols();
         let spot = |level: usize, place: usize| {
             let (x, y) = self.grid.world_from_cell(place / n_cols, place % n_cols);
-            Spot { place, level, x, y, height: heights[level] }
+            Spot { place, level, x, y, height: heights[level], antenna: Antenna::default() }
         };
         (0..heights.len()).flat_map(|level| (0..self.grid.n_cells()).map(move |place| spot(level, place))).collect()
     }
@@ -58,6 +58,8 @@ pub struct Spot {
     pub y: f64,
     /// Height and what it is above.
     pub height: Height,
+    /// Antenna of a UAV there; what it does not limit, that of the run may.
+    pub antenna: Antenna,
 }
 
 /// Where a UAV may hover.
@@ -169,7 +171,7 @@ pub(super) fn candidate(
     if rules.keep_out.is_some_and(|area| area.contains(spot.x, spot.y)) {
         return Ok(Err(|s| &mut s.keep_out));
     }
-    let site = Site::new("", (spot.x, spot.y), spot.height);
+    let site = Site { antenna: spot.antenna, ..Site::new("", (spot.x, spot.y), spot.height) };
     let uav = match Uav::place(&site, field, rules.radius) {
         Ok(uav) => uav,
         Err(Core::Uav { why: UavError::InsideBuilding { .. } | UavError::BelowGround { .. }, .. }) => {
