@@ -100,6 +100,10 @@ HOSTILE: list[tuple[Callable[[], Any], str]] = [
     (lambda: CITY.place(height=100, within=[3]), "within"),
     (lambda: skyshed.plos(Scene.itu("urban", ground=3), "itu:suburban"), "cities"),
     (lambda: CITY.p_los([(50, 50, 60)], terrain="nope.tif"), "terrain"),  # type: ignore[call-arg]
+    # Shares alone have no interval, and three heights are no range.
+    (lambda: CITY.p_los([AT], height_error=3), "height_error"),  # type: ignore[call-arg]
+    (lambda: CITY.p_los([AT], height_bias=2.0), "height_bias"),  # type: ignore[call-arg]
+    (lambda: CITY.map(AT).height_curve((30, 60, 100)), "step"),
     (lambda: CITY.map(AT, progress=3), "progress"),
     (lambda: CITY.map(AT).layer("margin"), "margin"),
     (lambda: CITY.map(AT)["zones"], "zones"),

@@ -224,7 +224,8 @@ pub fn p_los(
     words: &[OsString],
     progress: &Progress,
 ) -> std::result::Result<Vec<Option<f64>>, Refusal> {
-    let names = |flag: &str| words.iter().any(|word| word == flag);
+    let is = |word: &OsString, flag: &str| word.to_string_lossy().split('=').next() == Some(flag);
+    let names = |flag: &str| words.iter().any(|word| is(word, flag));
     if let Some(flag) = ["--height-error", "--height-bias", "--sigma"].into_iter().find(|flag| names(flag)) {
         return Err(refusal(116, format!("`{flag}` has no meaning where P_LoS alone is counted")).into());
     }

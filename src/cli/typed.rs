@@ -7,6 +7,20 @@ use clap::parser::ValueSource;
 
 use super::failure::{Result, refusal};
 
+/// Arguments whose values are text, whatever they look like.
+const TEXTS: [&str; 10] = [
+    "title",
+    "attribution",
+    "layer",
+    "band",
+    "crs",
+    "height_field",
+    "top_field",
+    "base_field",
+    "levels_field",
+    "height_error_field",
+];
+
 /// What was typed, as opposed to left at its default.
 #[derive(Debug, Default)]
 pub(super) struct Typed {
@@ -54,11 +68,12 @@ impl Typed {
             self.names.iter().zip(&self.words).filter(|(name, _)| is_flag(name)).collect();
         typed.sort();
         let flag = |(name, words): (&String, &Vec<String>)| {
-            // One number has many spellings.
-            let spelled =
-                |word: &String| word.parse::<f64>().map_or_else(|_| word.clone(), |number| number.to_string());
+            // One number has many spellings, but a text has one.
+            let is_text = TEXTS.contains(&name.as_str());
+            let number = |word: &String| word.parse::<f64>().ok().filter(|_| !is_text);
+            let spelled = |word: &String| number(word).map_or_else(|| word.clone(), |number| number.to_string());
             let words: Vec<String> = words.iter().map(spelled).collect();
-            let value = if words == ["true"] { Vec::new() } else { vec![words.join(",")] };
+            let value = if words == ["true"] && !is_text { Vec::new() } else { vec![words.join(",")] };
             std::iter::once(format!("--{}", name.replace('_', "-"))).chain(value).collect::<Vec<_>>()
         };
         typed.into_iter().flat_map(flag).collect()

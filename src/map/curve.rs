@@ -128,6 +128,9 @@ fn check_heights(asked: Option<[f64; 3]>) -> Result<()> {
         if step <= 0.0 {
             return refuse("a step above 0 m");
         }
+        if from < to && step > to - from {
+            return refuse("a step that fits between A and B");
+        }
         if from.abs().max(to.abs()) > MAX_HEIGHT_M {
             return refuse("heights within ±32768 m");
         }

@@ -306,6 +306,8 @@ fn what_makes_no_sense_of_a_curve_is_refused() {
         ("--height-curve a.csv --curve-heights 0:nan:1", "E101", "'0:nan:1'"),
         ("--height-curve a.csv --curve-heights 9:1:1", "E113", "`9:1:1`"),
         ("--height-curve a.csv --curve-heights 0:9:0", "E113", "`0:9:0`"),
+        // Three heights are no range.
+        ("--height-curve a.csv --curve-heights 30:60:100", "E113", "`30:60:100`"),
         ("--height-curve a.csv --curve-heights 0:9e9:1", "E113", "`0:9000000000:1`"),
         ("--height-curve a.csv --curve-heights 0:9:1e-9", "E113", "`0:9:0.000000001`"),
     ];

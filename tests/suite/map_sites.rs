@@ -46,6 +46,24 @@ fn each_uav_gets_the_files_of_a_run_of_its_own() {
 }
 
 #[test]
+fn the_command_of_a_unit_has_texts_as_they_were_typed() {
+    let folder = Folder::new();
+    let text = r#"{"type": "Feature", "properties": {"007": 9}, "geometry": {"type": "Polygon",
+        "coordinates": [[[0, 0], [9, 0], [9, 9], [0, 9], [0, 0]]]}}"#;
+    folder.write("city.geojson", text);
+    for (title, credit) in [("007", "1e3"), ("true", "0x10"), ("1.50", "+5")] {
+        let line = "map city.geojson --height-field 007 --uav 20,5,60 --data-area all --extent 0,0,30,9";
+        let line =
+            format!("{line} -o u{{site}}.json -o u{{site}}.svg --title {title} --attribution {credit} --radius 1e2");
+        folder.type_in(&format!("{line} --overwrite -q")).done();
+        let command: Vec<String> = serde_json::from_value(folder.json("u1.json")["command"].clone()).expect("words");
+        let after = |flag: &str| command.iter().skip_while(|word| *word != flag).nth(1).cloned().unwrap_or_default();
+        let told = ["--title", "--attribution", "--height-field", "--radius"].map(after);
+        assert_eq!(told, [title, credit, "007", "100"], "{command:?}");
+    }
+}
+
+#[test]
 fn with_a_radius_only_what_is_in_range_is_read() {
     let folder = Folder::new();
     write_scene(&folder, 4);
