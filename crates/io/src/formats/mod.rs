@@ -6,7 +6,6 @@ mod ascii_grid;
 mod band;
 mod bil_file;
 mod cell_sources;
-mod deflate_runs;
 mod exr_file;
 mod file;
 mod geotiff;

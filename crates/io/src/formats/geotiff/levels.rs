@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use tiff_core::{ByteOrder, Compression, Predictor, Tag, TagValue};
 use tiff_writer::compress::{BlockEncodingOptions, compress_block};
 use tiff_writer::{TiffWriteSample, encoder};
+use zlib_rs::{DeflateConfig, ReturnCode, Strategy, compress_bound, compress_slice};
 
-use super::super::deflate_runs::deflate_runs;
 use super::geo_tags::place_tags;
 use super::image::{Bands, ClassColor, GeoTiffImage, TiffLayout};
 use crate::error::{Error, Result};
@@ -150,10 +150,17 @@ impl Tile for f32 {}
 
 impl Tile for u32 {}
 
-/// Classes, which come in runs.
+/// Classes, which come in runs: matches are of the byte before alone, which takes a fifth of the time of the default search of zlib.
 impl Tile for u8 {
     fn compressed(samples: &[Self], _: BlockEncodingOptions<'_>, _: usize) -> Result<Vec<u8>> {
-        Ok(deflate_runs(samples))
+        let config = DeflateConfig { strategy: Strategy::Rle, ..DeflateConfig::default() };
+        let mut stream = vec![0; compress_bound(samples.len())];
+        let len = match compress_slice(&mut stream, samples, config) {
+            (packed, ReturnCode::Ok) => packed.len(),
+            (_, code) => return Err(Error::encode("a GeoTIFF", format!("zlib: {code:?}"))),
+        };
+        stream.truncate(len);
+        Ok(stream)
     }
 }
 
