@@ -372,8 +372,14 @@ pub(crate) fn warn_of_nodata(uavs: &[Uav], warnings: &mut Vec<Warning>) -> bool 
     let over_nodata = uavs.iter().filter(|uav| uav.placement == HoversOver::Nodata);
     let ids: Vec<String> = over_nodata.map(|uav| uav.id.clone()).collect();
     let are_any = !ids.is_empty();
-    warnings.extend(are_any.then(|| OddRun::OverNodata(ids).into()));
+    push_over_nodata(ids, warnings);
     are_any
+}
+
+fn push_over_nodata(ids: Vec<String>, warnings: &mut Vec<Warning>) {
+    if !ids.is_empty() {
+        warnings.push(OddRun::OverNodata(ids).into());
+    }
 }
 
 /// W202 for each UAV or placement, by its id, that has no receiver, and W205 for those that have, and are over no data.
@@ -390,7 +396,5 @@ pub(crate) fn warn_of_no_p_los<'a>(
             over_nodata.push(id.to_string());
         }
     }
-    if !over_nodata.is_empty() {
-        warnings.push(OddRun::OverNodata(over_nodata).into());
-    }
+    push_over_nodata(over_nodata, warnings);
 }

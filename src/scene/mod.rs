@@ -3,6 +3,7 @@
 pub(crate) mod limits;
 mod held;
 mod options;
+mod reading;
 pub(crate) mod placing;
 pub(crate) mod results;
 
@@ -13,7 +14,7 @@ use std::time::Instant;
 
 use crate::city::{BuiltUp, City, HeightSources, Solids, Source};
 pub use options::SceneOptions;
-pub(crate) use options::{FoundRepairs, built_up, is_raster, is_raster_scene};
+pub(crate) use reading::{FoundRepairs, built_up, is_raster, is_raster_scene};
 
 use crate::answer::{RunFacts, Timing};
 use crate::error::{Result, Warning};

@@ -1,5 +1,6 @@
 //! What a scene is: size, reference system, heights, faults of its files, α, β and γ, also by tile.
 
+mod document;
 mod output;
 mod places;
 mod tiles;
@@ -8,19 +9,19 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use serde_json::Value;
 
-pub(crate) use output::{Output, OutputInfo};
-pub(crate) use places::{Places, PlacesInfo};
-pub(crate) use tiles::TileRow;
-use tiles::{Tiles, TilesDocument};
-
-use crate::answer::{Answer, Provenance, Rows, RunFacts, SourceFacts, Spent, WarningFacts, document_of, warnings_of};
-use crate::city::{
-    BuiltUp, Footprint, FootprintFault, FootprintFaults, HeightSource, HeightSources, Solids, SourceShare,
+use document::{
+    BuiltUpInfo, CellsInfo, FaultsInfo, GeneratedInfo, HeightSourceInfo, INFO_SCHEMA, SceneInfo, VerticalInfo,
 };
+pub(crate) use document::{InfoDocument, TilesProvenance};
+pub(crate) use output::Output;
+pub(crate) use places::Places;
+pub(crate) use tiles::TileRow;
+use tiles::Tiles;
+
+use crate::answer::{Answer, Rows, RunFacts, SourceFacts, Spent, document_of, warnings_of};
+use crate::city::{BuiltUp, Footprint, FootprintFaults, HeightSource, Solids};
 use crate::crs::VerticalCrs;
 use crate::error::{Result, Warning};
 use crate::export::{Batch, Format};
@@ -297,226 +298,5 @@ impl Counts {
             }
         }
         counts
-    }
-}
-
-/// The schema of all that `skyshed info` tells.
-const INFO_SCHEMA: &str = "skyshed/info/1";
-
-/// Any of them, told apart by `kind`; a document that stands beside a picture has none.
-#[derive(JsonSchema)]
-#[schemars(untagged)]
-#[expect(dead_code, clippy::large_enum_variant, reason = "a type of its schema alone")]
-pub(crate) enum InfoDocument<'a> {
-    Scene(SceneInfo),
-    Places(PlacesInfo),
-    Output(OutputInfo<'a>),
-    Provenance(Provenance),
-}
-
-/// Where tiles are from.
-#[derive(Serialize, JsonSchema)]
-pub(crate) struct TilesProvenance {
-    #[serde(flatten)]
-    provenance: Provenance,
-    /// Tiles, and what holds for all of them together.
-    tiles: TilesDocument,
-}
-
-/// What a scene is.
-#[derive(Debug, Serialize, JsonSchema)]
-pub(crate) struct SceneInfo {
-    /// Kind of document and its version.
-    schema: &'static str,
-    /// Version of the program.
-    version: &'static str,
-    /// Words of the command line after the program's name.
-    command: Vec<String>,
-    /// footprints or raster.
-    kind: &'static str,
-    /// What it is called in titles.
-    name: String,
-    /// Columns of cells.
-    cols: usize,
-    /// Rows of cells.
-    rows: usize,
-    /// Width and height of a cell [m].
-    cell_m: [f64; 2],
-    /// Width and height of the grid [m].
-    size_m: [f64; 2],
-    /// West, south, east, north [units of the reference system].
-    extent: [f64; 4],
-    /// Reference system; null for local coordinates in meters.
-    crs: Option<String>,
-    /// Its name.
-    crs_name: Option<String>,
-    /// What the heights of raster files are above.
-    vertical: Vec<VerticalInfo>,
-    /// Lowest and highest ground [m above the datum].
-    ground_m: Option<[f64; 2]>,
-    /// Lowest and highest surface [m above the datum].
-    surface_m: Option<[f64; 2]>,
-    /// Cells by what they are.
-    cells: CellsInfo,
-    /// Buildings, of footprints.
-    buildings: Option<usize>,
-    /// Convex pieces that footprints are cut into.
-    convex_pieces: Option<usize>,
-    /// Parameters of a generated city.
-    built_up: Option<GeneratedInfo>,
-    /// Parameters estimated from the buildings.
-    estimated_built_up: Option<BuiltUpInfo>,
-    /// Parameters by tile, where they were asked for.
-    tiles: Option<TilesDocument>,
-    /// Where the heights of footprints come from.
-    height_sources: Option<Vec<HeightSourceInfo>>,
-    /// What was mended or left out of footprints.
-    faults: Option<FaultsInfo>,
-    /// Files that were read.
-    sources: Vec<SourceFacts>,
-    /// What was odd.
-    warnings: Vec<WarningFacts>,
-}
-
-/// What the heights of a file are above.
-#[derive(Debug, Serialize, JsonSchema)]
-struct VerticalInfo {
-    /// The file.
-    path: String,
-    /// Code of the vertical system; null where it has none.
-    crs: Option<String>,
-    /// Name of the vertical system.
-    name: Option<String>,
-    /// Why there is no name.
-    reason: Option<&'static str>,
-}
-
-impl VerticalInfo {
-    fn of((path, vertical): &(PathBuf, Option<VerticalCrs>)) -> Self {
-        VerticalInfo {
-            path: path.display().to_string(),
-            crs: vertical.as_ref().and_then(VerticalCrs::epsg).map(|code| format!("EPSG:{code}")),
-            name: vertical.as_ref().map(|vertical| vertical.name().to_string()),
-            reason: vertical.is_none().then_some("the file names no vertical datum"),
-        }
-    }
-}
-
-/// Cells by what they are.
-#[derive(Debug, Serialize, JsonSchema)]
-struct CellsInfo {
-    /// Open ground.
-    open: u64,
-    /// Buildings.
-    building: u64,
-    /// Without data.
-    nodata: u64,
-}
-
-/// Parameters of ITU-R P.1410.
-#[derive(Debug, Serialize, JsonSchema)]
-struct BuiltUpInfo {
-    /// Share of the ground that is built on.
-    alpha: f64,
-    /// Buildings per km².
-    beta_per_km2: f64,
-    /// Scale of the Rayleigh distribution of heights [m].
-    gamma_m: f64,
-}
-
-impl BuiltUpInfo {
-    fn of(b: &BuiltUp) -> Self {
-        BuiltUpInfo { alpha: b.built_up_ratio, beta_per_km2: b.buildings_per_km2, gamma_m: b.height_scale }
-    }
-}
-
-/// A generated city.
-#[derive(Debug, Serialize, JsonSchema)]
-struct GeneratedInfo {
-    #[serde(flatten)]
-    parameters: BuiltUpInfo,
-    /// Width of its buildings [m].
-    building_width_m: f64,
-    /// Width of its streets [m].
-    street_width_m: f64,
-    /// Its seed.
-    seed: u64,
-}
-
-/// Heights of footprints that come from one source.
-#[derive(Debug, Serialize, JsonSchema)]
-struct HeightSourceInfo {
-    /// file, storeys, median, number, or nowhere, which are left out.
-    source: &'static str,
-    /// Footprints.
-    footprints: usize,
-    /// Their share of the area of all.
-    area_share: f64,
-}
-
-impl HeightSourceInfo {
-    fn of_all(heights: &HeightSources) -> Vec<Self> {
-        let of = |source: HeightSource| {
-            let SourceShare { n, area_share } = heights.from(source);
-            HeightSourceInfo { source: source.word(), footprints: n, area_share }
-        };
-        HeightSource::ALL.map(of).into_iter().filter(|of| of.footprints > 0).collect()
-    }
-}
-
-/// Footprints by what was wrong with them.
-#[derive(Debug, Serialize, JsonSchema)]
-struct FaultsInfo {
-    /// Features that are no areas.
-    not_areas: usize,
-    /// Outlines that were repaired.
-    repaired: usize,
-    /// Rings that were closed.
-    unclosed: usize,
-    /// Without area.
-    degenerate: usize,
-    /// Holes outside of their shell.
-    stray_holes: usize,
-    /// Without a usable height.
-    missing_height: usize,
-    /// With a negative height.
-    negative_height: usize,
-    /// Heights written with a decimal comma.
-    decimal_comma: usize,
-    /// Without ground below.
-    no_ground: usize,
-    /// Too far from the others.
-    too_far: usize,
-    /// With a height from the number of storeys.
-    from_levels: usize,
-    /// Features that are no buildings.
-    not_buildings: usize,
-    /// Parts that float above the ground.
-    floating: usize,
-    /// Buildings that are drawn by their parts.
-    parts: usize,
-    /// With a top at or below the ground.
-    below_ground: usize,
-}
-
-impl FaultsInfo {
-    fn of(f: FootprintFaults) -> Self {
-        FaultsInfo {
-            not_areas: f.of(FootprintFault::NotAnArea),
-            repaired: f.of(FootprintFault::SelfIntersection),
-            unclosed: f.of(FootprintFault::UnclosedRing),
-            degenerate: f.of(FootprintFault::TooSmall),
-            stray_holes: f.of(FootprintFault::StrayHole),
-            missing_height: f.of(FootprintFault::MissingHeight),
-            negative_height: f.of(FootprintFault::NegativeHeight),
-            decimal_comma: f.of(FootprintFault::DecimalComma),
-            no_ground: f.of(FootprintFault::NoGround),
-            too_far: f.of(FootprintFault::TooFar),
-            from_levels: f.of(FootprintFault::HeightFromLevels),
-            not_buildings: f.of(FootprintFault::NotABuilding),
-            floating: f.of(FootprintFault::Floating),
-            parts: f.of(FootprintFault::Part),
-            below_ground: f.of(FootprintFault::BelowGround),
-        }
     }
 }

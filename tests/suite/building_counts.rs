@@ -30,6 +30,10 @@ fn heights_that_are_null_are_missing_as_those_below_0() {
     let tagged = on(0, json!({"height": null, "tags": {"height": 33}}));
     folder.write("c.geojson", &collection(&[tagged]));
     assert_eq!(n_of(&cells(&folder, "c.geojson"), 33.0), 100);
+    // Formats of columns hold such an object as text.
+    let text = on(0, json!({"tags": r#"{"building": "yes", "height": "21"}"#}));
+    folder.write("d.geojson", &collection(&[text]));
+    assert_eq!(n_of(&cells(&folder, "d.geojson"), 21.0), 100);
 }
 
 #[test]

@@ -38,7 +38,7 @@ const ROWS: [[&str; 7]; 11] = [
     ["4", "4", "decimal-comma", "W356", "the comma is read as a point", "50", "0"],
     ["5", "line", "too-small", "W353", "left out", "0", "30"],
     ["6", "low", "missing-height", "W354", "left out", "10", "30"],
-    ["7", "guess", "missing-height", "W354", "given the height of its storeys", "20", "30"],
+    ["7", "guess", "missing-height", "W354", "given a height by storeys", "20", "30"],
     ["7", "guess", "height-from-levels", "W364", "3 m for each", "20", "30"],
     ["8", "blank", "missing-height", "W354", "left out", "30", "30"],
     ["9", "gone", "not-a-building", "W361", "left out", "40", "30"],

@@ -86,8 +86,8 @@ pub(crate) struct ReadingArgs {
     terrain: Option<PathBuf>,
     /// Flat ground at this height above the datum [m], or `buildings`
     ///
-    /// Footprints and generated cities have it at 0 where nothing else is said; buildings whose tops are above the datum in the
-    /// median of where they begin. `buildings` is a terrain through where they begin.
+    /// By default 0 m; for buildings with tops above the datum their median base. `buildings` makes a terrain through the
+    /// bases of all buildings.
     #[arg(long, value_name = "Z", value_parser = ground, allow_hyphen_values = true, conflicts_with = "terrain")]
     ground: Option<GroundChoice>,
     /// A cell whose surface is more than this above the ground is a building [m]; default 0.25

@@ -168,6 +168,7 @@ fn of_fault(ReadError { name, fault, .. }: &ReadError) -> Option<String> {
         ReadFault::CrsMember(_) => "say it with `--crs EPSG:n`".into(),
         ReadFault::NoCrs => "say which it is: `--crs EPSG:n`".into(),
         ReadFault::Degrees { crs, kind, center } => of_degrees((name, crs), *kind, *center),
+        ReadFault::LikeDegrees(_) => "`--crs EPSG:4326 --project auto` takes them for degrees".into(),
         ReadFault::WebMercator { named_by: Namer::Footprints, .. } => "`--project auto` brings it into UTM".into(),
         ReadFault::WebMercator { crs, named_by: Namer::Terrain } => {
             format!("`--crs {crs} --project auto` brings both into UTM")

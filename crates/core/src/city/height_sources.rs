@@ -52,7 +52,8 @@ impl HeightSource {
 
     /// What was done, in words.
     pub fn done(self) -> &'static str {
-        ["from the file", "by storeys", "given the median height", "given a height", "left out"][self.place()]
+        ["from the file", "given a height by storeys", "given the median height", "given a height", "left out"]
+            [self.place()]
     }
 }
 
@@ -90,7 +91,7 @@ impl HeightSources {
         self.0.iter().map(|of| of.n).sum()
     }
 
-    /// Counts and shares of some sources, in words: `6 by storeys (3.0 % of the area)`.
+    /// Counts and shares of some sources, in words: `6 given a height by storeys (3.0 % of the area)`.
     pub fn told(&self, sources: &[HeightSource]) -> String {
         let words = |source: &HeightSource| {
             let of = self.from(*source);

@@ -6,12 +6,14 @@
 //! cover (names in Esri `.prj` files, the dialect of WKT that GDAL reads) is settled here.
 
 mod degrees;
+mod antimeridian;
 mod names;
 mod null_datums;
 mod vertical;
 mod web_mercator;
 mod wkt;
 
+pub(crate) use antimeridian::Turn;
 pub use degrees::utm_for;
 pub use vertical::{VerticalCrs, VerticalDifference};
 pub(crate) use web_mercator::Stretch;

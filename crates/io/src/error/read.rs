@@ -93,6 +93,9 @@ pub enum ReadFault {
     /// E310: a file in degrees; its reference system, its kind, and longitude and latitude of its middle \[deg\].
     #[error("it is in degrees ({crs})")]
     Degrees { crs: String, kind: InputKind, center: (f64, f64) },
+    /// E310: positions in another system than the one that is named, since they span less than a unit of it.
+    #[error("all its positions lie within a unit of {0}, as longitudes and latitudes of a city would")]
+    LikeDegrees(String),
     /// E310: footprints in web Mercator; their reference system, and the file that names it.
     #[error("it is in web Mercator ({crs})")]
     WebMercator { crs: String, named_by: Namer },
@@ -352,7 +355,13 @@ impl ReadFault {
             Irregular(_) => 307,
             Nothing(_) => 308,
             HeightMissing(..) | HeightsMissing(_) => 309,
-            Crs(..) | CrsMember(_) | CrsNotUnderstood(_) | NoCrs | Degrees { .. } | WebMercator { .. } => 310,
+            Crs(..)
+            | CrsMember(_)
+            | CrsNotUnderstood(_)
+            | NoCrs
+            | Degrees { .. }
+            | LikeDegrees(_)
+            | WebMercator { .. } => 310,
             NoFaceInGrid(_) => 312,
             NoHeightProperty { .. } | NoBaseProperty(_) | NoBases(_) | NoErrorProperty(_) | HeightError(..) => 365,
             Memory(_) => 501,
@@ -372,7 +381,7 @@ impl ReadFault {
             Nothing(Wanted::Tiles) => "read",
             Nothing(_) => "use",
             NoCrs => "project",
-            CrsNotUnderstood(_) | NoSceneCrs(_) | Misplaced { .. } => "place",
+            CrsNotUnderstood(_) | LikeDegrees(_) | NoSceneCrs(_) | Misplaced { .. } => "place",
             _ => "read",
         }
     }

@@ -20,7 +20,8 @@ use crate::input::Input;
 /// Properties that count storeys where none is named: the first that a feature has counts.
 const STOREYS: [&str; 4] = ["building:levels", "num_floors", "storeysAboveGround", "numberOfFloorsAboveGround"];
 
-/// Properties that hold the ground below a building where none is named: the first that a feature has counts. The last is what `city` writes.
+/// Properties that hold the ground below buildings where none is named: the first that any feature of the file has counts for all of them. The
+/// last is what `city` writes.
 const BASES: [&str; 5] = ["b3_h_maaiveld", "ground_height", "z_ground", "h_ground", "ground"];
 
 /// The areas of a file with what is known of their heights.
@@ -46,6 +47,8 @@ pub(super) struct RawFootprint {
     /// Number of the feature in the file, from 1.
     pub(super) number: usize,
     pub(super) id: String,
+    /// Whether it meets the typed extent.
+    pub(super) is_asked: bool,
     /// Polygons of rings of positions, last point dropped if it repeats the first.
     pub(super) polygons: Vec<Polygon>,
     pub(super) unclosed: usize,
@@ -98,7 +101,7 @@ impl RawFootprint {
     /// What a fault of one of its polygons is of, with the first point of that.
     pub(super) fn culprit_at(&self, k: usize) -> Culprit<'_> {
         let first = self.polygons.get(k).and_then(|rings| rings.iter().flatten().next());
-        Culprit { feature: self.number, id: &self.id, place: first.copied() }
+        Culprit { feature: self.number, id: &self.id, place: first.copied(), is_asked: self.is_asked }
     }
 }
 
@@ -120,29 +123,29 @@ impl Buildings {
         };
         let asked: Vec<&Feature> = set.features.iter().filter(|feature| is_asked(feature)).collect();
         let tagging = Tagging::of(&asked, set.name_limit);
-        let says = Reading { name_limit: set.name_limit, options, base_field: None };
+        let mut reading = Reading { name_limit: set.name_limit, options, base_field: options.base_field.as_deref() };
         let has_storeys = |feature: &Feature| {
             let is_none = || tagging.is_not_there(feature, set.name_limit, FoundHeight::Missing);
-            let says = says.about(feature);
+            let says = reading.about(feature);
             // A part may have those of its outline.
             says.levels().is_some() || says.part_of().is_some() || is_none()
         };
         let all_have_storeys = options.missing.counts_storeys() && asked.iter().all(|feature| has_storeys(feature));
-        refuse_unknown_property(input, &asked, set.name_limit, (options, all_have_storeys))?;
-        // One property for the whole file: the first that any of its features has.
-        let has_base = |name: &&str| asked.iter().any(|feature| says.about(feature).base_in(name).is_some());
-        let base_field = match options.base_field.as_deref() {
-            Some(name) => Some(name),
-            None => BASES.into_iter().find(has_base),
-        };
-        refuse_unknown_bases(input, &asked, set.name_limit, (options, base_field))?;
+        refuse_unknown_property(input, &asked, reading, all_have_storeys)?;
+        let has_base = |name: &&str| asked.iter().any(|feature| reading.about(feature).base_in(name).is_some());
+        let base_field = reading.base_field.or_else(|| BASES.into_iter().find(has_base));
+        reading = Reading { base_field, ..reading };
+        refuse_unknown_bases(input, &asked, reading)?;
         let mut buildings = Buildings::default();
         let (mut area, mut area_not_there) = (0.0, 0.0);
         for (index, feature) in set.features.into_iter().enumerate() {
             let number = index + 1;
-            let says = Reading { name_limit: set.name_limit, options, base_field }.about(&feature);
+            let says = reading.about(&feature);
             if feature.polygons.is_empty() {
-                log.note(FootprintFault::NotAnArea, Culprit { feature: number, id: &says.id(number), place: None });
+                log.note(
+                    FootprintFault::NotAnArea,
+                    Culprit { feature: number, id: &says.id(number), place: None, is_asked: true },
+                );
                 continue;
             }
             let bad = feature.polygons.iter().flatten().flatten().flatten().find(|v| !v.is_finite());
@@ -150,21 +153,19 @@ impl Buildings {
                 let what = format!("found coordinate `{bad}`, wanted a number");
                 return Err(Error::malformed(input, what).at(Place::Feature(number as u64)));
             }
-            let footprint = says.footprint(number);
+            let mut footprint = says.footprint(number);
+            footprint.is_asked = extent.is_none_or(|extent| footprint.meets(extent));
             if feature.has_other_parts {
                 log.note(FootprintFault::NotAnArea, footprint.culprit());
             }
             // Without a height nobody would have taken it for a building of some.
             let has_height = footprint.height != FoundHeight::Missing;
-            let is_asked = extent.is_none_or(|extent| footprint.meets(extent));
-            let of_it = if has_height && is_asked { footprint.area() } else { 0.0 };
+            let of_it = if has_height && footprint.is_asked { footprint.area() } else { 0.0 };
             area += of_it;
             let is_flat = footprint.height.meters() == Some(0.0) && !footprint.above_datum;
             if is_flat || tagging.is_not_there(&feature, set.name_limit, footprint.height) {
                 area_not_there += of_it;
-                if is_asked {
-                    log.note(FootprintFault::NotABuilding, footprint.culprit());
-                }
+                log.note(FootprintFault::NotABuilding, footprint.culprit());
                 continue;
             }
             buildings.footprints.push(footprint);
@@ -206,9 +207,10 @@ fn meets(polygons: &[Polygon], [west, south, east, north]: [f64; 4]) -> bool {
 fn refuse_unknown_property(
     input: &Input,
     areas: &[&Feature],
-    name_limit: Option<usize>,
-    (options, all_have_storeys): (&FootprintOptions, bool),
+    reading: Reading<'_>,
+    all_have_storeys: bool,
 ) -> Result<()> {
+    let Reading { name_limit, options, .. } = reading;
     let name = options.height_property();
     let areas = || areas.iter();
     let has = |name: &str| areas().any(|feature| feature.column(name, name_limit).is_some());
@@ -249,12 +251,8 @@ fn storeys_of(options: &FootprintOptions) -> Vec<&str> {
 ///
 /// # Errors
 /// E365 without the property that was named, or without any of those that are known.
-fn refuse_unknown_bases(
-    input: &Input,
-    areas: &[&Feature],
-    name_limit: Option<usize>,
-    (options, base_field): (&FootprintOptions, Option<&str>),
-) -> Result<()> {
+fn refuse_unknown_bases(input: &Input, areas: &[&Feature], reading: Reading<'_>) -> Result<()> {
+    let Reading { name_limit, options, .. } = reading;
     if areas.is_empty() {
         return Ok(());
     }
@@ -262,7 +260,6 @@ fn refuse_unknown_bases(
     if let Some(name) = options.base_field.as_deref().filter(|name| !has(name)) {
         return Err(Error::read(input, ReadFault::NoBaseProperty(name.into())));
     }
-    let says = Reading { name_limit, options, base_field };
     let of_property = match (options.top_field.as_deref(), options.ground) {
         (Some(top), _) if options.needs_bases() => Some(top),
         (None, GroundChoice::Buildings) if areas.iter().all(|feature| feature.heights.is_none()) => {
@@ -271,7 +268,7 @@ fn refuse_unknown_bases(
         _ => None,
     };
     match of_property {
-        Some(name) if areas.iter().all(|feature| says.about(feature).base_m().is_none()) => {
+        Some(name) if areas.iter().all(|feature| reading.about(feature).base_m().is_none()) => {
             Err(Error::read(input, ReadFault::NoBases(name.into())))
         }
         _ => Ok(()),
@@ -305,7 +302,7 @@ fn likeness(name: &str, value: &Property) -> Option<Likeness> {
     (!matches!(found_height(value, HeightUnit::Meters), FoundHeight::Missing)).then_some(likeness)
 }
 
-/// How the features of a file are read.
+/// Rules by which the features of a file are read.
 #[derive(Clone, Copy)]
 struct Reading<'a> {
     name_limit: Option<usize>,
@@ -314,27 +311,21 @@ struct Reading<'a> {
     base_field: Option<&'a str>,
 }
 
-impl<'a> Reading<'a> {
-    fn about<'f>(self, feature: &'f Feature) -> Says<'f>
-    where
-        'a: 'f,
-    {
-        let Reading { name_limit, options, base_field } = self;
-        Says { feature, name_limit, options, base_field }
+impl Reading<'_> {
+    fn about<'f>(&'f self, feature: &'f Feature) -> Says<'f> {
+        Says { feature, reading: *self }
     }
 }
 
-/// A feature and how it is read.
+/// A feature, and the rules by which it is read.
 struct Says<'a> {
     feature: &'a Feature,
-    name_limit: Option<usize>,
-    options: &'a FootprintOptions,
-    base_field: Option<&'a str>,
+    reading: Reading<'a>,
 }
 
 impl Says<'_> {
     fn property(&self, name: &str) -> Option<&Property> {
-        self.feature.property(name, self.name_limit)
+        self.feature.property(name, self.reading.name_limit)
     }
 
     fn word(&self, name: &str) -> Option<String> {
@@ -360,20 +351,21 @@ impl Says<'_> {
     }
 
     fn levels(&self) -> Option<f64> {
-        let levels = storeys_of(self.options).into_iter().find_map(|name| self.number(name).filter(|n| *n > 0.0))?;
+        let levels =
+            storeys_of(self.reading.options).into_iter().find_map(|name| self.number(name).filter(|n| *n > 0.0))?;
         Some(levels + self.number("roof:levels").filter(|n| *n > 0.0).unwrap_or(0.0))
     }
 
     /// The ground below it \[m above the datum\] that a property holds.
     fn base_in(&self, name: &str) -> Option<f64> {
-        found_height(self.property(name)?, self.options.height_unit).unless(is_no_top).meters()
+        found_height(self.property(name)?, self.reading.options.height_unit).unless(is_no_top).meters()
     }
 
     /// The ground below it \[m above the datum\]: of a solid its lowest point, unless the property of another height is named.
     fn base_m(&self) -> Option<f64> {
         let of_solid = self.feature.heights.map(|[lowest, _]| lowest);
-        let of_field = || self.base_in(self.base_field?);
-        match self.options.top_field.is_some() || self.options.height_field.is_some() {
+        let of_field = || self.base_in(self.reading.base_field?);
+        match self.reading.options.top_field.is_some() || self.reading.options.height_field.is_some() {
             true => of_field().or(of_solid),
             false => of_solid.or_else(of_field),
         }
@@ -381,8 +373,8 @@ impl Says<'_> {
 
     /// The standard deviation of the error of the height \[m\], if it is told.
     fn height_error_m(&self) -> Option<f64> {
-        let value = self.property(self.options.height_error_field.as_deref()?)?;
-        match found_height(value, self.options.height_unit) {
+        let value = self.property(self.reading.options.height_error_field.as_deref()?)?;
+        match found_height(value, self.reading.options.height_unit) {
             FoundHeight::Meters(m) | FoundHeight::DecimalComma(m) => Some(m),
             FoundHeight::Missing => None,
         }
@@ -391,7 +383,7 @@ impl Says<'_> {
     /// The height, and whether it is above the datum: from the property that is named, else from the solid itself, else
     /// from `height`.
     fn height(&self) -> (FoundHeight, bool) {
-        let options = self.options;
+        let options = self.reading.options;
         let of = |name: &str| {
             self.property(name).map_or(FoundHeight::Missing, |value| found_height(value, options.height_unit))
         };
@@ -416,7 +408,7 @@ impl Says<'_> {
 
     fn footprint(&self, number: usize) -> RawFootprint {
         // Surfaces that do not tell the height are no roof.
-        let is_as_it_is = self.options.roofs == Some(Roofs::Lod2) && self.feature.height.is_none();
+        let is_as_it_is = self.reading.options.roofs == Some(Roofs::Lod2) && self.feature.height.is_none();
         let (roof, ground) = match is_as_it_is {
             true => (self.feature.roof.clone(), opened(self.feature.ground.clone()).0),
             false => (Vec::new(), Vec::new()),
@@ -431,6 +423,7 @@ impl Says<'_> {
         RawFootprint {
             number,
             id: self.id(number),
+            is_asked: true,
             polygons,
             unclosed,
             height,

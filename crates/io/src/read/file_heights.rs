@@ -1,7 +1,7 @@
-//! Where the heights of a file come from: facts of all its features, which decide about each of them.
+//! Facts about the heights of a whole file: median, bases, sources.
 //!
-//! They are of all features that the typed extent meets, whatever a radius, a tile or a block of a file leaves to be read: so the same building has
-//! the same height in every run.
+//! They cover all features in the typed extent, never only those near a radius, in a tile or in a block of the file. So a
+//! building has one height, however the run is cut.
 
 use std::collections::{HashMap, HashSet};
 
@@ -28,13 +28,13 @@ pub(super) struct FileHeights {
     median: Option<Height>,
     /// The lower middle of the ground below buildings, lowest and highest \[m above the datum\]; `None` where the file tells of none.
     pub(super) bases: Option<BaseRange>,
-    /// Where they come from.
+    /// Number and area of footprints by the source of their height.
     pub(super) sources: HeightSources,
-    /// The first that comes from nowhere, by its id.
+    /// Id of the first footprint without a height.
     pub(super) without: Option<String>,
-    /// Of those that have no height of their own, how many have storeys.
+    /// Number of footprints that have storeys and no height.
     pub(super) n_storeys: usize,
-    /// Whether a height is that of a top above the datum.
+    /// Whether any height is measured from the datum.
     pub(super) has_tops: bool,
 }
 
@@ -47,14 +47,9 @@ pub(super) struct BaseRange {
 }
 
 impl FileHeights {
-    /// Facts of those footprints that are asked.
-    pub(super) fn of(
-        footprints: &[RawFootprint],
-        is_asked: impl Fn(&RawFootprint) -> bool,
-        grouping: &Grouping,
-        missing: &MissingHeights,
-    ) -> FileHeights {
-        let asked: Vec<usize> = (0..footprints.len()).filter(|k| is_asked(&footprints[*k])).collect();
+    /// Collects the facts of the footprints in the typed extent.
+    pub(super) fn of(footprints: &[RawFootprint], grouping: &Grouping, missing: &MissingHeights) -> FileHeights {
+        let asked: Vec<usize> = (0..footprints.len()).filter(|k| footprints[*k].is_asked).collect();
         let all = || asked.iter().map(|k| &footprints[*k]);
         let height_of =
             |height: &dyn Fn(&RawFootprint) -> Option<f64>| by_building(footprints, &asked, grouping, height);
@@ -118,7 +113,7 @@ impl FileHeights {
     }
 }
 
-/// A height of each building that is asked: that of its outline, else of its highest part.
+/// Returns one height for each building in the typed extent that has any: its outline's, else its highest part's.
 fn by_building(
     footprints: &[RawFootprint],
     asked: &[usize],
@@ -126,7 +121,7 @@ fn by_building(
     height: &dyn Fn(&RawFootprint) -> Option<f64>,
 ) -> Vec<f64> {
     let mut found = Vec::new();
-    // Of buildings that parts name, and that are not drawn.
+    // Highest parts of buildings without an outline, by group.
     let (mut undrawn, mut drawn): (HashMap<u32, f64>, HashSet<u32>) = Default::default();
     // Without a grouping parts count where nothing else is drawn.
     let has_outlines = asked.iter().any(|k| footprints[*k].part_of.is_none());

@@ -5,7 +5,6 @@
 //! left-out thing is counted in [`crate::city::FootprintFaults`] and reported. Formats end where features begin (`vector/`); what a
 //! feature says of a building is read in `building.rs`.
 
-use super::antimeridian;
 use super::area::read_area;
 use super::building::{Buildings, RawFootprint};
 use super::file_heights::FileHeights;
@@ -25,7 +24,7 @@ use super::systems::{refuse_degrees, refuse_two_crs, refuse_web_mercator};
 use super::vector::{FeatureSet, Selection, bounds, read_features};
 use crate::city::{City, DataArea, Footprint, Ground, NodataAs, Solids, Source};
 use crate::crs;
-use crate::crs::Transformation;
+use crate::crs::{Transformation, Turn};
 use crate::error::{Error, InputKind, Namer, OddFile, Pair, ReadFault, Result, Wanted, Warning};
 use crate::formats::reserve_cells;
 use crate::input::Input;
@@ -98,7 +97,7 @@ pub(super) fn scene_of(
     // Local coordinates are nowhere on earth.
     if file_crs.is_some() || options.project.is_some() {
         let crs = said_or_degrees(file_crs.as_ref(), raw.bounds())?;
-        crs.into_iter().for_each(|crs| antimeridian::unwrap(&mut raw, &crs));
+        crs.into_iter().for_each(|crs| bring_together(&mut raw, &crs));
     }
     let file_crs = match &options.project {
         Some(projection) => {
@@ -142,9 +141,11 @@ pub(super) fn scene_of(
     if let DataAreaChoice::Within(input) = &options.data_area {
         sources.push(source_of(input, options.always_hash)?);
     }
-    let is_asked = |footprint: &RawFootprint| options.extent.is_none_or(|extent| footprint.meets(extent));
+    if let (Some(extent), Some(_)) = (options.extent, &options.project) {
+        raw.footprints.iter_mut().for_each(|footprint| footprint.is_asked = footprint.meets(extent));
+    }
     let grouping = Grouping::of(&raw.footprints, options.parts, frame);
-    let heights = FileHeights::of(&raw.footprints, is_asked, &grouping, &options.missing);
+    let heights = FileHeights::of(&raw.footprints, &grouping, &options.missing);
     let near = options.extent.zip(options.reach_m).map(|(extent, reach_m)| grown(extent, Some(reach_m)));
     let mut ground = match (terrain, options.ground, heights.bases) {
         (Some(terrain), ..) => Ground::Terrain(terrain),
@@ -182,6 +183,28 @@ pub(super) fn scene_of(
         heights: Some(heights.sources),
     };
     Ok((scene, log.into_list()))
+}
+
+/// Takes positions on both sides of 180 degrees side by side, so that their middle lies between them.
+fn bring_together(raw: &mut Buildings, crs: &Crs) {
+    let Some(length) = Turn::length_in(crs) else { return };
+    let mut eastings = Vec::new();
+    for_each_position(raw, |x, _| eastings.push(*x));
+    if let Some(turn) = Turn::over(&eastings, length) {
+        for_each_position(raw, |x, _| *x = turn.apply(*x));
+    }
+}
+
+/// Visits x and y of all positions of footprints, also those of their roofs.
+fn for_each_position(raw: &mut Buildings, mut visit: impl FnMut(&mut f64, &mut f64)) {
+    for footprint in &mut raw.footprints {
+        for [x, y] in footprint.polygons.iter_mut().chain(&mut footprint.ground).flatten().flatten() {
+            visit(x, y);
+        }
+        for [x, y, _] in footprint.roof.iter_mut().flatten().flatten() {
+            visit(x, y);
+        }
+    }
 }
 
 /// Warns of roofs that are taken flat without a word about it.
@@ -286,14 +309,13 @@ fn project(
         return Ok(Some(to));
     }
     let way = Transformation::new(&from, &to, middle)?;
-    for footprint in &mut raw.footprints {
-        for position in footprint.polygons.iter_mut().chain(&mut footprint.ground).flatten().flatten() {
-            let (x, y) = way.apply((position[0], position[1]))?;
-            *position = [x, y];
-        }
-        for corner in footprint.roof.iter_mut().flatten().flatten() {
-            (corner[0], corner[1]) = way.apply((corner[0], corner[1]))?;
-        }
+    let mut failed = None;
+    for_each_position(raw, |x, y| match way.apply((*x, *y)) {
+        Ok(moved) => (*x, *y) = moved,
+        Err(error) => failed = failed.take().or(Some(error)),
+    });
+    if let Some(error) = failed {
+        return Err(error);
     }
     if bounds(raw.footprints.iter().flat_map(|f| &f.polygons)).is_some() {
         let (from, to, name) = (from.label(), to.label(), to.name().to_string());
@@ -346,15 +368,17 @@ fn warn_of_the_ground(
 /// GeoJSON without a CRS is longitude and latitude (RFC 7946); files that break the rule are local or projected.
 fn check_degrees(input: &Input, crs: Option<&Crs>, bounds: Option<[f64; 4]>) -> Result<()> {
     let Some(bounds) = bounds else { return Ok(()) };
-    if let Some(crs) = crs {
-        return refuse_degrees(input, crs, bounds, InputKind::Vector);
-    }
-    // A city in degrees spans less than a degree; local coordinates in meters of so small a scene would not.
+    // A city in degrees spans less than a degree; one in meters does not lie within a meter.
     let [west, south, east, north] = bounds;
-    if may_be_degrees(bounds) && east - west < 1.0 && north - south < 1.0 {
-        return refuse_degrees(input, &crs::from_epsg(4326)?, bounds, InputKind::Vector);
+    let is_like_degrees = may_be_degrees(bounds) && east - west < 1.0 && north - south < 1.0;
+    match crs {
+        None if is_like_degrees => refuse_degrees(input, &crs::from_epsg(4326)?, bounds, InputKind::Vector),
+        None => Ok(()),
+        Some(crs) => {
+            refuse_degrees(input, crs, bounds, InputKind::Vector)?;
+            if is_like_degrees { Err(Error::read(input, ReadFault::LikeDegrees(crs.label()))) } else { Ok(()) }
+        }
     }
-    Ok(())
 }
 
 fn warn_if_nothing_meets_the_grid(

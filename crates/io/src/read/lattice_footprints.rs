@@ -13,7 +13,7 @@ use super::missing_heights::WithoutHeight;
 use super::outline::{Shaped, polygon_area, shape};
 use super::parts::{Grouping, rest_of};
 use super::repairs::FaultLog;
-use crate::city::{Footprint, FootprintFault, Ground, HeightSource, LEFT_OUT};
+use crate::city::{Footprint, FootprintFault, Ground, HeightSource};
 use crate::error::{Error, HeightOf, HeightsMissing, ReadFault, Result, Warning};
 use crate::input::Input;
 use crate::overlay::Polygon;
@@ -37,15 +37,28 @@ pub(super) struct Making<'a> {
     pub(super) grouping: &'a Grouping,
 }
 
-/// A height of a footprint above the datum \[1/1024 m\], and where it comes from.
-#[derive(Debug, Clone, Copy)]
-struct Top {
+/// Top and base of what stands of a footprint \[1/1024 m above the datum\].
+#[derive(Debug, Clone)]
+struct Standing {
     top: i32,
     base: Option<i32>,
+    /// Rest of an outline beside its parts; `None` for a footprint that stands as it is.
+    rest: Option<Rest>,
+}
+
+/// What parts leave of an outline.
+#[derive(Debug, Clone)]
+struct Rest {
+    polygons: Vec<Polygon>,
+    /// Whether it is as high as the lowest part, for want of a height of its own.
+    is_as_lowest: bool,
 }
 
 impl Making<'_> {
-    /// Positions to the lattice, repair, parts in place of outlines, heights; of those that meet a box, if one is given \[CRS units\].
+    /// Prisms of the footprints that meet the box `near` \[CRS units\], of all without one.
+    ///
+    /// # Errors
+    /// E309 for missing heights, E205 and E504 for shapes and heights beyond the lattice, E365 for a bad error of a height.
     pub(super) fn prisms(
         self,
         mut raw: Buildings,
@@ -53,22 +66,46 @@ impl Making<'_> {
         log: &mut FaultLog,
         warnings: &mut Vec<Warning>,
     ) -> Result<Vec<Footprint>> {
-        if self.options.missing.rest() != WithoutHeight::Drop && self.heights.sources.from(HeightSource::Nowhere).n > 0
-        {
-            self.refuse_missing()?;
-        }
+        self.refuse_missing()?;
         let is_near = |footprint: &RawFootprint| near.is_none_or(|near| footprint.meets(near));
-        // What is counted is of the typed extent, whatever is read beyond it.
-        let is_asked = |footprint: &RawFootprint| self.options.extent.is_none_or(|extent| footprint.meets(extent));
-        let grouping = self.grouping;
-        // What an outline is hangs on all of its parts.
-        if grouping.is_empty() {
+        // The shape of an outline depends on all of its parts.
+        if self.grouping.is_empty() {
             raw.footprints.retain(is_near);
         }
+        let shaped = self.shapes(raw.footprints)?;
+        let mut standing: Vec<Option<Standing>> = vec![None; shaped.len()];
+        let is_outline = |k: &usize| self.grouping.parts_of(*k).is_some();
+        for k in (0..shaped.len()).filter(|k| !is_outline(k)) {
+            note_shape(&shaped[k], log);
+            standing[k] = self.whole(&shaped, k, log)?;
+        }
+        // The rest of an outline depends on the tops of its parts.
+        for k in (0..shaped.len()).filter(is_outline) {
+            note_shape(&shaped[k], log);
+            log.note(FootprintFault::Part, shaped[k].raw.culprit());
+            standing[k] = self.beside_parts(&shaped, k, &standing, log)?;
+        }
+        let (rest_area_m2, left_out) = self.areas(&shaped, &standing, raw.not_there_share);
+        let mut footprints = Vec::with_capacity(shaped.len());
+        for (k, (shaped, standing)) in shaped.into_iter().zip(standing).enumerate() {
+            let Some(standing) = standing.filter(|_| is_near(&shaped.raw)) else { continue };
+            if standing.is_below_ground(&shaped.raw) {
+                log.note(FootprintFault::BelowGround, shaped.raw.culprit());
+                continue;
+            }
+            footprints.push(self.footprint(k, shaped, standing)?);
+        }
+        let said = Said { heights: self.heights, rest_area_m2, left_out: &left_out };
+        warn_of_faults(&log.counts, self.input, self.options, &said, warnings);
+        Ok(footprints)
+    }
+
+    /// Brings footprints onto the lattice, repaired.
+    fn shapes(self, raw: Vec<RawFootprint>) -> Result<Vec<Shaped>> {
         let of_ground = (self.ground, self.options.base);
-        let mut shaped: Vec<Shaped> = raw.footprints.into_par_iter().map(|f| shape(f, of_ground, self.frame)).collect();
+        let mut shaped: Vec<Shaped> = raw.into_par_iter().map(|f| shape(f, of_ground, self.frame)).collect();
         if self.options.needs_bases() && self.options.ground == GroundChoice::Buildings {
-            // Corners of cells may be lower or higher than the ground that the file tells of.
+            // Corners of cells may be lower or higher than the ground that the file holds.
             shaped.iter_mut().for_each(|s| s.base = s.raw.base_m.and_then(height_steps).or(s.base));
         }
         if let Some((found, tangle)) = shaped.iter().find_map(|s| Some((s, s.tangle?))) {
@@ -79,95 +116,119 @@ impl Making<'_> {
             let of = HeightOf::Feature(found.raw.id.clone());
             return Err(Error::read(self.input, ReadFault::HeightRange(of, height)));
         }
-        // Parts come before outlines, whose rest hangs on their tops.
-        let mut tops: Vec<Option<Top>> = vec![None; shaped.len()];
-        for k in (0..shaped.len()).filter(|k| grouping.parts_of(*k).is_none()) {
-            let is_asked = is_asked(&shaped[k].raw);
-            if is_asked {
-                note_shape(&shaped[k], log);
-            }
-            tops[k] = self.top(&shaped, k, is_asked.then_some(&mut *log))?;
+        Ok(shaped)
+    }
+
+    /// What stands of a footprint as it is; `None` if it is left out. Notes what is odd about its height.
+    fn whole(self, shaped: &[Shaped], k: usize, log: &mut FaultLog) -> Result<Option<Standing>> {
+        let of = &shaped[k];
+        if !is_usable(of) {
+            return Ok(None);
         }
-        // Areas of what has a height, and is left out.
+        let culprit = of.raw.culprit();
+        let (source, height) = self.height(shaped, k);
+        if source != HeightSource::File {
+            log.note_done(FootprintFault::MissingHeight, culprit, source.done());
+        }
+        if source == HeightSource::Storeys {
+            log.note(FootprintFault::HeightFromLevels, culprit);
+        }
+        if let FoundHeight::DecimalComma(_) = of.raw.height {
+            log.note(FootprintFault::DecimalComma, culprit);
+        }
+        let Some(height) = height else { return Ok(None) };
+        let standing = self.on_lattice(shaped, k, height)?;
+        if standing.is_none() {
+            let is_negative = height.m < 0.0 && !height.above_datum;
+            log.note(if is_negative { FootprintFault::NegativeHeight } else { FootprintFault::NoGround }, culprit);
+        }
+        Ok(standing)
+    }
+
+    /// What stands of an outline beside its parts: at its own height where that is read and below the highest part, else as high as the
+    /// lowest part. The whole outline if no part stands; nothing if parts cover nine tenths of it.
+    fn beside_parts(
+        self,
+        shaped: &[Shaped],
+        k: usize,
+        standing: &[Option<Standing>],
+        log: &mut FaultLog,
+    ) -> Result<Option<Standing>> {
+        let parts = self.grouping.parts_of(k).unwrap_or_default();
+        let tops = || parts.iter().filter_map(|part| standing[*part].as_ref()).map(|part| part.top);
+        let Some((lowest, highest)) = tops().min().zip(tops().max()) else { return self.whole(shaped, k, log) };
+        let is_standing = |part: &&usize| standing[**part].is_some();
+        let covered = parts.iter().filter(is_standing).map(|part| shaped[*part].polygons.as_slice());
+        let rest = rest_of(&shaped[k].polygons, covered);
+        if rest.is_empty() {
+            return Ok(None);
+        }
+        // A height that was made up is none of its own.
+        let own = match self.height(shaped, k) {
+            (HeightSource::File, Some(height)) if is_usable(&shaped[k]) => self.on_lattice(shaped, k, height)?,
+            _ => None,
+        };
+        let own = own.map(|own| own.top).filter(|top| *top < highest);
+        let rest = Rest { polygons: rest, is_as_lowest: own.is_none() };
+        Ok(Some(Standing { top: own.unwrap_or(lowest), base: shaped[k].base, rest: Some(rest) }))
+    }
+
+    /// Area of the rests of outlines that are as high as the lowest part \[m²\], and shares of the area of all that have a height: of those
+    /// that are left out, by why. Of footprints in the typed extent.
+    fn areas(
+        self,
+        shaped: &[Shaped],
+        standing: &[Option<Standing>],
+        not_there_share: f64,
+    ) -> (f64, HashMap<FootprintFault, f64>) {
+        let (mut rests, mut with_height) = (0.0, 0.0);
         let mut left_out: HashMap<FootprintFault, f64> = HashMap::new();
-        let mut area_with_height = 0.0;
-        for of in shaped.iter().map(|s| &s.raw).filter(|of| is_asked(of)) {
-            area_with_height += of.height.meters().map_or(0.0, |_| of.area());
-            if of.height.meters().is_some_and(|m| m < 0.0) && !of.above_datum {
-                *left_out.entry(FootprintFault::NegativeHeight).or_default() += of.area();
-            }
-        }
-        let mut rests: Vec<Option<Vec<Polygon>>> = vec![None; shaped.len()];
-        let mut rest_area = 0.0;
-        for k in 0..shaped.len() {
-            let Some(parts) = grouping.parts_of(k) else { continue };
-            let is_asked = is_asked(&shaped[k].raw);
-            if is_asked {
-                note_shape(&shaped[k], log);
-                log.note(FootprintFault::Part, shaped[k].raw.culprit());
-            }
-            // A height that was made up is none of its own.
-            let own = match shaped[k].raw.height.meters() {
-                Some(_) => self.top(&shaped, k, None)?,
-                None => None,
+        for (of, standing) in shaped.iter().zip(standing).filter(|(of, _)| of.raw.is_asked) {
+            let (area, height) = (of.raw.area(), of.raw.height.meters());
+            with_height += height.map_or(0.0, |_| area);
+            let fault = match standing {
+                Some(standing) if standing.is_below_ground(&of.raw) => Some(FootprintFault::BelowGround),
+                None if height.is_some_and(|m| m < 0.0) && !of.raw.above_datum => Some(FootprintFault::NegativeHeight),
+                _ => None,
             };
-            let of_parts = || parts.iter().filter_map(|part| tops[*part]);
-            let Some((lowest, highest)) = of_parts().map(|t| t.top).min().zip(of_parts().map(|t| t.top).max()) else {
-                // No part stands: the outline does.
-                tops[k] = self.top(&shaped, k, is_asked.then_some(&mut *log))?;
-                continue;
-            };
-            let standing = parts.iter().filter(|part| tops[**part].is_some());
-            let rest = rest_of(&shaped[k].polygons, standing.map(|part| shaped[*part].polygons.as_slice()));
-            let below = own.filter(|own| own.top < highest);
-            if below.is_none() && !rest.is_empty() && is_asked {
-                rest_area += rest.iter().map(|p| polygon_area(p)).sum::<f64>();
-            }
-            tops[k] = Some(below.unwrap_or(Top { top: lowest, base: shaped[k].base })).filter(|_| !rest.is_empty());
-            rests[k] = Some(rest);
-        }
-        let mut footprints = Vec::with_capacity(shaped.len());
-        let bases: Vec<Option<i32>> = shaped.iter().map(|s| s.base).collect();
-        for (k, shaped) in shaped.into_iter().enumerate() {
-            let Some(Top { top, base }) = tops[k].filter(|_| is_near(&shaped.raw)) else { continue };
-            if base.is_some_and(|base| top <= base) && shaped.raw.above_datum {
-                if is_asked(&shaped.raw) {
-                    log.note(FootprintFault::BelowGround, shaped.raw.culprit());
-                    *left_out.entry(FootprintFault::BelowGround).or_default() += shaped.raw.area();
-                }
-                continue;
-            }
-            if let Some(error) = shaped.raw.height_error_m.filter(|m| !(0.0..=1000.0).contains(m)) {
-                let id = shaped.raw.id.clone();
-                return Err(Error::read(self.input, ReadFault::HeightError(id, error)));
-            }
-            let is_rest = rests[k].is_some();
-            let top = if is_rest { top } else { shaped.roof.top().unwrap_or(top) };
-            footprints.push(Footprint {
-                id: shaped.raw.id,
-                polygons: rests[k].take().unwrap_or(shaped.polygons),
-                top,
-                roof: if is_rest { Vec::new() } else { shaped.roof.triangles },
-                base: grouping.outline_of(k).map_or(base, |outline| bases[outline]),
-                height_error: shaped.raw.height_error_m.and_then(height_steps),
-                part_of: grouping.group_of(k),
-            });
+            fault.into_iter().for_each(|fault| *left_out.entry(fault).or_default() += area);
+            let rest = standing.as_ref().and_then(|standing| standing.rest.as_ref()).filter(|rest| rest.is_as_lowest);
+            rests += rest.map_or(0.0, |rest| rest.polygons.iter().map(|polygon| polygon_area(polygon)).sum());
         }
         let step_m = self.meters_per_unit / f64::from(STEPS_PER_UNIT);
-        // Shares of all that have a height, of which a share is not there.
-        let there = (1.0 - raw.not_there_share) / area_with_height;
-        let left_out = left_out.into_iter().map(|(fault, area)| (fault, area * there));
-        let left_out = left_out.chain([(FootprintFault::NotABuilding, raw.not_there_share)]).collect();
-        let said = Said { heights: self.heights, rest_area_m2: 0.5 * rest_area * step_m * step_m, left_out: &left_out };
-        warn_of_faults(&log.counts, self.input, self.options, &said, warnings);
-        Ok(footprints)
+        // What is not there has a share of the whole; the others share what is left.
+        let shares = left_out.into_iter().map(|(fault, area)| (fault, area / with_height * (1.0 - not_there_share)));
+        let shares = shares.chain([(FootprintFault::NotABuilding, not_there_share)]).collect();
+        (0.5 * rests * step_m * step_m, shares)
+    }
+
+    /// The footprint of what stands.
+    fn footprint(self, k: usize, shaped: Shaped, standing: Standing) -> Result<Footprint> {
+        if let Some(error) = shaped.raw.height_error_m.filter(|m| !(0.0..=1000.0).contains(m)) {
+            return Err(Error::read(self.input, ReadFault::HeightError(shaped.raw.id, error)));
+        }
+        let Standing { top, base, rest } = standing;
+        let (top, roof) = match &rest {
+            Some(_) => (top, Vec::new()),
+            None => (shaped.roof.top().unwrap_or(top), shaped.roof.triangles),
+        };
+        Ok(Footprint {
+            id: shaped.raw.id,
+            polygons: rest.map_or(shaped.polygons, |rest| rest.polygons),
+            top,
+            roof,
+            base,
+            height_error: shaped.raw.height_error_m.and_then(height_steps),
+            part_of: self.grouping.group_of(k),
+        })
     }
 
     /// Refuses a file of which too much has no height.
     fn refuse_missing(self) -> Result<()> {
         let left_out = self.heights.sources.from(HeightSource::Nowhere);
         let rest = self.options.missing.rest();
-        if rest == WithoutHeight::Few && left_out.area_share <= FEW {
+        let is_few = rest == WithoutHeight::Few && left_out.area_share <= FEW;
+        if left_out.n == 0 || rest == WithoutHeight::Drop || is_few {
             return Ok(());
         }
         let property = self.options.height_property().to_string();
@@ -188,55 +249,33 @@ impl Making<'_> {
         Err(Error::read(self.input, ReadFault::HeightsMissing(fault)))
     }
 
-    /// The top of a footprint on the lattice; `None` if it is left out, which is noted.
-    fn top(self, shaped: &[Shaped], k: usize, mut log: Option<&mut FaultLog>) -> Result<Option<Top>> {
-        let of = &shaped[k];
-        if !is_usable(of) {
-            return Ok(None);
-        }
-        let mut note = |fault: FootprintFault, done: &'static str| {
-            if let Some(log) = log.as_deref_mut() {
-                log.note_done(fault, of.raw.culprit(), done);
-            }
-        };
-        let outline = self.grouping.outline_of(k).map(|outline| &shaped[outline]);
-        let (source, found) = self.heights.height(&of.raw, outline.map(|outline| &outline.raw), &self.options.missing);
-        match source {
-            HeightSource::File => {}
-            HeightSource::Storeys => {
-                note(FootprintFault::MissingHeight, "given the height of its storeys");
-                note(FootprintFault::HeightFromLevels, FootprintFault::HeightFromLevels.done());
-            }
-            HeightSource::Median => note(FootprintFault::MissingHeight, "given the median height"),
-            HeightSource::Number => note(FootprintFault::MissingHeight, "given a height"),
-            HeightSource::Nowhere => note(FootprintFault::MissingHeight, LEFT_OUT),
-        }
-        if let FoundHeight::DecimalComma(_) = of.raw.height {
-            note(FootprintFault::DecimalComma, FootprintFault::DecimalComma.done());
-        }
-        let Some(Height { m, above_datum }) = found else { return Ok(None) };
-        if !above_datum && m < 0.0 {
-            note(FootprintFault::NegativeHeight, LEFT_OUT);
-            return Ok(None);
-        }
-        let base = outline.map_or(of.base, |outline| outline.base);
-        if base.is_none() && !above_datum {
-            note(FootprintFault::NoGround, LEFT_OUT);
-            return Ok(None);
-        }
-        self.on_lattice(of, (m, above_datum), base).map(|top| Some(Top { top, base }))
+    /// The height of a footprint, and where it comes from.
+    fn height(self, shaped: &[Shaped], k: usize) -> (HeightSource, Option<Height>) {
+        let outline = self.grouping.outline_of(k).map(|outline| &shaped[outline].raw);
+        self.heights.height(&shaped[k].raw, outline, &self.options.missing)
     }
 
-    /// The top on the lattice.
-    fn on_lattice(self, shaped: &Shaped, (height, above_datum): (f64, bool), base: Option<i32>) -> Result<i32> {
-        let above = if above_datum { Some(0) } else { base };
-        height_steps(height)
-            .and_then(|steps| above?.checked_add(steps))
-            .filter(|top| height_steps(meters(*top)).is_some())
-            .ok_or_else(|| {
-                let of = HeightOf::Feature(shaped.raw.id.clone());
-                Error::read(self.input, ReadFault::HeightRange(of, height))
-            })
+    /// A footprint at a height, on the ground of its outline if it has one; `None` below 0 or where that ground is not known.
+    fn on_lattice(self, shaped: &[Shaped], k: usize, Height { m, above_datum }: Height) -> Result<Option<Standing>> {
+        let base = self.grouping.outline_of(k).map_or(shaped[k].base, |outline| shaped[outline].base);
+        let above = match (above_datum, base) {
+            (true, _) => 0,
+            (false, Some(base)) if m >= 0.0 => base,
+            (false, _) => return Ok(None),
+        };
+        let top = height_steps(m).and_then(|steps| above.checked_add(steps));
+        let top = top.filter(|top| height_steps(meters(*top)).is_some()).ok_or_else(|| {
+            let of = HeightOf::Feature(shaped[k].raw.id.clone());
+            Error::read(self.input, ReadFault::HeightRange(of, m))
+        })?;
+        Ok(Some(Standing { top, base, rest: None }))
+    }
+}
+
+impl Standing {
+    /// Whether a top that is read above the datum is not above the ground.
+    fn is_below_ground(&self, of: &RawFootprint) -> bool {
+        of.above_datum && self.base.is_some_and(|base| self.top <= base)
     }
 }
 

@@ -1,6 +1,5 @@
 //! Scenes and what belongs to them, read from files and checked once.
 
-mod antimeridian;
 mod area;
 mod box_index;
 mod building;

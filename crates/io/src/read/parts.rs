@@ -1,10 +1,10 @@
 //! Parts of buildings in place of their outlines (Simple 3D Buildings of OpenStreetMap, Overture, CityJSON).
 //!
-//! An outline has the height of its highest part, so that it says nothing of the others. Where parts are drawn they stand, and the outline does
-//! not. If they cover nine tenths of it, there is nothing beside them; else the rest of the outline stands by itself.
+//! An outline has the height of its highest part, so it is too high everywhere else. Parts replace it where they are drawn.
+//! If they cover nine tenths of it, the rest is dropped; else the rest stands by itself.
 //!
-//! The outline of a part is the footprint that it names, or else the smallest of those that hold most of its area. A part beside the building that
-//! it names, as an annex, leaves that as it is. All of that is decided on the lattice.
+//! The outline of a part is the footprint that it names, else the smallest that holds most of its area. A part that lies
+//! beside the building it names, as an annex does, replaces nothing. All areas are compared on the lattice.
 
 use std::collections::HashMap;
 
@@ -27,7 +27,7 @@ pub(super) struct Grouping {
 }
 
 impl Grouping {
-    /// That of footprints: none where outlines and parts both stand.
+    /// Groups footprints; the grouping is empty for [`Parts::Join`].
     ///
     /// Cost: the overlay of each part with the outlines whose boxes meet its own.
     pub(super) fn of(footprints: &[RawFootprint], rule: Parts, frame: Frame) -> Grouping {

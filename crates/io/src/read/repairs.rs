@@ -30,6 +30,8 @@ pub(super) struct Culprit<'a> {
     pub(super) feature: usize,
     pub(super) id: &'a str,
     pub(super) place: Option<[f64; 2]>,
+    /// Whether it lies in the typed extent; faults of others are not counted, whatever is read beyond it.
+    pub(super) is_asked: bool,
 }
 
 /// Faults as they are met: counted, and listed if that was asked for.
@@ -57,9 +59,12 @@ impl FaultLog {
     pub(super) fn note_done(
         &mut self,
         fault: FootprintFault,
-        Culprit { feature, id, place }: Culprit<'_>,
+        Culprit { feature, id, place, is_asked }: Culprit<'_>,
         done: &'static str,
     ) {
+        if !is_asked {
+            return;
+        }
         self.counts.add(fault);
         if let Some(list) = &mut self.list {
             list.push(Repair { feature, id: id.to_string(), fault, done, place });

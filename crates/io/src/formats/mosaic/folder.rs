@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicUsize;
 use super::covered::{covered_area, n_covered_cells};
 use super::numbers::Rule;
 use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers};
+use crate::crs::Turn;
 use crate::error::{Cause, Error, OddRaster, Oddity, Pair, ReadFault, Result, Wanted, two_crs};
 use crate::formats::band::Band;
 use crate::formats::oddity::{each_once, with_true_lengths};
@@ -78,7 +79,7 @@ impl Mosaic {
     }
 }
 
-/// Takes tiles in degrees on both sides of 180 degrees a turn on, where they are nearer to each other so.
+/// Takes tiles in degrees on both sides of 180 degrees side by side.
 fn bring_together(headers: &mut [Header]) {
     /// Tiles that name no system and have larger cells than these are not in degrees \[deg\].
     const MOST: f64 = 0.1;
@@ -86,16 +87,14 @@ fn bring_together(headers: &mut [Header]) {
         Some(crs) => matches!(crs.kind(), CrsKind::Geographic),
         None => header.georef.cell_width() < MOST && header.georef.x_min() >= -180.0 && header.georef.x_max() <= 180.0,
     };
-    let turned = |x: f64| if x < 0.0 { x + 360.0 } else { x };
-    let width = |of: &dyn Fn(f64) -> f64| {
-        let xs = || headers.iter().map(|header| of(header.georef.x_min()));
-        xs().fold(f64::NEG_INFINITY, f64::max) - xs().fold(f64::INFINITY, f64::min)
-    };
-    if !headers.iter().all(is_in_degrees) || width(&|x| x) <= 180.0 || width(&turned) >= width(&|x| x) {
+    if !headers.iter().all(is_in_degrees) {
         return;
     }
+    let eastings: Vec<f64> = headers.iter().map(|header| header.georef.x_min()).collect();
+    let Some(turn) = Turn::over(&eastings, 360.0) else { return };
     for georef in headers.iter_mut().map(|header| &mut header.georef) {
-        let (corner, cell) = ((turned(georef.x_min()), georef.y_max()), (georef.cell_width(), georef.cell_height()));
+        let (corner, cell) =
+            ((turn.apply(georef.x_min()), georef.y_max()), (georef.cell_width(), georef.cell_height()));
         let moved = GeoRef::new(corner, cell, (georef.n_rows(), georef.n_cols()), georef.crs().cloned());
         *georef = moved.unwrap_or_else(|| georef.clone());
     }

@@ -123,6 +123,17 @@ pub(super) fn with_others(mut properties: Properties, others: &Map<String, Value
     properties
 }
 
+impl Feature {
+    /// Takes tags in as properties that a format holds as the text of a JSON object, which GDAL makes of one.
+    pub(super) fn open_tags(&mut self) {
+        let text = self.properties.iter().find(|(name, _)| **name == *"tags").and_then(|(_, value)| value.text());
+        let tags = text.filter(|text| text.starts_with('{')).and_then(|text| serde_json::from_str(&text).ok());
+        if let Some(Value::Object(tags)) = tags {
+            self.properties = with_others(std::mem::take(&mut self.properties), &tags);
+        }
+    }
+}
+
 impl Property {
     /// As text.
     pub(in crate::read) fn text(&self) -> Option<String> {

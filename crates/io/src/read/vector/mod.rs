@@ -62,7 +62,7 @@ impl VectorFormat {
 
 /// Reads the features of a file.
 pub(super) fn read_features(input: &Input, selection: Selection<'_>) -> Result<FeatureSet> {
-    match VectorFormat::of(input) {
+    let mut set = match VectorFormat::of(input) {
         VectorFormat::Json => geojson::read(input),
         VectorFormat::Shapefile => shapefile::read(input),
         VectorFormat::FlatGeobuf => flatgeobuf::read(input, selection.bounds),
@@ -72,5 +72,7 @@ pub(super) fn read_features(input: &Input, selection: Selection<'_>) -> Result<F
         VectorFormat::GeoPackage => {
             Err(Error::unsupported(input, "this build reads no GeoPackage").because(Cause::NotBuilt))
         }
-    }
+    }?;
+    set.features.iter_mut().for_each(Feature::open_tags);
+    Ok(set)
 }
