@@ -1,29 +1,29 @@
-//! Disjoint sets of numbers, which are joined until only what hangs together is left.
+//! Disjoint sets of numbers (union–find).
 
-/// Disjoint sets of the numbers from 0, each represented by one of its own.
+/// Disjoint sets of the numbers from 0. One member of each set represents it.
 ///
 /// # References
 /// Path halving: Tarjan & van Leeuwen 1984.
 #[derive(Debug, Clone, Default)]
 pub struct DisjointSets {
-    /// For each number another one of its set, nearer to the one that represents it.
+    /// For each number, another member of its set that is nearer to the representative.
     toward: Vec<u32>,
 }
 
 impl DisjointSets {
-    /// Sets of one number each, for so many below 2^32.
+    /// Makes `n` sets of one number each; `n` is below 2^32.
     pub fn new(n: usize) -> Self {
         DisjointSets { toward: (0..number(n)).collect() }
     }
 
-    /// Adds a set of the next number, which is returned.
+    /// Adds a set with the next number, and returns that number.
     pub fn add(&mut self) -> usize {
         let next = self.toward.len();
         self.toward.push(number(next));
         next
     }
 
-    /// The number that represents the set of another.
+    /// Returns the representative of a number's set.
     pub fn root(&mut self, of: usize) -> usize {
         let mut at = of;
         while self.toward[at] as usize != at {
@@ -34,14 +34,15 @@ impl DisjointSets {
         at
     }
 
-    /// Joins the sets of two numbers and returns what represents both: the lower of what represented each.
+    /// Joins the sets of two numbers. Returns the common representative: the lower one of both
+    /// sets.
     pub fn join(&mut self, a: usize, b: usize) -> usize {
         let (a, b) = (self.root(a), self.root(b));
         self.toward[a.max(b)] = number(a.min(b));
         a.min(b)
     }
 
-    /// Joins the set of one number with that of another, so that what represented the other represents both.
+    /// Joins the set of `one` into the set of `other`, whose representative then represents both.
     pub fn join_into(&mut self, one: usize, other: usize) {
         let (one, other) = (self.root(one), self.root(other));
         self.toward[one] = number(other);

@@ -1,8 +1,11 @@
-//! The exact engines of skyshed: what stands in the way, who sees whom, which cells are streets, and maps of it.
+//! The exact engines of skyshed: obstacles, line of sight, zones of a city, and coverage maps.
 //!
-//! Nothing here reads a file, a clock or the environment. Data flows one way: a [`city`] becomes a [`height_field`], what a
-//! ray can hit, on an integer lattice; [`los`] decides who sees whom, exactly; [`zones`] tells streets, crossroads,
-//! courtyards and rooftops apart; [`coverage`] makes maps. What line of sight means is written once, in [`los`].
+//! Nothing here reads a file, a clock or the environment. Data flows one way:
+//!
+//! 1. A [`city`] becomes a [`height_field`]: everything a ray can hit, on an integer lattice.
+//! 2. [`los`] decides line of sight exactly. It holds the only definition of line of sight.
+//! 3. [`zones`] separates streets, crossroads, courtyards and rooftops.
+//! 4. [`coverage`] makes maps.
 
 pub mod coverage;
 pub mod disjoint_sets;

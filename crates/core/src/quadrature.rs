@@ -1,6 +1,6 @@
 //! The Gauss–Legendre rule of five nodes.
 
-/// The mean of a function over \[0, 1\], exact for polynomials of degree 9.
+/// Returns the mean of a function over \[0, 1\], exact for polynomials of degree 9.
 #[inline]
 pub fn mean_over_unit(f: impl Fn(f64) -> f64) -> f64 {
     const NODES: [(f64, f64); 5] = [

@@ -1,8 +1,9 @@
 //! Quantities that are easily swapped, and the lattice on which line of sight is decided.
 //!
-//! All decisions about visibility are made in integers: heights in 1/1024 m above the datum, horizontal positions in
-//! 1/1024 of a unit (the meter in vector scenes, the cell in raster scenes). Numbers are rounded once, on entry, by at
-//! most half a lattice step (0.5 mm in height); after that nothing is rounded.
+//! All decisions about visibility are made in integers. Heights are in 1/1024 m above the datum.
+//! Horizontal positions are in 1/1024 of a unit: the meter in vector scenes, the cell in raster
+//! scenes. Numbers are rounded once, on entry, by at most half a lattice step (0.5 mm in height).
+//! After that nothing is rounded.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -11,21 +12,23 @@ use std::str::FromStr;
 /// Lattice steps per meter of height, and per horizontal unit.
 pub const STEPS_PER_UNIT: i32 = 1024;
 
-/// The largest height above or below the datum \[m\]; beyond it a height is refused.
+/// The largest height above or below the datum \[m\]; larger heights are refused.
 pub const MAX_HEIGHT_M: f64 = 32_768.0;
 
-/// The largest extent of the box of one UAV and the cells in its range \[units\].
+/// The largest extent of the box around one UAV and the cells in its range \[units\].
 pub const MAX_EXTENT_UNITS: f64 = 65_536.0;
 
-/// The height of a cell that holds none (nodata, or outside a raster): below every height, so it blocks nothing.
+/// The height of a cell without one (nodata, or outside a raster). It is below every height, so the
+/// cell blocks nothing.
 pub const VOID: i32 = i32::MIN;
 
-/// The top of a nodata cell that blocks every link: above every height, so no receiver height is enough behind it.
+/// The top of a nodata cell that blocks every link. It is above every height, so no receiver behind
+/// it is high enough.
 pub const BLOCKS_ALL: i32 = 1 << 26;
 
-/// A height above the datum in lattice steps of 1/1024 m, or `None` if `meters` is not finite or beyond ±32 768 m.
+/// Rounds a height above the datum to lattice steps of 1/1024 m. Halves are rounded up.
 ///
-/// Halves are rounded up.
+/// Returns `None` if `meters` is not finite or beyond ±32 768 m.
 pub fn height_steps(meters: f64) -> Option<i32> {
     if !meters.is_finite() || meters.abs() > MAX_HEIGHT_M {
         return None;
@@ -35,7 +38,7 @@ pub fn height_steps(meters: f64) -> Option<i32> {
     Some(steps)
 }
 
-/// Meters from lattice steps of height.
+/// Converts lattice steps of height to meters.
 pub fn meters(steps: i32) -> f64 {
     f64::from(steps) / f64::from(STEPS_PER_UNIT)
 }
@@ -51,22 +54,25 @@ pub struct LatticePoint {
     pub z: i64,
 }
 
-/// How plane coordinates become lattice positions: a local origin and the length of the horizontal unit.
+/// Transform from plane coordinates to lattice positions: a local origin and the length of the
+/// horizontal unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     /// World x of the local origin \[CRS units\].
     pub x_origin: f64,
     /// World y of the local origin \[CRS units\].
     pub y_origin: f64,
-    /// Length of one unit along x \[CRS units\]: 1 in a vector scene, the cell width in a raster scene.
+    /// Length of one unit along x \[CRS units\]: 1 in a vector scene, the cell width in a raster
+    /// scene.
     pub unit_x: f64,
     /// Length of one unit along y \[CRS units\].
     pub unit_y: f64,
 }
 
 impl Frame {
-    /// The lattice position nearest to world `(x, y)`; halves go north-east. Saturates far outside the lattice, where
-    /// the extent check of a site refuses it.
+    /// Returns the lattice position nearest to world `(x, y)`; halves go north-east.
+    ///
+    /// Saturates far outside the lattice, where the extent check of a site refuses it.
     pub fn lattice_from_world(&self, x: f64, y: f64) -> (i64, i64) {
         let steps = f64::from(STEPS_PER_UNIT);
         #[expect(clippy::cast_possible_truncation, reason = "saturating is what is documented")]
@@ -74,17 +80,17 @@ impl Frame {
         (round((x - self.x_origin) / self.unit_x), round((y - self.y_origin) / self.unit_y))
     }
 
-    /// World coordinates of a lattice position given in (possibly fractional) lattice steps.
+    /// Returns the world coordinates of a lattice position in (possibly fractional) lattice steps.
     pub fn world_from_lattice(&self, x: f64, y: f64) -> (f64, f64) {
         let steps = f64::from(STEPS_PER_UNIT);
         (self.x_origin + x / steps * self.unit_x, self.y_origin + y / steps * self.unit_y)
     }
 }
 
-/// A height together with what it is measured from.
+/// A height and its reference: the ground, the roof or the datum.
 ///
-/// Written `120agl`, `30roof`, `150amsl`; a bare number is above ground. Feet are written `400ft`, `400ft amsl`; what is
-/// shown is in meters.
+/// Written `120agl`, `30roof`, `150amsl`; a bare number is above ground. Feet are written `400ft`,
+/// `400ft amsl`; heights are shown in meters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Height {
     /// Above the ground under the point \[m\].
@@ -96,22 +102,22 @@ pub enum Height {
 }
 
 impl Height {
-    /// Above the ground under the point \[m\].
+    /// Returns a height above the ground under the point \[m\].
     pub fn agl(meters: f64) -> Height {
         Height::AboveGround(meters)
     }
 
-    /// Above the roof under the point \[m\].
+    /// Returns a height above the roof under the point \[m\].
     pub fn roof(meters: f64) -> Height {
         Height::AboveRoof(meters)
     }
 
-    /// Above the datum of the scene \[m\].
+    /// Returns a height above the datum of the scene \[m\].
     pub fn amsl(meters: f64) -> Height {
         Height::AboveDatum(meters)
     }
 
-    /// The number without its reference \[m\].
+    /// Returns the number without its reference \[m\].
     pub fn value(self) -> f64 {
         match self {
             Height::AboveGround(v) | Height::AboveRoof(v) | Height::AboveDatum(v) => v,
@@ -144,24 +150,24 @@ impl FromStr for Height {
     }
 }
 
-/// A part of a whole, such as P_LoS of receivers; `None` of nothing.
+/// Returns a part as a share of the whole, such as P_LoS of receivers; `None` if the whole is 0.
 pub fn share(part: u64, whole: u64) -> Option<f64> {
     (whole > 0).then(|| part as f64 / whole as f64)
 }
 
-/// A number of things: `1 cell`, `2 cells`.
+/// Formats a count with its noun: `1 cell`, `2 cells`.
 pub fn counted(n: u64, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
-/// A number for reading: at most two decimals, no needless zeros.
+/// Formats a number with at most two decimals and no trailing zeros.
 pub fn tidy(v: f64) -> String {
     let text = format!("{v:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".into() } else { text.to_string() }
 }
 
-/// A number for reading with `n` decimals, never −0.
+/// Formats a number with `n` decimals, never as −0.
 pub fn fixed(v: f64, n: usize) -> String {
     let text = format!("{v:.n$}");
     match text.strip_prefix('-') {
@@ -170,7 +176,7 @@ pub fn fixed(v: f64, n: usize) -> String {
     }
 }
 
-/// A difference for reading with `n` decimals: `+0.01`, `−0.01` or `0.00`.
+/// Formats a difference with `n` decimals: `+0.01`, `−0.01` or `0.00`.
 pub fn signed(v: f64, n: usize) -> String {
     let text = fixed(v, n);
     if text.bytes().all(|byte| matches!(byte, b'0' | b'.')) {
@@ -179,14 +185,15 @@ pub fn signed(v: f64, n: usize) -> String {
     text.strip_prefix('-').map_or_else(|| format!("+{text}"), |digits| format!("−{digits}"))
 }
 
-/// A quotient of lengths, and the whole number that it is within 10^-6 of: coordinates far from the origin are rounded, and
-/// must not add a row or a column.
+/// Rounds a quotient of lengths to the nearest integer if it is within 10^-6 of it.
+///
+/// Coordinates far from the origin are rounded, which must not add a row or a column.
 pub fn whole(quotient: f64) -> f64 {
     let nearest = quotient.round();
     if (quotient - nearest).abs() <= 1e-6 { nearest } else { quotient }
 }
 
-/// A number that cannot be: its name, what was found and what is wanted.
+/// A number out of range: its name, its value and the wanted range.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{what} is `{found}`, wanted {wanted}")]
 #[expect(missing_docs, reason = "the docs of the type say what its fields are")]
@@ -196,26 +203,26 @@ pub struct OutOfRange {
     pub wanted: Cow<'static, str>,
 }
 
-/// Reads a finite number as it is typed.
+/// Reads a finite number as typed.
 ///
 /// # Errors
-/// What was found instead, and what was wanted.
+/// Text that states what was found and what was wanted.
 pub fn read_number(text: &str) -> Result<f64, String> {
     parse_number(text).map_err(|found| format!("{found}, wanted a finite number"))
 }
 
-/// Reads a length in meters, or in feet with `ft`, as it is typed \[m\].
+/// Reads a length as typed, in meters, or in feet with `ft` \[m\].
 ///
 /// # Errors
-/// What was found instead, and what was wanted.
+/// Text that states what was found and what was wanted.
 pub fn read_length(text: &str) -> Result<f64, String> {
     parse_meters(text).map_err(|found| format!("{found}, wanted meters, or feet such as 5ft"))
 }
 
-/// Reads a number, a fraction such as `4/3`, or `inf`, as it is typed.
+/// Reads a number, a fraction such as `4/3`, or `inf`, as typed.
 ///
 /// # Errors
-/// What was found instead, and what was wanted.
+/// Text that states what was found and what was wanted.
 pub fn read_fraction(text: &str) -> Result<f64, String> {
     match text.split_once('/') {
         _ if text == "inf" => Ok(f64::INFINITY),
@@ -224,27 +231,28 @@ pub fn read_fraction(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Reads so many numbers between separators. `wanted` says what they are.
+/// Reads `N` numbers between separators. `wanted` describes them in the error.
 ///
 /// # Errors
-/// What was found instead, and what was wanted.
+/// Text that states what was found and what was wanted.
 pub fn read_numbers<const N: usize>(text: &str, separator: char, wanted: &str) -> Result<[f64; N], String> {
     let numbers: Result<Vec<f64>, String> = text.split(separator).map(read_number).collect();
     <[f64; N]>::try_from(numbers?).map_err(|n| format!("found {} numbers, wanted {wanted}", n.len()))
 }
 
-/// Reads two angles, such as `90,180`, as they are typed.
+/// Reads two angles as typed, such as `90,180`.
 ///
 /// # Errors
-/// What was found instead, and what was wanted.
+/// Text that states what was found and what was wanted.
 pub fn read_angles(text: &str) -> Result<[f64; 2], String> {
     read_numbers(text, ',', "two, such as 90,180")
 }
 
-/// A length in meters, typed as such (`120`, `120m`) or in international feet (`400ft`); or what was found instead.
+/// Reads a length as typed, in meters (`120`, `120m`) or in international feet (`400ft`) \[m\]. The
+/// error states what was found.
 pub fn parse_meters(text: &str) -> Result<f64, String> {
     let text = text.trim();
-    // 0.3048 m to the foot; divided last, so that 10ft are 3.048.
+    // A foot is 0.3048 m. The division comes last, so that 10ft are exactly 3.048.
     let length = match (text.strip_suffix("ft"), text.strip_suffix('m')) {
         (Some(feet), _) => parse_number(feet).map(|feet| feet * 3048.0 / 10_000.0),
         (None, Some(meters)) => parse_number(meters),
@@ -253,7 +261,7 @@ pub fn parse_meters(text: &str) -> Result<f64, String> {
     length.ok().filter(|length| length.is_finite()).map_or_else(|| parse_number(text), Ok)
 }
 
-/// A finite number, or what was found instead.
+/// Reads a finite number. The error states what was found.
 pub fn parse_number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(v) if v.is_finite() => Ok(v),

@@ -1,11 +1,13 @@
-//! Which vector instructions the engines use: on x86-64 AVX2 where the machine has it, else those that every machine of
-//! the target has.
+//! Vector instructions of the engines: AVX2 on x86-64 machines that have it, else the baseline of
+//! the target.
 //!
-//! PERF: in cities of 2048² AVX-512 gave 4 to 10 % over AVX2, and each set of instructions is all engines compiled again.
+//! PERF: AVX-512 gained 4 to 10 % over AVX2 in cities of 2048². Each instruction set compiles all
+//! engines once more.
 
 pub use fearless_simd::Level as SimdLevel;
 
-/// Every level that this machine can run and the engines tell apart, the best one last. All give the same bits.
+/// Returns every level that this machine can run and the engines distinguish, the best one last.
+/// All give the same bits.
 pub fn simd_levels() -> Vec<SimdLevel> {
     let best = SimdLevel::new();
     #[cfg(target_arch = "x86_64")]
@@ -18,9 +20,10 @@ pub fn simd_levels() -> Vec<SimdLevel> {
     vec![best]
 }
 
-/// Runs an operation with the vector instructions of a level: `dispatch!(level, simd => operation(simd))`.
+/// Runs an operation with the vector instructions of a level:
+/// `dispatch!(level, simd => operation(simd))`.
 ///
-/// The operation is compiled once for each set of instructions.
+/// The operation is compiled once for each instruction set.
 #[macro_export]
 macro_rules! dispatch {
     ($level:expr, $simd:ident => $operation:expr) => {{

@@ -1,39 +1,42 @@
-//! The antenna of a UAV: which distances and directions it serves, as they were typed.
+//! The antenna of a UAV: the distances and directions that it serves, as typed.
 
 use std::fmt::Write as _;
 
 use crate::quantity::tidy;
 
-/// Which receivers the antenna of a UAV serves. All others are out of range; nothing here says what blocks.
+/// Limits of a UAV's antenna. A receiver beyond them is out of range. The antenna limits range and
+/// blocks nothing.
 ///
-/// What is `None` is not limited, or left to the run.
+/// A field that is `None` sets no limit, or leaves it to the run.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Antenna {
-    /// Least horizontal distance to a receiver \[m\]; those at just this distance are served.
+    /// Least horizontal distance to a receiver \[m\], included.
     pub min_radius_m: Option<f64>,
-    /// Azimuths of receivers from the first, clockwise, to before the second \[deg from grid north\]. A sector and its complement
-    /// leave nobody out and serve nobody twice. A receiver straight above or below the UAV is to the north.
+    /// Azimuths of receivers \[deg from grid north\], clockwise from the first (included) to the
+    /// second (excluded). A sector and its complement together serve every receiver exactly once. A
+    /// receiver straight above or below the UAV is to the north.
     pub sector_deg: Option<[f64; 2]>,
-    /// Least and largest elevation of receivers \[deg above the UAV's horizontal, negative below\], both included.
+    /// Least and largest elevation angle of receivers \[deg above the UAV's horizontal, negative
+    /// below\], both included.
     pub elevation_deg: Option<[f64; 2]>,
     /// Full angle of a cone straight down \[deg\], its surface included.
     pub beam_deg: Option<f64>,
 }
 
-/// Why there is no such antenna: the value, what was found and what was wanted.
+/// The fault of an antenna: the value's name, what was found and what was wanted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{what}: found {found}, wanted {wanted}")]
 pub struct AntennaFault {
     /// The name of the value.
     pub what: &'static str,
-    /// As it was typed.
+    /// The value as typed.
     pub found: String,
-    /// What it may be.
+    /// The permitted values.
     pub wanted: &'static str,
 }
 
 impl Antenna {
-    /// What this does not limit as another limits it.
+    /// Fills in the limits that are `None` from another antenna.
     #[must_use]
     pub fn or(self, other: Antenna) -> Antenna {
         Antenna {
@@ -47,7 +50,7 @@ impl Antenna {
     /// Refuses values out of range.
     ///
     /// # Errors
-    /// The first value that cannot be.
+    /// The first value out of range.
     pub fn checked(self) -> Result<Antenna, AntennaFault> {
         let fault = |what, found: String, wanted| Err(AntennaFault { what, found, wanted });
         let pair = |[a, b]: [f64; 2]| format!("{},{}", tidy(a), tidy(b));
@@ -74,9 +77,10 @@ impl Antenna {
         }
     }
 
-    /// The elevations that are served \[deg\], as the elevation and the beam say together; `None` if all are.
+    /// Returns the elevation angles served \[deg\], from elevation and beam together; `None` if all
+    /// are.
     pub fn elevations_deg(&self) -> Option<[f64; 2]> {
-        // The cone around straight down is all that is no higher than its side.
+        // The cone around straight down holds every direction no higher than its side.
         let beam = self.beam_deg.map(|b| [-90.0, b / 2.0 - 90.0]);
         match (self.elevation_deg, beam) {
             (Some(a), Some(b)) => Some([a[0].max(b[0]), a[1].min(b[1])]),
@@ -84,7 +88,7 @@ impl Antenna {
         }
     }
 
-    /// What captions say of it: nothing where it serves all.
+    /// Describes the antenna for captions; empty if it serves all receivers.
     pub fn in_words(&self) -> String {
         let mut words = String::new();
         let deg = |v: f64| tidy(v).replace('-', "−");

@@ -1,26 +1,28 @@
-//! Areas: polygons that say where: where UAVs may hover, where not, and whom they are to see.
+//! Areas: polygons that limit where UAVs may hover, or which receivers they should see.
 
 use crate::raster::{BitGrid, GeoRef};
 
-/// A region of the plane: the union of polygons, each what its first ring encloses less what its other rings, the holes, do,
-/// all by the even-odd rule.
+/// A region of the plane: the union of polygons. A polygon is the inside of its first ring without
+/// the insides of the other rings, its holes. Insides follow the even-odd rule.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Area {
     polygons: Vec<Vec<Vec<[f64; 2]>>>,
 }
 
 impl Area {
-    /// An area of polygons of rings of positions \[CRS units\], each ring without its first point repeated.
+    /// Makes an area from polygons of rings of positions \[CRS units\]. No ring repeats its first
+    /// point at its end.
     pub fn new(polygons: Vec<Vec<Vec<[f64; 2]>>>) -> Self {
         Area { polygons }
     }
 
-    /// Its polygons, as they were given.
+    /// Returns the polygons as given.
     pub fn polygons(&self) -> &[Vec<Vec<[f64; 2]>>] {
         &self.polygons
     }
 
-    /// Whether a position \[CRS units\] is inside. A point on an edge belongs to the side north-east of it.
+    /// Returns `true` if a position \[CRS units\] is inside. A point on an edge belongs to the side
+    /// north-east of it.
     pub fn contains(&self, x: f64, y: f64) -> bool {
         let is_inside = |ring: &Vec<[f64; 2]>| crossings(ring, y).iter().filter(|at| **at <= x).count() % 2 == 1;
         self.polygons.iter().any(|rings| match rings.split_first() {
@@ -29,7 +31,7 @@ impl Area {
         })
     }
 
-    /// The cells of a grid whose centers are inside.
+    /// Returns the cells of a grid whose centers are inside.
     pub fn cells(&self, grid: &GeoRef) -> BitGrid {
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
         let mut cells = BitGrid::new(n_rows, n_cols);
@@ -56,7 +58,7 @@ impl Area {
         cells
     }
 
-    /// Whether its bounding box and that of a grid have a point in common.
+    /// Returns `true` if the area's bounding box and the grid's share a point.
     pub fn meets(&self, grid: &GeoRef) -> bool {
         let points = || self.polygons.iter().flatten().flatten();
         let range = |k: usize| points().fold((f64::INFINITY, f64::NEG_INFINITY), |r, p| (r.0.min(p[k]), r.1.max(p[k])));
@@ -65,18 +67,18 @@ impl Area {
     }
 }
 
-/// Where the edges of a ring cross the horizontal line at `y`.
+/// Returns the x coordinates at which the edges of a ring cross the horizontal line at `y`.
 fn crossings(ring: &[[f64; 2]], y: f64) -> Vec<f64> {
     let edges = ring.iter().zip(ring.iter().cycle().skip(1)).filter(|(a, b)| (a[1] <= y) != (b[1] <= y));
     edges.map(|(a, b)| a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])).collect()
 }
 
-/// The first column whose center is at or east of `x`, the number of columns if there is none.
+/// Returns the first column whose center is at or east of `x`, or the number of columns.
 fn first_center(grid: &GeoRef, x: f64) -> usize {
     let near = ((x - grid.x_min()) / grid.cell_width() - 0.5).ceil().clamp(0.0, grid.n_cols() as f64);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the grid")]
     let mut col = near as usize;
-    // The quotient is rounded; the comparison with the center is that of `contains`.
+    // The quotient is rounded; the comparison with the center is the one in `contains`.
     while col > 0 && grid.world_from_cell(0, col - 1).0 >= x {
         col -= 1;
     }

@@ -1,10 +1,12 @@
 //! The Manhattan grid of the built-up parameters α, β, γ of ITU-R P.1410.
 //!
-//! Square buildings of width w stand on a square lattice, separated by streets of width s (Saboor et al. 2023,
-//! eqs. 2–3), and their heights are independent Rayleigh variates of scale γ (eq. 1). The height of building (i, j) of a
-//! city is a function of (seed, i, j) alone: each building owns one stream of a counter-based generator (ChaCha8), from
-//! which one exponential variate E is drawn, and the height is γ·√(2E), rounded to the lattice. So a city is the same on
-//! every machine, on any number of threads, and whether it is built as a whole or met building by building.
+//! Square buildings of width w stand on a square lattice, separated by streets of width s (Saboor
+//! et al. 2023, eqs. 2–3). Their heights are independent Rayleigh variates of scale γ (eq. 1).
+//!
+//! The height of building (i, j) is a function of (seed, i, j) alone. Each building owns one stream
+//! of a counter-based generator (ChaCha8) and draws one exponential variate E from it. The height
+//! is γ·√(2E), rounded to the lattice. So a city is the same on every machine, for any number of
+//! threads, and whether it is built at once or building by building.
 
 use std::fmt;
 
@@ -30,7 +32,8 @@ impl BuiltUp {
     /// Checks the parameters.
     ///
     /// # Errors
-    /// Usage error if a parameter is not finite or out of range, or the streets would be narrower than the lattice.
+    /// Usage error if a parameter is not finite or out of range, or if streets or buildings would
+    /// be narrower than 4 lattice steps (4 mm).
     pub fn new(built_up_ratio: f64, buildings_per_km2: f64, height_scale: f64) -> Result<Self> {
         let city = BuiltUp { built_up_ratio, buildings_per_km2, height_scale };
         let refuse = |name: &'static str, found: f64, wanted: &'static str| {
@@ -52,21 +55,25 @@ impl BuiltUp {
         Ok(city)
     }
 
-    /// The built-up parameters of an existing city: the share of its cells that are buildings, its buildings per area, and
-    /// the maximum-likelihood scale of a Rayleigh distribution, γ² = ΣH²/(2n). `None` without a building or open ground.
+    /// Estimates the built-up parameters of an existing city. They are the share of its cells that
+    /// are buildings, its buildings per area, and the maximum-likelihood scale of a Rayleigh
+    /// distribution, γ² = ΣH²/(2n).
     ///
-    /// `heights` are those of all buildings \[m above their ground\], `area_km2` is the area that they stand on.
+    /// `heights` are those of all buildings \[m above their ground\]; `area_km2` is the area of the
+    /// city. Returns `None` without a building or open ground.
     pub fn estimated(built_up_ratio: f64, heights: &[f64], area_km2: f64) -> Option<Self> {
         let n = heights.len() as f64;
         let squares: f64 = heights.iter().map(|h| h * h).sum();
         BuiltUp::new(built_up_ratio, n / area_km2, (squares / (2.0 * n)).sqrt()).ok()
     }
 
-    /// The environment of a name: `suburban`, `urban`, `dense-urban` (or `dense`), `high-rise` (or `highrise`); or `ghent`,
-    /// the center of that city as the paper below estimates it.
+    /// Returns the environment of a name: `suburban`, `urban`, `dense-urban` (or `dense`),
+    /// `high-rise` (or `highrise`). `ghent` is the center of that city, estimated by the paper
+    /// below.
     ///
     /// # References
-    /// The four tuples: Saboor et al. 2023, Table I; Holis & Pechac 2008, Table I. Ghent: Saboor et al. 2023, section IV.
+    /// The four tuples: Saboor et al. 2023, Table I; Holis & Pechac 2008, Table I. Ghent: Saboor et
+    /// al. 2023, section IV.
     pub fn named(name: &str) -> Option<Self> {
         let (built_up_ratio, buildings_per_km2, height_scale) = match name {
             "suburban" => (0.1, 750.0, 8.0),
@@ -79,23 +86,23 @@ impl BuiltUp {
         Some(BuiltUp { built_up_ratio, buildings_per_km2, height_scale })
     }
 
-    /// Width w of a building \[m\]: 1000·√(α/β) (Saboor et al. 2023, eq. 2).
+    /// Returns the width w of a building \[m\]: 1000·√(α/β) (Saboor et al. 2023, eq. 2).
     pub fn building_width(&self) -> f64 {
         1000.0 * (self.built_up_ratio / self.buildings_per_km2).sqrt()
     }
 
-    /// Width s of a street \[m\]: 1000/√β − w (Saboor et al. 2023, eq. 3).
+    /// Returns the width s of a street \[m\]: 1000/√β − w (Saboor et al. 2023, eq. 3).
     pub fn street_width(&self) -> f64 {
         1000.0 / self.buildings_per_km2.sqrt() - self.building_width()
     }
 
-    /// Distance T = s + w from one building to the next \[m\].
+    /// Returns the period T = s + w of the grid \[m\].
     pub fn period(&self) -> f64 {
         1000.0 / self.buildings_per_km2.sqrt()
     }
 
-    /// Ends of building k along x or y, counted from the crossroad that begins at 0: \[kT + s, (k + 1)T\]
-    /// \[1/1024 m\]. For |k|·T up to 2^20 m.
+    /// Returns the ends of building k along x or y: \[kT + s, (k + 1)T\] \[1/1024 m\]. Building 0
+    /// follows the crossroad that begins at 0. Valid for |k|·T up to 2^20 m.
     pub fn building_span(&self, k: i32) -> [i64; 2] {
         let start = f64::from(k) * self.period();
         #[expect(clippy::cast_possible_truncation, reason = "at most 2^30 by the documented range")]
@@ -103,7 +110,8 @@ impl BuiltUp {
         [steps(start + self.street_width()), steps(start + self.period())]
     }
 
-    /// The building whose open span along x or y holds a coordinate \[1/1024 m\]; `None` on streets and walls.
+    /// Returns the building whose open span along x or y holds a coordinate \[1/1024 m\]; `None` on
+    /// streets and walls.
     pub fn building_at(&self, v: i64) -> Option<i32> {
         #[expect(clippy::cast_possible_truncation, reason = "a city has far fewer than 2^31 columns")]
         let k = (v as f64 / f64::from(STEPS_PER_UNIT) / self.period()).floor() as i32;
@@ -113,7 +121,7 @@ impl BuiltUp {
         })
     }
 
-    /// The heights of the buildings of the city with this seed.
+    /// Returns the heights of the buildings of the city with this seed.
     pub fn heights(&self, seed: u64) -> BuildingHeights {
         BuildingHeights {
             streams: ChaCha8Rng::seed_from_u64(seed),
@@ -122,18 +130,18 @@ impl BuiltUp {
         }
     }
 
-    /// A height that no building exceeds \[m\]: γ·√90.
+    /// Returns an upper bound of the buildings' heights \[m\]: γ·√90, at most 16 384 m.
     ///
-    /// An exponential variate E above 45 has probability e^−45 = 3·10^−20, and is cut there.
+    /// Variates E are cut at 45; larger ones have probability e^−45 = 3·10^−20.
     pub fn tallest(&self) -> f64 {
         (self.height_scale * 90.0_f64.sqrt()).min(TALLEST_M)
     }
 }
 
-/// Heights of generated buildings end here \[m\], so that they are within the lattice whatever γ is.
+/// Largest height of a generated building \[m\]; it keeps heights within the lattice for every γ.
 const TALLEST_M: f64 = MAX_HEIGHT_M / 2.0;
 
-/// The heights of one city's buildings, each drawn when it is asked for.
+/// The heights of one city's buildings, drawn on demand.
 #[derive(Debug, Clone)]
 pub struct BuildingHeights {
     streams: ChaCha8Rng,
@@ -142,7 +150,8 @@ pub struct BuildingHeights {
 }
 
 impl BuildingHeights {
-    /// Height of building (i, j) \[m above its ground\], not yet rounded to the lattice; always the same for (seed, i, j).
+    /// Returns the height of building (i, j) \[m above its ground\], not yet rounded to the
+    /// lattice. It is always the same for (seed, i, j).
     pub fn meters(&mut self, i: i32, j: i32) -> f64 {
         self.streams.set_stream((u64::from(i.cast_unsigned()) << 32) | u64::from(j.cast_unsigned()));
         self.streams.set_word_pos(0);
@@ -150,7 +159,7 @@ impl BuildingHeights {
         (self.height_scale * (2.0 * exponential).sqrt()).min(self.tallest)
     }
 
-    /// Height of building (i, j) on the lattice \[1/1024 m\], as the city is built.
+    /// Returns the height of building (i, j) on the lattice \[1/1024 m\], as in the built city.
     pub fn steps(&mut self, i: i32, j: i32) -> i32 {
         height_steps(self.meters(i, j)).unwrap_or(0)
     }

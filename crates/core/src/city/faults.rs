@@ -1,45 +1,52 @@
-//! The kinds of faults of footprints, and how often each occurred.
+//! The kinds of faults of footprints, and a count of each.
 
-/// A kind of fault of a footprint. Its order is that of warnings, and of what is listed for one feature.
+/// A kind of fault of a footprint. The order of variants is the order of warnings, and of the
+/// faults listed for one feature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum FootprintFault {
     /// No area at all (a point, a line, no geometry): left out.
     NotAnArea,
     /// A polygon whose rings cross or touch themselves: repaired by the even-odd rule.
     SelfIntersection,
-    /// A polygon with a hole outside of its shell, or reaching out of it: what is outside is left out.
+    /// A polygon with a hole outside of its shell, or reaching out of it: the part outside is left
+    /// out.
     StrayHole,
     /// A ring whose last point is not its first: closed.
     UnclosedRing,
     /// A polygon without area: left out.
     TooSmall,
-    /// A height above ground over terrain that is not known: left out.
+    /// A height above ground over unknown terrain: left out.
     NoGround,
     /// Farther than 65 536 m from the grid's corner: left out.
     TooFar,
-    /// What stands for nothing above the ground: no building, not or no longer there, or below the ground. Left out.
+    /// A feature with nothing above the ground: no building, a building not yet or no longer there,
+    /// or one below the ground. Left out.
     NotABuilding,
-    /// No usable height: treated as the reader was told.
+    /// No usable height: treated by the reader's policy.
     MissingHeight,
     /// A height below zero: left out.
     NegativeHeight,
-    /// A height with a decimal comma: read as such.
+    /// A height with a decimal comma: the comma is read as a point.
     DecimalComma,
-    /// A building that begins above the ground (`min_height`, `building:min_level`): taken as solid from the ground up.
+    /// A building that begins above the ground (`min_height`, `building:min_level`): taken as solid
+    /// from the ground up.
     Floating,
-    /// A building that is drawn by its parts (`building:part`, `building_id`): these stand in place of its outline.
+    /// A building drawn by its parts (`building:part`, `building_id`): these replace its outline.
     Part,
-    /// A missing height that is that of the storeys.
+    /// A missing height that is computed from the number of storeys.
     HeightFromLevels,
     /// A building whose roof reaches beyond its ground surfaces: taken as solid below.
     Overhang,
-    /// A roof with surfaces that cross themselves as seen from above, or are longer than 1024 m: these are taken flat.
+    /// A roof with surfaces that cross themselves as seen from above, or are longer than 1024 m:
+    /// these surfaces are taken flat.
     RoughRoof,
-    /// A roof with surfaces that are no plane to within 5 cm: taken as triangles between their corners.
+    /// A roof with surfaces that are not plane to within 5 cm: taken as triangles between their
+    /// corners.
     UnevenRoof,
-    /// A building with ground surfaces that no surface of its roof lies over: open there.
+    /// A building with ground surfaces that its roof does not cover: open there.
     BareGround,
-    /// A building without a surface of a roof among others that have some: taken flat at its highest point.
+    /// A building without roof surfaces in a file where other buildings have some: taken flat at
+    /// its highest point.
     NoRoof,
     /// A top at or below the ground: left out.
     BelowGround,
@@ -72,7 +79,7 @@ impl FootprintFault {
         F::BelowGround,
     ];
 
-    /// The word for it, the code of its warning, and what one and many of them are called.
+    /// Returns its word, the code of its warning, and its names in the singular and the plural.
     fn told(self) -> (&'static str, u16, [&'static str; 2]) {
         match self {
             F::NotAnArea => ("not-an-area", 350, ["feature that is no polygon", "features that are no polygons"]),
@@ -167,22 +174,22 @@ impl FootprintFault {
         }
     }
 
-    /// A word that never changes its meaning.
+    /// Returns a stable word for the kind.
     pub fn word(self) -> &'static str {
         self.told().0
     }
 
-    /// The code of the warning that counts it.
+    /// Returns the code of the warning that counts it.
     pub fn code(self) -> u16 {
         self.told().1
     }
 
-    /// What one and many of them are called.
+    /// Returns its names in the singular and the plural.
     pub fn names(self) -> [&'static str; 2] {
         self.told().2
     }
 
-    /// What is done about it; of a missing height that depends on the policy.
+    /// Returns the treatment. That of a missing height depends on the reader's policy.
     pub fn done(self) -> &'static str {
         match self {
             F::SelfIntersection => "repaired by the even-odd rule",
@@ -202,20 +209,20 @@ impl FootprintFault {
     }
 }
 
-/// What is done with most of what cannot be used.
+/// The treatment of most unusable footprints.
 pub const LEFT_OUT: &str = "left out";
 
-/// How many faults there were of each kind.
+/// The number of faults of each kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FootprintFaults([usize; FootprintFault::ALL.len()]);
 
 impl FootprintFaults {
-    /// How many there are of a kind.
+    /// Returns the number of faults of a kind.
     pub fn of(&self, fault: FootprintFault) -> usize {
         self.0[fault as usize]
     }
 
-    /// Counts one more.
+    /// Counts one more fault.
     pub fn add(&mut self, fault: FootprintFault) {
         self.0[fault as usize] += 1;
     }

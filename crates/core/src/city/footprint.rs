@@ -4,61 +4,65 @@ use std::collections::HashMap;
 
 use crate::quantity::{Frame, meters};
 
-/// A triangle of a roof, counterclockwise as seen from above: corners on the lattice, each with its height \[1/1024 m above the datum\].
+/// A triangle of a roof, counterclockwise as seen from above: corners on the lattice, each with its
+/// height \[1/1024 m above the datum\].
 pub type RoofTriangle = [[i32; 3]; 3];
 
-/// A building: polygons on the lattice and a roof; solid from below the ground.
+/// A building: polygons on the lattice and a roof. It is solid from below the ground up.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Footprint {
     /// The feature's id, or its number in the file.
     pub id: String,
-    /// Polygons of rings (not closed) of lattice points; inside by the even-odd rule, edges do not cross.
+    /// Polygons of rings (not closed) of lattice points. Insides follow the even-odd rule; edges do
+    /// not cross.
     pub polygons: Vec<Vec<Vec<[i32; 2]>>>,
-    /// Top \[1/1024 m above the datum\], of a roof that is not flat the highest.
+    /// Top \[1/1024 m above the datum\]; the highest point of a roof that is not flat.
     pub top: i32,
-    /// The roof as it is, which covers the polygons; empty if it is flat. Corners of a triangle that slopes are within
-    /// [`MAX_ROOF_STEPS`](crate::height_field::MAX_ROOF_STEPS) of each other.
+    /// The triangles of the roof, which cover the polygons; empty if it is flat. Corners of a
+    /// sloping triangle are within [`MAX_ROOF_STEPS`](crate::height_field::MAX_ROOF_STEPS) of each
+    /// other.
     pub roof: Vec<RoofTriangle>,
-    /// The ground that it stands on \[1/1024 m above the datum\]; `None` where none is known, which only an absolute top
-    /// allows.
+    /// Height of the ground below it \[1/1024 m above the datum\]. `None` if unknown, which only an
+    /// absolute top allows.
     pub base: Option<i32>,
-    /// Standard deviation of the error of its height \[1/1024 m\], if it is told.
+    /// Standard deviation of the error of its height \[1/1024 m\], if known.
     pub height_error: Option<i32>,
-    /// The number of the building that it is one of several parts of, if it is.
+    /// The number of the building that this is a part of, if it is a part.
     pub part_of: Option<u32>,
 }
 
 impl Footprint {
-    /// A footprint on ground at 0 m, whose height is known.
+    /// Makes a footprint of known height on ground at 0 m.
     pub fn on_zero(id: String, polygons: Vec<Vec<Vec<[i32; 2]>>>, top: i32) -> Self {
         Footprint { id, polygons, top, roof: Vec::new(), base: Some(0), height_error: None, part_of: None }
     }
 }
 
-/// How high a building is, and where it stands.
+/// Height and position of a building.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BuildingHeight {
-    /// East \[CRS units\], of its centroid.
+    /// East \[CRS units\], of the centroid.
     pub x: f64,
-    /// North \[CRS units\], of its centroid.
+    /// North \[CRS units\], of the centroid.
     pub y: f64,
-    /// Above the ground that it stands on \[m\].
+    /// Above the ground below the building \[m\].
     pub height_m: f64,
 }
 
 impl Footprint {
-    /// Height above the ground that it stands on \[m\], if that is known.
+    /// Returns the height above the ground below it \[m\], if that ground is known.
     pub fn height_m(&self) -> Option<f64> {
         self.base.map(|base| meters(self.top) - meters(base))
     }
 
-    /// Where it begins, for models of it: at the ground that it stands on, and where none is known at the datum.
+    /// Returns the height of its bottom in models: the ground below it. If that is unknown, it is
+    /// the datum, or the top if lower.
     pub fn bottom(&self) -> i32 {
         self.base.unwrap_or(self.top.min(0))
     }
 
-    /// Whether the outline is one rectangle: four corners, each within a degree of a right angle; vertices on its sides
-    /// count for nothing.
+    /// Returns `true` if the outline is one rectangle: four corners, each within a degree of a
+    /// right angle. Vertices on its sides are ignored.
     pub fn is_rectangle(&self) -> bool {
         let [polygon] = self.polygons.as_slice() else { return false };
         let [ring] = polygon.as_slice() else { return false };
@@ -76,10 +80,11 @@ impl Footprint {
         corners.len() == 4 && turns_alike && corners.iter().all(|c| c.1.abs() <= DEGREE)
     }
 
-    /// The heights of buildings and where they stand, on the lattice of `frame`; of those with an area and a known ground. A building of
-    /// parts has the mean of their heights by their areas.
+    /// Returns heights and positions of the buildings that have an area and a known ground;
+    /// positions are converted by `frame`. A building of several parts has the mean of their
+    /// heights, weighted by area.
     pub(super) fn building_heights(footprints: &[Footprint], frame: Frame) -> Vec<BuildingHeight> {
-        // Each with its area in square steps.
+        // Each building with its area in square steps.
         let mut found: Vec<(BuildingHeight, f64)> = Vec::with_capacity(footprints.len());
         let mut place_of: HashMap<u32, usize> = HashMap::new();
         for footprint in footprints {
@@ -106,13 +111,14 @@ impl Footprint {
         found.into_iter().map(|(height, _)| height).collect()
     }
 
-    /// The centroid as numerators and one denominator above 0, in lattice steps; `None` without area.
+    /// Returns the centroid in lattice steps, as numerators and one denominator above 0; `None`
+    /// without area.
     pub fn centroid(&self) -> Option<([i128; 2], i128)> {
         let mut sums = [0_i128; 3];
         for rings in &self.polygons {
             for (k, ring) in rings.iter().enumerate() {
                 let of_ring = moments(ring);
-                // Whatever their winding, shells add and holes take away.
+                // For any winding, shells add and holes subtract.
                 let adds = (of_ring[2] > 0) == (k == 0);
                 for (sum, moment) in sums.iter_mut().zip(of_ring) {
                     *sum += if adds { moment } else { -moment };
@@ -124,8 +130,8 @@ impl Footprint {
     }
 }
 
-/// Sums over the edges of a ring: six times its first moments along x and y, and twice its area, with the sign of its
-/// winding.
+/// Returns sums over the edges of a ring: six times its first moments along x and y, and twice its
+/// area. All have the sign of its winding.
 fn moments(ring: &[[i32; 2]]) -> [i128; 3] {
     let mut sums = [0_i128; 3];
     for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
@@ -148,7 +154,8 @@ mod tests {
         let of = |polygons: Vec<Vec<Vec<[i32; 2]>>>| {
             Footprint::on_zero(String::new(), polygons, 1).centroid().map(|([x, y], d)| (x * 12 / d, y * 12 / d))
         };
-        // In twelfths. A square of 6; the same wound the other way; with a hole of 2 × 2 in its west: (36·3 − 4·1)/32 = 13/4.
+        // In twelfths. A square of 6; the same wound the other way; with a hole of 2 × 2 in its
+        // west: (36·3 − 4·1)/32 = 13/4.
         assert_eq!(of(vec![vec![square(0, 6)]]), Some((36, 36)));
         let turned: Vec<[i32; 2]> = square(0, 6).into_iter().rev().collect();
         assert_eq!(of(vec![vec![turned]]), Some((36, 36)));

@@ -5,10 +5,10 @@ use crate::error::{CityError, Error, Fault, Result};
 use crate::quantity::{Frame, MAX_EXTENT_UNITS, STEPS_PER_UNIT, height_steps, whole};
 use crate::raster::GeoRef;
 
-/// The most buildings of one generated city.
+/// The largest number of buildings of one generated city.
 const MOST_BUILDINGS: f64 = 1e7;
 
-/// What a building takes in a scene and its height field.
+/// Memory that one building takes in a scene and its height field.
 const BYTES_PER_BUILDING: f64 = 300.0;
 
 /// A generated city: its parameters, extent, seed and grid.
@@ -18,7 +18,8 @@ pub struct BuiltUpCity {
     pub built_up: BuiltUp,
     /// Edge length of the square city \[m\].
     pub size_m: f64,
-    /// How far ground and buildings go on beyond it on all sides \[m\]: 0, or for discs around places at its edge.
+    /// Width of the margin on all sides of the city, in which ground and buildings continue \[m\]:
+    /// 0, or room for discs around places at the city's edge.
     pub margin_m: f64,
     /// Edge length of a cell of the receivers' grid \[m\].
     pub cell_m: f64,
@@ -29,10 +30,11 @@ pub struct BuiltUpCity {
 }
 
 impl BuiltUpCity {
-    /// Parameters from a scene word such as `itu:urban` or `itu:0.3,500,15`; `None` if it does not begin with `itu:`.
+    /// Parses the parameters of a scene word such as `itu:urban` or `itu:0.3,500,15`; `None` if it
+    /// does not begin with `itu:`.
     ///
     /// # Errors
-    /// Usage error if what follows is neither a known environment nor three valid numbers.
+    /// Usage error if the rest is neither a known environment nor three valid numbers.
     pub fn parse_built_up(word: &str) -> Option<Result<BuiltUp>> {
         let rest = word.strip_prefix("itu:")?;
         if let Some(known) = BuiltUp::named(&rest.to_lowercase()) {
@@ -45,8 +47,10 @@ impl BuiltUpCity {
         })
     }
 
-    /// About how much memory the scene takes \[bytes\]: its buildings, and 8 for each cell of a map. `None` if it is refused
-    /// for its size, its buildings or its cells anyway.
+    /// Estimates the memory that the scene takes \[bytes\]: its buildings, and 8 for each cell of a
+    /// map.
+    ///
+    /// Returns `None` if the city is refused anyway for its size, its buildings or its cells.
     pub fn memory(&self) -> Option<u64> {
         let size_m = self.size_m + 2.0 * self.margin_m;
         let (n_buildings, n_cells) = ((size_m / self.built_up.period()).powi(2), size_m / self.cell_m);
@@ -55,17 +59,22 @@ impl BuiltUpCity {
         is_possible.then(|| (BYTES_PER_BUILDING * n_buildings + 8.0 * n_cells.powi(2)) as u64)
     }
 
-    /// Builds the whole city. Its origin is the south-west corner of a crossroad; buildings are cut at the edge, that of the
-    /// margin if there is one. A margin changes no building within the city.
+    /// Builds the whole city. Its origin is the south-west corner of a crossroad. Buildings are cut
+    /// at the edge of the city, or of its margin if it has one. A margin changes no building within
+    /// the city.
     ///
     /// # Errors
-    /// Usage errors for lengths that are no lengths, limit errors for too many cells or buildings.
+    /// Usage errors for lengths not above 0 m and for a ground beyond the lattice. Limit errors for
+    /// too large a size and for too many cells or buildings.
     pub fn city(&self) -> Result<City> {
         self.city_on_cells_from([0.0; 2])
     }
 
-    /// Builds the whole city on cells that begin so many parts of a cell, 0 to 1, west and south of its origin. Walls lie at the same places of
-    /// the cells in every city; shares of cells over many cities are unbiased if this is drawn for each of them.
+    /// Builds the whole city on cells shifted west and south of its origin by `shift`, in cells
+    /// from 0 to 1.
+    ///
+    /// Without a shift, walls lie at the same places of the cells in every city. Shares of cells
+    /// over many cities are unbiased if each city draws its own shift.
     ///
     /// # Errors
     /// As [`BuiltUpCity::city`].
@@ -97,7 +106,7 @@ impl BuiltUpCity {
         )]
         let n = n_cells as usize;
         let extent = self.cell_m * n_cells;
-        // Not `-margin_m`, which would write −0 into files.
+        // `-margin_m` would write −0 into files.
         let [west, south] = shift.map(|share| 0.0 - margin_m - share * self.cell_m);
         let grid = GeoRef::new((west, extent + south), (self.cell_m, self.cell_m), (n, n), None)
             .ok_or(Error::Fault(Fault::CityGrid))?;
@@ -119,7 +128,7 @@ impl BuiltUpCity {
         })
     }
 
-    /// The buildings row by row from the south-west, cut at the edge.
+    /// Returns the buildings row by row from the south-west, cut at the edge.
     fn footprints(&self, ground: i32, margin_m: f64) -> Vec<Footprint> {
         let (street, period) = (self.built_up.street_width(), self.built_up.period());
         #[expect(clippy::cast_possible_truncation, reason = "at most 65536 m in steps of 1/1024 m")]

@@ -1,37 +1,38 @@
-//! Where the heights of footprints come from.
+//! Sources of the heights of footprints.
 
 use crate::quantity::fixed;
 
-/// Where a height comes from.
+/// The source of a footprint's height.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum HeightSource {
-    /// The property of a height, or the surfaces of the building.
+    /// The file: a property for heights, or the surfaces of the building.
     File,
-    /// Its number of storeys.
+    /// The number of storeys.
     Storeys,
     /// The median of the heights of the file.
     Median,
-    /// A number that was given.
+    /// A number given by the user.
     Number,
-    /// Nowhere: it is left out.
+    /// No source: the footprint is left out.
     Nowhere,
 }
 
-/// How many heights come from a source, and what of the area of all footprints they are of.
+/// The footprints whose heights come from one source: their number and their share of the area of
+/// all footprints.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SourceShare {
-    /// Footprints.
+    /// Number of footprints.
     pub n: usize,
     /// Share of the area of all footprints, 0 to 1.
     pub area_share: f64,
 }
 
-/// Where the heights of all footprints of a file come from.
+/// The sources of the heights of all footprints of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct HeightSources([SourceShare; 5]);
 
 impl HeightSource {
-    /// All of them, in the order in which they are told.
+    /// All sources, in the order in which they are reported.
     pub const ALL: [HeightSource; 5] =
         [HeightSource::File, HeightSource::Storeys, HeightSource::Median, HeightSource::Number, HeightSource::Nowhere];
 
@@ -45,12 +46,12 @@ impl HeightSource {
         }
     }
 
-    /// A word that never changes its meaning.
+    /// Returns a stable word for the source.
     pub fn word(self) -> &'static str {
         ["file", "storeys", "median", "number", "nowhere"][self.place()]
     }
 
-    /// What was done, in words.
+    /// Describes what was done with the footprint.
     pub fn done(self) -> &'static str {
         ["from the file", "given a height by storeys", "given the median height", "given a height", "left out"]
             [self.place()]
@@ -58,7 +59,7 @@ impl HeightSource {
 }
 
 impl HeightSources {
-    /// Of footprints, each with its source and its area.
+    /// Counts footprints, each given by its source and its area.
     pub fn of(footprints: impl Iterator<Item = (HeightSource, f64)>) -> HeightSources {
         let mut sources = HeightSources::default();
         for (source, area) in footprints {
@@ -72,12 +73,12 @@ impl HeightSources {
         sources
     }
 
-    /// What comes from a source.
+    /// Returns the number and share of footprints of a source.
     pub fn from(&self, source: HeightSource) -> SourceShare {
         self.0[source.place()]
     }
 
-    /// Footprints without a height of their own.
+    /// Returns the number and share of footprints without a height of their own.
     pub fn missing(&self) -> SourceShare {
         let sum = |sum: SourceShare, of: &SourceShare| SourceShare {
             n: sum.n + of.n,
@@ -86,12 +87,13 @@ impl HeightSources {
         self.0[1..].iter().fold(SourceShare::default(), sum)
     }
 
-    /// How many there are of all.
+    /// Returns the number of all footprints.
     pub fn n(&self) -> usize {
         self.0.iter().map(|of| of.n).sum()
     }
 
-    /// Counts and shares of some sources, in words: `6 given a height by storeys (3.0 % of the area)`.
+    /// Describes counts and shares of some sources:
+    /// `6 given a height by storeys (3.0 % of the area)`.
     pub fn told(&self, sources: &[HeightSource]) -> String {
         let words = |source: &HeightSource| {
             let of = self.from(*source);
@@ -101,7 +103,7 @@ impl HeightSources {
         sources.iter().filter_map(words).collect::<Vec<_>>().join(", ")
     }
 
-    /// What was done with those without a height of their own, in words.
+    /// Describes what was done with footprints without a height of their own.
     pub fn treated(&self) -> String {
         self.told(&HeightSource::ALL[1..])
     }

@@ -1,7 +1,8 @@
-//! Scenes: what the user gave, read and checked once: a surface model, footprints with heights, or a generated city.
+//! Scenes, read and checked once: a surface model, footprints with heights, or a generated city.
 //!
-//! A [`City`] holds plain data on a georeferenced grid of receivers; positions of footprints and all heights are
-//! already on the lattice ([`crate::quantity`]). What a ray can hit is built from it in [`crate::height_field`].
+//! A [`City`] holds plain data on a georeferenced grid of receivers. Positions of footprints and
+//! all heights are already on the lattice ([`crate::quantity`]). [`crate::height_field`] builds
+//! from it everything a ray can hit.
 
 mod antenna;
 mod area;

@@ -1,4 +1,4 @@
-//! A scene as it was given: its grid of receivers, and what stands on which ground.
+//! A scene: the grid of receivers, the solids and the ground.
 
 use std::collections::HashSet;
 
@@ -9,26 +9,26 @@ use crate::raster::{BitGrid, GeoRef, Raster};
 /// A city and the grid of receivers over it.
 #[derive(Debug, Clone)]
 pub struct City {
-    /// What the scene is called in captions: the file name or the generator's parameters.
+    /// Name of the scene in captions: the file name or the generator's parameters.
     pub name: String,
     /// The grid of receivers.
     pub grid: GeoRef,
-    /// What stands in the way.
+    /// The solids that block links.
     pub solids: Solids,
     /// The built-up parameters of a generated city.
     pub built_up: Option<BuiltUp>,
     /// The files that the scene was read from.
     pub sources: Vec<Source>,
-    /// Whom pictures must credit, where the data say so.
+    /// Credit that pictures must show, if the data demand one.
     pub attribution: Option<String>,
-    /// Where the heights of footprints come from, of a file of these.
+    /// The sources of the heights of footprints, if the scene comes from a file of footprints.
     pub heights: Option<HeightSources>,
 }
 
 /// A file that a scene was read from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Source {
-    /// As the user gave it.
+    /// The path as the user gave it.
     pub path: String,
     /// SHA-256 of its bytes in hexadecimal, if it was computed.
     pub sha256: Option<String>,
@@ -39,40 +39,44 @@ pub struct Source {
 pub enum Solids {
     /// Columns over the cells of the grid.
     Raster {
-        /// Surface heights \[1/1024 m above the datum\], [`crate::quantity::VOID`] where there is none.
+        /// Surface heights \[1/1024 m above the datum\], [`crate::quantity::VOID`] where there is
+        /// none.
         surface: Raster<i32>,
-        /// What receivers stand on.
+        /// The ground of the receivers.
         ground: Ground,
         /// A cell whose surface is more than this above the ground is a building \[1/1024 m\].
         building_threshold: i32,
-        /// The cells whose surface is that of the terrain, because the surface model has none there: what stands on them is
-        /// not known, so they hold no receiver.
+        /// The cells that hold the height of the terrain because the surface model has none there.
+        /// Objects on them are unknown, so they hold no receiver.
         voids: Option<BitGrid>,
     },
     /// Prisms over footprints.
     Vector {
         /// The footprints, on the lattice of `frame`.
         footprints: Vec<Footprint>,
-        /// The lattice of the footprints: unit 1 m, origin at the grid's south-west corner floored to a whole meter.
+        /// The lattice of the footprints: unit 1 m, origin at the grid's south-west corner floored
+        /// to a whole meter.
         frame: Frame,
-        /// What receivers and buildings stand on.
+        /// The ground of receivers and buildings.
         ground: Ground,
-        /// What was mended or left out.
+        /// The footprints that were mended or left out.
         faults: FootprintFaults,
-        /// Where anything is known of the ground.
+        /// The area in which the ground is known.
         data_area: DataArea,
     },
 }
 
 impl Solids {
-    /// The heights of the buildings of a vector scene and where they stand, of those that have both; none of a raster. Parts of one building are
-    /// one, as high as they are in the mean over their areas.
+    /// Returns heights and positions of the buildings of a vector scene that have both; none for a
+    /// raster. Parts of one building count as one building, with the mean of their heights weighted
+    /// by area.
     pub fn building_heights(&self) -> Vec<BuildingHeight> {
         let Solids::Vector { footprints, frame, .. } = self else { return Vec::new() };
         Footprint::building_heights(footprints, *frame)
     }
 
-    /// Number of buildings of a vector scene, where the parts of one are one; 0 of a raster.
+    /// Returns the number of buildings of a vector scene; 0 for a raster. Parts of one building
+    /// count as one building.
     pub fn n_buildings(&self) -> usize {
         let Solids::Vector { footprints, .. } = self else { return 0 };
         let groups: HashSet<u32> = footprints.iter().filter_map(|footprint| footprint.part_of).collect();
@@ -80,36 +84,38 @@ impl Solids {
     }
 }
 
-/// Where a vector scene knows the ground. Cells elsewhere hold no data: no receiver, no zone, no candidate.
+/// The area in which a vector scene knows the ground. Cells elsewhere hold no data: no receiver, no
+/// zone, no candidate.
 #[derive(Debug, Clone, Default)]
 pub enum DataArea {
-    /// Everywhere.
+    /// The whole plane.
     #[default]
     All,
-    /// What is between the footprints: their closing by a disc of 100 m, holes filled. Everywhere, where less than a tenth
-    /// of that is open ground.
+    /// The closing of the footprints by a disc of 100 m, with holes filled. Everything counts as
+    /// known if less than a tenth of it is open ground.
     NearFootprints,
     /// An area that the user drew.
     Within(Area),
 }
 
-/// What stands below the buildings.
+/// The ground below the buildings.
 #[derive(Debug, Clone)]
 pub enum Ground {
-    /// Nothing but the surface model is known: receivers stand on the surface.
+    /// Unknown; the surface model is all there is, and receivers stand on the surface.
     Surface,
     /// A horizontal plane \[1/1024 m above the datum\].
     Flat(i32),
-    /// A terrain model \[1/1024 m above the datum\]. In a raster scene it lies on the scene's own grid.
+    /// A terrain model \[1/1024 m above the datum\]. In a raster scene it lies on the scene's own
+    /// grid.
     Terrain(Raster<i32>),
 }
 
-/// What to do with nodata cells of rasters.
+/// The treatment of nodata cells of rasters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum NodataAs {
-    /// They block nothing.
+    /// Nodata cells block nothing.
     #[default]
     Clear,
-    /// They block everything.
+    /// Nodata cells block everything.
     Block,
 }

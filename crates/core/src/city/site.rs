@@ -1,4 +1,4 @@
-//! A site: a position and a height, as they were typed, before a scene is known.
+//! A site: a position and a height as typed, before a scene is known.
 
 use super::Antenna;
 use crate::quantity::Height;
@@ -12,25 +12,25 @@ pub struct Site {
     pub x: f64,
     /// North \[CRS units\].
     pub y: f64,
-    /// Height and what it is above.
+    /// Height with its reference.
     pub height: Height,
     /// Its own antenna.
     pub antenna: Antenna,
 }
 
 impl Site {
-    /// A site with the antenna of the run.
+    /// Makes a site without limits of its own, so that it takes the antenna of the run.
     pub fn new(id: impl Into<String>, (x, y): (f64, f64), height: Height) -> Self {
         Site { id: id.into(), x, y, height, antenna: Antenna::default() }
     }
 }
 
-/// A site as it was given.
+/// A site as the user gave it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GivenSite {
     /// The site.
     pub site: Site,
-    /// Its longitude and latitude \[deg\], if it was given by these.
+    /// Its longitude and latitude \[deg\], if the user gave these.
     pub lonlat: Option<[f64; 2]>,
 }
 
@@ -49,7 +49,7 @@ impl std::borrow::Borrow<Site> for GivenSite {
 }
 
 impl From<Site> for GivenSite {
-    /// A site that was given in the scene's CRS.
+    /// Makes a site given in the scene's CRS.
     fn from(site: Site) -> Self {
         GivenSite { site, lonlat: None }
     }

@@ -1,22 +1,22 @@
-//! Scenes that are read window by window.
+//! Scenes read window by window.
 
 use super::Solids;
 use crate::error::Result;
 use crate::raster::{CellWindow, GeoRef};
 
-/// The solids of a scene that is read window by window.
+/// The solids of a scene read window by window.
 pub trait WindowedSolids: Sync {
-    /// The grid of receivers, whose cells are those of the columns.
+    /// Returns the grid of receivers, whose cells are those of the columns.
     fn grid(&self) -> &GeoRef;
 
-    /// What receivers stand on.
+    /// Returns the base of the receivers.
     fn base(&self) -> WindowedBase;
 
-    /// The solids over the cells of a window: [`Solids::Raster`].
+    /// Returns the solids over the cells of a window: [`Solids::Raster`].
     fn solids(&self, window: CellWindow) -> Result<Solids>;
 }
 
-/// What the receivers of a windowed scene stand on.
+/// The base on which the receivers of a windowed scene stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WindowedBase {
     /// The surface.
@@ -27,7 +27,7 @@ pub enum WindowedBase {
     Terrain,
 }
 
-/// Whole rows of a grid, as many as a row of tiles holds, from the north.
+/// Splits a grid into bands of whole rows from the north, each as high as a tile.
 pub fn row_bands(grid: &GeoRef) -> impl Iterator<Item = CellWindow> {
     const ROWS: usize = 256;
     let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());

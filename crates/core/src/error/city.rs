@@ -1,9 +1,9 @@
-//! Why no city can be generated.
+//! Errors of generated cities.
 
 use super::class::ErrorClass;
 use crate::quantity::MAX_EXTENT_UNITS;
 
-/// Why no city can be generated.
+/// The reason why no city can be generated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
@@ -11,10 +11,10 @@ pub enum CityError {
     /// A built-up parameter is out of range.
     #[error("cannot generate a city: {name} is `{found}`, wanted {wanted}")]
     Parameter { name: &'static str, found: f64, wanted: &'static str },
-    /// The word of a scene names no city; `found` is the part that was to.
+    /// The word of a scene names no city; `found` is the part that should.
     #[error("cannot read scene `{word}`: found `{found}`, wanted a named environment or `α,β,γ`")]
     Word { word: String, found: String },
-    /// A length \[m\], the size or the cell size, is not above 0 m.
+    /// A length \[m\] is not above 0 m: the size or the cell size.
     #[error("cannot generate a city: the {length} is `{found}`, wanted above 0 m")]
     Length { length: &'static str, found: f64 },
     /// The ground \[m\] is beyond the heights of the lattice.

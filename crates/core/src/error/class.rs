@@ -6,7 +6,7 @@
 pub enum ErrorClass {
     /// A fault of the program: exit code 1.
     Internal,
-    /// The request itself does not make sense: exit code 2.
+    /// The request itself makes no sense: exit code 2.
     Usage,
     /// An input file is bad, or an output file cannot be written: exit code 3.
     File,
@@ -21,7 +21,7 @@ pub enum ErrorClass {
 }
 
 impl ErrorClass {
-    /// The process exit code for this class.
+    /// Returns the process exit code for this class.
     pub fn exit_code(self) -> u8 {
         match self {
             ErrorClass::Internal => 1,

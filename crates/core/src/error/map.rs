@@ -1,25 +1,27 @@
-//! Why no map can be made as it was asked for.
+//! Errors of maps.
 
 use std::borrow::Cow;
 
 use super::class::ErrorClass;
 use crate::quantity::MAX_EXTENT_UNITS;
 
-/// Why no map can be made as it was asked for.
+/// The reason why the requested map cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
 pub enum MapError {
-    /// The method is one for other scenes: what this one lacks, and the name of the method for it.
+    /// The method cannot decide this scene: the property that the scene lacks, and a method that
+    /// decides it.
     #[error("the method that was asked for cannot decide this scene: {why}")]
     Method { why: &'static str, instead: Cow<'static, str> },
-    /// Layers of heights, which are exact, beside an approximate method.
+    /// Layers of heights, which are exact, requested with an approximate method.
     #[error("layers of heights with `{method}`, which is approximate: they are exact, and would not agree")]
     ApproximateLayers { method: Cow<'static, str> },
-    /// Probabilities of line of sight where buildings are not told apart.
+    /// Probabilities of line of sight requested for a scene that does not separate buildings.
     #[error("probabilities of line of sight of a raster, whose buildings are not told apart")]
     RasterProbabilities,
-    /// Errors of heights that are no lengths, of which there is not one for each building, or that make a roof leave ±32 768 m.
+    /// Errors of heights that are no lengths, are not one per building, or move a roof beyond ±32
+    /// 768 m.
     #[error(
         "errors of heights that cannot be: wanted lengths of 0 m or more, one for each building, that leave all roofs within ±32768 m"
     )]
@@ -27,7 +29,8 @@ pub enum MapError {
     /// Roofs that slope over a curved earth.
     #[error("roofs that slope over a curved earth, wanted flat ones there")]
     CurvedSlopes,
-    /// A curvature so strong that heights would leave the lattice: how far the earth would fall away within range \[m\].
+    /// A curvature so strong that heights would leave the lattice: the drop of the earth within
+    /// range \[m\].
     #[error(
         "within range the earth would fall away by {0:.0} m, wanted at most what leaves all heights within ±32768 m"
     )]

@@ -1,11 +1,13 @@
-//! What can go wrong, said so that the reader can act.
+//! Errors and warnings, worded so that the reader can act.
 //!
-//! One [`Error`] for the whole crate, over one enum for each stage, with what was found as values. It has a class (which fixes
-//! the exit code of the command line), a stable code and one line of text: what was attempted, what was found, what was
-//! wanted. What is odd but not fatal is a [`Warning`]: it says what was done instead.
+//! The crate has one [`Error`], over one enum for each stage. The variants hold the values found.
+//! An error has a class (which fixes the exit code of the command line), a stable code and one line
+//! of text. The text states what was attempted, what was found and what was wanted. Something odd
+//! that is not fatal is a [`Warning`]; its text states what was done instead.
 //!
-//! Codes are grouped by class and never change their meaning: E1xx usage, E2xx site or zone, E3xx input file, E4xx
-//! output file, E5xx a limit, E6xx a failed check, E9xx a fault of the program; W-codes follow the same hundreds.
+//! Codes are grouped by class and never change their meaning. E1xx is usage, E2xx site or zone,
+//! E3xx input file, E4xx output file, E5xx a limit. E6xx is a failed check, E9xx a fault of the
+//! program. W-codes follow the same hundreds.
 //!
 //! | codes | about |
 //! |---|---|
@@ -61,27 +63,28 @@ pub enum Error {
     /// No city can be generated.
     #[error("{}", one_line(&.0.to_string()))]
     City(#[from] CityError),
-    /// A UAV cannot be where it was asked to be.
+    /// A UAV cannot be at the requested place.
     #[error("{}", one_line(&format!("cannot {attempt}: {why}")))]
     Uav { attempt: UavAttempt, why: UavError },
-    /// No map can be made as it was asked for.
+    /// The requested map cannot be made.
     #[error("{}", one_line(&.0.to_string()))]
     Map(#[from] MapError),
-    /// The work was told to stop.
+    /// The caller stopped the work.
     #[error("interrupted; nothing was written")]
     Interrupted,
-    /// A fault of the program: what should have held.
+    /// A fault of the program: the invariant that failed.
     #[error("{0}")]
     Fault(Fault),
-    /// An error, and the larger thing that it happened in.
+    /// An error, and the larger operation in which it happened.
     #[error("{}", one_line(&format!("{error} ({context})")))]
     Within { error: Box<Error>, context: String },
-    /// An error of whoever hands out a scene window by window, or takes its map.
+    /// An error of the code that supplies a scene window by window, or takes its map.
     #[error(transparent)]
     Passed(PassedError),
 }
 
-/// An error of a crate above this one, which passes through as it is: one line of text, the class, and the number in the code.
+/// An error of a crate above this one, passed through unchanged: one line of text, the class, and
+/// the number in the code.
 #[derive(Debug, Clone, thiserror::Error)]
 #[error("{error}")]
 #[expect(missing_docs, reason = "the docs of the type say what its fields are")]
@@ -97,11 +100,11 @@ impl PartialEq for PassedError {
     }
 }
 
-/// What should have held whatever was asked.
+/// An invariant that should hold for every request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
-    /// The parameters of a city were checked, and its grid was refused.
+    /// The grid of a city was refused although the parameters were checked.
     #[error("a checked city has a valid grid")]
     CityGrid,
     /// Solids that are read window by window are no raster.
@@ -113,13 +116,14 @@ pub enum Fault {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// The error in a larger thing, which its text names at the end, in parentheses.
+    /// Returns the error within a larger operation, which its text names at the end, in
+    /// parentheses.
     #[must_use]
     pub fn within(self, context: impl fmt::Display) -> Self {
         Error::Within { error: Box::new(self), context: context.to_string() }
     }
 
-    /// The cause without the larger things that it happened in.
+    /// Returns the cause without the larger operations in which it happened.
     pub fn innermost(&self) -> &Error {
         match self {
             Error::Within { error, .. } => error.innermost(),
@@ -139,17 +143,17 @@ impl Error {
         }
     }
 
-    /// The cause.
+    /// Returns the class of the cause.
     pub fn class(&self) -> ErrorClass {
         self.class_and_code().0
     }
 
-    /// The stable code, for example `E301`.
+    /// Returns the stable code, for example `E301`.
     pub fn code(&self) -> String {
         format!("E{:03}", self.number())
     }
 
-    /// The number in the code, for example 301.
+    /// Returns the number in the code, for example 301.
     pub fn number(&self) -> u16 {
         self.class_and_code().1
     }

@@ -1,4 +1,4 @@
-//! What is odd but stops nothing.
+//! Warnings: odd input that does not stop the work.
 
 use super::words::one_line;
 use crate::quantity::counted;
@@ -8,15 +8,16 @@ use crate::quantity::counted;
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
 pub enum Warning {
-    /// W340: cells of a scene of footprints have no ground: the terrain is void there, or ends before. They block everything,
-    /// or nothing.
+    /// W340: cells of a scene of footprints have no ground: the terrain is void there, or ends
+    /// before. They block everything, or nothing.
     #[error(
         "{} no ground: the terrain is void there, or ends before; it blocks {} and holds no receiver",
         counted(*cells, "cell has", "cells have"),
         if *block { "everything" } else { "nothing" }
     )]
     UnknownGround { cells: u64, block: bool },
-    /// W345: a footprint, named by its id, could not be triangulated; its convex hull is used instead.
+    /// W345: a footprint, named by its id, could not be triangulated; its convex hull is used
+    /// instead.
     #[error("{}", one_line(&format!("footprint `{footprint}` could not be triangulated; its convex hull is used instead")))]
     Hull { footprint: String },
     /// W379: hardly any open ground lies between the footprints, so all ground counts as known.
@@ -25,7 +26,7 @@ pub enum Warning {
 }
 
 impl Warning {
-    /// The stable code, for example `W340`.
+    /// Returns the stable code, for example `W340`.
     pub fn code(&self) -> String {
         let number = match self {
             Warning::UnknownGround { .. } => 340,

@@ -1,25 +1,26 @@
-//! Text that is one line, whatever it quotes.
+//! Text of messages: always one line, whatever it quotes.
 
 use std::borrow::Cow;
 
-/// Most characters of what was found that a message quotes.
+/// The most characters that a message quotes from one value.
 pub const MOST_FOUND: usize = 400;
 
 const MOST_CHARACTERS: usize = 4000;
 
-/// Text without control characters, in which passages in backticks are no longer than [`MOST_FOUND`]: what all messages are.
+/// Makes the text of a message: no control characters, and passages in backticks shortened to
+/// [`MOST_FOUND`] characters.
 pub fn one_line(text: &str) -> String {
     let cut = |(k, part)| if k % 2 == 1 { shortened(part, MOST_FOUND) } else { escaped(part) };
     let parts: Vec<Cow<'_, str>> = text.split('`').enumerate().map(cut).collect();
     shortened(&parts.join("`"), MOST_CHARACTERS).into_owned()
 }
 
-/// Whether a character is one of text: not for controlling a terminal, and not one of those that XML cannot hold.
+/// Returns `true` for a character of text: no control character, and none that XML cannot hold.
 pub fn is_text(c: char) -> bool {
     !c.is_control() && !matches!(c, '\u{FFFE}' | '\u{FFFF}')
 }
 
-/// Text whose characters that are none of text ([`is_text`]) are escaped.
+/// Escapes the characters that are not text ([`is_text`]).
 pub fn escaped(text: &str) -> Cow<'_, str> {
     if text.chars().all(is_text) {
         return Cow::Borrowed(text);
@@ -28,7 +29,8 @@ pub fn escaped(text: &str) -> Cow<'_, str> {
     Cow::Owned(text.chars().map(escape).collect())
 }
 
-/// Text of at most so many characters: of a longer one the beginning, how long it is, and the end.
+/// Shortens text to at most `most` characters. Longer text keeps its beginning and its end, with
+/// its length between them.
 pub fn shortened(text: &str, most: usize) -> Cow<'_, str> {
     let whole = escaped(text);
     let n = whole.chars().count();
@@ -42,7 +44,8 @@ pub fn shortened(text: &str, most: usize) -> Cow<'_, str> {
     Cow::Owned(head + &gap + &tail)
 }
 
-/// What an operating system says, in the words of all messages: lower case, without its number.
+/// Returns an operating system's message in the style of all messages: lower case, without its
+/// number.
 pub fn io_words(cause: &std::io::Error) -> String {
     use std::io::ErrorKind;
     match cause.kind() {
@@ -68,10 +71,10 @@ mod tests {
         let text = one_line(&format!("found `{long}`, wanted `3`"));
         assert!(text.contains(" … (401 characters) … ") && text.ends_with("éx`, wanted `3`"), "{text}");
         assert_eq!(text.chars().count(), "found ``, wanted `3`".len() + 400);
-        // What is escaped becomes longer; the number is that of what was found.
+        // Escaping makes text longer; the message states the original length.
         let bells = one_line(&format!("found `{}`", "\u{7}".repeat(300)));
         assert!(bells.contains("(300 characters)") && bells.chars().count() == 408, "{bells}");
-        // Backticks in what was found do not let it through.
+        // Backticks in the quoted text do not defeat the limit.
         assert!(one_line(&"`a".repeat(100_000)).chars().count() <= 4000);
         assert_eq!(one_line("cannot read `a\nb`"), "cannot read `a\\nb`");
     }

@@ -1,9 +1,10 @@
 //! The cells that a segment crosses, in order, in exact integers.
 //!
-//! After Amanatides & Woo 1987, with the crossing parameters kept as products instead of quotients: the next vertical
-//! grid line is met at `t = nx/|dx|`, the next horizontal one at `t = ny/|dy|`, and the nearer of the two is found by
-//! comparing `nx·|dy|` with `ny·|dx|`. When both are met at once, at a lattice corner, both indices step at once, so
-//! that cells which are only touched at a corner are never visited.
+//! After Amanatides & Woo 1987, with the crossing parameters kept as products instead of quotients.
+//! The next vertical grid line is met at `t = nx/|dx|`, the next horizontal one at `t = ny/|dy|`.
+//! The nearer of the two is found by comparing `nx·|dy|` with `ny·|dx|`. If both are met at once,
+//! at a lattice corner, both indices step at once. So cells that are only touched at a corner are
+//! never visited.
 
 /// A crossing of a grid line at parameter `n/d` of the segment, with `d > 0`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,7 +15,8 @@ pub(super) struct Crossing {
 
 /// A walk over rectangular cells along a segment with at least one nonzero component.
 ///
-/// On a grid line parallel to the segment the walk visits the cells north or east of the line (half-open).
+/// On a grid line parallel to the segment the walk visits the cells north or east of the line
+/// (half-open).
 #[derive(Debug, Clone)]
 pub(super) struct CellWalk {
     /// Current cell, counted from the origin to the east and to the north.
@@ -29,8 +31,8 @@ pub(super) struct CellWalk {
 const NEVER: i64 = 1 << 32;
 
 impl CellWalk {
-    /// A walk from `from` towards `to`, positions relative to the corner of cell (0, 0), cells of width and
-    /// height `size`.
+    /// Starts a walk from `from` towards `to`. Positions are relative to the corner of cell (0, 0);
+    /// cells have width and height `size`.
     pub(super) fn new(from: (i64, i64), to: (i64, i64), size: [i64; 2]) -> Self {
         let axis = |from: i64, to: i64, size: i64| {
             let first = if to < from { (from - 1).div_euclid(size) } else { from.div_euclid(size) };
@@ -52,7 +54,8 @@ impl CellWalk {
         }
     }
 
-    /// Where the segment leaves the current cell: `None` if it ends first (or just there).
+    /// Returns the crossing at which the segment leaves the current cell; `None` if it ends before
+    /// or at the border.
     #[inline]
     pub(super) fn exit(&self) -> Option<Crossing> {
         let by_x = Crossing { n: self.next.0, d: self.length.0 };

@@ -1,7 +1,8 @@
 //! `ray` over columns: visits every cell that the link crosses, from the receiver up.
 //!
-//! The plain engine, to which all others are equal. Cost: one comparison of two products per crossed cell; it stops at
-//! the first blocked cell and where the ray rises above the highest column.
+//! This is the plain engine; all exact engines give its cells. Cost: one comparison of two products
+//! per crossed cell. It stops at the first blocked cell, and at the point where the ray rises above
+//! the highest column.
 
 use std::cell::Cell;
 use std::ops::ControlFlow;
@@ -15,7 +16,8 @@ use crate::quantity::{LatticePoint, VOID};
 /// Decides whether the link between `uav` and `receiver` is clear of the interior of T.
 ///
 /// Cells whose closed square contains the receiver's position are exempt. A vertical link is LoS.
-/// Positions may differ by at most 2^26 lattice steps along each axis, heights likewise (not checked).
+/// Positions may differ by at most 2^26 lattice steps along each axis, and so may heights (not
+/// checked).
 pub fn columns_los(columns: &Columns, uav: LatticePoint, receiver: LatticePoint) -> bool {
     let (dx, dy) = (uav.x - receiver.x, uav.y - receiver.y);
     if (dx == 0 && dy == 0) || i64::from(columns.max_top()) <= uav.z.min(receiver.z) {
@@ -30,7 +32,8 @@ pub fn columns_los(columns: &Columns, uav: LatticePoint, receiver: LatticePoint)
     let rising = uav.z >= receiver.z;
     let climb = uav.z - receiver.z;
     let blocked = visit_intervals(columns, uav, receiver, |interval| {
-        // EXACT: positions differ by at most 2^26 and heights by less than 2^28, so both products are below 2^54.
+        // EXACT: positions differ by at most 2^26 and heights by less than 2^28, so both products
+        // are below 2^54.
         let end = if rising { interval.near } else { interval.far };
         let is_blocked = (i64::from(interval.top) - receiver.z) * end.d > end.n * climb;
         if is_blocked { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -38,23 +41,22 @@ pub fn columns_los(columns: &Columns, uav: LatticePoint, receiver: LatticePoint)
     blocked.is_continue()
 }
 
-/// The least height of a receiver at `receiver`'s position from which the link to `uav` is LoS, and what sets it.
-/// The receiver's own height plays no part.
+/// Returns the least height of a receiver at `receiver`'s position from which the link to `uav` is
+/// LoS, with its obstruction. The receiver's own height plays no part.
 pub fn columns_least_receiver_height(columns: &Columns, uav: LatticePoint, receiver: LatticePoint) -> LeastHeight {
-    // What stands where tells how high a receiver must be above the UAV: seen from there, and the other way around.
+    // The bound is a height above the UAV, so crossings are converted to distances from the UAV.
     let from_uav = |c: Crossing| Crossing { n: c.d - c.n, d: c.d };
     least_above(columns, (uav, receiver), uav, f64::NEG_INFINITY, |near, far| (from_uav(near), from_uav(far)))
 }
 
-/// The least height of a UAV at `uav`'s position from which the link to `receiver` is LoS: the steepest slope seen from
-/// the receiver. The UAV's own height plays no part.
+/// Returns the least height of a UAV at `uav`'s position from which the link to `receiver` is LoS:
+/// the steepest slope seen from the receiver. The UAV's own height plays no part.
 pub fn columns_least_height(columns: &Columns, uav: LatticePoint, receiver: LatticePoint) -> LeastHeight {
     least_above(columns, (uav, receiver), receiver, f64::NEG_INFINITY, |near, far| (far, near))
 }
 
-/// The least lattice height of a UAV at `uav`'s position, not below `floor`, from which the link to `receiver` is LoS;
-/// `None` where no height is enough. Exact.
-///
+/// Returns the least lattice height of a UAV at `uav`'s position, not below `floor`, from which the
+/// link to `receiver` is LoS. Returns `None` if no height is enough. Exact.
 pub fn columns_least_step(columns: &Columns, uav: LatticePoint, receiver: LatticePoint, floor: i64) -> Option<i64> {
     // A column below the receiver binds nothing above its own top.
     if i64::from(columns.max_top()) <= floor.min(receiver.z) {
@@ -63,7 +65,8 @@ pub fn columns_least_step(columns: &Columns, uav: LatticePoint, receiver: Lattic
     columns_least_height_above(columns, uav, receiver, floor).lowest_step().map(|z| z.max(floor))
 }
 
-/// Like [`columns_least_height`], or something no higher than `floor` \[1/1024 m above the datum\], if that is no lower.
+/// Returns [`columns_least_height`] if it is above `floor` \[1/1024 m above the datum\]; otherwise
+/// some height not above `floor`.
 pub(super) fn columns_least_height_above(
     columns: &Columns,
     uav: LatticePoint,
@@ -75,10 +78,11 @@ pub(super) fn columns_least_height_above(
     least_above(columns, (uav, receiver), receiver, above_receiver, |near, far| (far, near))
 }
 
-/// The least height of one end of a link, seen from `pivot`, the other; it may leave out what binds no more than `floor` above that.
+/// Returns the least height of one end of a link, seen from its other end, `pivot`. Intervals that
+/// bind no more than `floor` above the pivot may be left out.
 ///
-/// `from_pivot` makes of the ends of an interval, measured from the receiver and the nearer one first, the same measured from the pivot,
-/// the farther one first.
+/// `from_pivot` gets the ends of an interval measured from the receiver, the nearer one first. It
+/// returns them measured from the pivot, the farther one first.
 #[inline(always)]
 fn least_above(
     columns: &Columns,
@@ -107,8 +111,8 @@ fn least_above(
     least
 }
 
-/// The cells that the link crosses, without the receiver's own, with the ends of each crossing as fractions from the
-/// receiver: for drawing.
+/// Returns the cells that the link crosses, without the receiver's own, for drawing. The ends of
+/// each crossing are fractions of the way from the receiver.
 pub fn columns_crossed(columns: &Columns, uav: LatticePoint, receiver: LatticePoint) -> Vec<(usize, f64, f64)> {
     let mut crossed = Vec::new();
     if uav.x == receiver.x && uav.y == receiver.y {
@@ -137,23 +141,25 @@ fn runs_along_a_grid_line(columns: &Columns, uav: LatticePoint, receiver: Lattic
         || (uav.y == receiver.y && into_cell(receiver.y, height) == 0)
 }
 
-/// The hot case: the receiver in the raster, the UAV not below it, the ray not along a grid line.
+/// Decides the hot case: the receiver in the raster, the UAV not below it, the ray not along a grid
+/// line.
 fn rising_los(columns: &Columns, own: usize, uav: LatticePoint, receiver: LatticePoint) -> bool {
     let mut walk = InnerWalk::new(columns, own, uav, receiver);
     let climb = uav.z - receiver.z;
     let above = i64::from(columns.max_top()) - receiver.z;
-    // A crossing no longer matters once the ray is above the highest column.
+    // Crossings no longer matter once the ray is above the highest column.
     let below_the_highest = |length: i64| if climb > 0 { (above * length + climb - 1) / climb } else { i64::MAX };
     walk.reach.0 = walk.reach.0.min(below_the_highest(walk.length.0));
     walk.reach.1 = walk.reach.1.min(below_the_highest(walk.length.1));
-    // PERF: a top at a time where tops are lowered and few rays are asked about.
+    // PERF: one top at a time where tops are lowered and few rays are decided.
     match columns.tops_at_hand() {
         Some(tops) => is_clear(&mut walk, |cell| tops[cell], receiver.z, climb),
         None => is_clear(&mut walk, |cell| columns.top_at(cell), receiver.z, climb),
     }
 }
 
-/// Whether a ray that climbs so much from a receiver at height `z` is above the tops of all cells of a walk.
+/// Returns `true` if a ray from a receiver at height `z` with this `climb` is above the tops of all
+/// cells of a walk.
 #[inline(always)]
 fn is_clear(walk: &mut InnerWalk, top: impl Fn(usize) -> i32, z: i64, climb: i64) -> bool {
     // EXACT: all factors are at most 2^26, so every product is at most 2^52.
@@ -165,7 +171,8 @@ fn is_clear(walk: &mut InnerWalk, top: impl Fn(usize) -> i32, z: i64, climb: i64
     true
 }
 
-/// Calls `visit` for every interval of the link over a column, from the receiver on, exempting its own cells.
+/// Calls `visit` for every interval of the link over a column, from the receiver on, except over
+/// the receiver's own cells.
 #[inline(always)]
 fn visit_intervals(
     columns: &Columns,
@@ -176,8 +183,8 @@ fn visit_intervals(
     visit_intervals_where(columns, (uav, receiver), |_, _, _| true, visit)
 }
 
-/// Like [`visit_intervals`]; it may leave out cells where `matters`, asked with a top that is not lower than theirs and the ends of an
-/// interval around theirs, says no.
+/// Calls `visit` like [`visit_intervals`], but may leave out cells for which `matters` is `false`.
+/// `matters` gets a top not lower than theirs, and the ends of an interval around theirs.
 #[inline(always)]
 fn visit_intervals_where(
     columns: &Columns,
@@ -213,7 +220,7 @@ fn visit_intervals_where(
         let far = exit.unwrap_or(Crossing { n: 1, d: 1 });
         let (east, north) = walk.cell;
         let mut obstacle = ((east, north), top((east, north)));
-        // Along the line between two cells the ray is inside the solid only where both are.
+        // Along the line between two cells the ray is inside the solid only if both are.
         for (on_line, other) in [(along_column_line, (east - 1, north)), (along_row_line, (east, north - 1))] {
             if on_line && top(other) < obstacle.1 {
                 obstacle = (other, top(other));

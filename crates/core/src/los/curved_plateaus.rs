@@ -1,16 +1,21 @@
 //! Shadows of the plateaus of a raster over a curved earth, as bounds on what its cells hide.
 //!
-//! **Why.** A sweep takes 3 ns a cell, whatever the raster is. Where that is few flat blocks, shadows of prisms take a quarter of it; but
-//! over a curved earth cells are lowered one by one, each by the rounded drop of its center, and prisms are curved.
+//! **Why.** A sweep takes 3 ns a cell for any raster. For a raster of few flat blocks, shadows of
+//! prisms take a quarter of it. But over a curved earth cells are lowered one by one, each by the
+//! rounded drop of its center, while prisms are curved.
 //!
-//! **Method.** Nowhere do the two differ by more than some steps of the lattice: half a step for the rounding, and what the drop changes from
-//! the center of a cell to its corners, r away: c (2 d r + r²) at a distance d, c = 1/2KR. With s more than that, the ends of a link raised by 2s
-//! are clear of the prisms wherever the link is clear of the columns, and lowered by 2s they are hidden by prisms wherever columns hide it:
-//! one s is for what stands in the way, and one for the receiver, which is lowered by a rounded drop as well. What is left between the two is asked
-//! of the columns.
+//! **Method.** The two differ nowhere by more than some steps of the lattice. One part is half a
+//! step for the rounding. The other is the change of the drop from the center of a cell to its
+//! corners, r away: c (2 d r + r²) at a distance d, c = 1/2KR.
 //!
-//! **Ground.** What is no plateau is the ground, which the prisms are without. It hides no receiver as long as rays climb by more than 2s
-//! before they leave the receiver's own cell, half a cell away: by then the ground, which falls away from there, is below them for good.
+//! Let s be more than that. If the link is clear of the columns, the link with both ends raised by
+//! 2s is clear of the prisms. If columns hide the link, prisms hide it with both ends lowered by
+//! 2s. One s is for the obstacles. The other is for the receiver, which is lowered by a rounded
+//! drop as well. Receivers between the two bounds are decided by the columns.
+//!
+//! **Ground.** Cells outside the plateaus are the ground, which the prisms lack. It hides no
+//! receiver if rays climb by more than 2s before they leave the receiver's own cell, half a cell
+//! away. From there on the ground falls away and stays below them.
 
 use super::{ShadowGrid, ShadowScene, shadow_los};
 use crate::height_field::{Bulge, CurvedGround, Plateaus};
@@ -18,10 +23,12 @@ use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
 use crate::raster::{BitGrid, CellWindow};
 use crate::simd::SimdLevel;
 
-/// From the center of a cell to its corner, with a step for a UAV whose place is rounded \[lattice steps\].
+/// Distance from the center of a cell to its corner, with a step for a UAV whose position is
+/// rounded \[lattice steps\].
 const HALF_DIAGONAL: f64 = 0.7072 * STEPS_PER_UNIT as f64 + 1.0;
 
-/// The plateaus of a raster as one UAV sees them over a curved earth, with receivers that all stand at one height beside them.
+/// The plateaus of a raster as one UAV sees them over a curved earth, with receivers at one height
+/// beside them.
 #[derive(Debug)]
 pub(super) struct CurvedPlateaus<'a> {
     pub(super) plateaus: &'a Plateaus,
@@ -32,8 +39,9 @@ pub(super) struct CurvedPlateaus<'a> {
 }
 
 impl CurvedPlateaus<'_> {
-    /// Of wanted receivers at height `z` over a flat earth, all within a window, those that surely are in line of sight, and those that perhaps
-    /// are; `None` where the ground may hide some.
+    /// Returns the wanted receivers that surely are in line of sight, and those that possibly are;
+    /// `None` if the ground may hide some. Receivers are at height `z` over a flat earth and within
+    /// a window.
     pub(super) fn bounds(
         &self,
         uav: LatticePoint,
@@ -52,7 +60,9 @@ impl CurvedPlateaus<'_> {
         Some((cast(&perhaps, -shift), perhaps))
     }
 
-    /// More than any cell differs from a prism as high \[lattice steps\]; `None` where that, or the earth, may hide what no prism does.
+    /// Returns a bound on the difference between a cell and a prism of its height \[lattice
+    /// steps\]. Returns `None` if that difference, or the earth, may hide receivers that no prism
+    /// hides.
     fn difference(&self, uav: LatticePoint, z: i64, window: CellWindow) -> Option<i64> {
         let CellWindow { row, col, n_rows, n_cols } = window;
         let farthest_of = |along: &[i64], at: i64| {

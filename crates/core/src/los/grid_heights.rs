@@ -4,24 +4,27 @@ use rayon::prelude::*;
 
 use crate::raster::{BitGrid, set_bits};
 
-/// How far a rounded height may be from that of a walk along its link, relative to itself and to the heights of both ends.
+/// Bound on the difference between a rounded height and that of a walk along its link, relative to
+/// the height itself and to the heights of both ends.
 ///
-/// With u = 2^-53: a height above the other end is the product of an integer and a quotient of integers, all exact; it errs by less than
-/// 4u of itself, and adding the other end's height by u of the sum. A walk errs by as much, and so does the order of heights that are as
-/// close as that. This is four times all of it.
+/// With u = 2^-53: a height above the other end is the product of an integer and a quotient of
+/// integers, all exact. It errs by less than 4u of itself, and adding the other end's height errs
+/// by u of the sum. A walk errs by as much, and so does the order of heights that are as close as
+/// that. This constant is four times all of it.
 const ROUNDING: f64 = 1.0 / (1_u64 << 47) as f64;
 
-/// The least height of one end, the receiver or the UAV, of each link between a UAV and the receivers of a grid
-/// \[1/1024 m above the datum\].
+/// The least height of one end, the receiver or the UAV, of each link between a UAV and the
+/// receivers of a grid \[1/1024 m above the datum\].
 #[derive(Debug, Clone)]
 pub struct GridHeights {
-    /// Row by row: −∞ where nothing stands in the way, +∞ where no height is enough, NaN where it is not known.
+    /// Row by row: −∞ if nothing is in the way, +∞ if no height is enough, NaN if unknown.
     heights: Vec<f64>,
-    /// Numbers to the row, of which there may be more than columns.
+    /// Numbers per row; there may be more than columns.
     per_row: usize,
-    /// The row of the grid that they begin with.
+    /// The first row of the grid that they cover.
     first_row: usize,
-    /// The largest magnitude of the heights of both ends, if the heights were rounded otherwise than those of walks; 0 if not.
+    /// The largest magnitude of the heights of both ends, if the heights were rounded otherwise
+    /// than those of walks; 0 if not.
     rounded: f64,
 }
 
@@ -30,13 +33,15 @@ impl GridHeights {
         GridHeights { heights, per_row, first_row: 0, rounded: 0.0 }
     }
 
-    /// Heights from a row on that were rounded, with the largest magnitude of the heights of both ends.
+    /// Makes rounded heights from a row on, with the largest magnitude of the heights of both ends.
     pub(super) fn rounded(heights: Vec<f64>, per_row: usize, first_row: usize, largest: f64) -> Self {
         GridHeights { heights, per_row, first_row, rounded: largest.max(1.0) }
     }
 
-    /// What a monotone function makes of the height at a cell; `None` if the height is not known, or so near to where the function
-    /// changes that a walk along the link may find another value.
+    /// Returns the value of a monotone function at the height of a cell.
+    ///
+    /// Returns `None` if the height is unknown, or so near to a change of the function that a walk
+    /// along the link may give another value.
     #[inline]
     pub fn settled<T: PartialEq>(&self, (row, col): (usize, usize), of: impl Fn(f64) -> T) -> Option<T> {
         let height = self.heights[(row - self.first_row) * self.per_row + col];
@@ -51,7 +56,8 @@ impl GridHeights {
         (low == high).then_some(low)
     }
 
-    /// Raises the heights that are known at some cells to others, given the cell and what is known; NaN says nothing.
+    /// Raises the known heights at some cells to those of `other`, given the cell and the known
+    /// height. NaN changes nothing.
     pub(super) fn raise(&mut self, cells: &BitGrid, other: &(impl Fn((usize, usize), f64) -> f64 + Sync)) {
         let rows = self.heights.par_chunks_exact_mut(self.per_row.max(1)).enumerate();
         rows.for_each(|(k, heights)| {
@@ -64,12 +70,13 @@ impl GridHeights {
         });
     }
 
-    /// The higher one at each cell, for links that must meet both. The other ones are of all rows that these are of, and known.
+    /// Returns the higher height at each cell, for links that must meet both. `other` covers all
+    /// rows of these heights, and all its heights are known.
     pub(super) fn or_higher(mut self, other: &GridHeights) -> Self {
         let others = other.heights.chunks_exact(other.per_row.max(1)).skip(self.first_row - other.first_row);
         for (heights, others) in self.heights.chunks_exact_mut(self.per_row.max(1)).zip(others) {
             for (height, other) in heights.iter_mut().zip(others) {
-                // What is not known stays so.
+                // Unknown heights stay unknown.
                 *height = if *other > *height { *other } else { *height };
             }
         }

@@ -27,18 +27,19 @@ enum Engine<'a> {
     Xdraw(&'a Columns),
     R2(&'a Columns),
     Sweep(&'a Columns),
-    /// Shadows of the plateaus of columns; where those cannot decide, the sweep.
+    /// Shadows of the plateaus of columns; the sweep where those cannot decide.
     Plateaus(&'a Columns, &'a Plateaus, Cow<'a, ShadowGrid>),
-    /// Bounds by the shadows of plateaus over a curved earth, and the sweep or rays where they differ.
+    /// Bounds by the shadows of plateaus over a curved earth; the sweep or rays where the bounds
+    /// differ.
     CurvedPlateaus(&'a Columns, &'a Plateaus, &'a ShadowGrid, Bulge),
     Shadow(PrismShadows<'a>),
-    /// And then the sweep for the terrain below the prisms.
+    /// Shadows, then the sweep for the terrain below the prisms.
     ShadowSweep(PrismShadows<'a>, &'a Columns),
-    /// And then rays, which ask prisms and terrain alike.
+    /// Shadows, then rays that test both prisms and terrain.
     ShadowRay(PrismShadows<'a>),
 }
 
-/// Prisms, and where receivers stand among them.
+/// Prisms, and the positions of receivers among them.
 #[derive(Debug, Clone)]
 struct PrismShadows<'a> {
     prisms: &'a Prisms,
@@ -46,7 +47,7 @@ struct PrismShadows<'a> {
 }
 
 impl<'a> Engine<'a> {
-    /// The engine of a method over the solids of a field.
+    /// Makes the engine of a method over the solids of a field.
     fn new(field: &'a HeightField, method: Method, positions: &GridPositions) -> Result<Self, WrongMethod> {
         let shadows = |prisms| {
             let (xs, ys) = positions.on_prisms();
@@ -58,7 +59,7 @@ impl<'a> Engine<'a> {
             (Method::Xdraw, None, Some(columns)) => Engine::Xdraw(columns),
             (Method::R2, None, Some(columns)) => Engine::R2(columns),
             (Method::Sweep, None, Some(columns)) => {
-                // What many threads will want is made before they do.
+                // Made here once, before many threads need it.
                 columns.tiles();
                 Engine::Sweep(columns)
             }
@@ -67,7 +68,7 @@ impl<'a> Engine<'a> {
                     let (xs, ys) = positions.on_columns();
                     Engine::Plateaus(columns, plateaus, Cow::Owned(ShadowGrid::new(xs, ys)))
                 }
-                // A raster that was changed may have none any more.
+                // A raster that was changed may have lost its plateaus.
                 None => Engine::Sweep(columns),
             },
             (Method::Shadow, Some(prisms), None) => Engine::Shadow(shadows(prisms)),
@@ -87,27 +88,29 @@ impl<'a> Engine<'a> {
     }
 }
 
-/// An engine made ready for a scene: what does not depend on the UAV is done once.
+/// An engine prepared for a scene: work that does not depend on the UAV is done once.
 #[derive(Debug, Clone)]
 pub struct GridLos<'a> {
     field: &'a HeightField,
     method: Method,
     engine: Engine<'a>,
     positions: Arc<GridPositions>,
-    /// What casts shadows, if not all prisms do: none that is left out can hide a receiver that will be asked about.
+    /// The casters of shadows, if not all prisms cast. No prism left out can hide a receiver that
+    /// will be asked for.
     pub(crate) casters: Option<Arc<Casters>>,
-    /// The vector instructions that it uses: no result depends on them.
+    /// The vector instructions that it uses; no result depends on them.
     pub level: SimdLevel,
-    /// Whether shadows are cast in one band of rows, by one thread: that costs less in all where many UAVs are decided at
-    /// once, and no result depends on it.
+    /// `true` if one thread casts shadows in one band of rows. That costs less in total if many
+    /// UAVs are decided at once. No result depends on it.
     pub(crate) is_one_band: bool,
 }
 
 impl<'a> GridLos<'a> {
-    /// Makes ready.
+    /// Prepares the engine.
     ///
     /// # Errors
-    /// If the method is for another kind of scene; none of those that [`Method::choose`] gives for the field is.
+    /// If the method is for another kind of scene. A method from [`Method::choose`] for the field
+    /// always fits.
     pub fn new(field: &'a HeightField, method: Method) -> Result<Self, WrongMethod> {
         let positions = field.positions();
         Ok(GridLos {
@@ -121,8 +124,8 @@ impl<'a> GridLos<'a> {
         })
     }
 
-    /// This engine over the same scene as it is seen over an earth that bulges on the lattice of its positions, if that is as wide as it is
-    /// deep.
+    /// Rebinds the engine to `field`, the scene lowered for one UAV's curved earth. `bulge` is
+    /// `None` unless lattice steps are equally long along x and y.
     pub(crate) fn over<'b>(&'b self, field: &'b HeightField, bulge: Option<Bulge>) -> GridLos<'b> {
         let shadows =
             |shadows: &'b PrismShadows<'_>, prisms| PrismShadows { prisms, grid: Cow::Borrowed(&*shadows.grid) };
@@ -147,18 +150,21 @@ impl<'a> GridLos<'a> {
         GridLos { field, method, engine, positions, casters, level, is_one_band }
     }
 
-    /// The engine in use.
+    /// Returns the engine's method.
     pub fn method(&self) -> Method {
         self.method
     }
 
-    /// Positions of the receivers.
+    /// Returns the positions of the receivers.
     pub fn positions(&self) -> &GridPositions {
         &self.positions
     }
 
-    /// UAV positions over a grid, all at height `z` \[1/1024 m above the datum\], as some receivers see them; `None` unless the
-    /// engine is `shadow` over prisms alone, or over plateaus that are to these receivers what prisms are.
+    /// Returns UAV positions over a grid, all at height `z` \[1/1024 m above the datum\], for some
+    /// receivers.
+    ///
+    /// Returns `None` unless the engine is `shadow` over prisms alone, or over plateaus that act on
+    /// these receivers like prisms.
     pub(crate) fn uav_positions<'b>(
         &'b self,
         grid: &'b ShadowGrid,
@@ -178,7 +184,8 @@ impl<'a> GridLos<'a> {
         Some(UavPositions { prisms, casters, grid, z, level: self.level })
     }
 
-    /// How many casters there are, if the engine is `shadow` over a flat earth.
+    /// Returns the number of casters, if the engine is `shadow` over prisms alone, or over plateaus
+    /// on a flat earth.
     pub(crate) fn n_casters(&self) -> Option<usize> {
         let prisms = match &self.engine {
             Engine::Shadow(PrismShadows { prisms, .. }) => *prisms,
@@ -188,19 +195,19 @@ impl<'a> GridLos<'a> {
         Some(self.casters.as_deref().unwrap_or(prisms.casters()).all().len())
     }
 
-    /// A station on the lattice of what casts shadows.
+    /// Returns a station on the lattice of the casters.
     pub(crate) fn on_shadows(&self, station: &Station) -> LatticePoint {
         if self.field.prisms().is_some() { station.on_prisms() } else { station.on_columns() }
     }
 
-    /// The receivers of `wanted` that are in line of sight of a UAV.
+    /// Returns the receivers of `wanted` that are in line of sight of a UAV.
     ///
-    /// `wanted` are some of the cells of `receivers`, and `window` holds them, together with all cells between them and
-    /// the UAV.
+    /// `wanted` are some of the cells of `receivers`. `window` holds them, together with all cells
+    /// between them and the UAV.
     pub fn los(&self, uav: &Station, receivers: &GridReceivers<'_>, wanted: &BitGrid, window: CellWindow) -> BitGrid {
         match &self.engine {
             Engine::Ray => {
-                // Lowered once, since all are asked for.
+                // Lowered once, since all receivers need them.
                 if let Some(columns) = self.field.columns() {
                     columns.tops();
                 }
@@ -226,7 +233,7 @@ impl<'a> GridLos<'a> {
                 self.by_curved_plateaus(&plateaus, columns, uav, receivers, (wanted, window))
             }
             Engine::Shadow(shadows) => self.by_shadows(shadows, uav, receivers, wanted),
-            // What the prisms hide need not be asked of the terrain.
+            // Receivers that the prisms hide are not tested against the terrain.
             Engine::ShadowSweep(shadows, columns) => {
                 let left = self.by_shadows(shadows, uav, receivers, wanted);
                 self.by_sweep(columns, uav, receivers, &left, window)
@@ -238,7 +245,7 @@ impl<'a> GridLos<'a> {
         }
     }
 
-    /// Bands of rows that are worked on side by side.
+    /// Returns the number of bands of rows that are processed in parallel.
     fn n_bands(&self) -> usize {
         if self.is_one_band { 1 } else { rayon::current_num_threads() }
     }
@@ -247,7 +254,7 @@ impl<'a> GridLos<'a> {
         self.by_links(receivers, wanted, |field, receiver| link_los(field, uav, receiver))
     }
 
-    /// The wanted receivers for which `is_los` holds, each asked alone.
+    /// Returns the wanted receivers for which `is_los` holds, each decided alone.
     fn by_links(
         &self,
         receivers: &GridReceivers<'_>,
@@ -268,8 +275,11 @@ impl<'a> GridLos<'a> {
         los
     }
 
-    /// The receivers of `wanted` that are in line of sight, and the least height of a receiver over each wanted cell that is,
-    /// wherever that is above what receivers stand on; `None` if the engine knows no faster way than
+    /// Returns the receivers of `wanted` that are in line of sight, and over each wanted cell the
+    /// least height of a receiver that is. That height is given as far as it is above the
+    /// receivers' base.
+    ///
+    /// Returns `None` if the engine has no faster way than
     /// [`link_least_receiver_heights`](super::link_least_receiver_heights) for each.
     pub fn los_and_least_heights(
         &self,
@@ -284,7 +294,7 @@ impl<'a> GridLos<'a> {
             Some((swept.los, GridHeights::exact(swept.least_heights?, wanted.n_cols())))
         };
         let cast = |shadows: &PrismShadows<'_>| {
-            // Where shadows end on a curved earth no plane tells.
+            // On a curved earth shadows do not end in planes.
             if shadows.prisms.earth().is_some() {
                 return None;
             }
@@ -312,8 +322,12 @@ impl<'a> GridLos<'a> {
         }
     }
 
-    /// The probability that the receiver of each of some cells is in line of sight, where heights of buildings are off by errors of their own and by one that
-    /// they share, with a standard deviation each \[1/1024 m\]; `None` if the engine knows no faster way than a walk along each link.
+    /// Returns the probability that the receiver of each of some cells is in line of sight, for
+    /// errors of building heights.
+    ///
+    /// The `deviations` are the standard deviations of each building's own error and of the shared
+    /// error \[1/1024 m\]. Returns `None` if the engine has no faster way than a walk along each
+    /// link.
     pub(crate) fn clear_probabilities(
         &self,
         uav: &Station,
@@ -326,9 +340,11 @@ impl<'a> GridLos<'a> {
         shadow_clear_probabilities(&scene, uav.on_prisms(), &height_by_cell(receivers), deviations)
     }
 
-    /// The least height of the UAV over its place that sees the receiver of each wanted cell, wherever that is above `from`
-    /// \[1/1024 m above the datum\]; `None` if the engine knows no faster way than a walk along each link. `height(row, col)` is that of
-    /// the receiver.
+    /// Returns the least height of the UAV over its place that sees the receiver of each wanted
+    /// cell. It holds as far as it is above `from` \[1/1024 m above the datum\]. `height(row, col)`
+    /// is the receiver's height.
+    ///
+    /// Returns `None` if the engine has no faster way than a walk along each link.
     pub fn least_uav_heights(
         &self,
         uav: &Station,
@@ -365,13 +381,13 @@ impl<'a> GridLos<'a> {
         }
     }
 
-    /// Some cells as a scene in which all prisms cast shadows.
+    /// Makes a scene of some cells in which all prisms cast shadows.
     fn all_casters<'b>(&self, shadows: &'b PrismShadows<'_>, wanted: &'b BitGrid) -> ShadowScene<'b> {
         let PrismShadows { prisms, grid } = shadows;
         ShadowScene { prisms, casters: prisms.casters(), grid, wanted, level: self.level, n_bands: self.n_bands() }
     }
 
-    /// By shadows, where they bound what the columns hide, and the columns for the rest.
+    /// Decides by shadows where they bound what the columns hide, and by the columns elsewhere.
     fn by_curved_plateaus(
         &self,
         plateaus: &CurvedPlateaus<'_>,
@@ -444,7 +460,7 @@ impl<'a> GridLos<'a> {
             let asked = self.by_rays(uav, receivers, &between);
             return self.by_shadows(shadows, uav, receivers, &others).or(&asked);
         }
-        // On a curved earth outlines tell of receivers below the UAV alone.
+        // On a curved earth outlines hold for receivers below the UAV only.
         let is_outlined = |z: &i64| shadows.prisms.earth().is_none() || *z < uav.z;
         match receivers.level().filter(is_outlined) {
             Some(z) => shadow_los(&scene, uav.on_prisms(), z).los,
@@ -453,13 +469,14 @@ impl<'a> GridLos<'a> {
     }
 }
 
-/// Heights of receivers by row and column \[1/1024 m above the datum\].
+/// Returns heights of receivers by row and column \[1/1024 m above the datum\].
 pub(crate) fn height_by_cell(receivers: &GridReceivers<'_>) -> impl Fn(usize, usize) -> i32 + Sync {
     let n_cols = receivers.cells.n_cols();
     move |row, col| receivers.base(row * n_cols + col) + receivers.above
 }
 
-/// Where receivers stand on plateaus; `None` unless the shadows of these decide.
+/// Returns the receivers' positions on plateaus; `None` if the plateaus' shadows cannot decide
+/// them.
 fn on_plateaus(
     columns: &Columns,
     plateaus: &Plateaus,
@@ -470,7 +487,7 @@ fn on_plateaus(
         Some(z) => OnPlateaus::Level(z),
         None => receivers.is_on_tops_of(columns).then_some(OnPlateaus::Above(receivers.above))?,
     };
-    // Beside the raster a UAV may be below all of it.
+    // Outside the raster a UAV may be below all of it.
     let lowest = uav.z.min(i64::from(receivers.range.0) + i64::from(receivers.above));
     (lowest >= i64::from(plateaus.lowest())).then_some(on_plateaus)
 }

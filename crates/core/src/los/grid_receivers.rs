@@ -1,4 +1,4 @@
-//! Receivers on the cells of a grid, and how high each is.
+//! Receivers on the cells of a grid, and their heights.
 
 use std::borrow::Cow;
 use std::sync::OnceLock;
@@ -11,22 +11,22 @@ use crate::raster::{BitGrid, CellWindow, bits_between, set_bits};
 /// Receivers of one kind on the cells of a grid, ready for many UAVs.
 #[derive(Debug, Clone)]
 pub struct GridReceivers<'a> {
-    /// The cells that hold one.
+    /// The cells that hold a receiver.
     pub cells: Cow<'a, BitGrid>,
-    /// What they stand on over a flat earth.
+    /// The base that receivers stand on, over a flat earth.
     stands_on: StandsOn<'a>,
-    /// How much lower it is seen over a curved one.
+    /// The drop of the base over a curved earth.
     drops: Option<&'a Drops>,
-    /// How high they are above it \[1/1024 m\].
+    /// Height of receivers above their base \[1/1024 m\].
     pub(super) above: i32,
-    /// The lowest and the highest of `stands_on` over the cells.
+    /// Bounds on the heights of the base.
     pub(super) range: (i32, i32),
-    /// The highest by tile, once an engine has asked for it.
+    /// The highest base by tile, once an engine has needed it.
     tiles: OnceLock<TileMaxima>,
 }
 
 impl<'a> GridReceivers<'a> {
-    /// Receivers on some cells, `above` \[1/1024 m\] over what they stand on.
+    /// Makes receivers on some cells, `above` \[1/1024 m\] over what they stand on.
     pub fn new(cells: impl Into<Cow<'a, BitGrid>>, stands_on: StandsOn<'a>, above: i32) -> Self {
         let cells = cells.into();
         let range = match &stands_on {
@@ -57,7 +57,7 @@ impl<'a> GridReceivers<'a> {
         GridReceivers { cells, stands_on, drops: None, above, range, tiles: OnceLock::new() }
     }
 
-    /// These receivers, without what may have been found out about them.
+    /// Returns these receivers without cached results.
     pub(crate) fn borrowed(&self) -> GridReceivers<'_> {
         let stands_on = match &self.stands_on {
             StandsOn::Flat(z) => StandsOn::Flat(*z),
@@ -68,14 +68,14 @@ impl<'a> GridReceivers<'a> {
         GridReceivers { cells: Cow::Borrowed(&*self.cells), stands_on, drops, above, range, tiles: OnceLock::new() }
     }
 
-    /// These receivers so much higher \[1/1024 m\], whatever they stand on.
+    /// Returns these receivers raised \[1/1024 m\] over the same base.
     pub(crate) fn raised(&self, by: i32) -> GridReceivers<'_> {
         let mut receivers = self.borrowed();
         receivers.above += by;
         receivers
     }
 
-    /// Receivers on the same cells, against a terrain that is as a UAV sees it.
+    /// Returns receivers on the same cells, relative to a terrain as a UAV sees it.
     pub(super) fn seen_on_columns(&self, drops: &Drops) -> GridReceivers<'static> {
         let (n_rows, n_cols) = (self.cells.n_rows(), self.cells.n_cols());
         let mut bases = vec![0; n_rows * n_cols];
@@ -87,7 +87,7 @@ impl<'a> GridReceivers<'a> {
         GridReceivers::new((*self.cells).clone(), StandsOn::Cells(Cow::Owned(bases)), self.above)
     }
 
-    /// Receivers on the same cells of a scene whose heights drops have lowered within a window.
+    /// Returns receivers on the same cells of a scene whose heights `drops` lower within a window.
     pub(crate) fn lowered<'b>(&'b self, drops: &'b Drops, window: CellWindow) -> GridReceivers<'b> {
         let most = i32::try_from(drops.most(window)).unwrap_or(i32::MAX);
         let range = (self.range.0.saturating_sub(most), self.range.1);
@@ -99,14 +99,14 @@ impl<'a> GridReceivers<'a> {
         GridReceivers { drops: Some(drops), range, tiles, ..self.borrowed() }
     }
 
-    /// Height of what the receiver of a cell stands on \[1/1024 m above the datum\].
+    /// Returns the base height of the receiver of a cell \[1/1024 m above the datum\].
     #[inline]
     pub fn base(&self, cell: usize) -> i32 {
         let (base, n_cols) = (self.stands_on.at(cell), self.cells.n_cols());
         self.drops.map_or(base, |drops| drops.lowered(base, (cell / n_cols, cell % n_cols)))
     }
 
-    /// Copies what receivers stand on in cells of one row, from cell `first` on.
+    /// Copies base heights of cells of one row, from cell `first` on.
     pub(crate) fn copy_bases(&self, first: usize, out: &mut [i32]) {
         match &self.stands_on {
             StandsOn::Flat(z) => out.fill(*z),
@@ -119,19 +119,19 @@ impl<'a> GridReceivers<'a> {
         }
     }
 
-    /// Whether receivers stand on the tops of these very columns.
+    /// Returns `true` if receivers stand on the tops of these very columns.
     pub(super) fn is_on_tops_of(&self, columns: &Columns) -> bool {
         match &self.stands_on {
             _ if self.drops.is_some() => false,
             StandsOn::Flat(_) => false,
-            // What is not held in memory is not compared.
+            // Heights that are not in memory are not compared.
             StandsOn::Cells(heights) => columns.tops_in_memory().is_some_and(|tops| std::ptr::eq(tops, &**heights)),
             StandsOn::Tops(on) => std::ptr::eq(*on, columns),
         }
     }
 
-    /// Whether none of them, at height `z`, is below the lowest plateau or inside of one that is higher: to UAVs at height `uav_z` that are not
-    /// below them no receiver's own cell matters then.
+    /// Returns `true` if no receiver, at height `z`, is below the lowest plateau or inside a higher
+    /// one. Then no receiver's own cell matters to UAVs at height `uav_z` that are not below them.
     pub(super) fn stand_beside(&self, plateaus: &Plateaus, z: i64, uav_z: i64) -> bool {
         let holds_receiver = |plateau: &Plateau| {
             let (first, end) = (plateau.cols.0 as usize, plateau.cols.1 as usize);
@@ -144,20 +144,21 @@ impl<'a> GridReceivers<'a> {
             && !plateaus.raised().iter().any(|plateau| i64::from(plateau.top) > z && holds_receiver(plateau))
     }
 
-    /// What the receivers stand on, cell by cell.
+    /// Returns the base heights, cell by cell.
     pub fn bases(&self) -> SeenHeights<'_> {
         let heights = match &self.stands_on {
             StandsOn::Flat(z) => HeightsOf::One(*z),
             StandsOn::Cells(heights) => HeightsOf::Cells(heights),
-            // Receivers that are lowered stand on the tops of a flat earth.
+            // Lowered receivers stand on the tops of a flat earth.
             StandsOn::Tops(columns) => HeightsOf::Cells(columns.tops()),
         };
         SeenHeights { heights, n_cols: self.cells.n_cols(), drops: self.drops }
     }
 
-    /// The highest of what all cells hold that receivers stand on, by tile; found when it is first asked for.
+    /// Returns the highest base of all cells by tile, computed on first use.
     pub(super) fn tiles(&self) -> &TileMaxima {
-        // Made outside of the lock: a thread that waits for parts of the work may take up another task, which wants the tiles.
+        // Made outside of the lock: a thread that waits for parts of the work may take up another
+        // task that needs the tiles.
         match self.tiles.get() {
             Some(tiles) => tiles,
             None => {
@@ -167,40 +168,41 @@ impl<'a> GridReceivers<'a> {
         }
     }
 
-    /// Bounds on what the receivers stand on, and how high they are above it \[1/1024 m\].
+    /// Returns bounds on the base heights, and the receivers' height above their base \[1/1024 m\].
     pub fn range(&self) -> ((i32, i32), i32) {
         (self.range, self.above)
     }
 
-    /// Whether they stand on ground of one height, known as such.
+    /// Returns `true` if the receivers stand on ground of one height that is known as such.
     pub(crate) fn are_on_flat_ground(&self) -> bool {
         matches!(self.stands_on, StandsOn::Flat(_)) && self.drops.is_none()
     }
 
-    /// Bounds on the heights of the receivers \[1/1024 m above the datum\].
+    /// Returns bounds on the heights of the receivers \[1/1024 m above the datum\].
     pub fn heights_range(&self) -> (i64, i64) {
         let above = i64::from(self.above);
         (i64::from(self.range.0) + above, i64::from(self.range.1) + above)
     }
 
-    /// Height of the receiver of a cell \[1/1024 m above the datum\].
+    /// Returns the height of the receiver of a cell \[1/1024 m above the datum\].
     #[inline]
     pub fn height(&self, cell: usize) -> i64 {
         i64::from(self.base(cell)) + i64::from(self.above)
     }
 
-    /// Heights of receivers by row and column \[1/1024 m above the datum\].
+    /// Returns heights of receivers by row and column \[1/1024 m above the datum\].
     pub(super) fn heights(&self) -> impl Fn(usize, usize) -> i64 + Sync + '_ {
         let n_cols = self.cells.n_cols();
         move |row, col| self.height(row * n_cols + col)
     }
 
-    /// Height of the lowest receiver; `None` without any.
+    /// Returns the lower bound of the receivers' heights; `None` without receivers.
     pub fn lowest(&self) -> Option<i64> {
         self.cells.words().iter().any(|w| *w != 0).then(|| i64::from(self.range.0) + i64::from(self.above))
     }
 
-    /// The one height over a flat earth of receivers that are known to stand on ground of one height.
+    /// Returns the common height over a flat earth of receivers that are known to stand on ground
+    /// of one height.
     pub(super) fn level_over_flat_earth(&self) -> Option<i64> {
         match self.stands_on {
             StandsOn::Flat(z) => Some(i64::from(z) + i64::from(self.above)),
@@ -208,7 +210,7 @@ impl<'a> GridReceivers<'a> {
         }
     }
 
-    /// The one height of all receivers, if it is one.
+    /// Returns the common height of all receivers, if they have one.
     pub fn level(&self) -> Option<i64> {
         (self.range.0 == self.range.1).then(|| i64::from(self.range.0) + i64::from(self.above))
     }

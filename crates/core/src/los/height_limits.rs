@@ -1,37 +1,44 @@
-//! What a link asks of the buildings that it passes: how high each may be, so that it is clear.
+//! Limits of a link on the buildings that it passes: the height up to which each leaves it clear.
 //!
-//! A link is line of sight if and only if no building on its way is higher than is known by more than it has room for. Where it runs along the wall between two buildings, one of
-//! both must be low enough. So the probability of line of sight follows from those of heights: of independent buildings the product over all
-//! that have a limit, with walls told apart by cases.
+//! A link is LoS if and only if no building on its way exceeds its known height by more than its
+//! room. Where the link runs along the wall between two buildings, one of both must be low enough.
+//! So the probability of line of sight follows from those of heights. For independent buildings it
+//! is the product over all that have a limit, and walls are split into cases.
 
-/// Two buildings side by side along a link, and how much higher each may be if the other one is in its way \[1/1024 m\]; of sloped roofs, where
-/// the lower of both comes nearest to the link, which is all that matters while both are off alike.
+/// Two buildings side by side along a link, and how much higher each may be if the other one is in
+/// its way \[1/1024 m\].
+///
+/// For sloped roofs it is the room where the lower of both comes nearest to the link. That is all
+/// that matters if both have the same error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Wall<R = i64> {
-    /// Their numbers.
+    /// Numbers of the two buildings.
     pub buildings: [u32; 2],
-    /// How much higher each may be; below 0 where it is too high as it is.
+    /// Room of each: how much higher it may be; below 0 if it is too high already.
     pub rooms: [R; 2],
 }
 
-/// Per building, how far its roof may rise before it blocks the link: in whole steps, rounded down, or in reals.
+/// Per building, how far its roof may rise before it blocks the link: in whole steps, rounded down,
+/// or in reals.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HeightLimits<R = i64> {
-    /// The buildings that the link crosses, each with by how much it may be higher so that it leaves it clear \[1/1024 m\].
+    /// The buildings that the link crosses, each with its room: how much higher it may be without
+    /// blocking the link \[1/1024 m\].
     pub crossed: Vec<(u32, R)>,
-    /// Walls between two buildings that the link runs along: it is clear if one of both has the room.
+    /// Walls between two buildings that the link runs along. It is clear if one of both has the
+    /// room.
     pub walls: Vec<Wall<R>>,
 }
 
 impl<R> Default for HeightLimits<R> {
-    /// Of a link that meets no building.
+    /// Makes the limits of a link that meets no building.
     fn default() -> Self {
         HeightLimits { crossed: Vec::new(), walls: Vec::new() }
     }
 }
 
 impl<R: PartialOrd + Copy> HeightLimits<R> {
-    /// Adds the room of a building, of which the least counts.
+    /// Adds the room of a building; the least room counts.
     pub(super) fn limit(&mut self, building: u32, room: R) {
         match self.crossed.iter_mut().find(|(b, _)| *b == building) {
             Some((_, known)) => *known = least(*known, room),
@@ -49,7 +56,8 @@ impl<R: PartialOrd + Copy> HeightLimits<R> {
         }
     }
 
-    /// What is left to ask of the others once it is known by how much one building is higher; `None` if that is too much.
+    /// Returns the limits of the other buildings for a known error `by` of one building; `None` if
+    /// that error blocks the link.
     pub(crate) fn with_error_of(mut self, building: u32, by: R) -> Option<HeightLimits<R>> {
         if self.crossed.iter().any(|(of, room)| *of == building && by > *room) {
             return None;
@@ -66,8 +74,9 @@ impl<R: PartialOrd + Copy> HeightLimits<R> {
         Some(left)
     }
 
-    /// The probability that the link is clear, if heights of buildings are independent: `probability(building, room)` is that of a building to be no
-    /// more than this higher \[1/1024 m\].
+    /// Returns the probability that the link is clear, if heights of buildings are independent.
+    /// `probability(building, room)` is the probability that a building's error is at most `room`
+    /// \[1/1024 m\].
     ///
     /// Cost: linear in the buildings crossed; quadratic in walls that have buildings in common.
     pub fn probability(&self, probability: &impl Fn(u32, R) -> f64) -> f64 {
@@ -85,7 +94,7 @@ impl<R: PartialOrd + Copy> HeightLimits<R> {
     }
 }
 
-/// Errors of a building: above one, up to another.
+/// Errors of a building: above `over`, up to `up_to`.
 #[derive(Debug, Clone, Copy)]
 struct Span<R> {
     building: u32,
@@ -129,13 +138,14 @@ fn span_of<R>(spans: &mut [Span<R>], building: u32) -> &mut Span<R> {
     &mut spans[at.expect("all buildings of walls have a span")]
 }
 
-/// The probability that errors are within their spans, and that of each wall one side is low enough.
+/// Returns the probability that errors are within their spans, and that of each wall one side is
+/// low enough.
 fn probability_of<R: PartialOrd + Copy>(
     mut spans: Vec<Span<R>>,
     mut walls: Vec<Wall<R>>,
     probability: &impl Fn(u32, R) -> f64,
 ) -> f64 {
-    // What spans say of walls, and the other way round, until neither has news.
+    // Spans settle walls, and settled walls narrow spans, until nothing changes.
     loop {
         let n = walls.len();
         walls.retain(|Wall { buildings: [a, b], rooms: [room_a, room_b] }| {
@@ -158,7 +168,7 @@ fn probability_of<R: PartialOrd + Copy>(
         }
     }
     let Some(first) = walls.first() else { return product(&spans, probability) };
-    // The walls that hang together with the first one, by buildings on both.
+    // The walls connected to the first one through common buildings.
     let mut together = first.buildings.to_vec();
     loop {
         let n = together.len();
@@ -178,7 +188,7 @@ fn probability_of<R: PartialOrd + Copy>(
         spans.into_iter().partition(|span| is_together(span.building));
     let (their_walls, other_walls): (Vec<Wall<R>>, Vec<Wall<R>>) =
         walls.into_iter().partition(|wall| is_together(wall.buildings[0]));
-    // One wall in the middle is told apart by cases, which parts a row of houses in two.
+    // A wall in the middle is split into cases, which divides a row of houses in two.
     let mut left = their_walls;
     let Wall { buildings: [a, b], rooms: [room_a, room_b] } = left.remove(left.len() / 2);
     let case = |change: &dyn Fn(&mut [Span<R>])| {
@@ -199,7 +209,8 @@ fn probability_of<R: PartialOrd + Copy>(
 mod tests {
     use super::*;
 
-    /// Some buildings, each of some heights that are equally likely.
+    /// Returns the probability that the limits are kept, by enumeration of equally likely heights
+    /// of each building.
     fn by_enumeration(limits: &HeightLimits, heights: &[Vec<i64>]) -> f64 {
         let n: usize = heights.iter().map(Vec::len).product();
         let is_clear = |mut k: usize| {
@@ -254,7 +265,8 @@ mod tests {
     fn a_long_row_of_walls_is_told_apart_in_no_time() {
         let mut limits = HeightLimits::default();
         (0..200).for_each(|k| limits.wall([k, k + 1], [5, 5]));
-        // Each building is low or high alike: of rows of 201 those without two high ones side by side, a Fibonacci number.
+        // Each building is low or high alike: of rows of 201 those without two high ones side by
+        // side, a Fibonacci number.
         let found = limits.probability(&|_, limit| if limit >= 5 { 0.5 } else { 0.0 });
         let (mut before, mut now) = (1.0_f64, 1.0_f64);
         for _ in 2..=201 {

@@ -1,8 +1,11 @@
-//! The cells of a raster that a ray crosses from a receiver inside of it, one by one or past whole tiles of them.
+//! The cells of a raster that a ray crosses from a receiver inside it, one by one or past whole
+//! tiles.
 //!
-//! **Tiles.** The highest tops of tiles of 8 × 8 and of 64 × 64 cells are known. Where the highest of a tile cannot matter, the walk
-//! continues beyond it: the two lines across which the ray may leave the tile are at known distances, the nearer one is where it does, and
-//! one division tells how many lines of the other axis it crossed by then. So a link past a city costs its first cells, and some tiles.
+//! **Tiles.** The highest tops of tiles of 8 × 8 and of 64 × 64 cells are known. If a tile's
+//! highest top cannot matter, the walk continues beyond the tile. The two lines across which the
+//! ray may leave it are at known distances, and the ray leaves across the nearer one. One division
+//! gives the number of lines of the other axis crossed by then. So a link past a city costs its
+//! first cells and some tiles.
 
 use std::ops::ControlFlow;
 
@@ -13,7 +16,7 @@ use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
 /// Edge length of a cell on the lattice of a raster scene.
 const CELL: i64 = STEPS_PER_UNIT as i64;
 
-/// The cell that holds a position along an axis, the farther one on an edge.
+/// Returns the cell that holds a position along an axis, on an edge the farther one.
 ///
 /// PERF: cells of raster scenes have 1024 steps, which needs no division.
 #[inline(always)]
@@ -21,14 +24,15 @@ pub(super) fn cell_of(v: i64, cell: i64) -> i64 {
     if cell == CELL { v.div_euclid(CELL) } else { v.div_euclid(cell) }
 }
 
-/// How far a position is into its cell.
+/// Returns the offset of a position within its cell.
 #[inline(always)]
 pub(super) fn into_cell(v: i64, cell: i64) -> i64 {
     if cell == CELL { v.rem_euclid(CELL) } else { v.rem_euclid(cell) }
 }
 
 impl Columns {
-    /// Index of the cell that a ray leaving `from` in direction `(dx, dy)` is in first, if it lies in the raster.
+    /// Returns the index of the first cell of a ray that leaves `from` in direction `(dx, dy)`, if
+    /// it lies in the raster.
     pub(super) fn cell_towards(&self, from: LatticePoint, dx: i64, dy: i64) -> Option<usize> {
         let [width, height] = self.steps();
         let first = |v: i64, d: i64, cell: i64| cell_of(if d < 0 { v - 1 } else { v }, cell);
@@ -36,20 +40,24 @@ impl Columns {
     }
 }
 
-/// A walk over the cells of a raster, from a receiver inside it, along a ray that runs along no grid line.
+/// A walk over the cells of a raster, from a receiver inside it, along a ray that is on no grid
+/// line.
 ///
-/// INVARIANT: `index` is the current cell; `next` are the distances \[lattice steps\] along x and y from the receiver to
-/// the grid lines that the ray may cross next, and `order = (next.0·|dy|, next.1·|dx|)` tells which it crosses first; along an
-/// axis that of the other is the largest number.
+/// INVARIANT: `index` is the current cell. `next` are the distances \[lattice steps\] along x and y
+/// from the receiver to the grid lines that the ray may cross next. The lower one of
+/// `order = (next.0·|dy|, next.1·|dx|)` is crossed first. For a ray along an axis, the order of the
+/// other axis is `i64::MAX`.
 ///
-/// PERF: the same cells as [`CellWalk`] at a third of its cost, because nothing is multiplied or range checked per step.
+/// PERF: the same cells as [`CellWalk`](super::cell_walk::CellWalk) at a third of its cost, because
+/// nothing is multiplied or range checked per step.
 pub(super) struct InnerWalk {
     pub(super) index: usize,
     next: (i64, i64),
     order: (i64, i64),
     growth: (i64, i64),
     pub(super) length: (i64, i64),
-    /// How far along each axis a crossing still counts: short of the UAV, and inside the raster.
+    /// Distance along each axis up to which a crossing counts: short of the UAV, and inside the
+    /// raster.
     pub(super) reach: (i64, i64),
     stride: (isize, isize),
     /// Width and height of a cell.
@@ -57,7 +65,7 @@ pub(super) struct InnerWalk {
 }
 
 impl InnerWalk {
-    /// A walk that starts in cell `own`, the receiver's.
+    /// Starts a walk in cell `own`, the receiver's.
     pub(super) fn new(columns: &Columns, own: usize, uav: LatticePoint, receiver: LatticePoint) -> Self {
         let (dx, dy) = (uav.x - receiver.x, uav.y - receiver.y);
         let length = (dx.abs(), dy.abs());
@@ -72,7 +80,7 @@ impl InnerWalk {
             _ => FAR,
         };
         let next = (to_line(receiver.x, dx, cell[0]), to_line(receiver.y, dy, cell[1]));
-        // Along an axis the lines of the other are never met.
+        // A ray along an axis never meets the lines of the other axis.
         let (order, growth) = match length {
             (0, _) => ((i64::MAX, next.1), (0, cell[1])),
             (_, 0) => ((next.0, i64::MAX), (cell[0], 0)),
@@ -92,7 +100,8 @@ impl InnerWalk {
         }
     }
 
-    /// Steps into the next cell and returns where its border was crossed; `None` once no crossing counts any more.
+    /// Steps into the next cell and returns the crossing of its border; `None` once no crossing
+    /// counts any more.
     #[inline(always)]
     pub(super) fn step(&mut self) -> Option<Crossing> {
         let by_x = self.order.0 <= self.order.1;
@@ -118,7 +127,7 @@ impl InnerWalk {
         Some(Crossing { n, d })
     }
 
-    /// Where the ray leaves the current cell, or its end.
+    /// Returns the crossing at which the ray leaves the current cell, or the ray's end.
     #[inline(always)]
     pub(super) fn exit(&self) -> Crossing {
         let by_x = self.order.0 <= self.order.1;
@@ -127,23 +136,24 @@ impl InnerWalk {
     }
 }
 
-/// How a ray leaves a tile around the current cell.
+/// The exit of a ray from a tile around the current cell.
 #[derive(Clone, Copy)]
 struct Leaving {
     /// The highest top of the tile.
     highest: i32,
-    /// How many lines of constant x, and of constant y, the ray crosses up to the border of the tile on that axis, that one included.
+    /// Number of lines of constant x, and of constant y, that the ray crosses up to the tile's
+    /// border on that axis, border included.
     lines: (i64, i64),
-    /// Whether it leaves across a line of constant x.
+    /// `true` if it leaves across a line of constant x.
     by_x: bool,
-    /// That line as in [`InnerWalk::order`].
+    /// The order of that line, as in [`InnerWalk::order`].
     order: i64,
-    /// Where the ray crosses that.
+    /// The crossing of that line.
     crossing: Crossing,
 }
 
 impl InnerWalk {
-    /// How the ray leaves the tile of 8 × 8 cells around the current one, or of 64 × 64.
+    /// Returns the ray's exit from the tile of 8 × 8 cells around the current one, or of 64 × 64.
     #[inline(always)]
     fn leaving(&self, columns: &Columns, tiles_of_tiles: bool) -> Leaving {
         let (bits, tiles) =
@@ -167,10 +177,11 @@ impl InnerWalk {
         Leaving { highest, lines, by_x, order: if by_x { order.0 } else { order.1 }, crossing: Crossing { n, d } }
     }
 
-    /// Continues beyond a tile; `false` once no crossing counts any more.
+    /// Continues beyond a tile; returns `false` once no crossing counts any more.
     #[inline(always)]
     fn leave(&mut self, leaving: &Leaving) -> bool {
-        // Lines that are crossed no later than the one across which it leaves; at a corner both are at once.
+        // Lines crossed no later than the one across which it leaves; at a corner both are crossed
+        // at once.
         let up_to =
             |order: i64, growth: i64| if order <= leaving.order { (leaving.order - order) / growth + 1 } else { 0 };
         let passed = if leaving.by_x {
@@ -194,9 +205,11 @@ impl InnerWalk {
         true
     }
 
-    /// Visits the cells that follow the receiver's own, each with where the ray enters and leaves it, but for those of tiles that do not
-    /// matter: `matters` is asked with the highest top of a tile and where the ray enters and leaves it, and must say yes if it would for
-    /// any cell within.
+    /// Visits the cells after the receiver's own, each with the ray's entry and exit. Tiles that do
+    /// not matter are skipped.
+    ///
+    /// `matters` gets the highest top of a tile and the ray's entry and exit there. It must return
+    /// `true` if it would for any cell within.
     #[inline(always)]
     pub(super) fn visit(
         mut self,
@@ -219,7 +232,7 @@ impl InnerWalk {
                 }
                 visit(self.index, near, self.exit())?;
             }
-            // Past tiles; a larger one is tested where the ray enters it.
+            // Past tiles; a larger one is tested once, where the ray enters it.
             loop {
                 let is_new = passed >= large.order;
                 if is_new {

@@ -15,32 +15,34 @@ pub fn link_los(field: &HeightField, uav: &Station, receiver: &Station) -> bool 
         && field.columns().is_none_or(|c| columns_los(c, uav.on_columns(), field.seen_on_columns(receiver)))
 }
 
-/// What the solids of a scene ask of a receiver: how high it has to be to be in line of sight.
+/// Least visible heights of a receiver past each solid of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LeastHeights {
     /// Past the prisms.
     pub prisms: LeastHeight,
-    /// Past the columns. Over a curved earth those of footprints are told as the UAV sees them, lower by `columns_drop`.
+    /// Past the columns. Over a curved earth the terrain below footprints is as the UAV sees it,
+    /// lower by `columns_drop`.
     pub columns: LeastHeight,
-    /// \[1/1024 m\]
+    /// Drop of the columns at the receiver \[1/1024 m\].
     pub columns_drop: i32,
-    /// Whether the receiver is in line of sight where it is; exact.
+    /// `true` if the receiver is in line of sight at its own height; exact.
     pub is_los: bool,
 }
 
 impl LeastHeights {
-    /// The least visible height past both \[1/1024 m above the datum\].
+    /// Returns the least visible height past both solids \[1/1024 m above the datum\].
     pub fn height_steps(&self) -> f64 {
         self.prisms.height_steps().max(self.columns_height_steps())
     }
 
-    /// That past the columns \[1/1024 m above the datum\].
+    /// Returns the least visible height past the columns \[1/1024 m above the datum\].
     pub fn columns_height_steps(&self) -> f64 {
         self.columns.height_steps() + f64::from(self.columns_drop)
     }
 }
 
-/// The least visible height of each solid at the receiver's place: the receiver is LoS from the higher one up.
+/// Returns the least visible height past each solid at the receiver's place. The receiver is LoS
+/// from the higher one up.
 pub fn link_least_receiver_heights(field: &HeightField, uav: &Station, receiver: &Station) -> LeastHeights {
     let seen_on_columns = field.seen_on_columns(receiver);
     let of_prisms = |p| prisms_least_receiver_height(p, uav.on_prisms(), receiver.on_prisms());
@@ -55,7 +57,8 @@ pub fn link_least_receiver_heights(field: &HeightField, uav: &Station, receiver:
     LeastHeights { prisms, columns, columns_drop, is_los }
 }
 
-/// The least UAV height over its place, not below `floor`, that sees the receiver \[1/1024 m above the datum\].
+/// Returns the least UAV height over its place, not below `floor`, that sees the receiver \[1/1024
+/// m above the datum\].
 pub(crate) fn link_least_height(field: &HeightField, uav: &Station, receiver: &Station, floor: i64) -> f64 {
     let of_prisms = |p| prisms_least_height_above(p, uav.on_prisms(), receiver.on_prisms(), floor).height_steps();
     let of_columns =
@@ -65,8 +68,8 @@ pub(crate) fn link_least_height(field: &HeightField, uav: &Station, receiver: &S
     field.columns().map_or(least, |c| of_columns(c).max(least))
 }
 
-/// The least lattice height of a UAV over its place, not below `floor`, that sees the receiver \[1/1024 m\]; `None` where
-/// no height does. Exact.
+/// Returns the least lattice height of a UAV over its place, not below `floor`, that sees the
+/// receiver \[1/1024 m\]. Returns `None` if no height does. Exact.
 pub(crate) fn link_least_step(field: &HeightField, uav: &Station, receiver: &Station, floor: i64) -> Option<i64> {
     let prisms = |floor| match field.prisms() {
         Some(p) => prisms_least_step(p, uav.on_prisms(), receiver.on_prisms(), floor),

@@ -1,4 +1,4 @@
-//! Which rays over a curved earth have their lowest place between their ends.
+//! Rays over a curved earth whose lowest point is between their ends.
 
 use rayon::prelude::*;
 
@@ -7,15 +7,15 @@ use crate::height_field::CurvedGround;
 use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, set_bits};
 
-/// The wanted cells whose rays on a curved earth neither fall nor rise all the way, but have their lowest place between the ends, if
-/// there are any.
+/// Returns the wanted cells whose rays over a curved earth have their lowest point between the
+/// ends; `None` if there are none. Other rays fall or rise all the way.
 pub(super) fn with_lowest_place_between(
     scene: &ShadowScene<'_>,
     earth: CurvedGround,
     uav: LatticePoint,
     receivers: &GridReceivers<'_>,
 ) -> Option<BitGrid> {
-    // The square of the distance up to which that is so of none, narrowed by more than it can err.
+    // The square of the distance up to which no ray is such, narrowed by more than it can err.
     let reach = |z: i64| {
         #[expect(clippy::cast_precision_loss, reason = "a difference of heights, at most 2^28")]
         let apart = (uav.z - z) as f64;

@@ -1,14 +1,14 @@
-//! The methods that decide maps: what may be asked for, and what a scene calls for.
+//! The methods that decide maps: the user's choice, and the method that a scene calls for.
 
 use std::borrow::Cow;
 
 use super::StepLength;
 use crate::height_field::HeightField;
 
-/// Which engine is asked for.
+/// The engine that the user chooses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MethodChoice {
-    /// The fastest that is exact on the scene.
+    /// The fastest exact engine for the scene.
     #[default]
     Auto,
     /// A ray per receiver.
@@ -25,7 +25,7 @@ pub enum MethodChoice {
     R2,
 }
 
-/// Which engine decides. All but the last three are exact and give the same cells.
+/// The engine that decides. All but the last three are exact and give the same cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     /// A ray per receiver.
@@ -47,7 +47,7 @@ pub enum Method {
 }
 
 impl MethodChoice {
-    /// The engine that it names; `None` for the fastest one.
+    /// Returns the chosen engine; `None` for the fastest one.
     pub fn method(self) -> Option<Method> {
         Some(match self {
             MethodChoice::Auto => return None,
@@ -64,7 +64,7 @@ impl MethodChoice {
 impl std::str::FromStr for MethodChoice {
     type Err = String;
 
-    /// `auto`, `ray`, `sweep`, `shadow`, `step:K` (K in cells), `xdraw` or `r2`.
+    /// Parses `auto`, `ray`, `sweep`, `shadow`, `step:K` (K in cells), `xdraw` or `r2`.
     fn from_str(text: &str) -> Result<Self, String> {
         match text {
             "auto" => return Ok(MethodChoice::Auto),
@@ -86,23 +86,23 @@ impl std::str::FromStr for MethodChoice {
 }
 
 impl std::fmt::Display for Method {
-    /// The word for it in documents.
+    /// Writes the method's name in documents.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.name())
     }
 }
 
-/// Why a method cannot be used on a scene.
+/// The reason why a method cannot be used on a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WrongMethod {
-    /// What the scene lacks.
+    /// The property that the scene lacks.
     pub why: &'static str,
-    /// What to ask for instead.
+    /// A method that decides the scene.
     pub instead: Method,
 }
 
 impl Method {
-    /// The method that a choice comes to on a scene, and why.
+    /// Returns the method for a choice on a scene, and the reason.
     pub fn choose(field: &HeightField, choice: MethodChoice) -> Result<(Method, &'static str), WrongMethod> {
         let auto = match (field.prisms().is_some(), field.columns().is_some()) {
             (true, false) => (Method::Shadow, "footprints on flat ground: shadows of roofs"),
@@ -133,7 +133,7 @@ impl Method {
         }
     }
 
-    /// The word for it in documents.
+    /// Returns the method's name in documents.
     pub fn name(self) -> Cow<'static, str> {
         match self {
             Method::Ray => "ray".into(),
@@ -147,17 +147,17 @@ impl Method {
         }
     }
 
-    /// Whether its answer is that of `ray` for every receiver.
+    /// Returns `true` if its answer is that of `ray` for every receiver.
     pub fn is_exact(self) -> bool {
         !matches!(self, Method::Step(_) | Method::Xdraw | Method::R2)
     }
 
-    /// `exact` or `approximate`, for captions.
+    /// Returns `exact` or `approximate`, for captions.
     pub fn exactness(self) -> &'static str {
         if self.is_exact() { "exact" } else { "approximate" }
     }
 
-    /// Its word with what it is worth, for captions: `sweep (exact)`.
+    /// Returns the name and the exactness, for captions: `sweep (exact)`.
     pub fn in_words(self) -> String {
         format!("{self} ({})", self.exactness())
     }

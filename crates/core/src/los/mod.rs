@@ -1,33 +1,44 @@
-//! Who sees whom: the meaning of line of sight, and the engines that decide it.
+//! Line of sight: its meaning, and the engines that decide it.
 //!
-//! **A link is LoS if and only if the open segment between the UAV and the receiver meets neither the interior of B nor
-//! the interior of T.** B is the closed union of all prisms, T the closed union of all columns. Touching a roof edge, a
-//! wall or a corner is LoS. Solids that share a wall are one solid, blocked up to the lower roof; a ray through the one
-//! point where two cells touch corner to corner passes. In a raster every cell whose closed square contains the receiver
-//! is exempt for that receiver; the UAV's own cell or building blocks like any other, and no prism is ever exempt.
+//! **A link is LoS if and only if the open segment between the UAV and the receiver meets neither
+//! the interior of B nor the interior of T.**
 //!
-//! What this means along one ray. Let h(p) be the height below which the vertical line at p is in the interior of the
-//! solid: the top of the piece or cell around p, on an edge the lower of both sides. Along the ray h is piecewise
-//! constant and drops only at single points, so the link is blocked if and only if some *interval* of the ray has
-//! z < h inside, and since z is linear that is one comparison per interval:
+//! B is the closed union of all prisms, T the closed union of all columns. Touching a roof edge, a
+//! wall or a corner is LoS. Solids that share a wall are one solid, blocked up to the lower roof. A
+//! ray through the one point where two cells touch corner to corner passes. In a raster every cell
+//! whose closed square contains the receiver is exempt for that receiver. The UAV's own cell or
+//! building blocks like any other, and no prism is ever exempt.
+//!
+//! Along one ray: let h(p) be the height below which the vertical line at p is in the interior of
+//! the solid. It is the top of the piece or cell around p, and on an edge the lower top of both
+//! sides. Along the ray h is piecewise constant and drops only at single points. So the link is
+//! blocked if and only if some *interval* of the ray has z < h inside. Since z is linear, that is
+//! one comparison per interval:
 //!
 //! ```text
 //!   blocked  ⇔  h > z at the obstructing point, the end of the interval nearest the lower terminal
 //! ```
 //!
-//! which is eq. 3 of Saboor et al. 2023 (h_LoS = h_U − r_OP (h_U − h_rx) / r_rx, distances from the UAV). Both sides are
-//! compared as products of integers, so there is no epsilon and no rounding in who sees whom.
+//! This is eq. 3 of Saboor et al. 2023 (h_LoS = h_U − r_OP (h_U − h_rx) / r_rx, distances from the
+//! UAV). Both sides are compared as products of integers, so line of sight has no epsilon and no
+//! rounding.
 //!
-//! Seen the other way around, an interval of height h bounds the receiver from below: a receiver at the same place is
-//! LoS only from `z_U + (h − z_U) / s` up, s being the fraction of the way from the UAV to the obstructing point. The
-//! largest of these bounds is the **least visible height** at that place, and the interval that sets it is
-//! the **obstruction** that a user wants named.
+//! Conversely, an interval of height h bounds the receiver from below. A receiver at the same place
+//! is LoS only from `z_U + (h − z_U) / s` up, where s is the fraction of the way from the UAV to
+//! the obstructing point. The largest of these bounds is the **least visible height** at that
+//! place. The interval that sets it is the **obstruction** to be named to the user.
 //!
-//! Three engines decide, and all give the same cells: `ray` visits what one link crosses ([`columns_los`],
-//! [`prisms_los`]) and is the twin to which the others are compared; `shadow` casts the shadows of prisms over a grid
-//! ([`shadow_los`]), or those of a raster that is few rectangles of one height each ([`plateaus_los`]); `sweep` carries bounds over the cells of a raster ([`sweep_los`]). [`GridLos`] takes the one that a
-//! scene calls for. `step`, `xdraw` and `r2` ([`step_los`], [`xdraw_los`], [`r2_los`]) are approximations, built to be compared
-//! with and never taken unless asked for.
+//! Three exact engines give the same cells:
+//!
+//! * `ray` visits the solids that one link crosses ([`columns_los`], [`prisms_los`]). It is the
+//!   plain twin with which the fast engines are compared.
+//! * `shadow` casts the shadows of prisms over a grid ([`shadow_los`]). It also takes a raster made
+//!   of few rectangles of one height each ([`plateaus_los`]).
+//! * `sweep` carries bounds over the cells of a raster ([`sweep_los`]).
+//!
+//! [`GridLos`] runs the engine that [`Method::choose`] picks for a scene. The approximations
+//! `step`, `xdraw` and `r2` ([`step_los`], [`xdraw_los`], [`r2_los`]) exist for comparison and run
+//! only on request.
 
 mod approximate;
 mod cell_walk;

@@ -7,17 +7,19 @@ use crate::quantity::{BLOCKS_ALL, LatticePoint};
 use super::cell_walk::Crossing;
 use super::sag::Sag;
 
-/// The number of the obstacle that flat ground is, where the earth is curved.
+/// The obstacle number of flat ground over a curved earth.
 pub const HORIZON: usize = usize::MAX;
 
-/// Makes a bound computed in doubles, negative as seen from the UAV, too high rather than too low: a few roundings of
-/// 2^-53 each, on both sides of a comparison, are far below 1e-12.
+/// Factor that makes a bound computed in doubles, negative as seen from the UAV, too high rather
+/// than too low.
+///
+/// The few roundings of 2^-53 each, on both sides of a comparison, are far below 1e-12.
 pub(super) const BOUND_MARGIN: f64 = 1.0 - 1e-12;
 
 /// The least receiver height at a place from which the link is LoS.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LeastHeight {
-    /// Nothing stands in the way at any height.
+    /// Nothing is in the way at any height.
     Clear,
     /// The receiver must be at least this high; the obstruction sets the bound.
     At(Obstruction),
@@ -30,26 +32,28 @@ pub struct Obstruction {
     pub obstacle: usize,
     /// Top of the obstacle \[1/1024 m above the datum\].
     pub top: i32,
-    /// Where the interval begins, as a fraction of the way from the receiver to the UAV.
+    /// Start of the interval, as a fraction of the way from the receiver to the UAV.
     pub near: f64,
-    /// Where the interval ends, as a fraction of the way from the receiver to the UAV.
+    /// End of the interval, as a fraction of the way from the receiver to the UAV.
     pub far: f64,
     bound: Bound,
 }
 
-/// The bound that an interval puts on the receiver's height: `z_U + num/den + rise`, or no height at all.
+/// The bound of an interval on the receiver's height: `z_U + num/den + rise`, or no height at all.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Bound {
     uav_z: i64,
     num: i128,
     /// Positive; 0 means that no receiver height is enough.
     den: i128,
-    /// What the curve of the earth adds, rounded; 0 over a flat one, where bounds are exact.
+    /// Rounded part of the bound: the rise for a curved earth, or the whole bound of sloped roofs
+    /// along a wall; 0 if the bound is exact.
     rise: f64,
 }
 
 impl LeastHeight {
-    /// The least visible height \[1/1024 m above the datum\]: −∞ where clear, +∞ where no height is enough.
+    /// Returns the least visible height \[1/1024 m above the datum\]: −∞ if clear, +∞ if no height
+    /// is enough.
     pub fn height_steps(&self) -> f64 {
         match self {
             LeastHeight::Clear => f64::NEG_INFINITY,
@@ -57,7 +61,8 @@ impl LeastHeight {
         }
     }
 
-    /// Whether a receiver at height `z` \[1/1024 m\] is at or above the least visible height; exact over a flat earth.
+    /// Returns `true` if a receiver at height `z` \[1/1024 m\] is at or above the least visible
+    /// height. Exact over a flat earth with flat roofs.
     pub fn is_met_by(&self, z: i64) -> bool {
         match self {
             LeastHeight::Clear => true,
@@ -65,22 +70,25 @@ impl LeastHeight {
         }
     }
 
-    /// The lowest lattice height \[1/1024 m above the datum\] at or above the least visible height; exact. The lowest `i64` where clear,
-    /// `None` where no height is enough. Over a flat earth alone.
+    /// Returns the lowest lattice height \[1/1024 m above the datum\] at or above the least visible
+    /// height; exact. It is the lowest `i64` if clear, and `None` if no height is enough. Valid
+    /// over a flat earth with flat roofs only.
     pub fn lowest_step(&self) -> Option<i64> {
         match self {
             LeastHeight::Clear => Some(i64::MIN),
             LeastHeight::At(o) if o.bound.den == 0 => None,
             LeastHeight::At(o) => {
                 let Bound { uav_z, num, den, .. } = o.bound;
-                // Rounded up; heights are below 2^28, so what is cut off here is out of reach of every height.
+                // Rounded up; heights are below 2^28, so clamped values are out of reach of every
+                // height.
                 let above = (-(-num).div_euclid(den)).clamp(-(1 << 40), 1 << 40);
                 i64::try_from(above).ok().map(|above| uav_z + above)
             }
         }
     }
 
-    /// The least visible height above the UAV \[1/1024 m\], usually negative: −∞ where clear, +∞ where no height is enough.
+    /// Returns the least visible height above the UAV \[1/1024 m\], usually negative: −∞ if clear,
+    /// +∞ if no height is enough.
     pub(super) fn above_uav(&self) -> f64 {
         match self {
             LeastHeight::Clear => f64::NEG_INFINITY,
@@ -88,7 +96,8 @@ impl LeastHeight {
         }
     }
 
-    /// Raises the least visible height to what `other` demands, keeping the present obstruction on a tie.
+    /// Raises the least visible height to the bound of `other`. On a tie the obstruction nearer to
+    /// the receiver stays.
     pub(super) fn raise(&mut self, other: Obstruction) {
         let higher = match self {
             LeastHeight::Clear => true,
@@ -105,14 +114,14 @@ impl LeastHeight {
 }
 
 impl Obstruction {
-    /// An interval of the ray from `near` to `far` over an obstacle with the given top.
+    /// Makes an interval of the ray from `near` to `far` over an obstacle with the given top.
     ///
-    /// Both crossings are measured from the UAV: `near` is the end towards the receiver, `0 < near ≤ 1`, and `far` the
-    /// end towards the UAV, `0 ≤ far < near`.
+    /// Both crossings are measured from the UAV. `near` is the end towards the receiver,
+    /// `0 < near ≤ 1`. `far` is the end towards the UAV, `0 ≤ far < near`.
     pub(super) fn new(obstacle: usize, top: i32, uav: LatticePoint, near: Crossing, far: Crossing) -> Self {
         let excess = i64::from(top) - uav.z;
-        // A roof below the UAV hides the cone behind its far edge (the one towards the receiver); a roof above the UAV
-        // hides everything below the plane through its near edge.
+        // A roof below the UAV hides the cone behind its far edge (the one towards the receiver). A
+        // roof above the UAV hides everything below the plane through its near edge.
         let at = if excess <= 0 { near } else { far };
         // Behind a nodata cell that blocks everything no height is enough.
         let den = if top == BLOCKS_ALL { 0 } else { i128::from(at.n) };
@@ -121,8 +130,9 @@ impl Obstruction {
         Obstruction { obstacle, top, near: from_receiver(near), far: from_receiver(far), bound }
     }
 
-    /// An interval of the ray that asks the receiver to be so much above the UAV: a numerator, and a denominator of 0 where no height is
-    /// enough. Crossings, the one towards the receiver first, are measured from the UAV.
+    /// Makes an interval of the ray that demands a height of `num / den` above the UAV of the
+    /// receiver. A denominator of 0 means that no height is enough. Crossings are measured from the
+    /// UAV, the one towards the receiver first.
     pub(super) fn of_bound(
         obstacle: usize,
         top: i32,
@@ -135,7 +145,7 @@ impl Obstruction {
         Obstruction { obstacle, top, near: from_receiver(near), far: from_receiver(far), bound }
     }
 
-    /// This interval asking for another, rounded height above the UAV where that is more.
+    /// Raises the bound to a rounded height above the UAV, if that is more.
     pub(super) fn or_more(self, above_uav: f64) -> Self {
         if self.bound.above_uav() >= above_uav {
             return self;
@@ -143,8 +153,9 @@ impl Obstruction {
         Obstruction { bound: Bound { num: 0, den: 1, rise: above_uav, ..self.bound }, ..self }
     }
 
-    /// This interval over a link that sags: at the fraction s of the way from the UAV it asks for `(H − z_U)/s + b(1 − s)` above it, which is most
-    /// at an end of the interval, or at `√((z_U − H)/b)` in between.
+    /// Adds the sag of the link to the bound. At the fraction s of the way from the UAV it demands
+    /// `(H − z_U)/s + b(1 − s)` above the UAV. This is largest at an end of the interval, or at
+    /// `√((z_U − H)/b)` in between.
     pub(super) fn over_curve(self, uav: LatticePoint, sag: Sag) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "a difference of heights, at most 2^28")]
         let excess = (i64::from(self.top) - uav.z) as f64;
@@ -163,7 +174,8 @@ impl Obstruction {
         Obstruction { bound: Bound { rise, ..self.bound }, ..self }
     }
 
-    /// The flat ground of a curved earth in the way of a link, if it is not below it whatever the height of the end is.
+    /// Returns the flat ground of a curved earth as an obstruction of a link; `None` if it is below
+    /// the link for every height of the end.
     pub(super) fn of_horizon(ground: i32, uav: LatticePoint, sag: Sag) -> Option<Self> {
         #[expect(clippy::cast_precision_loss, reason = "a difference of heights, at most 2^28")]
         let below = (uav.z - i64::from(ground)) as f64;
@@ -176,10 +188,12 @@ impl Obstruction {
     }
 }
 
-/// Whether an interval surely binds less than a height that is `above_uav`, by two products of doubles; `false` where
-/// rounding leaves a doubt. Crossings are measured as in [`Obstruction::new`].
+/// Returns `true` if an interval surely binds less than a height `above_uav`, by two products of
+/// doubles. Returns `false` if rounding leaves a doubt. Crossings are measured as in
+/// [`Obstruction::new`].
 ///
-/// PERF: over columns nearly every cell is ruled out here; the exact bound costs twenty times as much.
+/// PERF: over columns nearly every cell is ruled out here; the exact bound costs twenty times as
+/// much.
 #[inline]
 pub(super) fn surely_binds_less(top: i32, uav_z: i64, near: Crossing, far: Crossing, above_uav: f64) -> bool {
     let excess = i64::from(top) - uav_z;
@@ -214,7 +228,7 @@ impl Bound {
         }
     }
 
-    /// Exact order of two bounds from the same UAV.
+    /// Orders two bounds from the same UAV exactly.
     fn compare(&self, other: &Bound) -> Ordering {
         debug_assert_eq!(self.uav_z, other.uav_z);
         match (self.den == 0, other.den == 0) {
@@ -238,7 +252,8 @@ fn ratio(num: i128, den: i128) -> f64 {
     num as f64 / den as f64
 }
 
-/// Exact order of `a.0/a.1` and `b.0/b.1` for positive denominators, by continued fractions: no product overflows.
+/// Orders `a.0/a.1` and `b.0/b.1` exactly, for positive denominators, by continued fractions: no
+/// product overflows.
 pub(super) fn compare_ratios(mut a: (i128, i128), mut b: (i128, i128)) -> Ordering {
     loop {
         let (qa, qb) = (a.0.div_euclid(a.1), b.0.div_euclid(b.1));

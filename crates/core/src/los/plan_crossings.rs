@@ -1,21 +1,25 @@
-//! A link in the plane: which pieces it meets and where, for any height of its receiver.
+//! A link in the plane: the pieces that it meets and its intervals over them, for any height of its
+//! receiver.
 //!
-//! The receiver may stand on a roof and rise with it. With b the rise, the ray at the fraction t of the way from the UAV is at
-//! `h_U + t·(h_R + b − h_U)`, less its sag over a curved earth. A building whose top there is H may be higher by
+//! The receiver may stand on a roof and rise with it. With b the rise, the ray at the fraction t of
+//! the way from the UAV is at `h_U + t·(h_R + b − h_U)`, less its sag over a curved earth. A
+//! building whose top there is H may be higher by
 //!
 //! ```text
 //!   room(b) = min over t of  h_U − H(t) + t·(h_R + b − h_U) − sag(t)
 //! ```
 //!
-//! which rises with b, by t for each unit. The building below the receiver rises by b, too. With U and D the heights of UAV and receiver above
-//! its roof, or above the plane of it, it leaves the link clear as long as
+//! This rises with b, by t for each unit. The building below the receiver rises by b, too. Let U
+//! and D be the heights of UAV and receiver above its roof, or above the roof's plane. It leaves
+//! the link clear as long as
 //!
 //! ```text
 //!   b ≤ min over t of  U + D·t/(1 − t) − sag(t)/(1 − t)
 //! ```
 //!
-//! Ground does not move, and hides a receiver that is too low. So with other buildings as they are a link is clear for one interval of b, but
-//! for walls that a building shares with the one below the receiver.
+//! Ground does not move, and hides a receiver that is too low. So with other buildings unchanged a
+//! link is clear for one interval of b. The exception is a wall that a building shares with the one
+//! below the receiver.
 
 use super::cell_walk::Crossing;
 use super::columns_ray::columns_los;
@@ -31,19 +35,20 @@ use crate::quantity::LatticePoint;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MetPiece {
     pub(super) building: u32,
-    /// Its highest place \[1/1024 m above the datum\].
+    /// Its highest point \[1/1024 m above the datum\].
     pub(super) top: i32,
-    /// Of a sloped roof.
+    /// The plane of a sloped roof.
     pub(super) plane: Option<RoofPlane>,
     pub(super) interval: Interval,
 }
 
-/// A link between a UAV and a receiver that may be higher or lower than is known, and what it meets in the plane.
+/// A link between a UAV and a receiver that may be higher or lower than known, and the pieces that
+/// it meets in the plane.
 #[derive(Debug)]
 pub struct PlanCrossings<'a> {
     field: &'a HeightField,
     uav: Station,
-    /// Where it is known to be.
+    /// The known position of the receiver.
     receiver: Station,
     pieces: Vec<MetPiece>,
     /// Pairs of pieces that share a wall along the link.
@@ -51,9 +56,11 @@ pub struct PlanCrossings<'a> {
 }
 
 impl<'a> PlanCrossings<'a> {
-    /// What a link meets, as long as its receiver is no lower than by `fall` and no building higher than by `reach` \[1/1024 m\].
+    /// Finds the pieces that a link meets, if its receiver is lower by at most `fall` and buildings
+    /// are higher by at most `reach` \[1/1024 m\].
     ///
-    /// Cost: the pieces listed by the buckets along the lowest link in which the ray is below the highest top with `reach` on it.
+    /// Cost: the pieces listed by the buckets along the lowest link in which the ray is below the
+    /// highest top plus `reach`.
     pub fn new(field: &'a HeightField, uav: &Station, receiver: &Station, fall: i32, reach: i32) -> Self {
         let lowest = Station { z: receiver.z - i64::from(fall), ..*receiver };
         let met = |prisms| prisms_met(prisms, uav.on_prisms(), lowest.on_prisms(), reach);
@@ -61,20 +68,22 @@ impl<'a> PlanCrossings<'a> {
         PlanCrossings { field, uav: *uav, receiver: *receiver, pieces, walls }
     }
 
-    /// How far each building may rise if the receiver is `by` higher, in whole steps, rounded down; exact. `None` if terrain, or the ground of a
-    /// curved earth, blocks the link.
+    /// Returns how far each building may rise if the receiver is `by` higher, in whole steps,
+    /// rounded down; exact. Returns `None` if terrain, or the ground of a curved earth, blocks the
+    /// link.
     pub fn limits(&self, by: i64) -> Option<HeightLimits> {
-        // Between ends that coincide nothing is in the way.
+        // Nothing is between ends that coincide.
         if self.coincides_at() == Some(by) { Some(HeightLimits::default()) } else { self.limits_around(by) }
     }
 
-    /// The rise of the receiver that brings it to the very place of the UAV, if any does.
+    /// Returns the rise of the receiver that brings it to the very place of the UAV, if any does.
     pub fn coincides_at(&self) -> Option<i64> {
         let (uav, receiver) = (self.uav.on_prisms(), self.receiver.on_prisms());
         ((uav.x, uav.y) == (receiver.x, receiver.y)).then_some(uav.z - receiver.z)
     }
 
-    /// As [`PlanCrossings::limits`], where the receiver is at the place of the UAV as if it were a little higher or lower.
+    /// Returns [`PlanCrossings::limits`], but treats a receiver at the place of the UAV as if it
+    /// were a little higher or lower.
     pub(crate) fn limits_around(&self, by: i64) -> Option<HeightLimits> {
         let mut limits = HeightLimits::default();
         let Some(prisms) = self.field.prisms() else { return self.is_clear_of_ground(by).then_some(limits) };
@@ -89,8 +98,8 @@ impl<'a> PlanCrossings<'a> {
         Some(limits)
     }
 
-    /// How far each of some buildings may rise if the receiver is `by` higher, in reals; along walls with a sloped roof in whole steps. The ground
-    /// is left out.
+    /// Returns how far each of some buildings may rise if the receiver is `by` higher, in reals;
+    /// along walls with a sloped roof in whole steps. The ground is left out.
     pub fn rooms(&self, by: f64, of: impl Fn(u32) -> bool) -> HeightLimits<f64> {
         let mut limits = HeightLimits::default();
         let Some(prisms) = self.field.prisms() else { return limits };
@@ -101,7 +110,8 @@ impl<'a> PlanCrossings<'a> {
         for wall in self.walls.iter().filter(|wall| wall.iter().any(|piece| of(piece.building))) {
             let is_sloped = wall.iter().any(|piece| piece.plane.is_some());
             let rooms = if is_sloped {
-                // The largest rises in whole steps; the largest of all are somewhere in the step above.
+                // The largest rises in whole steps; the largest real ones are somewhere in the step
+                // above.
                 rooms_along(wall, &self.ray(prisms, rounded(by))).map(|room| as_f64(room) + 0.5)
             } else {
                 [0, 1].map(|k| self.form(&wall[k]).room(sag, by))
@@ -111,7 +121,8 @@ impl<'a> PlanCrossings<'a> {
         limits
     }
 
-    /// Whether terrain, and the ground of a curved earth, leave the link clear if the receiver is `by` higher. A higher one is no less clear.
+    /// Returns `true` if terrain, and the ground of a curved earth, leave the link clear with the
+    /// receiver `by` higher. A higher receiver is no less clear.
     pub fn is_clear_of_ground(&self, by: i64) -> bool {
         let receiver = Station { z: self.receiver.z + by, ..self.receiver };
         let columns = self.field.columns();
@@ -119,8 +130,8 @@ impl<'a> PlanCrossings<'a> {
             && self.field.prisms().is_none_or(|prisms| !self.ray(prisms, by).is_below_horizon(prisms))
     }
 
-    /// The largest rise of a building together with the receiver on it, so that it leaves the link clear, walls that it shares with others aside;
-    /// −∞ for none.
+    /// Returns the largest common rise of a building and the receiver on it that leaves the link
+    /// clear; −∞ for none. Walls that the building shares with others are left out.
     pub fn most_on_roof(&self, building: u32) -> f64 {
         let own = self.pieces.iter().filter(|piece| piece.building == building);
         let alone = own.map(|piece| self.form(piece).most_with_receiver(self.sag()));
@@ -132,8 +143,11 @@ impl<'a> PlanCrossings<'a> {
         alone.chain(along).fold(f64::INFINITY, f64::min)
     }
 
-    /// Rises of the receiver at which the room of a building of those wanted, or what hides it, changes from one straight line to
-    /// another: where another piece, or the other end of it, comes to be nearest to the ray. Sag is left out.
+    /// Returns the rises of the receiver at which the room of a wanted building changes from one
+    /// straight line to another.
+    ///
+    /// There, another piece or its other end becomes nearest to the ray. The rises at which a
+    /// building starts or stops hiding another along a wall are included. Sag is left out.
     pub fn kinks(&self, (from, to): (f64, f64), of: impl Fn(u32) -> bool) -> Vec<f64> {
         let mut lines: Vec<(u32, [f64; 2])> = Vec::new();
         for piece in self.pieces.iter().chain(self.walls.iter().flatten()).filter(|piece| of(piece.building)) {
@@ -148,7 +162,7 @@ impl<'a> PlanCrossings<'a> {
                 at = kink;
             }
         }
-        // Along walls a building is in the way or not, as it is itself.
+        // Along walls, whether a building is in the way depends on its own height.
         let own_walls = self.walls.iter().filter(|wall| wall[0].building != wall[1].building).flatten();
         kinks.extend(own_walls.map(|piece| self.form(piece).most_with_receiver(self.sag())));
         kinks.retain(|kink| *kink > from && *kink < to);
@@ -162,7 +176,7 @@ impl<'a> PlanCrossings<'a> {
         Ray { sag, ..Ray::new(uav, receiver) }
     }
 
-    /// The b of [`Sag`] \[1/1024 m\].
+    /// Returns the b of [`Sag`] \[1/1024 m\].
     fn sag(&self) -> f64 {
         let Some(prisms) = self.field.prisms() else { return 0.0 };
         self.ray(prisms, 0).sag.map_or(0.0, |sag| sag.scale())
@@ -181,7 +195,7 @@ impl<'a> PlanCrossings<'a> {
 }
 
 impl MetPiece {
-    /// How far it may rise before it blocks a ray, in whole steps, rounded down.
+    /// Returns how far it may rise before it blocks a ray, in whole steps, rounded down.
     fn room(&self, ray: &Ray) -> i64 {
         match &self.plane {
             None => ray.highest_clear(&self.interval) - i64::from(self.top),
@@ -190,7 +204,8 @@ impl MetPiece {
     }
 }
 
-/// How far each of two pieces along a wall may rise so that the wall leaves a ray clear, in whole steps.
+/// Returns how far each of two pieces along a wall may rise so that the wall leaves a ray clear, in
+/// whole steps.
 fn rooms_along(wall: &[MetPiece; 2], ray: &Ray) -> [i64; 2] {
     if wall.iter().all(|piece| piece.plane.is_none()) {
         return [0, 1].map(|k| wall[k].room(ray));
@@ -205,9 +220,9 @@ fn rooms_along(wall: &[MetPiece; 2], ray: &Ray) -> [i64; 2] {
 /// The line from UAV to receiver over the plane of a roof, in doubles \[1/1024 m\].
 #[derive(Debug, Clone, Copy)]
 struct Form {
-    /// How far the UAV is above the plane.
+    /// Height of the UAV above the plane.
     uav: f64,
-    /// How far the receiver is above it, where it is known to be.
+    /// Height of the receiver above the plane, at its known position.
     receiver: f64,
     /// Fractions of the way from the UAV between which the roof is below the line.
     far: f64,
@@ -215,7 +230,7 @@ struct Form {
 }
 
 impl Form {
-    /// How far the roof may rise if the receiver does by so much.
+    /// Returns how far the roof may rise if the receiver rises by `by`.
     fn room(&self, sag: f64, by: f64) -> f64 {
         let receiver = self.receiver + by;
         let at = |t: f64| self.uav * (1.0 - t) + receiver * t - sag * t * (1.0 - t);
@@ -227,7 +242,7 @@ impl Form {
         if lowest > self.far && lowest < self.near { ends.min(at(lowest)) } else { ends }
     }
 
-    /// How far roof and receiver together may rise.
+    /// Returns how far roof and receiver together may rise.
     fn most_with_receiver(&self, sag: f64) -> f64 {
         // At the receiver both rise alike.
         let at = |t: f64| match 1.0 - t {
@@ -244,16 +259,17 @@ impl Form {
         if lowest > self.far && lowest < self.near { ends.min(at(lowest)) } else { ends }
     }
 
-    /// Its room at each end, as value without a rise and as growth with it.
+    /// Returns the room at each end, as its value without a rise and its growth with the rise.
     fn lines(&self) -> [[f64; 2]; 2] {
         [self.far, self.near].map(|t| [self.uav * (1.0 - t) + self.receiver * t, t])
     }
 }
 
-/// Where the lowest of some straight lines changes first beyond a place.
+/// Returns the first position beyond `from` at which another of some straight lines becomes the
+/// lowest.
 fn next_kink(lines: &[(u32, [f64; 2])], from: f64) -> Option<f64> {
     let value = |line: &[f64; 2]| line[0] + line[1] * from;
-    // The lowest beyond a place: of those that meet there the one that grows least.
+    // The lowest line just beyond `from`: of the lines that meet there, the one that grows least.
     let lowest = lines.iter().map(|(_, line)| line).min_by(|a, b| {
         let apart = value(a) - value(b);
         if apart.abs() < 1e-6 { a[1].total_cmp(&b[1]) } else { apart.total_cmp(&0.0) }

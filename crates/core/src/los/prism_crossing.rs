@@ -1,7 +1,8 @@
-//! How a link meets convex pieces in the plane: in an interval of its way, along an edge, or not at all.
+//! Crossings of a link with convex pieces in the plane: an interval of the way, an edge, or
+//! nothing.
 //!
-//! If the line of the link has vertices of a piece on both sides, it crosses the interior, in one interval. If it runs along an edge, the piece covers
-//! one side of the ray only.
+//! If a piece has vertices on both sides of the link's line, the line crosses its interior in one
+//! interval. If the line runs along an edge, the piece covers one side of the ray only.
 
 use super::cell_walk::Crossing;
 use super::sag::Sag;
@@ -15,7 +16,7 @@ pub(super) struct Ray {
     pub(super) dy: i64,
     /// Rise from the UAV to the receiver.
     pub(super) dz: i64,
-    /// Over a curved earth.
+    /// The sag over a curved earth; `None` over a flat one.
     pub(super) sag: Option<Sag>,
 }
 
@@ -28,7 +29,7 @@ pub(super) struct Interval {
     pub(super) near: Crossing,
 }
 
-/// A piece of which the ray runs along an edge.
+/// A piece with an edge along the ray.
 pub(super) struct Edge {
     pub(super) piece: usize,
     pub(super) top: i32,
@@ -53,13 +54,13 @@ impl Ray {
         Ray { uav, receiver, dx: receiver.x - uav.x, dy: receiver.y - uav.y, dz: receiver.z - uav.z, sag: None }
     }
 
-    /// Twice the signed area of the UAV, the receiver and `v`: positive left of the ray.
+    /// Returns twice the signed area of the UAV, the receiver and `v`: positive left of the ray.
     #[inline]
     fn side(&self, v: [i32; 2]) -> i64 {
         self.dx * (i64::from(v[1]) - self.uav.y) - self.dy * (i64::from(v[0]) - self.uav.x)
     }
 
-    /// How a convex counterclockwise ring meets the open link.
+    /// Returns the crossing of a convex counterclockwise ring with the open link.
     #[inline]
     pub(super) fn meet(&self, ring: &[[i32; 2]]) -> Meeting {
         let n = ring.len();
@@ -71,7 +72,8 @@ impl Ray {
             any_left |= side > 0;
             any_right |= side < 0;
             zeros += i32::from(side == 0);
-            // Counterclockwise, the boundary passes from right to left where the ray leaves the piece.
+            // Counterclockwise, the boundary passes from right to left where the ray leaves the
+            // piece.
             if previous <= 0 && side > 0 {
                 leaves = Some((k, previous, side));
             } else if previous >= 0 && side < 0 {
@@ -94,7 +96,8 @@ impl Ray {
         self.clip(first, last).map_or(Meeting::Nothing, |interval| Meeting::Edge(side, interval))
     }
 
-    /// Where the line crosses the edge from `a` to `b`, whose ends are `side_a` and `side_b` from it.
+    /// Returns the crossing of the line with the edge from `a` to `b`, whose ends are `side_a` and
+    /// `side_b` from it.
     #[inline]
     fn crossing(&self, a: [i32; 2], b: [i32; 2], side_a: i64, side_b: i64) -> Crossing {
         let (ex, ey) = (i64::from(b[0]) - i64::from(a[0]), i64::from(b[1]) - i64::from(a[1]));
@@ -103,7 +106,7 @@ impl Ray {
         if d > 0 { Crossing { n, d } } else { Crossing { n: -n, d: -d } }
     }
 
-    /// The parameter of a vertex that lies on the line, over the longer component of the link.
+    /// Returns the parameter of a vertex on the line, over the longer component of the link.
     fn along(&self, v: [i32; 2]) -> Crossing {
         let (n, d) = if self.dx.abs() >= self.dy.abs() {
             (i64::from(v[0]) - self.uav.x, self.dx)
@@ -113,7 +116,7 @@ impl Ray {
         if d > 0 { Crossing { n, d } } else { Crossing { n: -n, d: -d } }
     }
 
-    /// The part of an interval of the line that lies on the open link, if it has length.
+    /// Returns the part of an interval of the line that lies on the open link, if it has length.
     #[inline]
     fn clip(&self, far: Crossing, near: Crossing) -> Option<Interval> {
         if near.n <= 0 || far.n >= far.d {
@@ -125,7 +128,8 @@ impl Ray {
     }
 }
 
-/// The pairs of opposite edges along the ray that overlap in an interval with length: shared walls.
+/// Returns the pairs of opposite edges along the ray that overlap in an interval with length:
+/// shared walls.
 pub(super) fn walls_along(edges: &[Edge]) -> impl Iterator<Item = (&Edge, &Edge, Interval)> {
     let less = |a: Crossing, b: Crossing| i128::from(a.n) * i128::from(b.d) < i128::from(b.n) * i128::from(a.d);
     let pairs = edges.iter().enumerate().flat_map(|(i, a)| edges[i + 1..].iter().map(move |b| (a, b)));
@@ -136,7 +140,7 @@ pub(super) fn walls_along(edges: &[Edge]) -> impl Iterator<Item = (&Edge, &Edge,
     })
 }
 
-/// The way left.
+/// Returns the remaining fraction of the way.
 pub(super) fn rest(c: Crossing) -> Crossing {
     Crossing { n: c.d - c.n, d: c.d }
 }

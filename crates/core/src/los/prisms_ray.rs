@@ -1,11 +1,13 @@
-//! `ray` over prisms: finds the footprint pieces that the link crosses, bucket by bucket from the receiver up.
+//! `ray` over prisms: finds the footprint pieces that the link crosses, bucket by bucket from the
+//! receiver up.
 //!
-//! Crossings of the interior ([`super::prism_crossing`]) are tested at once. Where the ray runs along an edge, it is inside the solid if pieces cover both
-//! sides (a shared wall, or the diagonal of a triangulated roof), up to the lower top: the rare edges are kept and paired at the end.
+//! Crossings of the interior ([`super::prism_crossing`]) are tested at once. A ray along an edge is
+//! inside the solid up to the lower top if pieces cover both sides: a shared wall, or the diagonal
+//! of a triangulated roof. These rare edges are collected and paired at the end.
 //!
 //! Over a sloped roof the ray comes nearest to the plane at an end of the interval ([`Slope`]).
 //!
-//! Over a curved earth the link sags ([`Sag`]), and flat ground stands in the way like a roof without an end.
+//! Over a curved earth the link sags ([`Sag`]), and flat ground blocks like a roof without an end.
 
 use std::cell::Cell;
 use std::ops::ControlFlow;
@@ -21,9 +23,9 @@ use crate::quantity::LatticePoint;
 
 /// Decides whether the link between `uav` and `receiver` is clear of the interior of B.
 ///
-/// Cost: the pieces listed by the buckets along the link in which the ray is below the highest top. Positions may
-/// differ by at most 2^27 lattice steps along each axis (not checked); orientations then fit in i64, heights against
-/// slanted edges in i128.
+/// Cost: the pieces listed by the buckets along the link in which the ray is below the highest top.
+/// Positions may differ by at most 2^27 lattice steps along each axis (not checked). Orientations
+/// then fit in i64, heights against slanted edges in i128.
 pub fn prisms_los(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) -> bool {
     let sag = Sag::new(prisms.earth(), receiver.x - uav.x, receiver.y - uav.y);
     let lower = uav.z.min(receiver.z) - sag.map_or(0, |sag| sag.most());
@@ -35,7 +37,7 @@ pub fn prisms_los(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) ->
         return true;
     }
     if uav.x == receiver.x && uav.y == receiver.y {
-        // Between coinciding ends the open segment is empty.
+        // If the ends coincide, the open segment is empty.
         return uav.z == receiver.z || i64::from(prisms.solid_below(uav.x, uav.y)) <= lower;
     }
     let mut edges: Vec<Edge> = Vec::new();
@@ -64,26 +66,27 @@ pub fn prisms_los(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) ->
     crossed.is_continue() && !walls_along(&edges).any(is_wall_blocked)
 }
 
-/// The least height of a receiver at `receiver`'s position from which the link to `uav` is LoS, and the piece that sets
-/// it. The receiver's own height plays no part.
+/// Returns the least height of a receiver at `receiver`'s position from which the link to `uav` is
+/// LoS, with the piece that sets it. The receiver's own height plays no part.
 pub fn prisms_least_receiver_height(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) -> LeastHeight {
-    // The farther from the UAV, the more an obstacle below it binds, so the walk begins at the receiver.
+    // An obstacle below the UAV binds more the farther it is from the UAV, so the walk begins at
+    // the receiver.
     bound_from(prisms, uav, receiver, Walk::TowardsPivot, None)
 }
 
-/// The least height of a UAV at `uav`'s position from which the link to `receiver` is LoS: the steepest slope seen from
-/// the receiver. The UAV's own height plays no part.
+/// Returns the least height of a UAV at `uav`'s position from which the link to `receiver` is LoS:
+/// the steepest slope seen from the receiver. The UAV's own height plays no part.
 pub fn prisms_least_height(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) -> LeastHeight {
-    // No prism is exempt, so a link and its reverse are obstructed alike; the nearer to the receiver, the more an
-    // obstacle above it binds.
+    // No prism is exempt, so a link and its reverse are obstructed alike. An obstacle above the
+    // receiver binds more the nearer it is to the receiver.
     bound_from(prisms, receiver, uav, Walk::AwayFromPivot, None)
 }
 
-/// The least lattice height of a UAV at `uav`'s position, not below `floor`, from which the link to `receiver` is LoS;
-/// `None` where no height is enough. Exact.
+/// Returns the least lattice height of a UAV at `uav`'s position, not below `floor`, from which the
+/// link to `receiver` is LoS. Returns `None` if no height is enough. Exact.
 pub fn prisms_least_step(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint, floor: i64) -> Option<i64> {
     if prisms.earth().is_some() || prisms.are_sloped() {
-        // Heights are rounded there; `ray` says which step is the first.
+        // Heights are rounded there, so `ray` decides which step is the first.
         let sees = |z: i64| prisms_los(prisms, LatticePoint { z, ..uav }, receiver);
         #[expect(clippy::cast_possible_truncation, reason = "saturates far beyond all heights")]
         let about = prisms_least_height_above(prisms, uav, receiver, floor).height_steps().clamp(-1e12, 1e12) as i64;
@@ -96,7 +99,8 @@ pub fn prisms_least_step(prisms: &Prisms, uav: LatticePoint, receiver: LatticePo
     prisms_least_height_above(prisms, uav, receiver, floor).lowest_step().map(|z| z.max(floor))
 }
 
-/// Like [`prisms_least_height`], or something no higher than `floor` \[1/1024 m above the datum\], if that is no lower.
+/// Returns [`prisms_least_height`] if it is above `floor` \[1/1024 m above the datum\]; otherwise
+/// some height not above `floor`.
 pub(super) fn prisms_least_height_above(
     prisms: &Prisms,
     uav: LatticePoint,
@@ -106,10 +110,11 @@ pub(super) fn prisms_least_height_above(
     bound_from(prisms, receiver, uav, Walk::AwayFromPivot, Some(floor))
 }
 
-/// The pieces that a link meets in the plane, each alone and along walls, as far as one whose top is `reach` higher than is known
-/// rises above the ray \[1/1024 m\].
+/// Returns the pieces that a link meets in the plane, each alone and in pairs along walls. Pieces
+/// are left out if they stay below the ray even with tops `reach` higher than known \[1/1024 m\].
 ///
-/// Cost: the pieces listed by the buckets along the link in which the ray is below the highest top with that on it.
+/// Cost: the pieces listed by the buckets along the link in which the ray is below the highest top
+/// plus `reach`.
 pub(super) fn prisms_met(
     prisms: &Prisms,
     uav: LatticePoint,
@@ -124,7 +129,7 @@ pub(super) fn prisms_met(
         let all = Interval { far: Crossing { n: 0, d: 1 }, near: Crossing { n: 1, d: 1 } };
         let (inside, sides) = prisms.pieces_around(uav.x, uav.y);
         let mut pieces: Vec<MetPiece> = inside.into_iter().map(|index| met(index, all)).collect();
-        // Walls that meet there block together: where they are more than two, the two lowest are taken for all.
+        // Walls that meet there block together; of more than two sides the two lowest are taken.
         let walls = match sides[..] {
             [] => Vec::new(),
             [side] => {
@@ -137,7 +142,7 @@ pub(super) fn prisms_met(
     }
     let ray = Ray { sag: Sag::new(prisms.earth(), receiver.x - uav.x, receiver.y - uav.y), ..Ray::new(uav, receiver) };
     let (mut pieces, mut edges): (Vec<MetPiece>, Vec<Edge>) = (Vec::new(), Vec::new());
-    // Of the bucket that is visited.
+    // Lowest height of the ray over the current bucket.
     let lowest = Cell::new(0.0);
     let may_reach = |top: i32| f64::from(top) + f64::from(reach) > lowest.get();
     let _ = visit_buckets(
@@ -162,19 +167,21 @@ pub(super) fn prisms_met(
     (pieces, walls)
 }
 
-/// Which way buckets are visited.
+/// The direction in which buckets are visited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Walk {
     TowardsPivot,
     AwayFromPivot,
 }
 
-/// The least height at `end`'s position that is in line of sight of `pivot`, whatever the order of the visits; with a
-/// floor, it may leave out what binds no more than that.
+/// Returns the least height at `end`'s position that is in line of sight of `pivot`. It does not
+/// depend on the order of the visits. With a floor, pieces that bind no more than it may be left
+/// out.
 fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Walk, floor: Option<i64>) -> LeastHeight {
     let mut least = LeastHeight::Clear;
     if pivot.x == end.x && pivot.y == end.y {
-        // Straight below the UAV a receiver sees it unless a roof is between them: from the roof up.
+        // Straight below the UAV a receiver sees it unless a roof is between them, so from the roof
+        // up.
         if let Some((top, piece)) = prisms.solid_at(pivot.x, pivot.y) {
             let here = Crossing { n: 1, d: 1 };
             let far = if i64::from(top) > pivot.z { Crossing { n: 0, d: 1 } } else { here };
@@ -193,7 +200,7 @@ fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Wal
     #[expect(clippy::cast_precision_loss, reason = "a difference of heights, at most 2^28")]
     let floor_above_pivot = floor.map_or(f64::NEG_INFINITY, |floor| (floor - pivot.z) as f64);
     let least_cell = std::cell::Cell::new(floor_above_pivot);
-    // A bucket from `first` to `last` along the walk, told as fractions from the pivot.
+    // A bucket from `first` to `last` along the walk, converted to fractions from the pivot.
     let may_bind = |max_top: i32, first: Crossing, last: Crossing| {
         let (from, to) = match walk {
             Walk::TowardsPivot => (rest(last), rest(first)),
@@ -233,8 +240,8 @@ fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Wal
     least
 }
 
-/// The pieces whose interior the link crosses, with the ends of each crossing as fractions from the receiver, in no
-/// particular order: for drawing.
+/// Returns the pieces whose interior the link crosses, sorted by index, for drawing. The ends of
+/// each crossing are fractions of the way from the receiver.
 pub fn prisms_crossed(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) -> Vec<(usize, f64, f64)> {
     if uav.x == receiver.x && uav.y == receiver.y {
         return Vec::new();
@@ -259,7 +266,8 @@ pub fn prisms_crossed(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint
 }
 
 impl Ray {
-    /// Whether the flat ground of a curved earth is in the way: the ray is below it at its lowest place, between the ends.
+    /// Returns `true` if the flat ground of a curved earth is in the way: the ray is below it at
+    /// its lowest point, between the ends.
     pub(super) fn is_below_horizon(&self, prisms: &Prisms) -> bool {
         let Some((sag, ground)) = self.sag.zip(prisms.earth().and_then(|earth| earth.ground)) else { return false };
         let above = self.uav.z - i64::from(ground);
@@ -267,7 +275,7 @@ impl Ray {
         above.min(above + self.dz) < sag.most() && sag.dips_between(above, self.dz, start, end)
     }
 
-    /// What two pieces along a wall are over this ray, if one of them is sloped.
+    /// Returns the slopes of two pieces along a wall under this ray, if one of them is sloped.
     fn slopes(&self, prisms: &Prisms, (a, b): (&Edge, &Edge)) -> Option<(Slope, Slope)> {
         let plane = |edge: &Edge| prisms.plane(&prisms.pieces()[edge.piece]);
         let slope = |edge: &Edge, plane: Option<RoofPlane>| match plane {
@@ -278,20 +286,21 @@ impl Ray {
         (of_a.is_some() || of_b.is_some()).then(|| (slope(a, of_a), slope(b, of_b)))
     }
 
-    /// What a flat roof over an interval asks of the end of the link that is not the pivot.
+    /// Returns the bound of a flat roof over an interval on the end of the link that is not the
+    /// pivot.
     fn obstruction(&self, piece: usize, top: i32, interval: &Interval) -> Obstruction {
         let straight = Obstruction::new(piece, top, self.uav, interval.near, interval.far);
         self.sag.map_or(straight, |sag| straight.over_curve(self.uav, sag))
     }
 
-    /// Whether that may be more than a height which is so much above the pivot.
+    /// Returns `true` if that bound may exceed a height of `above_uav` over the pivot.
     fn may_bind(&self, top: i32, near: Crossing, far: Crossing, above_uav: f64) -> bool {
         #[expect(clippy::cast_precision_loss, reason = "rounded up by a step")]
         let rise = self.sag.map_or(0.0, |sag| sag.rise_at_end(far.n as f64 / far.d as f64) + 1.0);
         !surely_binds_less(top, self.uav.z, near, far, above_uav - rise)
     }
 
-    /// Whether a piece blocks the ray over an interval.
+    /// Returns `true` if a piece blocks the ray over an interval.
     #[inline]
     fn is_blocked_by(&self, prisms: &Prisms, piece: &Piece, interval: &Interval) -> bool {
         match prisms.plane(piece) {
@@ -300,7 +309,8 @@ impl Ray {
         }
     }
 
-    /// Whether a solid of the given top blocks the ray over an interval: over a flat earth at the end nearest the lower terminal.
+    /// Returns `true` if a solid of the given top blocks the ray over an interval. Over a flat
+    /// earth the end nearest the lower terminal decides.
     #[inline]
     fn is_blocked(&self, top: i32, interval: &Interval) -> bool {
         if let Some(sag) = self.sag {
@@ -308,7 +318,8 @@ impl Ray {
         }
         let at = if self.dz <= 0 { interval.near } else { interval.far };
         let excess = i64::from(top) - self.uav.z;
-        // z = z_U + (n/d)·dz, so blocked ⇔ excess·d > n·dz. The f64 products are off by less than 3·2^-53 relative.
+        // z = z_U + (n/d)·dz, so blocked ⇔ excess·d > n·dz. The f64 products are off by less than
+        // 3·2^-53 relative.
         #[expect(clippy::cast_precision_loss, reason = "filtered: decided in i128 where rounding could matter")]
         let (left, right) = (excess as f64 * at.d as f64, at.n as f64 * self.dz as f64);
         if (left - right).abs() > 1e-15 * (left.abs() + right.abs()) {
@@ -317,7 +328,7 @@ impl Ray {
         i128::from(excess) * i128::from(at.d) > i128::from(at.n) * i128::from(self.dz)
     }
 
-    /// The highest top that does not block the ray over an interval.
+    /// Returns the highest top that does not block the ray over an interval.
     pub(super) fn highest_clear(&self, interval: &Interval) -> i64 {
         let at = if self.dz <= 0 { interval.near } else { interval.far };
         // EXACT: heights are below 2^28, so the quotient is, too.
@@ -325,7 +336,7 @@ impl Ray {
         let straight = self.uav.z + i64::try_from(rise).unwrap_or(0);
         let Some(sag) = self.sag else { return straight };
         let is_blocked = |top: i64| sag.dips(self.uav.z - top, self.dz, interval.far, interval.near);
-        // A link that sags is lower by no more than that.
+        // Sag lowers a link by no more than its maximum.
         let (mut clear, mut blocked) = (straight - sag.most() - 2, straight + 1);
         while blocked - clear > 1 {
             let middle = clear + (blocked - clear) / 2;
@@ -334,19 +345,21 @@ impl Ray {
         clear
     }
 
-    /// Height of the ray at fraction `t` from the receiver, to within one lattice step.
+    /// Returns the height of the ray at fraction `t` from the receiver, to within one lattice step.
     #[expect(clippy::cast_precision_loss, reason = "used with a margin of one lattice step")]
     fn height_from_receiver(&self, t: f64) -> f64 {
         self.receiver.z as f64 - t * self.dz as f64
     }
 
-    /// Whether the ray may be below `top` somewhere between `near` and `far`, measured from the receiver.
+    /// Returns `true` if the ray may be below `top` somewhere between `near` and `far`, measured
+    /// from the receiver.
     #[inline]
     fn dips_below(&self, top: i32, near: Crossing, far: Crossing) -> bool {
         f64::from(top) > self.lowest(near, far)
     }
 
-    /// What the ray is nowhere below between `near` and `far`, measured from the receiver.
+    /// Returns a lower bound on the ray's height between `near` and `far`, measured from the
+    /// receiver.
     #[inline]
     fn lowest(&self, near: Crossing, far: Crossing) -> f64 {
         let lowest = if self.dz <= 0 { near } else { far };
@@ -357,8 +370,10 @@ impl Ray {
     }
 }
 
-/// Visits the pieces listed by the buckets along the link, from the receiver on, skipping the buckets that `matters`
-/// rules out: it gets the bucket's highest top and the ray's entry and exit, measured from the receiver.
+/// Visits the pieces listed by the buckets along the link, from the receiver on.
+///
+/// Skips the buckets that `matters` rules out. It gets the bucket's highest top and the ray's entry
+/// and exit, measured from the receiver.
 #[inline]
 fn visit_buckets(
     prisms: &Prisms,

@@ -1,15 +1,17 @@
-//! How far a link sags towards a curved earth, and whether that brings it below a roof.
+//! The sag of a link over a curved earth, and a test for a link below a roof.
 //!
-//! Heights are told above the datum, which is curved like the earth, so a straight ray is a curve in them: at the fraction t of the way it is
-//! lower by b·t(1 − t) than the line between the heights of its ends, with b = L²/2KR for a length L. Over a roof at H that is a convex
-//! quadratic in t,
+//! Heights are measured from the datum, which is curved like the earth, so a straight ray is a
+//! curve in them. At the fraction t of the way it is lower by b·t(1 − t) than the line between the
+//! heights of its ends. Here b = L²/2KR for a length L. Over a roof at H the difference is a convex
+//! quadratic in t:
 //!
 //! ```text
 //!   f(t) = (h_U − H) + t·dz − b·t(1 − t),   least at t* = (b − dz)/2b,   f(t*) = (h_U − H) − (b − dz)²/4b
 //! ```
 //!
-//! and the ray is below the roof somewhere on an interval if and only if f is negative at an end of it, or at t* in between. The ends are
-//! quotients of integers and b is a fraction of integers, so that all three are products of integers.
+//! The ray is below the roof somewhere on an interval if and only if f is negative at an end of it,
+//! or at t* in between. The ends are quotients of integers and b is a fraction of integers, so all
+//! three tests are comparisons of integer products.
 
 use ethnum::I256;
 
@@ -30,7 +32,8 @@ pub(super) struct Sag {
 const FILTER: f64 = 1e-14;
 
 impl Sag {
-    /// That of a link which leads so far in the plane \[lattice steps\]; `None` over a flat earth.
+    /// Returns the sag of a link with this extent in the plane \[lattice steps\]; `None` over a
+    /// flat earth.
     #[inline]
     pub(super) fn new(earth: Option<CurvedGround>, dx: i64, dy: i64) -> Option<Sag> {
         let CurvedGround { bulge, .. } = earth?;
@@ -40,37 +43,39 @@ impl Sag {
         Some(Sag { bulge, length_squared, scale })
     }
 
-    /// b, rounded \[1/1024 m\].
+    /// Returns b, rounded \[1/1024 m\].
     pub(super) fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// How far it sags at most \[1/1024 m\], rounded up.
+    /// Returns the largest sag \[1/1024 m\], rounded up.
     pub(super) fn most(&self) -> i64 {
         #[expect(clippy::cast_possible_truncation, reason = "farther than all heights")]
         let most = (self.scale * (0.25 * (1.0 + FILTER))).ceil().min(1e12) as i64;
         most
     }
 
-    /// How far it sags at most between two fractions of the way \[1/1024 m\], but for rounding.
+    /// Returns the largest sag between two fractions of the way \[1/1024 m\], up to rounding.
     #[inline]
     pub(super) fn most_between(&self, from: f64, to: f64) -> f64 {
         let middle = 0.5_f64.clamp(from.min(to), to.max(from));
         self.scale * middle * (1.0 - middle)
     }
 
-    /// How much the sag at a fraction of the way from the pivot leaves to be risen by at the end, as a height there: b(1 − t).
+    /// Returns the rise at the end of a link that makes up for its sag at fraction t of the way
+    /// from the pivot: b(1 − t).
     pub(super) fn rise_at_end(&self, t: f64) -> f64 {
         self.scale * (1.0 - t)
     }
 
-    /// The fraction at which an obstacle, lower than the pivot by so much \[1/1024 m\], asks for the highest end.
+    /// Returns the fraction of the way at which an obstacle `below` the pivot \[1/1024 m\] needs
+    /// the highest end.
     pub(super) fn binding(&self, below: f64) -> f64 {
         (below / self.scale).sqrt()
     }
 
-    /// Whether a link that begins `above` a roof and rises by `dz` \[1/1024 m\] is below it somewhere between two fractions of the way.
-    /// Exact.
+    /// Returns `true` if a link that begins `above` a roof and rises by `dz` \[1/1024 m\] is below
+    /// it somewhere between two fractions of the way. Exact.
     pub(super) fn dips(&self, above: i64, dz: i64, from: Crossing, to: Crossing) -> bool {
         #[expect(clippy::cast_precision_loss, reason = "filtered: decided in integers where rounding could matter")]
         let [a, z, from_t, to_t] = [above as f64, dz as f64, from.n as f64 / from.d as f64, to.n as f64 / to.d as f64];
@@ -89,25 +94,28 @@ impl Sag {
         self.is_below_at(above, dz, from) || self.is_below_at(above, dz, to) || self.dips_between(above, dz, from, to)
     }
 
-    /// Whether it is below the roof at its lowest place, if that is strictly between two fractions of the way. Exact.
+    /// Returns `true` if the link is below the roof at its lowest point, and that is strictly
+    /// between two fractions of the way. Exact.
     pub(super) fn dips_between(&self, above: i64, dz: i64, from: Crossing, to: Crossing) -> bool {
         // t* > n/d  ⇔  (b − dz)·d > 2b·n, all times 2^shift.
         let (b, fall) = (self.b(), self.b() - (wide(dz) << self.bulge.shift()));
         let is_after = |c: Crossing| fall * wide(c.d) > b * wide(2 * c.n);
         let is_before = |c: Crossing| fall * wide(c.d) < b * wide(2 * c.n);
-        // Where it turns between, |dz| is below b, so that the square is at most 2^180.
+        // If it turns in between, |dz| is below b, so the square is at most 2^180.
         is_after(from) && is_before(to) && wide(4 * above) * b * (I256::ONE << self.bulge.shift()) < fall * fall
     }
 
-    /// Whether it is below the roof at a fraction of the way. Exact: with lengths up to 2^28, heights up to 2^27 and fractions of 2^57 all
-    /// products are below 2^254.
+    /// Returns `true` if the link is below the roof at a fraction of the way.
+    ///
+    /// Exact: lengths are up to 2^28, heights up to 2^27 and fractions up to 2^57, so all products
+    /// are below 2^254.
     fn is_below_at(&self, above: i64, dz: i64, at: Crossing) -> bool {
         let (n, d) = (wide(at.n), wide(at.d));
         let straight = (wide(above) * d + n * wide(dz)) * d;
         (straight << self.bulge.shift()) < self.b() * n * (d - n)
     }
 
-    /// b times 2^shift.
+    /// Returns b times 2^shift.
     fn b(&self) -> I256 {
         wide(self.length_squared) * I256::from(self.bulge.mantissa())
     }
@@ -122,7 +130,8 @@ mod tests {
     use super::*;
     use crate::height_field::Curvature;
 
-    /// A link of 2^20 steps over an earth so curved that it sags by 1024 steps in the middle: b = 4096.
+    /// Returns the sag of a link of 2^20 steps over an earth so curved that it sags by 1024 steps
+    /// in the middle: b = 4096.
     fn sag() -> Sag {
         let earth_k = (1_u64 << 40) as f64 / (2.0 * 6_371_008.8 * 4096.0 * 1024.0);
         let bulge = Bulge::new(Curvature::of_earth_k(earth_k).expect("above 0"), 1.0).expect("bends");

@@ -5,9 +5,9 @@ use crate::raster::BitGrid;
 /// Directions along cell edges, counterclockwise from east, as steps of (x, y).
 const STEPS: [[isize; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
 
-/// The outlines of a set of cells as rings of cell corners `[x, y]`, counted east and north from the south-west corner of
-/// the grid; the set is on the left. Each ring begins at its first corner from the south-west. Cells that touch only at a
-/// corner have outlines of their own.
+/// Returns the outlines of a set of cells as rings of cell corners `[x, y]`, counted east and north
+/// from the south-west corner of the grid. The set is on the left of each ring. Each ring begins at
+/// its first corner from the south-west. Cells that touch only at a corner have separate outlines.
 pub(crate) fn traced_around(set: &BitGrid) -> Vec<Vec<[usize; 2]>> {
     let (n_rows, n_cols) = (set.n_rows(), set.n_cols());
     let width = n_cols + 1;
@@ -45,7 +45,7 @@ pub(crate) fn traced_around(set: &BitGrid) -> Vec<Vec<[usize; 2]>> {
     rings
 }
 
-/// Follows an outline from a corner back to it, keeping the corners where it turns.
+/// Follows an outline from a corner back to it. Returns the corners at which it turns.
 fn trace(leaving: &mut [u8], width: usize, start: usize) -> Vec<[usize; 2]> {
     let mut ring = Vec::new();
     let first = leaving[start].trailing_zeros() as usize;
@@ -54,7 +54,7 @@ fn trace(leaving: &mut [u8], width: usize, start: usize) -> Vec<[usize; 2]> {
     loop {
         let [dx, dy] = STEPS[heading];
         corner = corner.wrapping_add_signed(dx).wrapping_add_signed(dy * width.cast_signed());
-        // Left first: that stays with the same cell where two cells touch at a corner.
+        // Left first: this stays with the same cell if two cells touch at a corner.
         let order = [(heading + 1) % 4, heading, (heading + 3) % 4];
         let next = order.into_iter().find(|d| leaving[corner] >> d & 1 == 1);
         if let Some(next) = next {
@@ -64,7 +64,7 @@ fn trace(leaving: &mut [u8], width: usize, start: usize) -> Vec<[usize; 2]> {
             }
             heading = next;
         }
-        // Every edge has one successor, so an outline closes with the edge that it began with.
+        // Every edge has one successor, so an outline closes with its first edge.
         if next.is_none() || (corner == start && next == Some(first)) {
             return ring;
         }

@@ -6,17 +6,18 @@ use std::collections::HashMap;
 use super::cell_outline::traced_around;
 use crate::raster::BitGrid;
 
-/// Cells of a set that hang together by their sides.
+/// Cells of a set that are connected by their sides.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CellPart {
     /// Number of cells.
     pub n_cells: u64,
-    /// Their outline along the cell edges: the shell counterclockwise, then holes clockwise, as cell corners `[x, y]`
-    /// counted east and north from the south-west corner of the grid; not closed. No ring meets a corner twice.
+    /// Outline along the cell edges: the shell counterclockwise, then holes clockwise. Rings are
+    /// cell corners `[x, y]` counted east and north from the south-west corner of the grid. They
+    /// are not closed and meet no corner twice.
     pub rings: Vec<Vec<[usize; 2]>>,
 }
 
-/// The parts of a set, those that begin farther south first.
+/// Returns the parts of a set, ordered by their first cells from the south.
 ///
 /// Cost: a few operations per cell of the grid.
 pub(crate) fn cell_parts(set: &BitGrid) -> Vec<CellPart> {
@@ -32,13 +33,13 @@ pub(crate) fn cell_parts(set: &BitGrid) -> Vec<CellPart> {
     parts
 }
 
-/// Number of parts of a set.
+/// Returns the number of parts of a set.
 pub(crate) fn n_cell_parts(set: &BitGrid) -> usize {
     labelled_parts(set).1.len()
 }
 
-/// Numbers the parts of a set in the order of their first cells from the south-west, rows first: the number of each of its
-/// cells, and the sizes.
+/// Numbers the parts of a set in the order of their first cells from the south-west, rows first.
+/// Returns the part number of each cell, and the sizes.
 pub fn labelled_parts(set: &BitGrid) -> (Vec<u32>, Vec<u64>) {
     let (n_rows, n_cols) = (set.n_rows(), set.n_cols());
     let mut labels = vec![u32::MAX; n_rows * n_cols];
@@ -74,7 +75,8 @@ pub fn labelled_parts(set: &BitGrid) -> (Vec<u32>, Vec<u64>) {
     (labels, sizes)
 }
 
-/// A traced ring as rings that meet no corner twice: where cells touch at a corner, a ring may come back to it.
+/// Splits a traced ring into rings that meet no corner twice. A traced ring may return to a corner
+/// at which cells touch.
 fn simple_rings(ring: &[[usize; 2]]) -> Vec<Vec<[usize; 2]>> {
     let mut rings = Vec::new();
     let mut open: Vec<[usize; 2]> = Vec::new();
@@ -98,14 +100,15 @@ fn is_counterclockwise(ring: &[[usize; 2]]) -> bool {
     doubled_cells(ring) > 0
 }
 
-/// Twice the signed area within a ring of cell corners \[cells\].
+/// Returns twice the signed area within a ring of cell corners \[cells\].
 pub(crate) fn doubled_cells(ring: &[[usize; 2]]) -> i64 {
     let signed = |p: &[usize; 2]| p.map(|v| v.cast_signed() as i64);
     let edges = ring.iter().zip(ring.iter().cycle().skip(1)).map(|(a, b)| (signed(a), signed(b)));
     edges.map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum()
 }
 
-/// The cell, as columns from the west and rows from the south, to the left of the first step along an edge.
+/// Returns the cell to the left of the first step along an edge, as columns from the west and rows
+/// from the south.
 fn cell_on_the_left(from: [usize; 2], to: [usize; 2]) -> [usize; 2] {
     let [x, y] = from;
     match (to[0].cmp(&x), to[1].cmp(&y)) {
@@ -120,7 +123,7 @@ fn cell_on_the_left(from: [usize; 2], to: [usize; 2]) -> [usize; 2] {
 mod tests {
     use super::*;
 
-    /// The rings of the cells drawn `#`, north row first.
+    /// Returns the rings of the cells drawn `#`, north row first.
     fn rings(rows: &[&str]) -> Vec<Vec<[usize; 2]>> {
         let mut set = BitGrid::new(rows.len(), rows[0].len());
         for (row, letters) in rows.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! Sets of cells as shapes: their connected parts, the outlines of these, and the cells that polygons overlap.
+//! Sets of cells as shapes: their connected parts, the parts' outlines, and the cells that polygons
+//! overlap.
 
 mod cell_outline;
 mod cell_parts;

@@ -1,17 +1,20 @@
 //! The cells of a grid that polygons overlap with positive area, in exact integers.
 //!
-//! A cell overlaps a polygon if the polygon's boundary passes through its open square, or if its center is inside. The first
-//! kind is found edge by edge, as an interval of columns in each row; the second along the middles of the rows.
+//! A cell overlaps a polygon if the polygon's boundary passes through its open square, or if its
+//! center is inside. The first kind is found edge by edge, as an interval of columns in each row.
+//! The second is found along the middles of the rows.
 
 use std::ops::Range;
 
 use crate::overlay::doubled_area;
 
-/// Calls `visit` with a row, counted from the north, and columns of it that the polygons overlap with positive area.
+/// Calls `visit` with a row, counted from the north, and columns in it that the polygons overlap
+/// with positive area. Columns may be visited twice.
 ///
-/// Rings hold positions from the south-west corner of the grid, in steps of which a cell has `steps` along each axis; each
-/// region is what its rings enclose by the even-odd rule, and its edges do not cross. Columns may be visited twice. Positions
-/// and steps are below 2^29 and cells at most 2^26 steps, so no product overflows.
+/// Rings hold positions from the south-west corner of the grid, in steps; a cell has `steps` of
+/// them along each axis. A polygon is the region that its rings enclose by the even-odd rule; its
+/// edges do not cross. Positions and steps are below 2^29 and cells have at most 2^26 steps, so no
+/// product overflows.
 pub fn overlapped_cells(
     polygons: &[Vec<Vec<[i64; 2]>>],
     [step_x, step_y]: [i64; 2],
@@ -30,7 +33,7 @@ pub fn overlapped_cells(
         let (Some(south), Some(north)) = (ys().min(), ys().max()) else { continue };
         let first_row = clip(south.div_euclid(step_y), n_rows);
         let end_row = clip(-(-north).div_euclid(step_y), n_rows);
-        // Where the boundary crosses the middle of each row [cells].
+        // Positions at which the boundary crosses the middle of each row [cells].
         let mut crossings: Vec<Vec<f64>> = vec![Vec::new(); end_row.saturating_sub(first_row)];
         for (a, b) in polygon.iter().flat_map(|ring| edges(ring)) {
             let (a, b) = if a[1] <= b[1] { (a, b) } else { (b, a) };
@@ -49,7 +52,7 @@ pub fn overlapped_cells(
             for row in from_row..to_row {
                 #[expect(clippy::cast_possible_wrap, reason = "rows of a grid in memory")]
                 let (low, high) = (row as i64 * step_y, (row as i64 + 1) * step_y);
-                // EXACT: x·dy where the edge enters and leaves the open row, below 2^60.
+                // EXACT: x·dy at the ends of the edge within the open row, below 2^60.
                 let at = |y: i64| a[0] * dy + (y - a[1]) * dx;
                 let (p, q) = (at(low.max(a[1])), at(high.min(b[1])));
                 let of_cell = dy * step_x;
@@ -57,7 +60,8 @@ pub fn overlapped_cells(
                 // Half-open, so that a corner on the middle counts once.
                 let middle = low + high;
                 if 2 * a[1] <= middle && middle < 2 * b[1] {
-                    // A crossing that rounding moves across a center lies in a cell that the edge passes through anyway.
+                    // If rounding moves a crossing across a center, the edge passes through that
+                    // cell anyway.
                     #[expect(clippy::cast_precision_loss, reason = "see above")]
                     let x = (a[0] as f64 + (middle - 2 * a[1]) as f64 / 2.0 * (dx as f64 / dy as f64)) / step_x as f64;
                     crossings[row - first_row].push(x);
@@ -75,7 +79,8 @@ pub fn overlapped_cells(
     }
 }
 
-/// The shares of the cells of a grid that polygons cover, `visit(row, col, share)` for each cell that has one.
+/// Calls `visit(row, col, share)` for each cell of a grid that polygons cover, with the covered
+/// share of the cell.
 ///
 /// Arguments are those of [`overlapped_cells`]; shares are rounded at about 10^-12.
 pub fn covered_shares(
@@ -94,7 +99,7 @@ pub fn covered_shares(
     #[expect(clippy::cast_precision_loss, reason = "positions are below 2^29")]
     let cells = |v: i64, step: i64| v as f64 / step as f64;
     let n = usize::try_from(end_col - first_col).unwrap_or(0);
-    // Edges with the sign of their ring, by the row in which they begin.
+    // Edges with the sign of their ring, sorted by the row in which they begin.
     let mut to_come: Vec<(f64, [i64; 2], [i64; 2])> = Vec::new();
     for (k, ring) in polygons.iter().flat_map(|rings| rings.iter().enumerate()) {
         let sign = if (doubled_area(ring) > 0) == (k == 0) { 1.0 } else { -1.0 };
@@ -107,8 +112,9 @@ pub fn covered_shares(
             met.push(edge);
         }
         met.retain(|(_, a, b)| a[1].max(b[1]).div_euclid(step_y) >= row);
-        // Of each column, how much of the row's height edges pass in it, and the area to their east within it: signed, so that
-        // the sum over all edges of shells and holes is the region's.
+        // For each column: the height of the row that edges cover in it, and the area to their east
+        // within it. Both are signed, so that the sum over all edges of shells and holes is the
+        // region's.
         let (mut height, mut area) = (vec![0.0; n + 1], vec![0.0; n + 1]);
         let mut overlaps = false;
         for (sign, a, b) in &met {
@@ -155,7 +161,7 @@ fn add_edge(x: (f64, f64), height: f64, heights: &mut [f64], areas: &mut [f64]) 
     }
 }
 
-/// The edges of a ring, which is not closed.
+/// Returns the edges of a ring, which is not closed.
 fn edges(ring: &[[i64; 2]]) -> impl Iterator<Item = ([i64; 2], [i64; 2])> {
     ring.iter().copied().zip(ring.iter().copied().cycle().skip(1))
 }
@@ -179,7 +185,8 @@ mod tests {
         assert_eq!(cells(&square(9, 10, 20, 30), [10, 10]), [(1, 0), (1, 1), (2, 0), (2, 1)]);
         assert_eq!(cells(&square(-30, -30, 0, 50), [10, 10]), []);
         assert_eq!(cells(&square(41, 33, 49, 38), [10, 10]), [(0, 4)]);
-        // A triangle whose long side passes through corners, and one that reaches a step beyond them.
+        // A triangle whose long side passes through corners, and one that reaches a step beyond
+        // them.
         assert_eq!(
             cells(&[vec![[0, 0], [30, 30], [0, 30]]], [10, 10]),
             [(1, 0), (1, 1), (1, 2), (2, 0), (2, 1), (3, 0)]

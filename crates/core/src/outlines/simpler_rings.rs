@@ -1,9 +1,12 @@
 //! Outlines with fewer corners that stay valid polygons.
 //!
-//! A corner is taken away only if the triangle that it spans with its two neighbors holds no other corner of any ring of the
-//! polygon. Then nothing is swept over: rings neither cross nor touch anew, holes stay in their shell, and no ring turns
-//! inside out. Small triangles go first (Visvalingam & Whyatt 1993), and no corner of the outline may end up farther than
-//! the tolerance from the line that replaces it, as in Douglas & Peucker 1973, which alone promises none of this.
+//! A corner is removed only if the triangle between it and its two neighbors holds no other corner
+//! of any ring of the polygon. Then rings neither cross nor touch anew, holes stay in their shell,
+//! and no ring turns inside out.
+//!
+//! Small triangles go first (Visvalingam & Whyatt 1993). No corner of the outline may end up
+//! farther than the tolerance from the line that replaces it. This limit is that of Douglas &
+//! Peucker 1973, whose method alone keeps no polygon valid.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -13,12 +16,13 @@ const FEWEST_CORNERS: usize = 4;
 /// Side of the buckets in which corners are looked up \[cells\].
 const BUCKET: i64 = 8;
 
-/// The rings of one polygon with fewer corners: what was there is at most `tolerance_m` from what is left.
+/// Returns the rings of one polygon with fewer corners. No former corner is more than `tolerance_m`
+/// from the new outline.
 ///
-/// Corners are `[x, y]` in cells of `cell_m` (width, height) \[m\]; rings are not closed, meet no corner twice and cross
-/// neither themselves nor each other. Their order and winding are kept.
+/// Corners are `[x, y]` in cells of `cell_m` (width, height) \[m\]. Rings are not closed, meet no
+/// corner twice and cross neither themselves nor each other. Their order and winding are kept.
 ///
-/// Cost: O(n log n) for n corners, times the corners between two that are kept.
+/// Cost: O(n log n) for n corners, times the corners between two kept ones.
 pub(crate) fn simpler_rings(rings: &[Vec<[usize; 2]>], cell_m: (f64, f64), tolerance_m: f64) -> Vec<Vec<[usize; 2]>> {
     let mut work = Work::new(rings, cell_m, tolerance_m);
     let mut open: BinaryHeap<Reverse<(i64, usize, u32)>> = (0..work.corners.len()).map(|k| work.entry(k)).collect();
@@ -39,7 +43,7 @@ struct Corner {
     ring: usize,
     before: usize,
     after: usize,
-    /// Counts the changes of its neighbors; `u32::MAX` once it is gone.
+    /// Counts the changes of its neighbors; `u32::MAX` once it is removed.
     version: u32,
 }
 
@@ -48,9 +52,9 @@ const GONE: u32 = u32::MAX;
 #[derive(Debug)]
 struct Work {
     corners: Vec<Corner>,
-    /// First corner and number of corners of each ring, as they came.
+    /// First corner and number of corners of each ring, in input order.
     spans: Vec<(usize, usize)>,
-    /// Corners left in each ring.
+    /// Number of remaining corners of each ring.
     left: Vec<usize>,
     buckets: HashMap<[i64; 2], Vec<usize>>,
     cell_m: (f64, f64),
@@ -80,7 +84,7 @@ impl Work {
         Work { corners, spans, left, buckets, cell_m, tolerance_m }
     }
 
-    /// A corner as it waits for its turn: by the area of its triangle.
+    /// Returns a corner's entry in the queue, which is ordered by the area of its triangle.
     fn entry(&self, corner: usize) -> Reverse<(i64, usize, u32)> {
         let [a, b, c] = self.triangle(corner);
         Reverse((turn(a, b, c).abs(), corner, self.corners[corner].version))
@@ -95,7 +99,8 @@ impl Work {
         self.left[self.corners[corner].ring] > FEWEST_CORNERS && self.is_near(corner) && self.sweeps_nothing(corner)
     }
 
-    /// Whether all corners between the neighbors are within the tolerance of the line between those.
+    /// Returns `true` if all corners between the two neighbors are within the tolerance of the line
+    /// between them.
     fn is_near(&self, corner: usize) -> bool {
         let Corner { before, after, ring, .. } = self.corners[corner];
         let (first, n) = self.spans[ring];
@@ -114,7 +119,8 @@ impl Work {
         true
     }
 
-    /// Whether no other corner that is left lies in the closed triangle of a corner and its neighbors, but at these.
+    /// Returns `true` if the closed triangle of a corner and its neighbors holds no other remaining
+    /// corner. Corners at the same point as a neighbor are allowed.
     fn sweeps_nothing(&self, corner: usize) -> bool {
         let [a, b, c] = self.triangle(corner);
         let low = [0, 1].map(|k| a[k].min(b[k]).min(c[k]));
@@ -130,7 +136,7 @@ impl Work {
             .all(|x| buckets(1).all(|y| self.buckets.get(&[x, y]).is_none_or(|bucket| bucket.iter().all(is_free))))
     }
 
-    /// Takes a corner away; its neighbors have new triangles.
+    /// Removes a corner and returns its neighbors, whose triangles change.
     fn remove(&mut self, corner: usize) -> [usize; 2] {
         let Corner { before, after, ring, .. } = self.corners[corner];
         self.corners[corner].version = GONE;
@@ -151,18 +157,18 @@ impl Work {
     }
 }
 
-/// Twice the signed area of a triangle, exact: coordinates are below 2^31.
+/// Returns twice the signed area of a triangle, exact: coordinates are below 2^31.
 fn turn(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Whether a point within the bounds of a triangle lies in it or on its border.
+/// Returns `true` if a point within the bounds of a triangle lies in it or on its border.
 fn is_in(p: [i64; 2], [a, b, c]: [[i64; 2]; 3]) -> bool {
     let sides = [turn(a, b, p), turn(b, c, p), turn(c, a, p)];
     sides.iter().all(|s| *s >= 0) || sides.iter().all(|s| *s <= 0)
 }
 
-/// Distance of a point from a segment.
+/// Returns the distance of a point from a segment.
 fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (ab, ap) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let squared = ab[0] * ab[0] + ab[1] * ab[1];
@@ -184,7 +190,7 @@ mod tests {
         rings.iter().flat_map(of).collect()
     }
 
-    /// Whether two edges have more in common than an end of both.
+    /// Returns `true` if two edges share more than a common end.
     fn cross(e: [[i64; 2]; 2], f: [[i64; 2]; 2]) -> bool {
         let on = |p: [i64; 2], [a, b]: [[i64; 2]; 2]| {
             let within = |k: usize| p[k] >= a[k].min(b[k]) && p[k] <= a[k].max(b[k]);

@@ -1,26 +1,30 @@
-//! Edges split where they meet, before an overlay is made of them.
+//! Edges split at their common points, before an overlay is made of them.
 //!
-//! The overlay rounds a crossing down or to the nearest lattice point, depending on which end of an edge is farther west.
-//! So the crossings of a mirrored scene are not the mirrored crossings. Here each is rounded to the nearest point of a finer
-//! lattice, which is the same from all sides, and the overlay has nothing left to round.
+//! The overlay rounds a crossing down or to the nearest lattice point, depending on which end of an
+//! edge is farther west. So the crossings of a mirrored scene are not the mirrored crossings. Here
+//! each crossing is rounded to the nearest point of a finer lattice, which is the same from all
+//! sides. The overlay has nothing left to round.
 //!
-//! A point halfway between two of the finer lattice has a denominator of 2^21 or a multiple. A crossing has the reduced
-//! denominator of its edges' cross product, which has so many factors of two only where it is made to.
+//! A point halfway between two points of the finer lattice has a denominator of 2^21 or a multiple.
+//! A crossing has the reduced denominator of its edges' cross product, which has that many factors
+//! of two only in contrived scenes.
 
 use std::ops::ControlFlow;
 
 use super::crossings::{Edge, edges_once, for_each_crossing, turn};
 use super::rings::{FineRing, Ring};
 
-/// Steps of the finer lattice in one of the lattice. Coordinates within ±2^28 are exact in an f64 on both.
+/// Steps of the finer lattice per lattice step. Coordinates within ±2^28 are exact in an f64 on
+/// both.
 pub(crate) const FINER: i64 = 1 << 20;
 
-/// Returns rings on the finer lattice, with a new corner where an edge crosses another or touches an end of one.
+/// Returns rings on the finer lattice, with a new corner where an edge crosses another or touches
+/// its end.
 ///
 /// Cost: n log n for n edges, the pairs of edges side by side, and the crossings.
 pub(crate) fn arranged(rings: &[Ring]) -> Vec<FineRing> {
     let edges = edges_once(rings);
-    // Corners to come: the edge, how far along it, the corner.
+    // New corners: the edge, the distance along it, the corner.
     let mut corners: Vec<(usize, i128, [i64; 2])> = Vec::new();
     let all_pairs = for_each_crossing(&edges, usize::MAX, |a, b| {
         split(&edges, a, b, &mut corners);
@@ -32,7 +36,8 @@ pub(crate) fn arranged(rings: &[Ring]) -> Vec<FineRing> {
     rings.iter().map(|ring| with_corners(ring, &edges, &corners)).collect()
 }
 
-/// Returns a ring on the finer lattice with the corners that its edges were given, `(edge, how far along it, corner)`.
+/// Returns a ring on the finer lattice with the new corners of its edges,
+/// `(edge, distance along it, corner)`.
 fn with_corners(ring: &Ring, edges: &[Edge], corners: &[(usize, i128, [i64; 2])]) -> FineRing {
     let mut fine = FineRing::with_capacity(ring.len());
     for (&a, &b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
@@ -46,7 +51,7 @@ fn with_corners(ring: &Ring, edges: &[Edge], corners: &[(usize, i128, [i64; 2])]
     fine
 }
 
-/// Adds the corners that two crossing edges give each other.
+/// Adds the new corners of two crossing edges.
 fn split(edges: &[Edge], first: usize, second: usize, corners: &mut Vec<(usize, i128, [i64; 2])>) {
     let mut add = |edge: usize, at: [i64; 2]| {
         let [a, b] = edges[edge].map(finer);
@@ -74,7 +79,8 @@ fn split(edges: &[Edge], first: usize, second: usize, corners: &mut Vec<(usize, 
     }
 }
 
-/// Returns the point of the finer lattice nearest to where two edges cross. EXACT: all products are below 2^112.
+/// Returns the point of the finer lattice nearest to the crossing of two edges. EXACT: all products
+/// are below 2^112.
 fn crossing([a, b]: Edge, [c, d]: Edge) -> [i64; 2] {
     let to = |p: [i32; 2], q: [i32; 2]| [0, 1].map(|k| i128::from(q[k]) - i128::from(p[k]));
     let cross = |u: [i128; 2], v: [i128; 2]| u[0] * v[1] - u[1] * v[0];

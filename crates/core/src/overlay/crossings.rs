@@ -1,17 +1,17 @@
-//! How much the edges of rings cross, found before an overlay pays for it.
+//! Number of crossings between edges of rings, counted before an overlay pays for them.
 
 use std::fmt;
 use std::ops::ControlFlow;
 
 use super::rings::Ring;
 
-/// Crossings that any region may have, beside [`CROSSINGS_PER_EDGE`].
+/// Crossings allowed in any region, in addition to [`CROSSINGS_PER_EDGE`].
 const MOST_CROSSINGS: usize = 100_000;
 
-/// Crossings for each edge that any region may have.
+/// Crossings allowed in any region for each edge.
 const CROSSINGS_PER_EDGE: usize = 4;
 
-/// Pairs of edges that may be compared, beside [`PAIRS_PER_EDGE`].
+/// Pairs of edges that may be compared, in addition to [`PAIRS_PER_EDGE`].
 const MOST_PAIRS: usize = 20_000_000;
 
 /// Pairs of edges that may be compared, for each edge.
@@ -35,21 +35,24 @@ impl fmt::Display for Tangle {
     }
 }
 
-/// Whether the edges of a polygon cross more often than can be mended: 4 times an edge, and 100 000 times.
+/// Returns the limit that a polygon's edges exceed, if they cross too often to be mended. The limit
+/// is 100 000 crossings plus 4 for each edge.
 ///
-/// Two edges cross where they have more in common than an end; equal edges do not. Cost: n log n, and 256 comparisons of
-/// pairs an edge and 20 million, at most.
+/// Two edges cross if they share more than an end; equal edges do not cross. Cost: n log n, plus
+/// comparisons of pairs, at most 20 million and 256 for each edge.
 pub fn tangle(rings: &[Ring]) -> Option<Tangle> {
     let n_edges: usize = rings.iter().map(Vec::len).sum();
     let most = MOST_CROSSINGS + CROSSINGS_PER_EDGE * n_edges;
-    // As many pairs as there are.
+    // The number of all pairs.
     if n_edges * n_edges.saturating_sub(1) / 2 <= most {
         return None;
     }
     exceeds(&mut edges_of(rings), most)
 }
 
-/// Whether rings cross so often that joining them by halves costs less. Pairs side by side are as many in halves.
+/// Returns `true` if rings cross so often that joining them by halves costs less.
+///
+/// Pairs of edges side by side do not count: halves have as many.
 pub(crate) fn are_many<'a>(rings: impl IntoIterator<Item = &'a Ring>) -> bool {
     let mut edges = edges_of(rings);
     let most = 1000 + CROSSINGS_PER_EDGE * edges.len();
@@ -72,7 +75,7 @@ fn edges_of<'a>(rings: impl IntoIterator<Item = &'a Ring>) -> Vec<Edge> {
     rings.into_iter().flat_map(of_ring).collect()
 }
 
-/// Counts crossings of edges, or the pairs compared for it, until there are too many.
+/// Counts crossings of edges and compared pairs until one exceeds its limit.
 fn exceeds(edges: &mut Vec<Edge>, most: usize) -> Option<Tangle> {
     edges.sort_unstable();
     edges.dedup();
@@ -85,10 +88,12 @@ fn exceeds(edges: &mut Vec<Edge>, most: usize) -> Option<Tangle> {
     met.break_value()
 }
 
-/// Calls `visit` with the numbers of each two edges that cross, until it breaks, or more than `most_pairs` were compared.
+/// Calls `visit` with the numbers of every two edges that cross, until it breaks or more than
+/// `most_pairs` pairs were compared.
 ///
-/// `edges` are in ascending order. The plane is cut into strips about as high as an edge, or as many as the root of their
-/// number. In each strip edges are met from west to east, and compared with those before them that reach as far.
+/// `edges` are in ascending order. The plane is cut into strips about as high as an edge, or at
+/// most as many as the root of the number of edges. In each strip edges are visited from west to
+/// east. Each is compared with the earlier edges that reach as far east as it begins.
 pub(super) fn for_each_crossing(
     edges: &[Edge],
     most_pairs: usize,
@@ -123,7 +128,7 @@ pub(super) fn for_each_crossing(
             let [low, high] = ys(edge);
             for &other in &before {
                 let [other_low, other_high] = ys(&edges[other]);
-                // Where both lie in several strips, they are compared in the lowest of them.
+                // Two edges that share several strips are compared in the lowest of them.
                 let is_here = other_low <= high && other_high >= low && strip(other_low.max(low)) == k;
                 if is_here && cross(&edges[other], edge) {
                     visit(other, number)?;
@@ -135,7 +140,7 @@ pub(super) fn for_each_crossing(
     ControlFlow::Continue(())
 }
 
-/// Whether two edges that differ have more in common than an end.
+/// Returns `true` if two different edges share more than an end.
 fn cross([a, b]: &Edge, [c, d]: &Edge) -> bool {
     let (of_c, of_d) = (turn(a, b, c), turn(a, b, d));
     if of_c == 0 && of_d == 0 {
@@ -145,7 +150,7 @@ fn cross([a, b]: &Edge, [c, d]: &Edge) -> bool {
     !shares_end && of_c * of_d <= 0 && turn(c, d, a) * turn(c, d, b) <= 0
 }
 
-/// Returns 1 where r is to the left of the way from p to q, −1 to its right, 0 on its line.
+/// Returns 1 if r is to the left of the way from p to q, −1 if to its right, 0 if on its line.
 pub(super) fn turn(p: &[i32; 2], q: &[i32; 2], r: &[i32; 2]) -> i64 {
     let d = |p: &[i32; 2], q: &[i32; 2]| [0, 1].map(|k| i64::from(q[k]) - i64::from(p[k]));
     let ([ux, uy], [vx, vy]) = (d(p, q), d(p, r));
@@ -156,7 +161,7 @@ pub(super) fn turn(p: &[i32; 2], q: &[i32; 2], r: &[i32; 2]) -> i64 {
 mod tests {
     use super::*;
 
-    /// All crossings, pair by pair.
+    /// Returns all crossings, pair by pair.
     fn counted(edges: &[Edge]) -> usize {
         let mut edges = edges.to_vec();
         edges.sort_unstable();

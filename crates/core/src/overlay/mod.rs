@@ -1,8 +1,9 @@
 //! Regions of the lattice: repaired, joined and cut, in integers (i_overlay).
 //!
-//! The overlay compares all edges whose boxes meet, and takes time and memory for each crossing. So [`tangle`] counts both
-//! before a polygon is repaired, and [`union`] joins by halves what lies on one another. Where edges cross off the lattice, the crossing is
-//! rounded to it and the edges bend by less than a step. Coordinates are within ±2^28.
+//! The overlay compares all edges whose boxes meet, and takes time and memory for each crossing. So
+//! [`tangle`] counts both before a polygon is repaired, and [`union`] joins overlapping outlines by
+//! halves. A crossing off the lattice is rounded to it, so that edges bend by less than a step.
+//! Coordinates are within ±2^28.
 
 mod arrangement;
 mod crossings;
@@ -22,27 +23,31 @@ pub(crate) use rings::{FinePolygon, FineRing, bounds_of};
 pub use rings::{Polygon, Ring, doubled_area};
 pub(crate) use triangulation::{Cdt, corners_and_edges, inside_faces, triangulated};
 
-/// The region that rings enclose by the even-odd rule.
+/// Returns the region that rings enclose by the even-odd rule.
 pub fn even_odd(rings: &[Ring]) -> Vec<Polygon> {
     polygons_of(Overlay::<i32>::from_subj(&contours(rings)), OverlayRule::Subject, FillRule::EvenOdd)
 }
 
-/// What some rings enclose and others do not. Rings of one side that overlap are wound alike.
+/// Returns the region that `rings` enclose and `less` do not. Overlapping rings of one side are
+/// wound alike.
 pub fn difference(rings: &[Ring], less: &[Ring]) -> Vec<Polygon> {
     let overlay = Overlay::<i32>::from_subj_and_clip(&contours(rings), &contours(less));
     polygons_of(overlay, OverlayRule::Difference, FillRule::NonZero)
 }
 
-/// What both of two sets of rings enclose. Rings of one side that overlap are wound alike.
+/// Returns the region that both sets of rings enclose. Overlapping rings of one side are wound
+/// alike.
 pub fn intersection(rings: &[Ring], with: &[Ring]) -> Vec<Polygon> {
     let overlay = Overlay::<i32>::from_subj_and_clip(&contours(rings), &contours(with));
     polygons_of(overlay, OverlayRule::Intersect, FillRule::NonZero)
 }
 
-/// The region that any of the polygons covers. Shells are wound alike, and holes the other way.
+/// Returns the region that any of the polygons covers. Shells are wound alike, and holes the other
+/// way.
 ///
-/// Cost: n log n for n edges, the crossings of their outlines, of which those that lie on one another have few, and the pairs of
-/// edges whose boxes meet: many only of long edges side by side that run along no axis.
+/// Cost: n log n for n edges, plus the crossings of their outlines, plus the pairs of edges whose
+/// boxes meet. Joining by halves keeps crossings few where outlines lie on one another. Pairs are
+/// many only for long edges side by side that run along no axis.
 pub fn union(mut polygons: Vec<Polygon>) -> Vec<Polygon> {
     // Outlines on one another cross far more often than the outline of their union has edges.
     let is_tangled = polygons.len() > 1 && crossings::are_many(polygons.iter().flatten());
@@ -67,7 +72,8 @@ pub(crate) fn fine_union(rings: &[FineRing]) -> Vec<FinePolygon> {
     polygons_of(Overlay::from_subj(&contours(rings)), OverlayRule::Subject, FillRule::NonZero)
 }
 
-/// Cuts rings out of others; all were [`arranged`] together. Rings of one side that overlap are wound alike.
+/// Cuts `less` out of `rings`; all were [`arranged`] together. Overlapping rings of one side are
+/// wound alike.
 pub(crate) fn fine_difference(rings: &[FineRing], less: &[FineRing]) -> Vec<FinePolygon> {
     polygons_of(
         Overlay::from_subj_and_clip(&contours(rings), &contours(less)),
@@ -76,7 +82,7 @@ pub(crate) fn fine_difference(rings: &[FineRing], less: &[FineRing]) -> Vec<Fine
     )
 }
 
-/// A polygon with its shell counterclockwise and its holes clockwise.
+/// Returns the polygon with its shell counterclockwise and its holes clockwise.
 pub fn wound(polygon: &Polygon) -> Polygon {
     let ring = |(k, ring): (usize, &Ring)| {
         let mut ring = ring.clone();
@@ -111,7 +117,8 @@ mod tests {
 
     #[test]
     fn what_several_polygons_cover_counts_once() {
-        // 8 × 8 with a hole of 4 × 4, which a second half covers by 3 × 3 and one in it by 2 × 2; those two share one square.
+        // 8 × 8 with a hole of 4 × 4, which a second half covers by 3 × 3 and one in it by 2 × 2;
+        // those two share one square.
         let mut court = square(0, 0, 8);
         court.push(vec![[2, 2], [2, 6], [6, 6], [6, 2]]);
         let united = union(vec![court, square(3, 3, 8), square(2, 2, 2)]);

@@ -5,10 +5,10 @@ use std::hash::Hash;
 
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-/// A triangulation of which the edges of rings are constraint edges.
+/// A triangulation in which the edges of rings are constraint edges.
 pub(crate) type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
-/// The corners of some rings, each once, in the order in which they come, and the edges between them.
+/// Returns the corners of some rings, each once and in order, and the edges between them.
 pub(crate) fn corners_and_edges<T: Copy + Eq + Hash>(rings: &[Vec<[T; 2]>]) -> (Vec<[T; 2]>, Vec<[usize; 2]>) {
     let mut index: HashMap<[T; 2], usize> = HashMap::new();
     let mut corners = Vec::new();
@@ -27,8 +27,10 @@ pub(crate) fn corners_and_edges<T: Copy + Eq + Hash>(rings: &[Vec<[T; 2]>]) -> (
     (corners, edges)
 }
 
-/// The triangulation whose vertices have the numbers of `points`, and whether no edges cross; of two that do, one is left
-/// out. `None` if there are fewer than three points, or equal ones.
+/// Returns a triangulation with the vertex numbers of `points`, and `true` if no edges cross. Of
+/// two edges that cross, one is left out.
+///
+/// Returns `None` if there are fewer than three points, or equal ones.
 pub(crate) fn triangulated(points: &[[f64; 2]], edges: Vec<[usize; 2]>) -> Option<(Cdt, bool)> {
     if points.len() < 3 {
         return None;
@@ -39,14 +41,15 @@ pub(crate) fn triangulated(points: &[[f64; 2]], edges: Vec<[usize; 2]>) -> Optio
     (cdt.num_vertices() == points.len()).then_some((cdt, are_apart))
 }
 
-/// Which faces are inside, by index: from the outside, each constraint edge that is crossed changes sides. And whether all
-/// ways to a face say the same.
+/// Returns for each face, by index, whether it is inside. From the outside, each constraint edge
+/// crossed changes the side. The flag is `true` if all ways to every face agree.
 pub(crate) fn inside_faces(cdt: &Cdt) -> (Vec<bool>, bool) {
     let mut is_inside = vec![false; cdt.num_all_faces()];
     let mut is_met = vec![false; cdt.num_all_faces()];
     is_met[cdt.outer_face().fix().index()] = true;
     let mut is_consistent = true;
-    // A hull edge has the outer face on its left; where all is on one line, on its right as well.
+    // A hull edge has the outer face on its left. If all points are on one line, it has it on its
+    // right as well.
     let hull = cdt.convex_hull().filter(|edge| !edge.rev().face().is_outer());
     let mut queue: Vec<_> = hull.map(|edge| (edge.rev().face().fix(), edge.is_constraint_edge())).collect();
     while let Some((face, here)) = queue.pop() {

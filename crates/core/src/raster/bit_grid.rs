@@ -1,4 +1,4 @@
-//! One bit per cell, 64 cells to a word: sets of cells that are combined and counted word by word.
+//! Sets of cells as bits, 64 cells to a word, combined and counted word by word.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -21,23 +21,24 @@ pub struct BitGrid {
 }
 
 impl BitGrid {
-    /// The empty set.
+    /// Returns the empty set.
     pub fn new(n_rows: usize, n_cols: usize) -> Self {
         let words_per_row = n_cols.div_ceil(64);
         BitGrid { n_rows, n_cols, words_per_row, words: vec![0; n_rows * words_per_row] }
     }
 
-    /// The set of these words, row by row from the north. Bits beyond the last column must be 0.
+    /// Makes a set from its words, row by row from the north. Bits beyond the last column must be
+    /// 0.
     ///
     /// # Panics
-    /// If they are not whole rows, or if there are no columns.
+    /// If the words are not whole rows, or if there are no columns.
     pub fn from_words(n_cols: usize, words: Vec<u64>) -> Self {
         let words_per_row = n_cols.div_ceil(64);
         assert!(words_per_row > 0 && words.len().is_multiple_of(words_per_row), "whole rows");
         BitGrid { n_rows: words.len() / words_per_row, n_cols, words_per_row, words }
     }
 
-    /// All cells.
+    /// Returns the set of all cells.
     pub fn full(n_rows: usize, n_cols: usize) -> Self {
         let mut all = BitGrid::new(n_rows, n_cols);
         all.words.fill(u64::MAX);
@@ -48,7 +49,7 @@ impl BitGrid {
         all
     }
 
-    /// The cells of a window, as a set of their own.
+    /// Returns the cells of a window, as a set with the window's shape.
     #[must_use]
     pub(crate) fn part(&self, window: CellWindow) -> Self {
         let mut part = BitGrid::new(window.n_rows, window.n_cols);
@@ -64,7 +65,7 @@ impl BitGrid {
         part
     }
 
-    /// All cells of a window of a grid of this shape.
+    /// Returns the set of all cells of a window, in a grid of this shape.
     pub(crate) fn of_window((n_rows, n_cols): (usize, usize), window: CellWindow) -> Self {
         let mut cells = BitGrid::new(n_rows, n_cols);
         let (from, to) = (window.col, window.col + window.n_cols);
@@ -76,9 +77,9 @@ impl BitGrid {
         cells
     }
 
-    /// The cells of some rows alone.
+    /// Returns the cells in some rows; other rows are empty.
     ///
-    /// PERF: memory of the other rows is not touched, so that the kernel need not provide it.
+    /// PERF: memory of the other rows is not touched, so the kernel need not provide it.
     #[must_use]
     pub(crate) fn in_rows(&self, rows: Range<usize>) -> Self {
         let mut kept = BitGrid::new(self.n_rows, self.n_cols);
@@ -87,42 +88,42 @@ impl BitGrid {
         kept
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     #[inline]
     pub fn n_rows(&self) -> usize {
         self.n_rows
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     #[inline]
     pub fn n_cols(&self) -> usize {
         self.n_cols
     }
 
-    /// Words that hold one row.
+    /// Returns the number of words that hold one row.
     #[inline]
     pub fn words_per_row(&self) -> usize {
         self.words_per_row
     }
 
-    /// The words of a row.
+    /// Returns the words of a row.
     #[inline]
     pub fn row(&self, row: usize) -> &[u64] {
         &self.words[row * self.words_per_row..(row + 1) * self.words_per_row]
     }
 
-    /// All words, row by row: `words_per_row` each.
+    /// Returns all words, row by row: `words_per_row` each.
     #[inline]
     pub fn words(&self) -> &[u64] {
         &self.words
     }
 
-    /// All words, row by row, for writing. Bits beyond the last column must stay 0.
+    /// Returns all words, row by row, for writing. Bits beyond the last column must stay 0.
     pub fn words_mut(&mut self) -> &mut [u64] {
         &mut self.words
     }
 
-    /// The first and the last cell of a row that are in the set, of some columns.
+    /// Returns the first and the last column in `cols` whose cell of this row is in the set.
     pub(crate) fn ends_of_row(&self, row: usize, cols: Range<usize>) -> Option<(usize, usize)> {
         let words = self.row(row);
         let mut within =
@@ -133,26 +134,26 @@ impl BitGrid {
         Some((64 * first + word.trailing_zeros() as usize, 64 * last + 63 - last_word.leading_zeros() as usize))
     }
 
-    /// Whether a cell is in the set.
+    /// Returns `true` if a cell is in the set.
     #[inline]
     pub fn contains(&self, row: usize, col: usize) -> bool {
         self.words[row * self.words_per_row + col / 64] >> (col % 64) & 1 == 1
     }
 
-    /// Puts a cell into the set.
+    /// Adds a cell to the set.
     #[inline]
     pub fn insert(&mut self, row: usize, col: usize) {
         self.words[row * self.words_per_row + col / 64] |= 1 << (col % 64);
     }
 
-    /// Puts a cell into the set or takes it out.
+    /// Adds a cell to the set, or removes it.
     #[inline]
     pub fn set(&mut self, row: usize, col: usize, is_in: bool) {
         let word = &mut self.words[row * self.words_per_row + col / 64];
         *word = *word & !(1 << (col % 64)) | u64::from(is_in) << (col % 64);
     }
 
-    /// The cells that are in both sets, which are of one shape.
+    /// Returns the cells that are in both sets. Both must have one shape.
     #[must_use]
     pub fn and(mut self, other: &BitGrid) -> Self {
         assert_eq!((self.n_rows, self.n_cols), (other.n_rows, other.n_cols), "sets of one shape");
@@ -160,7 +161,7 @@ impl BitGrid {
         self
     }
 
-    /// The cells that are in either set, of which both are of one shape.
+    /// Returns the cells that are in either set. Both must have one shape.
     #[must_use]
     pub fn or(mut self, other: &BitGrid) -> Self {
         assert_eq!((self.n_rows, self.n_cols), (other.n_rows, other.n_cols), "sets of one shape");
@@ -168,7 +169,7 @@ impl BitGrid {
         self
     }
 
-    /// The cells that are in one set but not in both, which are of one shape.
+    /// Returns the cells that are in exactly one of the sets. Both must have one shape.
     #[must_use]
     pub fn xor(mut self, other: &BitGrid) -> Self {
         assert_eq!((self.n_rows, self.n_cols), (other.n_rows, other.n_cols), "sets of one shape");
@@ -176,29 +177,29 @@ impl BitGrid {
         self
     }
 
-    /// The cells that are not in the set.
+    /// Returns the cells that are not in the set.
     #[must_use]
     pub(crate) fn complement(&self) -> Self {
         BitGrid::full(self.n_rows, self.n_cols).xor(self)
     }
 
-    /// Rows and columns of the cells in the set, row by row from the north-west.
+    /// Iterates over rows and columns of the cells in the set, row by row from the north-west.
     pub fn cells(&self) -> impl Iterator<Item = (usize, usize)> {
         (0..self.n_rows).flat_map(|row| set_bits(self.row(row)).map(move |col| (row, col)))
     }
 
-    /// Number of cells in the set and in `other`, of the same shape.
+    /// Returns the number of cells in both this set and `other`, which has the same shape.
     pub fn count_in(&self, other: &BitGrid) -> u64 {
         n_common(&self.words, &other.words)
     }
 
-    /// Number of cells in the set.
+    /// Returns the number of cells in the set.
     pub fn count(&self) -> u64 {
         self.words.iter().map(|w| u64::from(w.count_ones())).sum()
     }
 }
 
-/// How many bits two sets have in common.
+/// Returns the number of bits that are set in both slices.
 pub fn n_common(a: &[u64], b: &[u64]) -> u64 {
     dispatch!(SimdLevel::new(), simd => n_common_of(simd, a, b))
 }
@@ -224,7 +225,7 @@ impl<'a> From<&'a BitGrid> for Cow<'a, BitGrid> {
     }
 }
 
-/// The cells of a row that are in the set, west to east.
+/// Iterates over the columns of a row's cells in the set, west to east.
 pub fn set_bits(words: &[u64]) -> impl Iterator<Item = usize> {
     words.iter().enumerate().flat_map(|(k, word)| {
         let mut left = *word;
@@ -236,7 +237,7 @@ pub fn set_bits(words: &[u64]) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The bits of word `word` whose columns lie in `from..to`.
+/// Returns the bits of word `word` whose columns lie in `from..to`.
 #[inline]
 pub(crate) fn bits_between(from: usize, to: usize, word: usize) -> u64 {
     let below = |col: usize| match col.saturating_sub(64 * word) {

@@ -1,9 +1,9 @@
-//! Square blocks of ground: the cells of a grid that are drawn together where a map is resampled.
+//! Square blocks of cells, which are drawn together when a map is resampled.
 
 use super::GeoRef;
 
-/// A grid cut into square blocks of cells, row by row from the north-west; those at the south and east border may be
-/// smaller.
+/// A grid cut into square blocks of cells, row by row from the north-west. Blocks at the south and
+/// east border may be smaller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CellBlocks {
     /// Rows and columns of a block.
@@ -13,7 +13,8 @@ pub struct CellBlocks {
 }
 
 impl CellBlocks {
-    /// Blocks whose edge is the whole number of cells nearest to `side_m` \[m\], at least one.
+    /// Makes blocks whose edge is the whole number of cells nearest to `side_m` \[m\], at least
+    /// one.
     pub fn new(grid: &GeoRef, meters_per_unit: f64, side_m: f64) -> Self {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, and saturating")]
         let cells = |cell: f64| (side_m / (cell * meters_per_unit)).round().max(1.0) as usize;
@@ -22,19 +23,19 @@ impl CellBlocks {
         CellBlocks { block, n_per_row, n_blocks: n_per_row * grid.n_rows().div_ceil(block.0) }
     }
 
-    /// Number of blocks.
+    /// Returns the number of blocks.
     #[inline]
     pub fn count(&self) -> usize {
         self.n_blocks
     }
 
-    /// The westernmost block of a row of cells.
+    /// Returns the westernmost block of a row of cells.
     #[inline]
     pub fn first_of_row(&self, row: usize) -> usize {
         row / self.block.0 * self.n_per_row
     }
 
-    /// Columns of cells in a block.
+    /// Returns the number of columns of cells in a block.
     #[inline]
     pub fn n_cols(&self) -> usize {
         self.block.1

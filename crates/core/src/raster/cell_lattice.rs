@@ -1,25 +1,28 @@
-//! How the cells of a raster lie on an integer lattice.
+//! Position of the cells of a raster on an integer lattice.
 
 use super::GeoRef;
 use crate::quantity::{Frame, STEPS_PER_UNIT};
 
-/// The lattice on which the columns over a raster are decided, with its cells' size in whole steps.
+/// The lattice on which the columns over a raster are decided. A cell is a whole number of its
+/// steps wide and high.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CellLattice {
-    /// Where the lattice lies: its origin is the raster's south-west corner.
+    /// Frame of the lattice; its origin is the raster's south-west corner.
     pub frame: Frame,
     /// Width and height of a cell \[lattice steps\].
     pub steps: [i64; 2],
 }
 
-/// The steps of a cell in a raster scene, along both axes.
+/// Steps of a cell in a raster scene, along both axes.
 const CELL: i64 = STEPS_PER_UNIT as i64;
 
-/// Numbers this close to a whole one are whole: coordinates of a few million meters are rounded at 10^-9 m.
+/// Numbers this close to an integer count as integers: coordinates of a few million meters are
+/// rounded at 10^-9 m.
 const WHOLE: f64 = 1e-6;
 
 impl CellLattice {
-    /// The lattice of a raster scene: 1024 steps a cell along both axes, whatever its size.
+    /// Returns the lattice of a raster scene: 1024 steps a cell along both axes, for every cell
+    /// size.
     pub fn of_cells(grid: &GeoRef) -> Self {
         let frame = Frame {
             x_origin: grid.x_min(),
@@ -30,17 +33,19 @@ impl CellLattice {
         CellLattice { frame, steps: [CELL; 2] }
     }
 
-    /// The lattice of a terrain in a vector scene, whose positions are on the lattice of `scene`.
+    /// Returns the lattice of a terrain in a vector scene, whose positions are on the lattice of
+    /// `scene`.
     ///
-    /// Where the cell is a whole number of the scene's steps, or such a step a whole number of 1/1024 cell, and the corner fits,
-    /// every position of the scene is on this lattice too. Otherwise positions are rounded to it, by half a step of the scene
-    /// at most.
+    /// Every position of the scene is on this lattice too if two conditions hold. The corner fits,
+    /// and a cell is a whole number of the scene's steps or such a step is a whole number of 1/1024
+    /// cell. Otherwise positions are rounded to it, by half a step of the scene at most.
     pub fn under(scene: &Frame, grid: &GeoRef) -> Self {
         let axis = |cell: f64, unit: f64| {
             let is_whole = |v: f64| (v - v.round()).abs() <= WHOLE;
             let steps = cell / unit * f64::from(STEPS_PER_UNIT);
             let is_finer = steps < f64::from(STEPS_PER_UNIT);
-            // The engine for whole terrains wants 1024 steps a cell, so that is preferred where it holds all positions.
+            // The engine for whole terrains needs 1024 steps a cell, so that is preferred if it
+            // holds all positions.
             let holds_all = is_whole(f64::from(STEPS_PER_UNIT) / steps);
             #[expect(clippy::cast_possible_truncation, reason = "saturating: larger cells than any grid has")]
             let steps = if is_finer && (holds_all || !is_whole(steps)) { CELL } else { (steps.round() as i64).max(1) };
@@ -53,7 +58,7 @@ impl CellLattice {
         CellLattice { frame, steps: [steps_x, steps_y] }
     }
 
-    /// Where a position on the lattice of a scene is on this one.
+    /// Converts a position from the lattice of a scene to this one.
     pub fn position(&self, scene: &Frame, position: [i32; 2]) -> [i64; 2] {
         let (x, y) = scene.world_from_lattice(f64::from(position[0]), f64::from(position[1]));
         let (x, y) = self.frame.lattice_from_world(x, y);

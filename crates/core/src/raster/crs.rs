@@ -1,28 +1,28 @@
-//! What the coordinates of a grid mean.
+//! Coordinate reference systems of grids.
 
-/// A horizontal coordinate reference system: what it is called, and what its coordinates measure.
+/// A horizontal coordinate reference system: its name, and the meaning of its coordinates.
 ///
-/// Coordinates are always in the order x, y (east, north; longitude, latitude in degrees), whatever order an authority
-/// assigns: that is how rasters, GeoJSON and every GIS store them.
+/// Coordinates are always in the order x, y (east, north; longitude, latitude in degrees), as
+/// rasters, GeoJSON and every GIS store them. The axis order of the authority is ignored.
 #[derive(Debug, Clone)]
 pub struct Crs {
     epsg: Option<u32>,
     name: String,
     kind: CrsKind,
     definition: CrsDefinition,
-    /// Length of one coordinate unit on the ground where the data lie \[m\]; `None` if it is that of the kind.
+    /// Length of one coordinate unit on the ground at the data \[m\]; `None` if the kind gives it.
     true_meters_per_unit: Option<f64>,
 }
 
 impl PartialEq for Crs {
-    /// Whether two definitions are equal. Where in the system data lie is no part of it.
+    /// Compares the definitions. The true length of a unit at the data is ignored.
     fn eq(&self, other: &Crs) -> bool {
         let parts = |crs: &Crs| (crs.epsg, crs.kind);
         parts(self) == parts(other) && self.name == other.name && self.definition == other.definition
     }
 }
 
-/// What the coordinates of a [`Crs`] measure.
+/// The meaning of the coordinates of a [`Crs`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CrsKind {
     /// Longitude and latitude \[deg\].
@@ -36,7 +36,7 @@ pub enum CrsKind {
     Other,
 }
 
-/// Where the mathematics of a [`Crs`] comes from.
+/// The source of the mathematics of a [`Crs`].
 #[derive(Debug, Clone, PartialEq)]
 pub enum CrsDefinition {
     /// The registry entry of its EPSG code.
@@ -50,18 +50,21 @@ pub enum CrsDefinition {
 }
 
 impl Crs {
-    /// A system from its EPSG code, if it has one, its name, what its coordinates measure, and what defines it.
+    /// Makes a system from its EPSG code, if it has one, its name, the meaning of its coordinates,
+    /// and its definition.
     pub fn new(epsg: Option<u32>, name: impl Into<String>, kind: CrsKind, definition: CrsDefinition) -> Crs {
         Crs { epsg, name: name.into(), kind, definition, true_meters_per_unit: None }
     }
 
-    /// Sets the length of one coordinate unit on the ground \[m\], for data in a projection that stretches lengths there.
+    /// Sets the length of one coordinate unit on the ground \[m\], for data in a projection that
+    /// stretches lengths there.
     #[must_use]
     pub fn with_true_meters_per_unit(self, meters: f64) -> Crs {
         Crs { true_meters_per_unit: Some(meters), ..self }
     }
 
-    /// Length of one coordinate unit \[m\], on the ground where that was set; 1 in systems without a plane.
+    /// Returns the length of one coordinate unit \[m\]. It is the length on the ground if that was
+    /// set, and 1 in systems without a plane.
     pub fn meters_per_unit(&self) -> f64 {
         match (self.true_meters_per_unit, self.kind) {
             (Some(meters), _) => meters,
@@ -70,32 +73,33 @@ impl Crs {
         }
     }
 
-    /// The EPSG code of the horizontal system.
+    /// Returns the EPSG code of the horizontal system.
     pub fn epsg(&self) -> Option<u32> {
         self.epsg
     }
 
-    /// `EPSG:25832`, or the name if there is no code.
+    /// Returns `EPSG:25832`, or the name if there is no code.
     pub fn label(&self) -> String {
         self.epsg.map_or_else(|| self.name.clone(), |code| format!("EPSG:{code}"))
     }
 
-    /// The name, for example `ETRS89 / UTM zone 32N`.
+    /// Returns the name, for example `ETRS89 / UTM zone 32N`.
     pub fn name(&self) -> String {
         self.name.clone()
     }
 
-    /// What the coordinates measure.
+    /// Returns the meaning of the coordinates.
     pub fn kind(&self) -> CrsKind {
         self.kind
     }
 
-    /// What defines it.
+    /// Returns the definition.
     pub fn definition(&self) -> &CrsDefinition {
         &self.definition
     }
 
-    /// Whether two definitions mean one system: the same EPSG code, or the same definition where neither has one.
+    /// Returns `true` if two definitions mean one system. They have the same EPSG code, or the same
+    /// definition and no code.
     pub fn same_as(&self, other: &Crs) -> bool {
         if self.epsg.is_some() || other.epsg.is_some() { self.epsg == other.epsg } else { self == other }
     }

@@ -1,7 +1,8 @@
 //! Hillshade: light from the north-west over a surface, as a factor on a color.
 //!
-//! Slopes are Horn's (1981) over the eight neighbors; the sun stands 45° high in the north-west, as cartographers
-//! have it. Walls are steep, so they saturate to a light and a dark rim, and roofs become recognizable.
+//! Slopes are Horn's (1981) over the eight neighbors. The sun stands 45° high in the north-west, as
+//! is usual in cartography. Walls are steep, so they saturate to a light and a dark rim, and roofs
+//! become recognizable.
 
 use std::borrow::Cow;
 
@@ -10,18 +11,19 @@ use std::borrow::Cow;
 pub struct Surface<'a> {
     /// Heights \[m\], `[n_rows, n_cols]`; not finite where unknown.
     pub heights: Cow<'a, [f32]>,
-    /// Columns.
+    /// Number of columns.
     pub n_cols: usize,
-    /// Rows.
+    /// Number of rows.
     pub n_rows: usize,
     /// Distance between cell centers \[m\], along columns and rows.
     pub step_m: (f64, f64),
 }
 
 impl Surface<'_> {
-    /// The light on a cell relative to level ground: 1 there, up to about 1.4 facing the sun, 0 averted.
+    /// Returns the light on a cell relative to level ground: 1 there, up to about 1.4 facing the
+    /// sun, 0 averted.
     ///
-    /// Unknown neighbors and those beyond the border count as high as the cell itself.
+    /// Unknown neighbors, and neighbors beyond the border, count as high as the cell itself.
     pub fn light(&self, row: usize, col: usize) -> f64 {
         let center = self.heights[row * self.n_cols + col];
         if !center.is_finite() {
@@ -38,7 +40,8 @@ impl Surface<'_> {
         let (w, e) = (at(row, west), at(row, east));
         let slope_x = ((ne + 2.0 * e + se) - (nw + 2.0 * w + sw)) / (8.0 * self.step_m.0);
         let slope_y = ((nw + 2.0 * n + ne) - (sw + 2.0 * s + se)) / (8.0 * self.step_m.1);
-        // The normal is (-slope_x, -slope_y, 1), the sun (-1/2, 1/2, 1/√2), and level ground receives 1/√2.
+        // The normal is (-slope_x, -slope_y, 1), the sun (-1/2, 1/2, 1/√2), and level ground
+        // receives 1/√2.
         let towards_sun = 0.5 * (slope_x - slope_y) + std::f64::consts::FRAC_1_SQRT_2;
         let normal = (slope_x * slope_x + slope_y * slope_y + 1.0).sqrt();
         (towards_sun / normal).max(0.0) / std::f64::consts::FRAC_1_SQRT_2

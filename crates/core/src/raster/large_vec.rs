@@ -1,4 +1,5 @@
-//! Values of the cells of large grids, in few and large pages of memory where the system has them, or as runs of equal ones.
+//! Values of the cells of large grids, in large pages of memory if the system has them, or as runs
+//! of equal values.
 
 use std::fmt;
 use std::ops::{Deref, DerefMut};
@@ -10,19 +11,24 @@ use bytemuck::{cast_slice, cast_slice_mut};
 
 use super::RowRuns;
 
-/// How many bytes are asked for in large pages, which have 2 MiB. Less is held by the allocator as well. Of more, little is
-/// gained beside the work that is done on it, and much may be lost: on a virtual machine whose host takes back what is
-/// free, the host is asked for each large page piece by piece, while small pages are often those that another program has just left.
+/// Sizes that are allocated in large pages, which have 2 MiB.
+///
+/// The allocator serves smaller sizes as well. Larger sizes gain little beside the work done on
+/// them, and may lose much. On a virtual machine whose host reclaims free memory, each large page
+/// is requested from the host piece by piece. Small pages often come from a program that has just
+/// freed them.
 #[cfg(target_os = "linux")]
 const LARGE_BYTES: std::ops::RangeInclusive<usize> = 4 << 20..=128 << 20;
 
-/// As many values as were there at first: a vector that does not grow.
+/// A vector of fixed length.
 ///
-/// PERF: the first touch of each page of new memory costs the kernel as much as line of sight costs us for hundreds of cells.
-/// Linux has pages of 2 MiB for those who ask (`transparent_hugepage`, which is `madvise` on most machines), one touch
-/// instead of 512, and does without where it has none left. The allocator does not ask, so what is large comes from the system itself.
+/// PERF: the first touch of each page of new memory costs the kernel as much as line of sight of
+/// hundreds of cells. Linux has pages of 2 MiB on request (`transparent_hugepage`, which is
+/// `madvise` on most machines): one touch instead of 512. It uses small pages when no large ones
+/// are free. The allocator does not request them, so large vectors come from the system itself.
 ///
-/// Values that are known as runs ([`LargeVec::from_runs`]) get memory of their own when all of them are asked for, as a slice.
+/// Values known as runs ([`LargeVec::from_runs`]) get memory of their own once all of them are read
+/// as a slice.
 pub struct LargeVec<T>(Store<T>);
 
 enum Store<T> {
@@ -32,24 +38,24 @@ enum Store<T> {
     Runs(Box<Runs<T>>),
 }
 
-/// Values as runs, and one by one since somebody has asked for all of them.
+/// Values as runs, and one by one after the first request for all of them.
 struct Runs<T> {
     runs: RowRuns<T>,
     values: OnceLock<LargeVec<T>>,
 }
 
 impl<T: Pod> LargeVec<T> {
-    /// `n` zeros.
+    /// Makes a vector of `n` zeros.
     pub fn zeroed(n: usize) -> Self {
         LargeVec(Store::zeroed(n))
     }
 
-    /// The values of rows of cells.
+    /// Makes a vector from rows of cells as runs.
     pub fn from_runs(runs: RowRuns<T>) -> Self {
         LargeVec(Store::Runs(Box::new(Runs { runs, values: OnceLock::new() })))
     }
 
-    /// The values as runs, if they are known as such.
+    /// Returns the values as runs, if they are known as such.
     pub fn runs(&self) -> Option<&RowRuns<T>> {
         match &self.0 {
             Store::Runs(runs) => Some(&runs.runs),
@@ -57,7 +63,7 @@ impl<T: Pod> LargeVec<T> {
         }
     }
 
-    /// All values, if they are in memory one by one.
+    /// Returns all values, if they are in memory one by one.
     pub fn in_memory(&self) -> Option<&[T]> {
         match &self.0 {
             Store::Runs(runs) => runs.values.get().map(LargeVec::as_slice),
@@ -65,17 +71,18 @@ impl<T: Pod> LargeVec<T> {
         }
     }
 
-    /// How many values there are.
+    /// Returns the number of values.
     pub fn len(&self) -> usize {
         self.runs().map_or_else(|| self.as_slice().len(), |runs| runs.n_rows() * runs.n_cols())
     }
 
-    /// Whether there is none.
+    /// Returns `true` if there are no values.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Copies values from index `first` on, which are in one row of cells if they are known as runs.
+    /// Copies values from index `first` on. If they are known as runs, they lie in one row of
+    /// cells.
     #[inline]
     pub fn copy(&self, first: usize, out: &mut [T]) {
         match &self.0 {
@@ -87,7 +94,7 @@ impl<T: Pod> LargeVec<T> {
         }
     }
 
-    /// One value.
+    /// Returns one value.
     #[inline]
     pub fn value(&self, i: usize) -> T {
         match &self.0 {
@@ -100,12 +107,13 @@ impl<T: Pod> LargeVec<T> {
         }
     }
 
-    /// All values.
+    /// Returns all values.
     pub fn as_slice(&self) -> &[T] {
         self
     }
 
-    /// The values as a vector, which may grow: without a copy unless they are in pages of their own.
+    /// Returns the values as a vector, which may grow. They are copied only if they are in pages of
+    /// their own.
     pub fn into_vec(self) -> Vec<T> {
         match self.0 {
             Store::Heap(values) => values,
@@ -132,12 +140,12 @@ impl<T: Pod> Store<T> {
     #[cfg(target_os = "linux")]
     fn zeroed(n: usize) -> Self {
         let n_bytes = n.saturating_mul(size_of::<T>());
-        // Without memory the vector says what is to be said.
+        // If there is no memory, allocating the vector reports it.
         let map = LARGE_BYTES.contains(&n_bytes).then(|| memmap2::MmapMut::map_anon(n_bytes).ok()).flatten();
         map.map_or_else(
             || Store::Heap(vec![T::zeroed(); n]),
             |map| {
-                // A system without large pages refuses, and has given small ones.
+                // A system without large pages refuses, and keeps small ones.
                 let _refused = map.advise(memmap2::Advice::HugePage);
                 Store::Pages(map)
             },
@@ -170,7 +178,7 @@ impl<T: Pod> DerefMut for LargeVec<T> {
         if matches!(self.0, Store::Runs(_))
             && let Store::Runs(runs) = std::mem::replace(&mut self.0, Store::Heap(Vec::new()))
         {
-            // The runs will not be those of the values any more.
+            // Writing makes the runs stale.
             *self = runs.into_values();
         }
         match &mut self.0 {

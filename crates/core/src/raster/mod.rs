@@ -1,7 +1,8 @@
-//! Rasters in memory: rows of cells on a georeferenced grid, sets of cells, and what their coordinates mean.
+//! Rasters in memory: rows of cells on a georeferenced grid, sets of cells, and coordinate
+//! reference systems.
 //!
-//! Rows run north to south and columns west to east, in every file and every array; a cell is an area, and its value
-//! holds for the whole of it.
+//! Rows run north to south and columns west to east, in every file and every array. A cell is an
+//! area, and its value holds for all of it.
 
 mod bit_grid;
 mod cell_blocks;
@@ -24,7 +25,8 @@ pub use hillshade::Surface;
 pub use large_vec::LargeVec;
 pub use row_runs::{CELLS_PER_RUN, RowGroup, RowRuns};
 
-/// A grid of values, row by row from the north-west cell: shape `[n_rows, n_cols]`, columns running fastest.
+/// A grid of values, row by row from the north-west cell: shape `[n_rows, n_cols]`, columns running
+/// fastest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Raster<T: Pod> {
     georef: GeoRef,
@@ -32,30 +34,30 @@ pub struct Raster<T: Pod> {
 }
 
 impl<T: Pod> Raster<T> {
-    /// A raster from its cells.
+    /// Makes a raster from its cells.
     pub fn new(georef: GeoRef, cells: impl Into<LargeVec<T>>) -> Self {
         let cells = cells.into();
         assert_eq!(cells.len(), georef.n_cells(), "a raster holds one value per cell of its grid");
         Raster { georef, cells }
     }
 
-    /// Where the cells lie.
+    /// Returns the grid of the cells.
     pub fn georef(&self) -> &GeoRef {
         &self.georef
     }
 
-    /// All values, row by row from the north-west cell.
+    /// Returns all values, row by row from the north-west cell.
     pub fn cells(&self) -> &[T] {
         &self.cells
     }
 
-    /// One row of values, row 0 being the northernmost.
+    /// Returns one row of values; row 0 is the northernmost.
     pub fn row(&self, row: usize) -> &[T] {
         let n_cols = self.georef.n_cols();
         &self.cells[row * n_cols..(row + 1) * n_cols]
     }
 
-    /// The values without their grid.
+    /// Returns the values without their grid.
     pub fn into_cells(self) -> LargeVec<T> {
         self.cells
     }

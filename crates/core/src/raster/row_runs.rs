@@ -1,27 +1,29 @@
-//! Cells as runs of equal values: what a block model of a city is on a grid along its walls.
+//! Cells as runs of equal values: the form of a city's block model on a grid along its walls.
 
 use std::ops::Range;
 
 use bytemuck::Pod;
 use rayon::prelude::*;
 
-/// Fewest cells to a run that is kept, in any part of a raster: with more runs it is as well held cell by cell.
+/// Fewest cells per kept run, in any part of a raster. With more runs, holding it cell by cell
+/// costs no more.
 pub const CELLS_PER_RUN: usize = 64;
 
-/// Cells that are looked at together, by one thread.
+/// Cells that one thread processes at a time.
 const PART_CELLS: usize = 1 << 18;
 
-/// The cells of a grid as runs of equal values, row by row; rows that repeat the one before are kept once.
+/// The cells of a grid as runs of equal values, row by row. Rows that repeat the row before are
+/// kept once.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RowRuns<T> {
-    /// For each run the column after its last.
+    /// For each run, the column after its last.
     ends: Vec<u32>,
     values: Vec<T>,
-    /// Rows that are equal: the row after the last, and the index after the last of their runs.
+    /// For each group of equal rows, the row after its last, and the index after its last run.
     groups: Vec<(usize, usize)>,
 }
 
-/// Rows that are equal.
+/// Consecutive rows that are equal.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RowGroup<'a, T> {
     /// The rows, from the north.
@@ -33,7 +35,7 @@ pub struct RowGroup<'a, T> {
 }
 
 impl<T> RowGroup<'_, T> {
-    /// The columns of the runs, with their values.
+    /// Iterates over the columns of the runs, with their values.
     pub fn runs(&self) -> impl Iterator<Item = (Range<usize>, &T)> {
         let starts = std::iter::once(0).chain(self.ends.iter().copied());
         let cols = starts.zip(self.ends).map(|(start, end)| start as usize..*end as usize);
@@ -42,8 +44,8 @@ impl<T> RowGroup<'_, T> {
 }
 
 impl<T: Pod + PartialEq + Send + Sync> RowRuns<T> {
-    /// The runs of `cells`, rows of `n_cols` each; `None` if in some part of them there are fewer than `least` cells to a
-    /// run that is kept. Threads of the current pool share the work.
+    /// Returns the runs of `cells`, rows of `n_cols` each. Returns `None` if some part of them has
+    /// fewer than `least` cells per kept run. Threads of the current pool share the work.
     pub fn of(cells: &[T], n_cols: usize, least: usize) -> Option<Self> {
         let cells_at_once = PART_CELLS.div_ceil(n_cols) * n_cols;
         let most = cells_at_once.checked_div(least).unwrap_or(usize::MAX);
@@ -51,13 +53,14 @@ impl<T: Pod + PartialEq + Send + Sync> RowRuns<T> {
         Some(RowRuns::joined(parts.collect::<Option<Vec<_>>>()?))
     }
 
-    /// The runs of a few rows, found by this thread; `None` if more than `most` runs are kept.
+    /// Returns the runs of a few rows, found by this thread; `None` if more than `most` runs are
+    /// kept.
     pub fn of_part(cells: &[T], n_cols: usize, most: usize) -> Option<Self> {
         let mut found = RowRuns { ends: Vec::new(), values: Vec::new(), groups: Vec::new() };
         let mut before: &[T] = &[];
         for (row, of_row) in cells.chunks_exact(n_cols).enumerate() {
             match found.groups.last_mut() {
-                // PERF: as bytes, which are compared many at a time.
+                // PERF: bytes are compared many at a time.
                 Some(group) if bytemuck::cast_slice::<T, u8>(before) == bytemuck::cast_slice::<T, u8>(of_row) => {
                     group.0 = row + 1;
                 }
@@ -89,7 +92,7 @@ impl<T: Pod + PartialEq + Send + Sync> RowRuns<T> {
         }
     }
 
-    /// The rows of several grids of one width, from the north.
+    /// Joins the rows of several grids of one width, from the north.
     pub fn joined(parts: Vec<Self>) -> Self {
         let mut all = RowRuns { ends: Vec::new(), values: Vec::new(), groups: Vec::new() };
         for part in parts {
@@ -118,22 +121,22 @@ impl<T: Pod + PartialEq + Send + Sync> RowRuns<T> {
 }
 
 impl<T: Pod> RowRuns<T> {
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn n_rows(&self) -> usize {
         self.groups.last().map_or(0, |(row, _)| *row)
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     pub fn n_cols(&self) -> usize {
         self.ends.last().map_or(0, |end| *end as usize)
     }
 
-    /// The values of all runs.
+    /// Returns the values of all runs, for writing.
     pub fn values_mut(&mut self) -> &mut [T] {
         &mut self.values
     }
 
-    /// Rows that are equal, from the north.
+    /// Iterates over groups of equal rows, from the north.
     pub fn groups(&self) -> impl DoubleEndedIterator<Item = RowGroup<'_, T>> + ExactSizeIterator {
         (0..self.groups.len()).map(|k| self.group(k))
     }
@@ -180,7 +183,8 @@ mod tests {
         cells
     }
 
-    /// Rows that repeat within a part and from one part to the next, with runs of all lengths around sixteen.
+    /// Returns rows that repeat within a part and from one part to the next, with runs of all
+    /// lengths around sixteen.
     fn stripes(n_rows: usize, n_cols: usize) -> Vec<i32> {
         let mut cells = vec![0; n_rows * n_cols];
         for (row, cells) in cells.chunks_exact_mut(n_cols).enumerate() {

@@ -1,8 +1,9 @@
 //! Branches that are shorter than their gates are wide: recesses, niches, the corners of squares.
 //!
-//! A branch is a part of the ground that one gate separates and that holds no cycle. A gate has a branch on one side, or on
-//! both where the ground as a whole holds no cycle. How far a branch reaches depends on the branches beyond the other gates
-//! of its first cell alone. So branches are found from the dead ends on, each once, in any order.
+//! A branch is a part of the ground that one gate separates and that holds no cycle. A gate has a
+//! branch on one side, or on both if the ground as a whole holds no cycle. The reach of a branch
+//! depends only on the branches beyond the other gates of its first cell. So branches are found
+//! from the dead ends on, each once, in any order.
 
 use super::gates::Gates;
 use super::mesh::Beyond;
@@ -10,11 +11,12 @@ use super::mesh::Beyond;
 /// Share of its gate's width below which a branch is cut off.
 const SHORTEST_BRANCH_WIDTHS: f64 = 1.0;
 
-/// Reach of a branch that ends at the frame, or holds a corner of it: the street is taken to go on beyond it.
+/// Reach of a branch that ends at the frame or holds a corner of it: the street is assumed to
+/// continue beyond it.
 const ENDLESS: i64 = i64::MAX;
 
-/// Cuts off branches of junctions that reach less far from their gates than these are wide. Returns the gates as sides of
-/// the junctions.
+/// Cuts off branches of junctions whose reach from their gates is less than the gates' width.
+/// Returns the gates as sides of the junctions.
 ///
 /// All are cut off at once, so a branch is as long as before the cut.
 pub(super) fn cut_short(gates: &mut Gates) -> Vec<usize> {
@@ -25,23 +27,26 @@ pub(super) fn cut_short(gates: &mut Gates) -> Vec<usize> {
     cut
 }
 
-/// Returns whether a side is a gate of a junction, and the branch beyond it too short for a street.
+/// Returns `true` if a side is a gate of a junction, and the branch beyond it is too short for a
+/// street.
 fn is_short(gates: &Gates, reaches: &[Option<i64>], side: usize) -> bool {
     let width = gates.mesh.length(side);
     reaches[side].is_some_and(|reach| (reach as f64) < SHORTEST_BRANCH_WIDTHS * width as f64)
         && gates.is_junction(gates.mesh.cell(side))
 }
 
-/// Returns how far the branches beyond gates reach, by side; `None` where there is no gate, or a cycle beyond it.
+/// Returns the reach of the branches beyond gates, by side; `None` without a gate, or with a cycle
+/// beyond it.
 fn reaches(gates: &Gates) -> Vec<Option<i64>> {
     let mesh = gates.mesh;
     let mut reaches = vec![None; mesh.n_sides()];
-    // Gates of each cell beyond which the branch is not known yet.
+    // Gates of each cell whose branch beyond is not known yet.
     let mut n_unknown: Vec<usize> = (0..mesh.n_cells()).map(|cell| gates.degree(cell)).collect();
     let mut open: Vec<usize> = (0..mesh.n_cells()).filter(|cell| n_unknown[*cell] == 1).collect();
     while let Some(cell) = open.pop() {
         for (gate, trunk) in gates.live(cell) {
-            // With one unknown, the cell begins the branch beyond that gate; with none, one beyond each of its gates.
+            // With one unknown, the cell begins the branch beyond that gate. With none, it begins a
+            // branch beyond each of its gates.
             let is_known = n_unknown[cell] == 0 || reaches[gate].is_none();
             if !is_known || reaches[trunk].is_some() {
                 continue;
@@ -57,7 +62,7 @@ fn reaches(gates: &Gates) -> Vec<Option<i64>> {
     reaches
 }
 
-/// Returns how far the branch that begins with the cell of a gate reaches from it.
+/// Returns the reach, from a gate, of the branch that begins with the gate's cell.
 fn reach(gates: &Gates, reaches: &[Option<i64>], gate: usize) -> i64 {
     let mesh = gates.mesh;
     let cell = mesh.cell(gate);

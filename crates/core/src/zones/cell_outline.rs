@@ -1,7 +1,8 @@
-//! Outlines of sets of cells simplified to one cell, so that a slanted wall is a line again and not a staircase.
+//! Outlines of sets of cells simplified to one cell, so that a slanted wall is a line again and not
+//! a staircase.
 //!
-//! A turned or mirrored set has the turned or mirrored outline: distances are compared in integers, and of several corners
-//! that are equally far all are kept.
+//! A turned or mirrored set has the turned or mirrored outline. Distances are compared in integers,
+//! and all corners that are equally far are kept.
 
 use crate::outlines::traced_around;
 use crate::raster::BitGrid;
@@ -9,18 +10,19 @@ use crate::raster::BitGrid;
 /// Largest distance of a traced corner from the simplified outline, squared \[cells²\].
 const TOLERANCE_CELLS2: i128 = 1;
 
-/// The outlines of a set of cells as rings of cell corners `[x, y]`, counted east and north from the south-west corner of
-/// the grid; the set is on the left. Cells that touch only at a corner have outlines of their own.
+/// Returns the outlines of a set of cells as rings of cell corners `[x, y]`, counted east and north
+/// from the south-west corner of the grid. The set is on the left of each ring. Cells that touch
+/// only at a corner have separate outlines.
 pub(super) fn rings_around(set: &BitGrid) -> Vec<Vec<[usize; 2]>> {
     traced_around(set).iter().map(|ring| simplified(ring)).collect()
 }
 
-/// Returns a ring with fewer corners, none of the former farther from it than the tolerance (Douglas & Peucker 1973). A ring
-/// of which nothing would be left is returned as it is.
+/// Returns a ring with fewer corners; no former corner is farther from it than the tolerance
+/// (Douglas & Peucker 1973). A ring that would vanish is returned unchanged.
 fn simplified(ring: &[[usize; 2]]) -> Vec<[usize; 2]> {
     let n = ring.len();
     let points: Vec<[i64; 2]> = ring.iter().map(|p| p.map(|v| v.cast_signed() as i64)).collect();
-    // Corners far from one another are kept in any case.
+    // Corners far from one another are always kept.
     let ends = ends(&points);
     let mut kept = vec![false; n];
     ends.iter().for_each(|k| kept[*k] = true);
@@ -49,7 +51,8 @@ fn simplified(ring: &[[usize; 2]]) -> Vec<[usize; 2]> {
     if few.len() >= 3 { few } else { ring.to_vec() }
 }
 
-/// Returns the corners farthest from the middle of a ring's bounds. If there is one alone, those farthest from it as well.
+/// Returns the corners farthest from the middle of a ring's bounds. If there is only one, adds the
+/// corners farthest from it.
 fn ends(points: &[[i64; 2]]) -> Vec<usize> {
     let bounds = |k: usize| (points.iter().map(|p| p[k]).min(), points.iter().map(|p| p[k]).max());
     let farthest_from = |doubled: [i64; 2]| -> Vec<usize> {
@@ -65,7 +68,8 @@ fn ends(points: &[[i64; 2]]) -> Vec<usize> {
     ends
 }
 
-/// Returns the squared distance of a point from a segment, times its squared length. EXACT: below 2^80 for 2^19 cells.
+/// Returns the squared distance of a point from a segment, times its squared length. EXACT: below
+/// 2^80 for 2^19 cells.
 fn scaled_distance(p: [i64; 2], a: [i64; 2], b: [i64; 2]) -> i128 {
     let along = (b[0] - a[0]) * (p[0] - a[0]) + (b[1] - a[1]) * (p[1] - a[1]);
     let length = squared(a, b);

@@ -2,13 +2,13 @@
 
 use ethnum::I256;
 
-/// Bound on the rounding errors of the determinant in f64, as a share of the sum of its terms' sizes (Shewchuk 1997,
-/// `iccerrboundA`). Differences of coordinates are exact.
+/// Bound on the rounding errors of the determinant in f64, as a share of the sum of its terms'
+/// magnitudes (Shewchuk 1997, `iccerrboundA`). Differences of coordinates are exact.
 const ERROR_SHARE: f64 = (10.0 + 96.0 * UNIT) * UNIT;
 /// Half the distance from 1 to the next f64.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
-/// Returns whether four points lie on one circle, or on one line.
+/// Returns `true` if four points lie on one circle, or on one line.
 ///
 /// Coordinates are within ±2^48. EXACT: the determinant is below 2^204.
 pub(super) fn are_on_one_circle(points: [[i64; 2]; 4]) -> bool {

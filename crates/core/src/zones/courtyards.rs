@@ -1,23 +1,26 @@
-//! Open ground that is enclosed.
+//! Enclosed open ground.
 
 use super::gates::Gates;
 use super::mesh::Beyond;
 
-/// Area \[m²\] below which a part of the open ground that opens to another is a slit between walls, no yard.
+/// Area \[m²\] below which a part of the open ground that opens to another part is a slit between
+/// walls, no yard.
 const SMALLEST_YARD_M2: f64 = 25.0;
 
-/// Part of the open ground: cells that gates connect.
+/// Part of the open ground: cells connected by gates.
 #[derive(Debug, Default)]
 struct Part {
     /// Twice its area \[steps²\].
     doubled_area: i128,
     meets_frame: bool,
-    /// Cells beyond openings that are no way through.
+    /// Cells beyond openings that are no passage.
     beside: Vec<usize>,
 }
 
-/// Returns by cell whether it is enclosed: no way leads from it to the frame. A slit, enclosed by walls only in part and
-/// too small to stand in, is what it opens to.
+/// Returns for each cell whether it is enclosed, so that no way leads from it to the frame.
+///
+/// A slit is enclosed by walls only in part and too small to stand in. It takes after the ground to
+/// which it opens.
 pub(super) fn courtyards(gates: &Gates) -> Vec<bool> {
     let mesh = gates.mesh;
     let mut part = vec![usize::MAX; mesh.n_cells()];
@@ -53,8 +56,9 @@ pub(super) fn courtyards(gates: &Gates) -> Vec<bool> {
     part.into_iter().map(|k| is_enclosed[k]).collect()
 }
 
-/// Returns by part whether it is enclosed. Beginning with the slits beside other parts, each takes after the largest part
-/// beside it that is decided; of equal ones after one that is not enclosed.
+/// Returns for each part whether it is enclosed. Slits are decided outward from the parts beside
+/// them. Each takes after the largest decided part beside it; of equally large ones, after one that
+/// is not enclosed.
 fn enclosed(parts: &[Part], part: &[usize], is_small: impl Fn(&Part) -> bool) -> Vec<bool> {
     let is_slit = |p: &Part| !p.meets_frame && !p.beside.is_empty() && is_small(p);
     let mut is_enclosed: Vec<Option<bool>> = parts.iter().map(|p| (!is_slit(p)).then_some(!p.meets_frame)).collect();

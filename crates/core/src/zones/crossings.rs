@@ -1,7 +1,8 @@
 //! Zones of the cells of open ground: crossings, courtyards and streets.
 //!
-//! The cells and the gates between them are a graph. Short branches are cut off it; cells where three gates or more remain
-//! are junctions, and between junctions run chains of cells with two. See [`super`] for the definition.
+//! The cells and the gates between them are a graph. Short branches are cut off it. Cells with
+//! three remaining gates or more are junctions; chains of cells with two gates run between them.
+//! See [`super`] for the definition.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +13,7 @@ use super::mesh::Mesh;
 use super::zone::Zone;
 use crate::disjoint_sets::DisjointSets;
 
-/// Crossings whose mouths are closer than this share of their width are one.
+/// Crossings whose mouths are closer than this share of their width are one crossing.
 const SHORTEST_STREET_WIDTHS: f64 = 0.25;
 
 /// A mouth counts as a street only if it is this share of the second widest at the crossing.
@@ -24,7 +25,8 @@ const WIDEST_STREET_TYPICAL: f64 = 4.0;
 /// A crossing larger than this many squares of its widest street is open ground.
 const LARGEST_CROSSING_WIDTHS2: f64 = 30.0;
 
-/// The part of a crossing at the frame is open ground above this many squares: what lies beyond the frame is not known.
+/// The part of a crossing at the frame is open ground above this many squares: the ground beyond
+/// the frame is unknown.
 const LARGEST_CROSSING_AT_FRAME_WIDTHS2: f64 = 2.0;
 
 /// Returns the zone of each cell.
@@ -44,10 +46,11 @@ pub(super) fn zones_of(mesh: &Mesh) -> Vec<Zone> {
     zones
 }
 
-/// Gives branches that were cut off the zone of the junction that they hang on. Courtyards stay courtyards.
+/// Gives branches that were cut off the zone of their junction. Courtyards stay courtyards.
 fn spread_into_branches(zones: &mut [Zone], gates: &Gates, cut: &[usize]) {
     let mesh = gates.mesh;
-    // From a gate into the branch beyond it, and on through all gates of it, those of its own branches as well.
+    // From a gate into the branch beyond it, and on through all its gates, including those of its
+    // own branches.
     let onward = |side: usize| {
         let back = gates.beyond(side);
         let sides = back.map_or(0..0, |back| mesh.sides(mesh.cell(back)));
@@ -77,13 +80,15 @@ fn spread_into_branches(zones: &mut [Zone], gates: &Gates, cut: &[usize]) {
     }
 }
 
-/// Returns by cell whether it is part of a crossing: junctions joined where the street between them is shorter than a share
-/// of its width, out to the mouths of the streets that meet, where three or more do.
+/// Returns for each cell whether it is part of a crossing.
+///
+/// Junctions are joined if the street between them is shorter than a share of its width. A crossing
+/// extends to the mouths of its streets, of which there are three or more.
 fn crossings(gates: &Gates) -> Vec<bool> {
     let mesh = gates.mesh;
     let junctions: Vec<usize> = (0..mesh.n_cells()).filter(|cell| gates.is_junction(*cell)).collect();
     let mut groups = DisjointSets::new(mesh.n_cells());
-    // Junctions, and cells between one and a mouth, each with its junction.
+    // Junctions, and the cells between a junction and a mouth, each with its junction.
     let mut parts: Vec<(usize, usize)> = junctions.iter().map(|cell| (*cell, *cell)).collect();
     // The mouths of junctions, as sides of the last cells before the streets.
     let mut mouths: Vec<(usize, usize)> = Vec::new();
@@ -91,7 +96,7 @@ fn crossings(gates: &Gates) -> Vec<bool> {
         junctions.iter().flat_map(|junction| gates.live(*junction).map(|(side, _)| (*junction, side)))
     {
         let chain = gates.chain(side);
-        // Each chain between junctions is found from both ends, and treated once.
+        // Each chain between junctions is found from both ends, and processed once.
         if chain.end.is_some_and(|end| end < side) {
             continue;
         }
@@ -143,7 +148,8 @@ fn crossings(gates: &Gates) -> Vec<bool> {
     is_crossing
 }
 
-/// Where streets meet, or a part of open ground that is too wide for that.
+/// A candidate for a crossing: the joined ground at which streets meet, or open ground too wide for
+/// a crossing.
 #[derive(Debug, Default)]
 struct Region {
     /// Twice the area of its cells without a corner on the frame \[steps²\].
@@ -155,7 +161,7 @@ struct Region {
 }
 
 impl Region {
-    /// Whether the region, or the part of it at the frame, is a crossing.
+    /// Returns `true` if the region, or the part of it at the frame, is a crossing.
     fn is_crossing(&self, widest_street: f64, at_frame: bool) -> bool {
         let mut streets: Vec<f64> =
             self.mouths.iter().map(|width| *width as f64).filter(|width| *width <= widest_street).collect();
@@ -169,7 +175,7 @@ impl Region {
     }
 }
 
-/// The value that a quarter of the values exceed; 0 if there are none.
+/// Returns the value that a quarter of the values exceed; 0 if there are none.
 fn upper_quartile(mut values: Vec<i64>) -> i64 {
     let at = values.len() * 3 / 4;
     if at >= values.len() {

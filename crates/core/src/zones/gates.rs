@@ -1,33 +1,35 @@
-//! Ways through between cells of open ground, and the streets that they make.
+//! Passages between cells of open ground, and the streets that they form.
 
 use super::mesh::{Beyond, Mesh};
 
-/// Width \[m\] below which a side is no way through.
+/// Width \[m\] below which a side is no passage.
 const NARROWEST_PASSAGE_M: f64 = 1.0;
 
-/// Share of another gate's width below which a gate counts as narrower. Without it the mouths of streets whose walls are
-/// parallel would depend on rounding.
+/// Share of another gate's width below which a gate counts as narrower. Without it, the mouths of
+/// streets with parallel walls would depend on rounding.
 const NARROWER_SHARE: f64 = 0.97;
 
-/// Distance \[widths of the narrowest gate found\] within which a narrower gate is looked for where gates no longer narrow.
-/// The streets of a generated city are 0.46 times as long as wide, or longer, for α ≥ 0.1.
+/// Distance, in widths of the narrowest gate so far, over which the search for a narrower gate
+/// continues after gates stop narrowing. The streets of a generated city are at least 0.46 times as
+/// long as wide, for α ≥ 0.1.
 const MOUTH_SEARCH_WIDTHS: f64 = 0.35;
 
-/// Ways through between cells. A gate is a side, seen from either of its cells.
+/// Passages between cells. A gate is a side, seen from either of its cells.
 pub(super) struct Gates<'a> {
     pub(super) mesh: &'a Mesh,
-    /// By side: the same side of the cell beyond; `None` where it is no gate.
+    /// By side: the same side of the cell beyond; `None` if it is no gate.
     beyond: Vec<Option<usize>>,
-    /// By side: a gate at which no branch was cut off.
+    /// By side: `true` for a gate at which no branch was cut off.
     is_live: Vec<bool>,
 }
 
 /// Street between two junctions, or from a junction to a dead end.
 pub(super) struct Chain {
-    /// Gates along it, each as a side of the cell before it; one more than cells, unless it ends dead.
+    /// Gates along it, each as a side of the cell before it. There is one more gate than cells,
+    /// except at a dead end.
     pub(super) gates: Vec<usize>,
     pub(super) cells: Vec<usize>,
-    /// Side by which it arrives at the junction at its end; `None` at a dead end.
+    /// Side by which it reaches the junction at its end; `None` at a dead end.
     pub(super) end: Option<usize>,
 }
 
@@ -42,29 +44,29 @@ impl<'a> Gates<'a> {
         Gates { mesh, beyond, is_live }
     }
 
-    /// Returns the same side of the cell beyond, if the side is a gate, cut off or not.
+    /// Returns the same side of the cell beyond if the side is a gate, whether cut off or not.
     pub(super) fn beyond(&self, side: usize) -> Option<usize> {
         self.beyond[side]
     }
 
-    /// Returns the gates of a cell that are left, each with its side of the cell beyond.
+    /// Returns the remaining gates of a cell, each with its side of the cell beyond.
     pub(super) fn live(&self, cell: usize) -> impl Iterator<Item = (usize, usize)> {
         self.mesh.sides(cell).filter(|side| self.is_live[*side]).filter_map(|side| Some((side, self.beyond[side]?)))
     }
 
-    /// Returns the number of gates of a cell that are left.
+    /// Returns the number of remaining gates of a cell.
     pub(super) fn degree(&self, cell: usize) -> usize {
         self.live(cell).count()
     }
 
-    /// Returns whether three streets or more leave a cell: through gates, or two through gates and one over a corner of the
-    /// frame.
+    /// Returns `true` if three streets or more leave a cell: through gates, or two through gates
+    /// and one over a corner of the frame.
     pub(super) fn is_junction(&self, cell: usize) -> bool {
         let degree = self.degree(cell);
         degree >= 3 || (degree == 2 && self.mesh.frame_corners(cell).next().is_some())
     }
 
-    /// Takes a gate away from the cells on both sides.
+    /// Removes a gate from the cells on both sides.
     pub(super) fn cut(&mut self, side: usize) {
         self.is_live[side] = false;
         if let Some(other) = self.beyond[side] {
@@ -90,8 +92,8 @@ impl<'a> Gates<'a> {
         chain
     }
 
-    /// Returns the position of the gate where a chain's street begins: down to where gates no longer narrow, and on to a
-    /// narrower one nearby.
+    /// Returns the position of the gate at which a chain's street begins. The search goes to the
+    /// end of the narrowing, and on to a narrower gate nearby.
     pub(super) fn mouth(&self, gates: impl Iterator<Item = usize>) -> usize {
         let (mut best, mut width, mut walked) = (0, i64::MAX, 0);
         let mut last = None;

@@ -1,12 +1,14 @@
-//! The zones of a generated city, by construction: streets are {x mod T ≤ s} and {y mod T ≤ s}, and a crossroad is where
-//! both hold. Positions are compared on the lattice, where the buildings are.
+//! The zones of a generated city, by construction.
+//!
+//! Streets are {x mod T ≤ s} and {y mod T ≤ s}; a crossroad is the intersection of both. Positions
+//! are compared on the lattice of the buildings.
 
 use super::zone::{NONE, Zone};
 use crate::city::BuiltUp;
 use crate::height_field::HeightField;
 
-/// The zone codes of the cells, row by row from the north-west. An open cell in the place of a building, beyond the edge
-/// of the city, is street.
+/// Returns the zone codes of the cells, row by row from the north-west. An open cell in the place
+/// of a building, beyond the edge of the city, is street.
 pub(super) fn codes(field: &HeightField, built_up: &BuiltUp) -> Vec<u8> {
     let (xs, ys) = field.positions().on_prisms();
     let along: Vec<bool> = xs.into_iter().map(|x| built_up.building_at(x).is_none()).collect();

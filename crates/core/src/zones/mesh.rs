@@ -1,17 +1,20 @@
-//! The open ground as cells: a constrained Delaunay triangulation whose walls are split where a corner of another wall stands
-//! opposite, and whose triangles on one circle are one cell.
+//! The open ground as cells: a constrained Delaunay triangulation whose walls are split opposite
+//! the corners of other walls. Triangles on one circle are one cell.
 //!
-//! A long wall has no vertex where a street ends against it, and the triangles there would reach to its far ends. So
-//! the foot of every corner on the wall opposite becomes a vertex too, and the triangulation is made again until no foot
-//! is missing. After that the shortest way across a street from a corner is a side of a cell.
+//! A long wall has no vertex where a street ends against it, so the triangles there would reach to
+//! its far ends. Hence the foot of every corner on the wall opposite becomes a vertex too. The
+//! triangulation is repeated until no foot is missing. After that the shortest way across a street
+//! from a corner is a side of a cell.
 //!
-//! The corners of a rectangle lie on one circle, and either diagonal makes a Delaunay triangulation of it. So a side that two
-//! triangles on one circle share is no side of the mesh. All others are sides of every Delaunay triangulation. Hence the
-//! cells depend neither on how the scene is turned or mirrored, nor on the order of its corners. Nothing else here may:
-//! lengths are rounded from exact differences, and a choice among several takes all that are equal.
+//! The corners of a rectangle lie on one circle, and either diagonal makes a Delaunay triangulation
+//! of it. So a side shared by two triangles on one circle is no side of the mesh. All other sides
+//! are sides of every Delaunay triangulation. Hence the cells depend neither on how the scene is
+//! turned or mirrored, nor on the order of its corners. The rest of this file keeps that property:
+//! lengths are rounded from exact differences, and a choice among equals takes all of them.
 //!
-//! Corners are integers, so that a corner which touches a wall lies exactly on it, and the triangulation splits the wall
-//! there; scaled to meters first, it would fall to either side, and edges would cross.
+//! Corners are integers, so that a corner which touches a wall lies exactly on it, and the
+//! triangulation splits the wall there. Scaled to meters first, it would fall to either side, and
+//! edges would cross.
 
 use spade::Triangulation;
 use spade::handles::DirectedEdgeHandle;
@@ -24,10 +27,11 @@ use crate::overlay::{Cdt, FineRing, corners_and_edges, inside_faces, triangulate
 const CLOSEST_FOOT_M: f64 = 0.25;
 const CLOSEST_FOOT_SHARE: f64 = 0.1;
 
-/// The most rounds of splitting walls. Each brings the feet of at least one corner per wall; a few suffice.
+/// The most rounds of splitting walls. Each brings the feet of at least one corner per wall; a few
+/// suffice.
 const MOST_ROUNDS: usize = 8;
 
-/// The most further passes of the overlay where edges cross.
+/// The most further passes of the overlay while edges cross.
 const MOST_REPAIRS: usize = 3;
 
 /// Cells of open ground: convex polygons, each with its corners on one circle.
@@ -37,7 +41,7 @@ pub(super) struct Mesh {
     points: Vec<[i64; 2]>,
     /// The sides of all cells, cell by cell, counterclockwise.
     sides: Vec<Side>,
-    /// The first side of each cell, and the number of all.
+    /// The first side of each cell, followed by the number of all sides.
     first_sides: Vec<usize>,
     /// West, south, east, north.
     frame: [i64; 4],
@@ -48,7 +52,7 @@ pub(super) struct Mesh {
 /// Side of a cell.
 #[derive(Debug, Clone, Copy)]
 struct Side {
-    /// The vertex where it begins.
+    /// The vertex at which it begins.
     from: usize,
     cell: usize,
     beyond: Beyond,
@@ -59,9 +63,9 @@ struct Side {
 pub(super) enum Beyond {
     /// A building.
     Wall,
-    /// The end of the scene.
+    /// The edge of the scene.
     Frame,
-    /// More open ground: this side of another cell is the same.
+    /// More open ground: the number of the same side in the cell beyond.
     Open(usize),
 }
 
@@ -103,12 +107,13 @@ impl Mesh {
         distance(a, b)
     }
 
-    /// Returns the distance between the middles of two sides \[steps\].
+    /// Returns the distance between the midpoints of two sides \[steps\].
     pub(super) fn distance(&self, side: usize, other: usize) -> i64 {
         halved_distance(self.doubled_middle(side), self.doubled_middle(other))
     }
 
-    /// Returns the distance from the middle of a side to the farthest corner of its cell that is no end of it \[steps\].
+    /// Returns the distance from the midpoint of a side to the farthest corner of its cell that is
+    /// no end of the side \[steps\].
     pub(super) fn depth(&self, side: usize) -> i64 {
         let ends = self.ends(side);
         let middle = self.doubled_middle(side);
@@ -131,7 +136,7 @@ impl Mesh {
             .sum()
     }
 
-    /// Returns an area \[m²\] from twice the area \[steps²\].
+    /// Converts twice an area \[steps²\] to the area \[m²\].
     pub(super) fn square_meters(&self, doubled: i128) -> f64 {
         doubled as f64 / 2.0 * self.step_m * self.step_m
     }
@@ -145,8 +150,8 @@ impl Mesh {
         self.corners(cell).any(is_on_frame)
     }
 
-    /// Returns the width of a cell across each corner of the frame that it holds \[steps\]: the distance between the far ends
-    /// of the two sides there.
+    /// Returns the width of a cell across each corner of the frame that it holds \[steps\]: the
+    /// distance between the far ends of the two sides there.
     pub(super) fn frame_corners(&self, cell: usize) -> impl Iterator<Item = i64> {
         let sides = self.sides(cell);
         let n = sides.len();
@@ -170,7 +175,7 @@ impl Mesh {
             outline = Outline::of(&ground.rings);
             triangulated = outline.triangulated();
         }
-        // Should edges still cross, one of each two is left out.
+        // If edges still cross, one of each two is left out.
         let Some((mut cdt, are_apart)) = triangulated else { return Mesh::default() };
         let n_corners = outline.points.len();
         for _ in 0..MOST_ROUNDS {
@@ -192,7 +197,8 @@ fn distance(a: [i64; 2], b: [i64; 2]) -> i64 {
     halved_distance(a.map(|v| 2 * v), b.map(|v| 2 * v))
 }
 
-/// Returns half the distance between two points, rounded to a step. It is the same however they are turned and mirrored.
+/// Returns half the distance between two points, rounded to a step. It does not depend on turning
+/// or mirroring them.
 fn halved_distance(a: [i64; 2], b: [i64; 2]) -> i64 {
     #[expect(clippy::cast_precision_loss, reason = "below 2^51")]
     let [dx, dy] = [0, 1].map(|k| (a[k] - b[k]) as f64);
@@ -222,14 +228,16 @@ impl Outline {
         Outline { points, edges }
     }
 
-    /// The triangulation, and whether no edges cross; `None` if there are too few vertices.
+    /// Returns the triangulation, and `true` if no edges cross; `None` if there are too few
+    /// vertices.
     fn triangulated(&self) -> Option<(Cdt, bool)> {
         #[expect(clippy::cast_precision_loss, reason = "below 2^53")]
         let points: Vec<[f64; 2]> = self.points.iter().map(|p| p.map(|v| v as f64)).collect();
         triangulated(&points, self.edges.clone())
     }
 
-    /// Splits walls at the feet of the first `n_corners` vertices opposite; says whether there were any.
+    /// Splits walls at the feet of the first `n_corners` vertices opposite. Returns `true` if there
+    /// were any.
     fn split_at_feet(&mut self, cdt: &Cdt, n_corners: usize, step_m: f64) -> bool {
         let (is_open, _) = inside_faces(cdt);
         let closest = CLOSEST_FOOT_M / step_m;
@@ -262,7 +270,8 @@ impl Outline {
                     feet.push(foot);
                 }
             }
-            // Of feet close to one another that of the nearest corner is taken, or of all that are as near.
+            // Of feet close to one another, keep that of the nearest corner, or of all corners
+            // equally near.
             let is_beside = |a: &Foot, b: &Foot| ((a.along - b.along).abs() as f64) < closest * length;
             let is_taken = |a: &&Foot| !feet.iter().any(|b| b.distance < a.distance && is_beside(a, b));
             let mut taken: Vec<&Foot> = feet.iter().filter(is_taken).collect();
@@ -292,7 +301,7 @@ impl Outline {
 
 type Edge<'a> = DirectedEdgeHandle<'a, spade::Point2<f64>, (), spade::CdtEdge<()>, ()>;
 
-/// Returns whether an edge lies between two triangles of one cell.
+/// Returns `true` if an edge lies between two triangles of one cell.
 fn is_within_cell(edge: Edge, points: &[[i64; 2]]) -> bool {
     let (Some(left), Some(right)) = (edge.opposite_vertex(), edge.rev().opposite_vertex()) else { return false };
     let corners = [edge.from(), edge.to(), left, right];
@@ -307,8 +316,8 @@ fn dot(a: [i128; 2], b: [i128; 2]) -> i128 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// Returns the lattice point nearest to a foot, reckoned from the nearer end of the wall. Halfway between the ends it is
-/// rounded to the corner's side.
+/// Returns the lattice point nearest to a foot, computed from the nearer end of the wall. Halfway
+/// between the ends it is rounded to the corner's side.
 fn position(foot: &Foot, [p, q]: [[i64; 2]; 2], squared: i128) -> [i64; 2] {
     let (near, far, along) = if 2 * foot.along <= squared { (p, q, foot.along) } else { (q, p, squared - foot.along) };
     if 2 * along == squared {
@@ -323,7 +332,7 @@ fn position(foot: &Foot, [p, q]: [[i64; 2]; 2], squared: i128) -> [i64; 2] {
     [0, 1].map(|k| near[k] + step(k))
 }
 
-/// Makes cells of the triangles of open ground.
+/// Makes cells from the triangles of open ground.
 fn mesh_of(cdt: &Cdt, points: Vec<[i64; 2]>, ground: &OpenGround) -> Mesh {
     let (is_open, _) = inside_faces(cdt);
     let is_open = |edge: Edge| is_open[edge.face().fix().index()];

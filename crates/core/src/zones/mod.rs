@@ -1,9 +1,16 @@
-//! Zones: which part of the city a place is in: street, crossroad, courtyard or rooftop.
+//! Zones of a city: street, crossroad, courtyard and rooftop.
 //!
-//! In a generated city the zones are known by construction: streets are {x mod T ≤ s} and {y mod T ≤ s}, and a crossroad
-//! is where both hold. Any other scene is read from its open ground, by the rules below; on generated cities they give
-//! back the construction for 99.9 % or more of the open cells, and for all that are a period or more from the edge; turned
-//! against the axes for 99.9 % as footprints, and for 90 % or more as a raster of 1 m cells (`tests/suite/zones.rs`).
+//! In a generated city the zones are known by construction. Streets are {x mod T ≤ s} and {y mod T
+//! ≤ s}; a crossroad is the intersection of both.
+//!
+//! In any other scene the zones follow from its open ground, by the rules below. The rules were
+//! compared with the construction (`tests/suite/zones.rs`):
+//!
+//! | generated city | open cells with the same zone |
+//! |---|---|
+//! | along the axes | 99.9 % or more; all that are a period or more from the edge |
+//! | turned, as footprints | 99.9 % |
+//! | turned, as a raster of 1 m cells | 90 % or more |
 //!
 //! ```text
 //!  ######################################   #  block, two corners of which are A and B
@@ -17,44 +24,52 @@
 //!  ##############|.......|###############
 //! ```
 //!
-//! 1. **Rooftop** is every building cell. Footprints that touch or overlap are one *block*; building cells of a raster
-//!    are outlined along their edges, and the outlines simplified to one cell. Free-standing blocks below 25 m² (kiosks,
-//!    sheds) keep their cells, but divide no street.
-//! 2. The ground between blocks, as far as the *frame* (the extent of the scene), is cut into *mesh cells*: the triangles
-//!    of the constrained Delaunay triangulation of the corners and of their feet on the walls opposite. Triangles that share
-//!    a side and lie on one circle are one mesh cell. A side between two mesh cells, 1 m or longer, is a *gate*.
-//! 3. **Courtyard** is a part of the ground from which no way through gates leads to the frame. A slit below 25 m² that
-//!    opens to other ground, but by no gate, is what it opens to.
-//! 4. A mesh cell with three gates or more is a *junction*. So is one with two gates that holds a corner of the frame, as
-//!    if a street left it there. A *branch* is ground that one gate of a junction separates and that holds no cycle. It is
-//!    cut off if it reaches less far from its gate than the gate is wide, and has the zone of its junction. All such
-//!    branches are cut off at once. A branch that ends at the frame is kept, because a street goes on beyond it.
-//! 5. Between the junctions that are left, mesh cells with two gates form streets. From each gate of a junction the street's
-//!    *mouth* is looked for: onward as long as each gate is narrower than the one before, and then to any that is narrower
-//!    yet within 0.35 times its width. Narrower means by 3 % or more. The junction and the ground as far as its mouths is a
-//!    crossing, and crossings whose mouths are less than a quarter of their width apart are one.
-//! 6. **Crossroad** is a crossing where three streets meet, the third at least 0.3 times as wide as the second: an alley
-//!    off an avenue makes none.
+//! 1. **Rooftop** is every building cell. Footprints that touch or overlap are one *block*.
+//!    Building cells of a raster are outlined along their edges, and the outlines simplified to one
+//!    cell. Free-standing blocks below 25 m² (kiosks, sheds) keep their cells, but divide no
+//!    street.
+//! 2. The ground between blocks, as far as the *frame* (the extent of the scene), is cut into *mesh
+//!    cells*. They are the triangles of the constrained Delaunay triangulation of the corners and
+//!    of their feet on the walls opposite. Triangles that share a side and lie on one circle are
+//!    one mesh cell. A side between two mesh cells, 1 m or longer, is a *gate*.
+//! 3. **Courtyard** is a part of the ground from which no way through gates leads to the frame. A
+//!    slit below 25 m² that opens to other ground without a gate has that ground's zone.
+//! 4. A mesh cell with three gates or more is a *junction*. So is one with two gates that holds a
+//!    corner of the frame, as if a street left it there. A *branch* is ground that one gate of a
+//!    junction separates and that holds no cycle. It is cut off if it reaches less far from its
+//!    gate than the gate is wide, and has the zone of its junction. All such branches are cut off
+//!    at once. A branch that ends at the frame is kept, because a street continues beyond it.
+//! 5. Between the remaining junctions, mesh cells with two gates form streets. The search for a
+//!    street's *mouth* starts at each gate of a junction. It moves onward as long as each gate is
+//!    narrower than the one before. It then continues to any gate that is still narrower, within
+//!    0.35 times its width. Narrower means by 3 % or more. A crossing is the junction and the
+//!    ground as far as its mouths. Crossings whose mouths are less than a quarter of their width
+//!    apart are one crossing.
+//! 6. **Crossroad** is a crossing where three streets meet, the third at least 0.3 times as wide as
+//!    the second. So an alley off an avenue makes no crossroad.
 //! 7. **Street** is all other open ground: streets, alleys, dead ends, bends, yards with a way in.
 //!
-//! **Squares and parks.** A square where streets meet is a crossroad as a whole, as long as it is no larger than 30
-//! squares of its widest street's width: what makes a crossroad worth hovering over, sight into several streets, holds all
-//! over it. Larger open ground (parks, rivers, fields) is street, the zone of open ground without other claims. So is a
-//! mouth wider than four typical streets (the upper quartile of all mouths) no street.
+//! **Squares and parks.** A square where streets meet is a crossroad as a whole, if it is no larger
+//! than 30 squares of its widest street's width. A crossroad is worth hovering over for the sight
+//! into several streets, and that holds all over such a square. Larger open ground (parks, rivers,
+//! fields) is street, the default zone of open ground. A mouth wider than four typical streets (the
+//! upper quartile of all mouths) is no street either.
 //!
-//! **The frame** is no wall of a building, but streets along it need another side, so it bounds their mesh cells; the edge
-//! street of a generated city crosses the others as anywhere. What a crossing covers of mesh cells at the frame may be two
-//! squares of its widest street's width; what is more, and what hangs on it, is taken for the outskirts, and is street.
+//! **The frame** is no wall of a building. It bounds the mesh cells of the streets along it, which
+//! need another side. So the edge street of a generated city crosses other streets as usual. A
+//! crossing may cover mesh cells at the frame up to two squares of its widest street's width. A
+//! larger part is taken for the outskirts, with all ground attached to it, and is street.
 //!
-//! **Symmetry.** A city that is mirrored, or turned by a quarter, has the same zones, mirrored or turned, cell by cell. So
-//! a center on a side of two mesh cells is in a crossroad if either is one. Only a center on a wall can differ: whether it is
-//! on the building depends on which side of it that is.
+//! **Symmetry.** A city that is mirrored, or turned by a quarter, has the same zones, mirrored or
+//! turned, cell by cell. So a center on a side of two mesh cells is in a crossroad if either cell
+//! is in one. Only a center on a wall can differ: its side of the wall decides whether it is on the
+//! building.
 //!
-//! A surface model alone does not say what is a building: no cell of it has a zone.
+//! A surface model alone does not show buildings, so none of its cells has a zone.
 //!
 //! # References
-//! Prasad 1997 (chordal axis: triangles by their free sides, and cutting off short branches). Saboor et al. 2023 (the
-//! generated grid).
+//! Prasad 1997 (chordal axis: triangles by their free sides, and cutting off short branches).
+//! Saboor et al. 2023 (the generated grid).
 
 mod grid;
 mod cell_outline;
@@ -75,14 +90,14 @@ use crate::height_field::HeightField;
 use crate::outlines::{CellPart, cell_parts, n_cell_parts};
 use crate::raster::{BitGrid, GeoRef};
 
-/// How the zones of a scene were found.
+/// The method that found the zones of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ZoneBasis {
-    /// By construction: the streets of a generated city.
+    /// Construction: the streets of a generated city.
     StreetGrid,
-    /// From the triangulation of the open ground.
+    /// Triangulation of the open ground.
     OpenGround,
-    /// Not at all: a surface model alone does not say what is a building, so no cell has a zone.
+    /// None: a surface model alone does not show buildings, so no cell has a zone.
     Unknown,
 }
 
@@ -96,7 +111,7 @@ pub struct ZoneMap {
 }
 
 impl ZoneBasis {
-    /// How it is said in documents.
+    /// Returns the method's name in documents.
     pub fn name(self) -> &'static str {
         match self {
             ZoneBasis::StreetGrid => "street grid",
@@ -107,10 +122,11 @@ impl ZoneBasis {
 }
 
 impl ZoneMap {
-    /// The zones of a scene: by construction for a generated city, whose parameters are `built_up`, from the open
-    /// ground for any other.
+    /// Finds the zones of a scene: by construction for a generated city with parameters `built_up`,
+    /// else from the open ground.
     ///
-    /// Cost: a triangulation of all corners, and a few operations per cell; 0.1 s for 1000 buildings and 10^6 cells.
+    /// Cost: a triangulation of all corners, and a few operations per cell; 0.1 s for 1000
+    /// buildings and 10^6 cells.
     ///
     /// # Examples
     ///
@@ -136,12 +152,12 @@ impl ZoneMap {
         }
     }
 
-    /// The zones of a scene, without any work where no cell has one: `None` of a surface model alone.
+    /// Finds the zones of a scene. For a surface model alone, returns `None` without any work.
     pub fn if_known(field: &HeightField, built_up: Option<&BuiltUp>) -> Option<Self> {
         (!field.is_surface_only()).then(|| ZoneMap::of(field, built_up))
     }
 
-    /// The zones of a scene from its open ground, whatever is known of how it was made.
+    /// Finds the zones of a scene from its open ground, even for a generated city.
     pub fn of_open_ground(field: &HeightField) -> Self {
         if field.is_surface_only() {
             return ZoneMap::new(field, vec![NONE; field.grid().n_cells()], ZoneBasis::Unknown);
@@ -149,8 +165,8 @@ impl ZoneMap {
         ZoneMap::new(field, open_space::codes(field), ZoneBasis::OpenGround)
     }
 
-    /// Zones that were found before: the code of every cell of a scene, as [`ZoneMap::codes`] gives them. `None` if they are
-    /// of another number of cells, or no codes.
+    /// Returns zones found earlier, from the code of every cell of a scene, as in
+    /// [`ZoneMap::codes`]. Returns `None` for another number of cells, or for invalid codes.
     pub fn of_codes(field: &HeightField, codes: Vec<u8>, basis: ZoneBasis) -> Option<Self> {
         let are_codes = codes.len() == field.grid().n_cells() && codes.iter().all(|code| usize::from(*code) < N_CODES);
         are_codes.then(|| ZoneMap::new(field, codes, basis))
@@ -163,35 +179,38 @@ impl ZoneMap {
         ZoneMap { grid: field.grid().clone(), codes, basis, counts }
     }
 
-    /// The receivers' grid.
+    /// Returns the receivers' grid.
     pub fn grid(&self) -> &GeoRef {
         &self.grid
     }
 
-    /// How the zones were found.
+    /// Returns the method that found the zones.
     pub fn basis(&self) -> ZoneBasis {
         self.basis
     }
 
-    /// [`Zone::code`] of every cell or [`NONE`], shape `[n_rows, n_cols]`, row 0 north, columns running fastest.
+    /// Returns [`Zone::code`] of every cell or [`NONE`], shape `[n_rows, n_cols]`, row 0 north,
+    /// columns running fastest.
     pub fn codes(&self) -> &[u8] {
         &self.codes
     }
 
-    /// The zone of a cell.
+    /// Returns the zone of a cell.
     pub fn of_cell(&self, row: usize, col: usize) -> Option<Zone> {
         assert!(col < self.grid.n_cols(), "a column of the grid");
         Zone::of_code(self.codes[row * self.grid.n_cols() + col])
     }
 
-    /// The zone at a world position \[CRS units\]: that of the cell that holds it, the one to its north-east on an edge;
-    /// `None` outside the grid.
+    /// Returns the zone of the cell that holds a world position \[CRS units\]; `None` outside the
+    /// grid. A position on an edge belongs to the cell north-east of it.
     pub fn at(&self, x: f64, y: f64) -> Option<Zone> {
         self.grid.cell_at(x, y).and_then(|(row, col)| self.of_cell(row, col))
     }
 
-    /// The zone of a place of which it is known whether it is over a building: a cell whose center is on the other side of
-    /// a wall does not count, but the nearest of its neighbors on this side.
+    /// Returns the zone of a position \[CRS units\] that is known to be over a building or not.
+    ///
+    /// The center of its cell may lie on the other side of a wall. Then the nearest neighbor on
+    /// this side gives the zone.
     pub fn over(&self, x: f64, y: f64, is_building: bool) -> Option<Zone> {
         let own = self.at(x, y)?;
         if is_building || own != Zone::Rooftop {
@@ -202,7 +221,7 @@ impl ZoneMap {
         for (dx, dy) in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (f64::from(dx), f64::from(dy)))) {
             let (near_x, near_y) = (x + dx * width, y + dy * height);
             if let Some(zone) = self.at(near_x, near_y).filter(|zone| *zone != Zone::Rooftop) {
-                // Distance of the neighbor's center.
+                // Distance to the neighbor's center.
                 let (east, north) = self.grid.cells_from_world(near_x, near_y);
                 let center = |cells: f64| cells.floor() + 0.5;
                 let (own_east, own_north) = self.grid.cells_from_world(x, y);
@@ -213,7 +232,7 @@ impl ZoneMap {
         open.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(Some(Zone::Street), |nearest| Some(nearest.1))
     }
 
-    /// The cells of a zone.
+    /// Returns the cells of a zone.
     pub fn cells(&self, zone: Zone) -> BitGrid {
         let mut cells = BitGrid::new(self.grid.n_rows(), self.grid.n_cols());
         let n_cols = self.grid.n_cols();
@@ -222,17 +241,18 @@ impl ZoneMap {
         cells
     }
 
-    /// The connected parts of a zone, each with its outline, those that begin farther south first.
+    /// Returns the connected parts of a zone with their outlines, ordered by their first cells from
+    /// the south.
     pub fn parts(&self, zone: Zone) -> Vec<CellPart> {
         cell_parts(&self.cells(zone))
     }
 
-    /// Number of connected parts of a zone.
+    /// Returns the number of connected parts of a zone.
     pub fn n_parts(&self, zone: Zone) -> usize {
         n_cell_parts(&self.cells(zone))
     }
 
-    /// Number of cells in a zone.
+    /// Returns the number of cells in a zone.
     pub fn count(&self, zone: Zone) -> u64 {
         self.counts[usize::from(zone.code()) - 1]
     }

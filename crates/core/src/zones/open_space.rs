@@ -9,7 +9,7 @@ use super::outline::Outlines;
 use super::zone::{NONE, Zone};
 use crate::height_field::HeightField;
 
-/// The zone codes of the cells, row by row from the north-west.
+/// Returns the zone codes of the cells, row by row from the north-west.
 pub(super) fn codes(field: &HeightField) -> Vec<u8> {
     let ground = Outlines::of(field).open_ground();
     let [xs, ys] = ground.centers.clone();
@@ -42,7 +42,8 @@ pub(super) fn codes(field: &HeightField) -> Vec<u8> {
     codes
 }
 
-/// Compares a point with the line through two others, the second farther north: `Greater` is east of it. EXACT.
+/// Compares a point with the line through two others, the second farther north: `Greater` is east
+/// of it. EXACT.
 fn side_of([low, high]: [[i64; 2]; 2], p: [i64; 2]) -> Ordering {
     let [dx, dy, px, py] = [high[0] - low[0], high[1] - low[1], p[0] - low[0], p[1] - low[1]].map(i128::from);
     (px * dy).cmp(&(py * dx))
@@ -68,8 +69,8 @@ impl<'a> Centers<'a> {
         Centers { xs, ys, cols_per_step, cols: Vec::new() }
     }
 
-    /// Calls `visit` with a row, counted from the south, and the columns of the centers in it that are inside a convex polygon
-    /// or on a side of it. Its sides are given counterclockwise. EXACT.
+    /// Calls `visit` with a row, counted from the south, and the columns whose centers in it are
+    /// inside a convex polygon or on a side of it. Its sides are given counterclockwise. EXACT.
     fn inside(
         &mut self,
         sides: impl Iterator<Item = [[i64; 2]; 2]> + Clone,
@@ -84,7 +85,7 @@ impl<'a> Centers<'a> {
         self.cols.clear();
         self.cols.resize(rows_inside.len(), 0..0);
         for [a, b] in sides {
-            // What goes down is west of the polygon, what goes up is east of it.
+            // Sides going down are west of the polygon, sides going up are east of it.
             let (low, high, beyond) = match a[1].cmp(&b[1]) {
                 Ordering::Greater => (b, a, Ordering::Less),
                 Ordering::Less => (a, b, Ordering::Equal),
@@ -121,8 +122,8 @@ impl<'a> Centers<'a> {
     }
 }
 
-/// Gives open cells that lie in no cell of the mesh (on a wall, or by a block too small to count) the zone of a neighbor, ring
-/// by ring; those that reach none are street.
+/// Gives the zone of a neighbor, ring by ring, to open cells outside the mesh: on a wall, or at a
+/// block too small to count. Cells without such a neighbor are street.
 fn spread(codes: &mut [u8], mut left_over: Vec<(usize, usize)>, (n_rows, n_cols): (usize, usize)) {
     while !left_over.is_empty() {
         let zone_beside = |codes: &[u8], row: usize, col: usize| {

@@ -1,4 +1,4 @@
-//! The outlines of what is built, joined to blocks, and the open ground between them and the frame.
+//! The outlines of buildings, joined to blocks, and the open ground between them and the frame.
 
 use std::collections::HashMap;
 
@@ -10,28 +10,31 @@ use crate::overlay::{
 };
 use crate::quantity::STEPS_PER_UNIT;
 
-/// A free-standing block smaller than this \[m²\] (a kiosk, a shed) does not divide the street that it stands in.
+/// Area below which a free-standing block (a kiosk, a shed) does not divide its street \[m²\].
 const SMALLEST_BLOCK_M2: f64 = 25.0;
 
 /// Most lattice steps along a raster, a power of two. Its cells are at least 2^10 steps wide.
 const STEPS_PER_RASTER: usize = 1 << 26;
 
-/// Blocks are clamped to this far from the origin \[steps\]; the overlay's integers are exact within it.
+/// Distance from the origin to which blocks are clamped \[steps\]; the overlay's integers are exact
+/// within it.
 const FARTHEST: i64 = 1 << 28;
 
 /// Outlines of a scene on a lattice of equal steps along x and y.
 pub(super) struct Outlines {
-    /// Footprints, or the building cells of a raster, that make up the blocks.
+    /// Footprints, or the building cells of a raster, which make up the blocks.
     pieces: Vec<Polygon>,
     /// The extent of the scene \[steps\]: west, south, east, north.
     frame: [i32; 4],
     /// Length of a lattice step \[m\].
     step_m: f64,
-    /// Centers of the columns of cells from west to east, and of the rows from south to north \[half steps\].
+    /// Centers of the columns of cells from west to east, and of the rows from south to north
+    /// \[half steps\].
     centers: [Vec<i64>; 2],
 }
 
-/// Open ground on the finer lattice of an arrangement: polygons whose edges do not cross, and the frame around them.
+/// Open ground on the finer lattice of an arrangement: polygons whose edges do not cross, and the
+/// frame around them.
 pub(super) struct OpenGround {
     /// Rings, not closed: shells counterclockwise and holes clockwise.
     pub(super) rings: Vec<FineRing>,
@@ -69,8 +72,9 @@ impl Outlines {
             _ => {
                 let sizes = [grid.cell_width(), grid.cell_height()];
                 let counts = [grid.n_cols(), grid.n_rows()];
-                // As many whole steps to a cell everywhere, so that the lattice has the symmetries of the grid. The longer
-                // side of a cell has a power of two, the shorter one is rounded.
+                // One whole number of steps to a cell everywhere, so that the lattice has the
+                // symmetries of the grid. The longer side of a cell has a power of two, the shorter
+                // one is rounded.
                 let longer = sizes[0].max(sizes[1]);
                 let most = counts[0].max(counts[1]).next_power_of_two();
                 let step_m = longer / (STEPS_PER_RASTER / most).max(1) as f64;
@@ -95,10 +99,10 @@ impl Outlines {
         }
     }
 
-    /// The frame less the blocks that are large enough to divide a street.
+    /// Returns the frame without the blocks that are large enough to divide a street.
     pub(super) fn open_ground(self) -> OpenGround {
-        // Outlines on one another would have too many crossings. They are joined first, which rounds the crossings to the coarse
-        // lattice, and not alike from all sides.
+        // Outlines on one another would have too many crossings. They are joined first. This rounds
+        // the crossings to the coarse lattice, and not alike from all sides.
         let is_tangled = self.pieces.len() > 1 && are_many(self.pieces.iter().flatten());
         let pieces = if is_tangled { union(self.pieces) } else { self.pieces };
         let [west, south, east, north] = self.frame;
@@ -136,7 +140,8 @@ fn large_blocks(polygons: Vec<Vec<FineRing>>, step_m: f64) -> Vec<FineRing> {
 }
 
 impl OpenGround {
-    /// The open ground after another pass of the overlay, where rounded crossings made edges cross anew.
+    /// Returns the open ground after another pass of the overlay, for edges that cross because
+    /// crossings were rounded.
     pub(super) fn again(self) -> OpenGround {
         OpenGround { rings: fine_union(&self.rings).concat(), ..self }
     }

@@ -1,11 +1,11 @@
 //! The four zones, their words, codes and colors.
 
-/// What a place in a city is.
+/// The kind of a place in a city.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Zone {
-    /// Open ground that is neither of the next two.
+    /// Open ground that is neither crossroad nor courtyard.
     Street,
-    /// Where three or more streets meet.
+    /// Open ground at which three or more streets meet.
     Crossroad,
     /// Open ground that one block encloses.
     Courtyard,
@@ -13,14 +13,15 @@ pub enum Zone {
     Rooftop,
 }
 
-/// The code of a cell without a zone: nodata, or a surface model alone, in which no building is known.
+/// The code of a cell without a zone: nodata, or any cell of a surface model alone, which shows no
+/// buildings.
 pub const NONE: u8 = 0;
 
 impl Zone {
     /// All zones in the order of their codes.
     pub const ALL: [Zone; 4] = [Zone::Street, Zone::Crossroad, Zone::Courtyard, Zone::Rooftop];
 
-    /// The word for it in tables and on the command line.
+    /// Returns its name in tables and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Zone::Street => "street",
@@ -30,12 +31,12 @@ impl Zone {
         }
     }
 
-    /// The zone of a word.
+    /// Returns the zone with a name.
     pub fn named(name: &str) -> Option<Zone> {
         Zone::ALL.into_iter().find(|zone| zone.name() == name)
     }
 
-    /// Its number in rasters, from 1.
+    /// Returns its number in rasters, from 1.
     pub fn code(self) -> u8 {
         match self {
             Zone::Street => 1,
@@ -45,7 +46,8 @@ impl Zone {
         }
     }
 
-    /// Its color as red, green, blue: sand, purple, green, gray, distinct in lightness for any eyes.
+    /// Returns its color as red, green, blue: sand, purple, green, gray. They differ in lightness,
+    /// so that color-blind readers can distinguish them.
     pub fn color(self) -> [u8; 3] {
         match self {
             Zone::Street => [0xF0, 0xE3, 0xB8],
@@ -55,7 +57,7 @@ impl Zone {
         }
     }
 
-    /// The zone with this number; [`NONE`] and numbers above 4 are none.
+    /// Returns the zone with this number; `None` for [`NONE`] and numbers above 4.
     pub(crate) fn of_code(code: u8) -> Option<Zone> {
         Zone::ALL.into_iter().find(|zone| zone.code() == code)
     }

@@ -6,26 +6,27 @@ use crate::height_field::Columns;
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT, VOID};
 use crate::raster::{BitGrid, CellWindow};
 
-/// The slope of what blocks nothing: below that of every height, and still finite, so that it can be interpolated.
+/// The slope of a void cell, which blocks nothing: below that of every height, and still finite for
+/// interpolation.
 pub(super) const NOTHING: f64 = -1e30;
 
-/// The cells with |lateral| ≤ ring on one side of the UAV: to the north and south the lines are rows, to the east and
-/// west they are columns. Ring 0 is the UAV's own cell, which belongs to none.
+/// The cells with |lateral| ≤ ring on one side of the UAV. To the north and south its lines are
+/// rows, to the east and west columns. Ring 0 is the UAV's own cell, which belongs to no quadrant.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Quadrant<'a> {
     columns: &'a Columns,
     window: Window,
     along_rows: bool,
-    /// +1 or −1: whether lines away from the UAV have growing numbers.
+    /// Direction of lines away from the UAV: +1 if their numbers grow, −1 if they fall.
     outward: i64,
     /// Position of the UAV across and along the lines \[cells from the first\].
     uav: (f64, f64),
-    /// Its cell across and along the lines.
+    /// The UAV's cell across and along the lines.
     cell: (i64, i64),
     uav_z: i64,
 }
 
-/// Lines and lateral cells in the window: firsts and ends.
+/// Lines and lateral cells in the window, each as first and end.
 #[derive(Debug, Clone, Copy)]
 struct Window {
     lines: (i64, i64),
@@ -35,18 +36,19 @@ struct Window {
 /// A line of a quadrant.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line {
-    /// Its row or column.
+    /// Row or column of the line.
     number: i64,
     /// First lateral cell in the window and the one after the last.
     pub(super) first: i64,
     pub(super) end: i64,
     /// Distance of its centers from the UAV across the lines \[cells\]: at least 1/2.
     pub(super) distance: f64,
-    /// Which ring around the UAV's cell it belongs to.
+    /// The ring around the UAV's cell that it belongs to.
     pub(super) ring: i64,
 }
 
-/// What all four quadrants of a window see together, and the receiver in the UAV's own cell, which no line holds.
+/// Returns the cells that all four quadrants of a window see together. Adds the receiver in the
+/// UAV's own cell, which no line holds.
 pub(super) fn by_quadrants(
     columns: &Columns,
     uav: LatticePoint,
@@ -89,7 +91,7 @@ impl<'a> Quadrant<'a> {
         })
     }
 
-    /// Its lines in the window, outward.
+    /// Returns the lines in the window, outward.
     pub(super) fn lines(&self) -> impl Iterator<Item = Line> {
         let (first, end) = self.window.lines;
         let (near, n) = if self.outward > 0 {
@@ -109,12 +111,13 @@ impl<'a> Quadrant<'a> {
         })
     }
 
-    /// Whether the quadrant decides a cell of a line: diagonal ones belong to the north and south.
+    /// Returns `true` if the quadrant decides a cell of a line: diagonal ones belong to the north
+    /// and south.
     pub(super) fn decides(&self, line: &Line, lateral: i64) -> bool {
         self.along_rows || (lateral - self.cell.1).abs() < line.ring
     }
 
-    /// Row and column of a cell of a line.
+    /// Returns row and column of a cell of a line.
     #[inline]
     pub(super) fn cell(&self, line: &Line, lateral: i64) -> (usize, usize) {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the window")]
@@ -122,7 +125,7 @@ impl<'a> Quadrant<'a> {
         if self.along_rows { (number, lateral) } else { (lateral, number) }
     }
 
-    /// Position of the center of a lateral cell along its line, from the UAV \[cells\].
+    /// Returns the position of the center of a lateral cell along its line, from the UAV \[cells\].
     #[inline]
     pub(super) fn offset(&self, lateral: i64) -> f64 {
         #[expect(clippy::cast_precision_loss, reason = "cell numbers are below 2^17")]
@@ -130,12 +133,14 @@ impl<'a> Quadrant<'a> {
         center - self.uav.1
     }
 
-    /// Position of the center of the UAV's own cell along the lines, from the UAV \[cells\].
+    /// Returns the position of the center of the UAV's own cell along the lines, from the UAV
+    /// \[cells\].
     pub(super) fn offset_of_own_cell(&self) -> f64 {
         self.offset(self.cell.1)
     }
 
-    /// The cell of a line nearest to an offset along it, within the line.
+    /// Returns the cell of a line nearest to an offset along it; `None` if that is outside the
+    /// line.
     #[inline]
     pub(super) fn nearest(&self, line: &Line, offset: f64) -> Option<i64> {
         #[expect(clippy::cast_possible_truncation, reason = "offsets are below 2^18")]
@@ -143,7 +148,8 @@ impl<'a> Quadrant<'a> {
         (line.first..line.end).contains(&lateral).then_some(lateral)
     }
 
-    /// Slope from the UAV to the top of a cell \[steps of height per cell\]; [`NOTHING`] where it is void.
+    /// Returns the slope from the UAV to the top of a cell \[steps of height per cell\];
+    /// [`NOTHING`] if it is void.
     #[inline]
     pub(super) fn slope(&self, line: &Line, lateral: i64) -> f64 {
         let (row, col) = self.cell(line, lateral);
@@ -153,7 +159,7 @@ impl<'a> Quadrant<'a> {
         }
     }
 
-    /// Slope from the UAV to a height on a line.
+    /// Returns the slope from the UAV to a height on a line.
     #[inline]
     pub(super) fn slope_of(&self, line: &Line, z: i64) -> f64 {
         #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27")]

@@ -1,15 +1,15 @@
-//! `r2`: one ray to each cell of the perimeter; every cell takes the answer of the nearest.
+//! `r2`: one ray to each cell of the perimeter; every cell takes the answer of the nearest ray.
 
 use super::quadrants::{Line, NOTHING, Quadrant, by_quadrants};
 use crate::height_field::Columns;
 use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, CellWindow};
 
-/// The receivers of `wanted` that `r2` takes for LoS: *approximate*.
+/// Returns the receivers of `wanted` that `r2` takes for LoS: *approximate*.
 ///
-/// Rays go to the centers of the farthest line of each quadrant. On its way a ray takes in each line the height of the cell
-/// nearest to it, and a cell takes the answer of the ray that passes nearest to its center. Arguments as of
-/// [`super::xdraw_los`].
+/// Rays go to the centers of the farthest line of each quadrant. In each line a ray takes the
+/// height of the cell nearest to it. A cell takes the answer of the ray that passes nearest to its
+/// center. Arguments are those of [`super::xdraw_los`].
 ///
 /// Cost: one look-up per ray and line, twice the number of cells at most.
 pub fn r2_los(
@@ -54,12 +54,12 @@ fn rings(far: &Line) -> f64 {
 struct Rays {
     far: f64,
     first: f64,
-    /// The steepest slope that each has passed.
+    /// The steepest slope that each ray has passed.
     steepest: Vec<f64>,
 }
 
 impl Rays {
-    /// The ray that passes nearest to an offset along a line.
+    /// Returns the ray that passes nearest to an offset along a line.
     #[inline]
     fn nearest(&self, offset: f64, line: &Line) -> usize {
         let k = (offset * (self.far / line.distance) - self.first).round();

@@ -5,25 +5,27 @@ use crate::quantity::{LatticePoint, STEPS_PER_UNIT, VOID};
 
 const CELL: i64 = STEPS_PER_UNIT as i64;
 
-/// The longest distance between two samples of a ray, in thousandths of a cell: 16 to 1 048 576 (1/62 to 1049 cells).
+/// The longest distance between two samples of a ray, in thousandths of a cell: 20 to 1 000 000
+/// (1/50 to 1000 cells).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct StepLength {
     milli_cells: u32,
 }
 
 impl StepLength {
-    /// A length \[cells\], rounded to a thousandth; `None` outside [1/50, 1000].
+    /// Makes a length \[cells\], rounded to a thousandth; `None` outside \[1/50, 1000\].
     pub fn new(cells: f64) -> Option<Self> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 20 and 10^6")]
         (0.02..=1000.0).contains(&cells).then(|| StepLength { milli_cells: (cells * 1000.0).round() as u32 })
     }
 
-    /// The length \[cells\].
+    /// Returns the length \[cells\].
     pub fn cells(self) -> f64 {
         f64::from(self.milli_cells) / 1000.0
     }
 
-    /// Number of equal parts, none longer than this, of a link `(dx, dy)` \[1/1024 cell\].
+    /// Returns the number of equal parts, none longer than this, of a link `(dx, dy)` \[1/1024
+    /// cell\].
     fn parts(self, dx: i64, dy: i64) -> i64 {
         #[expect(clippy::cast_precision_loss, reason = "differences are at most 2^26, their squares' sum at most 2^53")]
         let length = ((dx * dx + dy * dy) as f64).sqrt() / f64::from(STEPS_PER_UNIT);
@@ -33,20 +35,23 @@ impl StepLength {
     }
 }
 
-/// Whether none of the samples of a link is inside the columns: *approximate*.
+/// Returns `true` if no sample of a link is inside the columns: *approximate*.
 ///
-/// The link is cut into the fewest equal parts not longer than `step`, and the height of the ray is compared with that of
-/// the column at each inner end; on a border between cells with the lower of them, and never with a cell that touches the
-/// receiver. A sample inside the columns is an obstruction, so a link that is LoS is never called NLoS.
+/// The link is cut into the fewest equal parts not longer than `step`. At each inner end the height
+/// of the ray is compared with that of the column. On a border between cells the lower cell counts,
+/// and a cell that touches the receiver never does. A sample inside the columns is an obstruction,
+/// so a link that is LoS is never called NLoS.
 ///
-/// Cost: a multiplication and a look-up per sample; ends where the ray is above the highest column.
+/// Cost: a multiplication and a look-up per sample; it ends where the ray is above the highest
+/// column.
 pub fn step_los(columns: &Columns, uav: LatticePoint, receiver: LatticePoint, step: StepLength) -> bool {
     let (dx, dy, climb) = (uav.x - receiver.x, uav.y - receiver.y, uav.z - receiver.z);
     if (dx == 0 && dy == 0) || i64::from(columns.max_top()) <= uav.z.min(receiver.z) {
         return true;
     }
     let parts = step.parts(dx, dy);
-    // EXACT: differences are at most 2^28 and parts at most 2^23, so every product of both is at most 2^51.
+    // EXACT: differences are at most 2^28 and parts at most 2^23, so every product of both is at
+    // most 2^51.
     let last = match climb {
         1.. => ((i64::from(columns.max_top()) - receiver.z) * parts / climb).min(parts - 1),
         _ => parts - 1,
@@ -76,10 +81,11 @@ struct Samples<'a> {
 }
 
 impl Samples<'_> {
-    /// The lowest of the columns whose closed squares hold sample `k`; [`VOID`] where one of them touches the receiver.
+    /// Returns the lowest of the columns whose closed squares hold sample `k`; [`VOID`] if one of
+    /// them touches the receiver.
     ///
-    /// PERF: which cell it is takes two divisions in integers. The f64 position is off by less than 2^-18 of a lattice
-    /// step, so only within 2^-10 steps of a border need they be made.
+    /// PERF: finding the cell takes two divisions in integers. The f64 position is off by less than
+    /// 2^-18 of a lattice step, so they are needed only within 2^-10 steps of a border.
     #[inline]
     fn top(&self, k: i64) -> i32 {
         let side = f64::from(STEPS_PER_UNIT);
@@ -108,7 +114,7 @@ impl Samples<'_> {
         tops.into_iter().min().unwrap_or(VOID)
     }
 
-    /// The top of a cell; [`VOID`] if it touches the receiver.
+    /// Returns the top of a cell; [`VOID`] if it touches the receiver.
     #[inline]
     fn top_of(&self, east: i64, north: i64) -> i32 {
         let holds = |cell: i64, v: i64| cell * CELL <= v && v <= (cell + 1) * CELL;

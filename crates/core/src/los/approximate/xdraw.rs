@@ -5,11 +5,13 @@ use crate::height_field::Columns;
 use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, CellWindow};
 
-/// The receivers of `wanted` that `xdraw` takes for LoS: *approximate*.
+/// Returns the receivers of `wanted` that `xdraw` takes for LoS: *approximate*.
 ///
-/// The ray to the center of a cell crosses the line of cells before its own between two centers; the slope that hides the
-/// receiver is interpolated between what these two cells have seen and are. `window` holds the wanted cells and those
-/// between them and the UAV; `height` is that of the receiver of a row and column \[1/1024 m above the datum\].
+/// The ray to the center of a cell crosses the line of cells before its own between two centers.
+/// The slope that hides the receiver is interpolated between the steepest slopes up to and
+/// including these two cells. The `window` holds the wanted cells and the cells between them and
+/// the UAV. The function `height` returns the height of the receiver of a row and column \[1/1024 m
+/// above the datum\].
 ///
 /// Cost: one interpolation per cell of the window.
 pub fn xdraw_los(
@@ -24,7 +26,7 @@ pub fn xdraw_los(
 
 fn seen(quadrant: &Quadrant<'_>, height: &(dyn Fn(usize, usize) -> i64 + Sync), wanted: &BitGrid) -> BitGrid {
     let mut los = BitGrid::new(wanted.n_rows(), wanted.n_cols());
-    // What the cells of the line before have seen and are: the steepest slope up to each.
+    // The steepest slope up to and including each cell of the line before.
     let mut before: Option<(Line, Vec<f64>)> = None;
     for line in quadrant.lines() {
         let steepest: Vec<f64> = (line.first..line.end)
@@ -48,7 +50,8 @@ fn seen(quadrant: &Quadrant<'_>, height: &(dyn Fn(usize, usize) -> i64 + Sync), 
     los
 }
 
-/// The slope where the ray to a cell crosses the line before, between the two nearest centers of that line.
+/// Returns the slope at the ray's crossing of the line before, interpolated between the two nearest
+/// centers of that line.
 #[inline]
 fn interpolated(quadrant: &Quadrant<'_>, (line, lateral): (&Line, i64), last: &Line, slopes: &[f64]) -> f64 {
     if slopes.is_empty() {

@@ -1,4 +1,4 @@
-//! A band of rows on which shadows are cast: what is hidden in it, and what is in doubt.
+//! A band of rows on which shadows are cast: its hidden cells, and its cells in doubt.
 
 use fearless_simd::Simd;
 
@@ -17,7 +17,7 @@ use crate::quantity::LatticePoint;
 /// Rows, and columns, of a tile: one word of bits.
 pub(super) const TILE: usize = 64;
 
-/// Words a row that a shadow counted as narrow may meet.
+/// Most words in a row that a narrow shadow may meet.
 const NARROW: usize = 3;
 
 /// One band of rows.
@@ -30,32 +30,34 @@ pub(super) struct BandJob<'a> {
     pub(super) at_uav: &'a [(usize, usize)],
 }
 
-/// A run of cells of a row that are on the boundary of some shadow, or so near that rounding matters.
+/// A run of cells of a row on the boundary of some shadow, or so near that rounding matters.
 struct Doubt {
     row: u32,
     cols: (u32, u32),
 }
 
-/// What changes while a band is worked on.
+/// The state of a band during processing.
 pub(super) struct Band<'a> {
     /// Wanted cells that are not yet hidden.
     words: &'a mut [u64],
     words_per_row: usize,
-    /// For each tile, rows known to hold no such cell any more.
+    /// For each tile, number of its first rows that hold no such cell any more.
     closed_rows: Vec<u8>,
     doubts: Vec<Doubt>,
-    /// Words of the present row of tiles, and whether all their receivers are surely below the present ceiling.
+    /// Words of the present row of tiles; the flag is `true` if all receivers of a word are surely
+    /// below the present ceiling.
     tiles_to_do: Vec<(usize, bool)>,
 }
 
 impl BandJob<'_> {
-    /// Clears the cells that the blocks of casters hide; returns how many are left and how many were asked about.
+    /// Clears the cells that the blocks of casters hide. Returns the number of remaining cells and
+    /// the number decided by `ray`.
     #[inline(always)]
     pub(super) fn cast<S: Simd>(&self, simd: S, cast: &Cast<'_>, words: &mut [u64]) -> (u64, u64) {
         let mut band = Band::new(words, self.scene.wanted.words_per_row());
         let tiles = self.tile_heights();
         if let Some((lowest, highest)) = self.heights(&tiles) {
-            // On a curved earth outlines tell of receivers below the UAV alone.
+            // On a curved earth outlines hold for receivers below the UAV only.
             let is_level = lowest == highest && (self.plane.curve == 0.0 || lowest < self.plane.uav.z);
             let mut outline = Outline::default();
             let mut ceiling = Ceiling::default();
@@ -92,8 +94,8 @@ impl BandJob<'_> {
         (band.words.iter().map(|w| u64::from(w.count_ones())).sum(), asked)
     }
 
-    /// The lowest and the highest receiver of each tile, the wrong way around where there is none; nothing for receivers
-    /// at one level.
+    /// Returns the lowest and the highest receiver of each tile; in a tile without receivers the
+    /// first exceeds the second. Returns nothing for receivers at one level.
     fn tile_heights(&self) -> Vec<(f64, f64)> {
         let Receivers::Relief { heights, width } = self.receivers else { return Vec::new() };
         let wanted = self.scene.wanted;
@@ -110,7 +112,7 @@ impl BandJob<'_> {
         tiles
     }
 
-    /// The lowest and the highest receiver of the band, if there is one.
+    /// Returns the lowest and the highest receiver of the band, if there is one.
     fn heights(&self, tiles: &[(f64, f64)]) -> Option<(i64, i64)> {
         if let Receivers::Level(z) = self.receivers {
             return Some((*z, *z));
@@ -121,7 +123,8 @@ impl BandJob<'_> {
         (low <= high).then_some(range)
     }
 
-    /// The strips of an outline: rows `.0..=.1` of one row of tiles, clipped to the band.
+    /// Splits an outline's rows, clipped to the band, into strips: rows `.0..=.1` of one row of
+    /// tiles.
     #[inline(always)]
     fn strips(&self, rows: (usize, usize)) -> impl Iterator<Item = (usize, usize)> + use<> {
         let (first, end) = (rows.0.max(self.rows.0), rows.1.min(self.rows.1));
@@ -136,7 +139,7 @@ impl BandJob<'_> {
         })
     }
 
-    /// Whether no wanted cell that the outline may meet is left.
+    /// Returns `true` if no wanted cell that the outline may meet is left.
     #[inline(always)]
     fn is_dark(&self, outline: &Outline, band: &mut Band<'_>) -> bool {
         let rows = outline.rows(self.plane).maybe;
@@ -148,8 +151,9 @@ impl BandJob<'_> {
 
     /// Clears the cells of one shadow on receivers at one height.
     ///
-    /// PERF: most shadows are a few words wide. There each word of eight rows gets its mask without a branch (vectorized),
-    /// which took a quarter off all times (AVX-512): whether a span begins, ends or is empty in a word is a coin toss.
+    /// PERF: most shadows are a few words wide. There each word of eight rows gets its mask without
+    /// a branch (vectorized), which took a quarter off all times (AVX-512). A branch predictor
+    /// fails there: whether a span begins, ends or is empty in a word is a coin toss.
     #[inline(always)]
     pub(super) fn hide<S: Simd>(&self, simd: S, outline: &Outline, band: &mut Band<'_>) {
         let rows = outline.rows(self.plane);
@@ -191,7 +195,8 @@ impl BandJob<'_> {
         }
     }
 
-    /// Hides receivers behind a part of a shadow where some of `n` rows from `row` on have cells in doubt.
+    /// Hides receivers behind a part of a shadow in `n` rows from `row` on, some of which have
+    /// cells in doubt.
     #[inline(never)]
     fn hide_in_doubt(
         &self,
@@ -212,7 +217,8 @@ impl BandJob<'_> {
         }
     }
 
-    /// Clears the cells of one shadow on receivers at differing heights; the outline is that on the lowest of all.
+    /// Clears the cells of one shadow on receivers at differing heights. The outline is that on the
+    /// lowest of all receivers.
     #[inline(always)]
     fn hide_relief<S: Simd>(
         &self,
@@ -277,7 +283,8 @@ impl BandJob<'_> {
         }
     }
 
-    /// Asks `ray` about all doubts that are still open, and about the cell right below or above the UAV.
+    /// Decides by `ray` all doubts that are still open, and the cell right below or above the UAV.
+    /// Returns their number.
     pub(super) fn settle(&self, band: &mut Band<'_>) -> u64 {
         let (uav, grid) = (self.plane.uav, self.scene.grid);
         let mut cells: Vec<(usize, usize)> =
@@ -300,7 +307,7 @@ impl BandJob<'_> {
 }
 
 impl<'a> Band<'a> {
-    /// A band of rows of `words_per_row` words each, in which nothing is hidden yet.
+    /// Makes a band of rows of `words_per_row` words each, in which nothing is hidden yet.
     pub(super) fn new(words: &'a mut [u64], words_per_row: usize) -> Self {
         let n_tiles = (words.len() / words_per_row.max(1)).div_ceil(TILE) * words_per_row;
         Band { words, words_per_row, closed_rows: vec![0; n_tiles], doubts: Vec::new(), tiles_to_do: Vec::new() }
@@ -327,10 +334,12 @@ impl<'a> Band<'a> {
         }
     }
 
-    /// Whether no wanted cell is left in the tiles of a row of tiles that hold columns `cols.0..cols.1`.
+    /// Returns `true` if no wanted cell is left in the tiles of a row of tiles that hold columns
+    /// `cols.0..cols.1`.
     ///
-    /// PERF: bits are only ever cleared, so rows found empty stay so; each tile remembers how many, and all the
-    /// questions about a tile together look at each of its rows once, and once at its first row that is not empty.
+    /// PERF: bits are only ever cleared, so rows found empty stay empty, and each tile remembers
+    /// their number. All calls for a tile together look at each of its rows once, and once at its
+    /// first row that is not empty.
     #[inline(always)]
     fn is_closed(&mut self, tile_row: usize, cols: (usize, usize)) -> bool {
         let n_rows = (self.words.len() / self.words_per_row - tile_row * TILE).min(TILE);

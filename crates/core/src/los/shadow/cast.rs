@@ -1,4 +1,4 @@
-//! Which casters of a scene cast shadows for a UAV, where these begin, and in which order they are cast.
+//! The casters of a scene that cast shadows for a UAV, the begin of their shadows, and their order.
 
 use std::ops::Range;
 
@@ -8,40 +8,42 @@ use super::plane::Plane;
 use crate::height_field::{Caster, CasterBlock, Casters};
 use crate::quantity::LatticePoint;
 
-/// Sectors around the UAV that are worked on one after the other.
+/// Sectors around the UAV that are processed one after the other.
 const SECTORS: f64 = 64.0;
 
-/// Where shadows are at least so many rows long, on average, the horizon takes less time than it saves.
+/// Average length of shadows \[rows\] from which on the horizon takes less time than it saves.
 const LONG: f64 = 200.0;
 
-/// The casters that may hide some receivers, in the order in which they are cast: blocks by their distance from the UAV, one
-/// sector after the other.
+/// The casters that may hide some receivers, in the order in which they are cast: blocks by their
+/// distance from the UAV, one sector after the other.
 ///
-/// PERF: shadows of one sector lie together, so that their bits stay in the cache; those of another are not in their way.
+/// PERF: shadows of one sector lie together, so that their bits stay in the cache.
 pub(super) struct Cast<'a> {
     all: &'a Casters,
     blocks: Vec<CastBlock>,
-    /// Block by block, highest first: the number of a caster, and where its shadow begins.
+    /// Block by block, highest first: the number of a caster, and the begin of its shadow.
     begun: Vec<(u32, f64)>,
 }
 
-/// Neighbors among the casters.
+/// Neighboring casters.
 pub(super) struct CastBlock {
     begun: Range<usize>,
     /// Bounding box of them all \[lattice steps\]: west, south, east, north.
     pub(super) bounds: [i32; 4],
     /// The highest top \[1/1024 m above the datum\].
     pub(super) max_top: i32,
-    /// The least of where their shadows begin.
+    /// The least begin of their shadows.
     pub(super) begin: f64,
 }
 
 impl<'a> Cast<'a> {
-    /// Of `all`, those that may hide wanted receivers between two heights from the UAV of a plane; if these are all below it,
-    /// those that the horizon does not hide.
+    /// Selects from `all` the casters that may hide wanted receivers between two heights from the
+    /// UAV of a plane. If these receivers are all below it, casters that the horizon hides are left
+    /// out.
     pub(super) fn new(all: &'a Casters, plane: &Plane, (lowest, highest): (i64, i64)) -> Self {
         let uav = plane.uav;
-        // What hides a receiver has a shadow there: blocks that have none on receivers hide none of the others' either.
+        // A caster that hides a receiver has a shadow there, so blocks without a shadow on
+        // receivers hide none of the other blocks either.
         let is_in_view =
             |block: &&CasterBlock| plane.meets(block.bounds, plane.reach(block.bounds, block.max_top, lowest));
         let mut in_view: Vec<&CasterBlock> = all.blocks().iter().filter(is_in_view).collect();
@@ -78,20 +80,21 @@ impl<'a> Cast<'a> {
         &self.blocks
     }
 
-    /// All casters, of which some are cast.
+    /// Returns all casters, of which some are cast.
     pub(super) fn all(&self) -> &'a Casters {
         self.all
     }
 
-    /// The casters of a block, highest first, and how many times farther from the UAV than the near edges receivers are not
-    /// hidden by another anyway.
+    /// Returns the casters of a block, highest first, each with the begin of its shadow. Another
+    /// caster hides nearer receivers anyway. The begin is a factor of the distance of the near
+    /// edges from the UAV.
     #[inline(always)]
     pub(super) fn of_block(&self, block: &CastBlock) -> impl Iterator<Item = (&'a Caster, f64)> {
         self.begun[block.begun.clone()].iter().map(|(k, begin)| (&self.all.all()[*k as usize], *begin))
     }
 }
 
-/// Whether the shadows of blocks on receivers at a height are long.
+/// Returns `true` if the shadows of blocks on receivers at a height are long.
 fn are_long(blocks: &[&CasterBlock], plane: &Plane, z: i64) -> bool {
     let uav = plane.uav;
     let most = as_f64(plane.rows.1 - plane.rows.0);
@@ -107,7 +110,7 @@ fn are_long(blocks: &[&CasterBlock], plane: &Plane, z: i64) -> bool {
     rows >= LONG * casters
 }
 
-/// The sector of a block, and how far from the UAV it is.
+/// Returns the sector of a block, and its distance from the UAV.
 fn outward(block: &CasterBlock, uav: LatticePoint) -> (u32, u64) {
     let [west, south, east, north] = block.bounds.map(i64::from);
     let turn = bearing(west + east - 2 * uav.x, south + north - 2 * uav.y) / FULL_TURN;
@@ -127,7 +130,8 @@ mod tests {
 
     const M: i64 = 1024;
 
-    /// Over a town of 2 km with 2500 blocks, on a lattice whose lines the receivers and the UAV lie beside or on.
+    /// Scene: a town of 2 km with 2500 blocks, on a lattice whose lines the receivers and the UAV
+    /// lie beside or on.
     #[test]
     fn over_a_town_most_casters_are_left_out_or_begin_late() {
         let corner = |k: i32| k * 40 * 1024;

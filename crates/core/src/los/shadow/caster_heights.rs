@@ -1,17 +1,24 @@
-//! The least heights that one caster asks of receivers, or of the UAV, eight at a time.
+//! The least heights that one caster demands of receivers, or of the UAV, eight at a time.
 //!
-//! **Of receivers.** Within the cone over its footprint and behind the near edges a prism hides the receivers below all
-//! planes through the UAV and the far upper edges (the near ones of a roof above the UAV), and below its roof if that is below the UAV:
-//! `h_U + (H − h_U)·(E × q)/K`, in the words of [`super`]. A receiver's least height is the largest of what the casters ask for.
+//! **Of receivers.** Within the cone over its footprint and behind the near edges a prism hides the
+//! receivers below its ceiling. The ceiling is the least of all planes through the UAV and the far
+//! upper edges (the near ones of a roof above the UAV). It is also at most the roof if that is
+//! below the UAV. A plane is `h_U + (H − h_U)·(E × q)/K`, with the symbols of [`super`]. A
+//! receiver's least height is the largest demand of the casters.
 //!
-//! **Of the UAV.** Seen from a receiver at height z the ray over the point t of the way from the UAV's place (t = K/(E × q) on an edge)
-//! reaches that place at `z + (H − z)·(E × q)/(E × q − K)` if it grazes the roof there. A roof above the receiver binds at its far edge,
-//! the one next to the receiver, a lower one at its near edge; the ray crosses the edge whose height is the least of these.
+//! **Of the UAV.** Consider a receiver at height z, and the fraction t of the way from the UAV's
+//! place (t = K/(E × q) on an edge). If the ray grazes the roof there, it reaches the UAV's place
+//! at `z + (H − z)·(E × q)/(E × q − K)`. A roof above the receiver binds at its far edge, which is
+//! next to the receiver. A lower roof binds at its near edge. The ray crosses the edge at which
+//! this height is least.
 //!
-//! **Sloped roofs.** The planes go through the UAV and both ends of an edge, each at its own height ([`super::sloped`]): with α and β below the UAV they
-//! are `h_U − (α·(E × q) + (α − β)·(A × q))/K`, and the roof's own plane comes with them where the UAV is above it. Seen from a receiver the ray
-//! grazes the roof at either end of its way over it: where it crosses the near edge, of all the one with the least E × q/K, and where it crosses the far
-//! one, of all the one with the greatest. The higher of both heights counts.
+//! **Sloped roofs.** The planes go through the UAV and both ends of an edge, each at its own height
+//! ([`super::sloped`]). With α and β below the UAV they are
+//! `h_U − (α·(E × q) + (α − β)·(A × q))/K`. The roof's own plane is added if the UAV is above it.
+//!
+//! Seen from a receiver the ray grazes the roof at either end of its way over it. It crosses the
+//! near edge with the least E × q/K of all, and the far edge with the greatest. The higher of both
+//! heights counts.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8};
@@ -20,7 +27,8 @@ use super::geometry::{as_f64, cross, sub};
 use super::plane::Plane;
 use crate::height_field::{Caster, Casters, RoofPlane};
 
-/// How much longer a link may be than its part beyond a sloped roof, so that heights of the UAV are told.
+/// Largest ratio of a link's length to its part beyond a sloped roof for which heights of the UAV
+/// are given.
 pub(super) const OFTEN: f64 = 256.0;
 
 /// The edges of a caster, as seen from the UAV.
@@ -36,7 +44,8 @@ pub(super) struct Edges {
     pub(super) sloped: Option<SlopedTop>,
 }
 
-/// The plane of a sloped top: height at the UAV's place above the UAV, and rise to the east and the north \[1/1024 m\].
+/// The plane of a sloped top: height at the UAV's place above the UAV, and rise to the east and the
+/// north \[1/1024 m\].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SlopedTop {
     above_uav: f64,
@@ -49,24 +58,24 @@ struct Edge {
     east: f64,
     north: f64,
     k: f64,
-    /// Rise to K, of a sloped top that of A above the UAV.
+    /// Ratio of the top above the UAV to K; for a sloped top, of A above the UAV.
     slope: f64,
-    /// A, where it begins.
+    /// A, its start.
     from: [f64; 2],
     /// Height of A \[1/1024 m above the datum\].
     height: f64,
-    /// What B is above A \[1/1024 m\].
+    /// Height of B above A \[1/1024 m\].
     climb: f64,
 }
 
 impl Edge {
-    /// A × q.
+    /// Returns A × q.
     #[inline(always)]
     fn cross_from<S: Simd>(&self, simd: S, (east, north): (f64x8<S>, f64)) -> f64x8<S> {
         f64x8::splat(simd, self.from[0] * north) - f64x8::splat(simd, self.from[1]) * east
     }
 
-    /// E × q.
+    /// Returns E × q.
     #[inline(always)]
     fn cross<S: Simd>(&self, simd: S, (east, north): (f64x8<S>, f64)) -> f64x8<S> {
         f64x8::splat(simd, self.east * north) - f64x8::splat(simd, self.north) * east
@@ -114,7 +123,8 @@ impl Edges {
         }
     }
 
-    /// The least heights of receivers at some places from the UAV, above it.
+    /// Returns the least heights above the UAV of receivers at some places, which are relative to
+    /// the UAV.
     #[inline(always)]
     pub(super) fn of_receivers<S: Simd>(&self, simd: S, q: (f64x8<S>, f64)) -> f64x8<S> {
         if let Some(top) = &self.sloped {
@@ -128,7 +138,7 @@ impl Edges {
         least
     }
 
-    /// Those past a sloped top.
+    /// Returns the least heights of receivers past a sloped top.
     #[inline(always)]
     fn of_receivers_over<S: Simd>(&self, simd: S, q: (f64x8<S>, f64), top: &SlopedTop) -> f64x8<S> {
         let splat = |v: f64| f64x8::splat(simd, v);
@@ -137,7 +147,7 @@ impl Edges {
         } else {
             (&self.far, splat(top.above_uav + top.rise[1] * q.1) + splat(top.rise[0]) * q.0)
         };
-        // In the plane of the roof nothing but that plane tells.
+        // For a UAV in the plane of the roof, only that plane counts.
         if top.above_uav == 0.0 {
             return least;
         }
@@ -148,12 +158,13 @@ impl Edges {
         least
     }
 
-    /// The least heights of the UAV past a sloped top; NaN where rounding may matter.
+    /// Returns the least heights of the UAV past a sloped top; NaN if rounding may matter.
     #[inline(always)]
     fn of_uav_over<S: Simd>(&self, simd: S, q: (f64x8<S>, f64), z: f64x8<S>, top: &SlopedTop) -> f64x8<S> {
         let splat = |v: f64| f64x8::splat(simd, v);
         let (zero, infinite, unknown) = (splat(0.0), splat(f64::INFINITY), splat(f64::NAN));
-        // At which part of the way, as often as that is less, the ray crosses an edge, and the UAV's height if it grazes the roof there.
+        // The inverse of the part of the way at which the ray crosses an edge, and the UAV's height
+        // if it grazes the roof there.
         let at = |edge: &Edge| {
             let cross = edge.cross(simd, q);
             let behind = cross - splat(edge.k);
@@ -162,7 +173,7 @@ impl Edges {
             let is_close = cross.abs().simd_gt((behind * splat(OFTEN)).abs());
             (cross / splat(edge.k), is_close.select(unknown, height))
         };
-        // Above its own roof the UAV is as high as that at least.
+        // Above its own roof the UAV is at least as high as the roof.
         let own = splat(self.top - self.rise + top.above_uav);
         let (mut near, mut of_near) = (infinite, own);
         for edge in &self.near {
@@ -176,7 +187,7 @@ impl Edges {
             let is_last = part.simd_gt(far);
             (far, of_far) = (is_last.select(part, far), is_last.select(height, of_far));
         }
-        // Over the footprint a receiver is below its roof, where no height is enough, or above it.
+        // Over the footprint a receiver is below the roof, where no height is enough, or above it.
         let roof = splat(self.top - self.rise + top.above_uav + top.rise[1] * q.1) + splat(top.rise[0]) * q.0;
         let (below, margin) = (roof - z, splat(1.0 / 64.0));
         let within = below.simd_gt(margin).select(infinite, below.simd_lt(-margin).select(of_near, unknown));
@@ -186,7 +197,8 @@ impl Edges {
         is_within.select(within, past)
     }
 
-    /// The least heights of the UAV for receivers at some places from it and heights `z`.
+    /// Returns the least heights of the UAV for receivers at height `z` at some places, which are
+    /// relative to the UAV.
     #[inline(always)]
     pub(super) fn of_uav<S: Simd>(&self, simd: S, q: (f64x8<S>, f64), z: f64x8<S>) -> f64x8<S> {
         if let Some(top) = &self.sloped {
@@ -194,7 +206,8 @@ impl Edges {
         }
         let zero = f64x8::splat(simd, 0.0);
         let rise = f64x8::splat(simd, self.top) - z;
-        // Over the footprint a receiver below the roof has no edge between it and the building: no height is enough.
+        // Over the footprint no edge is between the building and a receiver below the roof: no
+        // height is enough.
         let infinite = f64x8::splat(simd, f64::INFINITY);
         let (mut far, mut near) = (infinite, rise);
         for edge in &self.far {

@@ -1,5 +1,5 @@
-//! The planes below which one caster hides receivers at differing heights. The derivation is in the essay of
-//! [`super`].
+//! The planes below which one caster hides receivers at differing heights. The derivation is in the
+//! essay of [`super`].
 
 use super::curve::HEIGHT_SLACK;
 use super::geometry::{as_f64, cross, sub};
@@ -14,10 +14,12 @@ pub(super) struct Slope {
     pub(super) per_q: f64,
 }
 
-/// The ceiling of one prism: within its cone, behind its near edges, it hides the receivers below all these planes.
+/// The ceiling of one prism: within its cone, behind its near edges, it hides the receivers below
+/// all these planes.
 #[derive(Debug, Default)]
 pub(super) struct Ceiling {
-    /// Planes through the UAV and one upper edge each: the far ones of a roof below the UAV, else the near ones.
+    /// Planes through the UAV and one upper edge each: the far edges of a roof below the UAV, else
+    /// the near edges.
     pub(super) slopes: Vec<Slope>,
     /// Receivers at this height or above are not surely hidden \[lattice steps\].
     pub(super) cap: f64,
@@ -61,11 +63,13 @@ impl Ceiling {
         self.margin = ROUNDING * (magnitude + uav_z.abs() + 1.0) + steepest * plane.unevenness;
     }
 
-    /// Makes this the ceiling on a curved earth of a ring whose shadow reaches so many times as far as it is away, at most.
+    /// Makes this the ceiling on a curved earth of a ring. Its shadow reaches at most `far` times
+    /// its distance.
     ///
-    /// Measured from the plane that touches the earth in the middle of the roof, this is flat but for c r². The planes go through the edges of
-    /// the flat roof, and all are sheared alike into heights as the UAV sees them. Receivers are lower as well, which [`Plane::falls`]
-    /// makes up for.
+    /// Measured from the plane that touches the earth in the middle of the roof, the roof is flat
+    /// up to c r². The planes go through the edges of the flat roof, and all are sheared alike into
+    /// heights as the UAV sees them. Receivers are lower as well; [`Plane::falls`] accounts for
+    /// that.
     #[inline(never)]
     pub(super) fn cast_curved(&mut self, plane: &Plane, ring: &[[i32; 2]], (top, bounds): (i32, [i32; 4]), far: f64) {
         let (c, (ux, uy)) = (plane.curve, (plane.uav.x, plane.uav.y));
@@ -73,7 +77,7 @@ impl Ceiling {
         let r = 0.5 * as_f64(e - w).hypot(as_f64(n - s));
         let middle = [0.5 * as_f64(w + e - 2 * ux), 0.5 * as_f64(s + n - 2 * uy)];
         let distance = middle[0].hypot(middle[1]);
-        // What heights over the flat roof fall by to the east and the north.
+        // Fall of heights over the flat roof to the east and the north.
         let shear = middle.map(|m| 2.0 * c * m);
         let (above_roof, uav_z) = (as_f64(plane.uav.z - i64::from(top)), as_f64(plane.uav.z));
         let below = above_roof - c * distance * distance;
@@ -117,8 +121,8 @@ impl Ceiling {
             + thickness * factor;
     }
 
-    /// Bounds on the least of the planes over rows with `q` from `q.0` to `q.1` and columns from `cols.0` to `cols.1`, above receivers as they are
-    /// over the datum.
+    /// Returns bounds on the least of the planes over rows with `q` from `q.0` to `q.1` and columns
+    /// from `cols.0` to `cols.1`. They are relative to receivers at their heights over the datum.
     ///
     /// The least of several planes is concave, so over a rectangle it is lowest at a corner.
     #[inline(always)]

@@ -1,17 +1,25 @@
-//! The probability that receivers are in line of sight past buildings whose heights are off by errors of their own.
+//! The probability that receivers are in line of sight past buildings whose heights have
+//! independent errors.
 //!
-//! **Method.** A ray that falls from the UAV to a receiver comes nearest to a roof where it leaves the building, at the far edge. With the words of
-//! [`super`], q the receiver from the UAV and Z how much lower it is, that is at the fraction t = K/(E × q) of the way, the least of all far edges
-//! (and 1 over the footprint), and the building may be higher by `h_U − Z·t − H`. Of several pieces of a building the least counts. The error of each
-//! building is normal, so the link is clear with the product of Φ(room/σ) over the buildings. As with shadows these are taken building by building, over
-//! the shadow that it casts with six standard deviations on it: where none reaches, its factor is 1.
+//! **Method.** A ray that falls from the UAV to a receiver comes nearest to a roof where it leaves
+//! the building, at the far edge. With the symbols of [`super`], let q be the receiver from the UAV
+//! and Z its height below the UAV. The far edge is at the fraction t = K/(E × q) of the way, the
+//! least of all far edges (and 1 over the footprint). The building may be higher by
+//! `h_U − Z·t − H`. Of several pieces of a building the least counts.
 //!
-//! An error that all buildings share makes their factors hang together. Given it they are independent again, so the product is found for its values at even
-//! steps and weighed. The integrand is smooth over `w = 1/√(1/τ² + n/σ²)` for n buildings, the shared deviation τ and the least own one σ, and with steps of w the
-//! trapezoidal rule is good to exp(−2π²), some 10⁻⁹.
+//! The error of each building is normal, so the link is clear with the product of Φ(room/σ) over
+//! the buildings. As with shadows the factors are computed building by building, over the shadow
+//! that it casts with six standard deviations added. Outside of it, the factor is 1.
 //!
-//! **Exactness.** Rooms err by some 10⁻⁹ steps, Φ by 3·10⁻⁷, and a shared error beyond four and a half deviations is left out, which is 7·10⁻⁶. Receivers on the side of a cone or at a wall, where pieces of two buildings may
-//! hide them only together, are not told, and neither is who is right below the UAV.
+//! An error that all buildings share makes their factors dependent. Given its value they are
+//! independent again, so the product is found for values at even steps and weighted. The integrand
+//! is smooth over `w = 1/√(1/τ² + n/σ²)` for n buildings, the shared deviation τ and the least own
+//! deviation σ. With steps of w the trapezoidal rule is good to exp(−2π²), some 10⁻⁹.
+//!
+//! **Exactness.** Rooms err by some 10⁻⁹ steps, Φ by 3·10⁻⁷. A shared error beyond four and a half
+//! deviations is left out, which is 7·10⁻⁶. No value is given for receivers on the side of a cone
+//! or at a wall, where pieces of two buildings may hide them only together. Nor is one given for a
+//! receiver right below the UAV.
 
 use std::sync::OnceLock;
 
@@ -31,35 +39,37 @@ use crate::overlay::bounds_of;
 use crate::quantity::LatticePoint;
 use crate::raster::BitGrid;
 
-/// Errors beyond so many standard deviations are left out.
+/// Standard deviations beyond which own errors are left out.
 const CERTAIN: f64 = 6.0;
 
-/// Shared errors beyond so many are.
+/// Standard deviations beyond which shared errors are left out.
 const SHARED_CERTAIN: f64 = 4.5;
 
-/// Buildings on one link for which steps over shared errors are good to 10⁻⁸; of a dozen they are to 10⁻⁵.
+/// Buildings on one link for which steps over shared errors are good to 10⁻⁸; for a dozen they are
+/// good to 10⁻⁵.
 const MOST_BUILDINGS: f64 = 4.0;
 
-/// More values of a shared error than these cost as much as walks.
+/// Largest number of values of a shared error; more cost as much as walks.
 const MOST_VALUES: f64 = 96.0;
 
-/// What a band holds for each value of a shared error is no more numbers than these, 4 MB of them, if eight rows are not.
+/// Largest count of numbers that a band holds for all values of a shared error (4 MB), unless eight
+/// rows need more.
 const BAND: usize = 1 << 20;
 
-/// Rooms this near to none are not told of a building without an error \[1/1024 m\].
+/// Rooms this near to 0 are in doubt for a building without an error \[1/1024 m\].
 const TIE: f64 = 1e-3;
 
 /// Probabilities of the cells of a grid.
 #[derive(Debug, Clone)]
 pub struct ClearProbabilities {
-    /// Row by row, 1 where nothing is in the way; NaN where it is not told.
+    /// Row by row, 1 if nothing is in the way; NaN if no value is given.
     p: Vec<f64>,
     per_row: usize,
     first_row: usize,
 }
 
 impl ClearProbabilities {
-    /// That of a wanted cell; `None` if it is not told.
+    /// Returns the probability of a wanted cell; `None` if no value is given.
     #[inline]
     pub fn of(&self, row: usize, col: usize) -> Option<f64> {
         let p = self.p[(row - self.first_row) * self.per_row + col];
@@ -67,12 +77,20 @@ impl ClearProbabilities {
     }
 }
 
-/// The probability that each wanted cell is in line of sight of `uav`, where `own` is the standard deviation of the error that a building's height has of its
-/// own, 0 or more, `shared` that of an error of all, and `height(row, col)` the height of the receiver \[1/1024 m\].
+/// Returns the probability that each wanted cell is in line of sight of `uav`.
 ///
-/// Cost: the cells of the shadows of buildings that are six standard deviations higher, as far as they are wanted, for each value of a shared error. `None`
-/// where a receiver is not below the UAV, for sloped roofs, on a curved earth, and where a shared error has very many values, because a building has hardly
-/// any of its own.
+/// The function `own` returns the standard deviation of a building's own height error, 0 or more.
+/// The deviation `shared` is that of an error of all buildings. The function `height(row, col)`
+/// returns the height of the receiver \[1/1024 m\].
+///
+/// Cost: the wanted cells in the shadows of buildings that are six standard deviations higher, for
+/// each value of a shared error.
+///
+/// Returns `None` in these cases:
+///
+/// * A receiver is not below the UAV.
+/// * There are sloped roofs, or the earth is curved.
+/// * A shared error has very many values, because a building has hardly any error of its own.
 pub fn shadow_clear_probabilities(
     scene: &ShadowScene<'_>,
     uav: LatticePoint,
@@ -109,7 +127,7 @@ pub fn shadow_clear_probabilities(
     Some(ClearProbabilities { p, per_row, first_row: first })
 }
 
-/// Values of a shared error with their weights; `None` if they are very many.
+/// Returns values of a shared error with their weights; `None` if they are very many.
 fn shared_values(shared: f64, least_own: f64) -> Option<Vec<(f64, f64)>> {
     if shared <= 0.0 {
         return Some(vec![(0.0, 1.0)]);
@@ -127,7 +145,7 @@ fn shared_values(shared: f64, least_own: f64) -> Option<Vec<(f64, f64)>> {
     Some((-n..=n).map(|k| f64::from(k) * step).map(|t| (t, weight(t) / all)).collect())
 }
 
-/// What is the same for all buildings.
+/// Data that are the same for all buildings.
 struct Cast<'a, D> {
     scene: &'a ShadowScene<'a>,
     receivers: Receivers,
@@ -150,13 +168,13 @@ struct FarEdge {
     k: f64,
 }
 
-/// What changes while a band is worked on.
+/// The state of a band during processing.
 struct Band {
-    /// How much room a building of several pieces has at each cell; infinite where none of them is in the way.
+    /// Room of a building of several pieces at each cell; infinite if none of them is in the way.
     rooms: Vec<f64>,
-    /// Rows and columns in which some are.
+    /// Rows and columns in which one of them is in the way.
     touched: Vec<(usize, (usize, usize))>,
-    /// Cells that are not told.
+    /// Cells without a value.
     unknown: BitGrid,
     far: Vec<FarEdge>,
 }
@@ -265,7 +283,7 @@ impl<D: Fn(u32) -> f64 + Sync> Cast<'_, D> {
         }
     }
 
-    /// The far edges of a piece as the UAV sees it.
+    /// Finds the far edges of a piece as the UAV sees it.
     #[inline(always)]
     fn far_edges(&self, plane: &Plane, piece: &Piece, far: &mut Vec<FarEdge>) {
         let ring = self.scene.prisms.ring(piece);
@@ -283,7 +301,7 @@ impl<D: Fn(u32) -> f64 + Sync> Cast<'_, D> {
         }
     }
 
-    /// How much higher a piece may be for eight receivers of a row.
+    /// Returns how far a piece may rise for eight receivers of a row.
     #[inline(always)]
     fn rooms_at<S: Simd>(
         &self,
@@ -297,7 +315,7 @@ impl<D: Fn(u32) -> f64 + Sync> Cast<'_, D> {
         let (east, north) = (f64x8::from_slice(simd, &self.east[col..col + LANES]), plane.q[row]);
         let mut t = splat(1.0);
         for edge in far {
-            // Behind the edge both are negative, and before it the quotient is above 1 or below 0.
+            // Behind the edge both are negative; before it the quotient is above 1 or below 0.
             let cross = splat(edge.east * north) - splat(edge.north) * east;
             let part = splat(edge.k) / cross;
             t = cross.simd_lt(splat(edge.k)).select(t.min(part), t);
@@ -310,7 +328,7 @@ impl<D: Fn(u32) -> f64 + Sync> Cast<'_, D> {
         (splat(uav_z - top) - (splat(uav_z) - z) * t).into()
     }
 
-    /// Remembers the wanted cells of some rows that may be in an outline or not.
+    /// Records the wanted cells of some rows that may be inside or outside of an outline.
     #[cold]
     #[inline(never)]
     fn doubt(
@@ -326,10 +344,10 @@ impl<D: Fn(u32) -> f64 + Sync> Cast<'_, D> {
     }
 }
 
-/// The distribution of a normal error, between its values at even steps.
+/// The distribution of a normal error, interpolated between values at even steps.
 struct NormalTable(Vec<f64>);
 
-/// Steps to a standard deviation.
+/// Steps per standard deviation.
 const STEPS: f64 = 512.0;
 
 fn normal_table() -> &'static NormalTable {
@@ -343,7 +361,7 @@ fn normal_table() -> &'static NormalTable {
 }
 
 impl NormalTable {
-    /// The probability that an error is at most so many standard deviations.
+    /// Returns the probability that an error is at most `x` standard deviations.
     #[inline(always)]
     fn at(&self, x: f64) -> f64 {
         if x >= CERTAIN {

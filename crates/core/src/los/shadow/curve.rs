@@ -1,31 +1,41 @@
-//! Where shadows end on a curved earth.
+//! Ends of shadows on a curved earth.
 //!
-//! **Method.** Measured from the plane that touches the earth below the UAV, all at distance d is lower by c d², c = 1/2KR, and rays are
-//! straight. Heights measured from any other plane instead are a shear of these, which leaves rays straight as well: from the one that touches
-//! the earth in the middle m of a caster the UAV is at h' = h_U − c|m|², receivers at p are at z − c|p − m|², and the roof is flat but for
-//! c r², with r the half diagonal of the caster (some µm at 10 m, 0.6 mm at 100 m). So the caster is one with a flat roof at H, known to within c r², and its
-//! shadow falls on a paraboloid. Seen through the roof's middle it ends at s̄ m, the nearer root of
+//! **Method.** Heights are measured from the plane that touches the earth below the UAV. There
+//! every point at distance d is lower by c d², c = 1/2KR, and rays are straight. Heights measured
+//! from any other plane are a shear of these, which leaves rays straight as well.
+//!
+//! Take the plane that touches the earth in the middle m of a caster. The UAV is at h' = h_U −
+//! c|m|², and receivers at p are at z − c|p − m|². The roof is flat up to c r², with r the half
+//! diagonal of the caster (some µm at 10 m, 0.6 mm at 100 m). So the caster has a flat roof at H,
+//! known to within c r², and its shadow falls on a paraboloid. Seen through the roof's middle the
+//! shadow ends at s̄ m, where s̄ is the nearer root of
 //!
 //! ```text
 //!   (h_U − z) − s (h_U − H + c|m|²) + s² c|m|² = 0
 //! ```
 //!
-//! where receivers are about as high as on the plane that touches the paraboloid there: L(p) = α + γ·p, γ = −2c (s̄ − 1) m. They are
-//! lower than L, by at most c r'² within r' of s̄ m, where all of the shadow's end lies. On the plane L the shadow ends where
-//! L(p) = h' + (H − h')(E × p)/K, in the words of [`super`]: with f = (h' − α)/(h' − H) behind the line
+//! There receivers are about as high as on the plane L that touches the paraboloid: L(p) = α + γ·p,
+//! γ = −2c (s̄ − 1) m. They are lower than L, by at most c r'² within r' of s̄ m, where all of the
+//! shadow's end lies. On the plane L the shadow ends where L(p) = h' + (H − h')(E × p)/K, with E
+//! and K of [`super`]. With f = (h' − α)/(h' − H) that is behind the line
 //!
 //! ```text
 //!   E' × p > f K,   E' = E + K/(h' − H)·(γ_y, −γ_x)
 //! ```
 //!
-//! and a difference ε of heights shifts f K by ε |K|/(h' − H). What is surely hidden is on L with the roof lowered by c r² (all receivers
-//! are below L); what may be hidden is on L lowered by c r'².
+//! A difference ε of heights shifts f K by ε |K|/(h' − H). For the surely hidden receivers take L
+//! with the roof lowered by c r², since all receivers are below L. For the possibly hidden
+//! receivers take L lowered by c r'².
 //!
-//! **Horizon.** All this is of receivers before the horizon of their own height, c|p|² < h_U − z: their rays fall all the way. There a ray
-//! through a roof meets the height of the receivers for the first time at the nearer root; a roof that is not above the receivers hides none of
-//! them; and the ground, which is not above them either, none. Rays that rise all the way, to z ≥ h_U + c|p|², are hidden by roofs above the UAV
-//! alone, as over a flat earth ([`super::ceiling`]). Whoever is between, where the ray falls and then rises, is asked about alone. The horizon of prisms
-//! ([`super::horizon`]) is a matter of straight rays, and holds with drops that are larger by c d.
+//! **Horizon.** All this holds for receivers before the horizon of their own height, c|p|² < h_U −
+//! z: their rays fall all the way. There a ray through a roof meets the height of the receivers for
+//! the first time at the nearer root. A roof that is not above the receivers hides none of them,
+//! and neither does the ground, which is not above them either.
+//!
+//! Rays that rise all the way, to z ≥ h_U + c|p|², are hidden only by roofs above the UAV, as over
+//! a flat earth ([`super::ceiling`]). Receivers in between, whose rays fall and then rise, are
+//! decided by `ray`. The horizon of prisms ([`super::horizon`]) concerns straight rays, and holds
+//! with drops that are larger by c d.
 
 use super::geometry::as_f64;
 use super::plane::Plane;
@@ -36,39 +46,42 @@ pub(super) const HEIGHT_SLACK: f64 = 1.0 / 1024.0;
 /// The end of a shadow on a curved earth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bend {
-    /// How the plane of the receivers rises to the east and the north.
+    /// Rise of the receivers' plane to the east and the north.
     gamma: [f64; 2],
-    /// f: how far behind the far edges the shadow ends, as a factor.
+    /// f: the end of the shadow behind the far edges, as a factor.
     far: f64,
-    /// By how much the roof is below the UAV \[1/1024 m\].
+    /// Height of the UAV above the roof \[1/1024 m\].
     below: f64,
-    /// By how much receivers may be higher than is reckoned with where they are hidden, and lower where they are not \[1/1024 m\].
+    /// Height errors allowed for: receivers may be this much higher where they are hidden, and this
+    /// much lower where they are not \[1/1024 m\].
     higher: f64,
     lower: f64,
 }
 
-/// A far edge of a caster as it bounds a shadow: `cross(edge, p − u)` is more than `sure` where receivers are surely hidden, and more
-/// than `maybe` where they may be.
+/// A far edge of a caster as it bounds a shadow. Receivers are surely hidden if
+/// `cross(edge, p − u)` is more than `sure`, and possibly hidden if it is more than `maybe`.
 pub(super) struct FarEdge {
     pub(super) edge: [f64; 2],
-    /// What the edge without a bend adds to the magnitude of its terms.
+    /// Magnitudes of the terms of the edge.
     pub(super) terms: [f64; 2],
     pub(super) sure: f64,
     pub(super) maybe: f64,
 }
 
-/// How far a shadow reaches on a curved earth.
+/// The reach of a shadow on a curved earth.
 pub(super) enum CurvedReach {
-    /// It hides nobody.
+    /// It hides no receiver.
     Nowhere,
-    /// The roof is above the UAV, as seen from the plane below it, and the shadow has no end; or that is farther than all receivers.
+    /// The shadow has no end, since the roof is above the UAV as seen from the plane below it. Or
+    /// its end is farther than all receivers.
     Endless,
     /// It ends at a factor of the distance from the UAV at most.
     UpTo(f64, Bend),
 }
 
-/// The reach for a roof at `top` within bounds (west, south, east, north), over receivers at `z` or higher whose rays fall, or rise, all the way;
-/// all are in the wanted part of the plane.
+/// Returns the reach for a roof at `top` within bounds (west, south, east, north), over receivers
+/// at `z` or higher. All receivers are in the wanted part of the plane, and their rays fall, or
+/// rise, all the way.
 pub(super) fn reach(plane: &Plane, [w, s, e, n]: [i32; 4], top: i32, z: i64) -> CurvedReach {
     let (c, uav, farthest, top) = (plane.curve, plane.uav, plane.farthest(), i64::from(top));
     if top <= z.min(uav.z) {
@@ -91,10 +104,11 @@ pub(super) fn reach(plane: &Plane, [w, s, e, n]: [i32; 4], top: i32, z: i64) -> 
         CurvedReach::UpTo(f64::INFINITY, bend)
     };
     if below < -cap {
-        // The UAV and all receivers are below the roof wherever that is lowest.
+        // The UAV and all receivers are below the roof even at its lowest point.
         return if as_f64(top - z) > cap { CurvedReach::Endless } else { unknown() };
     }
-    // The nearer root for a point of the roof at a distance before the horizon; it grows with that.
+    // The nearer root for a point of the roof at a distance before the horizon; it grows with the
+    // distance.
     let root_below = |above_roof: f64, distance: f64| {
         let fall = c * distance * distance;
         let sum = above_roof + fall;
@@ -119,7 +133,8 @@ pub(super) fn reach(plane: &Plane, [w, s, e, n]: [i32; 4], top: i32, z: i64) -> 
         return unknown();
     }
     let off = last * r + (last - end).max(end - least) * distance;
-    // Below the UAV the plane is below it, since f is not negative before the horizon; so all between it and the end are hidden on the plane.
+    // Below the UAV the receivers' plane is below it, since f is not negative before the horizon.
+    // So all receivers between the plane and the end are hidden on the plane.
     let bend = Bend {
         gamma: m.map(|m| -2.0 * c * (end - 1.0) * m),
         far: (above_receivers - fall * end * end) / below,
@@ -131,7 +146,7 @@ pub(super) fn reach(plane: &Plane, [w, s, e, n]: [i32; 4], top: i32, z: i64) -> 
 }
 
 impl Bend {
-    /// An edge that does not face the UAV, with its `K`.
+    /// Returns the bound of an edge that does not face the UAV, with its `K`.
     #[inline(always)]
     pub(super) fn far_edge(&self, [ex, ey]: [f64; 2], k: f64) -> FarEdge {
         let ratio = k / self.below;

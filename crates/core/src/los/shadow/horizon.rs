@@ -1,28 +1,37 @@
-//! The horizon of a UAV: which prisms, and which receivers, are behind what is nearer and higher as seen from it.
+//! The horizon of a UAV: the prisms and receivers behind nearer and higher prisms, as seen from it.
 //!
-//! **Method.** The line from the UAV to a point at distance d and height z drops by (h_U − z)/d to the unit of distance. A
-//! receiver behind a prism is hidden if the line to it drops by more than the line to the far edge of the roof. So a prism
-//! whose far edge drops by more than that of another before it hides nobody else: of a city seen from above these are
-//! all but the higher roofs of the distance (of 134 000 blocks over 16 km, seen from 100 m, 71 %). The shadow of any other
-//! adds only what is farther away than the horizon before it reaches.
+//! **Method.** The line from the UAV to a point at distance d and height z drops by (h_U − z)/d per
+//! unit of distance. A receiver behind a prism is hidden if the line to it drops by more than the
+//! line to the far edge of the roof. So a prism hides no other receiver if its far edge drops by
+//! more than that of a prism before it. Of a city seen from above these are all but the higher
+//! roofs of the distance (of 134 000 blocks over 16 km, seen from 100 m, 71 %). The shadow of any
+//! other prism adds only receivers farther away than the horizon before it reaches.
 //!
-//! Azimuths are cut into bins. While prisms come by, nearest first, each bin keeps two bounds on the least drop so far:
-//! *sure*, by those that fill the bin, from their farthest point on and as if their roofs ended at the nearest, and *possible*,
-//! by those that touch it, from their nearest point on and as if their roofs ended at the farthest. What drops by more than
-//! the sure bounds of all its bins is hidden; receivers that drop by less than the possible bounds of all theirs are in line
-//! of sight.
+//! Azimuths are cut into bins. While prisms come by, nearest first, each bin keeps two bounds on
+//! the least drop so far:
 //!
-//! **Exactness.** Bounds are widened by far more than they can err ([`SLACK`], [`SEAM`]), so all comparisons are strict. A
-//! convex prism that fills a bin is crossed by each of its rays, the two on its sides included, and not along an edge; so
-//! what it is taken to hide is inside of its open shadow. A prism that is left out, or the near part of its shadow, takes nobody
-//! out of all shadows then, nor anybody on its boundary; nor do several together, since what hides one is nearer than it.
-//! `ray` says the same of receivers among those that are left.
+//! * *sure*, by the prisms that fill the bin, from their farthest point on and as if their roofs
+//!   ended at the nearest;
+//! * *possible*, by the prisms that touch the bin, from their nearest point on and as if their
+//!   roofs ended at the farthest.
 //!
-//! On a curved earth lines to points at distance d drop by (h_U − z)/d + c d ([`super::curve`]); their bounds take both terms where they are least, or
-//! largest.
+//! A point that drops by more than the sure bounds of all its bins is hidden. Receivers that drop
+//! by less than the possible bounds of all their bins are in line of sight.
 //!
-//! All this is of receivers below the UAV. One that is not sees past all prisms below the UAV; from it, those that are not below the
-//! UAV hide each other in other ways, and none of them is left out.
+//! **Exactness.** Bounds are widened by far more than they can err ([`SLACK`], [`SEAM`]), so all
+//! comparisons are strict. A convex prism that fills a bin is crossed by each of its rays, the two
+//! on its sides included, and not along an edge. So everything it is assumed to hide is inside of
+//! its open shadow. If a prism, or the near part of its shadow, is left out, no receiver leaves all
+//! shadows or their boundaries. Nor do several omissions together matter, since the prism that
+//! hides another is nearer than it. For receivers among the remaining prisms `ray` gives the same
+//! answer.
+//!
+//! On a curved earth lines to points at distance d drop by (h_U − z)/d + c d ([`super::curve`]).
+//! Their bounds take both terms where they are least, or largest.
+//!
+//! All this holds for receivers below the UAV. A receiver that is not below it sees past all prisms
+//! below the UAV. Prisms that are not below the UAV hide each other from it in other ways, and none
+//! of them is left out.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -31,42 +40,45 @@ use std::ops::Range;
 use super::geometry::{FULL_TURN, as_f64, bearing, cross, distance_squared};
 use crate::quantity::LatticePoint;
 
-/// Relative slack of drops; those of [`f32`] err by less than a tenth of it.
+/// Relative slack of drops; [`f32`] drops err by less than a tenth of it.
 const SLACK: f64 = 1.0 / (1 << 20) as f64;
 
-/// Slack of positions among bins, of which there are at most 2^20: doubles err by less than a thousandth of it.
+/// Slack of positions among bins, of which there are at most 2^20; doubles err by less than a
+/// thousandth of it.
 const SEAM: f64 = 1.0 / (1 << 16) as f64;
 
-/// Bins for the square root of the number of prisms: some five for each block along the rim of a city.
+/// Bins per square root of the number of prisms: some five for each block along the rim of a city.
 const BINS_PER_SIDE: f64 = 16.0;
 
-/// What is known of some receivers.
+/// Sight of a group of receivers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sight {
-    /// All are in line of sight.
+    /// All receivers are in line of sight.
     All,
-    /// Some may be.
+    /// Some receivers may be in line of sight.
     Some,
-    /// None is.
+    /// No receiver is in line of sight.
     None,
 }
 
-/// What the horizon tells.
+/// The results of the horizon.
 #[derive(Debug)]
 pub(super) struct Sorted {
-    /// For each prism, how many times farther from the UAV than its near edges its shadow begins, where receivers are not hidden
-    /// by nearer prisms anyway: 1 or more; `None` where it hides nobody else.
+    /// For each prism, the begin of its shadow as a factor of the distance of its near edges, 1 or
+    /// more. Nearer prisms hide nearer receivers anyway. `None` if it hides no other receiver.
     pub(super) prisms: Vec<Option<f64>>,
-    /// For each group, what is known of its receivers.
+    /// For each group, the sight of its receivers.
     pub(super) groups: Vec<Sight>,
 }
 
-/// Sorts prisms, and groups of receivers at one height each, by the horizon of a UAV. Shadows are cast on receivers below
-/// `highest` \[1/1024 m above the datum\], or at it. A prism that is left out sets no least height of a receiver either: that which
-/// hides all that it does needs a higher one.
+/// Sorts prisms, and groups of receivers at one height each, by the horizon of a UAV.
 ///
-/// Each is a convex counterclockwise ring, with the lowest and the highest of the roof over it, or the height of the receivers within
-/// \[1/1024 m above the datum\].
+/// Shadows are cast on receivers at or below `highest` \[1/1024 m above the datum\]. A prism that
+/// is left out sets no least height of a receiver either: a prism that hides all its receivers
+/// needs a higher one.
+///
+/// Each item is a convex counterclockwise ring. With it come the lowest and the highest point of
+/// the roof over it, or the height of the receivers within \[1/1024 m above the datum\].
 pub(super) fn sort_by_horizon<R: AsRef<[[i32; 2]]>, G: AsRef<[[i32; 2]]>>(
     (uav, curve): (LatticePoint, f64),
     highest: i64,
@@ -92,7 +104,7 @@ pub(super) fn sort_by_horizon<R: AsRef<[[i32; 2]]>, G: AsRef<[[i32; 2]]>>(
     outward.sort_unstable();
 
     let below = as_f64(uav.z - highest.min(uav.z)) * (1.0 - SLACK);
-    // What has begun and not yet ended, by where it ends.
+    // Items that have begun and not yet ended, by their end.
     let mut open: BinaryHeap<Reverse<(u32, usize)>> = BinaryHeap::new();
     let end = |k: usize, horizon: &mut Horizon, groups: &mut [Sight]| match k.checked_sub(n_prisms) {
         None => horizon.rise_to(&seen[k]),
@@ -126,21 +138,24 @@ pub(super) fn sort_by_horizon<R: AsRef<[[i32; 2]]>, G: AsRef<[[i32; 2]]>>(
     sorted
 }
 
-/// Something as seen from the UAV.
+/// A prism or a group as seen from the UAV.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
-    /// The bins that it touches, from the first to after the last, the number of bins added beyond the seam.
+    /// The bins that it touches, from the first to after the last. The number of bins is added
+    /// beyond the seam.
     touched: (u32, u32),
     /// The bins that it fills.
     filled: (u32, u32),
-    /// Between which whole distances it lies \[lattice steps\].
+    /// Integer distances between which it lies \[lattice steps\].
     distances: (u32, u32),
-    /// The least drop, at its farthest point, and the largest, at its nearest. A prism that is not below the UAV hides all
-    /// behind it that is below the UAV: it has 0 as the largest, and as the least one that is hidden by 0, or not.
+    /// The least drop, at its farthest point, and the largest, at its nearest. A prism that is not
+    /// below the UAV hides everything behind it that is below the UAV, so its largest drop is 0.
+    /// Its least drop decides whether a drop of 0 hides it.
     drops: (f32, f32),
 }
 
-/// Bounds on the least drop of all that stands within a distance, by azimuth bin; a power of two of them.
+/// Bounds on the least drop of all prisms within a distance, by azimuth bin; the number of bins is
+/// a power of two.
 struct Horizon {
     sure: Vec<f32>,
     possible: Vec<f32>,
@@ -158,8 +173,8 @@ impl Horizon {
         u32::try_from(self.sure.len()).unwrap_or(u32::MAX)
     }
 
-    /// The drop beyond which all is hidden behind something, by what is nearer, infinite if there is nothing; `None` if that
-    /// hides it as well.
+    /// Returns the drop beyond which nearer prisms hide everything behind `seen`; infinite if there
+    /// are none. Returns `None` if they hide `seen` as well.
     fn before(&self, seen: &Seen) -> Option<f32> {
         let (first, beyond) = self.ranges(seen.touched);
         let most = |of: &[f32]| of.iter().fold(0.0, |most, sure| if *sure > most { *sure } else { most });
@@ -167,7 +182,7 @@ impl Horizon {
         (sure >= seen.drops.0).then_some(sure)
     }
 
-    /// Whether nothing hides any of some receivers.
+    /// Returns `true` if nothing hides any receiver of a group.
     fn is_below(&self, seen: &Seen) -> bool {
         let is_above = |possible: &[f32]| possible.iter().all(|possible| *possible > seen.drops.1);
         let (first, beyond) = self.ranges(seen.touched);
@@ -186,7 +201,7 @@ impl Horizon {
         lower(&mut self.possible[beyond], seen.drops.0);
     }
 
-    /// Bins up to the seam, and those beyond it.
+    /// Returns the bins up to the seam, and the bins beyond it.
     fn ranges(&self, (first, end): (u32, u32)) -> (Range<usize>, Range<usize>) {
         let n = self.sure.len();
         let (first, end) = (first as usize, end as usize);
@@ -199,7 +214,7 @@ fn lower(bins: &mut [f32], to: f32) {
 }
 
 impl Seen {
-    /// `if_not_below` are the drops of what is not below the UAV.
+    /// Makes the view of a ring; `if_not_below` are the drops of an item that is not below the UAV.
     fn from(
         (uav, curve): (LatticePoint, f64),
         (ring, (low, high)): (&[[i32; 2]], (i64, i64)),
@@ -207,7 +222,7 @@ impl Seen {
         n_bins: u32,
     ) -> Seen {
         let mut bounds = [i32::MAX, i32::MAX, i32::MIN, i32::MIN];
-        // What does not surround the UAV is seen within half a turn.
+        // A ring that does not surround the UAV is seen within half a turn.
         let from_uav = |v: [i32; 2]| [i64::from(v[0]) - uav.x, i64::from(v[1]) - uav.y];
         let mut sides = ring.first().map_or(([1, 0], [1, 0]), |v| (from_uav(*v), from_uav(*v)));
         let mut far_squared = 0;
@@ -223,7 +238,7 @@ impl Seen {
         let near_squared = distance_squared(bounds, (uav.x, uav.y));
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "roots of at most 2^56, bins")]
         let whole = |v: f64| v as u32;
-        // EXACT: roots err by far less than the step that they are widened by.
+        // EXACT: roots err by far less than the step by which they are widened.
         let near = whole(as_f64(near_squared).sqrt()).saturating_sub(1);
         let far = whole(as_f64(far_squared).sqrt()) + 2;
         let (touched, filled) = if near == 0 {
@@ -271,7 +286,7 @@ mod tests {
 
     const UAV: LatticePoint = LatticePoint { x: 0, y: 0, z: 100 * M as i64 };
 
-    /// How many times farther away shadows begin, on the ground.
+    /// Returns the factors of distance at which shadows begin, on the ground.
     fn begins(prisms: &[([i32; 4], i32)]) -> Vec<Option<f64>> {
         let rings: Vec<_> = prisms.iter().map(|(bounds, _)| rectangle(*bounds)).collect();
         let prisms = rings.iter().zip(prisms).map(|(ring, (_, top))| (ring, (top * M, top * M)));
@@ -315,7 +330,7 @@ mod tests {
         assert_eq!(begins(&[]), []);
     }
 
-    /// Whole numbers below `n`.
+    /// Returns a random integer below `n`.
     fn below(random: &mut ChaCha8Rng, n: u32) -> i32 {
         i32::try_from(random.next_u32() % n).unwrap_or(0)
     }

@@ -1,8 +1,14 @@
-//! Least heights past prisms: every caster raises those of the cells that it can stand in the way of, as [`super::caster_heights`] tells them.
+//! Least heights past prisms: every caster raises the heights of the cells that it can hide, by its
+//! demands ([`super::caster_heights`]).
 //!
-//! **Exactness.** E × q, K and their difference are integers below 2^53, which doubles hold, so that heights err by a few roundings of
-//! themselves; [`GridHeights`] tells where these may matter, and a walk along the link (`ray`) is asked there. Not known (NaN) are the
-//! cell at the UAV, those close behind or below a sloped roof for heights of the UAV, and those on a side of a cone, or so near that rounding matters, if its height is above that of all sure casters.
+//! **Exactness.** E × q, K and their difference are integers below 2^53, which doubles hold. So
+//! heights err by a few roundings of themselves. [`GridHeights`] finds the cells where these may
+//! matter; there a walk along the link (`ray`) decides. Heights are unknown (NaN) in these cells:
+//!
+//! * the cell at the UAV,
+//! * for heights of the UAV, cells close behind or below a sloped roof,
+//! * cells on a side of a cone, or so near that rounding matters, if its height is above that of
+//!   all sure casters.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8};
@@ -20,35 +26,44 @@ use crate::dispatch;
 use crate::height_field::{Caster, CasterBlock};
 use crate::quantity::LatticePoint;
 
-/// Bands of rows to a thread, so that none waits long for another.
+/// Bands of rows to a thread, so that no thread waits long for another.
 const BANDS_PER_THREAD: usize = 4;
 
-/// Doubles hold integers up to twice this: E × q and K are two products each, and their difference is four.
+/// Half the range of integers that doubles hold: E × q and K are two products each, and their
+/// difference is four.
 const EXACT: i64 = 1 << 52;
 
-/// Which end of the links has its least heights found.
+/// The end of the links whose least heights are requested.
 enum HeightsOf {
-    /// That of receivers, as far as it is above this \[1/1024 m above the datum\].
+    /// Heights of receivers, as far as they are above `from` \[1/1024 m above the datum\].
     Receivers { from: i64 },
-    /// That of the UAV over its place, as far as it is above `from`, by receivers between two heights.
+    /// Heights of the UAV over its place, as far as they are above `from`; the receivers are
+    /// between the heights of `range`.
     Uav { from: i64, receivers: Receivers, range: (i64, i64) },
 }
 
-/// The least height of a receiver over each wanted cell from which it is in line of sight of `uav` past the prisms, wherever that is
-/// above `from` \[1/1024 m above the datum\]: what [`prisms_least_receiver_height`](super::super::prisms_least_receiver_height) finds,
-/// but for rounding.
+/// Returns the least height of a receiver over each wanted cell at which it is in line of sight of
+/// `uav` past the prisms. It holds if it is above `from` \[1/1024 m above the datum\]. Up to
+/// rounding it is equal to
+/// [`prisms_least_receiver_height`](super::super::prisms_least_receiver_height).
 ///
-/// Cost: the cells of all shadows, however often they overlap. `None` if the scene is so wide, and a block of casters so large, that the
-/// product of both lengths is above 2^51, so that doubles may not hold E × q − K.
+/// Cost: the cells of all shadows, however often they overlap.
+///
+/// Returns `None` if the product of the width of the scene and the size of a block of casters is
+/// above 2^51. Doubles may not hold E × q − K then.
 pub fn shadow_least_receiver_heights(scene: &ShadowScene<'_>, uav: LatticePoint, from: i64) -> Option<GridHeights> {
     least_heights(scene, uav, &HeightsOf::Receivers { from })
 }
 
-/// The least height of a UAV at `uav`'s position from which it sees the receiver of each wanted cell past the prisms, wherever that is
-/// above `from` \[1/1024 m above the datum\]: what [`prisms_least_height`](super::super::prisms_least_height) finds, but for rounding.
-/// `height(row, col)` is that of the receiver \[1/1024 m above the datum\]; the UAV's own plays no part.
+/// Returns the least height of a UAV at `uav`'s position at which it sees the receiver of each
+/// wanted cell past the prisms. It holds if it is above `from` \[1/1024 m above the datum\]. Up to
+/// rounding it is equal to [`prisms_least_height`](super::super::prisms_least_height).
 ///
-/// Cost: the cells of the cones behind all casters; `None` as by [`shadow_least_receiver_heights`].
+/// The function `height(row, col)` returns the receiver's height \[1/1024 m above the datum\]; the
+/// UAV's own height plays no part.
+///
+/// Cost: the cells of the cones behind all casters. Returns `None` in the same cases as
+/// [`shadow_least_receiver_heights`].
 pub fn shadow_least_heights(
     scene: &ShadowScene<'_>,
     uav: LatticePoint,
@@ -87,7 +102,8 @@ fn least_heights(scene: &ShadowScene<'_>, uav: LatticePoint, heights_of: &Height
     Some(GridHeights::rounded(heights, per_row, first, largest))
 }
 
-/// For each caster, whether it sets the height of anyone: of receivers those behind the horizon do not.
+/// Returns for each caster whether it sets any height. For receivers, casters behind the horizon
+/// set none.
 fn are_cast(scene: &ShadowScene<'_>, uav: LatticePoint, heights_of: &HeightsOf) -> Vec<bool> {
     let casters = scene.casters.all();
     if let HeightsOf::Uav { .. } = heights_of {
@@ -99,7 +115,7 @@ fn are_cast(scene: &ShadowScene<'_>, uav: LatticePoint, heights_of: &HeightsOf) 
     sorted.prisms.iter().map(Option::is_some).collect()
 }
 
-/// Whether E × q and K are exact for all casters and cells.
+/// Returns `true` if E × q and K are exact for all casters and cells.
 fn are_products_exact(scene: &ShadowScene<'_>, plane: &Plane) -> bool {
     let (ux, uy) = (plane.uav.x, plane.uav.y);
     let (xs, ys) = (&scene.grid.xs, &scene.grid.ys);
@@ -111,14 +127,17 @@ fn are_products_exact(scene: &ShadowScene<'_>, plane: &Plane) -> bool {
         farthest = farthest.max((w - ux).abs()).max((e - ux).abs()).max((s - uy).abs()).max((n - uy).abs());
         longest = longest.max(e - w).max(n - s);
     }
-    // From corners of sloped roofs there are products of distances.
+    // Corners of sloped roofs add products of distances.
     let longest = if scene.prisms.are_sloped() { longest.max(farthest) } else { longest };
     farthest * longest <= EXACT / 2
 }
 
-/// What the terms of heights over sloped roofs sum up to at most, beyond these heights \[1/1024 m\]: a term is the height of a corner against the
-/// other end of the link, as often as the link is longer than its part up to there; where that is more often than [`OFTEN`], a height of the
-/// UAV is not told.
+/// Returns an upper bound on the sum of the terms of heights over sloped roofs, beyond these
+/// heights \[1/1024 m\].
+///
+/// A term is the height of a corner relative to the other end of the link, times the ratio of the
+/// link's length to its part up to there. If that ratio is above [`OFTEN`], a height of the UAV is
+/// not given.
 fn terms_of_slopes(scene: &ShadowScene<'_>, plane: &Plane, heights_of: &HeightsOf) -> f64 {
     let casters = scene.casters;
     let of_caster = |caster: &Caster| {
@@ -140,7 +159,7 @@ fn terms_of_slopes(scene: &ShadowScene<'_>, plane: &Plane, heights_of: &HeightsO
 }
 
 impl HeightsOf {
-    /// The largest magnitude of what the heights are above.
+    /// Returns the largest magnitude of the heights that the results are relative to.
     fn largest(&self) -> i64 {
         match self {
             HeightsOf::Receivers { .. } => 0,
@@ -154,11 +173,11 @@ fn numbers_of(block: &CasterBlock) -> std::ops::Range<usize> {
     numbers.start as usize..numbers.end as usize
 }
 
-/// What is the same for all casters.
+/// Data that are the same for all casters.
 struct Cast<'a> {
     scene: &'a ShadowScene<'a>,
     heights_of: &'a HeightsOf,
-    /// By the number of a caster, whether it is cast.
+    /// By the number of a caster, `true` if it is cast.
     is_cast: Vec<bool>,
     /// East of the UAV, by column and up to a whole vector \[lattice steps\], exact.
     east: Vec<f64>,
@@ -166,7 +185,7 @@ struct Cast<'a> {
     at_uav: Vec<(usize, usize)>,
 }
 
-/// A cell of which a caster may or may not stand in the way, and how high it would be.
+/// A cell that a caster may or may not hide, and its height if it does.
 struct Doubt {
     cell: usize,
     height: f64,
@@ -205,7 +224,8 @@ impl Cast<'_> {
         }
     }
 
-    /// Makes an outline that of what a caster sets heights of; `false` if it has no cell.
+    /// Makes an outline of the cells whose heights a caster sets; returns `false` if it has no
+    /// cell.
     #[inline(always)]
     fn outline(&self, plane: &Plane, caster: &Caster, reach: Reach, outline: &mut Outline) -> bool {
         let casters = self.scene.casters;
@@ -215,13 +235,15 @@ impl Cast<'_> {
         }
     }
 
-    /// Where a roof at `top` sets heights that are asked for; `None` if nowhere.
+    /// Returns the reach of a roof at `top` over which it sets requested heights; `None` if it sets
+    /// none.
     #[inline(always)]
     fn reach(&self, plane: &Plane, top: i32) -> Option<Reach> {
         match self.heights_of {
-            // A step lower than asked for: where the shadow ends, doubts are below what matters.
+            // A step lower than requested: where the shadow ends, doubts are below the heights that
+            // matter.
             HeightsOf::Receivers { from } => Reach::new(plane.uav.z, top, from - 1),
-            // A roof that is below all receivers asks for no height above its own.
+            // A roof below all receivers demands no height above its own.
             HeightsOf::Uav { from, range: (lowest, _), .. } => {
                 (i64::from(top) > *from.min(lowest)).then_some(Reach::ENDLESS)
             }
@@ -273,7 +295,7 @@ impl Cast<'_> {
         }
     }
 
-    /// Remembers the cells whose heights are not known, and leaves those of the others.
+    /// Records the cells with unknown heights, and keeps the known heights.
     #[cold]
     #[inline(never)]
     fn doubt_unknown<S: Simd>(
@@ -293,7 +315,7 @@ impl Cast<'_> {
         f64x8::from_slice(simd, &known)
     }
 
-    /// Remembers the cells of some rows that may be in an outline or not.
+    /// Records the cells of some rows that may be inside or outside of an outline.
     #[cold]
     #[inline(never)]
     fn doubt<S: Simd>(
@@ -316,7 +338,7 @@ impl Cast<'_> {
         }
     }
 
-    /// The heights of a caster at the cells of a row from a column on.
+    /// Returns the heights of a caster at the cells of a row from a column on.
     #[inline(always)]
     fn heights<S: Simd>(&self, simd: S, plane: &Plane, edges: &Edges, (row, col): (usize, usize)) -> f64x8<S> {
         let q = (f64x8::from_slice(simd, &self.east[col..col + LANES]), plane.q[row]);

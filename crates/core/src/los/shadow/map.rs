@@ -10,12 +10,14 @@ use super::scene::{Receivers, ShadowLos, ShadowScene, cells_at_uav};
 use crate::quantity::LatticePoint;
 use crate::raster::BitGrid;
 
-/// Finds the wanted cells whose receivers, all at height `z` \[1/1024 m above the datum\], are in line of sight of `uav`
-/// past the prisms: cell for cell what [`super::super::prisms_los`] says. On a curved earth they must be below the UAV, with rays that fall
-/// all the way; [`GridLos`](super::super::GridLos) asks about others alone.
+/// Finds the wanted cells whose receivers, all at height `z` \[1/1024 m above the datum\], are in
+/// line of sight of `uav` past the prisms. Every cell is equal to [`super::super::prisms_los`].
 ///
-/// Cost: the rows of the shadows; see the module. Positions may differ by at most 2^27 lattice steps along each axis (not
-/// checked).
+/// On a curved earth receivers must be below the UAV, with rays that fall all the way;
+/// [`GridLos`](super::super::GridLos) decides other receivers by `ray`.
+///
+/// Cost: the rows of the shadows; see the module. Positions may differ by at most 2^27 lattice
+/// steps along each axis (not checked).
 pub fn shadow_los(scene: &ShadowScene<'_>, uav: LatticePoint, z: i64) -> ShadowLos {
     match scene.plane(scene.wanted, uav) {
         Some(plane) => {
@@ -26,7 +28,7 @@ pub fn shadow_los(scene: &ShadowScene<'_>, uav: LatticePoint, z: i64) -> ShadowL
     }
 }
 
-/// Like [`shadow_los`], for `cells` in place of the wanted ones of the scene.
+/// Decides like [`shadow_los`], for `cells` in place of the wanted ones of the scene.
 pub(super) fn shadow_los_among(scene: &ShadowScene<'_>, cells: BitGrid, uav: LatticePoint, z: i64) -> BitGrid {
     match scene.plane(&cells, uav) {
         Some(plane) => {
@@ -37,10 +39,12 @@ pub(super) fn shadow_los_among(scene: &ShadowScene<'_>, cells: BitGrid, uav: Lat
     }
 }
 
-/// Like [`shadow_los`] for receivers at differing heights: `height(row, col)` \[1/1024 m above the datum\] of each wanted
-/// cell. On a curved earth each ray must fall, or rise, all the way.
+/// Decides like [`shadow_los`], for receivers at differing heights: `height(row, col)` \[1/1024 m
+/// above the datum\] of each wanted cell. On a curved earth each ray must fall, or rise, all the
+/// way.
 ///
-/// Cost: one comparison, eight receivers at a time, for each shadow that their tile does not settle.
+/// Cost: one comparison, eight receivers at a time, for each shadow that their tile does not
+/// settle.
 pub fn shadow_los_relief(
     scene: &ShadowScene<'_>,
     uav: LatticePoint,
@@ -53,12 +57,13 @@ pub fn shadow_los_relief(
     cast_all(scene, wanted.in_rows(plane.rows.0..plane.rows.1), &plane, &relief, &cast)
 }
 
-/// What is found where no cell is wanted.
+/// Returns the result if no cell is wanted.
 fn nothing(scene: &ShadowScene<'_>) -> ShadowLos {
     ShadowLos { los: scene.wanted.clone(), count: 0, asked: 0 }
 }
 
-/// Casts shadows on receivers of a scene; `los` are all the cells that hold one, and become those in line of sight.
+/// Casts shadows on receivers of a scene. On entry `los` holds all the cells with a receiver, on
+/// return those in line of sight.
 fn cast_all(
     scene: &ShadowScene<'_>,
     mut los: BitGrid,

@@ -1,4 +1,5 @@
-//! The shadow of one caster: the half-planes whose intersection it is. The derivation is in the essay of [`super`].
+//! The shadow of one caster: the half-planes whose intersection it is. The derivation is in the
+//! essay of [`super`].
 
 use super::curve::Bend;
 use super::geometry::{as_f64, cross, sub};
@@ -9,26 +10,28 @@ pub(super) const LANES: usize = 8;
 
 /// Relative error of a computed bound, measured on the sum of the magnitudes of its terms.
 ///
-/// With u = 2^-53: the reciprocal of the step and the division by the edge's dy err by 2u, the offset K by 3u (one
-/// conversion, the factor f, one product), their product by u more, the slope by u more than the reciprocal, and each of
-/// the sums by u; together less than 8u of all magnitudes. The rest, as much again, covers adding the margin itself.
+/// With u = 2^-53: the reciprocal of the step and the division by the edge's dy err by 2u. The
+/// offset K errs by 3u (one conversion, the factor f, one product), and their product by u more.
+/// The slope errs by u more than the reciprocal, and each of the sums by u. Together that is less
+/// than 8u of all magnitudes. The rest, as much again, covers adding the margin itself.
 pub(super) const ROUNDING: f64 = 1.0 / (1_u64 << 49) as f64;
 
-/// Bent edges lead north or south by at least this \[lattice steps\].
+/// Least extent of a bent edge to the north or south \[lattice steps\].
 const FLATTEST: f64 = 1e-100;
 
-/// Beyond every place of a grid and its UAV \[lattice steps\].
+/// Beyond every position of a grid and its UAV \[lattice steps\].
 const FAR: f64 = (1_u64 << 40) as f64;
 
-/// How far along the rays through a footprint its shadow reaches, as factors of the distance from the UAV in the plane.
+/// The reach of a shadow along the rays through a footprint, as factors of the distance from the
+/// UAV in the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Reach {
-    /// Where the shadow begins, relative to the footprint's near edges: 1, or more for receivers above the roof, and where
-    /// nearer receivers are hidden by another.
+    /// Begin of the shadow, relative to the footprint's near edges. It is 1, or more for receivers
+    /// above the roof and if another caster hides nearer receivers.
     near: f64,
-    /// Where it ends, relative to the far edges; infinite if never.
+    /// End of the shadow, relative to the far edges; infinite if it has none.
     far: f64,
-    /// What more its end is on a curved earth.
+    /// The curve of its end on a curved earth.
     bend: Option<Bend>,
 }
 
@@ -36,7 +39,8 @@ impl Reach {
     /// From the near edges on without an end.
     pub(super) const ENDLESS: Reach = Reach { near: 1.0, far: f64::INFINITY, bend: None };
 
-    /// The reach for a roof at `top`, seen by receivers at `z`; `None` if it hides nothing from them.
+    /// Returns the reach for a roof at `top`, seen by receivers at `z`; `None` if it hides nothing
+    /// from them.
     #[inline(always)]
     pub(super) fn new(uav_z: i64, top: i32, z: i64) -> Option<Reach> {
         let top = i64::from(top);
@@ -53,34 +57,36 @@ impl Reach {
         }
     }
 
-    /// One that ends at a factor at most, along a curve.
+    /// Makes a reach that ends along a curve, at a factor of at most `far`.
     pub(super) fn bent(far: f64, bend: Bend) -> Reach {
         Reach { far, bend: Some(bend), ..Reach::ENDLESS }
     }
 
-    /// Where it begins, relative to the near edges.
+    /// Returns its begin, relative to the near edges.
     pub(super) fn near(self) -> f64 {
         self.near
     }
 
-    /// Where it ends, relative to the far edges; infinite if never.
+    /// Returns its end, relative to the far edges; infinite if it has none.
     pub(super) fn far(self) -> f64 {
         self.far
     }
 
-    /// How far behind what is at a distance from the UAV the shadow reaches, in its unit.
+    /// Returns the length of the shadow behind an object at a distance from the UAV, in the unit of
+    /// `distance`.
     pub(super) fn behind(self, distance: f64) -> f64 {
         (self.far - 1.0) * distance
     }
 
-    /// The reach from `begin` on, if that is farther than its own begin.
+    /// Returns the reach from `begin` on, if that is farther than its own begin.
     #[inline(always)]
     pub(super) fn from(self, begin: f64) -> Reach {
         Reach { near: self.near.max(begin), ..self }
     }
 
-    /// The box (west, south, east, north of the UAV at `u`) of all u + s(F − u) for a footprint F within `bounds`, a
-    /// lattice step wider than rounding can matter \[lattice steps\].
+    /// Returns the box (west, south, east, north of the UAV at `u`) of all u + s(F − u) for a
+    /// footprint F within `bounds` \[lattice steps\]. It is a lattice step wider than rounding can
+    /// matter.
     #[inline(always)]
     pub(super) fn extent(self, bounds: [i32; 4], u: (i64, i64)) -> [f64; 4] {
         let Reach { near, far, .. } = self;
@@ -93,7 +99,8 @@ impl Reach {
     }
 }
 
-/// Cells `first.0..first.1` and so on of a row: those that are surely hidden, and those that may be.
+/// Two ranges of rows, each as first and end: rows that may have hidden cells, and rows surely
+/// between the horizontal bounds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rows {
     pub(super) maybe: (usize, usize),
@@ -107,7 +114,8 @@ pub(super) struct Line {
     pub(super) per_q: f64,
 }
 
-/// A bound on a curved earth: that of what is surely inside is farther in, that of what may be inside farther out \[columns\].
+/// A bound on a curved earth. Its offsets \[columns\] are inward for cells surely inside, and
+/// outward for cells that may be inside.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BentLine {
     pub(super) at: f64,
@@ -130,17 +138,17 @@ pub(super) struct Outline {
     pub(super) margin: f64,
     south: f64,
     north: f64,
-    /// East of the UAV, of all that is hidden \[lattice steps\].
+    /// Western and eastern end of the hidden cells, east of the UAV \[lattice steps\].
     extent: (f64, f64),
 }
 
-/// What the sum of the magnitudes of a bound's terms is at most.
+/// Upper bound on the sum of the magnitudes of a bound's terms.
 #[derive(Debug, Default)]
 pub(super) struct Magnitude(f64);
 
 impl Outline {
-    /// Makes this the outline of the shadow of a convex counterclockwise ring within `bounds` (west, south, east,
-    /// north); `false` if it has no wanted cell.
+    /// Makes this the outline of the shadow of a convex counterclockwise ring within `bounds`
+    /// (west, south, east, north). Returns `false` if it has no wanted cell.
     #[inline(always)]
     pub(super) fn cast(&mut self, plane: &Plane, ring: &[[i32; 2]], bounds: [i32; 4], reach: Reach) -> bool {
         let (ux, uy) = (plane.uav.x, plane.uav.y);
@@ -181,15 +189,18 @@ impl Outline {
         self.finish(plane, &magnitude)
     }
 
-    /// Makes this the outline of all that a convex counterclockwise ring may hide from any receiver of a tile, or of more;
-    /// `plane` is that of the tile's south-western corner, `size` its extent to the east and the north. `false` if no wanted
-    /// position is in it.
+    /// Makes this an outline around everything that a convex counterclockwise ring may hide from
+    /// any receiver of a tile. The plane is that of the tile's south-western corner; `size` is its
+    /// extent to the east and the north. Returns `false` if no wanted position is in it.
     ///
-    /// The half-plane of an edge, E × (p − r) > s·K with K = E × (a − r), is linear in the receiver r: an edge that faces
-    /// all corners bounds what is hidden from anywhere in the tile by the least of the corners' bounds. The sides are the
-    /// tangents of a corner that have the footprint on one side and the whole tile on the other: a ray that begins in the
-    /// tile and passes the footprint is beyond such a line from there on. Where tile and footprint overlap there is none.
-    /// No end is looked for.
+    /// The half-plane of an edge, E × (p − r) > s·K with K = E × (a − r), is linear in the receiver
+    /// r. So the least of the corners' bounds holds for the whole tile, if the edge faces all
+    /// corners.
+    ///
+    /// The sides are the tangents of a corner that have the footprint on one side and the whole
+    /// tile on the other. A ray that begins in the tile and passes the footprint is beyond such a
+    /// line from there on. Where tile and footprint overlap there is none. The end of the shadow is
+    /// ignored.
     #[inline(always)]
     pub(super) fn cast_around(
         &mut self,
@@ -200,8 +211,8 @@ impl Outline {
         reach: Reach,
     ) -> bool {
         let (ux, uy) = (plane.uav.x, plane.uav.y);
-        // From one side of the tile to the other each bound is monotone (its slopes are 1 − near and 1 − far, both at most
-        // 0), so it is extreme at one of them.
+        // From one side of the tile to the other each bound is monotone (its slopes are 1 − near
+        // and 1 − far, both at most 0), so it is extreme at one of them.
         let [w, s, e, n] = reach.extent(bounds, (ux, uy));
         let [other_w, other_s, other_e, other_n] = reach.extent(bounds, (ux + size[0], uy + size[1]));
         let (dx, dy) = (as_f64(size[0]), as_f64(size[1]));
@@ -232,8 +243,9 @@ impl Outline {
             if is_facing == 0b1111 {
                 let most = shifts[1].max(0) + shifts[3].max(0);
                 let (at, shift) = (reach.near * as_f64(k), (1.0 - reach.near) * as_f64(most));
-                // EXACT: 1 − near errs by a rounding of near, not of itself; but the edge faces all corners, so k > most and
-                // near·most is below `at`. With u = 2^-53 the sum errs by less than 5u of both sizes, the slack is 16u.
+                // EXACT: 1 − near errs by a rounding of near, not of itself. But the edge faces all
+                // corners, so k > most and near·most is below `at`. With u = 2^-53 the sum errs by
+                // less than 5u of both sizes, the slack is 16u.
                 let slack = ROUNDING * (at.abs() + shift.abs());
                 self.add(plane, edge, at + shift - slack, &mut magnitude);
             }
@@ -256,7 +268,8 @@ impl Outline {
         self.finish(plane, &magnitude)
     }
 
-    /// Begins an outline within `extent` (west, south, east, north of the UAV); `false` if no wanted cell is near.
+    /// Begins an outline within `extent` (west, south, east, north of the UAV). Returns `false` if
+    /// no wanted cell is near.
     #[inline(always)]
     pub(super) fn begin(&mut self, plane: &Plane, [west, south, east, north]: [f64; 4]) -> bool {
         (self.south, self.north) = (south, north);
@@ -271,14 +284,14 @@ impl Outline {
         true
     }
 
-    /// Ends an outline; `false` if it is empty.
+    /// Ends an outline; returns `false` if it is empty.
     #[inline(always)]
     pub(super) fn finish(&mut self, plane: &Plane, magnitude: &Magnitude) -> bool {
         self.margin = ROUNDING * (magnitude.0 + plane.origin.abs() + 1.0) + plane.unevenness;
         self.south <= self.north
     }
 
-    /// Makes it one of no cell.
+    /// Empties the outline.
     pub(super) fn close(&mut self) {
         self.south = f64::INFINITY;
     }
@@ -314,7 +327,7 @@ impl Outline {
         #[expect(clippy::cast_precision_loss, reason = "differences of at most 2^33")]
         let far = bend.far_edge(edge.map(|v| v as f64), k);
         let [ex, mut ey] = far.edge;
-        // Any other line than one along the rows; this one is it within all margins.
+        // Replaces a line along the rows by one that equals it within all margins.
         if ey.abs() < FLATTEST {
             ey = FLATTEST;
         }
@@ -339,10 +352,12 @@ impl Outline {
         }
     }
 
-    /// The rows that the shadow may meet, and those that surely lie between its horizontal lines.
+    /// Returns the rows that the shadow may meet, and the rows that surely lie between its
+    /// horizontal lines.
     #[inline(always)]
     pub(super) fn rows(&self, plane: &Plane) -> Rows {
-        // A horizontal bound is one division of a product: well within the same margin.
+        // A horizontal bound is one division of a product, so it errs by well less than the same
+        // margin.
         let (north_margin, south_margin) = (ROUNDING * self.north.abs(), ROUNDING * self.south.abs());
         let first = plane.first_row_at_or_below(self.north + north_margin);
         let mut first_sure = first;
@@ -357,7 +372,8 @@ impl Outline {
         Rows { maybe: (first, end), sure: (first_sure, end_sure) }
     }
 
-    /// Columns between which all cells of rows `first` and `last` and of those between lie that the shadow may meet.
+    /// Returns the columns that enclose all cells that the shadow may meet in rows `first` to
+    /// `last`.
     #[inline(always)]
     pub(super) fn columns_between(&self, plane: &Plane, first: usize, last: usize) -> Option<(usize, usize)> {
         let (a, b) = (plane.q[first], plane.q[last]);
@@ -377,7 +393,7 @@ impl Outline {
         plane.wanted_columns(west, east)
     }
 
-    /// Columns between which all cells lie that the shadow may meet.
+    /// Returns the columns that enclose all cells that the shadow may meet.
     #[inline(always)]
     pub(super) fn columns(&self, plane: &Plane) -> Option<(usize, usize)> {
         let column = |east: f64| east * plane.per_step + plane.origin;

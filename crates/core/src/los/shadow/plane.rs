@@ -1,4 +1,5 @@
-//! The plane of receivers as one UAV sees it: rows and columns around it, and how far shadows reach there.
+//! The plane of receivers as one UAV sees it: rows and columns around it, and the reach of shadows
+//! there.
 
 use super::curve::{self, CurvedReach};
 use super::geometry::as_f64;
@@ -10,34 +11,35 @@ use crate::quantity::LatticePoint;
 #[derive(Debug, Clone)]
 pub(super) struct Plane {
     pub(super) uav: LatticePoint,
-    /// North of the UAV, by row of the grid and eight more \[lattice steps\]; descending, exact.
+    /// North of the UAV, for each row of the grid and eight more \[lattice steps\]; descending,
+    /// exact.
     pub(super) q: Vec<f64>,
     /// Rows that hold wanted cells.
     pub(super) rows: (usize, usize),
     /// Columns that hold wanted cells.
     pub(super) cols: (usize, usize),
-    /// East of the UAV, of the first and the last of these columns \[lattice steps\].
+    /// East of the UAV, for the first and the last of these columns \[lattice steps\].
     pub(super) east: (f64, f64),
     /// Largest distance of a row \[lattice steps\].
     pub(super) q_max: f64,
     /// Column at the UAV's x.
     pub(super) origin: f64,
-    /// Columns to the lattice step.
+    /// Columns per lattice step.
     pub(super) per_step: f64,
-    /// Lattice steps to the column.
+    /// Lattice steps per column.
     pub(super) step: f64,
     /// Largest number of a column.
     pub(super) last_column: f64,
-    /// Rows to the lattice step.
+    /// Rows per lattice step.
     pub(super) rows_per_step: f64,
-    /// What the earth falls away by at a distance of one lattice step \[1/1024 m\]; 0 where it is flat.
+    /// Fall of the earth at a distance of one lattice step \[1/1024 m\]; 0 on a flat earth.
     pub(super) curve: f64,
-    /// How far a column may be from where the even spacing puts it \[columns\].
+    /// Largest distance of a column from its place at even spacing \[columns\].
     pub(super) unevenness: f64,
 }
 
 impl Plane {
-    /// The rows and columns of a grid as seen from `uav`.
+    /// Makes the plane of rows and columns of a grid as seen from `uav`.
     pub(super) fn new(grid: &ShadowGrid, uav: LatticePoint, rows: (usize, usize), cols: (usize, usize)) -> Plane {
         let mut q: Vec<f64> = grid.ys.iter().map(|y| as_f64(y - uav.y)).collect();
         let q_max = q.iter().fold(0.0_f64, |m, q| m.max(q.abs()));
@@ -59,7 +61,8 @@ impl Plane {
         }
     }
 
-    /// How far the shadow of a roof within `bounds` reaches on receivers at `z`; `None` if it hides none of them.
+    /// Returns the reach of the shadow of a roof within `bounds` on receivers at `z`; `None` if it
+    /// hides none of them.
     #[inline(always)]
     pub(super) fn reach(&self, bounds: [i32; 4], top: i32, z: i64) -> Option<Reach> {
         if self.curve == 0.0 {
@@ -72,12 +75,13 @@ impl Plane {
         }
     }
 
-    /// At least as far from the UAV as any wanted cell \[lattice steps\].
+    /// Returns a distance at least as large as that of any wanted cell from the UAV \[lattice
+    /// steps\].
     pub(super) fn farthest(&self) -> f64 {
         self.east.0.abs().max(self.east.1.abs()).hypot(self.q_max) + 1.0
     }
 
-    /// What the earth falls away by at least and at most over some rows and columns \[1/1024 m\].
+    /// Returns bounds on the fall of the earth over some rows and columns \[1/1024 m\].
     #[inline(always)]
     pub(super) fn falls(&self, q: (f64, f64), cols: (f64, f64)) -> (f64, f64) {
         if self.curve == 0.0 {
@@ -93,30 +97,32 @@ impl Plane {
         (self.curve * (of_q.0 + of_cols.0), self.curve * (of_q.1 + of_cols.1))
     }
 
-    /// The plane of these rows and columns as another UAV sees it.
+    /// Returns the plane of these rows and columns as another UAV sees it.
     pub(super) fn seen_from(&self, grid: &ShadowGrid, uav: LatticePoint) -> Plane {
         Plane::new(grid, uav, self.rows, self.cols)
     }
 
-    /// Leaves only some of the wanted rows and columns.
+    /// Narrows the plane to some of the wanted rows and columns.
     pub(super) fn narrow_to(&mut self, grid: &ShadowGrid, rows: (usize, usize), cols: (usize, usize)) {
         let east = |col: usize| as_f64(grid.xs[col] - self.uav.x);
         (self.rows, self.cols, self.east) = (rows, cols, (east(cols.0), east(cols.1 - 1)));
     }
 
-    /// Whether the shadow of a footprint within `bounds` may meet the box of the wanted cells.
+    /// Returns `true` if the shadow of a footprint within `bounds` may meet the box of the wanted
+    /// cells.
     pub(super) fn meets(&self, bounds: [i32; 4], reach: Option<Reach>) -> bool {
         reach.is_some_and(|reach| self.overlaps(reach.extent(bounds, (self.uav.x, self.uav.y))))
     }
 
-    /// Whether `west`, `south`, `east` and `north` of the UAV lie around some of the box of the wanted cells.
+    /// Returns `true` if a box (`west`, `south`, `east` and `north` of the UAV) meets the box of
+    /// the wanted cells.
     #[inline(always)]
     pub(super) fn overlaps(&self, [west, south, east, north]: [f64; 4]) -> bool {
         let (first, last) = (self.q[self.rows.0], self.q[self.rows.1 - 1]);
         south <= first && north >= last && west <= self.east.1 && east >= self.east.0
     }
 
-    /// The wanted columns from `west` to `east`, if there are any.
+    /// Returns the wanted columns from `west` to `east`, if there are any.
     #[inline(always)]
     pub(super) fn wanted_columns(&self, west: f64, east: f64) -> Option<(usize, usize)> {
         let column = |v: f64| {
@@ -128,7 +134,7 @@ impl Plane {
         (west < east).then_some((west, east))
     }
 
-    /// The first row at or south of `q`.
+    /// Returns the first row at or south of `q`.
     #[inline(always)]
     pub(super) fn first_row_at_or_below(&self, q: f64) -> usize {
         let (low, high) = self.rows;

@@ -1,22 +1,31 @@
-//! `shadow` over a raster that is a block model: its plateaus are prisms, and receivers stand on the ground or on them.
+//! `shadow` over a raster that is a block model: its plateaus are prisms, and receivers stand on
+//! the ground or on them.
 //!
-//! **Why.** Many rasters of cities are block models that were put on a grid along their walls, generated ones above all:
-//! 17 million cells, 8500 blocks. The union of the columns above the lowest height is that of as many prisms, whose shadows cost
-//! about a third of a sweep over the cells.
+//! **Why.** Many rasters of cities are block models on a grid along their walls, generated ones
+//! above all: 17 million cells, 8500 blocks. The union of the columns above the lowest height is
+//! that of as many prisms, whose shadows cost about a third of a sweep over the cells.
 //!
-//! **Receivers.** Those at one height, and those on the plateaus of the height that most cells have, are one level, as on flat
-//! ground: [`super`] decides them. Each other plateau is a level of its own, mostly of few cells. Below the UAV, its
-//! horizon tells of many that they are all hidden, or all in line of sight, and which prisms can hide anybody
-//! ([`super::horizon`]). Seen from the others the sky is wide, and only what stands between the plateau and the UAV
-//! can hide a part of it: the prisms in the buckets that meet the hull of both, from the plateau on, until every ray is above
-//! the highest top. Their shadows are cast on the plateau's cells alone.
+//! **Receivers.** Receivers at one height are one level, as on flat ground. So are receivers on the
+//! plateaus of the height that most cells have. [`super`] decides them. Each other plateau is a
+//! level of its own, mostly of few cells.
 //!
-//! **Exactness.** Shadows are those of [`super`], with their margins and doubts. Bounds on what lies in between are
-//! computed in doubles and widened by a lattice step, far more than they can err. The doubts are asked of [`prisms_los`]: a
-//! link between two points that are not below the lowest height is blocked by the prisms if and only if it is by the columns,
-//! but for the receiver's own cell, which is exempt among columns and not among prisms. It matters where the ray is below the
-//! top of the own cell inside of it: to receivers that stand below that top, or that look down on a UAV below it so steeply
-//! that the ray dips below their roof before it has left the cell. These are asked of [`columns_los`].
+//! If such a plateau is below the UAV, the horizon often decides all its receivers: all hidden, or
+//! all in line of sight. It also selects the prisms that can hide any receiver
+//! ([`super::horizon`]). For the remaining plateaus the sky is wide, and only obstacles between the
+//! plateau and the UAV can hide a part of it. They are the prisms in the buckets that meet the hull
+//! of both, from the plateau on, until every ray is above the highest top. Their shadows are cast
+//! on the plateau's cells alone.
+//!
+//! **Exactness.** Shadows are those of [`super`], with their margins and doubts. Bounds on the
+//! obstacles in between are computed in doubles and widened by a lattice step, far more than they
+//! can err.
+//!
+//! Doubts are decided by [`prisms_los`]. For two points that are not below the lowest height, the
+//! prisms block the link if and only if the columns do. The exception is the receiver's own cell,
+//! which is exempt among columns and not among prisms. It matters if the ray is below the top of
+//! the own cell inside of it. That holds for receivers that stand below that top. It also holds for
+//! receivers that look down on a UAV below them so steeply that the ray dips below their roof
+//! before it has left the cell. Both are decided by [`columns_los`].
 
 use std::ops::ControlFlow;
 
@@ -40,13 +49,13 @@ use crate::height_field::{Columns, Piece, Plateau, Plateaus, Prisms};
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
 use crate::raster::{BitGrid, CellWindow, bits_between};
 
-/// Bands of rows to a thread, so that none waits long for another.
+/// Bands of rows to a thread, so that no thread waits long for another.
 const BANDS_PER_THREAD: usize = 4;
 
 /// Half the edge of a cell \[lattice steps\].
 const HALF_CELL: i64 = STEPS_PER_UNIT as i64 / 2;
 
-/// Where receivers stand on a raster of plateaus.
+/// The receivers' heights on a raster of plateaus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OnPlateaus {
     /// All at one height \[1/1024 m above the datum\].
@@ -55,7 +64,7 @@ pub enum OnPlateaus {
     Above(i32),
 }
 
-/// Everything about a raster of plateaus that is the same for many UAVs.
+/// Data of a raster of plateaus that are the same for many UAVs.
 #[derive(Debug, Clone, Copy)]
 pub struct PlateauScene<'a> {
     /// The raster.
@@ -66,28 +75,31 @@ pub struct PlateauScene<'a> {
     pub grid: &'a ShadowGrid,
     /// The cells to decide, of the same shape.
     pub wanted: &'a BitGrid,
-    /// Holds them, and all cells between them and the UAV.
+    /// A window that holds these cells, and all cells between them and the UAV.
     pub window: CellWindow,
-    /// Vector instructions to use; the outcome is the same at all levels.
+    /// Vector instructions to use; the result is the same at all levels.
     pub level: Level,
-    /// Bands of rows that are worked on in parallel in the current pool; the outcome is the same for any number.
+    /// Bands of rows that are processed in parallel in the current pool; the result is the same for
+    /// any number.
     pub n_bands: usize,
 }
 
 impl PlateauScene<'_> {
-    /// Some prisms over its grid.
+    /// Makes a scene of some prisms over its grid.
     fn with_prisms<'a>(&'a self, prisms: &'a Prisms) -> ShadowScene<'a> {
         let PlateauScene { grid, wanted, level, n_bands, .. } = *self;
         ShadowScene { prisms, casters: prisms.casters(), grid, wanted, level, n_bands }
     }
 }
 
-/// The wanted cells whose receivers are in line of sight of `uav`: cell for cell what [`columns_los`] says.
+/// Returns the wanted cells whose receivers are in line of sight of `uav`; every cell is equal to
+/// [`columns_los`].
 ///
-/// Nobody may be below the lowest plateau (not checked).
+/// Neither the UAV nor a receiver may be below the lowest plateau (not checked).
 ///
-/// Cost: the rows of the shadows of plateaus before the horizon, for each plateau apart of which it does not tell all what lies
-/// between it and the UAV, and a ray for each receiver whose own cell is in the way (see the module).
+/// Cost: the rows of the shadows of plateaus before the horizon. Each separate plateau that the
+/// horizon does not decide adds the obstacles between it and the UAV. Each receiver whose own cell
+/// is in the way adds a ray (see the module).
 pub fn plateaus_los(scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPlateaus) -> BitGrid {
     let view = &PlateauView::new(scene, uav, receivers);
     let plateaus = scene.plateaus;
@@ -112,13 +124,15 @@ pub fn plateaus_los(scene: &PlateauScene<'_>, uav: LatticePoint, receivers: OnPl
     los
 }
 
-/// What a UAV has in view of a raster of plateaus.
+/// A UAV's view of a raster of plateaus.
 #[derive(Debug)]
 struct PlateauView {
     uav: LatticePoint,
-    /// The prisms of the window that may hide a receiver below the UAV; `None` for all of the raster.
+    /// The prisms of the window that may hide a receiver below the UAV; `None` for all prisms of
+    /// the raster.
     before_horizon: Option<Prisms>,
-    /// What the horizon tells of the receivers on each plateau apart; nothing where they are at one level.
+    /// The horizon's result for the receivers on each separate plateau; empty if they are at one
+    /// level.
     apart: Vec<Sight>,
 }
 
@@ -138,7 +152,7 @@ impl PlateauView {
         };
         let raised: Vec<&Plateau> = plateaus.raised().iter().filter(|plateau| is_in_window(plateau)).collect();
         let receivers_on = |plateau: &Plateau| (plateaus.ring(plateau), i64::from(plateau.top) + i64::from(above));
-        // The shadows of what is left are cast later, once the prisms are joined.
+        // The remaining prisms cast their shadows later, once they are joined.
         let sorted = sort_by_horizon(
             (uav, 0.0),
             uav.z,
@@ -153,13 +167,14 @@ impl PlateauView {
         PlateauView { before_horizon, apart, ..nothing_known }
     }
 
-    /// The prisms that may hide receivers at a height.
+    /// Returns the prisms that may hide receivers at a height.
     fn prisms_for<'a>(&'a self, plateaus: &'a Plateaus, z: i64) -> &'a Prisms {
         self.before_horizon.as_ref().filter(|_| z < self.uav.z).unwrap_or_else(|| plateaus.prisms())
     }
 }
 
-/// Asks the columns about the receivers whose own cell is in the way among prisms, but exempt among columns.
+/// Decides by the columns the receivers whose own cell is in the way among prisms, but exempt among
+/// columns.
 fn ask_columns(scene: &PlateauScene<'_>, uav: LatticePoint, height: &(impl Fn(i32) -> i64 + Sync), los: &mut BitGrid) {
     let of_plateau = |plateau: &Plateau| -> Vec<(usize, usize, LatticePoint)> {
         let (z, top) = (height(plateau.top), i64::from(plateau.top));
@@ -187,7 +202,7 @@ fn ask_columns(scene: &PlateauScene<'_>, uav: LatticePoint, height: &(impl Fn(i3
     asked.iter().zip(answers).for_each(|((row, col, _), is_los)| los.set(*row, *col, is_los));
 }
 
-/// Adds the receivers on plateaus apart that are in line of sight.
+/// Adds the receivers on separate plateaus that are in line of sight.
 fn on_plateaus_apart(scene: &PlateauScene<'_>, view: &PlateauView, (plane, above): (&Plane, i32), los: &mut BitGrid) {
     let words_per_row = los.words_per_row();
     let (first, end) = plane.rows;
@@ -201,7 +216,7 @@ fn on_plateaus_apart(scene: &PlateauScene<'_>, view: &PlateauView, (plane, above
     });
 }
 
-/// The receivers on plateaus apart in some rows.
+/// The receivers on separate plateaus in some rows.
 struct BandApart<'a> {
     scene: &'a PlateauScene<'a>,
     view: &'a PlateauView,
@@ -210,7 +225,7 @@ struct BandApart<'a> {
 }
 
 impl BandApart<'_> {
-    /// Adds those in line of sight to the words of the rows.
+    /// Adds the receivers in line of sight to the words of the rows.
     #[inline(always)]
     fn cast<S: Simd>(&self, simd: S, mut plane: Plane, words: &mut [u64]) {
         let words_per_row = self.scene.wanted.words_per_row();
@@ -239,7 +254,7 @@ impl BandApart<'_> {
         }
     }
 
-    /// Leaves of the cells of a plateau, receivers at height `z`, those that are in line of sight.
+    /// Keeps the cells of a plateau, with receivers at height `z`, that are in line of sight.
     #[inline(always)]
     fn hide<S: Simd>(
         &self,
@@ -283,7 +298,7 @@ struct PlateauCells {
 }
 
 impl PlateauCells {
-    /// Makes these the wanted cells of some rows and columns; `false` if there is none.
+    /// Makes these the wanted cells of some rows and columns; returns `false` if there are none.
     #[inline(always)]
     fn fill(&mut self, wanted: &BitGrid, rows: (usize, usize), cols: (usize, usize)) -> bool {
         let (first, end) = (cols.0 / 64, cols.1.div_ceil(64));
@@ -297,7 +312,7 @@ impl PlateauCells {
         self.words.iter().any(|word| *word != 0)
     }
 
-    /// Clears the cells inside an outline; breaks if none is left then.
+    /// Clears the cells inside an outline; breaks if none remains.
     #[inline(always)]
     fn hide<S: Simd>(&mut self, simd: S, plane: &Plane, outline: &Outline) -> ControlFlow<()> {
         let Rows { maybe, sure } = outline.rows(plane);
@@ -341,7 +356,7 @@ impl PlateauCells {
         }
     }
 
-    /// Asks `ray` about all doubts that are still open.
+    /// Decides by `ray` all doubts that are still open.
     fn settle(&mut self, (prisms, grid): (&Prisms, &ShadowGrid), uav: LatticePoint, z: i64) {
         let mut ask = |row: usize, col: usize| {
             let word = &mut self.words[(row - self.rows.0) * self.words_per_row + col / 64 - self.first_word];
@@ -359,12 +374,12 @@ impl PlateauCells {
     }
 }
 
-/// Which pieces a walk has come by: a piece is in several buckets.
+/// The pieces that a walk has visited; a piece is in several buckets.
 #[derive(Default)]
 struct Visits {
-    /// For each piece the last walk that has.
+    /// For each piece, the last walk that visited it.
     of: Vec<u32>,
-    /// The walk that is going on.
+    /// The present walk.
     now: u32,
 }
 
@@ -377,17 +392,19 @@ impl Visits {
         self.now += 1;
     }
 
-    /// Whether this is the first time in this walk.
+    /// Returns `true` at the first visit of a piece in this walk.
     #[inline(always)]
     fn is_first(&mut self, piece: u32) -> bool {
         std::mem::replace(&mut self.of[piece as usize], self.now) != self.now
     }
 }
 
-/// What lies between a UAV and receivers of one height in a box: the hull of both, and how high its rays are.
+/// The region between a UAV and receivers of one height in a box: the hull of both, and the height
+/// of its rays.
 struct Between {
     uav: LatticePoint,
-    /// Along which axis the box is farther away, 0 for x, and whether on its negative side.
+    /// The axis along which the box is farther away, 0 for x. The flag is `true` if it is on its
+    /// negative side.
     axis: usize,
     is_mirrored: bool,
     /// Distance of its nearer and its farther side along that axis \[lattice steps\].
@@ -399,7 +416,7 @@ struct Between {
 }
 
 impl Between {
-    /// `bounds` are west, south, east and north of the receivers.
+    /// Makes the region; `bounds` are west, south, east and north of the receivers.
     fn new(uav: LatticePoint, [west, south, east, north]: [i64; 4], z: i64) -> Self {
         let sides = [(west - uav.x, east - uav.x), (south - uav.y, north - uav.y)];
         let gap = |(low, high): (i64, i64)| low.max(-high).max(0);
@@ -416,7 +433,8 @@ impl Between {
         }
     }
 
-    /// Calls `visit` with the pieces that may hide the UAV from a receiver, in rows of buckets from the receivers on.
+    /// Calls `visit` with the pieces that may hide the UAV from a receiver, in rows of buckets from
+    /// the receivers on.
     #[inline(always)]
     fn visit(
         &self,
@@ -451,15 +469,15 @@ impl Between {
         let last = bucket(as_f64(from_origin) + high + 2.0, n_along);
         for k in first..=last {
             let row = if self.is_mirrored { k } else { last - (k - first) };
-            // Distances from the UAV between which the row lies, and how far along the rays that is.
+            // Distances of the row from the UAV, and its part of the rays.
             let (south, north) =
                 (as_f64(row * buckets.size - from_origin), as_f64((row + 1) * buckets.size - from_origin));
             let (from, to) = if self.is_mirrored { (-north, -south) } else { (south, north) };
             let (start, end) =
                 if on_both_sides { (0.0, 1.0) } else { ((from / far).clamp(0.0, 1.0), (to / near).clamp(0.0, 1.0)) };
-            // How low the rays may be there; a step is more than all of this can err.
+            // Lowest height of the rays there; a step is more than the error of all of this.
             let lowest = self.rise * if self.rise > 0.0 { start } else { end } + as_f64(self.uav.z) - 1.0;
-            // Rays that rise towards the UAV are higher in all rows to come.
+            // Rays that rise towards the UAV are higher in all later rows.
             if self.rise <= 0.0 && f64::from(prisms.max_top()) <= lowest {
                 return ControlFlow::Continue(());
             }
@@ -474,7 +492,7 @@ impl Between {
                 }
                 for &number in pieces {
                     let piece = &prisms.pieces()[number as usize];
-                    // One that is too low here may not be in a bucket farther on.
+                    // A piece that is too low here may not be in a later bucket.
                     if f64::from(piece.top) > lowest && visits.is_first(number) {
                         visit(piece)?;
                     }
@@ -485,7 +503,7 @@ impl Between {
     }
 }
 
-/// Takes the cells of a plateau out of a set that has some in rows `first..end` alone.
+/// Removes the cells of a plateau from a set that has cells only in rows `first..end`.
 fn clear_plateau(cells: &mut BitGrid, plateau: &Plateau, (first, end): (usize, usize)) {
     let words_per_row = cells.words_per_row();
     for row in (plateau.rows.0 as usize).max(first)..(plateau.rows.1 as usize).min(end) {

@@ -1,22 +1,31 @@
-//! `shadow` seen from the ground: which of many UAV positions, all at one height, a receiver is in line of sight of.
+//! `shadow` seen from the ground: finds which of many UAV positions at one height are in line of
+//! sight of a receiver.
 //!
-//! **Line of sight has no direction.** What hides a UAV from a receiver hides the receiver from the UAV, so a grid of UAV
-//! positions at one height is to a receiver what a grid of receivers is to a UAV, and [`super`] decides it. Mostly the
-//! receiver is below the roofs and the positions are above them, so that shadows begin behind the buildings and have no end
-//! (the fourth case there). Where there are many positions this is the cheaper way around. From a street little of the sky is to
-//! be seen, and the walls along the street hide the rest; from above most buildings hide something.
+//! **Line of sight has no direction.** An obstacle that hides a UAV from a receiver hides the
+//! receiver from the UAV. So a grid of UAV positions at one height is to a receiver what a grid of
+//! receivers is to a UAV, and [`super`] decides it. Mostly the receiver is below the roofs and the
+//! positions are above them. Then shadows begin behind the buildings and have no end (the fourth
+//! case there).
 //!
-//! **Tiles of receivers.** Neighbors see nearly the same. What one convex prism hides from all four corners of a tile it
-//! hides from every receiver inside: seen from a position, the places that the prism hides are convex, being the shadow of a
-//! convex body on a plane; and from a position above, a receiver is hidden if one right above it is, so the highest height of
-//! the tile's receivers stands for all. These positions are left out for the whole tile (its *umbra*). A caster that, seen
-//! from no receiver of the tile, can hide any of the positions that are left ([`Outline::cast_around`]) is left out, too. Both
-//! are repeated from large tiles to small ones; a receiver at the end is asked about few positions and few casters.
+//! For many positions this direction is the cheaper one. From a street little of the sky is
+//! visible, and the walls along the street hide the rest; from above most buildings hide something.
 //!
-//! **Exactness.** Only positions surely inside of all four shadows are in the umbra. The outline around what a caster may
-//! hide holds its closed shadows from everywhere in the tile, so a wall that it shares with another caster, along which only
-//! `ray` can tell, runs through no position that is left if it is left out. What is left is decided as by
-//! [`crate::los`], doubts by `ray`.
+//! **Tiles of receivers.** Neighbors see nearly the same. A position that one convex prism hides
+//! from all four corners of a tile is hidden from every receiver inside. Two facts prove it. Seen
+//! from a position, the places that the prism hides are convex, being the shadow of a convex body
+//! on a plane. And from a position above, a receiver is hidden if one right above it is, so the
+//! greatest height of the tile's receivers is enough. These positions are left out for the whole
+//! tile (its *umbra*).
+//!
+//! A caster is left out, too, if it can hide none of the remaining positions from any receiver of
+//! the tile ([`Outline::cast_around`]). Both steps are repeated from large tiles to small ones. In
+//! the end few positions and few casters remain for each receiver.
+//!
+//! **Exactness.** Only positions surely inside of all four shadows are in the umbra. The outline
+//! around a caster holds its closed shadows from everywhere in the tile. The caster may share a
+//! wall with another one, along which only `ray` can decide. If it is left out, that wall runs
+//! through no remaining position. Remaining positions are decided as by [`crate::los`], doubts by
+//! `ray`.
 
 use fearless_simd::{Level, Simd};
 
@@ -34,21 +43,21 @@ use crate::height_field::{Caster, Casters, Prisms};
 use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, bits_between};
 
-/// After so many casters it is looked how far the positions that are left reach.
+/// Number of casters after which the extent of the remaining positions is measured again.
 const CASTERS_A_LOOK: usize = 8;
 
-/// UAV positions at one height over a grid, and what may hide them.
+/// UAV positions at one height over a grid, and the prisms that may hide them.
 #[derive(Debug, Clone, Copy)]
 pub struct UavPositions<'a> {
-    /// What hides positions.
+    /// The prisms that hide positions.
     pub prisms: &'a Prisms,
-    /// What casts shadows: all casters of the prisms, or those that matter.
+    /// The casters of shadows: all casters of the prisms, or those that matter.
     pub casters: &'a Casters,
-    /// Where the positions are.
+    /// Grid of the positions.
     pub grid: &'a ShadowGrid,
-    /// Their height \[1/1024 m above the datum\].
+    /// Height of the positions \[1/1024 m above the datum\].
     pub z: i64,
-    /// Vector instructions to use; the outcome is the same at all levels.
+    /// Vector instructions to use; the result is the same at all levels.
     pub level: Level,
 }
 
@@ -57,11 +66,12 @@ pub struct UavPositions<'a> {
 pub struct ReceiverTile {
     /// West, south, east and north \[lattice steps\].
     pub bounds: [i64; 4],
-    /// Height of the lowest and the highest \[1/1024 m above the datum\].
+    /// Heights of the lowest and the highest receiver \[1/1024 m above the datum\].
     pub heights: (i64, i64),
 }
 
-/// What the receivers of a tile may be in line of sight of, and what may hide it from some of them.
+/// Positions that receivers of a tile may see, and the casters that may hide them from some of
+/// these receivers.
 #[derive(Debug, Clone)]
 pub struct InView {
     /// Positions that are not hidden from the whole tile.
@@ -70,12 +80,13 @@ pub struct InView {
 }
 
 impl UavPositions<'_> {
-    /// What receivers anywhere may see of some positions.
+    /// Returns what receivers anywhere may see of some positions.
     pub fn anywhere(&self, asked: &BitGrid) -> InView {
         InView { positions: asked.clone(), casters: (0_u32..).zip(self.casters.all()).map(|(k, _)| k).collect() }
     }
 
-    /// Of what is in view from anywhere, the positions of some rows and columns, and what stands between them and a tile.
+    /// Restricts the view from anywhere to the positions of some rows and columns, and to the
+    /// casters between them and a tile.
     pub fn near(&self, tile: &ReceiverTile, (rows, cols): ((usize, usize), (usize, usize)), whole: &InView) -> InView {
         let mut positions = BitGrid::new(self.grid.ys.len(), self.grid.xs.len());
         let words_per_row = positions.words_per_row();
@@ -98,15 +109,16 @@ impl UavPositions<'_> {
         InView { positions, casters: whole.casters.iter().copied().filter(is_between).collect() }
     }
 
-    /// What is in view from a tile inside another, or from anywhere.
+    /// Narrows the view from a larger tile, or from anywhere, to a tile inside it.
     pub fn from_tile(&self, tile: &ReceiverTile, whole: &InView) -> InView {
         dispatch!(self.level, simd => self.narrowed(simd, tile, whole))
     }
 
-    /// Leaves of `asked`, positions in view from a tile, those in line of sight of a receiver inside of it.
+    /// Keeps in `asked`, positions in view from a tile, those in line of sight of a receiver inside
+    /// the tile.
     ///
-    /// The receiver, or every position, is outside of all buildings (not checked): tiles do not know that whoever is inside
-    /// of one sees a UAV at the very same point.
+    /// The receiver, or every position, must be outside of all buildings (not checked). Tiles do
+    /// not know that a receiver inside of one sees a UAV at the very same point.
     pub fn los(&self, in_view: &InView, receiver: LatticePoint, asked: &mut BitGrid) {
         dispatch!(self.level, simd => self.hide(simd, in_view, receiver, asked));
     }
@@ -163,7 +175,7 @@ impl UavPositions<'_> {
         InView { positions: left, casters: kept }
     }
 
-    /// Casters by their distance from the middle of a tile.
+    /// Returns casters by their distance from the middle of a tile.
     fn nearest_first(&self, casters: &[u32], tile: &ReceiverTile) -> Vec<u32> {
         let [west, south, east, north] = tile.bounds;
         let middle = (west.midpoint(east), south.midpoint(north));
@@ -204,7 +216,8 @@ fn clear_umbra<S: Simd>(simd: S, planes: &[Plane; 4], outlines: &[Outline; 4], c
     let words_per_row = cells.words_per_row();
     let mut row = rows.0;
     while row < rows.1 {
-        // PERF: in a loop, since closures of the standard library may stay calls, compiled for no instruction set.
+        // PERF: in a loop, since closures of the standard library may stay calls, compiled for no
+        // instruction set.
         let mut sure = [([0; LANES], [0; LANES]); 4];
         for (sure, (plane, outline)) in sure.iter_mut().zip(planes.iter().zip(outlines)) {
             *sure = spans(simd, plane, outline, row).sure;
@@ -219,7 +232,7 @@ fn clear_umbra<S: Simd>(simd: S, planes: &[Plane; 4], outlines: &[Outline; 4], c
     }
 }
 
-/// Whether no cell of a set may be inside of an outline.
+/// Returns `true` if no cell of a set may be inside of an outline.
 #[inline(always)]
 fn is_dark<S: Simd>(simd: S, plane: &Plane, outline: &Outline, cells: &BitGrid) -> bool {
     let rows = outline.rows(plane).maybe;

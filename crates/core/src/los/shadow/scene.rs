@@ -1,4 +1,4 @@
-//! What shadows are cast on, and the cells that they can meet.
+//! The receivers on which shadows are cast, and the cells that shadows can meet.
 
 use fearless_simd::Level;
 use rayon::prelude::*;
@@ -10,20 +10,21 @@ use crate::height_field::{Casters, Prisms};
 use crate::quantity::LatticePoint;
 use crate::raster::BitGrid;
 
-/// Everything about shadows that is the same for many UAVs.
+/// Data of shadows that are the same for many UAVs.
 #[derive(Debug, Clone, Copy)]
 pub struct ShadowScene<'a> {
-    /// What hides receivers.
+    /// The prisms that hide receivers.
     pub prisms: &'a Prisms,
-    /// What casts shadows: all casters of the prisms, or those that matter.
+    /// The casters of shadows: all casters of the prisms, or those that matter.
     pub casters: &'a Casters,
-    /// Where receivers stand.
+    /// Positions of the receivers.
     pub grid: &'a ShadowGrid,
     /// The cells to decide, of the same shape as the grid.
     pub wanted: &'a BitGrid,
-    /// Vector instructions to use; the outcome is the same at all levels.
+    /// Vector instructions to use; the result is the same at all levels.
     pub level: Level,
-    /// Bands of rows that are worked on in parallel in the current pool; the outcome is the same for any number.
+    /// Bands of rows that are processed in parallel in the current pool; the result is the same for
+    /// any number.
     pub n_bands: usize,
 }
 
@@ -32,16 +33,16 @@ pub struct ShadowScene<'a> {
 pub struct ShadowLos {
     /// The wanted cells that are in line of sight.
     pub los: BitGrid,
-    /// How many they are.
+    /// The number of wanted cells in line of sight.
     pub count: u64,
-    /// Receivers on the boundary of a shadow that `ray` was asked about.
+    /// The number of receivers on the boundary of a shadow, decided by `ray`.
     pub asked: u64,
 }
 
-/// How high receivers stand \[1/1024 m above the datum\].
+/// Heights of the receivers \[1/1024 m above the datum\].
 pub(super) enum Receivers {
     Level(i64),
-    /// By cell, `width` to the row, whole words of cells; 0 where none is wanted.
+    /// By cell, `width` to the row, whole words of cells; 0 for cells that are not wanted.
     Relief {
         heights: Vec<f64>,
         width: usize,
@@ -49,8 +50,9 @@ pub(super) enum Receivers {
 }
 
 impl Receivers {
-    /// Receivers at the heights that a function gives for the wanted cells \[1/1024 m above the datum\], and the lowest and the
-    /// highest of them, the wrong way around where there is none.
+    /// Makes receivers from a function that returns the height of each wanted cell \[1/1024 m above
+    /// the datum\]. Also returns the lowest and the highest height; without receivers the first
+    /// exceeds the second.
     pub(super) fn relief(wanted: &BitGrid, height: &(impl Fn(usize, usize) -> i32 + Sync)) -> (Receivers, (i32, i32)) {
         let width = wanted.words_per_row() * 64;
         let mut heights = vec![0.0; wanted.n_rows() * width];
@@ -81,13 +83,14 @@ impl Receivers {
     }
 }
 
-/// The rows and the columns between which all cells of a set lie that are within some; `None` without any.
+/// Returns the rows and the columns that enclose all cells of a set within given rows and columns;
+/// `None` without any.
 pub(super) fn extent_of(cells: &BitGrid, rows: (usize, usize), cols: (usize, usize)) -> Option<(Span, Span)> {
     let (first_word, end_word) = (cols.0 / 64, cols.1.div_ceil(64));
     let is_used = |row: &usize| cells.row(*row)[first_word..end_word].iter().any(|w| *w != 0);
     let first = (rows.0..rows.1).find(is_used)?;
     let last = (first..rows.1).rev().find(is_used)?;
-    // PERF: row by row, as they lie in memory.
+    // PERF: row by row, in memory order.
     let mut used = cells.row(first)[first_word..end_word].to_vec();
     for row in first + 1..=last {
         used.iter_mut().zip(&cells.row(row)[first_word..end_word]).for_each(|(used, word)| *used |= word);
@@ -103,20 +106,21 @@ pub(super) fn extent_of(cells: &BitGrid, rows: (usize, usize), cols: (usize, usi
 type Span = (usize, usize);
 
 impl ShadowScene<'_> {
-    /// The plane as a UAV sees it, for some cells in place of the wanted ones; `None` if there are none.
+    /// Returns the plane as a UAV sees it, for `cells` in place of the wanted ones; `None` if there
+    /// are none.
     pub(super) fn plane(&self, cells: &BitGrid, uav: LatticePoint) -> Option<Plane> {
         let curve = self.prisms.earth().map_or(0.0, |earth| earth.bulge.coefficient());
         Some(Plane { curve, ..flat_plane_of(self.grid, cells, uav)? })
     }
 }
 
-/// The plane on a flat earth as seen from a UAV; `None` if no cell is wanted.
+/// Returns the plane on a flat earth as seen from a UAV; `None` if no cell is wanted.
 pub(super) fn flat_plane_of(grid: &ShadowGrid, wanted: &BitGrid, uav: LatticePoint) -> Option<Plane> {
     let (rows, cols) = extent_of(wanted, (0, wanted.n_rows()), (0, wanted.n_cols()))?;
     Some(Plane::new(grid, uav, rows, cols))
 }
 
-/// The wanted cells right below or above the UAV, of which no shadow tells.
+/// Returns the wanted cells right below or above the UAV, which no shadow decides.
 pub(super) fn cells_at_uav(grid: &ShadowGrid, plane: &Plane, wanted: &BitGrid) -> Vec<(usize, usize)> {
     let (x, y) = (plane.uav.x, plane.uav.y);
     let cols = grid.xs.partition_point(|at| *at < x)..grid.xs.partition_point(|at| *at <= x);

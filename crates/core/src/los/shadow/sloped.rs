@@ -1,15 +1,18 @@
 //! Shadows of sloped roofs.
 //!
-//! **Method.** Let the roof of a convex footprint F be a plane, lower than the UAV at u by α(p) over p. With q = p − u for a receiver at p, lower
-//! than the UAV by Z, a point of the ray is u + q/s, s > 1, and the ray is below the roof there if Z/s > α(u + q/s). Since α is linear that is
-//! `s·α₀ + g·q < Z`, where α₀ = α(u) and g is its gradient. So the receiver is hidden if and only if some s meets
+//! **Method.** Let the roof of a convex footprint F be a plane, lower than the UAV at u by α(p)
+//! over p. Let q = p − u for a receiver at p, lower than the UAV by Z. A point of the ray is u +
+//! q/s, s > 1, and the ray is below the roof there if Z/s > α(u + q/s). Since α is linear that is
+//! `s·α₀ + g·q < Z`, where α₀ = α(u) and g is its gradient. So the receiver is hidden if and only
+//! if some s meets
 //!
 //! ```text
 //!   s > 1,      E × q > s·K for every edge,      s·α₀ + g·q < Z
 //! ```
 //!
-//! which are bounds on s, each linear in q. Some s meets them all if every lower bound is below every upper one (Fourier–Motzkin), and each such pair is a
-//! half-plane: an edge that faces u (K > 0) with s > 1 is the near edge, two edges are a side of the cone. If u is below the plane
+//! These are bounds on s, each linear in q. Some s meets them all if every lower bound is below
+//! every upper one (Fourier–Motzkin), and each such pair is a half-plane. An edge that faces u
+//! (K > 0) with s > 1 is the near edge; two edges are a side of the cone. If u is below the plane
 //! continued to it (α₀ < 0), the roof bounds s from below, else (α₀ > 0) from above:
 //!
 //! ```text
@@ -18,8 +21,9 @@
 //!   α₀ ≥ 0 with s > 1:                    the receiver is below the plane; follows from the others if no corner is below the receiver
 //! ```
 //!
-//! A flat roof has α = β, and αB − βA = αE. Heights of corners are integers and so are αB − βA (below 2^55), Z and K. Solved for the
-//! receiver's height, a pair is the plane through the UAV and the two ends of the edge on the roof ([`super::ceiling`]).
+//! A flat roof has α = β, and αB − βA = αE. Heights of corners are integers and so are αB − βA
+//! (below 2^55), Z and K. Solved for the receiver's height, a pair is the plane through the UAV and
+//! the two ends of the edge on the roof ([`super::ceiling`]).
 
 use super::ceiling::{Ceiling, Slope};
 use super::geometry::{as_f64, cross, sub};
@@ -36,20 +40,20 @@ pub(super) struct SlopedRoof<'a> {
 }
 
 impl<'a> SlopedRoof<'a> {
-    /// The roof of a caster; `None` if it is flat.
+    /// Returns the roof of a caster; `None` if it is flat.
     #[inline(always)]
     pub(super) fn of(casters: &'a Casters, caster: &Caster) -> Option<Self> {
         let (ring, heights) = (casters.ring(caster), casters.heights(caster)?);
         Some(SlopedRoof { ring, heights, roof: RoofPlane::through(ring, heights) })
     }
 
-    /// How far the UAV is above the plane of the roof, times the area of that.
+    /// Returns the height of the UAV above the plane of the roof, times the plane's area.
     #[inline(always)]
     fn above(&self, plane: &Plane) -> i128 {
         self.roof.above(plane.uav)
     }
 
-    /// The edges of the ring from u: A, E and K, and αB − βA.
+    /// Returns the edges of the ring from u: A, E and K, and αB − βA.
     #[inline(always)]
     fn edges(&self, plane: &Plane) -> impl Iterator<Item = RoofEdge> + use<'a> {
         let LatticePoint { x, y, z } = plane.uav;
@@ -73,7 +77,7 @@ impl<'a> SlopedRoof<'a> {
 /// An edge of a sloped roof as seen from the UAV.
 #[derive(Debug, Clone, Copy)]
 struct RoofEdge {
-    /// A, where it begins.
+    /// A, its start.
     from: [i64; 2],
     /// E, from A to B.
     edge: [i64; 2],
@@ -84,8 +88,8 @@ struct RoofEdge {
 }
 
 impl Outline {
-    /// Makes this the outline of the shadow of a caster on receivers at height `z`; `false` if it has no wanted cell. `reach` is that of a
-    /// flat roof as high as the highest corner.
+    /// Makes this the outline of the shadow of a caster on receivers at height `z`; returns `false`
+    /// if it has no wanted cell. The `reach` is that of a flat roof as high as the highest corner.
     #[inline(always)]
     pub(super) fn cast_roof(
         &mut self,
@@ -111,7 +115,8 @@ impl Outline {
         let mut was_facing = roof.edges(plane).last().is_some_and(|edge| edge.k > 0);
         for RoofEdge { from, edge, k, upper } in roof.edges(plane) {
             let is_facing = k > 0;
-            // EXACT: Z has no rounding, the factor of a flat roof has one, so that the bound on its offset holds here as well.
+            // EXACT: Z has no rounding, and the factor of a flat roof has one. So the bound on the
+            // offset holds here as well.
             let offset = as_f64(below_uav) * as_f64(k);
             if is_facing {
                 self.add(plane, edge, reach.near() * as_f64(k), &mut magnitude);
@@ -139,7 +144,7 @@ impl Outline {
         self.finish(plane, &magnitude)
     }
 
-    /// Adds the half-plane `cross(upper, p − u) > k`, which may be all or nothing.
+    /// Adds the half-plane `cross(upper, p − u) > k`, which may be everything or nothing.
     #[inline(always)]
     fn add_upper(&mut self, plane: &Plane, upper: [i64; 2], k: f64, magnitude: &mut Magnitude) {
         if upper != [0, 0] {
@@ -180,7 +185,7 @@ impl Ceiling {
             let at = uav_z - above as f64 / area;
             add(at, roof.roof.rise().map(|rise| as_f64(rise) / area));
         }
-        // Differences between the terms of the roof's own height may be large, so its margin counts them as well.
+        // Terms of the roof's own height may nearly cancel, so its margin counts them as well.
         #[expect(clippy::cast_precision_loss, reason = "a bound")]
         let of_roof = uav_z.abs() + (above as f64 / as_f64(roof.roof.area())).abs();
         self.margin = 2.0 * ROUNDING * (magnitude + of_roof + 1.0) + steepest * plane.unevenness;

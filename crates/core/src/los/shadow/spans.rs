@@ -1,8 +1,8 @@
-//! The inner loops of [`super`]: columns between the bounds of an outline, eight rows at a time, heights against a
-//! ceiling, eight receivers at a time, and words of bits.
+//! The inner loops of [`super`]: columns between the bounds of an outline, eight rows at a time,
+//! and heights against a ceiling, eight receivers at a time.
 //!
-//! No multiplication is fused with an addition and all rounding is to whole numbers, so every SIMD level computes the
-//! same bits.
+//! No multiplication is fused with an addition and all rounding is to integers, so every SIMD level
+//! computes the same bits.
 
 use std::ops::Range;
 
@@ -20,12 +20,13 @@ pub(super) type Lanes = ([u64; LANES], [u64; LANES]);
 /// The cells of eight rows that are surely between the bounds of a shadow.
 pub(super) struct Spans {
     pub(super) sure: Lanes,
-    /// Whether no other cell may be.
+    /// `true` if no other cell may be.
     pub(super) is_all_sure: bool,
 }
 
-/// The western and the eastern bounds of an outline \[columns\] in the eight rows from `row` on, half a column beyond the
-/// wanted ones where there is none: of what is surely inside, and of what may be.
+/// The western and the eastern bounds of an outline \[columns\] in the eight rows from `row` on,
+/// for cells surely inside and for cells possibly inside. Without a bound it is half a column
+/// beyond the wanted ones.
 struct Bounds<S: Simd> {
     sure: (f64x8<S>, f64x8<S>),
     maybe: (f64x8<S>, f64x8<S>),
@@ -60,18 +61,18 @@ fn bounds<S: Simd>(simd: S, plane: &Plane, outline: &Outline, row: usize) -> Bou
     bounds
 }
 
-/// Whole numbers of columns, clamped to the wanted ones.
+/// Rounds to integer columns, clamped to the wanted ones.
 #[inline(always)]
 fn to_columns<S: Simd>(simd: S, plane: &Plane, v: f64x8<S>) -> [u64; LANES] {
     let splat = |v: f64| f64x8::splat(simd, v);
     let within = v.max(splat(as_f64(plane.cols.0))).min(splat(as_f64(plane.cols.1)));
-    // Adding 2^52 leaves a whole number below 2^52 in the lowest bits of the double.
+    // Adding 2^52 leaves an integer below 2^52 in the lowest bits of the double.
     let bits: u64x8<S> = (within + splat((1_u64 << 52) as f64)).bitcast();
     (bits & u64x8::splat(simd, (1 << 52) - 1)).into()
 }
 
-/// Of `n` rows from `first` on, the columns that may be inside an outline and are not surely, with their rows; `sure_rows` are those between its horizontal
-/// lines.
+/// Returns the columns, with their rows, that may be inside an outline but are not surely inside,
+/// in `n` rows from `first` on. The `sure_rows` are those between its horizontal lines.
 pub(super) fn doubtful(
     sure: &Lanes,
     maybe: &Lanes,
@@ -88,12 +89,12 @@ pub(super) fn doubtful(
     })
 }
 
-/// The number of a column as an index.
+/// Converts a column number to an index.
 pub(super) fn as_column(v: u64) -> usize {
     usize::try_from(v).unwrap_or(usize::MAX)
 }
 
-/// The cells that are surely inside an outline in the eight rows from `row` on.
+/// Returns the cells that are surely inside an outline in the eight rows from `row` on.
 #[inline(always)]
 pub(super) fn spans<S: Simd>(simd: S, plane: &Plane, outline: &Outline, row: usize) -> Spans {
     let Bounds { sure: (west, east), maybe: (maybe_west, maybe_east) } = bounds(simd, plane, outline, row);
@@ -107,7 +108,7 @@ pub(super) fn spans<S: Simd>(simd: S, plane: &Plane, outline: &Outline, row: usi
     }
 }
 
-/// The cells that may be inside an outline in the eight rows from `row` on.
+/// Returns the cells that may be inside an outline in the eight rows from `row` on.
 #[inline(always)]
 pub(super) fn maybe_spans<S: Simd>(simd: S, plane: &Plane, outline: &Outline, row: usize) -> Lanes {
     let Bounds { maybe: (west, east), .. } = bounds(simd, plane, outline, row);
@@ -115,7 +116,8 @@ pub(super) fn maybe_spans<S: Simd>(simd: S, plane: &Plane, outline: &Outline, ro
     (to_columns(simd, plane, west.ceil()), to_columns(simd, plane, end))
 }
 
-/// Which of the 64 receivers from column `first` on of a row are surely below a ceiling, and which are too near to tell.
+/// Returns, among the 64 receivers from column `first` on of a row, those surely below a ceiling
+/// and those too near to decide.
 #[inline(always)]
 pub(super) fn below_ceiling<S: Simd>(
     simd: S,

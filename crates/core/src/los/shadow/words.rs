@@ -7,7 +7,7 @@ fn as_index(v: u64) -> usize {
     usize::try_from(v).unwrap_or(usize::MAX)
 }
 
-/// The bits of the word that begins at column `base` which stand for columns outside of `first..end`.
+/// Returns the bits for columns outside of `first..end`, in the word that begins at column `base`.
 #[inline(always)]
 pub(super) fn bits_outside(first: u64, end: u64, base: u64) -> u64 {
     let below = |col: u64| {
@@ -17,7 +17,7 @@ pub(super) fn bits_outside(first: u64, end: u64, base: u64) -> u64 {
     below(first) | !below(end)
 }
 
-/// Clears bits `first..end` of a row; nothing if `first ≥ end`.
+/// Clears bits `first..end` of a row; none if `first ≥ end`.
 #[inline(always)]
 pub(super) fn clear(words: &mut [u64], first: u64, end: u64) {
     if first >= end {
@@ -35,7 +35,7 @@ pub(super) fn clear(words: &mut [u64], first: u64, end: u64) {
     words[to] &= !tail;
 }
 
-/// Calls `f` with the columns within `first..end` of the bits that are set.
+/// Calls `f` with the column of each set bit within `first..end`.
 #[inline(always)]
 pub(super) fn for_each_bit(words: &[u64], first: usize, end: usize, mut f: impl FnMut(usize)) {
     for (word, bits) in words.iter().enumerate().take(end.div_ceil(64)).skip(first / 64) {

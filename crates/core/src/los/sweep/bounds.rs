@@ -1,8 +1,9 @@
-//! Step 3: what one row does to the bounds of azimuth bins.
+//! Step 3: the effect of one row on the bounds of azimuth bins.
 //!
-//! A bin knows `upper` and `lower`: no ray of it is obstructed above the first, every ray of it is up to the second, by the
-//! rows passed so far. One row has bounds of its own, from the tops of the four cells that its edges are over where rays
-//! enter the row and where they leave it; the larger ones count.
+//! By the rows passed so far, no ray of a bin is obstructed above `upper`, and every ray of it is
+//! obstructed up to `lower`. One row has bounds of its own. They come from the tops of the four
+//! cells under the bin's edges, where rays enter the row and where they leave it. The larger bounds
+//! count.
 
 use std::ops::Range;
 
@@ -12,57 +13,65 @@ use super::frame::{CELL_BITS, as_i64};
 use super::simd::{lane_numbers, permuted};
 use super::undecided::{Passed, Recall, RowBounds};
 
-/// A top that blocks nothing, above the UAV \[1/1024 m\]. Heights differ by 2^26 at most, so over the same distance its slope is
-/// below that of every receiver and top, and over a shorter one below that of every receiver farther out: it can hide none.
+/// A top that blocks nothing, above the UAV \[1/1024 m\].
+///
+/// Heights differ by 2^26 at most. So over the same distance its slope is below that of every
+/// receiver and top, and over a shorter one below that of every receiver farther out. It can hide
+/// none.
 pub(super) const NOTHING: i32 = -(1 << 30);
 
-/// Room that vectors may read or write before and after the part of a buffer that is in use.
+/// Room that vectors may read or write before and after the used part of a buffer.
 pub(super) const PAD: usize = 128;
 /// [`PAD`] among bins and cells, which are counted with a sign.
 pub(super) const PAD_I64: i64 = 128;
 
-/// Relative width of the doubt around a bound: both slopes of a comparison are off by less than 2^-21 of themselves.
+/// Relative width of the doubt around a bound: both slopes of a comparison are off by less than
+/// 2^-21 of themselves.
 const DOUBT: f32 = 1.0 / (1 << 19) as f32;
 
-/// One over no distance: so much that any height is too steep for all receivers, and any height's slope finite.
+/// Inverse of distance 0. Any height is then too steep for all receivers, and its slope is still
+/// finite.
 const PER_NOTHING: f32 = 1e25;
 
-/// Where a row is, as the bounds need it.
+/// Position of a row, in the form that the bounds need.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RowSlopes {
-    /// Its number.
+    /// Number of the row.
     pub(super) row: usize,
-    /// What tops above the UAV are multiplied by at the nearer and at the farther edge: for `upper`, put off by the doubt; and
-    /// for `lower`.
+    /// Factors of tops above the UAV at the nearer and the farther edge: for `upper`, moved by the
+    /// doubt, and for `lower`.
     upper: (f32, f32),
     lower: (f32, f32),
-    /// The part of itself that `lower` is lowered by, where its factors do not.
+    /// Share by which `lower` is lowered, if its factors do not include the doubt.
     doubt: f32,
     /// A top behind which no height is enough.
     blocks_all: i32,
 }
 
-/// The upper bound of a row that holds such a top: above every slope, so that it remains a candidate.
+/// The upper bound of a row with a top that blocks everything: above every slope, so that it
+/// remains a candidate.
 const BLOCKED: f32 = 1e35;
 
 impl RowSlopes {
-    /// Of row number `row`, which spans distances from `near` to `far` \[lattice steps\]; `is_below` says
-    /// that no top is above the UAV.
+    /// Makes the slopes of row number `row`, which spans distances from `near` to `far` \[lattice
+    /// steps\]. With `is_below`, no top is above the UAV.
     #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
     pub(super) fn new(row: usize, (near, far): (i64, i64), is_below: bool, blocks_all: i32) -> Self {
         let per = |y: i64| if y == 0 { PER_NOTHING } else { 1.0 / y as f32 };
         let (near, far) = (per(near), per(far));
-        // Of a top below the UAV the farther edge obstructs the most, of one above it the nearer edge: the larger product. So the
-        // first factor is for tops above it, the second for tops below it, and each is put off upward.
+        // A top below the UAV obstructs most at the farther edge, one above it at the nearer edge:
+        // the larger product. So the first factor is for tops above it, the second for tops below
+        // it, and each is moved upward.
         let upper = (near * (1.0 + DOUBT), far * (1.0 - DOUBT));
-        // PERF: where all tops are below the UAV the doubt of `lower` is put into the factors, not taken from each product.
+        // PERF: if all tops are below the UAV, the doubt of `lower` is part of the factors, not
+        // subtracted from each product.
         let (lower, doubt) =
             if is_below { ((near * (1.0 + DOUBT), far * (1.0 + DOUBT)), 0.0) } else { ((near, far), DOUBT) };
         RowSlopes { row, upper, lower, doubt, blocks_all }
     }
 
-    /// The bounds of one bin, from the tops under its two edges where rays enter the row, and where they leave it: the twin of
-    /// what [`Bins::raise`] does in vectors.
+    /// Returns the bounds of one bin, from the tops under its two edges where rays enter the row,
+    /// and where they leave it. This is the plain twin of the vectors in [`Bins::raise`].
     pub(super) fn bounds(&self, [enters, enters_next, leaves, leaves_next]: [i32; 4]) -> (f32, f32) {
         let max = |a: f32, b: f32| if a > b { a } else { b };
         #[expect(clippy::cast_precision_loss, reason = "the rounding is part of the proven error")]
@@ -74,41 +83,43 @@ impl RowSlopes {
     }
 }
 
-/// How the edges of bins lie over the cells of a row: edge `b` is at `(uav + b·y) / 2^shift` cells.
+/// Positions of the edges of bins over the cells of a row: edge `b` is at `(uav + b·y) / 2^shift`
+/// cells.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EdgeMap {
     /// Lateral position of the UAV, times 2^level \[lattice steps\].
     uav: i64,
     /// Bits below the cell index: those of the lattice and of the level of the bins.
     shift: u32,
-    /// Whether the cell before it is under an edge on a border of cells.
+    /// `true` if an edge on a border of cells is over the cell before it.
     is_before: bool,
 }
 
 impl EdgeMap {
-    /// Of bins of 1 / 2^level.
+    /// Makes the map of bins of 1 / 2^level.
     pub(super) fn new(uav_lateral: i64, level: u32, is_before: bool) -> Self {
         EdgeMap { uav: uav_lateral << level, shift: CELL_BITS + level, is_before }
     }
 
-    /// The cell under edge `b` at distance `y`.
+    /// Returns the cell under edge `b` at distance `y`.
     #[inline(always)]
     pub(super) fn cell(&self, b: i64, y: i64) -> i64 {
         (self.uav + b * y - i64::from(self.is_before)) >> self.shift
     }
 
-    /// Lateral cells from the first to after the last that rays of the bins `b0..b1` touch between two distances; clamped to
-    /// `within`.
+    /// Returns the lateral cells, from the first to after the last, that rays of the bins `b0..b1`
+    /// touch between two distances; clamped to `within`.
     pub(super) fn cells(&self, (b0, b1): (i64, i64), (near, far): (i64, i64), within: (i64, i64)) -> (i64, i64) {
         let low = self.cell(b0, near).min(self.cell(b0, far)).clamp(within.0, within.1);
         let high = (self.cell(b1, near).max(self.cell(b1, far)) + 1).clamp(low, within.1);
         (low, high)
     }
 
-    /// Looks up the tops of the cells under `count` edges from `first` on at distance `y` in some rows, the first of them at
-    /// index 0: lateral cell `c` is at `c + PAD` of each row.
+    /// Looks up the tops of the cells under `count` edges from `first` on at distance `y` in some
+    /// rows. Results begin at index 0. Lateral cell `c` is at `c + PAD` of each row.
     ///
-    /// PERF: neighbors are less than a cell apart, so a vector of edges looks into one vector of cells.
+    /// PERF: neighbors are less than a cell apart, so a vector of edges looks into one vector of
+    /// cells.
     #[inline(always)]
     pub(super) fn look_up<S: Simd, const N: usize>(
         &self,
@@ -129,11 +140,11 @@ impl EdgeMap {
         assert!(len >= n);
         let rows = rows.map(|row| &row[..len]);
         let found = found.map(|found| &mut found[..n_found]);
-        // Beside the raster all cells are alike.
+        // Outside the raster all cells are alike.
         let last = len - n;
         for i in (0..n_found).step_by(n) {
-            // EXACT: a bin is narrower than a cell, so a step is below 2^shift ≤ 2^27, all lanes stay below 2^31, and as many
-            // edges as there are lanes lie over as many cells.
+            // EXACT: a bin is narrower than a cell, so a step is below 2^shift ≤ 2^27, all lanes
+            // stay below 2^31, and as many edges as there are lanes lie over as many cells.
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "masked to at most 27 bits")]
             let within = (at & ((1_i64 << self.shift) - 1)) as u32;
             let index = (S::u32s::splat(simd, within) + steps) >> self.shift;
@@ -146,7 +157,7 @@ impl EdgeMap {
     }
 }
 
-/// What is known of the bins of a wedge: values of bin `i` are at `i + PAD`.
+/// Bounds of the bins of a wedge: values of bin `i` are at `i + PAD`.
 #[derive(Debug)]
 pub(super) struct Bins<R> {
     pub(super) len: usize,
@@ -154,19 +165,19 @@ pub(super) struct Bins<R> {
     pub(super) upper: Vec<f32>,
     /// Every ray of the bin is obstructed up to this slope.
     pub(super) lower: Vec<f32>,
-    /// What is remembered of the rows.
+    /// Memory of the rows passed.
     pub(super) recall: R,
 }
 
 impl<R: Recall> Bins<R> {
-    /// Bins over which nothing passed yet.
+    /// Makes bins that no row has passed yet.
     pub(super) fn new(len: usize, recall: R) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "a power of two")]
         let slopes = || vec![NOTHING as f32; len + 2 * PAD];
         Bins { len, upper: slopes(), lower: slopes(), recall }
     }
 
-    /// Makes two bins of each, which both know what it knew.
+    /// Splits each bin into two with the same values.
     pub(super) fn split(&mut self) {
         split(&mut self.upper, self.len);
         split(&mut self.lower, self.len);
@@ -174,7 +185,7 @@ impl<R: Recall> Bins<R> {
         self.len *= 2;
     }
 
-    /// Gives the place after the last bin its bounds, for receivers on its farther edge.
+    /// Copies the bounds of the last bin to the place after it, for receivers on its farther edge.
     pub(super) fn repeat_last(&mut self) {
         let end = PAD + self.len;
         for bounds in [&mut self.upper, &mut self.lower] {
@@ -182,8 +193,8 @@ impl<R: Recall> Bins<R> {
         }
     }
 
-    /// Raises the bounds of some bins by a row, under whose edges of number `i` rays enter and leave it at `enters[i]` and `leaves[i]`
-    /// \[1/1024 m above the UAV\].
+    /// Raises the bounds of some bins by a row. Rays under edge number `i` enter and leave it at
+    /// tops `enters[i]` and `leaves[i]` \[1/1024 m above the UAV\].
     #[inline(always)]
     pub(super) fn raise<S: Simd>(
         &mut self,
@@ -217,7 +228,7 @@ impl<R: Recall> Bins<R> {
             let proven = (enter * lower_near).max(leave * lower_far);
             let mut proven = proven - proven.abs() * doubt;
             if bins.len() - i < n {
-                // Bins past the last may sleep, and must not know of this row.
+                // Bins past the last may sleep, and must ignore this row.
                 let within = S::mask32s::from_bitmask(simd, (1 << (bins.len() - i)) - 1);
                 (slope, proven) = (within.select(slope, no_slope), within.select(proven, no_slope));
             }
@@ -231,13 +242,13 @@ impl<R: Recall> Bins<R> {
     }
 }
 
-/// A vector of tops.
+/// Loads a vector of tops.
 #[inline(always)]
 fn tops_from<S: Simd>(simd: S, tops: &[i32], at: usize) -> S::i32s {
     S::i32s::from_slice(simd, &tops[at..at + S::i32s::LEN])
 }
 
-/// Values of bins for bins of half their width.
+/// Copies values of bins to bins of half their width.
 pub(super) fn split<T: Copy>(values: &mut Vec<T>, len: usize) {
     let padding = values[0];
     values.resize(2 * len + 2 * PAD, padding);

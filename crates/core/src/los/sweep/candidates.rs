@@ -1,12 +1,14 @@
-//! Step 5, where rows are not read again: those that may obstruct a ray of a bin the most, and which of them does, exactly.
+//! Step 5 without reading rows again: finds, exactly, the row that obstructs a link most among
+//! those that may obstruct a ray of its bin most.
 //!
-//! A row is a *candidate* of a bin while its own upper bound is not below the bin's `lower`. One whose lower bound is not
-//! below the bin's `upper` takes the place of all before it; those after it are listed, the newest first. The tops under the
-//! edges of the bin are kept with each. A ray of the bin is in no other cell of the row, and where it is among them is decided
-//! in integers.
+//! A row is a *candidate* of a bin while its own upper bound is not below the bin's `lower`. A row
+//! whose lower bound is not below the bin's `upper` replaces all earlier candidates. Later
+//! candidates are listed, the newest first. The tops under the edges of the bin are kept with each
+//! candidate. A ray of the bin is in no other cell of the row, and its place among these cells is
+//! decided in integers.
 //!
-//! So the steepest obstruction of a link is the steepest one over the candidates of its bin: of each, the *obstructing
-//! point* of the one or two cells that the ray crosses.
+//! So the steepest obstruction of a link is the steepest one over the candidates of its bin. Each
+//! candidate gives the *obstructing point* of the one or two cells that the ray crosses.
 
 use std::ops::Range;
 
@@ -20,7 +22,8 @@ use super::undecided::{Open, Passed, Recall, RowBounds, Settling};
 /// Bins that are listed together: as many as the widest vector has lanes.
 pub(super) const LANES: usize = 8;
 
-/// Listed rows for each vector of bins, on average, from which on those that are candidates no more are struck out.
+/// Number of listed rows per vector of bins, on average, from which on rows that are no longer
+/// candidates are removed.
 const MOST_LISTED: usize = 32;
 
 /// No row.
@@ -29,30 +32,34 @@ pub(super) const NONE: u32 = u32::MAX;
 /// Below every slope.
 const NO_SLOPE: f32 = f32::NEG_INFINITY;
 
-/// A row that is a candidate of some bins next to each other, as many as a vector has lanes.
+/// A row that is a candidate of some adjacent bins, as many as a vector has lanes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Listed {
-    /// Of each bin: the place of the candidate before it, the highest upper bound of all before it, its own upper bound.
+    /// For each bin: the place of the candidate before it, the highest upper bound of all before
+    /// it, and its own upper bound.
     pub(super) next: [u32; LANES],
     pub(super) before: [f32; LANES],
     pub(super) upper: [f32; LANES],
-    /// Tops under the edges of the bins where rays enter the row, and where they leave it \[1/1024 m above the UAV\].
+    /// Tops under the edges of the bins where rays enter the row, and where they leave it \[1/1024
+    /// m above the UAV\].
     enters: [i32; LANES + 1],
     leaves: [i32; LANES + 1],
     pub(super) row: u32,
-    /// The number of the first bin, at a distance where there are 2^level bins to a side.
+    /// The number of the first bin, among 2^level bins to a side.
     first: i32,
     pub(super) level: u32,
 }
 
 impl Listed {
-    /// Which of its bins is the one of a number among 2^level to a side, or holds it.
+    /// Returns the lane of the bin with a number among 2^level to a side, or of the bin that holds
+    /// it.
     #[inline(always)]
     pub(super) fn lane(&self, number: i64, level: u32) -> usize {
         usize::try_from((number >> (level - self.level)) - i64::from(self.first)).unwrap_or(0) % LANES
     }
 
-    /// Tops under the two edges of a bin where rays enter the row, and where they leave it.
+    /// Returns the tops under the two edges of a bin where rays enter the row, and where they leave
+    /// it.
     #[inline(always)]
     pub(super) fn tops(&self, lane: usize) -> [i32; 4] {
         [self.enters[lane], self.enters[lane + 1], self.leaves[lane], self.leaves[lane + 1]]
@@ -62,11 +69,12 @@ impl Listed {
 /// The candidate rows of the bins of a wedge: values of bin `i` are at `i + PAD`.
 #[derive(Debug)]
 pub(super) struct Candidates {
-    /// Of each bin the newest candidate, and the highest upper bound of all.
+    /// For each bin the newest candidate, and the highest upper bound of all its candidates.
     pub(super) newest: Vec<u32>,
     highest: Vec<f32>,
     pub(super) listed: Vec<Listed>,
-    /// How many may be listed before those that are candidates no more are struck out; and room for the others.
+    /// Number of listed rows from which on old candidates are removed; and room for the remaining
+    /// rows.
     most: usize,
     spare: Vec<Listed>,
     pub(super) met: Box<Met>,
@@ -84,13 +92,13 @@ impl Candidates {
         }
     }
 
-    /// The newest candidate of a bin.
+    /// Returns the newest candidate of a bin.
     #[inline(always)]
     pub(super) fn newest(&self, bin: usize) -> u32 {
         self.newest[bin + PAD]
     }
 
-    /// Whether a candidate hides the receiver of a link of slope `slope`.
+    /// Returns `true` if a candidate hides the receiver of a link of slope `slope`.
     #[inline(always)]
     fn is_hidden(&self, frame: &Frame, link: &Link, slope: f32) -> bool {
         let mut next = self.newest(link.bin);
@@ -107,24 +115,24 @@ impl Candidates {
         false
     }
 
-    /// Strikes out rows that are candidates of no bin any more, given the values of `lower` of all bins from number `first` on, once
-    /// they may be many.
+    /// Removes rows that are no longer candidates of any bin, once they may be many. Gets the
+    /// values of `lower` of all bins from number `first` on.
     fn tidy(&mut self, lower: &[f32], (first, level): (i64, u32)) {
         if self.listed.len() < self.most {
             return;
         }
-        // Where each goes to.
+        // The new place of each row.
         let mut places = vec![NONE; self.listed.len()];
         for (i, lower) in lower.iter().enumerate() {
             let number = first + as_i64(i);
-            // The one that is kept before the next one.
+            // The last kept candidate before the next one.
             let mut last: Option<(usize, usize)> = None;
             let mut next = self.newest[PAD + i];
             while let Some(listed) = self.listed.get(next as usize) {
                 let lane = listed.lane(number, level);
                 let place = next as usize;
                 if listed.level != level {
-                    // Several bins share it, so it is kept as it is.
+                    // Several bins share it, so it is kept unchanged.
                     places[place] = 0;
                     next = listed.next[lane];
                     continue;
@@ -183,7 +191,7 @@ impl Recall for Candidates {
         let (first, row) = ((passed.first + as_i64(bin)) as i32, passed.row as u32);
         let (old, old_highest) = (S::u32s::from_slice(simd, newest), S::f32s::from_slice(simd, highest));
         let before = is_the_one.select(S::f32s::splat(simd, NO_SLOPE), old_highest);
-        // PERF: where rays reach the ground each row takes the place of the one before it, also in memory.
+        // PERF: where rays reach the ground each row replaces the row before it, also in memory.
         let is_in_place = is_the_one.all_true() && old.simd_eq(S::u32s::splat(simd, newest[0])).all_true();
         let place = match self.listed.get(newest[0] as usize) {
             Some(last) if is_in_place && last.level == passed.level => newest[0],
@@ -241,21 +249,21 @@ const EMPTY: Listed = Listed {
 /// The link to a receiver, as the rows of its quadrant see it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Link {
-    /// Its bin, and the number of that: of its lower edge among bins of 1 / 2^level.
+    /// The receiver's bin, and its number: that of its lower edge among bins of 1 / 2^level.
     pub(super) bin: usize,
     pub(super) number: i64,
     pub(super) level: u32,
-    /// How far the receiver is from the axis, and along it \[lattice steps\]; whether it is to the left of the axis, seen from the
-    /// UAV outward with lateral numbers rising to the right.
+    /// Distance of the receiver from the axis, and along it \[lattice steps\]. The flag is `true`
+    /// to the left of the axis, seen from the UAV outward with lateral numbers rising to the right.
     pub(super) side: i64,
     pub(super) length: i64,
     pub(super) is_left: bool,
-    /// Its height above the UAV \[1/1024 m\].
+    /// The receiver's height above the UAV \[1/1024 m\].
     pub(super) above_uav: i64,
 }
 
 impl Link {
-    /// The link to a receiver of a row.
+    /// Makes the link to a receiver of a row.
     #[inline(always)]
     fn to(of: &Settling<'_>, cell: usize) -> Self {
         Link {
@@ -269,7 +277,7 @@ impl Link {
         }
     }
 
-    /// Whether a row hides the receiver.
+    /// Returns `true` if a row hides the receiver.
     #[inline(always)]
     fn is_hidden_by(&self, frame: &Frame, row: usize, tops: [i32; 4]) -> bool {
         // EXACT: heights are below 2^27 and distances at most 2^26.
@@ -277,11 +285,13 @@ impl Link {
         a | b
     }
 
-    /// What the one or two cells of a row that the ray crosses demand of the receiver's height above the UAV: at least the first
-    /// number over the second; `tops` as in [`Candidates`]. Where that is one cell, it says so twice.
+    /// Returns the demands of the one or two cells of a row that the ray crosses on the receiver's
+    /// height above the UAV. A demand is the first number over the second. One cell gives its
+    /// demand twice. The `tops` are those of [`Candidates`].
     ///
-    /// All is mirrored left of the axis, so that rays go on towards higher cells. The ray is compared with the borders of
-    /// cells in products of distances; at a border it enters the cell after it, and leaves the one before it.
+    /// Left of the axis everything is mirrored, so that rays continue towards higher cells. The ray
+    /// is compared with the borders of cells in products of distances. At a border it enters the
+    /// cell after it, and leaves the cell before it.
     #[inline(always)]
     fn obstructions(&self, frame: &Frame, row: usize, tops: [i32; 4]) -> [(i64, i64); 2] {
         let Link { side, length, .. } = *self;
@@ -304,9 +314,10 @@ impl Link {
         let last = i64::from(if leaves_after { tops[3] } else { tops[2] });
         let enter_border = enter_border + if enters_after { CELL } else { 0 };
         let leave_border = leave_border + if leaves_after { CELL } else { 0 };
-        // Where it crosses from the one into the other: at enter_border / side of the length.
+        // Where the ray crosses from one cell into the other: at enter_border / side of the length.
         let crosses = enter_border != leave_border;
-        // Below the UAV a cell obstructs at its end towards the receiver, above it at the one towards the UAV.
+        // A cell below the UAV obstructs at its end towards the receiver, a cell above it at the
+        // end towards the UAV.
         let whole = |y: i64| (length, y);
         let crossing = if crosses { Some((side, enter_border)) } else { None };
         let demand = |top: i64, (num, den): (i64, i64)| {
@@ -319,8 +330,8 @@ impl Link {
     }
 }
 
-/// The level of the bins when a row is passed whose farther edge is at distance `far` \[lattice steps\]: the least one at which
-/// they are narrower than a cell there.
+/// Returns the level of the bins for a row whose farther edge is at distance `far` \[lattice
+/// steps\]. It is the least level at which bins are narrower than a cell there.
 #[inline(always)]
 pub(super) fn level_for(far: i64) -> u32 {
     (far / CELL).checked_ilog2().map_or(0, |bits| bits + 1).max(FIRST_LEVEL)

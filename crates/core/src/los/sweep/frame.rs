@@ -1,7 +1,7 @@
 //! Step 1: the four quadrants around the UAV, and their rows, numbered outward.
 //!
-//! Everything after this step is written for one quadrant alone, in which rows run across the way out: rows of the raster to
-//! the north and south, columns of it to the east and west.
+//! Everything after this step is written for one quadrant alone, in which rows run across the way
+//! out. They are rows of the raster to the north and south, and columns of it to the east and west.
 
 use std::ops::Range;
 
@@ -15,14 +15,15 @@ pub(super) const CELL: i64 = STEPS_PER_UNIT as i64;
 /// Bits of a lattice position below the cell.
 pub(super) const CELL_BITS: u32 = CELL.trailing_zeros();
 
-/// There are `2^level` bins to each side of the axis; this many at least.
+/// The least level: there are `2^level` bins to each side of the axis.
 pub(super) const FIRST_LEVEL: u32 = 4;
 
 /// The most wedges that one side of a quadrant can be cut into.
 const MAX_PARTS: i64 = 1 << FIRST_LEVEL;
 
-/// Rows that end within this distance of the UAV \[lattice steps\] are left to `ray`: their bins are many to a cell. As many
-/// cells as a vector has lanes, so that those of a vector of receivers lie in two vectors.
+/// Distance from the UAV within which rows that end there are left to `ray` \[lattice steps\],
+/// since many of their bins are in one cell. It is as many cells as the widest vector has lanes, so
+/// that the bins of a vector of receivers lie in two vectors.
 pub(super) const NEAR: i64 = 16 * CELL;
 
 /// Cells across a raster beyond which its quadrants are cut once more.
@@ -39,23 +40,24 @@ pub(super) enum Quadrant {
 impl Quadrant {
     pub(super) const ALL: [Quadrant; 4] = [Quadrant::North, Quadrant::South, Quadrant::East, Quadrant::West];
 
-    /// Whether its rows are rows of the raster, not columns.
+    /// Returns `true` if its rows are rows of the raster, not columns.
     pub(super) fn has_raster_rows(self) -> bool {
         matches!(self, Quadrant::North | Quadrant::South)
     }
 }
 
-/// What a sweep is about.
+/// The request of a sweep.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Asked {
     /// Rows and columns of the raster.
     pub(super) shape: (usize, usize),
     pub(super) uav: LatticePoint,
-    /// The highest top, or anything higher \[1/1024 m\].
+    /// The highest top, or an upper bound of it \[1/1024 m\].
     pub(super) max_top: i32,
-    /// No height below the first need be told from others that are; none above the second \[1/1024 m\].
+    /// The range of heights that matter \[1/1024 m\]: heights below the first need not be
+    /// distinguished, nor heights above the second.
     pub(super) heights: (i64, i64),
-    /// Holds all receivers that are asked for, and all cells between them and the UAV.
+    /// A window that holds all requested receivers, and all cells between them and the UAV.
     pub(super) window: CellWindow,
 }
 
@@ -72,11 +74,12 @@ pub(super) struct Frame {
     pub(super) last_center: i64,
     /// Height of the UAV \[1/1024 m\].
     pub(super) uav_z: i32,
-    /// The top above it behind which no height is enough.
+    /// The top above the UAV behind which no height is enough.
     pub(super) blocks_all: i32,
-    /// Whether no top is above the UAV.
+    /// `true` if no top is above the UAV.
     pub(super) is_below_uav: bool,
-    /// Lateral position of the UAV \[lattice steps\]; lateral positions run east, or south as raster rows do.
+    /// Lateral position of the UAV \[lattice steps\]; lateral positions run east, or south as
+    /// raster rows do.
     pub(super) uav_lateral: i64,
     /// Number of cells along a row.
     pub(super) n_lateral: i64,
@@ -88,7 +91,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// A quadrant; `None` if no row of the window lies in it.
+    /// Makes the frame of a quadrant; `None` if no row of the window lies in it.
     pub(super) fn new(asked: &Asked, quadrant: Quadrant) -> Option<Self> {
         let Asked { shape: (n_rows, n_cols), uav, window, heights, .. } = *asked;
         let (rows, cols) = (window.row..window.row + window.n_rows, window.col..window.col + window.n_cols);
@@ -115,7 +118,7 @@ impl Frame {
             lowest: heights.0 - uav.z,
             highest: heights.1 - uav.z,
         };
-        // Rows behind the UAV are another quadrant's.
+        // Rows behind the UAV belong to another quadrant.
         frame.lines = if frame.counts_up() {
             across.clone().find(|line| far(*line) > 0)?..across.end
         } else {
@@ -126,68 +129,70 @@ impl Frame {
         Some(frame)
     }
 
-    /// Whether raster rows or columns have rising numbers on the way out.
+    /// Returns `true` if raster rows or columns have rising numbers on the way out.
     pub(super) fn counts_up(&self) -> bool {
         matches!(self.quadrant, Quadrant::South | Quadrant::East)
     }
 
-    /// How many rows there are.
+    /// Returns the number of rows.
     pub(super) fn n_rows(&self) -> usize {
         self.lines.len()
     }
 
-    /// The raster row or column that a row is.
+    /// Returns the raster row or column of a row.
     #[inline(always)]
     pub(super) fn line(&self, row: usize) -> usize {
         if self.counts_up() { self.lines.start + row } else { self.lines.end - 1 - row }
     }
 
-    /// The raster rows or columns of some rows, which are not none.
+    /// Returns the raster rows or columns of some rows, of which there is at least one.
     pub(super) fn lines_of(&self, rows: &Range<usize>) -> Range<usize> {
         let (a, b) = (self.line(rows.start), self.line(rows.end - 1));
         a.min(b)..a.max(b) + 1
     }
 
-    /// Row and column in the raster of lateral cell `lateral` of a row.
+    /// Returns row and column in the raster of lateral cell `lateral` of a row.
     #[inline(always)]
     pub(super) fn cell(&self, row: usize, lateral: usize) -> (usize, usize) {
         let line = self.line(row);
         if self.quadrant.has_raster_rows() { (line, lateral) } else { (lateral, line) }
     }
 
-    /// Distance of the farther edge of a row \[lattice steps\].
+    /// Returns the distance of the farther edge of a row \[lattice steps\].
     #[inline(always)]
     pub(super) fn far(&self, row: usize) -> i64 {
         self.far_of_first + as_i64(row) * CELL
     }
 
-    /// Distance of its nearer edge; 0 if the UAV is beyond it.
+    /// Returns the distance of its nearer edge; 0 if the UAV is beyond it.
     #[inline(always)]
     pub(super) fn near(&self, row: usize) -> i64 {
         (self.far(row) - CELL).max(0)
     }
 
-    /// Distance of its centers; not positive if the UAV is beyond them.
+    /// Returns the distance of its centers; not positive if the UAV is beyond them.
     #[inline(always)]
     pub(super) fn center(&self, row: usize) -> i64 {
         self.far(row) - CELL / 2
     }
 
-    /// After the last row of those from `row` on that lie between the same two multiples of `n` in the raster.
+    /// Returns the end of the rows from `row` on that lie between the same two multiples of `n` in
+    /// the raster.
     pub(super) fn end_of_strip(&self, row: usize, n: usize) -> usize {
         let line = self.line(row);
         let left = if self.counts_up() { n - line % n } else { line % n + 1 };
         (row + left).min(self.n_rows())
     }
 
-    /// The number in the raster of the tiles that a row lies in.
+    /// Returns the number in the raster of the tiles that a row lies in.
     pub(super) fn tile(&self, row: usize) -> usize {
         self.line(row) / TILE
     }
 }
 
 impl Frame {
-    /// The bins of the first level, from the leftmost on, that may hold a wanted receiver: a bit each.
+    /// Returns the bins of the first level, from the leftmost on, that may hold a wanted receiver:
+    /// a bit each.
     pub(super) fn wanted_bins(&self, wanted: &BitGrid) -> u32 {
         let as_usize = |v: i64| usize::try_from(v.max(0)).unwrap_or(0);
         let window = as_usize(self.window.0)..as_usize(self.window.1);
@@ -195,9 +200,9 @@ impl Frame {
         let (rows, cols) = if is_rows { (&self.lines, &window) } else { (&window, &self.lines) };
         let side = |lateral: usize| as_i64(lateral) * CELL + CELL / 2 - self.uav_lateral;
         let mut bins = 0;
-        // Raster rows, whichever way those of the quadrant run.
+        // Raster rows, in raster order for every quadrant.
         for row in rows.clone() {
-            // Only what is in the quadrant: no farther to the side than away.
+            // Only cells in the quadrant: no farther to the side than away.
             if is_rows && self.center_of(row) <= 0 {
                 continue;
             }
@@ -215,7 +220,7 @@ impl Frame {
             let bins_of = |col: usize| {
                 let (side, away) =
                     if is_rows { (side(col), self.center_of(row)) } else { (side(row), self.center_of(col)) };
-                // One on an edge may be of either bin.
+                // A receiver on an edge may belong to either bin.
                 [((side << FIRST_LEVEL) - 1).div_euclid(away), (side << FIRST_LEVEL).div_euclid(away)]
             };
             let ([a, b], [c, d]) = (bins_of(first), bins_of(last));
@@ -225,7 +230,7 @@ impl Frame {
         bins
     }
 
-    /// Distance of the centers of a raster row or column.
+    /// Returns the distance of the centers of a raster row or column.
     fn center_of(&self, line: usize) -> i64 {
         let row = if self.counts_up() {
             as_i64(line) - as_i64(self.lines.start)
@@ -236,15 +241,18 @@ impl Frame {
     }
 }
 
-/// Wedges to each side of the axis of a quadrant: eight for every thread in all, since some take longer than others, and
-/// enough for the bins of a wedge and the rows behind it to stay in a core's cache; no more, since long rows are read
-/// faster than short ones.
+/// Returns the number of wedges to each side of the axis of a quadrant.
+///
+/// There are eight for every thread in all, since some take longer than others. They are enough for
+/// the bins of a wedge and the rows behind it to stay in a core's cache. More would not pay, since
+/// long rows are read faster than short ones.
 pub(super) fn parts(n_across: usize) -> i64 {
     let for_threads = rayon::current_num_threads();
     as_i64(for_threads.max(n_across / LONGEST_ROW).next_power_of_two()).clamp(1, MAX_PARTS)
 }
 
-/// Raster rows and columns of the cells near the UAV, which no wedge decides, inside the window.
+/// Returns raster rows and columns of the cells near the UAV inside the window, which no wedge
+/// decides.
 pub(super) fn near_cells(asked: &Asked) -> (Range<usize>, Range<usize>) {
     let reach = NEAR / CELL + 1;
     let clip = |middle: i64, low: usize, n: usize| {

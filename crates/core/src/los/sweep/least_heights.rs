@@ -1,8 +1,11 @@
-//! Step 6, where least heights are asked for: the steepest obstruction of each link, of 64 receivers at a time.
+//! Step 6, if least heights are requested: the steepest obstruction of each link, for 64 receivers
+//! at a time.
 //!
-//! What [`super::candidates`] does for one link in integers, in doubles: all products are below 2^53, so that only the quotients
-//! are rounded. Rounding keeps the order of quotients, so the largest one rounded is the largest of those rounded, whatever is
-//! left out because its upper bound is no higher. So least heights are those of `ray` to the last bit.
+//! This is the search of [`super::candidates`] for one link, in doubles instead of integers. All
+//! products are below 2^53, so only the quotients are rounded. Rounding keeps the order of
+//! quotients, so the largest quotient rounded is the largest of the rounded quotients. Candidates
+//! are left out only if their upper bound is no higher. So least heights are those of `ray` to the
+//! last bit.
 
 use fearless_simd::prelude::*;
 
@@ -11,28 +14,32 @@ use super::candidates::{Candidates, NONE};
 use super::frame::{CELL, CELL_BITS};
 use super::undecided::Settling;
 
-/// Receivers that are looked at together.
+/// Receivers that are processed together.
 pub(super) const BATCH: usize = 64;
 
-/// What one candidate of each of some receivers is, and where: numbers below 2^43 without a fraction.
+/// One candidate of each of some receivers, and its place: numbers below 2^43 without a fraction.
 #[derive(Debug)]
 pub(super) struct Met {
-    /// How far the receiver is from the axis \[lattice steps\].
+    /// Distance of the receiver from the axis \[lattice steps\].
     side: [f64; BATCH],
-    /// The edge of its bin on the side of the axis, among so many to a side; and where the row begins and ends \[lattice steps\].
+    /// The edge of its bin on the side of the axis, the number of bins to a side, and the inverse
+    /// of a cell in these units. Then the distances at which the row begins and ends \[lattice
+    /// steps\].
     edge: [f64; BATCH],
     n_bins: [f64; BATCH],
     per_cell: [f64; BATCH],
     near: [f64; BATCH],
     far: [f64; BATCH],
-    /// Tops under that edge where rays enter the row, under the next one, and the same where they leave it.
+    /// Tops under that edge and under the next one where rays enter the row, then the same where
+    /// they leave it.
     tops: [[f64; BATCH]; 4],
     least: [f64; BATCH],
 }
 
 impl Candidates {
-    /// The least height above the UAV of each of some receivers of a row that is in line of sight \[1/1024 m\]: +∞ if there is none.
-    /// Where nothing obstructs, it is below all heights.
+    /// Returns the least height above the UAV at which each of some receivers of a row is in line
+    /// of sight \[1/1024 m\]. It is +∞ if no height is enough, and below all heights if nothing
+    /// obstructs.
     #[inline(always)]
     pub(super) fn find_least_heights<S: Simd>(
         &mut self,
@@ -44,7 +51,7 @@ impl Candidates {
         let length = of.frame.center(of.row) as f64;
         let uav = (if of.is_left() { -of.frame.uav_lateral } else { of.frame.uav_lateral }) as f64;
         let Candidates { newest, listed: all, met, .. } = self;
-        // The receivers that are not done with: which of `cells`, and the candidate to look at next.
+        // The unfinished receivers: their place in `cells`, and the next candidate to look at.
         let (mut which, mut next, mut before) = ([0_u8; BATCH], [NONE; BATCH], [0.0_f64; BATCH]);
         let mut n = 0;
         for (k, cell) in cells.iter().enumerate() {
@@ -83,7 +90,7 @@ impl Candidates {
             for k in 0..n {
                 let cell = usize::from(which[k]);
                 highest[cell] = if met.least[k] > highest[cell] { met.least[k] } else { highest[cell] };
-                // Upper bounds leave more slack than a product of doubles is off.
+                // Upper bounds leave more slack than the error of a product of doubles.
                 let (mut rest, mut place) = (before[k], next[k]);
                 while rest > highest[cell] {
                     let listed = &all[place as usize];
@@ -102,7 +109,7 @@ impl Candidates {
 }
 
 impl Met {
-    /// Of nothing.
+    /// Makes room for candidates.
     pub(super) fn new() -> Box<Self> {
         let (zeros, ones) = ([0.0; BATCH], [1.0; BATCH]);
         Box::new(Met {
@@ -117,7 +124,8 @@ impl Met {
         })
     }
 
-    /// Finds what each of the first `n` rows demands of its receiver, in as many vectors as that takes.
+    /// Computes the demand of each of the first `n` rows on its receiver, in as many vectors as
+    /// needed.
     #[inline(always)]
     fn find<S: Simd>(&mut self, simd: S, (uav, length, blocks_all): (f64, f64, f64), n: usize) {
         let splat = |v: f64| S::f64s::splat(simd, v);
@@ -138,7 +146,8 @@ impl Met {
             let enter_border = enters_after.select(enter_border + cell, enter_border);
             let leave_border = leaves_after.select(leave_border + cell, leave_border);
             let crosses = !enter_border.simd_eq(leave_border);
-            // Where it crosses from the one cell into the other: at enter_border / side of the length.
+            // Where the ray crosses from one cell into the other: at enter_border / side of the
+            // length.
             let (crossed, crossed_at) = (crosses.select(side, length), enter_border);
             let first_far = crosses.select(crossed_at, far);
             let last_near = crosses.select(crossed_at, near);
@@ -152,13 +161,13 @@ impl Met {
     }
 }
 
-/// 2^-n.
+/// Returns 2^-n.
 #[inline(always)]
 fn one_over_power_of_two(n: u32) -> f64 {
     f64::from_bits((1023 - u64::from(n)) << 52)
 }
 
-/// Where a vector of numbers is.
+/// The place of a vector of numbers.
 #[derive(Debug, Clone, Copy)]
 struct Load<S: Simd> {
     simd: S,

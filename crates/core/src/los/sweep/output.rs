@@ -1,5 +1,5 @@
-//! Where answers go: bits of receivers in line of sight and, where they are asked for, least heights; written by all wedges at
-//! once, row by row. Bits of columns are turned into rows, 64 columns at a time.
+//! Output of a sweep: bits of receivers in line of sight and, on request, least heights. All wedges
+//! write them at once, row by row. Bits of columns are turned into rows, 64 columns at a time.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -8,9 +8,9 @@ use super::frame::Frame;
 use super::simd::STRIP;
 use crate::raster::BitGrid;
 
-/// What a sweep finds.
+/// The results of a sweep.
 pub(super) struct Output<'a> {
-    /// The receivers that are asked for, and whether those are all cells.
+    /// The requested receivers; `is_all` is `true` if they are all cells.
     pub(super) wanted: &'a BitGrid,
     is_all: bool,
     los: Bits,
@@ -32,12 +32,12 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// The bins of the first level of a quadrant that hold a receiver that is asked for.
+    /// Returns the bins of the first level of a quadrant that hold a requested receiver.
     pub(super) fn wanted_bins(&self, frame: &Frame) -> u32 {
         if self.is_all { u32::MAX } else { frame.wanted_bins(self.wanted) }
     }
 
-    /// Adds a receiver that is in line of sight.
+    /// Adds a receiver in line of sight.
     pub(super) fn add(&self, row: usize, col: usize) {
         self.los.add(row, col / 64, 1 << (col % 64), true);
     }
@@ -50,7 +50,8 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// The wanted receivers in line of sight, how many the bounds left undecided, and the least heights.
+    /// Returns the wanted receivers in line of sight, the number that the bounds left undecided,
+    /// and the least heights.
     pub(super) fn into_parts(self) -> (BitGrid, u64, Option<Vec<f64>>) {
         let words = self.los.words.into_iter().map(AtomicU64::into_inner).collect();
         let los = BitGrid::from_words(self.wanted.n_cols(), words);
@@ -74,7 +75,7 @@ impl Bits {
         Bits { words, per_row }
     }
 
-    /// Adds bits to a word, which others may write at the same time if it is shared.
+    /// Adds bits to a word, which other threads may write at the same time if it is shared.
     #[inline]
     fn add(&self, row: usize, word: usize, bits: u64, is_shared: bool) {
         let word = &self.words[row * self.per_row + word];
@@ -83,18 +84,19 @@ impl Bits {
             (_, true) => {
                 word.fetch_or(bits, Ordering::Relaxed);
             }
-            // PERF: without a lock, behind which all other reads and writes would wait.
+            // PERF: without a locked operation, behind which all other reads and writes would wait.
             (_, false) => word.store(word.load(Ordering::Relaxed) | bits, Ordering::Relaxed),
         }
     }
 }
 
-/// What one wedge of a quadrant finds.
+/// The results of one wedge of a quadrant.
 pub(super) struct WedgeOutput<'a, 'w> {
     pub(super) output: &'a Output<'w>,
-    /// Of 64 columns 64 raster rows to a word, all columns of the same rows together; nothing where rows are rows of the raster.
+    /// For 64 columns, words of 64 raster rows, all columns of the same rows together. Empty if
+    /// rows are rows of the raster.
     blocks: Vec<[u64; STRIP]>,
-    /// Which columns those are, and the blocks that may hold bits.
+    /// The number of the strip of those columns, and the blocks that may hold bits.
     strip: usize,
     used: Range<usize>,
     pub(super) undecided: u64,
@@ -106,7 +108,8 @@ impl<'a, 'w> WedgeOutput<'a, 'w> {
         WedgeOutput { output, blocks: vec![[0; STRIP]; n_blocks], strip: 0, used: 0..0, undecided: 0 }
     }
 
-    /// Adds receivers of a row that are in line of sight to a word of it, which may hold some of another wedge if it is shared.
+    /// Adds receivers in line of sight to a word of a row. A shared word may hold receivers of
+    /// another wedge.
     #[inline(always)]
     pub(super) fn add(&mut self, frame: &Frame, row: usize, word: usize, bits: u64, is_shared: bool) {
         let line = frame.line(row);
@@ -126,7 +129,7 @@ impl<'a, 'w> WedgeOutput<'a, 'w> {
         }
     }
 
-    /// Which of the receivers of a word of a row are asked for.
+    /// Returns the requested receivers among those of a word of a row.
     #[inline(always)]
     pub(super) fn wanted(&self, frame: &Frame, row: usize, word: usize, bits: u64) -> u64 {
         let (wanted, line) = (self.output.wanted, frame.line(row));
@@ -136,7 +139,7 @@ impl<'a, 'w> WedgeOutput<'a, 'w> {
         if frame.quadrant.has_raster_rows() {
             return bits & wanted.row(line)[word];
         }
-        // PERF: one after another along a column, each bit asked for is in a line of the cache of its own.
+        // PERF: along a column each requested bit is in a cache line of its own.
         let (mut left, mut found) = (bits, 0);
         while left != 0 {
             let bit = left.trailing_zeros();
@@ -164,7 +167,8 @@ impl<'a, 'w> WedgeOutput<'a, 'w> {
     }
 }
 
-/// Turns a block of bits over: bit `c` of word `r` becomes bit `r` of word `c` (Warren, Hacker's Delight, 7-3).
+/// Transposes a block of bits: bit `c` of word `r` becomes bit `r` of word `c` (Warren, Hacker's
+/// Delight, 7-3).
 pub(super) fn transpose(block: &mut [u64; 64]) {
     let mut width = 32;
     let mut mask = 0x0000_0000_ffff_ffff_u64;

@@ -1,4 +1,4 @@
-//! Step 4: the receivers of a row among its bins, and what the bounds of these say of them.
+//! Step 4: the receivers of a row among its bins, decided by the bins' bounds.
 
 use fearless_simd::prelude::*;
 
@@ -10,7 +10,7 @@ use super::simd::tables;
 /// Bits of an azimuth in fixed point.
 pub(super) const AZIMUTH_BITS: u32 = 36;
 
-/// The bounds of some bins as receivers look them up: bin `b` is at `b − first_bin + PAD`.
+/// The bounds of some bins for look-ups by receivers: bin `b` is at `b − first_bin + PAD`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bounds<'a> {
     pub(super) upper: &'a [f32],
@@ -18,37 +18,40 @@ pub(super) struct Bounds<'a> {
     pub(super) first_bin: i64,
 }
 
-/// Bits of a receiver's place among the bins below the bin.
+/// Fraction bits of a receiver's place among the bins.
 const PLACE_BITS: u32 = 44;
-/// Bits below the bin that are left in 32 bits, beside a carry.
+/// Fraction bits kept in 32 bits, beside a carry.
 const LANE_BITS: u32 = 31;
 
-/// Where the receivers of one row are among its bins.
+/// Places of the receivers of one row among its bins.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ReceiverMap {
     level: u32,
-    /// The cell that places are counted from.
+    /// The cell from which places are counted.
     first: i64,
-    /// Of its center from the UAV, times 2^level \[lattice steps\]; less 1 where a receiver on an edge belongs to the bin
-    /// before it.
+    /// Lateral offset of its center from the UAV, times 2^level \[lattice steps\]; less 1 if a
+    /// receiver on an edge belongs to the bin before it.
     offset: i64,
-    /// Of the row's cell centers from the UAV \[lattice steps\].
+    /// Distance of the row's cell centers from the UAV \[lattice steps\].
     distance: i64,
-    /// The place of the first cell, and how far the places of neighbors are apart \[2^-44 bins\].
+    /// The place of the first cell, and the distance between the places of neighbors \[2^-44
+    /// bins\].
     origin: i64,
     step: i64,
 }
 
 impl ReceiverMap {
-    /// For receivers at `distance` from the UAV among bins of 1 / 2^level, from cell `first` on, whose center is `lateral` from
-    /// the UAV \[lattice steps\]; a receiver on an edge belongs to the bin before it if `is_before`, or else to the one after
-    /// it.
+    /// Makes the map of receivers at `distance` from the UAV among bins of 1 / 2^level, from cell
+    /// `first` on. Its center is `lateral` from the UAV \[lattice steps\]. A receiver on an edge
+    /// belongs to the bin before it if `is_before`, else to the bin after it.
     pub(super) fn new(level: u32, (first, lateral): (i64, i64), distance: i64, is_before: bool) -> Self {
         debug_assert!((1 << 13..1 << 26).contains(&distance) && lateral.abs() << level < distance << 19);
-        // EXACT: the n-th cell is (lateral + 1024·n)·2^level / distance bins from the UAV, so that it is on an edge or at least
-        // one `distance`-th of a bin from it. Half of that is taken from all places or added to them: then they are 2^-27 of
-        // a bin or more from any edge, and stay on their side of it, since they are off by far less. A step is off by 0.51
-        // units and so are 2^16 of them by 2^-28 of a bin, the origin, which is below 2^19 bins, by 2^-32.
+        // EXACT: the n-th cell is (lateral + 1024·n)·2^level / distance bins from the UAV. So it is
+        // on an edge or at least one `distance`-th of a bin from it. Half of that is subtracted
+        // from all places or added to them. Then they are 2^-27 of a bin or more from any edge, and
+        // stay on their side of it, since they are off by far less. A step is off by 0.51 units, so
+        // 2^16 of them are off by 2^-28 of a bin; the origin, which is below 2^19 bins, is off by
+        // 2^-32.
         let halves = (lateral << (level + 1)) - if is_before { 1 } else { -1 };
         #[expect(clippy::cast_precision_loss, reason = "all are below 2^53, or powers of two")]
         let (halves, per_distance, half, cell) =
@@ -58,41 +61,41 @@ impl ReceiverMap {
         ReceiverMap { level, first, offset: (lateral << level) - i64::from(is_before), distance, origin, step }
     }
 
-    /// Where the receiver of cell `c` is \[2^-44 bins\].
+    /// Returns the place of the receiver of cell `c` \[2^-44 bins\].
     #[inline(always)]
     fn place(&self, c: i64) -> i64 {
         self.origin + (c - self.first) * self.step
     }
 
-    /// The bin of cell `c`, before the last one is given those on the axis.
+    /// Returns the bin of cell `c`. The caller assigns receivers on the axis to the last bin.
     #[inline(always)]
     pub(super) fn bin(&self, c: i64) -> i64 {
         self.place(c) >> PLACE_BITS
     }
 
-    /// The azimuth of cell `c` \[2^-36\], off by less than a lattice step at its distance.
+    /// Returns the azimuth of cell `c` \[2^-36\], off by less than a lattice step at its distance.
     #[inline(always)]
     pub(super) fn azimuth(&self, c: i64) -> i64 {
         self.place(c) >> (PLACE_BITS + self.level - AZIMUTH_BITS)
     }
 
-    /// The first cell whose receiver is in bin `b` or after it.
+    /// Returns the first cell whose receiver is in bin `b` or after it.
     pub(super) fn first_from(&self, b: i64) -> i64 {
         self.first - ((self.offset - b * self.distance) >> (CELL_BITS + self.level))
     }
 }
 
-/// How high the receivers of a row are above the UAV.
+/// Heights of the receivers of a row above the UAV.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum RowReceivers<'a> {
-    /// All alike \[1/1024 m\].
+    /// All at one height \[1/1024 m\].
     Flat(i32),
     /// `base[c − first] + above`.
     Over { base: &'a [i32], first: i64, above: i32 },
 }
 
 impl<'a> RowReceivers<'a> {
-    /// Those of a row.
+    /// Makes the heights of the receivers of a row.
     pub(super) fn new(frame: &Frame, rows: &Rows<'a>, row: usize, stand: Stand) -> Self {
         match stand {
             Stand::Flat(z) => RowReceivers::Flat(z.wrapping_sub(frame.uav_z)),
@@ -104,7 +107,7 @@ impl<'a> RowReceivers<'a> {
         }
     }
 
-    /// How high the receiver of lateral cell `c` is above the UAV \[1/1024 m\].
+    /// Returns the height of the receiver of lateral cell `c` above the UAV \[1/1024 m\].
     #[inline]
     pub(super) fn height(&self, c: usize) -> i64 {
         match self {
@@ -116,33 +119,35 @@ impl<'a> RowReceivers<'a> {
     }
 }
 
-/// What is known of up to 64 receivers: a bit each.
+/// Decisions about up to 64 receivers: a bit each.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Decided {
     pub(super) los: u64,
     pub(super) undecided: u64,
-    /// Those that were compared with bounds.
+    /// Receivers that were compared with bounds.
     pub(super) all: u64,
 }
 
-/// How receivers of a row lie over its bins, and how high they are, lane by lane.
+/// Places of a row's receivers among its bins, and their heights, lane by lane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ReceiverLanes<S: Simd> {
     map: ReceiverMap,
-    /// How far the place of each lane is from that of the first: whole bins, and the rest \[2^-31 bins\].
+    /// Distance of each lane's place from that of the first lane: whole bins, and the rest \[2^-31
+    /// bins\].
     wholes: S::u32s,
     rests: S::u32s,
     per_distance: S::f32s,
-    /// The slope of receivers that are all alike.
+    /// The slope of receivers that all have one height.
     flat: S::f32s,
 }
 
 impl<S: Simd> ReceiverLanes<S> {
-    /// For the receivers of one row.
+    /// Prepares the receivers of one row.
     #[inline(always)]
     pub(super) fn new(simd: S, map: ReceiverMap, receivers: &RowReceivers<'_>) -> Self {
-        // At most 2^level = 2·far bins lie over the distance of a row's centers, which is half a cell less, so from as many
-        // cells on as a vector has lanes, a vector of receivers lies over two vectors of bins.
+        // At most 2^level = 2·far bins lie over the distance of a row's centers, which is half a
+        // cell less. So from as many cells on as a vector has lanes, a vector of receivers lies
+        // over two vectors of bins.
         debug_assert!((map.step * (as_i64(S::f32s::LEN) - 1)) >> PLACE_BITS < 2 * as_i64(S::f32s::LEN) - 1);
         let of_lanes = |part: fn(i64) -> u32| {
             let values: [u32; 16] = std::array::from_fn(|lane| part(as_i64(lane) * map.step));
@@ -159,14 +164,14 @@ impl<S: Simd> ReceiverLanes<S> {
     }
 }
 
-/// The whole bins of a place, of which there are few.
+/// Returns the whole bins of a place difference; they are few.
 #[inline(always)]
 #[expect(clippy::cast_sign_loss, reason = "at most 31 from lane to lane")]
 fn whole(place: i64) -> u32 {
     (place >> PLACE_BITS) as u32
 }
 
-/// What is left over of a place beside whole bins \[2^-31 bins\].
+/// Returns the rest of a place beside whole bins \[2^-31 bins\].
 #[inline(always)]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "masked to 31 bits")]
 fn rest(place: i64) -> u32 {
@@ -174,14 +179,15 @@ fn rest(place: i64) -> u32 {
 }
 
 impl<S: Simd> ReceiverLanes<S> {
-    /// One over the distance of the receivers.
+    /// Returns one over the distance of the receivers.
     #[inline(always)]
     pub(super) fn per_distance(&self) -> f32 {
         self.per_distance[0]
     }
 }
 
-/// Decides the receivers `cells` of a row, calling `word(index, decided)` for each run of 64 that holds one.
+/// Decides the receivers `cells` of a row. Calls `word(index, decided)` for each run of 64 that
+/// holds one.
 #[inline(always)]
 pub(super) fn decide_row<S: Simd>(
     simd: S,
@@ -200,7 +206,7 @@ pub(super) fn decide_row<S: Simd>(
     }
 }
 
-/// Decides receivers that are all alike, or those of [`RowReceivers::Over`].
+/// Decides receivers of one height, or those of [`RowReceivers::Over`].
 #[inline(always)]
 fn decide_words<S: Simd, const IS_FLAT: bool>(
     simd: S,
@@ -224,7 +230,8 @@ fn decide_words<S: Simd, const IS_FLAT: bool>(
         let vectors = from / lanes * lanes..to.next_multiple_of(lanes);
         let (mut los, mut nlos) = (0, 0);
         for (bit, heights) in vectors.clone().step_by(lanes).zip(heights[vectors].chunks_exact(lanes)) {
-            // EXACT: both rests are below 2^31, and each is rounded down by less than 2^-31 of a bin.
+            // EXACT: both rests are below 2^31, and each is rounded down by less than 2^-31 of a
+            // bin.
             let carries: S::u32s = (S::u32s::splat(simd, rest(place)) + rests) >> LANE_BITS;
             let [upper, lower] = tables(simd, bounds, to_index(place >> PLACE_BITS), wholes + carries);
             let slope = if IS_FLAT {
@@ -241,14 +248,16 @@ fn decide_words<S: Simd, const IS_FLAT: bool>(
     }
 }
 
-/// A place in a buffer; one before its beginning is far beyond its end.
+/// Converts a place in a buffer to an index; a place before its beginning becomes one far beyond
+/// its end.
 #[inline(always)]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "wraps around to what no buffer has")]
 fn to_index(at: i64) -> usize {
     at as usize
 }
 
-/// The 64 values from `at` on, in `padded` if some of them lie outside; these are 0.
+/// Returns the 64 values from `at` on. If some of them lie outside, they are 0 and the result is in
+/// `padded`.
 #[inline(always)]
 fn word_of<'a>(values: &'a [i32], at: i64, padded: &'a mut [i32; 64]) -> &'a [i32; 64] {
     let whole = usize::try_from(at).ok().and_then(|at| values.get(at..)?.first_chunk());

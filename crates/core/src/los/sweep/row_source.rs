@@ -1,8 +1,9 @@
-//! Step 2: rows of a quadrant in memory, wherever they come from.
+//! Step 2: rows of a quadrant in memory, from any source.
 //!
-//! Rows of a raster in memory are lent as they are. Its columns are turned into rows, a strip of 64 at a time, and so are those
-//! that a reader hands out: memory is read in rows throughout. Over a curved earth rows are copied, 16 at a time, and lowered: a lowered
-//! raster would be as much memory again, whose first touch costs more than line of sight does.
+//! Rows of a raster in memory are lent as they are. Its columns are turned into rows, a strip of 64
+//! at a time, and so are columns from a reader. So memory is read in rows throughout. Over a curved
+//! earth rows are copied, 16 at a time, and lowered. A lowered raster would be as much memory
+//! again, whose first touch costs more than line of sight does.
 
 use std::ops::Range;
 
@@ -16,14 +17,14 @@ use crate::error::Result;
 use crate::height_field::{Columns, HeightsOf, SeenHeights, TILE_BITS, TileMaxima};
 use crate::raster::CellWindow;
 
-/// How high receivers are.
+/// The heights of receivers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stand {
     /// All at one height \[1/1024 m above the datum\].
     Flat(i32),
-    /// So much above the tops of their cells.
+    /// This much above the tops of their cells.
     OnTops(i32),
-    /// So much above bases of their own.
+    /// This much above bases of their own.
     OnBases(i32),
 }
 
@@ -31,12 +32,12 @@ pub(super) enum Stand {
 #[derive(Debug, Clone)]
 pub(super) struct Rows<'a> {
     pub(super) numbers: Range<usize>,
-    /// Lateral index of the first cell of each, and how many cells each has.
+    /// Lateral index of the first cell of each row, and the number of cells per row.
     first: usize,
     width: usize,
     tops: &'a [i32],
     bases: &'a [i32],
-    /// Whether the first one in memory is the outermost.
+    /// `true` if the first row in memory is the outermost.
     is_inward: bool,
 }
 
@@ -46,18 +47,18 @@ impl<'a> Rows<'a> {
         index * self.width..(index + 1) * self.width
     }
 
-    /// Lateral index of the first cell of each row.
+    /// Returns the lateral index of the first cell of each row.
     pub(super) fn first(&self) -> i64 {
         as_i64(self.first)
     }
 
-    /// The tops of a row.
+    /// Returns the tops of a row.
     #[inline(always)]
     pub(super) fn tops(&self, row: usize) -> &'a [i32] {
         &self.tops[self.cells(row)]
     }
 
-    /// What the receivers of a row stand on, where that is not one height.
+    /// Returns the bases of a row's receivers; empty if all have one height.
     #[inline(always)]
     pub(super) fn bases(&self, row: usize, stand: Stand) -> &'a [i32] {
         match stand {
@@ -68,7 +69,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Room for rows that are not in memory as they are needed.
+/// Room for rows that are not in memory in the needed form.
 #[derive(Debug, Default)]
 pub(super) struct RowBuffer {
     read: Vec<i32>,
@@ -76,12 +77,13 @@ pub(super) struct RowBuffer {
     bases: Vec<i32>,
 }
 
-/// Where rows come from.
+/// A source of rows.
 pub(super) trait RowSource: Sync {
-    /// How many raster rows or columns are lent at once: those between multiples of this.
+    /// Returns the number of raster rows or columns lent at once: those between multiples of it.
     fn strip(&self, frame: &Frame) -> usize;
 
-    /// Some rows of one strip, from lateral cell `lateral.start` to before `lateral.end`, or more.
+    /// Returns some rows of one strip, from lateral cell `lateral.start` to before `lateral.end`,
+    /// or more.
     ///
     /// # Errors
     /// If they cannot be read.
@@ -94,24 +96,26 @@ pub(super) trait RowSource: Sync {
     ) -> Result<Rows<'b>>;
 }
 
-/// Columns in memory, and what receivers stand on where that is neither flat nor a top.
+/// Columns in memory, and the bases of receivers if these are neither flat nor tops.
 pub(super) struct InMemory<'a> {
     pub(super) columns: &'a Columns,
     pub(super) bases: Option<SeenHeights<'a>>,
     pub(super) level: Level,
 }
 
-/// Raster rows that are lowered at once: few, so that they are in the cache when they are passed.
+/// Raster rows that are lowered at once: few, so that they are still in the cache when they are
+/// passed.
 const LOWERED: usize = 16;
 
 impl<'a> InMemory<'a> {
-    /// Tops and bases, if both are in memory as the UAV sees them.
+    /// Returns tops and bases, if both are in memory as the UAV sees them.
     fn as_seen(&self) -> Option<(&'a [i32], &'a [i32])> {
         let bases = self.bases.map_or(Some(&[][..]), |bases| bases.in_memory());
         self.columns.seen_tops().in_memory().zip(bases)
     }
 
-    /// Some lines of a frame as the UAV sees them, from cell `lateral.start` to before `lateral.end`.
+    /// Copies some lines of a frame as the UAV sees them, from cell `lateral.start` to before
+    /// `lateral.end`.
     fn copy(
         &self,
         seen: &SeenHeights<'_>,
@@ -208,7 +212,7 @@ fn copy(seen: &SeenHeights<'_>, window: CellWindow, out: &mut Vec<i32>) {
     }
 }
 
-/// Columns that a reader hands out window by window.
+/// Columns that a reader supplies window by window.
 pub(super) struct FromReader<'a> {
     pub(super) columns: &'a dyn ColumnsReader,
     pub(super) receivers: StreamedHeights,
@@ -254,7 +258,8 @@ impl RowSource for FromReader<'_> {
     }
 }
 
-/// The highest tops of tiles of 8 × 8 cells, and the highest of what receivers stand on there, where that is neither.
+/// The highest tops of tiles of 8 × 8 cells. Also the highest bases of receivers there, if these
+/// are neither flat nor tops.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tiles<'a> {
     pub(super) tops: &'a TileMaxima,
@@ -262,8 +267,9 @@ pub(super) struct Tiles<'a> {
 }
 
 impl Tiles<'_> {
-    /// The highest top or receiver above the UAV in the tiles of number `tile` across the way out, over the lateral cells from
-    /// `from` to before `to`, which are not none; of receivers only if they are asked for.
+    /// Returns the highest top or receiver above the UAV in the tiles of number `tile` across the
+    /// way out. They are those over the lateral cells from `from` to before `to`, of which there is
+    /// at least one. Receivers count only with a `stand`.
     pub(super) fn highest(&self, frame: &Frame, tile: usize, (from, to): (i64, i64), stand: Option<Stand>) -> i32 {
         let per_row = self.tops.per_row();
         let (first, stride) = if frame.quadrant.has_raster_rows() { (tile * per_row, 1) } else { (tile, per_row) };

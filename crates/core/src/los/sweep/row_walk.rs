@@ -1,8 +1,10 @@
-//! A walk along a part of a ray, row by row: how step 5 asks about the few rows that may hide a receiver, where all are in memory.
+//! A walk along a part of a ray, row by row, for the few rows in memory that may hide a receiver in
+//! step 5.
 //!
-//! Across the rows the ray moves faster than along them, so in each row it is in one cell or in two neighbors. Where it
-//! is over the higher of the two at its lowest point in the row, the row is clear; only else are the cells looked at one
-//! by one, as `ray` does. The cell is carried from row to row by adding to a remainder.
+//! Across the rows the ray moves faster than along them, so in each row it is in one cell or in two
+//! neighbors. If its lowest point in the row is above the higher of the two, the row is clear.
+//! Otherwise the cells are looked at one by one, as `ray` does. The cell is carried from row to row
+//! by adding to a remainder.
 
 use crate::height_field::{Columns, Drops, TILE_BITS, TileMaxima};
 use crate::quantity::{STEPS_PER_UNIT, VOID};
@@ -11,7 +13,7 @@ const CELL: i64 = STEPS_PER_UNIT as i64;
 
 const LINES: i64 = 1 << TILE_BITS;
 
-/// How far links go across lines of cells: the same for all receivers of a line.
+/// Length of links across lines of cells; it is the same for all receivers of a line.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LinkLength {
     steps: i64,
@@ -19,25 +21,26 @@ pub(super) struct LinkLength {
 }
 
 impl LinkLength {
-    /// A length of so many lattice steps, at most 2^26.
+    /// Makes a length in lattice steps, at most 2^26.
     #[expect(clippy::cast_precision_loss, reason = "at most 2^36")]
     pub(super) fn new(steps: i64) -> Self {
         LinkLength { steps, per_whole: 1.0 / (CELL * steps) as f64 }
     }
 
-    /// Lattice steps.
+    /// Returns the length in lattice steps.
     #[inline(always)]
     pub(super) fn steps(self) -> i64 {
         self.steps
     }
 
-    /// Quotient, which is below 2^17, and remainder of a number from 0 to 2^53 by a cell times the length.
+    /// Divides a number from 0 to 2^53 by a cell times the length. Returns the quotient, which is
+    /// below 2^17, and the remainder.
     #[inline(always)]
     fn divide(self, number: i64) -> (i64, i64) {
         let whole = CELL * self.steps;
         debug_assert!((0..1 << 53).contains(&number) && number >> 17 < whole);
-        // PERF: integers of 64 bits are divided in ten times the time. EXACT: the quotient is below 2^17, so that the guess, which
-        // is rounded twice and cut off, is off by one at most.
+        // PERF: a division of 64-bit integers takes ten times as long. EXACT: the quotient is below
+        // 2^17, so the guess, which is rounded twice and truncated, is off by one at most.
         #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "a guess, put right below")]
         let guess = (number as f64 * self.per_whole) as i64;
         let rest = number - guess * whole;
@@ -46,14 +49,15 @@ impl LinkLength {
     }
 }
 
-/// A link as lines of cells see it, from the receiver to the UAV: the receiver is over the center of a cell, and no farther
-/// from the UAV along the lines than across them.
+/// A link over lines of cells, from the receiver to the UAV. The receiver is over the center of a
+/// cell, and no farther from the UAV along the lines than across them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LinkOverRows {
     length: LinkLength,
-    /// How far it goes along the lines \[lattice steps\].
+    /// Length along the lines \[lattice steps\].
     along: i64,
-    /// Which way: 1 where lateral cells have rising numbers on the way to the UAV, else −1.
+    /// Direction along the lines: 1 if lateral cells have rising numbers on the way to the UAV,
+    /// else −1.
     sideways: i64,
     /// Height of the receiver, and of the UAV above it \[1/1024 m\].
     z: i64,
@@ -63,8 +67,8 @@ pub(super) struct LinkOverRows {
 }
 
 impl LinkOverRows {
-    /// From lateral cell `lateral` of `n_lateral`, at height `z`, to a UAV `climb` above it, whose lateral position is
-    /// `uav_lateral` \[lattice steps; heights 1/1024 m\].
+    /// Makes a link from lateral cell `lateral` of `n_lateral`, at height `z`, to a UAV `climb`
+    /// above it. The UAV's lateral position is `uav_lateral` \[lattice steps; heights 1/1024 m\].
     #[inline(always)]
     pub(super) fn new(
         length: LinkLength,
@@ -78,38 +82,42 @@ impl LinkOverRows {
     }
 }
 
-/// Where the cells of some lines are found.
+/// Positions of the cells of some lines.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RowCells<'a> {
     pub(super) seen: SeenTops<'a>,
-    /// The receiver's cell: its line, and its place in the line, as numbers of rows and columns of the raster.
+    /// The line of the receiver's cell, and its place in the line, as numbers of rows and columns
+    /// of the raster.
     pub(super) at: (i64, i64),
-    /// How the number of the line changes on the way to the UAV, by 1.
+    /// Change of the line's number on the way to the UAV, by 1.
     pub(super) step: i64,
-    /// Index of the receiver's cell; where its line is not among `tops`, what it would be, wrapped around.
+    /// Index of the receiver's cell. If its line is not among `tops`, it is the index that it would
+    /// have, wrapped around.
     pub(super) own: usize,
-    /// Steps to the same cell of the next line towards the UAV, and to the next cell of a line, as lateral numbers rise.
+    /// Strides to the same cell of the next line towards the UAV, and to the next cell of a line,
+    /// as lateral numbers rise.
     pub(super) strides: (i64, i64),
-    /// The highest tops of tiles of these cells, if they are known.
+    /// The highest tops of tiles of these cells, if known.
     pub(super) tiles: Option<RowTiles<'a>>,
 }
 
-/// The tops of the cells of a raster as the UAV sees them, over lines that are rows or columns of it.
+/// The tops of the cells of a raster as the UAV sees them, over lines that are rows or columns of
+/// it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SeenTops<'a> {
-    /// Over a flat earth, row by row.
+    /// Tops over a flat earth, row by row.
     tops: &'a [i32],
     drops: Option<&'a Drops>,
     are_rows: bool,
 }
 
 impl<'a> SeenTops<'a> {
-    /// Those of columns.
+    /// Returns the tops of columns.
     pub(super) fn of(columns: &'a Columns, are_rows: bool) -> Self {
         SeenTops { tops: columns.flat_tops(), drops: columns.drops(), are_rows }
     }
 
-    /// The top of a cell, given its index, its line and its place in the line.
+    /// Returns the top of a cell, from its index, its line and its place in the line.
     #[inline(always)]
     pub(super) fn top(&self, index: usize, place: (i64, i64)) -> i32 {
         let top = self.tops[index];
@@ -119,16 +127,17 @@ impl<'a> SeenTops<'a> {
     }
 }
 
-/// Where the tiles are found that lines of cells pass.
+/// Positions of the tiles that lines of cells pass.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RowTiles<'a> {
     pub(super) tiles: &'a TileMaxima,
-    /// Steps to the tile of the next lines, and to the next tile of the same lines, as numbers rise.
+    /// Strides to the tile of the next lines, and to the next tile of the same lines, as numbers
+    /// rise.
     pub(super) strides: (i64, i64),
 }
 
 impl RowTiles<'_> {
-    /// The highest top in the tile of line `line` at `lateral`.
+    /// Returns the highest top in the tile of line `line` at `lateral`.
     #[inline(always)]
     fn maximum(&self, line: i64, lateral: i64) -> i32 {
         let (across, along) = self.strides;
@@ -139,8 +148,8 @@ impl RowTiles<'_> {
 }
 
 impl LinkOverRows {
-    /// Whether none of the lines from `near` to `far` \[lattice steps from the UAV\] blocks the link; the receiver's own is not
-    /// among them.
+    /// Returns `true` if no line from `near` to `far` \[lattice steps from the UAV\] blocks the
+    /// link. The receiver's own line is not among them.
     pub(super) fn is_clear(&self, cells: &RowCells<'_>, edges: (i64, i64)) -> bool {
         // PERF: a walk for each, not a choice for every cell.
         match cells.seen.drops {
@@ -151,7 +160,8 @@ impl LinkOverRows {
         }
     }
 
-    /// [`LinkOverRows::is_clear`], given what tells the top of a cell by its index, so many lines and lateral cells from the receiver.
+    /// Decides [`LinkOverRows::is_clear`]. Gets the top of a cell from `top_of`, by its index and
+    /// its numbers of lines and lateral cells from the receiver.
     #[inline(always)]
     fn is_clear_of(
         &self,
@@ -183,13 +193,14 @@ impl LinkOverRows {
         let mut line = own_line + lines * step;
         let tiles = tiles.map(|tiles| (tiles, Passed::of(LINES, along, length)));
         while lines_left > 0 {
-            // Lines to be looked at, unless a tile spares them.
+            // Lines to be looked at, unless a tile allows skipping them.
             let mut n = lines_left;
             if let Some((tiles, over_tile)) = &tiles {
                 let within = line & (LINES - 1);
                 n = lines_left.min(if step > 0 { LINES - within } else { within + 1 });
                 line += n * step;
-                // Cells that the ray can pass meanwhile: nine in a row, or fewer, lie in the tiles of the first and the last.
+                // Cells that the ray can pass meanwhile: nine in a row, or fewer, lie in the tiles
+                // of the first and the last.
                 let reach = n.min(over_tile.borders + 1);
                 if at.beside >= reach {
                     let from = lateral + self.sideways * (most - at.beside);
@@ -237,7 +248,8 @@ impl LinkOverRows {
         true
     }
 
-    /// Whether one line blocks, given the tops of the cells in which the ray enters and leaves it.
+    /// Returns `true` if one line blocks, from the tops of the cells in which the ray enters and
+    /// leaves it.
     #[inline(never)]
     fn is_blocked(&self, at: RowMet, (first, second): (i32, i32)) -> bool {
         let LinkOverRows { along, z, climb, .. } = *self;
@@ -245,7 +257,8 @@ impl LinkOverRows {
         let RowMet { n, passed, rest, steps_over } = at;
         let (first, second) = (i64::from(first) - z, i64::from(second) - z);
         let end = (n + CELL).min(length);
-        // Where the ray steps over, if that is short of the UAV and not at a corner, where both indices step at once.
+        // The ray steps over if that is short of the UAV and not at a corner, where both indices
+        // step at once.
         let border = CELL / 2 + passed * CELL;
         let crosses = steps_over && rest > 0 && border < along;
         if climb >= 0 {
@@ -258,19 +271,19 @@ impl LinkOverRows {
     }
 }
 
-/// Where a ray enters a line of cells.
+/// The point at which a ray enters a line of cells.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
     cell: usize,
-    /// How far it is past the cell's near border, in cells times the length of the link.
+    /// Distance past the cell's near border, in cells times the length of the link.
     rest: i64,
-    /// Cells beside it that the raster still has.
+    /// Remaining cells of the raster beside it.
     beside: i64,
-    /// A line whose cells are no higher than this, times `length`, is below all of the ray that is over it.
+    /// Bound on heights, times `length`: the ray over a line is above all cells that are no higher.
     clear_below: i64,
 }
 
-/// How a ray goes from line to line.
+/// Changes of a ray from line to line.
 #[derive(Debug, Clone, Copy)]
 struct Steps {
     whole: i64,
@@ -281,7 +294,8 @@ struct Steps {
 }
 
 impl Steps {
-    /// The cells in which the ray enters and leaves a line, and where it enters the next one.
+    /// Returns the cells in which the ray enters and leaves a line, and its entry into the next
+    /// one.
     #[inline(always)]
     fn over_one(&self, at: Entry) -> (usize, usize, Entry) {
         let rest = at.rest + self.growth;
@@ -301,19 +315,19 @@ impl Steps {
     }
 }
 
-/// What a ray passes sideways on its way over some lines.
+/// The cells that a ray passes sideways on its way over some lines.
 #[derive(Debug, Clone, Copy)]
 struct Passed {
-    /// Whole cells.
+    /// Number of whole cells.
     borders: i64,
-    /// What is left over, in cells times the length of the link.
+    /// The remainder, in cells times the length of the link.
     rest: i64,
 }
 
 impl Passed {
-    /// Over `n` lines, at most a tile of them.
+    /// Computes it for `n` lines, at most a tile of them.
     fn of(n: i64, along: i64, length: i64) -> Self {
-        // EXACT: both are at most 2^26, so that 32 bits do, which are divided in half the time.
+        // EXACT: both are at most 2^26, so 32 bits are enough, which are divided in half the time.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 2^29")]
         let (passed, length) = ((n * along) as u32, length as u32);
         Passed { borders: i64::from(passed / length), rest: i64::from(passed % length) }
@@ -323,12 +337,12 @@ impl Passed {
 /// A line of cells that a ray meets.
 #[derive(Debug, Clone, Copy)]
 struct RowMet {
-    /// Where the ray enters it, from the receiver \[lattice steps across the lines\].
+    /// Distance of the ray's entry from the receiver \[lattice steps across the lines\].
     n: i64,
-    /// Borders between cells passed before, and what is left over after the line.
+    /// Borders between cells passed before, and the remainder after the line.
     passed: i64,
     rest: i64,
-    /// Whether it leaves the line in the next cell.
+    /// `true` if it leaves the line in the next cell.
     steps_over: bool,
 }
 

@@ -1,4 +1,4 @@
-//! The whole sweep: every quadrant, wedge by wedge, and the cells at the foot of the UAV.
+//! The whole sweep: every quadrant, wedge by wedge, and the cells close to the UAV.
 
 use std::borrow::Cow;
 
@@ -20,16 +20,16 @@ use crate::height_field::{Columns, SeenHeights, TileMaxima};
 use crate::quantity::LatticePoint;
 use crate::raster::{BitGrid, CellWindow};
 
-/// What a sweep found.
+/// The results of a sweep.
 #[derive(Debug, Clone)]
 pub struct Swept {
     /// The wanted cells in line of sight.
     pub los: BitGrid,
-    /// The least height of a receiver over the center of each wanted cell that is in line of sight \[1/1024 m above the datum\],
-    /// if those were asked for: that of [`columns_least_receiver_height`] wherever it is above the height from which on they
-    /// were asked for, else any not above that.
+    /// The least height of a receiver over the center of each wanted cell that is in line of sight
+    /// \[1/1024 m above the datum\], if requested. It is that of [`columns_least_receiver_height`]
+    /// if that is above the requested start height; else any height not above the start.
     pub least_heights: Option<Vec<f64>>,
-    /// How many of the wanted cells the bounds left undecided.
+    /// The number of wanted cells that the bounds left undecided.
     pub undecided: u64,
 }
 
@@ -40,21 +40,21 @@ pub enum ReceiverHeights<'a> {
     Flat(i32),
     /// Above a base for each cell, row by row from the north-west \[1/1024 m\].
     Over {
-        /// What receivers stand on.
+        /// Base heights of the receivers.
         base: SeenHeights<'a>,
-        /// How high they are above it.
+        /// Height of receivers above their base.
         above: i32,
-        /// The lowest of `base`, or anything lower.
+        /// A lower bound of `base`.
         lowest: i32,
-        /// The highest of `base`, or anything higher.
+        /// An upper bound of `base`.
         highest: i32,
-        /// The highest of `base` by tile, where that is not the tops; found anew if it is not given.
+        /// The highest of `base` by tile, if that is not the tops; computed if not given.
         tiles: Option<&'a TileMaxima>,
     },
 }
 
 impl ReceiverHeights<'_> {
-    /// The lowest and the highest receiver.
+    /// Returns bounds on the lowest and the highest receiver.
     fn range(&self) -> (i64, i64) {
         match self {
             ReceiverHeights::Flat(z) => (i64::from(*z), i64::from(*z)),
@@ -65,12 +65,12 @@ impl ReceiverHeights<'_> {
     }
 }
 
-/// Decides which of the `wanted` receivers within `window` are in line of sight of `uav`: equal to [`columns_los`] for each.
-/// With `heights_from` also finds the least height of a receiver over each that is in line of sight, where it is above that
-/// height \[1/1024 m above the datum\].
+/// Decides which of the `wanted` receivers within `window` are in line of sight of `uav`: equal to
+/// [`columns_los`] for each. With `heights_from`, also finds the least height in line of sight over
+/// each. That height is valid if it is above `heights_from` \[1/1024 m above the datum\].
 ///
-/// `wanted` has the shape of the columns. Threads of the current pool share the work; neither their number nor `level`
-/// changes the result.
+/// The grid `wanted` has the shape of the columns. Threads of the current pool share the work;
+/// neither their number nor `level` changes the result.
 pub fn sweep_los(
     columns: &Columns,
     uav: LatticePoint,
@@ -119,11 +119,12 @@ pub fn sweep_los(
     Swept { los, least_heights, undecided }
 }
 
-/// Decides which of the wanted receivers are in line of sight, as [`sweep_los`] does for columns in memory.
+/// Decides which of the wanted receivers are in line of sight, as [`sweep_los`] does for columns in
+/// memory.
 ///
-/// A quadrant is passed outward in strips of rows, each read once. `passed` is called with a number of cells as they are
-/// passed, and says whether to go on; what is found after it said no means nothing. Threads of the current pool share each
-/// strip.
+/// A quadrant is passed outward in strips of rows, each read once. The callback `passed` gets the
+/// number of cells just passed, and returns whether to continue. After it has returned `false`, the
+/// result is meaningless. Threads of the current pool share each strip.
 ///
 /// # Errors
 /// Those of the reader.
@@ -152,8 +153,8 @@ pub fn streamed_sweep_los(scene: &StreamedScene<'_>, passed: &(dyn Fn(u64) -> bo
     Ok(Swept { los, least_heights, undecided })
 }
 
-/// What a sweep is about; `None` where nothing rises above both ends of any link, nor above the height from which on least heights
-/// are asked for.
+/// Makes the request of a sweep. Returns `None` if no top is above both ends of any link, or above
+/// the start height of least heights.
 fn asked(
     shape: (usize, usize),
     (uav, max_top): (LatticePoint, i32),
@@ -162,7 +163,8 @@ fn asked(
     heights_from: Option<i64>,
 ) -> Option<Asked> {
     let lowest = receivers.0.min(heights_from.unwrap_or(i64::MAX));
-    // What no row can change any more: the receivers, all of which are hidden, or the least heights.
+    // The height above which no row can change a result: that of the receivers, all of which are
+    // hidden, or of the tops for least heights.
     let highest = if heights_from.is_some() { i64::from(max_top) } else { receivers.1 };
     (i64::from(max_top) > uav.z.min(lowest)).then_some(Asked {
         shape,
@@ -173,7 +175,7 @@ fn asked(
     })
 }
 
-/// Least heights where nothing obstructs.
+/// Returns the least heights if nothing obstructs.
 fn no_heights(wanted: &BitGrid, heights_from: Option<i64>) -> Option<Vec<f64>> {
     heights_from.map(|_| vec![f64::NEG_INFINITY; wanted.n_rows() * wanted.n_cols()])
 }
@@ -194,7 +196,7 @@ fn pass_strips<R: Recall>(
         row = strip.end;
         let (near, far) = (frame.near(strip.start), frame.far(strip.end - 1));
         let reaches = wedges.iter().map(|(wedge, _)| wedge.reach(passing, near, far)).filter(|(low, high)| low < high);
-        // Nothing where the bins pass beside the raster.
+        // Empty if the bins pass beside the raster.
         let (low, high) = reaches.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0, 0));
         let lateral = usize::try_from(low).unwrap_or(0)..usize::try_from(high).unwrap_or(0);
         let n_cells = strip.len() * lateral.len();
@@ -210,7 +212,7 @@ fn pass_strips<R: Recall>(
     Ok(())
 }
 
-/// Asks `ray` for the cells around the UAV that no wedge decides.
+/// Decides by `ray` the cells around the UAV that no wedge decides.
 fn decide_near(reader: &dyn ColumnsReader, asked: &Asked, stand: Stand, output: &Output<'_>) -> Result<()> {
     let (rows, cols) = near_cells(asked);
     if rows.is_empty() || cols.is_empty() {

@@ -1,7 +1,8 @@
-//! What the steps do in vectors of whatever width the machine has: look-ups in small tables, and columns turned into rows.
+//! Vector operations of the steps, at any vector width: look-ups in small tables, and columns
+//! turned into rows.
 //!
-//! Every lane does the same few IEEE operations in the same order at every width, nothing is fused and nothing is
-//! summed across lanes, so all instruction sets give the same bits.
+//! Every lane does the same few IEEE operations in the same order at every width. Nothing is fused
+//! and nothing is summed across lanes, so all instruction sets give the same bits.
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{
@@ -16,7 +17,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, f32x8, i32x8, u32x8};
 use prefetch_index::prefetch_index;
 
-/// The numbers of the lanes.
+/// Returns the numbers of the lanes.
 #[inline(always)]
 pub(super) fn lane_numbers<S: Simd>(simd: S) -> S::i32s {
     const NUMBERS: [i32; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
@@ -25,7 +26,8 @@ pub(super) fn lane_numbers<S: Simd>(simd: S) -> S::i32s {
 
 #[cfg(target_arch = "x86_64")]
 fearless_simd::kernel!(
-    /// Of the lanes of two vectors, those of the first foremost, the ones that `index` names: of two such pairs.
+    /// Permutes the lanes of two vectors, those of the first foremost, by `index`; does so for two
+    /// such pairs.
     #[inline(always)]
     fn permute_pairs_avx2(avx2: Avx2, a: (__m256, __m256), b: (__m256, __m256), index: __m256i) -> (__m256, __m256) {
         let is_high = _mm256_castsi256_ps(_mm256_cmpgt_epi32(index, _mm256_set1_epi32(7)));
@@ -38,17 +40,17 @@ fearless_simd::kernel!(
 
 #[cfg(target_arch = "x86_64")]
 fearless_simd::kernel!(
-    /// The lanes of a vector that `index` names.
+    /// Permutes the lanes of a vector by `index`.
     #[inline(always)]
     fn permute_one_avx2(avx2: Avx2, values: __m256i, index: __m256i) -> __m256i {
         _mm256_permutevar8x32_epi32(values, index)
     }
 );
 
-/// Values `values[index]`, of as many as there are lanes.
+/// Returns `values[index]`, of as many values as there are lanes.
 #[inline(always)]
 pub(super) fn permuted<S: Simd>(simd: S, values: &[i32], index: S::u32s) -> S::i32s {
-    // PERF: permutations of whole lanes take a third of the instructions that those of bytes do.
+    // PERF: permutations of whole lanes take a third of the instructions of byte permutations.
     #[cfg(target_arch = "x86_64")]
     if let Level::Avx2(avx2) = simd.level() {
         let index = u32x8::from_slice(avx2, index.as_slice());
@@ -59,7 +61,7 @@ pub(super) fn permuted<S: Simd>(simd: S, values: &[i32], index: S::u32s) -> S::i
     S::i32s::from_slice(simd, values).swizzle_dyn(bytes_of::<S>(index))
 }
 
-/// Values `table[base + index]` of two tables for lanes of `index` below twice the width.
+/// Returns `table[base + index]` of two tables, for lanes of `index` below twice the width.
 #[inline(always)]
 pub(super) fn tables<S: Simd>(simd: S, tables: [&[f32]; 2], base: usize, index: S::u32s) -> [S::f32s; 2] {
     let n = S::f32s::LEN;
@@ -83,7 +85,7 @@ pub(super) fn tables<S: Simd>(simd: S, tables: [&[f32]; 2], base: usize, index: 
     })
 }
 
-/// The indices of the four bytes of each lane that is named.
+/// Returns the indices of the four bytes of each named lane.
 #[inline(always)]
 fn bytes_of<S: Simd>(index: S::u32s) -> <S::u32s as Bytes>::Bytes {
     (index * 0x0404_0404 + 0x0302_0100).to_bytes()
@@ -92,7 +94,7 @@ fn bytes_of<S: Simd>(index: S::u32s) -> <S::u32s as Bytes>::Bytes {
 /// Columns that are turned into rows together.
 pub(super) const STRIP: usize = 64;
 
-/// Heights of a line of the cache.
+/// Heights in a cache line.
 const CACHE_LINE: usize = 16;
 
 /// Copies columns `cols` of rows `rows` into lines, one after another.
@@ -105,7 +107,8 @@ pub(super) fn turn<S: Simd>(
     lines: &mut Vec<i32>,
 ) {
     let (width, n_lines) = (rows.len(), cols.len());
-    // Grows and never shrinks, so that nothing is cleared which is overwritten anyway.
+    // The buffer grows and never shrinks, so that memory which is overwritten anyway is not
+    // cleared.
     if lines.len() < width * n_lines {
         lines.resize(width * n_lines, 0);
     }
@@ -118,7 +121,7 @@ pub(super) fn turn<S: Simd>(
                 for done in (0..whole_cols).step_by(BLOCK) {
                     for k in (start..start + BLOCK).step_by(SQUARE) {
                         for i in 0..SQUARE {
-                            // Past the last row it does no harm.
+                            // Prefetching past the last row does no harm.
                             prefetch_index(tops, (rows.start + k + BLOCK + i) * n_cols + cols.start + done);
                         }
                         let sources: [&[i32]; SQUARE] = std::array::from_fn(|i| &row(k + i)[done..][..BLOCK]);
@@ -142,14 +145,14 @@ pub(super) fn turn<S: Simd>(
     );
 }
 
-/// Rows and columns that are turned together: as many as a line of the cache has heights, so that few are read twice. The rows
-/// after them are read ahead.
+/// Rows and columns that are turned together: as many as a cache line has heights, so that few
+/// lines are read twice. The rows after them are prefetched.
 const BLOCK: usize = CACHE_LINE;
 
 /// Rows and columns that are turned at once, in registers.
 const SQUARE: usize = 4;
 
-/// Rows of a square for its columns.
+/// Transposes a square of rows into its columns.
 #[inline(always)]
 fn transposed<S: Simd>([a, b, c, d]: [i32x4<S>; 4]) -> [i32x4<S>; 4] {
     let (ac, bd) = (a.zip_low(c), b.zip_low(d));

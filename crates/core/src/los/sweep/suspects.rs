@@ -1,9 +1,13 @@
-//! Step 5, where all rows are in memory: the few rows that may hide a receiver in doubt are looked up, or walked over.
+//! Step 5 with all rows in memory: the few rows that may hide a receiver in doubt are looked up, or
+//! walked over.
 //!
-//! Rows come in *groups*: those of one row of tiles. Each bin knows its steepest row, how steep the second is, and which groups
-//! hold the others that may hide a receiver: the present one, the steepest one before it, and the first and the last of the rest.
-//! Looked at where the ray enters and leaves it, the steepest row hides four of ten receivers in doubt, and three of ten are seen
-//! because no other is as steep as they are. Over laser scans a half to three quarters of the rest need one group.
+//! Rows come in *groups*: the rows of one row of tiles. Each bin knows its steepest row and the
+//! slope of the second steepest. It also knows which groups hold other rows that may hide a
+//! receiver: the present one, the steepest one before it, and the first and the last of the rest.
+//!
+//! The steepest row, looked at where the ray enters and leaves it, hides four of ten receivers in
+//! doubt. Three of ten are seen because no other row is as steep as they are. Over laser scans a
+//! half to three quarters of the rest need one group.
 
 use std::ops::Range;
 
@@ -19,11 +23,12 @@ use crate::height_field::{Columns, TILE};
 /// Below every slope that counts.
 const NO_SLOPE: f32 = f32::NEG_INFINITY;
 
-/// What the bins of a wedge know of the rows that may hide a receiver: values of bin `i` are at `i + PAD`.
+/// Knowledge of a wedge's bins about the rows that may hide a receiver: values of bin `i` are at
+/// `i + PAD`.
 #[derive(Debug)]
 pub(super) struct Suspects<'a> {
     columns: &'a Columns,
-    /// The steepest row, and the upper bound by all others.
+    /// The steepest row, and the upper bound by all other rows.
     steepest_row: Vec<i32>,
     second: Vec<f32>,
     /// The upper bound by the rows of the present group, and its first row.
@@ -32,15 +37,15 @@ pub(super) struct Suspects<'a> {
     /// The upper bound by the steepest group before it, and its first row.
     steepest: Vec<f32>,
     steepest_start: Vec<i32>,
-    /// The upper bound by all other groups, and the first rows of the first and of the last of these that may hide a receiver from
-    /// here on.
+    /// The upper bound by all other groups. Then the first rows of the first and of the last of
+    /// these groups that may still hide a receiver.
     others: Vec<f32>,
     first_other: Vec<i32>,
     last_other: Vec<i32>,
 }
 
 impl<'a> Suspects<'a> {
-    /// Of no rows yet.
+    /// Makes the knowledge of no rows.
     pub(super) fn new(columns: &'a Columns, len: usize) -> Self {
         let slopes = || vec![NO_SLOPE; len + 2 * PAD];
         let rows = || vec![0; len + 2 * PAD];
@@ -58,8 +63,8 @@ impl<'a> Suspects<'a> {
         }
     }
 
-    /// The rows that may hide a receiver of slope `slope`: groups, the steepest of them foremost, and from the first to the last of
-    /// all others.
+    /// Returns the rows that may hide a receiver of slope `slope`: up to two groups, the steeper
+    /// one first, and the span of all other groups.
     #[inline(always)]
     fn rows(&self, i: usize, slope: f32) -> ([Option<Rows>; 2], Option<Rows>) {
         let group = |steepest: f32, start: i32| (steepest >= slope).then_some((start, start));
@@ -121,8 +126,9 @@ impl Recall for Suspects<'_> {
             is_steepest.select(new, before).store_slice(&mut steepest[i..i + n]);
             is_steepest.select(start, before_start).store_slice(&mut steepest_start[i..i + n]);
             let (other, other_start) = (is_steepest.select(before, new), is_steepest.select(before_start, start));
-            // A receiver in doubt is neither below the lowest slope nor below what is proven hidden, so the group may hide it only
-            // if it is as steep as both, and no other group can any more if none was.
+            // A receiver in doubt is neither below the lowest slope nor below the proven `lower`.
+            // So the group may hide it only if it is as steep as both. If no earlier group was, no
+            // other group can hide it any more.
             let bar = lowest.max(load(lower));
             let (may_hide, is_first) = (other.simd_ge(bar), load(others).simd_lt(bar));
             let (first, last) = (load_start(first_other), load_start(last_other));
@@ -140,8 +146,8 @@ impl Recall for Suspects<'_> {
 
     fn settle(&self, of: &Settling<'_>, open: &mut [Open], seen: &mut [u32]) -> usize {
         let rows = RasterRows::new(self.columns, of);
-        // PERF: first, for all and without branches, what the steepest row tells. The others are few enough for branches that
-        // nobody can predict.
+        // PERF: the steepest row first, for all receivers and without branches. The remaining
+        // receivers are few enough for unpredictable branches.
         let (mut n_left, mut n_seen) = (0, 0);
         for k in 0..open.len() {
             let Open { cell } = open[k];
@@ -167,28 +173,31 @@ impl Recall for Suspects<'_> {
     }
 }
 
-/// The rows before that of some receivers, in the raster.
+/// The rows of the raster before the row of some receivers.
 struct RasterRows<'a> {
     columns: &'a Columns,
     seen: SeenTops<'a>,
     uav_z: i64,
     uav_lateral: i64,
     n_lateral: i64,
-    /// The number of the receivers' row, also in the raster, and how numbers there change on the way out, by 1.
+    /// The number of the receivers' row, also in the raster, and the change of numbers there on the
+    /// way out, by 1.
     row: i64,
     line: i64,
     outward: i64,
-    /// The first cell of the receivers' row, and the steps to that of the next row outward and along a row.
+    /// The first cell of the receivers' row, and the strides to the next row outward and along a
+    /// row.
     start: i64,
     strides: (i64, i64),
-    /// Steps to the tile of the next rows, and to the next tile of the same rows, as numbers in the raster rise.
+    /// Strides to the tile of the next rows, and to the next tile of the same rows, as numbers in
+    /// the raster rise.
     tile_strides: (i64, i64),
-    /// Distances of the farther edge of the receivers' row and of its centers \[lattice steps\].
+    /// Distance of the farther edge of the receivers' row, and of its centers \[lattice steps\].
     far: i64,
     length: LinkLength,
 }
 
-/// What a row does to a link, where that is sure.
+/// The certain effects of a row on a link.
 struct Met {
     is_hidden: bool,
     is_clear: bool,
@@ -222,7 +231,8 @@ impl<'a> RasterRows<'a> {
         }
     }
 
-    /// Whether none of the suspected rows hides the receiver of a lateral cell, `above_uav` above the UAV \[1/1024 m\].
+    /// Returns `true` if no suspected row hides the receiver of a lateral cell, `above_uav` above
+    /// the UAV \[1/1024 m\].
     fn is_los(&self, lateral: i64, above_uav: i64, (groups, others): ([Option<Rows>; 2], Option<Rows>)) -> bool {
         let RasterRows { columns, strides, .. } = *self;
         let heights = (self.uav_z + above_uav, -above_uav);
@@ -230,13 +240,13 @@ impl<'a> RasterRows<'a> {
         let own = usize::try_from(self.start + lateral * strides.1).unwrap_or(0);
         let (at, step, seen) = ((self.line, lateral), -self.outward, self.seen);
         let cells = RowCells { seen, at, step, own, strides: (-strides.0, strides.1), tiles: None };
-        // A group is too few rows for tiles to spare any.
+        // A group has too few rows for tiles to save any.
         let tiles = || RowTiles { tiles: columns.tiles(), strides: self.tile_strides };
         groups.iter().flatten().all(|rows| link.is_clear(&cells, self.edges_of(*rows)))
             && others.is_none_or(|rows| link.is_clear(&RowCells { tiles: Some(tiles()), ..cells }, self.edges_of(rows)))
     }
 
-    /// Distances of some groups, given the first rows of the first and of the last one.
+    /// Returns the distances of some groups, from the first rows of the first and of the last one.
     #[inline(always)]
     fn edges_of(&self, (first, last): Rows) -> (i64, i64) {
         // A group has no more rows than a tile, all of them before the receivers' own.
@@ -244,21 +254,24 @@ impl<'a> RasterRows<'a> {
         self.edges(self.row - i64::from(first), last)
     }
 
-    /// Distances of the nearer edge of the row `first` before the receivers' and of the farther edge of the one `last` before it.
+    /// Returns the distances of two edges: the nearer edge of the row `first` before the
+    /// receivers', and the farther edge of the row `last` before it.
     #[inline(always)]
     fn edges(&self, first: i64, last: i64) -> (i64, i64) {
         ((self.far - (first + 1) * CELL).max(0), self.far - last * CELL)
     }
 
-    /// What the row `back` before the receivers' does to the link to a receiver: the ray is looked at where it enters and where it exits
-    /// the row, unless that is next to a border of cells.
+    /// Returns the effect of the row `back` before the receivers' on the link to a receiver. The
+    /// ray is looked at where it enters and where it leaves the row, unless that is next to a
+    /// border of cells.
     #[inline(always)]
     fn meet(&self, azimuth: i64, above_uav: i64, back: i64) -> Met {
         let (near, far) = self.edges(back, back);
-        // Heights are compared times the distance of the receiver: how far the top of the cell that the ray is in is above
-        // the UAV, the same of the ray, and whether the cell is certain.
+        // Heights are compared times the distance of the receiver. The result holds the height of
+        // the cell's top above the UAV, the height of the ray, and whether the cell is certain.
         let look = |distance: i64| {
-            // EXACT: an azimuth is off by less than a lattice step at the receiver, the product rounded down by one at most.
+            // EXACT: an azimuth is off by less than a lattice step at the receiver, the product
+            // rounded down by one at most.
             let at = self.uav_lateral + ((azimuth * distance) >> AZIMUTH_BITS);
             let (cell, within) = (at.div_euclid(CELL), at.rem_euclid(CELL));
             let is_certain = (0..self.n_lateral).contains(&cell) & (2..CELL - 2).contains(&within);
@@ -271,7 +284,7 @@ impl<'a> RasterRows<'a> {
         let ((top, height, is_certain), (far_top, far_height, is_far_certain)) = (look(near), look(far));
         Met {
             is_hidden: is_certain & (top > height) | is_far_certain & (far_top > far_height),
-            // Between both the ray is in these two cells alone.
+            // Between both points the ray is in these two cells alone.
             is_clear: is_certain & is_far_certain & (top.max(far_top) <= height.min(far_height)),
         }
     }

@@ -1,8 +1,9 @@
-//! Step 5: how the receivers that bounds leave undecided are settled.
+//! Step 5: settles the receivers that bounds leave undecided.
 //!
-//! Two ways, of one interface. Where all rows are in memory, a bin remembers which rows may hide a receiver, and these are looked at
-//! again ([`super::suspects`]). Where they are not, or least heights are asked for, it remembers the tops of these rows under its
-//! edges ([`super::candidates`]): that costs more, but no row is ever read again.
+//! Two ways share one interface. If all rows are in memory, a bin remembers which rows may hide a
+//! receiver, and these are looked at again ([`super::suspects`]). If they are not, or least heights
+//! are requested, it remembers the tops of these rows under its edges ([`super::candidates`]). That
+//! costs more, but no row is ever read again.
 
 use std::ops::Range;
 
@@ -12,7 +13,7 @@ use super::frame::{CELL, Frame, as_i64};
 use super::least_heights::BATCH;
 use super::receivers::{ReceiverMap, RowReceivers};
 
-/// A row, as it passes over bins from number `first` on among 2^level to a side.
+/// A row that passes over bins from number `first` on among 2^level to a side.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Passed {
     pub(super) row: usize,
@@ -20,8 +21,9 @@ pub(super) struct Passed {
     pub(super) level: u32,
 }
 
-/// What a row says of the bins of a vector: its own bounds, below every slope where there is no bin; and those of the bins, `upper`
-/// by the rows before it alone.
+/// Bounds of a row and of the bins of a vector. The row's bounds are below every slope where there
+/// is no bin. Of the bins, `upper_before` is by the earlier rows alone, `lower_now` includes this
+/// row.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RowBounds<S: Simd> {
     pub(super) upper: S::f32s,
@@ -30,28 +32,32 @@ pub(super) struct RowBounds<S: Simd> {
     pub(super) lower_now: S::f32s,
 }
 
-/// What the bins of a wedge remember of rows, to settle the receivers that bounds leave in doubt.
+/// Memory of a wedge's bins about rows, to settle the receivers that bounds leave in doubt.
 pub(super) trait Recall: Send {
-    /// Whether it can tell least heights.
+    /// `true` if it can find least heights.
     const WITH_HEIGHTS: bool;
 
-    /// Makes two bins of each of `len`, which both remember the same.
+    /// Splits each of `len` bins into two with the same memory.
     fn split(&mut self, len: usize);
 
-    /// Adds a row to the bins of a vector, the first of which is `bin` in the wedge; under their edges rays enter it and leave it
-    /// at these tops.
+    /// Adds a row to the bins of a vector; the first of them is `bin` in the wedge. Rays under
+    /// their edges enter and leave the row at these tops.
     fn add<S: Simd>(&mut self, passed: &Passed, bin: usize, edges: (&[i32], &[i32]), bounds: &RowBounds<S>);
 
-    /// Ends a group of rows for some bins; given `lower` of all, and a slope that no receiver still to come is below.
+    /// Ends a group of rows for some bins. Gets `lower` of all bins, and a lower limit of the
+    /// slopes of all later receivers.
     fn end_group<S: Simd>(&mut self, simd: S, lower: (&[f32], f32), bins: Range<usize>);
 
-    /// Begins a group of rows, no more than a tile has; given `lower` of the bins from number `first` on among 2^level to a side.
+    /// Begins a group of rows, at most those of a tile. Gets `lower` of the bins from number
+    /// `first` on among 2^level to a side.
     fn begin_group(&mut self, row: usize, lower: &[f32], first_and_level: (i64, u32));
 
-    /// Finds which receivers in doubt of a row no row before it hides: their cells are the first in `seen` then, so many of them.
+    /// Finds the receivers in doubt of a row that no earlier row hides. Writes their cells to the
+    /// beginning of `seen` and returns their number.
     fn settle(&self, of: &Settling<'_>, open: &mut [Open], seen: &mut [u32]) -> usize;
 
-    /// The least height above the UAV of each of some receivers that is in line of sight \[1/1024 m\], if it can tell.
+    /// Finds the least height above the UAV at which each of some receivers is in line of sight
+    /// \[1/1024 m\], if supported.
     fn least_heights<S: Simd>(&mut self, _: S, _: &Settling<'_>, _cells: &[u32], _highest: &mut [f64; BATCH]) {}
 }
 
@@ -63,37 +69,39 @@ pub(super) struct Settling<'a> {
     pub(super) receivers: &'a RowReceivers<'a>,
     pub(super) map: ReceiverMap,
     pub(super) per_distance: f32,
-    /// The number of the first bin of the wedge among 2^level to a side, and of the last one that a receiver may be given.
+    /// The number of the first bin of the wedge among 2^level to a side, and of the last one that a
+    /// receiver may belong to.
     pub(super) bins: (i64, i64),
     pub(super) level: u32,
 }
 
 impl Settling<'_> {
-    /// The bin of a receiver in the wedge.
+    /// Returns the bin of a receiver in the wedge.
     #[inline(always)]
     pub(super) fn bin(&self, cell: usize) -> usize {
         usize::try_from(self.number(cell) - self.bins.0).unwrap_or(0)
     }
 
-    /// The number of that bin among 2^level to a side.
+    /// Returns the number of that bin among 2^level to a side.
     #[inline(always)]
     pub(super) fn number(&self, cell: usize) -> i64 {
         self.map.bin(as_i64(cell)).min(self.bins.1)
     }
 
-    /// Whether the wedge is to the left of the axis.
+    /// Returns `true` if the wedge is to the left of the axis.
     #[inline(always)]
     pub(super) fn is_left(&self) -> bool {
         self.bins.0 < 0
     }
 
-    /// How far a receiver is from the axis \[lattice steps\].
+    /// Returns the distance of a receiver from the axis \[lattice steps\].
     #[inline(always)]
     pub(super) fn side(&self, cell: usize) -> i64 {
         (as_i64(cell) * CELL + CELL / 2 - self.frame.uav_lateral).abs()
     }
 
-    /// The slope of a receiver so much above the UAV, rounded as where it was compared with bounds.
+    /// Returns the slope of a receiver at this height above the UAV, rounded as in the comparison
+    /// with bounds.
     #[inline(always)]
     #[expect(clippy::cast_precision_loss, reason = "see above")]
     pub(super) fn slope(&self, above_uav: i64) -> f32 {

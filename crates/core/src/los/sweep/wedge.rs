@@ -1,4 +1,4 @@
-//! The row loop: how one row after another passes over the bins of a wedge.
+//! The row loop: passes one row after another over the bins of a wedge.
 
 use fearless_simd::prelude::*;
 
@@ -16,20 +16,20 @@ use crate::quantity::VOID;
 /// Bins that sleep or retire together.
 const SLEEPERS: usize = 32;
 
-/// Fewer bins than so many between others that are awake do not sleep: it would cost more than it spares.
+/// Gaps between awake bins shorter than this are processed anyway: skipping them costs more.
 const SHORTEST_SLEEP: usize = 96;
 
-/// Relative slack of slopes that tell which bins and tiles need not be looked at: wider than any doubt.
+/// Relative slack of the slopes that exclude bins and tiles: wider than any doubt.
 const SLACK: f32 = 1e-5;
 
-/// What is the same for all rows of a wedge.
+/// Inputs that are the same for all rows of a wedge.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Passing<'a> {
     pub(super) frame: &'a Frame,
     pub(super) stand: Stand,
-    /// The highest of tiles, if they are known.
+    /// The highest tops and receivers of tiles, if known.
     pub(super) tiles: Option<Tiles<'a>>,
-    /// Whether least heights are asked for.
+    /// `true` if least heights are requested.
     pub(super) with_heights: bool,
 }
 
@@ -41,29 +41,33 @@ pub(super) struct Wedge<R> {
     bins: Bins<R>,
     /// Intervals of bins that may still change.
     active: Vec<(usize, usize)>,
-    /// Intervals of bins that the next rows may change, or see a receiver of; and all between two of them that are next to each
-    /// other, some of which may be active no more: every later receiver is below their `lower`, which only rises.
+    /// Intervals of bins that the next rows can affect. Short gaps are merged in, which is
+    /// harmless: retired bins in them have all later receivers below their `lower`, which only
+    /// rises.
     awake: Vec<(usize, usize)>,
-    /// Tops above the UAV of the row that was passed last, and of the one before it: lateral cell `c` is at `c + PAD`. Only
-    /// those under bins that are awake are of these rows, others of any row before.
+    /// Tops above the UAV of the row passed last, and of the row before it; lateral cell `c` is at
+    /// `c + PAD`. Only tops under awake bins are from these rows, other tops may be from any
+    /// earlier row.
     tops: Vec<i32>,
     tops_before: Vec<i32>,
-    /// The row that was passed last, if it may hide a receiver and bounds are still to be raised by it: rays leave it where they
-    /// enter the next one, so cells under the edges of bins there are looked up in both at once.
+    /// The row passed last, if it may hide a receiver and has not raised the bounds yet. Rays leave
+    /// it where they enter the next row, so cells under the edges of bins there are looked up in
+    /// both at once.
     pending: Option<RowSlopes>,
-    /// Tops under the edges of bins, of edge `i` at `i`: where rays enter that row, where they leave it, and where they enter the
-    /// next one.
+    /// Tops under the edges of bins, edge `i` at `i`: where rays enter the pending row, where they
+    /// leave it, and where they enter the next row.
     enters: Vec<i32>,
     leaves: Vec<i32>,
     next_enters: Vec<i32>,
-    /// Receivers in doubt of a row, and the cells of those of them that are seen.
+    /// Undecided receivers of a row, and the cells of those that are seen.
     open: Vec<Open>,
     seen: Vec<u32>,
 }
 
 impl<R: Recall> Wedge<R> {
-    /// Part `part` of `parts` (a power of two, at most 2^[`FIRST_LEVEL`]) to one side of the axis; negative to the other side. Nothing
-    /// without one of the bins in [`Frame::wanted_bins`].
+    /// Makes part `part` of `parts` (a power of two, at most 2^[`FIRST_LEVEL`]) to one side of the
+    /// axis; negative parts are on the other side. Returns `None` if it has no bin of
+    /// [`Frame::wanted_bins`].
     pub(super) fn new((part, parts): (i64, i64), wanted: u32, recall: impl FnOnce(usize) -> R) -> Option<Self> {
         let len = (1_i64 << FIRST_LEVEL) / parts;
         let (first, n_bins) = (part * len, usize::try_from(len).unwrap_or(1));
@@ -92,13 +96,14 @@ impl<R: Recall> Wedge<R> {
         })
     }
 
-    /// Whether no later row can tell anything new.
+    /// Returns `true` if no later row can change a result.
     pub(super) fn is_done(&self, passing: &Passing<'_>) -> bool {
         self.active.is_empty() && !passing.with_heights
     }
 
-    /// Lateral indices of the cells that rays of the wedge can reach between two distances, from the first to after the
-    /// last; empty if there are none in the raster.
+    /// Returns the lateral indices of the cells that rays of the wedge can reach between two
+    /// distances, from the first to after the last. The range is empty if there are none in the
+    /// raster.
     pub(super) fn reach(&self, passing: &Passing<'_>, near: i64, far: i64) -> (i64, i64) {
         let whole = [(0, self.bins.len)];
         let of = if passing.with_heights { &whole[..] } else { &self.active };
@@ -112,7 +117,7 @@ impl<R: Recall> Wedge<R> {
         EdgeMap::new(frame.uav_lateral, self.level, self.first < 0)
     }
 
-    /// Makes bins as fine as `level`: a bin that splits in two hands down what it knows to both.
+    /// Makes bins as fine as `level`. Both halves of a split bin inherit its values.
     fn refine(&mut self, level: u32) {
         while self.level < level {
             self.bins.split();
@@ -123,9 +128,10 @@ impl<R: Recall> Wedge<R> {
         }
     }
 
-    /// Passes some rows, and tells `out` of their receivers.
+    /// Passes some rows, and reports their receivers to `out`.
     ///
-    /// PERF: everything below is inlined into one function compiled for the instruction set of `simd`.
+    /// PERF: everything below is inlined into one function compiled for the instruction set of
+    /// `simd`.
     pub(super) fn pass<S: Simd>(
         &mut self,
         simd: S,
@@ -152,8 +158,8 @@ impl<R: Recall> Wedge<R> {
         );
     }
 
-    /// Decides the receivers of a row by the rows before it: enters it, which raises the bounds by the row before. Its own
-    /// bounds are raised when the next row is entered.
+    /// Decides the receivers of a row by the rows before it. Entering the row raises the bounds by
+    /// the row before; its own bounds are raised when the next row is entered.
     #[inline(always)]
     fn pass_one<S: Simd>(
         &mut self,
@@ -179,11 +185,11 @@ impl<R: Recall> Wedge<R> {
         }
     }
 
-    /// How the receivers of a row lie over the bins.
+    /// Returns the map of a row's receivers to the bins.
     fn receiver_map(&self, frame: &Frame, row: usize) -> ReceiverMap {
-        // A receiver on an edge belongs to the bin on the side of the axis: its ray stays in the closed bin, and comes
-        // to each border of rows from inside (see the module).
-        // Places are counted from the window on, since a raster may be far wider than any range.
+        // A receiver on an edge belongs to the bin on the side of the axis: its ray stays in the
+        // closed bin, and comes to each border of rows from inside (see the module). Places are
+        // counted from the window on, since a raster may be far wider than any range.
         let first = frame.window.0 & !63;
         let lateral = first * CELL + CELL / 2 - frame.uav_lateral;
         ReceiverMap::new(self.level, (first, lateral), frame.center(row), self.first >= 0)
@@ -207,7 +213,8 @@ impl<R: Recall> Wedge<R> {
         self.bins.repeat_last();
         let Bins { len: n_bins, upper, lower, recall } = &mut self.bins;
         let bounds = Bounds { upper, lower, first_bin: self.first };
-        // The words of the first and of the last receiver of the wedge in the row may hold some of another wedge.
+        // The words of the first and of the last receiver of the wedge in the row may hold
+        // receivers of another wedge.
         let ends = (map.first_from(self.first) >> 6, map.first_from(end) >> 6);
         let settling = Settling {
             frame,
@@ -223,7 +230,7 @@ impl<R: Recall> Wedge<R> {
         let whole = [(0, *n_bins)];
         for &(from, to) in if passing.with_heights { &whole[..] } else { &self.awake } {
             let (b0, b1) = (self.first + as_i64(from), self.first + as_i64(to));
-            // A receiver on the axis is of the bin before it, so of the side that ends there.
+            // A receiver on the axis belongs to the bin before it, so to the side that ends there.
             let after = if b1 == 0 { after_axis } else { map.first_from(b1) };
             let cells = (map.first_from(b0).max(frame.window.0), after.min(frame.window.1));
             if cells.0 >= cells.1 {
@@ -259,7 +266,8 @@ impl<R: Recall> Wedge<R> {
         self.open = open;
     }
 
-    /// Looks up where rays enter a row, if that may hide a receiver, and raises the bounds by the row before it.
+    /// Looks up the cells at which rays enter a row, if it may hide a receiver. Raises the bounds
+    /// by the row before it.
     #[inline(always)]
     fn enter<S: Simd>(&mut self, simd: S, frame: &Frame, rows: &Rows<'_>, row: usize) {
         std::mem::swap(&mut self.tops, &mut self.tops_before);
@@ -282,7 +290,7 @@ impl<R: Recall> Wedge<R> {
             highest = highest.max(above_uav(simd, &tops[at(within.0)], frame.uav_z, &mut self.tops[at(-PAD_I64)]));
         }
         let slopes = RowSlopes::new(row, (near, far), frame.is_below_uav, frame.blocks_all);
-        // A row below every receiver beyond it hides none, so no bound and no candidate needs to know of it.
+        // A row below every receiver beyond it hides none, so bounds and candidates can ignore it.
         let may_hide = slopes.bounds([highest; 4]).0 >= lowest_slope(frame, far);
 
         // Vectors run over the ends, and all edges of bins have cells.
@@ -310,7 +318,7 @@ impl<R: Recall> Wedge<R> {
         }
     }
 
-    /// Raises the bounds by the row that was passed last.
+    /// Raises the bounds by the row passed last.
     #[inline(always)]
     fn raise_pending<S: Simd>(&mut self, simd: S, frame: &Frame) {
         let Some(slopes) = &self.pending else { return };
@@ -322,7 +330,7 @@ impl<R: Recall> Wedge<R> {
         self.raise(simd);
     }
 
-    /// Raises the bounds by the row that was passed last, all of whose tops have been looked up.
+    /// Raises the bounds by the row passed last, all of whose tops have been looked up.
     #[inline(always)]
     fn raise<S: Simd>(&mut self, simd: S) {
         let Some(slopes) = self.pending.take() else { return };
@@ -332,8 +340,8 @@ impl<R: Recall> Wedge<R> {
         }
     }
 
-    /// Looks ahead: drops the bins that no row from there on can change, and finds those that need not be looked at in the
-    /// next rows, which lie in one row of tiles.
+    /// Looks ahead over the next rows, which lie in one row of tiles. Drops the bins that no row
+    /// from there on can change, and puts those to sleep that these rows cannot affect.
     #[inline(always)]
     fn look_ahead<S: Simd>(&mut self, simd: S, passing: &Passing<'_>, rows: std::ops::Range<usize>) {
         let frame = passing.frame;
@@ -344,13 +352,15 @@ impl<R: Recall> Wedge<R> {
         }
         let of_bins = &self.bins.lower[PAD..PAD + self.bins.len];
         self.bins.recall.begin_group(rows.start, of_bins, (self.first, self.level));
-        // Slopes of what is below the UAV grow with the distance, and fall where it is above: those of receivers from their
-        // centers on, not positive in the UAV's own row, those of tops from where rays enter them.
+        // Slopes of heights below the UAV grow with the distance, and slopes of heights above it
+        // fall. Receivers count from their centers on, not positive in the UAV's own row; tops
+        // count from where rays enter them.
         let first = if passing.with_heights { frame.near(rows.start) } else { frame.center(rows.start) };
         let at = if frame.highest <= 0 { frame.last_center } else { first }.max(1);
         #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "widened by a margin")]
         let steepest = (frame.highest as f64 / at as f64) as f32;
-        // Behind a top that blocks everything no height is enough, which changes least heights even in the dark.
+        // Behind a top that blocks everything no height is enough, which changes least heights even
+        // in the dark.
         let is_never_dark = passing.with_heights && frame.highest >= i64::from(frame.blocks_all);
         let dark = if is_never_dark { f32::INFINITY } else { steepest + steepest.abs() * SLACK + f32::MIN_POSITIVE };
         let map = self.edge_map(frame);
@@ -386,16 +396,16 @@ impl<R: Recall> Wedge<R> {
     }
 }
 
-/// A lower limit of the slopes of all that is asked for at distance `from` or beyond.
+/// Returns a lower limit of the slopes of all requested heights at distance `from` or beyond.
 fn lowest_slope(frame: &Frame, from: i64) -> f32 {
-    // Slopes of receivers below the UAV grow with the distance, those of others fall.
+    // Slopes of receivers below the UAV grow with the distance, those of other receivers fall.
     let at = if frame.lowest <= 0 { from } else { frame.last_center.max(from) };
     #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "widened by a margin")]
     let lowest = (frame.lowest as f64 / at.max(1) as f64) as f32;
     lowest - lowest.abs() * SLACK - f32::MIN_POSITIVE
 }
 
-/// Tops of a row above the UAV, [`NOTHING`] where there is none. Returns the highest.
+/// Writes the tops of a row above the UAV, [`NOTHING`] where there is none. Returns the highest.
 #[inline(always)]
 fn above_uav<S: Simd>(simd: S, tops: &[i32], uav_z: i32, out: &mut [i32]) -> i32 {
     let n = S::i32s::LEN;
@@ -418,7 +428,7 @@ fn above_uav<S: Simd>(simd: S, tops: &[i32], uav_z: i32, out: &mut [i32]) -> i32
     highest
 }
 
-/// Adds an interval to others before it; with all between if that is less than `gap`.
+/// Appends an interval to earlier ones; merges it into the last one if the gap is less than `gap`.
 #[inline(always)]
 fn append(intervals: &mut Vec<(usize, usize)>, (start, end): (usize, usize), gap: usize) {
     match intervals.last_mut() {
@@ -452,11 +462,12 @@ fn find_heights<S: Simd, R: Recall>(
     }
 }
 
-/// The lowest of some slopes.
+/// Returns the lowest of some slopes.
 #[inline(always)]
 fn lowest_of(slopes: &[f32]) -> f32 {
     let lower = |a: f32, b: f32| if b < a { b } else { a };
-    // PERF: as many at once as a vector has lanes; one after another, each would wait for the one before.
+    // PERF: as many at once as a vector has lanes; one after another, each would wait for the one
+    // before.
     let mut lowest = [f32::INFINITY; 16];
     let mut chunks = slopes.chunks_exact(16);
     for chunk in &mut chunks {
