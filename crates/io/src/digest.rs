@@ -1,25 +1,26 @@
-//! SHA-256 (FIPS 180-4), by which files tell what they were made from and what they hold.
+//! SHA-256 (FIPS 180-4), by which files record their inputs and their content.
 
 use std::fmt;
 
 #[cfg(not(any(feature = "ring", feature = "sha2")))]
 compile_error!("digests need the feature `ring`, or `sha2`, which is without C");
 
-/// A digest in the making.
+/// SHA-256 digest in progress.
 ///
-/// PERF: by a library that is faster than others on processors without instructions for it, where the digest of a mask is a
-/// quarter of a whole run. The feature `sha2` alone takes one without C.
+/// PERF: `ring` is faster than other libraries on processors without instructions for SHA-256,
+/// where the digest of a mask is a quarter of a whole run. The feature `sha2` alone selects a
+/// library without C.
 #[cfg(feature = "ring")]
 #[derive(Clone)]
 pub struct Sha256(ring::digest::Context);
 
-/// A digest in the making.
+/// SHA-256 digest in progress.
 #[cfg(not(feature = "ring"))]
 #[derive(Clone)]
 pub struct Sha256(sha2::Sha256);
 
 impl Default for Sha256 {
-    /// Of nothing yet.
+    /// Begins a digest of no bytes yet.
     fn default() -> Self {
         #[cfg(feature = "ring")]
         let empty = ring::digest::Context::new(&ring::digest::SHA256);
@@ -30,7 +31,7 @@ impl Default for Sha256 {
 }
 
 impl Sha256 {
-    /// The digest of some bytes.
+    /// Returns the digest of some bytes.
     pub fn digest(bytes: &[u8]) -> [u8; 32] {
         let mut hasher = Sha256::default();
         hasher.update(bytes);
@@ -45,7 +46,7 @@ impl Sha256 {
         sha2::Digest::update(&mut self.0, bytes);
     }
 
-    /// The digest of all bytes.
+    /// Returns the digest of all bytes.
     pub fn finalize(self) -> [u8; 32] {
         #[cfg(feature = "ring")]
         let digest = self.0.finish();
@@ -56,7 +57,7 @@ impl Sha256 {
         bytes
     }
 
-    /// The digest in hexadecimal digits.
+    /// Returns the digest in hexadecimal digits.
     pub fn hex_digits(self) -> String {
         self.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }

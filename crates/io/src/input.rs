@@ -1,4 +1,4 @@
-//! What readers take: a file by its path, or bytes that the caller holds.
+//! Input of readers: a file by its path, or bytes that the caller holds.
 
 use std::borrow::Cow;
 use std::ffi::OsStr;
@@ -13,8 +13,8 @@ use crate::remote::is_remote;
 
 /// A file by its path, or bytes that the caller holds under a name, with the files beside it.
 ///
-/// The name tells the format where a reader knows several (`city.shp`), and stands in messages. The path `-` is standard
-/// input, of which tables and GeoJSON are read.
+/// The name sets the format where a reader knows several (`city.shp`), and appears in messages. The
+/// path `-` is standard input, from which tables and GeoJSON are read.
 ///
 /// ```
 /// use skyshed_io::Input;
@@ -31,22 +31,22 @@ pub struct Input {
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Held {
     bytes: Arc<[u8]>,
-    /// File names and bytes.
+    /// Sidecars: file names and bytes.
     beside: Vec<(PathBuf, Arc<[u8]>)>,
 }
 
 impl Input {
-    /// A file, opened when it is read; its sidecars are looked for beside it.
+    /// Returns a file, which is opened when it is read; its sidecars are found beside it.
     pub fn path(path: impl Into<PathBuf>) -> Input {
         Input { path: path.into(), held: None }
     }
 
-    /// Bytes under a name, such as `city.geojson`.
+    /// Returns bytes under a name, such as `city.geojson`.
     pub fn bytes(name: impl Into<PathBuf>, bytes: impl Into<Arc<[u8]>>) -> Input {
         Input { path: name.into(), held: Some(Held { bytes: bytes.into(), beside: Vec::new() }) }
     }
 
-    /// Adds the bytes of a sidecar, such as `city.prj`. A file on disk has its own beside it.
+    /// Adds the bytes of a sidecar, such as `city.prj`. A file on disk has its sidecars beside it.
     #[must_use]
     pub fn with_beside(mut self, name: impl Into<PathBuf>, bytes: impl Into<Arc<[u8]>>) -> Input {
         if let Some(held) = &mut self.held {
@@ -55,37 +55,37 @@ impl Input {
         self
     }
 
-    /// The path, or the name.
+    /// Returns the path, or the name.
     pub fn as_path(&self) -> &Path {
         &self.path
     }
 
-    /// Whether the bytes are held, so that no path of a file is known.
+    /// Returns `true` for held bytes, which have no path of a file.
     pub(crate) fn is_held(&self) -> bool {
         self.held.is_some()
     }
 
-    /// Whether it is on a server.
+    /// Returns `true` for a file on a server.
     pub(crate) fn is_remote(&self) -> bool {
         self.held.is_none() && is_remote(&self.path)
     }
 
-    /// Whether it is a folder.
+    /// Returns `true` for a folder.
     pub(crate) fn is_folder(&self) -> bool {
         self.held.is_none() && self.path.is_dir()
     }
 
-    /// Whether it is standard input.
+    /// Returns `true` for standard input.
     pub(crate) fn is_standard_input(&self) -> bool {
         self.held.is_none() && self.path.as_os_str() == "-"
     }
 
-    /// The extension in lower case, without the point.
+    /// Returns the extension in lower case, without the point.
     pub(crate) fn extension(&self) -> String {
         self.path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
     }
 
-    /// Length \[bytes\], 0 where that is not known.
+    /// Returns the length \[bytes\], 0 where it is not known.
     pub(crate) fn len(&self) -> u64 {
         match &self.held {
             Some(held) => held.bytes.len() as u64,
@@ -95,12 +95,13 @@ impl Input {
         }
     }
 
-    /// The file of the same name with another extension, in lower or upper case, if there is one.
+    /// Returns the file of the same name with another extension, in lower or upper case, if there
+    /// is one.
     pub(crate) fn beside(&self, extension: &str) -> Option<Input> {
         [extension.to_string(), extension.to_uppercase()].iter().find_map(|e| self.other(self.path.with_extension(e)))
     }
 
-    /// The file whose name is longer by a suffix, such as `.msk`, if there is one.
+    /// Returns the file whose name is longer by a suffix, such as `.msk`, if there is one.
     pub(crate) fn with_suffix(&self, suffix: &str) -> Option<Input> {
         let mut name = self.path.clone().into_os_string();
         name.push(suffix);
@@ -114,7 +115,7 @@ impl Input {
         Some(Input::bytes(path, Arc::clone(bytes)))
     }
 
-    /// Opens it for reading in any order, and says how long it is \[bytes\].
+    /// Opens the input for reading in any order, and returns its length \[bytes\].
     pub(crate) fn open(&self) -> Result<(Reader, u64)> {
         if let Some(held) = &self.held {
             return Ok((Reader::Held(Cursor::new(Arc::clone(&held.bytes))), held.bytes.len() as u64));
@@ -123,7 +124,7 @@ impl Input {
             return self.open_remote();
         }
         let fail = |cause: std::io::Error| cannot_read(self, &cause);
-        // Opening a pipe waits for who writes into it.
+        // Opening a pipe would wait for its writer.
         let metadata = std::fs::metadata(&self.path).map_err(fail)?;
         if metadata.is_dir() {
             return Err(fail(ErrorKind::IsADirectory.into()));
@@ -146,7 +147,7 @@ impl Input {
         Err(crate::remote::not_built(self))
     }
 
-    /// All bytes; those of standard input are kept, since they can be read once.
+    /// Reads all bytes. Those of standard input are kept, since they can be read only once.
     pub(crate) fn read(&self) -> Result<Cow<'_, [u8]>> {
         static STANDARD_INPUT: OnceLock<Vec<u8>> = OnceLock::new();
         if let Some(held) = &self.held {
@@ -168,7 +169,7 @@ impl Input {
         Ok(Cow::Borrowed(STANDARD_INPUT.get().map_or(&[], Vec::as_slice)))
     }
 
-    /// All text; `wanted` says what it was to be, for a message.
+    /// Reads all text; `wanted` names the expected content in an error.
     pub(crate) fn text(&self, wanted: &str) -> Result<String> {
         String::from_utf8(self.read()?.into_owned()).map_err(|e| {
             let place = e.utf8_error().valid_up_to();
@@ -177,7 +178,7 @@ impl Input {
     }
 }
 
-/// The path, or the name.
+/// Path, or name.
 impl fmt::Display for Input {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_standard_input() { f.write_str("standard input") } else { self.path.display().fmt(f) }
@@ -196,7 +197,7 @@ impl From<&Input> for Input {
     }
 }
 
-/// What is read in any order: a file here or on a server, or bytes in memory.
+/// Reader in any order: a file here or on a server, or bytes in memory.
 #[derive(Debug)]
 pub(crate) enum Reader {
     File(File),
@@ -227,7 +228,7 @@ impl Seek for Reader {
     }
 }
 
-/// E301: a file that the system does not give.
+/// Returns E301 for a file that the system refuses to open or does not have.
 pub fn cannot_read(input: &Input, cause: &std::io::Error) -> Error {
     Error::read(
         input,

@@ -1,4 +1,5 @@
-//! Files in and out: formats of rasters, reference systems, readers of scenes, and what is written of a run.
+//! Files in and out: formats of rasters, reference systems, readers of scenes, and writers of
+//! results.
 
 pub mod crs;
 pub mod digest;

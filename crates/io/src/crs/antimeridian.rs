@@ -6,7 +6,8 @@ use crate::raster::{Crs, CrsKind};
 /// Circumference of the earth in web Mercator \[CRS units\].
 const AROUND_IN_MERCATOR: f64 = 2.0 * std::f64::consts::PI * 6_378_137.0;
 
-/// A turn around the earth that begins after the widest gap between positions, so that all lie within it.
+/// One turn around the earth. It begins after the widest gap between positions, so that all lie
+/// within it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Turn {
     start: f64,
@@ -14,7 +15,8 @@ pub(crate) struct Turn {
 }
 
 impl Turn {
-    /// Length of a turn in a system \[CRS units\]; `None` where coordinates do not go around the earth.
+    /// Returns the length of a turn in a system \[CRS units\]; `None` where coordinates do not go
+    /// around the earth.
     pub(crate) fn length_in(crs: &Crs) -> Option<f64> {
         match crs.kind() {
             CrsKind::Geographic => Some(360.0),
@@ -37,7 +39,7 @@ impl Turn {
         Some(Turn { start: widest.1, length })
     }
 
-    /// Takes an easting into the turn.
+    /// Shifts an easting by whole turns into this one.
     pub(crate) fn apply(self, easting: f64) -> f64 {
         self.start + (easting - self.start).rem_euclid(self.length)
     }

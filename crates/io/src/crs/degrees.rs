@@ -1,6 +1,7 @@
-//! Coordinates in degrees: which zone of UTM they belong to.
+//! UTM zones of coordinates in degrees.
 
-/// EPSG code of the WGS 84 / UTM zone of a place \[deg\], with the wider zones of south-west Norway and Svalbard.
+/// Returns the EPSG code of the WGS 84 / UTM zone of a place \[deg\]. South-west Norway and
+/// Svalbard have wider zones.
 ///
 /// # References
 /// NGA.STND.0037 (2014), Universal Grids and Grid Reference Systems: zones 31V, 32V and 31X to 37X.

@@ -1,9 +1,11 @@
-//! Coordinate reference systems: what they are called, which units they have, and how to get from one to another.
+//! Coordinate reference systems: their names, their units, and transformations between them.
 //!
-//! Coordinates are always in the order x, y (east, north; longitude, latitude in degrees), whatever order an authority
-//! assigns: that is how rasters, GeoJSON and every GIS store them. Only the horizontal part of a compound system is
-//! kept. The registry and the projections come from `proj-core`, the text forms from `proj-wkt`; what those two do not
-//! cover (names in Esri `.prj` files, the dialect of WKT that GDAL reads) is settled here.
+//! Coordinates are always in the order x, y (east, north; longitude, latitude in degrees), whatever
+//! order an authority assigns. Rasters, GeoJSON and every GIS store them so. Only the horizontal
+//! part of a compound system is kept.
+//!
+//! The registry and the projections come from `proj-core`, the text forms from `proj-wkt`. This
+//! module adds names in Esri `.prj` files and the dialect of WKT that GDAL reads.
 
 mod degrees;
 mod antimeridian;
@@ -29,7 +31,7 @@ use proj_core::{
 use crate::error::{CrsError, Error, Result};
 use crate::raster::{Crs, CrsDefinition, CrsKind};
 
-/// The reference system with an EPSG code; of a compound system its horizontal part.
+/// Returns the reference system with an EPSG code; for a compound system, its horizontal part.
 ///
 /// # Errors
 /// E310 if the registry does not know the code.
@@ -39,12 +41,13 @@ pub fn from_epsg(code: u32) -> Result<Crs> {
 }
 
 /// Reads any common notation: `EPSG:25832`, `25832`, `urn:ogc:def:crs:EPSG::25832`,
-/// `urn:ogc:def:crs:OGC:1.3:CRS84`, `EPSG:25832+5783`, addresses of the OGC, names of German surveys
-/// (`ETRS89_UTM32*DE_DHHN2016_NH`), WKT 1 (also of Esri `.prj` files), WKT 2, PROJ strings, PROJJSON.
+/// `urn:ogc:def:crs:OGC:1.3:CRS84`, `EPSG:25832+5783`, addresses of the OGC, names of German
+/// surveys (`ETRS89_UTM32*DE_DHHN2016_NH`), WKT 1 (also of Esri `.prj` files), WKT 2, PROJ strings,
+/// PROJJSON.
 ///
-/// A definition without an EPSG code gets one if a registry entry has the same projection, unit, ellipsoid and
-/// name of geographic base. A WKT with a projection that is not supported is kept by name and unit, so that its
-/// rasters can be used, but not transformed.
+/// A definition without an EPSG code gets one if a registry entry has the same projection, unit,
+/// ellipsoid and name of geographic base. A WKT with an unsupported projection keeps its name and
+/// unit: its rasters can be used but not transformed.
 ///
 /// # Errors
 /// E310 if `text` is none of these, or names a system that the registry does not know.
@@ -62,7 +65,7 @@ pub fn parse(text: &str) -> Result<Crs> {
     if horizontal.epsg() != 0 {
         return from_epsg(horizontal.epsg());
     }
-    // A PROJ string names no geographic base; only WGS 84 is said unmistakably.
+    // A PROJ string names no geographic base; only `datum=WGS84` is unmistakable.
     if text.contains("datum=WGS84")
         && let Some(crs) = registry_match(&horizontal, "WGS 84", None)
     {
@@ -94,15 +97,17 @@ fn from_wkt(text: &str) -> Result<Crs> {
             return Ok(crs);
         }
     }
-    // As it is written: where the unit is 0 the parser takes another one.
+    // The unit is checked as written: the parser replaces a unit of 0.
     let written = checked_unit(wkt::kind_of(node), text)?;
     let kind = parsed.as_ref().map_or(written, kind_of);
     Ok(Crs::new(None, name, kind, CrsDefinition::Wkt(node.to_string())))
 }
 
-/// A system of which only name and unit are known, as in the GeoKeys of a user-defined projection.
+/// Returns a system of which only name and unit are known, as in the GeoKeys of a user-defined
+/// projection.
 ///
-/// Its rasters can be used; coordinates in it cannot be transformed. `meters_per_unit` counts for projected systems.
+/// Its rasters can be used; coordinates in it cannot be transformed. `meters_per_unit` applies to
+/// projected systems. A name of web Mercator in meters gives EPSG:3857 instead.
 pub fn from_geokeys_citation(name: &str, meters_per_unit: Option<f64>, geographic: bool) -> Crs {
     if !geographic && meters_per_unit == Some(1.0) && web_mercator::is_named_so(name) {
         return from_epsg(3857).unwrap_or_else(|_| Crs::new(None, name, METERS, CrsDefinition::Described));
@@ -116,8 +121,9 @@ pub fn from_geokeys_citation(name: &str, meters_per_unit: Option<f64>, geographi
     Crs::new(None, name, kind, CrsDefinition::Described)
 }
 
-/// Whether two definitions certainly mean different systems: different EPSG codes, or degrees and meters. Of two
-/// writers of one system one may know its code and the other not.
+/// Returns `true` when two definitions certainly mean different systems: different EPSG codes or,
+/// where one has none, different kinds, such as degrees and meters. Two writers of one system need
+/// not both know its code.
 pub(crate) fn contradicts(one: &Crs, other: &Crs) -> bool {
     match (one.epsg(), other.epsg()) {
         (Some(one), Some(other)) => one != other,
@@ -125,7 +131,8 @@ pub(crate) fn contradicts(one: &Crs, other: &Crs) -> bool {
     }
 }
 
-/// The definition as WKT 1 in the dialect of GDAL, for `.prj` files and the like; `None` if it cannot be written.
+/// Returns the definition as WKT 1 in the dialect of GDAL, for `.prj` files and the like; `None` if
+/// it cannot be written. A definition that was read from WKT is returned as it is.
 pub fn wkt_of(crs: &Crs) -> Option<String> {
     match crs.definition() {
         CrsDefinition::Wkt(text) => Some(text.clone()),
@@ -134,7 +141,7 @@ pub fn wkt_of(crs: &Crs) -> Option<String> {
     }
 }
 
-/// The definition that the projections work with, in x, y order.
+/// Returns the definition that the projections work with, in x, y order.
 fn horizontal(crs: &Crs) -> Option<CrsDef> {
     match crs.definition() {
         CrsDefinition::Registry => registry_entry(crs.epsg()?),
@@ -144,11 +151,11 @@ fn horizontal(crs: &Crs) -> Option<CrsDef> {
     }
 }
 
-/// A prepared way from one [`Crs`] to another, for many points of one place.
+/// Prepared transformation from one [`Crs`] to another, for many points of one place.
 #[derive(Clone)]
 pub struct Transformation {
     operation: Option<Transform>,
-    /// Of results in degrees the longitude of the data, which they are at most half a turn away from.
+    /// Longitude of the data if results are in degrees, which are at most half a turn away from it.
     lon_of_data: Option<f64>,
     labels: (String, String),
 }
@@ -161,14 +168,15 @@ impl fmt::Debug for Transformation {
 }
 
 impl Transformation {
-    /// Prepares the way from `from` to `to` for data around the point `near`, in coordinates of `from`.
+    /// Prepares the transformation from `from` to `to` for data around the point `near`, in
+    /// coordinates of `from`.
     ///
-    /// Datums are tied together by different operations in different regions; `near` decides between them. Operations
-    /// that need a grid file are not available.
+    /// Different regions tie datums together by different operations; `near` decides between them.
+    /// Operations that need a grid file are not available.
     ///
     /// # Errors
-    /// E310 if one of the two is only described, if the registry has no way from one to the other, or if `near` is
-    /// outside the domain of the projections.
+    /// E310 if one of the two is only described, if the registry has no way from one to the other,
+    /// or if `near` is outside the domain of the projections.
     pub fn new(from: &Crs, to: &Crs, near: (f64, f64)) -> Result<Transformation> {
         let labels = (from.label(), to.label());
         if from == to {
@@ -193,7 +201,8 @@ impl Transformation {
         Ok(Transformation { operation: Some(operation), lon_of_data, labels })
     }
 
-    /// Takes one point over: x, y in, x, y out \[CRS units; degrees if geographic\]. Longitudes go on past 180 degrees where the data do.
+    /// Transforms one point: x, y in, x, y out \[CRS units; degrees if geographic\]. Longitudes
+    /// continue past 180 degrees where the data do.
     ///
     /// # Errors
     /// E310 if the point is not finite or lies outside the domain of the projections.
@@ -212,9 +221,11 @@ impl Transformation {
     }
 }
 
-/// The best operation of the registry around a point that is neither withdrawn nor in need of a grid file.
+/// Returns the registry's best operation around a point that is neither withdrawn nor in need of a
+/// grid file. A withdrawn first choice is returned if no other can be built.
 ///
-/// `proj-core` ranks some withdrawn operations first: EPSG 1508 (CH1903 to WGS 84) is wrong by 100 km.
+/// `proj-core` ranks some withdrawn operations first: EPSG 1508 (CH1903 to WGS 84) is wrong by 100
+/// km.
 fn operation_near(from: &CrsDef, to: &CrsDef, near: (f64, f64)) -> proj_core::Result<Transform> {
     let area = AreaOfInterest::source_crs_point(near.into());
     let options = SelectionOptions::new().with_area_of_interest(area).with_wgs84_pivot();
@@ -228,12 +239,12 @@ fn operation_near(from: &CrsDef, to: &CrsDef, near: (f64, f64)) -> proj_core::Re
     Ok(valid.filter_map(built).next().unwrap_or(first))
 }
 
-/// Whether the projection of a system is known, so that ways lead from and to it; of some no more than the name is.
+/// Returns `true` when the projection of a system is known, so that it can be transformed.
 pub(crate) fn is_projection_known(crs: &Crs) -> bool {
     horizontal(crs).is_some()
 }
 
-/// Takes one point from one system to another; for many points prepare a [`Transformation`].
+/// Transforms one point from one system to another; for many points prepare a [`Transformation`].
 ///
 /// # Errors
 /// E310 as for [`Transformation`].
@@ -241,13 +252,13 @@ pub fn transform(from: &Crs, to: &Crs, xy: (f64, f64)) -> Result<(f64, f64)> {
     Transformation::new(from, to, xy)?.apply(xy)
 }
 
-/// What coordinates in meters measure.
+/// Kind of projected systems in meters.
 const METERS: CrsKind = CrsKind::Projected { meters_per_unit: 1.0 };
 
-/// Lengths that a unit of coordinates may have \[m\].
+/// Accepted lengths of a unit of coordinates \[m\].
 const SENSIBLE_UNITS_M: std::ops::RangeInclusive<f64> = 1e-3..=1e5;
 
-/// Refuses a unit of coordinates that nobody measures in.
+/// Refuses a unit outside [`SENSIBLE_UNITS_M`].
 fn checked_unit(kind: CrsKind, text: &str) -> Result<CrsKind> {
     match kind {
         CrsKind::Projected { meters_per_unit } if !SENSIBLE_UNITS_M.contains(&meters_per_unit) => {
@@ -266,7 +277,7 @@ fn no_way(what: String, (from, to): &(String, String), why: &str) -> Error {
     CrsError::NoWay { what, from: from.clone(), to: to.clone(), why: why.to_string() }.into()
 }
 
-/// The horizontal part of a registry entry.
+/// Returns the horizontal part of a registry entry.
 fn registry_entry(code: u32) -> Option<CrsDef> {
     proj_core::lookup_epsg(code).and_then(east_north)
 }
@@ -283,11 +294,12 @@ fn kind_of(horizontal: &CrsDef) -> CrsKind {
     }
 }
 
-/// Largest relative difference of two parameters that mean the same: a few millimeters in a false origin or an angle,
-/// more than the rounding of any writer of `.prj` files.
+/// Largest relative difference of two parameters that mean the same: a few millimeters in a false
+/// origin or an angle, more than the rounding of any writer of `.prj` files.
 const SAME_NUMBER: f64 = 1e-9;
 
-/// The registry entry with the same projection, unit, ellipsoid and base as `crs`, preferring one of the same name.
+/// Returns the registry entry with the same projection, unit, ellipsoid and base as `crs`,
+/// preferring one of the same name.
 ///
 /// `base` is the name of the geographic base: entries of different datums can share all numbers.
 fn registry_match(crs: &CrsDef, base: &str, name: Option<&str>) -> Option<Crs> {
@@ -325,7 +337,7 @@ fn registry_match(crs: &CrsDef, base: &str, name: Option<&str>) -> Option<Crs> {
     from_epsg(best.epsg()).ok()
 }
 
-/// A name without the habits of its writer: `GCS_ETRS_1989` and `ETRS89` fold to the same.
+/// Returns a name without its writer's conventions: `GCS_ETRS_1989` and `ETRS89` fold to the same.
 fn folded(name: &str) -> String {
     let name = name.trim_start_matches("GCS_").to_uppercase();
     let name: String = name.chars().filter(char::is_ascii_alphanumeric).collect();
@@ -417,7 +429,7 @@ mod tests {
 
     type Pair = (f64, f64);
 
-    /// EPSG code, point in degrees, and what PROJ 9.5.1 without grids makes of it
+    /// EPSG code, point in degrees, and the result of PROJ 9.5.1 without grids
     /// (`pyproj.Transformer.from_crs(4326, code, always_xy=True)`).
     const PROJ_VALUES: [(u32, Pair, Pair); 17] = [
         (25832, (9.18, 48.78), (513223.5394, 5403015.5180)),
@@ -445,7 +457,8 @@ mod tests {
         for (code, lonlat, wanted) in PROJ_VALUES {
             let crs = from_epsg(code).unwrap();
             let found = transform(&wgs84, &crs, lonlat).unwrap();
-            // Where the registry has several datum operations of the same accuracy, PROJ may take another one.
+            // Where the registry has several datum operations of the same accuracy, PROJ may take
+            // another one.
             let tolerance = match code {
                 21781 => 2.0,
                 31370 | 5514 => 0.1,

@@ -1,9 +1,10 @@
-//! Names of reference systems that hold an EPSG code, or stand for one.
+//! Names of reference systems that contain an EPSG code or imply one.
 
-/// Returns the EPSG code in a name: a bare code, a code after its authority, a URN, an address on the web, or a name of the
-/// German surveys. Of compound names that is the code of the first part, which is the horizontal one.
+/// Returns the EPSG code in a name: a bare code, a code after its authority, a URN, an address on
+/// the web, or a name of the German surveys. Compound names give the code of their first part, the
+/// horizontal one.
 ///
-/// `None` of a text that is none of these.
+/// Any other text gives `None`.
 pub(super) fn code_in(text: &str) -> Option<u32> {
     let text = text
         .trim()
@@ -14,12 +15,12 @@ pub(super) fn code_in(text: &str) -> Option<u32> {
         .replace("%2f", "/");
     let horizontal = horizontal_part(&text);
     let code = of_survey(horizontal).or_else(|| of_authority(horizontal))?;
-    // Codes that stood for web Mercator before it had one of its own.
+    // Codes of web Mercator before it had one of its own.
     Some(if matches!(code, 3785 | 102_100 | 102_113 | 900_913) { 3857 } else { code })
 }
 
-/// The name of the horizontal part of a compound name: of `…crs-compound?1=NAME&2=NAME`, `urn:ogc:def:crs,NAME,NAME`,
-/// `HORIZONTAL*VERTICAL` and `EPSG:n+n`.
+/// Returns the name of the horizontal part of a compound name: `…crs-compound?1=NAME&2=NAME`,
+/// `urn:ogc:def:crs,NAME,NAME`, `HORIZONTAL*VERTICAL` or `EPSG:n+n`.
 fn horizontal_part(text: &str) -> &str {
     let after = |text, key: &str| find_ignoring_case(text, key).map(|at| &text[at + key.len()..]);
     if let Some(parts) = after(text, "crs-compound?") {
@@ -31,8 +32,9 @@ fn horizontal_part(text: &str) -> &str {
     first.trim()
 }
 
-/// The code of a name such as `25832`, `EPSG:25832`, `urn:ogc:def:crs:EPSG:6.12:25832`,
-/// `http://www.opengis.net/def/crs/EPSG/0/25832` or `http://www.opengis.net/gml/srs/epsg.xml#25832`.
+/// Returns the code of a name such as `25832`, `EPSG:25832`, `urn:ogc:def:crs:EPSG:6.12:25832`,
+/// `http://www.opengis.net/def/crs/EPSG/0/25832` or
+/// `http://www.opengis.net/gml/srs/epsg.xml#25832`.
 fn of_authority(name: &str) -> Option<u32> {
     if let Ok(code) = name.parse() {
         return Some(code);
@@ -48,14 +50,15 @@ fn of_authority(name: &str) -> Option<u32> {
     (of_site || ["EPSG", "ESRI"].iter().any(is_known)).then_some(code)
 }
 
-/// Whether a word is the version of a registry, which may be left out: ``, `0`, `6.12`, `v9.8`.
+/// Returns `true` when a word is the version of a registry, which may be left out: an empty word,
+/// `0`, `6.12`, `v9.8`.
 fn is_version(word: &str) -> bool {
     word.trim_start_matches('v').chars().all(|c| c.is_ascii_digit() || c == '.')
 }
 
-/// The code of a name of the German surveys, with or without `urn:adv:crs:`.
+/// Returns the code of a name of the German surveys, with or without `urn:adv:crs:`.
 ///
-/// Names of some states end with that of their realization, such as `DE_DHDN_3GK4_BY110`.
+/// Names of some states end with the name of their realization, such as `DE_DHDN_3GK4_BY110`.
 ///
 /// # References
 /// AdV, GeoInfoDok 7.1, names of coordinate reference systems.
@@ -98,7 +101,7 @@ fn of_survey(name: &str) -> Option<u32> {
     of_zone.or_else(|| NAMES.iter().find(|(name, _)| *name == bare).map(|(_, code)| *code))
 }
 
-/// Where a text holds another one of ASCII letters, in any case.
+/// Finds ASCII text in any case; returns its byte offset.
 fn find_ignoring_case(text: &str, wanted: &str) -> Option<usize> {
     text.as_bytes().windows(wanted.len()).position(|part| part.eq_ignore_ascii_case(wanted.as_bytes()))
 }

@@ -1,7 +1,9 @@
-//! Datums that agree with WGS 84 within its accuracy, where the registry has no such operation or prefers a worse one.
+//! Datums that agree with WGS 84 within its accuracy, where the registry has no such operation or
+//! prefers a worse one.
 //!
-//! PROJ takes coordinates of CGCS2000 for those of WGS 84, and so those of GDA2020, with whose realization the current one
-//! of WGS 84 agrees. By way of GDA94 they would be off by 1.5 m, which is how far Australia has moved.
+//! PROJ treats coordinates of CGCS2000 and GDA2020 as WGS 84; so does this module. The current
+//! realization of WGS 84 agrees with that of GDA2020. A way through GDA94 would be off by 1.5 m,
+//! the distance that Australia has moved.
 
 use proj_core::{CrsDef, GeographicCrsDef, ProjectedCrsDef};
 
@@ -9,13 +11,13 @@ use proj_core::{CrsDef, GeographicCrsDef, ProjectedCrsDef};
 const BASES: [u32; 2] = [4490, 7844];
 const WGS84: u32 = 4326;
 
-/// Returns whether one of two systems has such a datum and the other is of WGS 84.
+/// Returns `true` when one of two systems has such a datum and the other is of WGS 84.
 pub(super) fn are_tied(from: &CrsDef, to: &CrsDef) -> bool {
     let is_wgs84 = |crs: &CrsDef| crs.base_geographic_crs_epsg() == Some(WGS84);
     has_null_datum(from) && is_wgs84(to) || is_wgs84(from) && has_null_datum(to)
 }
 
-/// Takes a system with such a datum for one of WGS 84, on its own ellipsoid; other systems stay.
+/// Returns a system with such a datum as one of WGS 84, on its own ellipsoid; other systems stay.
 pub(super) fn tied(crs: &CrsDef) -> CrsDef {
     let datum = crs.datum().clone();
     match crs {

@@ -1,4 +1,5 @@
-//! What heights are measured from, and in which unit: vertical systems of the EPSG registry, or as a file names its own.
+//! Vertical systems, the datum and unit of heights: from the EPSG registry, or as a file names its
+//! own.
 
 use proj_core::lookup_vertical_epsg;
 
@@ -13,34 +14,37 @@ pub struct VerticalCrs {
     reference: Reference,
 }
 
-/// What heights are above.
+/// Surface that heights are measured from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Reference {
     /// A datum of the registry, near mean sea level.
     Datum(u32),
     /// An ellipsoid: tens of meters from any sea level.
     Ellipsoid,
-    /// What is only known by name.
+    /// A surface known only by name.
     Named,
 }
 
-/// How two vertical systems differ.
+/// Difference between two vertical systems.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VerticalDifference {
-    /// Not at all, but perhaps in their unit.
+    /// No difference, except perhaps in the unit.
     None,
-    /// In their datum, by what is not known here: centimeters to meters, or anything.
+    /// Different or unknown datums: heights differ by an amount not known here, centimeters to
+    /// meters, or anything.
     Datum,
-    /// One is above an ellipsoid and the other above a datum: they are tens of meters apart.
+    /// One is above an ellipsoid and the other above a datum: heights are tens of meters apart.
     Ellipsoid,
 }
 
-/// Three-dimensional geographic systems, whose heights are above their ellipsoid: WGS 84, ETRS89, NAD83(2011), NAD83.
+/// Three-dimensional geographic systems, whose heights are above their ellipsoid: WGS 84, ETRS89,
+/// NAD83(2011), NAD83.
 const ELLIPSOIDAL: [u32; 4] = [4979, 4937, 6319, 4957];
 
 impl VerticalCrs {
-    /// The system with an EPSG code, by its name in the registry; one that the registry does not know is known by `name`
-    /// alone, or by its code.
+    /// Returns the system with an EPSG code, by its name in the registry. An unregistered code is
+    /// known by `name` alone, or by its number. Codes of three-dimensional geographic systems give
+    /// heights above the ellipsoid.
     pub fn from_epsg(code: u32, name: Option<&str>) -> VerticalCrs {
         if let Some(known) = lookup_vertical_epsg(code) {
             let reference = known.vertical_datum_epsg().map_or(Reference::Ellipsoid, Reference::Datum);
@@ -57,8 +61,8 @@ impl VerticalCrs {
         VerticalCrs { epsg: Some(code), name, meters_per_unit: is_ellipsoidal.then_some(1.0), reference }
     }
 
-    /// Returns the vertical system in the text of a reference system: that of a compound WKT or of `EPSG:n+n`, or heights
-    /// above the ellipsoid of a three-dimensional WKT.
+    /// Returns the vertical system in the text of a reference system. That is the vertical part of
+    /// a compound WKT or of `EPSG:n+n`, or the ellipsoid of a three-dimensional WKT.
     pub(crate) fn in_text(text: &str) -> Option<VerticalCrs> {
         if let Some(node) = wkt::vertical_node(text) {
             let name = wkt::name_of(node).unwrap_or("unnamed");
@@ -75,23 +79,23 @@ impl VerticalCrs {
         Some(VerticalCrs::from_epsg(code, None))
     }
 
-    /// A system that a file describes by name.
+    /// Returns a system that a file describes by name.
     pub fn named(name: &str) -> VerticalCrs {
         let name = name.trim().to_string();
         VerticalCrs { epsg: None, name, meters_per_unit: None, reference: Reference::Named }
     }
 
-    /// The EPSG code.
+    /// Returns the EPSG code.
     pub fn epsg(&self) -> Option<u32> {
         self.epsg
     }
 
-    /// The name, for example `NAVD88 height (ftUS)`.
+    /// Returns the name, for example `NAVD88 height (ftUS)`.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The name with the code, for messages.
+    /// Returns the name with the code, for messages.
     pub fn in_words(&self) -> String {
         match self.epsg {
             Some(code) if self.name != format!("EPSG:{code}") => format!("{} (EPSG:{code})", self.name),
@@ -99,12 +103,12 @@ impl VerticalCrs {
         }
     }
 
-    /// Length of the unit of its heights \[m\], where that is known.
+    /// Returns the length of the unit of heights \[m\]; `None` if it is not known.
     pub fn meters_per_unit(&self) -> Option<f64> {
         self.meters_per_unit
     }
 
-    /// How the heights of another system differ, units apart.
+    /// Returns the difference to another system, units apart.
     pub fn difference(&self, other: &VerticalCrs) -> VerticalDifference {
         match (self.reference, other.reference) {
             (Reference::Datum(a), Reference::Datum(b)) if a == b => VerticalDifference::None,

@@ -1,7 +1,7 @@
 //! Web Mercator: the projection of map tiles, whose lengths are true at the equator only.
 //!
-//! Elsewhere a unit is about cos φ meters on the ground. Over a city that factor hardly changes, so that of the middle
-//! serves for all lengths.
+//! Elsewhere a unit is about cos φ meters on the ground. Over a city that factor hardly changes, so
+//! the factor of the middle serves for all lengths.
 
 use proj_core::ProjectionMethod;
 
@@ -12,7 +12,7 @@ use crate::raster::Crs;
 const RADIUS_M: f64 = 6_378_137.0;
 const ECCENTRICITY_SQUARED: f64 = 0.006_694_379_990_141_3;
 
-/// Returns whether a system is web Mercator, whose meters are true at the equator only.
+/// Returns `true` for web Mercator, whose meters are true at the equator only.
 pub fn is_web_mercator(crs: &Crs) -> bool {
     crs.epsg() == Some(3857)
         || horizontal(crs)
@@ -20,8 +20,8 @@ pub fn is_web_mercator(crs: &Crs) -> bool {
             .is_some_and(|method| matches!(method, ProjectionMethod::WebMercator))
 }
 
-/// Returns whether a name or a WKT in meters is that of web Mercator. WKT 1 has no projection of its own for it: GDAL wrote
-/// the ellipsoidal one, and the sphere into an extension.
+/// Returns `true` when a name, or a WKT in meters, means web Mercator. WKT 1 has no projection of
+/// its own for it: GDAL wrote the ellipsoidal one, and the sphere into an extension.
 pub(super) fn is_named_so(text: &str) -> bool {
     let text = text.to_lowercase().replace(['_', '-'], " ");
     let names = ["web mercator", "pseudo mercator", "google maps global mercator"];
@@ -29,21 +29,22 @@ pub(super) fn is_named_so(text: &str) -> bool {
     is_sphere || names.iter().any(|name| text.contains(name))
 }
 
-/// How web Mercator stretches a box of data.
+/// Stretch of lengths by web Mercator over a box of data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Stretch {
     /// Length of a unit at the middle \[m\]: cos φ.
     pub(crate) meters_per_unit: f64,
     /// Latitude of the middle \[deg\].
     pub(crate) lat: f64,
-    /// Largest relative error of a length in the box that is measured with `meters_per_unit`.
+    /// Largest relative error of lengths in the box that are measured with `meters_per_unit`.
     pub(crate) largest_error: f64,
     /// EPSG code of the UTM zone of the middle.
     pub(crate) utm_epsg: u32,
 }
 
 impl Stretch {
-    /// Measures the stretch over west, south, east, north; `None` in other systems, and off the earth.
+    /// Measures the stretch over west, south, east, north; `None` in other systems, and off the
+    /// earth.
     pub(crate) fn of(crs: &Crs, [west, south, east, north]: [f64; 4]) -> Option<Stretch> {
         if !is_web_mercator(crs) {
             return None;
@@ -62,13 +63,14 @@ impl Stretch {
         })
     }
 
-    /// The system with the lengths of the box.
+    /// Returns the system with the true length of its unit in the box.
     pub(crate) fn apply(self, crs: Crs) -> Crs {
         crs.with_true_meters_per_unit(self.meters_per_unit)
     }
 }
 
-/// Lengths of a unit to the north and to the east on the ellipsoid \[m\], at a latitude of this cosine.
+/// Returns the lengths of a unit to the north and to the east on the ellipsoid \[m\], at a latitude
+/// of this cosine.
 ///
 /// # References
 /// IOGP Publication 373-7-2, Popular Visualisation Pseudo-Mercator (method 1024).
@@ -81,7 +83,8 @@ fn lengths_of_unit(cos: f64) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Oslo: `pyproj.Geod(ellps="WGS84")` measures 50.05 m between places that are 100 units apart to the north.
+    /// Oslo: `pyproj.Geod(ellps="WGS84")` measures 50.05 m between places that are 100 units apart
+    /// to the north.
     #[test]
     fn lengths_in_oslo_are_about_half() {
         let crs = from_epsg(3857).unwrap();

@@ -1,4 +1,4 @@
-//! Well-known text: finding nodes in it, and the differences between the dialects.
+//! Well-known text: its nodes, and the differences between its dialects.
 
 use std::collections::BTreeMap;
 
@@ -6,34 +6,35 @@ use proj_core::{CrsDef, ProjectionMethod};
 
 use crate::raster::CrsKind;
 
-/// The part of a WKT that defines the horizontal system: of a compound or bound system the inner node.
+/// Returns the part of a WKT that defines the horizontal system: the inner node of a compound or
+/// bound system.
 pub(super) fn horizontal_node(text: &str) -> Option<&str> {
     const KEYWORDS: [&str; 9] =
         ["PROJCS", "PROJCRS", "PROJECTEDCRS", "GEOGCS", "GEOGCRS", "GEOGRAPHICCRS", "GEODCRS", "GEODETICCRS", "GEOCCS"];
     nodes(text, usize::MAX).into_iter().find(|node| KEYWORDS.iter().any(|k| keyword(node).eq_ignore_ascii_case(k)))
 }
 
-/// The part of a WKT that defines what heights are above.
+/// Returns the part of a WKT that defines the vertical system.
 pub(super) fn vertical_node(text: &str) -> Option<&str> {
     const KEYWORDS: [&str; 4] = ["VERT_CS", "VERTCS", "VERTCRS", "VERTICALCRS"];
     nodes(text, usize::MAX).into_iter().find(|node| KEYWORDS.iter().any(|k| keyword(node).eq_ignore_ascii_case(k)))
 }
 
-/// Whether a WKT has a third axis that goes up from its ellipsoid.
+/// Returns `true` when a WKT has a third axis, which goes up from its ellipsoid.
 pub(super) fn is_three_dimensional(text: &str) -> bool {
     let is_system = |node: &&str| keyword(node).eq_ignore_ascii_case("CS");
     let mut systems = nodes(text, usize::MAX).into_iter().filter(is_system);
     systems.any(|node| node.trim_end_matches(']').rsplit(',').next().is_some_and(|n| n.trim() == "3"))
 }
 
-/// Length of the unit of heights of a vertical node \[m\].
+/// Returns the length of the unit of a vertical node's heights \[m\].
 pub(super) fn unit_of(node: &str) -> Option<f64> {
     let units = nodes(node, usize::MAX);
     let unit = units.into_iter().find(|c| ["UNIT", "LENGTHUNIT"].contains(&keyword(c).to_uppercase().as_str()))?;
     unit.split(',').nth(1)?.trim_end_matches(']').trim().parse().ok().filter(|meters: &f64| *meters > 0.0)
 }
 
-/// Whether all brackets and quotes of a text are closed.
+/// Returns `true` when all brackets and quotes of a text are closed.
 pub(super) fn is_whole(text: &str) -> bool {
     let (mut depth, mut is_quoted) = (0_usize, false);
     for c in text.chars() {
@@ -50,7 +51,7 @@ pub(super) fn is_whole(text: &str) -> bool {
     depth == 0 && !is_quoted
 }
 
-/// The EPSG code in the node's own `AUTHORITY` or `ID`.
+/// Returns the EPSG code in the node's own `AUTHORITY` or `ID`.
 pub(super) fn epsg_of(node: &str) -> Option<u32> {
     let own = children(node).into_iter().find(|c| ["AUTHORITY", "ID"].contains(&keyword(c).to_uppercase().as_str()))?;
     let (authority, code) = own.split_once('[')?.1.strip_suffix(']')?.split_once(',')?;
@@ -59,19 +60,19 @@ pub(super) fn epsg_of(node: &str) -> Option<u32> {
     if bare(authority).eq_ignore_ascii_case("EPSG") { bare(code).parse().ok() } else { None }
 }
 
-/// The first string of a node.
+/// Returns the first string of a node.
 pub(super) fn name_of(node: &str) -> Option<&str> {
     node.split('"').nth(1).map(str::trim).filter(|name| !name.is_empty())
 }
 
-/// The name of the geographic base of a projected node.
+/// Returns the name of the geographic base of a projected node.
 pub(super) fn base_name_of(node: &str) -> Option<&str> {
     const KEYWORDS: [&str; 4] = ["GEOGCS", "BASEGEOGCRS", "BASEGEODCRS", "GEODCRS"];
     let base = children(node).into_iter().find(|c| KEYWORDS.contains(&keyword(c).to_uppercase().as_str()))?;
     name_of(base)
 }
 
-/// What the coordinates of a node measure, by its keyword and its own unit.
+/// Returns the kind of a node's coordinates, by its keyword and its own unit.
 pub(super) fn kind_of(node: &str) -> CrsKind {
     let keyword_here = keyword(node).to_uppercase();
     if keyword_here.starts_with("GEOG") {
@@ -90,13 +91,13 @@ pub(super) fn kind_of(node: &str) -> CrsKind {
         .rfind(|c| ["UNIT", "LENGTHUNIT", "AXIS"].contains(&keyword(c).to_uppercase().as_str()));
     let wkt1 = children(node).into_iter().find(|c| keyword(c).eq_ignore_ascii_case("UNIT"));
     match wkt1.or(own).and_then(unit) {
-        // Whether it is one that anybody measures in is asked where the text is at hand.
+        // Callers check the unit: they hold the text for the error.
         Some(meters_per_unit) if keyword_here.starts_with("PROJ") => CrsKind::Projected { meters_per_unit },
         _ => CrsKind::Other,
     }
 }
 
-/// The node with the names that `proj-wkt` knows.
+/// Returns the node with the names that `proj-wkt` knows.
 pub(super) fn for_proj_wkt(node: &str) -> String {
     // EPSG's own method names in WKT 2, and Esri's for the transverse Mercator projection.
     const NAMES: [(&str, &str); 5] = [
@@ -109,7 +110,7 @@ pub(super) fn for_proj_wkt(node: &str) -> String {
     NAMES.iter().fold(node.to_string(), |text, (from, to)| text.replace(from, to))
 }
 
-/// Unit and parameters of a projected system by name, the standard parallels in order of size.
+/// Returns unit and parameters of a projected system by name, the larger standard parallel first.
 pub(super) fn conversion_of(crs: &CrsDef) -> Option<BTreeMap<String, f64>> {
     let text = proj_wkt::to_wkt(crs).ok()?;
     let node = horizontal_node(&text)?;
@@ -127,7 +128,8 @@ pub(super) fn conversion_of(crs: &CrsDef) -> Option<BTreeMap<String, f64>> {
     Some(numbers)
 }
 
-/// WKT 1 with the names and parameters that GDAL expects; `None` if `proj-wkt` cannot write it.
+/// Returns WKT 1 with the names and parameters that GDAL expects; `None` if `proj-wkt` cannot write
+/// it.
 ///
 /// Checked against PROJ by `check_gdal.py`.
 pub(super) fn for_gdal(crs: &CrsDef) -> Option<String> {
@@ -186,7 +188,7 @@ pub(super) fn for_gdal(crs: &CrsDef) -> Option<String> {
         }
         Some(ProjectionMethod::LambertAzimuthalEqualArea { .. }) => rename(&CENTER),
         Some(ProjectionMethod::PolarStereographic { .. }) => {
-            // GDAL has one latitude: that of true scale.
+            // GDAL has a single latitude, the one of true scale.
             let start = text.find("PARAMETER[\"latitude_of_origin\"")?;
             let end = start + text[start..].find(']')? + 2;
             text.replace_range(start..end, "");
@@ -197,12 +199,13 @@ pub(super) fn for_gdal(crs: &CrsDef) -> Option<String> {
     Some(text)
 }
 
-/// Geographic systems that count longitude from Paris, Ferro, Oslo and so on: `proj-wkt` writes Greenwich for them.
+/// Returns `true` for geographic systems that count longitude from Paris, Ferro, Oslo and so on:
+/// `proj-wkt` writes Greenwich for them.
 fn has_other_prime_meridian(geographic_epsg: u32) -> bool {
     matches!(geographic_epsg, 4801..=4821 | 4901..=4904 | 5229 | 8042 | 8043)
 }
 
-/// Methods that WKT 1 has no name for.
+/// Returns `true` for methods that WKT 1 has no name for.
 fn lacks_wkt1(crs: &CrsDef) -> bool {
     crs.as_projected().is_some_and(|projected| {
         matches!(
@@ -220,12 +223,12 @@ fn keyword(node: &str) -> &str {
     node.split('[').next().unwrap_or_default().trim()
 }
 
-/// The direct children of a node that are nodes themselves.
+/// Returns the direct children of a node that are nodes themselves.
 fn children(node: &str) -> Vec<&str> {
     nodes(node, 2).into_iter().skip(1).collect()
 }
 
-/// All `KEYWORD[…]` nodes down to a depth, in the order in which they begin.
+/// Returns all `KEYWORD[…]` nodes down to a depth, in the order in which they begin.
 fn nodes(text: &str, max_depth: usize) -> Vec<&str> {
     let (mut found, mut open) = (Vec::new(), Vec::new());
     let (mut quoted, mut word_start) = (false, None);

@@ -1,8 +1,9 @@
-//! What can go wrong with files, as values: an [`Error`] by what it stopped, with the cause inside, and a [`Warning`] by what
-//! is odd.
+//! Errors and warnings about files, as values. An [`Error`] is sorted by what it stopped, with the
+//! cause inside; a [`Warning`] by what is odd.
 //!
-//! Codes and classes are those of [`skyshed_core::error`]. Every text is one line without control characters, and passages in
-//! backticks are cut. No text names a flag: what to do about it is said by whoever knows how it was asked for.
+//! Codes and classes are those of [`skyshed_core::error`]. Every text is one line without control
+//! characters, and long passages in backticks are shortened. No text names a flag: only the caller
+//! knows how an option was given, so the caller adds the remedy.
 
 mod read;
 mod warning;
@@ -28,43 +29,43 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[derive(Debug, Clone, PartialEq, Words)]
 #[non_exhaustive]
 pub enum Error {
-    /// Of a stage below this crate.
+    /// An error of a stage below this crate.
     #[error(transparent)]
     Core(skyshed_core::Error),
-    /// A file that cannot be read, or not used for what it was given as.
+    /// A file that cannot be read, or not used in its role.
     #[error("{}", one_line(&.0.to_string()))]
     Read(Box<ReadError>),
     /// Two files that do not belong together.
     #[error("{}", one_line(&.0.to_string()))]
     Combine(#[from] CombineError),
-    /// A reference system that is not known, or not reached.
+    /// A reference system that is unknown, or that no transformation reaches.
     #[error("{}", one_line(&.0.to_string()))]
     Crs(#[from] CrsError),
     /// An option that makes no sense.
     #[error("{}", one_line(&.0.to_string()))]
     Option(#[from] OptionError),
-    /// A file that cannot be written: its path, or what is written, and why not.
+    /// A file that cannot be written: its path or its kind, and the reason.
     #[error("{}", one_line(&format!("cannot {} {_0}: {_1}", _1.verb())))]
     Write(String, WriteFault),
-    /// An error within a larger thing.
+    /// An error, and the larger thing that it occurred in.
     #[error("{}", one_line(&format!("{_0} ({_1})")))]
     Within(Box<Error>, String),
-    /// A fault of the program: what should have held.
+    /// A fault of the program: a broken invariant.
     #[error(transparent)]
     Fault(#[from] Fault),
 }
 
-/// What should have held whatever was asked.
+/// Broken invariant, which should hold for any input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Words)]
 #[non_exhaustive]
 pub enum Fault {
     /// E902: several bands for a file of one.
     #[error("a file of one band passed its check with several")]
     SeveralBands,
-    /// E902: a map for a format of something else.
+    /// E902: a map for a format that holds no raster.
     #[error("a raster format was asked for")]
     NoRasterFormat,
-    /// E903: cells in degrees that are nowhere.
+    /// E903: a grid in degrees without extent.
     #[error("a grid in degrees has no extent")]
     NoExtent,
 }
@@ -74,10 +75,10 @@ pub enum Fault {
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
 pub enum CombineError {
-    /// E311: in different reference systems; the files, their systems, and what they are.
+    /// E311: two files in different reference systems; the files, their systems, and their roles.
     #[error("cannot combine {} in {} with {} in {}: wanted one CRS", .names[0], .crs[0], .names[1], .crs[1])]
     TwoCrs { names: [String; 2], crs: [String; 2], pair: Pair },
-    /// E311: above an ellipsoid and above a datum.
+    /// E311: heights above an ellipsoid beside heights above a datum.
     #[error("cannot combine {0}: they are tens of meters apart, wanted one datum")]
     TwoDatums(String),
     /// E312: a surface, and a terrain that does not lie below it; both with their grids.
@@ -85,8 +86,8 @@ pub enum CombineError {
     NoTerrainBelow(String, String),
 }
 
-/// What two files are that are combined. Tiles are those of one raster, or a virtual raster and one of its sources; a map is
-/// that of an earlier run.
+/// Roles of two files that are combined. Tiles belong to one raster, or are a virtual raster and
+/// one of its sources; a map comes from an earlier run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the names of the variants say it")]
@@ -98,7 +99,7 @@ pub enum Pair {
     WeightsScene,
 }
 
-/// A reference system that is not known, or not reached.
+/// A reference system that is unknown, or that no transformation reaches.
 #[derive(Debug, Clone, PartialEq, Words)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
@@ -106,13 +107,13 @@ pub enum CrsError {
     /// E310: the registry has no such code.
     #[error("unknown coordinate reference system: no EPSG code `{0}` in the registry")]
     UnknownCode(u32),
-    /// E310: a text that defines none; its beginning, and what is wrong.
+    /// E310: a text that defines no reference system; its beginning, and the fault.
     #[error("cannot read the coordinate reference system `{0}`: {1}")]
     Unreadable(String, String),
-    /// E310: no way leads from one to another, or not for the coordinates that are said.
+    /// E310: no transformation from one system to another, or none for these coordinates.
     #[error("cannot transform {what} from `{from}` to `{to}`: {why}")]
     NoWay { what: String, from: String, to: String, why: String },
-    /// E502: more cells than are counted.
+    /// E502: a grid of more cells than 32 bits count.
     #[error("cannot reproject {0} cells: wanted below 2^32")]
     TooManyCells(usize),
 }
@@ -135,14 +136,14 @@ pub enum OptionError {
     CellKept(String),
 }
 
-/// E311: two files in different reference systems.
+/// Returns E311 for two files in different reference systems.
 pub(crate) fn two_crs((a, a_crs): (impl Display, &Crs), (b, b_crs): (impl Display, &Crs), pair: Pair) -> Error {
     let (names, crs) = ([a.to_string(), b.to_string()], [a_crs.label(), b_crs.label()]);
     CombineError::TwoCrs { names, crs, pair }.into()
 }
 
 impl Error {
-    /// A file that cannot be read or used.
+    /// Returns the error of a file that cannot be read or used.
     pub(crate) fn read(name: impl Display, fault: ReadFault) -> Error {
         Error::Read(Box::new(ReadError { name: name.to_string(), place: None, fault, cause: Cause::AsSaid }))
     }
@@ -159,7 +160,7 @@ impl Error {
         Error::read(name, ReadFault::Unsupported(what.into()))
     }
 
-    /// A file that cannot be written.
+    /// Returns the error of a file that cannot be written.
     pub(crate) fn write(name: impl Display, fault: WriteFault) -> Error {
         Error::Write(name.to_string(), fault)
     }
@@ -180,7 +181,7 @@ impl Error {
         self
     }
 
-    /// Adds what is known of the cause.
+    /// Adds the known cause.
     pub(crate) fn because(mut self, cause: Cause) -> Error {
         if let Error::Read(read) = &mut self {
             read.cause = cause;
@@ -188,7 +189,7 @@ impl Error {
         self
     }
 
-    /// Adds that the file is one beside the scene, where nothing else is known of the cause.
+    /// Adds that the file lies beside the scene, unless another cause is known.
     pub(crate) fn beside_scene(mut self) -> Error {
         if let Error::Read(read) = &mut self
             && read.cause == Cause::AsSaid
@@ -198,13 +199,13 @@ impl Error {
         self
     }
 
-    /// Names the larger thing that the error is in, at the end of its text, in parentheses.
+    /// Adds the larger thing that the error occurred in at the end of its text, in parentheses.
     #[must_use]
     pub fn within(self, more: impl Display) -> Error {
         Error::Within(Box::new(self), more.to_string())
     }
 
-    /// The class, which fixes the exit code of the command line.
+    /// Returns the class, which fixes the exit code of the command line.
     pub fn class(&self) -> ErrorClass {
         match self {
             Error::Core(error) => error.class(),
@@ -220,12 +221,12 @@ impl Error {
         }
     }
 
-    /// The stable code, for example `E301`.
+    /// Returns the stable code, for example `E301`.
     pub fn code(&self) -> String {
         format!("E{:03}", self.number())
     }
 
-    /// The number of the code.
+    /// Returns the number of the code.
     fn number(&self) -> u16 {
         match self {
             Error::Core(error) => error.number(),
@@ -246,7 +247,7 @@ impl Error {
     }
 }
 
-/// For traits of the core, through which it asks for windows of a scene.
+/// Conversion for traits of the core, through which the core requests windows of a scene.
 impl From<Error> for skyshed_core::Error {
     fn from(error: Error) -> skyshed_core::Error {
         match error {
@@ -260,7 +261,7 @@ impl From<Error> for skyshed_core::Error {
 }
 
 impl From<skyshed_core::Error> for Error {
-    /// What passed through the core is an error of this crate again.
+    /// Recovers an error of this crate that passed through the core.
     fn from(error: skyshed_core::Error) -> Error {
         let passed = match &error {
             skyshed_core::Error::Passed(passed) => passed.error.downcast_ref::<Error>().cloned(),

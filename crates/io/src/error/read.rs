@@ -1,19 +1,19 @@
-//! Files that cannot be read, or not used for what they were given as.
+//! Files that cannot be read, or not used in their role.
 
 use std::fmt::{self, Display};
 
 use thiserror::Error as Words;
 
-/// A file that cannot be read, or not used for what it was given as.
+/// A file that cannot be read, or not used in its role.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadError {
-    /// The path, or the name of what was held.
+    /// Path, or name of held bytes.
     pub name: String,
-    /// Where in it.
+    /// Place in the file.
     pub place: Option<Place>,
-    /// What is wrong.
+    /// Fault of the file.
     pub fault: ReadFault,
-    /// What is known of the cause.
+    /// Known cause.
     pub cause: Cause,
 }
 
@@ -28,7 +28,7 @@ pub enum Place {
     Feature(u64),
 }
 
-/// What is wrong with a file.
+/// Fault of a file.
 #[derive(Debug, Clone, PartialEq, Words)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
@@ -36,7 +36,7 @@ pub enum ReadFault {
     /// E301: there is no such file.
     #[error("no such file")]
     Missing,
-    /// E301: the system refuses it.
+    /// E301: the system refuses to open the file.
     #[error("{0}")]
     CannotOpen(String),
     /// E301: a stream that can be read once, from its beginning.
@@ -48,19 +48,20 @@ pub enum ReadFault {
     /// E302: a file whose content is wrong.
     #[error("{0}")]
     Malformed(String),
-    /// E302: rows or features of a file of places, which was to hold sites or a track; others may be good.
+    /// E302: bad rows or features in a file of sites or of a track; its kind, and whether other
+    /// rows are good.
     #[error("{what}")]
     Rows { what: String, of: PlacesIn, some_are_good: bool },
     /// E303: a file that ends before it should.
     #[error("{0}")]
     Truncated(String),
-    /// E304: what the format allows but is not read.
+    /// E304: a part of the format that is not supported.
     #[error("{0}")]
     Unsupported(String),
     /// E304: a layer, by its name, that is a view or has no geometry.
     #[error("layer `{0}` is no table with a geometry column")]
     NoTable(String),
-    /// E305: no cell holds a height, of so many, which are said.
+    /// E305: no cell holds a height; the number of cells, and the verb of the message.
     #[error("none of the {0} cells {1} a height, wanted at least one")]
     AllVoid(u64, String),
     /// E306: a raster that is not north-up.
@@ -69,40 +70,43 @@ pub enum ReadFault {
     /// E307: a raster whose cells are no regular grid.
     #[error("{0}")]
     Irregular(String),
-    /// E308: a file that holds nothing of what is wanted.
+    /// E308: a file without the wanted content.
     #[error("{0}")]
     Nothing(Wanted),
-    /// E309: a footprint has no height; its id, and the property that was looked at.
+    /// E309: a footprint has no height; its id, and the property that was read.
     #[error("feature `{0}` has no usable `{1}`")]
     HeightMissing(String, String),
     /// E309: too many footprints have no height.
     #[error("{0}")]
     HeightsMissing(HeightsMissing),
-    /// E310: a file whose reference system cannot be used; how, and what is wrong with that.
+    /// E310: a file whose reference system cannot be used; its name in the file, and the fault.
     #[error("{0}: {1}")]
     Crs(String, String),
-    /// E310: a reference system that is named in a way that is not read.
+    /// E310: a `crs` member of an unsupported type.
     #[error("its `crs` is of type `{0}`, wanted a name")]
     CrsMember(String),
-    /// E310: what it says of its reference system is not understood.
+    /// E310: a reference system in a file that is not understood.
     #[error("{0}")]
     CrsNotUnderstood(String),
     /// E310: a file that names no reference system.
     #[error("it names no coordinate reference system")]
     NoCrs,
-    /// E310: a file in degrees; its reference system, its kind, and longitude and latitude of its middle \[deg\].
+    /// E310: a file in degrees; its reference system, its kind, and longitude and latitude of its
+    /// middle \[deg\].
     #[error("it is in degrees ({crs})")]
     Degrees { crs: String, kind: InputKind, center: (f64, f64) },
-    /// E310: positions in another system than the one that is named, since they span less than a unit of it.
+    /// E310: positions that span less than a unit of the named system, so that they are in another
+    /// one.
     #[error("all its positions lie within a unit of {0}, as longitudes and latitudes of a city would")]
     LikeDegrees(String),
     /// E310: footprints in web Mercator; their reference system, and the file that names it.
     #[error("it is in web Mercator ({crs})")]
     WebMercator { crs: String, named_by: Namer },
-    /// E312: a mesh has no face over the grid, which is described.
+    /// E312: a mesh without a face over the grid; the grid in words.
     #[error("no face covers a cell of the grid, {0}")]
     NoFaceInGrid(String),
-    /// E365: no feature has the property of heights; others that may hold heights, count storeys, or do neither.
+    /// E365: no feature has the property of heights; other properties: likely heights, likely
+    /// storeys, all others.
     #[error("no feature has the property `{wanted}`, wanted one that holds heights")]
     NoHeightProperty {
         wanted: String,
@@ -114,41 +118,43 @@ pub enum ReadFault {
     /// E365: no feature has the property of the ground below buildings.
     #[error("no feature has the property `{0}`, wanted one that holds the ground below buildings")]
     NoBaseProperty(String),
-    /// E365: heights are above a ground that nothing tells; the property of the heights.
+    /// E365: heights above a ground of unknown height; the property of the heights.
     #[error("nothing tells the ground below the buildings, which `{0}` needs, wanted a property of it or a ground")]
     NoBases(String),
     /// E365: no feature has the property of errors of heights.
     #[error("no feature has the property `{0}`, wanted one that holds errors of heights")]
     NoErrorProperty(String),
-    /// E365: an error of a height that is none; the id of the footprint \[m\].
+    /// E365: an invalid error of a height; the id of the footprint, and the error \[m\].
     #[error("feature `{0}` has a height that is off by `{1}` m, wanted 0 m to 1000 m")]
     HeightError(String, f64),
-    /// E108: a file that has no such table; what was asked for, and what there is.
+    /// E108: a file without the wanted table; the name, and the tables that exist.
     #[error("it has no layer `{0}`, wanted one of {names}", names = quoted(.1))]
     NoLayer(String, Vec<String>),
-    /// E108: a file that has several tables, and none was asked for.
+    /// E108: a file with several tables, of which none was chosen.
     #[error("it has the layers {names}, wanted one", names = quoted(.0))]
     Layers(Vec<String>),
-    /// E108: a raster that has no such band; what was asked for, and what there is.
+    /// E108: a raster without the wanted band; the band, and the bands that exist.
     #[error("it has no band `{wanted}`, wanted one of {}", some_of(bands))]
     NoBand { wanted: String, bands: Vec<String> },
-    /// E205: something has a height beyond the lattice \[m above the datum\].
+    /// E205: a height beyond the lattice; the object that has it, and the height \[m above the
+    /// datum\].
     #[error("{0} has height `{1}` m, wanted within ±32768 m of the datum")]
     HeightRange(HeightOf, f64),
-    /// E206: positions in a system, but the scene names none.
+    /// E206: positions in a reference system, but the scene names none.
     #[error("positions in {0}, but the scene names no CRS")]
     NoSceneCrs(String),
-    /// E206: positions that cannot be brought into the scene: which, and why; whether they are longitude and latitude, and
-    /// others are good.
+    /// E206: positions that cannot be brought into the scene; which and why, whether they are
+    /// longitude and latitude, and whether others are good.
     #[error("{what}")]
     Misplaced { what: String, is_degrees: bool, some_are_good: bool },
-    /// E208: an area that does not meet the scene; west, south, east, north of that \[CRS units\].
+    /// E208: an area that does not meet the scene; west, south, east, north of the scene \[CRS
+    /// units\].
     #[error("its polygons lie outside the scene, which reaches over x {}…{}, y {}…{}", .0[0], .0[2], .0[1], .0[3])]
     OutsideScene([f64; 4]),
-    /// E501: more than memory holds.
+    /// E501: more data than memory holds.
     #[error("{0}")]
     Memory(String),
-    /// E502: more parts than are read.
+    /// E502: more parts than a reader accepts.
     #[error("{0}")]
     TooMany(String),
     /// E502: a grid larger than any map; columns and rows.
@@ -159,7 +165,7 @@ pub enum ReadFault {
     Tangle(String, String),
 }
 
-/// Footprints without heights, and what each policy would do about them.
+/// Footprints without heights, with the numbers that each policy depends on.
 #[derive(Debug, Clone, PartialEq, Words)]
 #[error(
     "{n_missing} of {n} footprints, {:.1} % of the footprint area, have no usable `{property}`; wanted at most {:.0} %",
@@ -167,27 +173,28 @@ pub enum ReadFault {
     100.0 * most
 )]
 pub struct HeightsMissing {
-    /// How many have none.
+    /// Number of footprints without a height.
     pub n_missing: usize,
-    /// Of how many.
+    /// Number of all footprints.
     pub n: usize,
-    /// Their share of the area.
+    /// Share of the area without a height.
     pub share: f64,
-    /// The largest share that is left out.
+    /// Largest share that is left out.
     pub most: f64,
-    /// The property that was looked at.
+    /// Property that was read.
     pub property: String,
-    /// The list of what gives heights that are missing, as it was typed; empty without one.
+    /// List of rules for missing heights, as it was typed; empty without one.
     pub rules: String,
-    /// Whether heights are those of tops above the datum.
+    /// `true` if heights are those of tops above the datum.
     pub is_top: bool,
-    /// How many of those without a height have storeys that the list did not ask for.
+    /// Number of footprints without a height that have storeys, if the list has no rule for
+    /// storeys.
     pub n_storeys: usize,
-    /// The median of the known heights \[m\].
+    /// Median of the known heights \[m\].
     pub median_m: Option<f64>,
 }
 
-/// Which kind of file is in degrees, and which program brings it out of them.
+/// Kind of a file in degrees, with the program that projects it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InputKind {
     /// A raster: `gdalwarp`.
@@ -204,7 +211,7 @@ pub enum Namer {
     Terrain,
 }
 
-/// What a file of places was to hold.
+/// Expected content of a file of places.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names of the variants say it")]
 pub enum PlacesIn {
@@ -212,11 +219,11 @@ pub enum PlacesIn {
     SiteFeatures,
     TrackTable,
     TrackFeatures,
-    /// A track that has heights.
+    /// A track with heights.
     TrackHeights,
 }
 
-/// What has a height.
+/// Object that has a height.
 #[derive(Debug, Clone, PartialEq, Eq, Words)]
 #[expect(missing_docs, reason = "the names of the variants say it")]
 pub enum HeightOf {
@@ -228,22 +235,22 @@ pub enum HeightOf {
     Feature(String),
 }
 
-/// What a file holds none of.
+/// Content that a file lacks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Words)]
 pub enum Wanted {
     /// An area.
     #[error("it holds no polygon, wanted a Polygon or MultiPolygon")]
     Area,
-    /// Footprints that tell how large the grid is.
+    /// Footprints, which set the extent of the grid.
     #[error("it holds no polygon, so the grid's extent is unknown")]
     Extent,
-    /// A building, among areas that all stand for nothing above the ground.
+    /// A building, among areas that all represent nothing above the ground.
     #[error("none of its areas is a building above the ground, so the grid's extent is unknown")]
     Building,
     /// Sites.
     #[error("it holds no site")]
     Sites,
-    /// Two places, of so many.
+    /// Two different places; the number found.
     #[error("found {0} different places, wanted at least 2")]
     Places(usize),
     /// Tiles in a folder.
@@ -263,11 +270,11 @@ pub enum Wanted {
     Roofs,
 }
 
-/// What is known of the cause of a [`ReadFault`] beyond its words.
+/// Known cause of a [`ReadFault`] beyond its text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Cause {
-    /// No more than the words say.
+    /// Nothing beyond the text.
     #[default]
     AsSaid,
     /// The file is cut short, or damaged.
@@ -276,33 +283,33 @@ pub enum Cause {
     DamagedHeader,
     /// A block of cells is damaged.
     DamagedBlock,
-    /// Its files are not of one set.
+    /// Files of different sets.
     MixedFiles,
     /// `ncols` and `nrows` may be wrong, or the file is cut short.
     TooFewCells,
     /// `ncols` and `nrows` may be wrong.
     TooManyCells,
-    /// Decimal commas.
+    /// Numbers with decimal commas.
     DecimalCommas,
     /// A raster of another format.
     OtherRaster,
-    /// One GeoJSON feature a line.
+    /// GeoJSON with one feature a line.
     FeatureALine,
-    /// A virtual raster that does not tell its files as they are.
+    /// A virtual raster that describes its files wrongly.
     StaleVrt,
-    /// A virtual raster that GDAL can make one raster of.
+    /// A virtual raster that GDAL can convert to one raster.
     ForGdal,
-    /// Samples of a type that is not read.
+    /// Samples of an unsupported type.
     SampleType,
     /// Samples of one bit.
     OneBit,
-    /// A compression that is not read.
+    /// An unsupported compression.
     Compression,
     /// A block too large to hold.
     LargeBlock,
     /// Several bands in a JPEG.
     ColorJpeg,
-    /// A place that the file does not tell whole.
+    /// A place that the file describes incompletely.
     NoPlace,
     /// Ground control points.
     ControlPoints,
@@ -310,30 +317,30 @@ pub enum Cause {
     OtherGrid,
     /// A tile of another place.
     FarTile,
-    /// All cells hold the number that stands for no height.
+    /// The nodata value in all cells.
     Nodata,
     /// Cells that are too large.
     LargeCells,
-    /// A raster of which a part may do.
+    /// A large raster, of which a part may suffice.
     LargeRaster,
     /// Multipatches.
     Multipatch,
     /// A database that another program has open.
     OpenDatabase,
-    /// A program that was built without a format.
+    /// A format that the program was built without.
     NotBuilt,
-    /// A file of places or of an area: the options of the scene say nothing of it.
+    /// A file of places or of an area: the options of the scene do not concern it.
     BesideScene,
 }
 
-/// What a file has, the first of many.
+/// Joins the first 12 names by commas, with an ellipsis for more.
 pub(super) fn some_of(names: &[String]) -> String {
     const MOST: usize = 12;
     let more = if names.len() > MOST { ", …" } else { "" };
     format!("{}{more}", names[..names.len().min(MOST)].join(", "))
 }
 
-/// Names in backticks.
+/// Joins names in backticks.
 fn quoted(names: &[String]) -> String {
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
@@ -370,7 +377,7 @@ impl ReadFault {
         }
     }
 
-    /// What cannot be done with the file.
+    /// Returns the verb of the failed use of the file.
     fn verb(&self) -> &'static str {
         use ReadFault::*;
         match self {

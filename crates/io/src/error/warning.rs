@@ -1,4 +1,4 @@
-//! What is odd about files and stops nothing, as values.
+//! Oddities of files that stop nothing, as values.
 
 use std::fmt::Display;
 
@@ -9,33 +9,33 @@ use super::read::some_of;
 use crate::city::{FootprintFault, NodataAs};
 use crate::quantity::{counted, fixed, tidy};
 
-/// Something odd about files that did not stop the work: what was found and what was done instead, on one line.
+/// Oddity of files that did not stop the work: the finding and its treatment, on one line.
 #[derive(Debug, Clone, PartialEq, Words)]
 #[non_exhaustive]
 pub enum Warning {
-    /// A raster, whatever it is read for.
+    /// A raster, whatever its role.
     #[error("{}", one_line(&.0.to_string()))]
     Raster(#[from] Oddity),
-    /// A file of a scene, or a table: its name, and what is odd about it.
+    /// A file of a scene, or a table: its name and its oddity.
     #[error("{}", one_line(&format!("{_0}: {_1}")))]
     File(String, OddFile),
-    /// Files that are taken together.
+    /// Files that are used together.
     #[error("{}", one_line(&.0.to_string()))]
     Combined(#[from] OddPair),
-    /// W378: the extent was said, and no data area.
+    /// W378: an extent was given, but no data area.
     #[error("all of the extent counts as known ground, also where no building is near")]
     WholeExtent,
 }
 
-/// A raster and what is odd about it.
+/// A raster and its oddity.
 #[derive(Debug, Clone, PartialEq, Words)]
 #[error("`{name}` {odd}{}", likewise(*n_more))]
 pub struct Oddity {
-    /// The path, or the name of what was held.
+    /// Path, or name of held bytes.
     pub name: String,
-    /// What is odd.
+    /// Oddity of the raster.
     pub odd: OddRaster,
-    /// Other tiles with the same.
+    /// Number of other tiles with the same oddity.
     pub n_more: usize,
 }
 
@@ -47,7 +47,7 @@ fn likewise(n_more: usize) -> String {
     }
 }
 
-/// What is odd about a raster, and what is done.
+/// Oddity of a raster, and its treatment.
 #[derive(Debug, Clone, PartialEq, Words)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the words of the variants say what they are")]
@@ -115,19 +115,20 @@ pub enum OddRaster {
     Gaps { n: u64, empty: f64 },
 }
 
-/// Bands by number and name, if any has a name; of many the first.
+/// Lists bands by number and name in parentheses, if any has a name; the first of many.
 fn in_parentheses(names: &[String]) -> String {
     if names.iter().any(|name| name.contains('`')) { format!(" ({})", some_of(names)) } else { String::new() }
 }
 
-/// A share in percent, rounded up to two digits or one hundredth.
+/// Formats a share in percent, rounded up to a tenth, or to a hundredth below 1 %.
 fn percent_up(share: f64) -> String {
     let percent = share * 100.0;
     let step = if percent < 1.0 { 0.01 } else { 0.1 };
     tidy((percent / step).ceil() * step).to_string()
 }
 
-/// Cells of one kind: how many, and the first and last row and column among them, counted from 0.
+/// Cells of one kind: their number, and the first and last row and column among them, counted from
+/// 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the docs of the type say what its fields are")]
 pub struct CellsFound {
@@ -144,7 +145,7 @@ impl CellsFound {
     }
 }
 
-/// What is odd about a file of a scene, or a table, and what is done.
+/// Oddity of a file of a scene or of a table, and its treatment.
 #[derive(Debug, Clone, PartialEq, Words)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
@@ -152,14 +153,15 @@ pub enum OddFile {
     /// W325: a file names no reference system.
     #[error("no coordinate reference system; local meters are assumed")]
     NoCrs,
-    /// W335: footprints were brought from one system into another, which has a name.
+    /// W335: footprints were transformed to another system; both systems, and the name of the new
+    /// one.
     #[error("brought from {from} to {to} ({name})")]
     Projected { from: String, to: String, name: String },
-    /// W338: more tiles than documents name.
+    /// W338: more tiles than documents name; both numbers.
     #[error("{n} tiles, of which documents name none (they name up to {most})")]
     ManyTiles { n: usize, most: usize },
-    /// W339: a raster was brought into another system: columns and rows, the edge of a cell, how far a cell of the file was at
-    /// most \[m\], and the cells outside of it.
+    /// W339: a raster was transformed to another system; columns and rows, edge of a cell, largest
+    /// distance to a source cell \[m\], and number of cells outside of the file.
     #[error(
         "brought from {from} to {to} ({name}), onto {}×{} cells of {} m: each takes the height of the cell of the file that \
          holds its center and whose own center is at most {} m away{}",
@@ -186,26 +188,28 @@ pub enum OddFile {
     /// W341: flat ground \[m above the datum\] is above the surface in some cells.
     #[error("the ground at {ground_m} m is above the surface in {n} of {of} cells; the higher one is used there")]
     HighGround { ground_m: f64, n: u64, of: usize },
-    /// W342: nothing is known but a surface.
+    /// W342: a surface model alone, without ground.
     #[error("a surface model alone, so receivers stand on the surface, roofs included")]
     SurfaceAlone,
-    /// W343: coordinates are in units of so many meters.
+    /// W343: coordinates are in units of another length than 1 m; that length \[m\].
     #[error("coordinates are in units of {0} m; lengths and heights are in meters")]
     NotInMeters(f64),
     /// W344: more cells a side than one map has.
     #[error("more than 65536 cells a side")]
     ManyCells,
-    /// W350–W368: so many faults of footprints that are always treated alike.
+    /// W350–W368: faults of footprints with one fixed treatment, and their number.
     #[error("{}: {}", fault_words(*.0, *.1), .0.done())]
     Fault(FootprintFault, usize),
-    /// W354: footprints without a height, how they were treated, and whether nothing was asked.
+    /// W354: footprints without a height; their number, their treatment, and whether some got none
+    /// for want of rules.
     #[error("{}: {treated}", fault_words(FootprintFault::MissingHeight, *n))]
     MissingHeights { n: usize, treated: String, asks_nothing: bool },
-    /// W355, W361, W382: so many footprints with a height are left out, with their share of the area of all that have one.
+    /// W355, W361, W382: footprints with a height are left out; their number, and their share of
+    /// the area of all that have one.
     #[error("{}: left out, {} % of the area with a height", fault_words(*fault, *n), fixed(100.0 * area_share, 1))]
     LeftOut { fault: FootprintFault, n: usize, area_share: f64 },
-    /// W363: so many buildings are drawn by their parts, which leave an area of outlines as high as the lowest of these
-    /// \[m²\].
+    /// W363: buildings are drawn by their parts; their number, and the area of outlines as high as
+    /// the lowest part \[m²\].
     #[error(
         "{}: the parts stand in place of the outline; beside them {} m² stand as high as the lowest part",
         fault_words(FootprintFault::Part, *n), fixed(*area_m2, 0)
@@ -214,35 +218,37 @@ pub enum OddFile {
     /// W359: no building is left.
     #[error("no building is left; every link is unobstructed")]
     NoBuilding,
-    /// W360: none of so many footprints meets the grid; its west, south, east, north \[CRS units\].
+    /// W360: no footprint meets the grid; their number, and west, south, east, north of the grid
+    /// \[CRS units\].
     #[error(
         "none of {n} footprints meets the grid, x {}…{}, y {}…{}; check the coordinate reference systems",
         grid[0], grid[2], grid[1], grid[3]
     )]
     NoneMeets { n: usize, grid: [f64; 4] },
-    /// W366: solids begin, from the lowest to the highest and in the median, on another height than the ground \[m above the
-    /// datum\].
+    /// W366: solids begin on another height than the ground; the ground, their lowest and highest
+    /// base, and the median \[m above the datum\].
     #[error(
         "the ground is at {} m, but the buildings begin at {} to {} m above the datum",
         tidy(*ground_m), tidy(range_m.0), tidy(range_m.1)
     )]
     OtherGround { ground_m: f64, range_m: (f64, f64), median_m: f64 },
-    /// W366: the ground was taken from the buildings: the median of where they begin, and the lowest and the highest of that \[m above the datum\].
+    /// W366: the ground was taken from the buildings; the median of their bases, the lowest and the
+    /// highest \[m above the datum\].
     #[error(
         "heights are above the datum: the ground is taken at {} m, the median of where buildings begin, {} to {} m",
         tidy(*ground_m), tidy(range_m.0), tidy(range_m.1)
     )]
     GroundOfBases { ground_m: f64, range_m: (f64, f64) },
-    /// W375: buildings with roofs that slope, which are taken flat.
+    /// W375: sloped roofs are taken flat; the number of buildings.
     #[error(
         "{} that slope: taken flat, as high as they are highest",
         counted(*n as u64, "building has surfaces of a roof", "buildings have surfaces of roofs")
     )]
     FlatRoofs { n: usize },
-    /// W367: cells of a mesh without a face, below which the ground is known or not.
+    /// W367: cells of a mesh without a face; their number, and whether the ground there is known.
     #[error("{} without a face: {}", counted(*n, "cell", "cells"), if *is_known { "taken as bare ground" } else { "nodata" })]
     NoFace { n: u64, is_known: bool },
-    /// W380: rows of a table were left out, which are told.
+    /// W380: rows of a table were left out; their number, the number of all, and their faults.
     #[error("{n} of {of} rows {} left out: {told}", if *n == 1 { "was" } else { "were" })]
     BadRows { n: usize, of: usize, told: String },
 }
@@ -266,7 +272,7 @@ fn fault_words(fault: FootprintFault, n: usize) -> String {
     counted(n as u64, one, many)
 }
 
-/// What is odd about files that are taken together, and what is done.
+/// Oddity of files that are used together, and its treatment.
 #[derive(Debug, Clone, PartialEq, Words)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
@@ -284,7 +290,7 @@ pub enum OddPair {
     /// W346: a terrain on another grid than the surface; both with their grids.
     #[error("{terrain} is not on the grid of {surface}: each cell takes the terrain that holds its center{}", without(*n_void, *of))]
     OtherGrid { terrain: String, surface: String, n_void: usize, of: usize },
-    /// W370: only one of two files says what its heights are above.
+    /// W370: only one of two files names its vertical system.
     #[error("{without} does not say what its heights are above; {taken} is taken, as {with} says")]
     NoVertical { without: String, with: String, taken: String },
     /// W371: heights above two datums.
@@ -350,12 +356,12 @@ impl OddFile {
 }
 
 impl Warning {
-    /// What is odd about a file of a scene, or a table.
+    /// Returns the warning about a file of a scene, or a table.
     pub(crate) fn of(name: impl Display, odd: OddFile) -> Warning {
         Warning::File(name.to_string(), odd)
     }
 
-    /// The stable code, for example `W320`.
+    /// Returns the stable code, for example `W320`.
     pub fn code(&self) -> String {
         let number = match self {
             Warning::Raster(oddity) => oddity.odd.number(),

@@ -10,19 +10,19 @@ use super::temporary::{Hold, discard, publish};
 use crate::digest::Sha256;
 use crate::error::{Error, Result, WriteFault};
 
-/// No sidecar is larger \[bytes\].
+/// Largest size of a sidecar \[bytes\].
 const LARGEST_SIDECAR: usize = 1 << 20;
 
-/// Files that appear together: each is written under a temporary name, and all are renamed by [`Batch::commit`].
-/// Dropped without it, the temporary files are removed.
+/// Files that appear together: each is written under a temporary name, and [`Batch::commit`]
+/// renames them all. A batch dropped before that removes its temporary files.
 #[derive(Debug, Default)]
 pub struct Batch {
     files: Vec<Pending>,
-    /// Of files small enough to be a sidecar that two outputs have in common.
+    /// Digests of files small enough to be a sidecar that two outputs share.
     digests: HashMap<PathBuf, Option<[u8; 32]>>,
     overwrite: bool,
     holds: HashMap<PathBuf, Hold>,
-    /// Whether to go on.
+    /// Check before each file whether to go on.
     asks: Option<fn() -> skyshed_core::Result<()>>,
 }
 
@@ -30,31 +30,31 @@ pub struct Batch {
 #[derive(Debug)]
 struct Pending {
     temporary: PathBuf,
-    /// As it was asked for.
+    /// Path as it was requested.
     path: PathBuf,
-    /// Where it is written: behind a link another place.
+    /// Path behind symbolic links.
     place: PathBuf,
 }
 
 impl Batch {
-    /// An empty batch that replaces existing files only if `overwrite`.
+    /// Creates an empty batch that replaces existing files only if `overwrite`.
     pub fn new(overwrite: bool) -> Self {
         Batch { files: Vec::new(), digests: HashMap::new(), overwrite, holds: HashMap::new(), asks: None }
     }
 
-    /// Makes the batch ask before each file whether to go on.
+    /// Makes the batch call `asks` before each file; an error stops it.
     #[must_use]
     pub fn asking(mut self, asks: fn() -> skyshed_core::Result<()>) -> Self {
         self.asks = Some(asks);
         self
     }
 
-    /// Adds a file: writes its bytes under a temporary name in the same folder. A file that two outputs have in common,
-    /// such as the `.prj` beside `a.asc` and `a.png`, is written once.
+    /// Adds a file: writes its bytes under a temporary name in the same folder. A file that two
+    /// outputs share, such as the `.prj` beside `a.asc` and `a.png`, is written once.
     ///
     /// # Errors
-    /// Usage error if the file exists and may not be replaced (E106), is no file or two outputs want it differently (E105);
-    /// E401 if writing fails.
+    /// Usage error if the file exists and may not be replaced (E106), is no file or two outputs
+    /// want it differently (E105); E401 if writing fails.
     pub fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
         // Only sidecars are ever common to two outputs, and they are small.
         let digest = (bytes.len() <= LARGEST_SIDECAR).then(|| Sha256::digest(bytes));
@@ -67,7 +67,7 @@ impl Batch {
     /// Adds a file that `write` writes, without holding it in memory.
     ///
     /// # Errors
-    /// As [`Batch::add`]; and those of `write`.
+    /// Errors of [`Batch::add`] and of `write`.
     pub fn add_streamed(&mut self, path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
         self.add_written(path, None, write)
     }
@@ -83,7 +83,8 @@ impl Batch {
         complete(path, file)
     }
 
-    /// Begins a file under a temporary name; [`complete`] has to follow once it is written, before [`Batch::commit`].
+    /// Begins a file under a temporary name. Once it is written, [`complete`] has to follow, before
+    /// [`Batch::commit`].
     pub(super) fn begin(&mut self, path: &Path) -> Result<BufWriter<File>> {
         self.begin_with(path, None)
     }
@@ -106,19 +107,21 @@ impl Batch {
         Ok(BufWriter::with_capacity(1 << 16, file))
     }
 
-    /// Gives every file its final name, and returns these in the order in which the files were added.
+    /// Gives every file its final name, and returns these in the order in which the files were
+    /// added.
     ///
-    /// What tells of a file stands beside it before the file does, so that a file that is there is complete; but where both
-    /// are replaced it comes after the file, so that no old file is told of as new.
+    /// A new sidecar gets its name before its file, so that an existing file is complete. A
+    /// replaced sidecar gets it after its file, so that no old file is described as new.
     ///
     /// # Errors
     /// E106 if another run wrote a file meanwhile that may not be replaced, E401 if a rename fails.
     pub fn commit(mut self) -> Result<Vec<PathBuf>> {
         let written = self.files.iter().map(|file| file.path.clone()).collect();
-        // The last of the list is renamed first. Renamed files leave it, so that what is left after a failure is removed when
-        // the batch is dropped.
+        // The last of the list is renamed first. Renamed files leave it, so that dropping the batch
+        // after a failure removes the rest.
         let (replaced, new): (Vec<_>, Vec<_>) = self.files.drain(..).partition(|file| file.place.exists());
-        // A sidecar is added after its file: new ones are renamed from the end, replaced ones from the beginning.
+        // A sidecar is added after its file: new ones are renamed from the end, replaced ones from
+        // the beginning.
         self.files = replaced.into_iter().rev().chain(new).collect();
         while let Some(Pending { temporary, path, place }) = self.files.last() {
             publish(temporary, place, self.overwrite).map_err(|e| match e.kind() {
@@ -137,7 +140,7 @@ impl Drop for Batch {
     }
 }
 
-/// Puts a file that was begun on the disk.
+/// Flushes a file that was begun to the disk.
 pub(super) fn complete(path: &Path, file: BufWriter<File>) -> Result<()> {
     let file = file.into_inner().map_err(|e| cannot_write(path, e.error()))?;
     file.sync_all().map_err(|e| cannot_write(path, &e))

@@ -6,7 +6,7 @@ use crate::height_field::{roof_triangles, wall_edges};
 use crate::quantity::{Frame, meters};
 use crate::raster::GeoRef;
 
-/// Triangles; counterclockwise seen from outside.
+/// Triangle mesh; corners are counterclockwise seen from outside.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
     /// Corners: x east and y north of the grid's south-west corner, z above the datum \[m\].
@@ -15,12 +15,12 @@ pub struct Mesh {
     pub faces: Vec<[i32; 3]>,
 }
 
-/// What the meshes are made of.
+/// City to make meshes of.
 #[derive(Debug, Clone, Copy)]
 pub struct CityMesh<'a> {
     /// The footprints, on the lattice of `frame`.
     pub footprints: &'a [Footprint],
-    /// Their lattice.
+    /// Lattice of the footprints.
     pub frame: Frame,
     /// The extent of the ground, whose south-west corner is the origin.
     pub grid: &'a GeoRef,
@@ -30,11 +30,12 @@ pub struct CityMesh<'a> {
     pub meters_per_unit: f64,
 }
 
-/// The ground and the buildings of a city.
+/// Builds the ground and the buildings of a city.
 ///
-/// Flat ground is a rectangle. Any other is a surface through the cell centers, with holes where no height is known: a
-/// mesh is sloped where line of sight of a map meets the columns of the terrain, so near slopes the two may differ.
-/// Positions on the lattice are exact in 32 bits up to 16 km from the origin.
+/// Flat ground is a rectangle. Other ground is a surface through the cell centers, with holes where
+/// no height is known. That surface slopes where line of sight of a map meets the columns of the
+/// terrain, so near slopes the two may differ. Positions on the lattice are exact in 32 bits up to
+/// 16 km from the origin.
 ///
 /// # Errors
 /// E502 for more corners than a mesh can count.
@@ -61,7 +62,7 @@ impl Mesh {
         index.map_err(|_| Error::write("a mesh", WriteFault::Corners))
     }
 
-    /// A convex polygon as triangles around its first corner.
+    /// Adds a convex polygon as triangles around its first corner.
     fn add_convex(&mut self, corners: &[[f32; 3]]) -> Result<()> {
         let indices = corners.iter().map(|corner| self.vertex(*corner)).collect::<Result<Vec<i32>>>()?;
         self.faces.extend((2..indices.len()).map(|k| [indices[0], indices[k - 1], indices[k]]));
@@ -82,7 +83,7 @@ fn flat_ground(city: &CityMesh<'_>, z: f32) -> Result<Mesh> {
     Ok(mesh)
 }
 
-/// Two triangles between each four cell centers; those at the border are moved out to it.
+/// Makes two triangles between each four cell centers; centers at the border are moved out to it.
 fn sloped_ground(city: &CityMesh<'_>) -> Result<Mesh> {
     let (n_rows, n_cols) = (city.grid.n_rows(), city.grid.n_cols());
     let along = |k: usize, n: usize, size: f64| match k {
@@ -145,7 +146,7 @@ mod tests {
         corner.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-6)
     }
 
-    /// Volume between a mesh with outward faces and the plane z = 0, where walls begin.
+    /// Returns the volume between a mesh with outward faces and the plane z = 0, where walls begin.
     fn volume(mesh: &Mesh) -> f64 {
         let corner = |k: i32| mesh.vertices[usize::try_from(k).unwrap()].map(f64::from);
         let of = |face: &[i32; 3]| {

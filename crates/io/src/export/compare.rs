@@ -19,15 +19,18 @@ pub struct Comparison<'a> {
     pub masks: &'a [&'a [u8]],
     /// The pairs to compare, as indices of the placements.
     pub pairs: &'a [(usize, usize)],
-    /// All masks laid over each other; of at most 254.
+    /// All masks laid over each other; at most 254.
     pub overlay: &'a Overlay,
     /// Provenance as one JSON text.
     pub provenance: &'a str,
 }
 
-/// Adds a GeoTIFF of byte bands to a batch: `SITE.los` per placement, `A-B.difference` per pair with the values of
-/// [`crate::coverage::difference_layer`], and `count`, how many see a cell. 255 is nodata in all: no receiver of both in a
-/// difference, of none in the count.
+/// Adds a GeoTIFF of byte bands to a batch; 255 is nodata in all of them.
+///
+/// * `SITE.los`: the mask of each placement.
+/// * `A-B.difference`: [`crate::coverage::difference_layer`] of each pair. Nodata where the cell is
+///   not a receiver of both.
+/// * `count`: number of placements that see a cell. Nodata where it is a receiver of none.
 ///
 /// # Errors
 /// Those of [`Batch::add`] and of the encoder.

@@ -1,4 +1,5 @@
-//! Outputs before any work: is each a file that can be made, of a format that the run writes, and not an input?
+//! Checks of outputs before any work: each is a file that can be made, of a format that the run
+//! writes, and no input.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +8,7 @@ use super::temporary::Hold;
 use crate::error::{Error, Result, WriteFault, io_words};
 
 impl Format {
-    /// The format of a path.
+    /// Returns the format of a path.
     ///
     /// # Errors
     /// Usage error (E104) for an unknown extension.
@@ -15,7 +16,7 @@ impl Format {
         Format::among(path, &[])
     }
 
-    /// The format of a path; an error names those that are allowed.
+    /// Returns the format of a path; an error lists the `allowed` formats.
     fn among(path: &Path, allowed: &[Format]) -> Result<Format> {
         if path.as_os_str() == "-" {
             return Ok(Format::Stdout);
@@ -30,21 +31,22 @@ impl Format {
     }
 }
 
-/// What the outputs of a run must comply with.
+/// Rules for the outputs of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct OutputRules<'a> {
     /// Formats that the command writes.
     pub allowed: &'a [Format],
     /// Files that the run reads.
     pub inputs: &'a [PathBuf],
-    /// Whether existing files may be replaced.
+    /// `true` if existing files may be replaced.
     pub overwrite: bool,
-    /// Whether a PNG is bare, with a world file and a sidecar.
+    /// `true` for a bare PNG, with a world file and a sidecar.
     pub bare: bool,
 }
 
-/// Checks the outputs of a run before any work: formats that the command writes, folders that can be written, no file or
-/// sidecar replaced without leave, no file given twice, no input overwritten.
+/// Checks the outputs of a run before any work, and returns them with their formats. The command
+/// must write these formats, and the folders must accept files. No file or sidecar is replaced
+/// without leave, no file is given twice, no input is overwritten.
 ///
 /// # Errors
 /// Usage errors E104–E106; E401 for a folder that is not there or refuses files.
@@ -107,7 +109,7 @@ pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<
     Ok(checked)
 }
 
-/// Refuses a file whose folder is not there, is a file, or cannot be written.
+/// Refuses a file whose folder does not exist, is a file, or cannot be written.
 ///
 /// # Errors
 /// E401.
@@ -120,12 +122,12 @@ pub fn check_folder(path: &Path) -> Result<()> {
         Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => return Err(refuse("does not exist")),
         _ => {}
     }
-    // Who may write where is known to the system alone: it is asked for a file, which is gone at once.
+    // Only the system knows who may write where: a file is made there and removed at once.
     let probe = Hold::of(&folder);
     probe.map(|_| ()).map_err(|cause| refuse(&format!("cannot be written: {}", io_words(&cause))))
 }
 
-/// The files that may be written beside an output.
+/// Returns the files that may be written beside an output.
 pub fn sidecars(path: &Path, format: Format, bare: bool) -> Vec<PathBuf> {
     let beside = |suffix: &str| with_suffix(path, suffix);
     match format {
@@ -140,7 +142,7 @@ pub fn sidecars(path: &Path, format: Format, bare: bool) -> Vec<PathBuf> {
     }
 }
 
-/// `a/b.tif` with `.aux.xml` becomes `a/b.tif.aux.xml`.
+/// Appends to a file name: `a/b.tif` with `.aux.xml` becomes `a/b.tif.aux.xml`.
 pub fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.as_os_str().to_os_string();
     name.push(suffix);
@@ -150,14 +152,14 @@ pub fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
 /// The meshes of a Mitsuba scene.
 pub(super) const MESHES: [&str; 2] = ["ground", "buildings"];
 
-/// The file of a mesh beside its scene: `NAME_MESH.ply`.
+/// Returns the file of a mesh beside its scene: `NAME_MESH.ply`.
 pub(super) fn mesh_name(path: &Path, mesh: &str) -> PathBuf {
-    // Named in XML, which holds Unicode alone.
+    // The name is written into XML, which holds Unicode alone.
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{stem}_{mesh}.ply"))
 }
 
-/// Refuses what is there, unless it may be replaced, and what is no file.
+/// Refuses anything that is no file, and an existing file unless it may be replaced.
 pub(super) fn refuse_to_replace(path: &Path, overwrite: bool) -> Result<()> {
     let found = std::fs::metadata(path);
     if found.as_ref().is_ok_and(|found| !found.is_file()) {
@@ -180,7 +182,7 @@ pub(super) fn folder_of(path: &Path) -> PathBuf {
     }
 }
 
-/// Where a file is written: behind a symbolic link what it points to, which need not be there.
+/// Returns the path that a file is written to: the target of a symbolic link, which need not exist.
 pub(super) fn followed(path: &Path) -> PathBuf {
     const MOST_LINKS: usize = 40;
     let mut place = path.to_path_buf();

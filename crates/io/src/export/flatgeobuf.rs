@@ -14,18 +14,18 @@ use crate::raster::{Crs, GeoRef};
 /// Polygons ready for a file.
 #[derive(Debug, Clone, Copy)]
 pub struct PolygonFile<'a> {
-    /// The grid that they were made on, for its CRS.
+    /// Grid of the polygons, for its CRS.
     pub georef: &'a GeoRef,
     /// The polygons.
     pub polygons: &'a [CoveragePolygon],
-    /// What the layer is called.
+    /// Title of the layer.
     pub title: &'a str,
     /// Provenance as one JSON text.
     pub provenance: &'a str,
 }
 
-/// Adds a FlatGeobuf file to a batch: columns `site`, `class`, `cells` and `area_m2`, the CRS by its EPSG code or as WKT,
-/// and the provenance as the metadata of the file.
+/// Adds a FlatGeobuf file to a batch. Its columns are `site`, `class`, `cells` and `area_m2`. The
+/// CRS is stored by its EPSG code and as WKT, the provenance as the metadata of the file.
 ///
 /// # Errors
 /// Those of [`Batch::add`]; E402 if the polygons cannot be encoded.
@@ -52,7 +52,8 @@ fn encode(file: &PolygonFile<'_>) -> std::result::Result<Vec<u8>, Box<dyn std::e
         ..FgbWriterOptions::default()
     };
     let mut writer = FgbWriter::create_with_options("coverage", GeometryType::Polygon, options)?;
-    // The types of the same columns in GeoJSON: GIS read an unsigned column of 64 bits as real numbers.
+    // The types of the same columns in GeoJSON: GIS read an unsigned column of 64 bits as real
+    // numbers.
     let columns = [
         ("site", ColumnType::String),
         ("class", ColumnType::String),
@@ -82,7 +83,7 @@ fn encode(file: &PolygonFile<'_>) -> std::result::Result<Vec<u8>, Box<dyn std::e
     Ok(bytes)
 }
 
-/// The rings of a polygon, closed as they are handed on.
+/// Rings of a polygon; the processor receives them closed.
 struct Rings<'a>(&'a [Vec<[f64; 2]>]);
 
 impl GeozeroGeometry for Rings<'_> {

@@ -1,6 +1,6 @@
-//! Formats of outputs, told by their extensions.
+//! Formats of outputs, chosen by their extensions.
 
-/// A file format, told by the extension.
+/// File format of an output, chosen by the extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// Picture, or one pixel per cell with `--bare`.
@@ -41,7 +41,7 @@ pub enum Format {
     Stdout,
 }
 
-/// What tells a format; of several the first stands for it.
+/// Extensions of the formats; the first of several is the usual one.
 const EXTENSIONS: [(&str, Format); 18] = [
     ("png", Format::Png),
     ("svg", Format::Svg),
@@ -64,17 +64,17 @@ const EXTENSIONS: [(&str, Format); 18] = [
 ];
 
 impl Format {
-    /// The format that an extension (lower case, without its point) tells.
+    /// Returns the format of an extension (lower case, without its point).
     pub(super) fn of_extension(extension: &str) -> Option<Format> {
         EXTENSIONS.iter().find(|(known, _)| *known == extension).map(|(_, format)| *format)
     }
 
-    /// Whether it holds a picture.
+    /// Returns `true` for a picture.
     pub fn is_picture(self) -> bool {
         matches!(self, Format::Png | Format::Svg | Format::Pdf)
     }
 
-    /// The extension that stands for it, without its point; `None` of standard output.
+    /// Returns the usual extension, without its point; `None` for standard output.
     pub fn extension(self) -> Option<&'static str> {
         EXTENSIONS.iter().find(|(_, format)| *format == self).map(|(extension, _)| *extension)
     }

@@ -7,7 +7,8 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use crate::error::{Error, Result};
 
-/// The document as `doc.kml`, which readers look for first, and the pictures that it names.
+/// Encodes a KMZ file: the document as `doc.kml`, which readers look for first, and the pictures
+/// that it names.
 ///
 /// # Errors
 /// E402 if ZIP cannot hold them.

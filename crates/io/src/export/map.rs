@@ -16,10 +16,10 @@ use crate::formats::{
 };
 use crate::raster::GeoRef;
 
-/// The most sites whose set fits the 24 bits that an f32 holds exactly.
+/// Largest number of sites whose set fits the 24 bits that an f32 holds exactly.
 const MOST_SITES_AS_F32: usize = 24;
 
-/// Refuses layers that a format cannot hold; to be asked before any work, too.
+/// Refuses layers that a format cannot hold. Called before any work, too.
 ///
 /// # Errors
 /// Usage error (E107).
@@ -34,7 +34,7 @@ pub fn check_layers(layers: &[Layer], n_sites: usize, path: &Path, format: Forma
         {
             WriteFault::SetsBesideMeasures
         }
-        // Nodata of counts is the set of 32 UAVs.
+        // Nodata of counts is also the set of 32 UAVs.
         Format::GeoTiff if has(Layer::Which) && (has(Layer::Count) || has(Layer::BestServer)) && n_sites >= 32 => {
             WriteFault::SetsBesideCounts
         }
@@ -43,10 +43,11 @@ pub fn check_layers(layers: &[Layer], n_sites: usize, path: &Path, format: Forma
     Err(Error::write(path.display(), fault))
 }
 
-/// Adds a raster file of a map to a batch, and the files that go beside it.
+/// Adds a raster file of a map to a batch, and its sidecars.
 ///
 /// # Errors
-/// Usage error (E107) if the layers do not fit the format; those of [`Batch::add`]; internal errors from the encoders.
+/// Usage error (E107) if the layers do not fit the format; those of [`Batch::add`]; internal errors
+/// from the encoders.
 pub fn add_map(batch: &mut Batch, result: &MapResult<'_>, path: &Path, format: Format) -> Result<()> {
     check_layers(result.layers, result.n_uavs, path, format)?;
     let files = match format {
@@ -60,7 +61,7 @@ pub fn add_map(batch: &mut Batch, result: &MapResult<'_>, path: &Path, format: F
     files.iter().try_for_each(|(file, bytes)| batch.add(file, bytes))
 }
 
-/// Written as it is made: the strips of a mask are the mask itself.
+/// Adds the GeoTIFF. It is written as it is made: the strips of a mask are the mask itself.
 fn add_geotiff(batch: &mut Batch, result: &MapResult<'_>, path: &Path) -> Result<()> {
     let mut add = |image: &GeoTiffImage<'_>| batch.add_streamed(path, |file| write_geotiff(file, image));
     let bands = result.bands();
@@ -127,7 +128,7 @@ fn add_geotiff(batch: &mut Batch, result: &MapResult<'_>, path: &Path) -> Result
     add(&image(Bands::Float(borrowed), Some(f64::from(NODATA)), None))
 }
 
-/// Adds the GeoTIFF of the mask of one UAV, of which all rows were pushed, and the names of its classes.
+/// Adds the GeoTIFF of one UAV's mask, of which all rows were pushed, and the names of its classes.
 ///
 /// # Errors
 /// Those of [`Batch::add`]; internal errors from the encoder.
@@ -143,7 +144,8 @@ pub fn add_mask_geotiff(
     })
 }
 
-/// Adds the mask of one UAV, which `add` writes with what is to be said of it, and the names of its classes.
+/// Adds the mask of one UAV, which `add` writes with the given description, and the names of its
+/// classes.
 pub(super) fn add_described(
     batch: &mut Batch,
     path: &Path,
@@ -169,12 +171,13 @@ fn add_class_names(batch: &mut Batch, path: &Path, n_bands: usize) -> Result<()>
     batch.add(&with_suffix(path, ".aux.xml"), pam_sidecar(&named_classes(), n_bands).as_bytes())
 }
 
-/// The classes that legends name: nodata has no name, since names are a list from 0, and nobody wants 250 blanks.
+/// Returns the classes that legends name. Nodata has no name: names are a list from 0, and nobody
+/// wants 250 blanks.
 pub(super) fn named_classes() -> Vec<ClassColor> {
     palette().into_iter().filter(|class| class.value != class::NODATA).collect()
 }
 
-/// The classes with their names and colors.
+/// Returns the classes with their names and colors.
 fn palette() -> Vec<ClassColor> {
     let color = |(value, name): &(u8, &str)| ClassColor {
         value: *value,
@@ -220,12 +223,13 @@ fn exr(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
     Ok(vec![(path.to_path_buf(), bytes)])
 }
 
-/// The name of the bare picture of one site beside that of all: `NAME.SITE.png`, odd characters replaced.
+/// Returns the name of one site's bare picture beside that of all sites: `NAME.SITE.png`, odd
+/// characters replaced.
 pub fn bare_name(path: &Path, site: &str) -> PathBuf {
     path.with_extension(format!("{}.png", site_in_names(site)))
 }
 
-/// The name of a site as file names hold it: odd characters replaced.
+/// Returns the name of a site for file names: odd characters replaced.
 pub fn site_in_names(site: &str) -> String {
     site.chars().map(|c| if c.is_alphanumeric() || "-_".contains(c) { c } else { '_' }).collect()
 }

@@ -1,8 +1,16 @@
 //! The coverage of a run as NumPy arrays.
 //!
-//! Layers per site have the shape `[n_sites, n_rows, n_cols]`, `count` `[n_rows, n_cols]` (4294967295, the nodata of
-//! GeoTIFF, where nobody receives), `best_server` and `union` alike, `which` `[n_words, n_rows, n_cols]`; `x` and `y` are the centers of columns and rows \[CRS units\]; `sites` has a row x, y, height \[m above the
-//! datum\] per UAV and `site_ids` their names; `crs` is WKT (empty if local) and `meta` the provenance as JSON.
+//! | array | shape | content |
+//! |---|---|---|
+//! | layers per site | `[n_sites, n_rows, n_cols]` | values of each site |
+//! | `count`, `best_server` | `[n_rows, n_cols]` | 4294967295, the nodata of GeoTIFF, where nobody receives |
+//! | `union` | `[n_rows, n_cols]` | classes |
+//! | `which` | `[n_words, n_rows, n_cols]` | sets of UAVs as bits |
+//! | `x`, `y` | `[n_cols]`, `[n_rows]` | centers of columns and rows \[CRS units\] |
+//! | `sites` | `[n_sites, 3]` | x, y, height \[m above the datum\] per UAV |
+//! | `site_ids` | `[n_sites]` | names of the UAVs |
+//! | `crs` | text | WKT, or the name if no more is known; empty if local |
+//! | `meta` | text | provenance as JSON |
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +19,8 @@ use crate::crs::wkt_of;
 use crate::error::Result;
 use crate::formats::{NpyArray, write_npz};
 
-/// The layers as arrays, with the coordinates of cell centers, the sites, the CRS and the provenance.
+/// Encodes the layers as arrays, with the coordinates of cell centers, the sites, the CRS and the
+/// provenance.
 pub(super) fn npz(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
     let (n_rows, n_cols) = (result.georef.n_rows(), result.georef.n_cols());
     let n_sites = result.sites.len();
@@ -71,7 +80,7 @@ pub(super) fn npz(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, V
     arrays.push(("sites".into(), NpyArray::F64(&sites, vec![n_sites, 3])));
     let ids: Vec<String> = result.sites.iter().map(|s| s.uav.id.clone()).collect();
     arrays.push(("site_ids".into(), NpyArray::Texts(&ids)));
-    // WKT says all; a system of which only the name is known says that; local coordinates say nothing.
+    // WKT where it can be written, else the name; empty for local coordinates.
     let crs = result.georef.crs().map_or(String::new(), |crs| wkt_of(crs).unwrap_or_else(|| crs.label()));
     arrays.push(("crs".into(), NpyArray::Text(&crs)));
     arrays.push(("meta".into(), NpyArray::Text(result.provenance)));

@@ -1,4 +1,4 @@
-//! The coverage of a run, ready for files: its layers as bands, and the numbers that stand for nothing.
+//! Coverage of a run, ready for files: its layers as bands, and their nodata values.
 
 use std::borrow::Cow;
 
@@ -14,23 +14,23 @@ pub(super) const NO_COUNT: u32 = u32::MAX;
 /// A layer of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layer {
-    /// The mask.
+    /// Mask of line of sight.
     Los,
-    /// Receiver height less the least visible height \[m\].
+    /// Receiver height minus the least visible height \[m\].
     Margin,
     /// Least receiver height \[m above the datum\].
     LeastReceiverHeight,
     /// Least UAV height \[m above the datum\].
     LeastHeight,
-    /// How many of all UAVs see each cell.
+    /// Number of UAVs that see each cell.
     Count,
-    /// How many of eight moves by one lattice step turn the answer.
+    /// Number of eight moves by one lattice step that turn the answer.
     Stability,
-    /// Who is in line of sight whatever heights are within their errors: 0 never, 1 surely, 2 possibly.
+    /// Line of sight for all heights within their errors: 0 never, 1 surely, 2 possibly.
     Sure,
     /// Probability of line of sight with errors of heights.
     PLos,
-    /// Which of all UAVs see each cell, a bit for each.
+    /// Set of UAVs that see each cell, one bit for each.
     Which,
     /// The mask of all UAVs together.
     Union,
@@ -39,7 +39,7 @@ pub enum Layer {
 }
 
 impl Layer {
-    /// The word for it on the command line and in band names.
+    /// Returns the name of the layer on the command line and in band names.
     pub fn name(self) -> &'static str {
         match self {
             Layer::Los => "los",
@@ -56,18 +56,19 @@ impl Layer {
         }
     }
 
-    /// Whether the layer is one of all UAVs together.
+    /// Returns `true` for a layer of all UAVs together.
     pub fn is_of_all(self) -> bool {
         matches!(self, Layer::Count | Layer::Which | Layer::Union | Layer::BestServer)
     }
 
-    /// Whether the layer holds a float for each receiver: meters, the number of moves that turn it, how sure it is, or a probability.
+    /// Returns `true` for a layer of floats, one per receiver: meters, number of moves that turn
+    /// it, certainty, or probability.
     pub fn is_measure(self) -> bool {
         use Layer::{LeastHeight, LeastReceiverHeight, Margin, PLos, Stability, Sure};
         matches!(self, Margin | LeastReceiverHeight | LeastHeight | Stability | Sure | PLos)
     }
 
-    /// The values of a layer that is a measure, if they were made.
+    /// Returns the values of a layer that is a measure, if they were made.
     pub(super) fn measure_of(self, site: &SiteCoverage) -> Option<&[f32]> {
         match self {
             Layer::Margin => site.margin.as_deref(),
@@ -88,11 +89,11 @@ pub struct MapResult<'a> {
     pub georef: &'a GeoRef,
     /// One coverage per UAV.
     pub sites: &'a [SiteCoverage],
-    /// How many UAVs there are in the list of all, of which these are some.
+    /// Number of all UAVs, of which `sites` are some.
     pub n_uavs: usize,
-    /// All of them together, where a layer tells of that.
+    /// Masks of all UAVs laid over each other, if a layer needs them.
     pub overlay: Option<&'a Overlay>,
-    /// The layers that were asked for, in order.
+    /// Requested layers, in order.
     pub layers: &'a [Layer],
     /// Provenance as one JSON text.
     pub provenance: &'a str,
@@ -112,19 +113,19 @@ pub fn n_bands(layers: &[Layer], n_uavs: usize) -> usize {
     layers.iter().map(of_layer).sum()
 }
 
-/// The values that stand for line of sight in a mask.
+/// Values for line of sight in a mask.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MaskValues {
     /// The [`class`]es.
     #[default]
     Classes,
-    /// 255 for line of sight and 0 for everything else, whatever its reason, as `gdal_viewshed` writes by default; without
-    /// nodata, colors or names.
+    /// 255 for line of sight and 0 for everything else, whatever its reason, as `gdal_viewshed`
+    /// writes by default. There is no nodata, and no colors or names.
     Gdal,
 }
 
 impl MaskValues {
-    /// A mask with these values.
+    /// Returns a mask with these values.
     pub fn of<'a>(self, mask: &'a [u8]) -> Cow<'a, [u8]> {
         match self {
             MaskValues::Classes => Cow::Borrowed(mask),
@@ -132,13 +133,14 @@ impl MaskValues {
         }
     }
 
-    /// The value that means no data, if one does.
+    /// Returns the nodata value, if there is one.
     pub(super) fn nodata(self) -> Option<u8> {
         (self == MaskValues::Classes).then_some(class::NODATA)
     }
 }
 
-/// Numbers of a layer of all UAVs where a cell is a receiver of one, [`NO_COUNT`] elsewhere.
+/// Returns the numbers of a layer of all UAVs in cells that are a receiver of one, [`NO_COUNT`]
+/// elsewhere.
 fn of_receivers(values: &[u32], overlay: &Overlay) -> Vec<u32> {
     let both = values.iter().zip(overlay.union());
     both.map(|(n, class)| if matches!(*class, class::LOS | class::NLOS) { *n } else { NO_COUNT }).collect()
@@ -185,13 +187,13 @@ impl<'a> MapResult<'a> {
     }
 }
 
-/// The name of the band of a layer of one UAV.
+/// Returns the band name of a layer of one UAV.
 pub(super) fn band_name(site: &str, layer: Layer) -> String {
     format!("{site}.{}", layer.name())
 }
 
-/// A measure for formats whose readers stumble over what is not finite: nodata for none, ±32768 m, the end of the proven
-/// range, for no height that is enough.
+/// Replaces values that are not finite, for formats whose readers reject them. NaN becomes nodata.
+/// Infinity, which means that no height suffices, becomes ±32768 m, the end of the proven range.
 pub(super) fn finite(v: f32) -> f32 {
     const END: f32 = 32_768.0;
     if v.is_nan() { NODATA } else { v.clamp(-END, END) }

@@ -15,31 +15,33 @@ use crate::error::Result;
 use crate::formats::ClassStrips;
 use crate::raster::GeoRef;
 
-/// Bytes that are written at least before they are sent on their way to the disk.
+/// Least number of bytes that are sent to the disk at once.
 const BYTES_TO_DISK: usize = 4 << 20;
 
-/// What part of a file is sent at least: where each time costs as much as the whole file, these times are few.
+/// Inverse of the least part of a file that is sent at once. Where each transfer costs as much as
+/// the whole file, there are thus few transfers.
 const PART_TO_DISK: usize = 8;
 
-/// A file of a batch to which the rows of a mask are written one after another: what [`super::add_map`] writes of the same
-/// mask in memory.
+/// File of a batch to which the rows of a mask are written one after another. Its content equals
+/// that of [`super::add_map`] for the same mask in memory.
 #[derive(Debug)]
 pub struct MaskStrips {
     path: PathBuf,
     values: MaskValues,
     strips: ClassStrips<BufWriter<File>>,
-    /// None where the file can be held but once: all of it goes to the disk at the end then.
+    /// Second handle of the file. `None` where the file can be opened only once: then all of it
+    /// goes to the disk at the end.
     to_disk: Option<ToDisk>,
 }
 
-/// Another hold of a file, by which what was written goes to the disk while more is made.
+/// Second handle of a file, which sends written bytes to the disk while more are made.
 ///
-/// PERF: at the end, all of it would have to be waited for.
+/// PERF: otherwise the end would wait for all of them.
 #[derive(Debug)]
 struct ToDisk {
     file: Arc<File>,
     n_written: usize,
-    /// Of these, not yet sent.
+    /// Number of written bytes that are not yet sent.
     n_waiting: usize,
     running: Option<JoinHandle<std::io::Result<()>>>,
 }
@@ -49,7 +51,7 @@ impl ToDisk {
         ToDisk { file: Arc::new(file), n_written: 0, n_waiting: 0, running: None }
     }
 
-    /// Some bytes were written.
+    /// Counts written bytes, and sends them once they are enough.
     fn add(&mut self, n_bytes: usize) -> std::io::Result<()> {
         self.n_written += n_bytes;
         self.n_waiting += n_bytes;
@@ -60,12 +62,13 @@ impl ToDisk {
         self.finish()?;
         self.n_waiting = 0;
         let file = Arc::clone(&self.file);
-        // Where there can be no more threads, it goes there at the end.
+        // Without a new thread, the bytes go to the disk at the end.
         self.running = std::thread::Builder::new().spawn(move || file.sync_data()).ok();
         Ok(())
     }
 
-    /// Waits for what is under way. An error of a disk is told once, to whoever waits for it.
+    /// Waits for the running transfer. An error of a disk is returned once, to the first caller
+    /// that waits for it.
     fn finish(&mut self) -> std::io::Result<()> {
         match self.running.take().map(JoinHandle::join) {
             Some(Ok(done)) => done,
@@ -79,7 +82,7 @@ impl MaskStrips {
     /// Begins the file under its temporary name.
     ///
     /// # Errors
-    /// As [`Batch::add`].
+    /// Errors of [`Batch::add`].
     pub fn begin(batch: &mut Batch, path: &Path, georef: &GeoRef, values: MaskValues) -> Result<Self> {
         let out = batch.begin(path)?;
         let to_disk = out.get_ref().try_clone().ok().map(ToDisk::new);
@@ -97,10 +100,11 @@ impl MaskStrips {
         sent.map_err(|e| cannot_write(&self.path, &e))
     }
 
-    /// Completes the file, once all rows are written, and adds the one with the names of its classes.
+    /// Completes the file, once all rows are written, and adds the sidecar with the names of its
+    /// classes.
     ///
     /// # Errors
-    /// As [`Batch::add`]; internal errors from the encoder.
+    /// Errors of [`Batch::add`]; internal errors from the encoder.
     pub fn finish(self, batch: &mut Batch, described: (&GeoRef, &str, &str)) -> Result<()> {
         let MaskStrips { path, values, strips, mut to_disk } = self;
         to_disk.as_mut().map_or(Ok(()), ToDisk::finish).map_err(|e| cannot_write(&path, &e))?;
@@ -116,7 +120,7 @@ mod tests {
 
     #[test]
     fn what_a_disk_refuses_is_not_lost_though_nobody_waited_for_it() {
-        // No disk is behind this one, which the kernel says when it is to go there.
+        // No disk is behind this file: the kernel refuses to send it there.
         let mut to_disk = ToDisk::new(File::create("/dev/null").expect("a device of every system"));
         to_disk.add(BYTES_TO_DISK - 1).expect("nothing is sent yet");
         to_disk.finish().expect("nothing was sent");

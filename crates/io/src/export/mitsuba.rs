@@ -1,4 +1,5 @@
-//! A city as a scene of Mitsuba 3, in the form that Sionna RT loads: XML beside meshes in PLY files.
+//! A city as a scene of Mitsuba 3, in the form that Sionna RT loads: XML beside meshes in PLY
+//! files.
 //!
 //! # References
 //! Sionna RT: materials by the names `mat-itu_…` of ITU-R P.2040. Turk 1994, the PLY file format.
@@ -11,8 +12,8 @@ use super::{Batch, with_suffix};
 use crate::error::Result;
 use crate::formats::xml_text;
 
-/// The one material. Of those of ITU-R P.2040 concrete is defined from 1 to 100 GHz, kinds of ground to 10 GHz only, beyond
-/// which a simulator would refuse the scene.
+/// Name of the one material. Concrete of ITU-R P.2040 is defined from 1 to 100 GHz. Kinds of ground
+/// are defined to 10 GHz only, beyond which a simulator would refuse the scene.
 const MATERIAL: &str = "mat-itu_concrete";
 
 /// A scene ready for files.
@@ -22,19 +23,20 @@ pub struct MitsubaScene<'a> {
     pub ground: &'a Mesh,
     /// All buildings.
     pub buildings: &'a Mesh,
-    /// Where the local origin lies, in words.
+    /// Place of the local origin, in words.
     pub origin: &'a str,
     /// Provenance as one JSON text.
     pub provenance: &'a str,
 }
 
-/// Adds the scene, its meshes `NAME_ground.ply` and `NAME_buildings.ply`, and its provenance to a batch.
+/// Adds the scene, its meshes `NAME_ground.ply` and `NAME_buildings.ply`, and its provenance to a
+/// batch.
 ///
 /// # Errors
 /// Those of [`Batch::add`].
 pub fn add_mitsuba(batch: &mut Batch, scene: &MitsubaScene<'_>, path: &Path) -> Result<()> {
     let meshes = [scene.ground, scene.buildings];
-    // A mesh without triangles is an error of Mitsuba's.
+    // Mitsuba refuses a mesh without triangles.
     let named: Vec<(&str, &Mesh)> = MESHES.into_iter().zip(meshes).filter(|(_, mesh)| !mesh.faces.is_empty()).collect();
     for (name, mesh) in &named {
         batch.add(&mesh_name(path, name), &ply(mesh, scene.origin))?;

@@ -1,7 +1,8 @@
-//! What is written where: results into files, by extension, all or nothing.
+//! Outputs: results written into files by extension, all or nothing.
 //!
-//! Every file is written under a temporary name beside its final one and renamed when all files of the run are complete,
-//! so that an error, a full disk or Ctrl-C leaves nothing half written.
+//! Every file is written under a temporary name beside its final one. All are renamed when every
+//! file of the run is complete, so that an error, a full disk or Ctrl-C leaves nothing half
+//! written.
 
 mod batch;
 mod city_mesh;

@@ -1,4 +1,4 @@
-//! Buildings as the boxes that ns-3 knows.
+//! Buildings as boxes of ns-3.
 
 use std::path::Path;
 
@@ -6,12 +6,14 @@ use crate::city::Footprint;
 use crate::error::{Error, Result, WriteFault};
 use crate::quantity::{Frame, meters};
 
-/// A table `xMin,xMax,yMin,yMax,zMin,zMax`, one row per footprint, as the class `Box` of ns-3 takes its numbers: x and y in
-/// the scene's coordinates \[CRS units\], z above the datum \[m\].
+/// Returns a table `xMin,xMax,yMin,yMax,zMin,zMax`, one row per footprint, in the order of the
+/// class `Box` of ns-3. Coordinates x and y are the scene's \[CRS units\]; z is above the datum
+/// \[m\].
 ///
 /// # Errors
-/// Usage error (E109) if a footprint is not a rectangle parallel to the axes, or has a roof that is not flat: `Building` of ns-3 is nothing else, and the box
-/// around any other shape would hide receivers that are in sight.
+/// Usage error (E109) if a footprint is not a rectangle parallel to the axes, or its roof is not
+/// flat. A `Building` of ns-3 holds nothing else, and the box around any other shape would hide
+/// receivers that are in sight.
 pub fn ns3_boxes(footprints: &[Footprint], frame: Frame, path: &Path) -> Result<Vec<Vec<String>>> {
     let bounds: Vec<Option<[i32; 4]>> = footprints.iter().map(box_of).collect();
     let others = bounds.iter().filter(|b| b.is_none()).count();
@@ -28,7 +30,8 @@ pub fn ns3_boxes(footprints: &[Footprint], frame: Frame, path: &Path) -> Result<
     Ok(std::iter::once(header).chain(rows).collect())
 }
 
-/// West, south, east and north of a footprint that is exactly the box within them \[1/1024 unit\].
+/// Returns west, south, east and north of a footprint that is exactly the box within them \[1/1024
+/// unit\].
 fn box_of(footprint: &Footprint) -> Option<[i32; 4]> {
     let is_flat = footprint.roof.as_flattened().iter().all(|[.., z]| *z == footprint.top);
     let [polygon] = footprint.polygons.as_slice() else { return None };

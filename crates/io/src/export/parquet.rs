@@ -37,12 +37,12 @@ impl Column {
     }
 }
 
-/// The values that are there, and for each cell whether one is: 1 or 0.
+/// Returns the values of all cells that have one, and for each cell 1 if it has one, else 0.
 fn present<T: Clone>(cells: &[Option<T>]) -> (Vec<T>, Vec<i16>) {
     (cells.iter().flatten().cloned().collect(), cells.iter().map(|cell| i16::from(cell.is_some())).collect())
 }
 
-/// A table of named columns of one length, with where it is from under the key `skyshed`.
+/// Encodes a table of named columns of one length, with its provenance under the key `skyshed`.
 ///
 /// # Errors
 /// E402 if the columns are not equally long.

@@ -1,4 +1,5 @@
-//! One layer of one site in the formats that hold no more: Esri ASCII grids, and .bil files with their header.
+//! One layer of one site in the formats that hold no more: Esri ASCII grids, and .bil files with
+//! their header.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +10,7 @@ use crate::crs::wkt_of;
 use crate::error::{Error, Fault, Result};
 use crate::formats::{BilValues, bil_header, write_ascii_grid};
 
-/// The layer as text, with its `.prj` and its provenance.
+/// Encodes the layer as text, with its `.prj` and its provenance.
 pub(super) fn ascii_grid(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
     let band = only_band(result)?;
     let mut bytes = Vec::new();
@@ -32,7 +33,8 @@ pub(super) fn ascii_grid(result: &MapResult<'_>, path: &Path) -> Result<Vec<(Pat
     Ok(with_sidecars(result, path, vec![(path.to_path_buf(), bytes)]))
 }
 
-/// The layer as raw numbers, with the header that describes them, its `.prj` and its provenance.
+/// Encodes the layer as raw numbers, with the header that describes them, its `.prj` and its
+/// provenance.
 pub(super) fn bil(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
     let (kind, nodata, bytes) = match only_band(result)? {
         Band::Class(mask) => {
@@ -57,7 +59,7 @@ fn only_band<'a>(result: &MapResult<'a>) -> Result<Band<'a>> {
     }
 }
 
-/// The files with those that say where the cells lie and where they come from.
+/// Adds the sidecars: the `.prj` file and the provenance.
 fn with_sidecars(result: &MapResult<'_>, path: &Path, mut files: Vec<(PathBuf, Vec<u8>)>) -> Vec<(PathBuf, Vec<u8>)> {
     if let Some(wkt) = result.georef.crs().and_then(wkt_of) {
         files.push((path.with_extension("prj"), wkt.into_bytes()));

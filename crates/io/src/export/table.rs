@@ -2,8 +2,8 @@
 
 use crate::error::{Error, Result};
 
-/// Rows whose cells no spreadsheet runs: a `'` goes before those that begin with `=`, `+`, `-`, `@` or a control character and
-/// are no numbers.
+/// Returns rows whose cells no spreadsheet runs. Cells that begin with `=`, `+`, `-`, `@` or a
+/// control character and are no numbers get a `'` before them.
 pub fn as_text(rows: &[Vec<String>]) -> Vec<Vec<String>> {
     let cell = |cell: &String| {
         let is_run =
@@ -13,7 +13,7 @@ pub fn as_text(rows: &[Vec<String>]) -> Vec<Vec<String>> {
     rows.iter().map(|row| row.iter().map(cell).collect()).collect()
 }
 
-/// A table of equally long rows, the header first, as UTF-8 text.
+/// Encodes a table of equally long rows, the header first, as UTF-8 text.
 ///
 /// # Errors
 /// E402 if the rows are not equally long.

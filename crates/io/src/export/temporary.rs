@@ -1,8 +1,9 @@
 //! Files under temporary names, beside the final ones.
 //!
-//! A run writes `.NAME.RUN.part` beside `NAME`, RUN being 16 hexadecimal digits of its own, and as long as it has such files in a
-//! folder it holds a lock on `.skyshed.RUN.part` there. A killed run cannot remove its files, but the system takes its lock
-//! away: the next run that writes into the folder finds that and removes them.
+//! A run writes `.NAME.RUN.part` beside `NAME`; RUN is 16 hexadecimal digits of its own. As long as
+//! it has such files in a folder, it holds a lock on `.skyshed.RUN.part` there. A killed run cannot
+//! remove its files, but the system releases its lock. The next run that writes into the folder
+//! finds it free and removes the files.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{File, TryLockError};
@@ -11,12 +12,12 @@ use std::io::{Error, ErrorKind, Result};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What this process holds.
+/// Folders and temporary files of this process.
 static HELD: Mutex<Held> = Mutex::new(Held { folders: Vec::new(), files: Vec::new() });
 
 struct Held {
     folders: Vec<Folder>,
-    /// Temporary files that are there.
+    /// Temporary files that exist.
     files: Vec<PathBuf>,
 }
 
@@ -24,7 +25,7 @@ struct Folder {
     path: PathBuf,
     run: String,
     lock: PathBuf,
-    /// Locked as long as it is open.
+    /// Lock file, locked as long as it is open.
     _file: File,
     n_holds: usize,
 }
@@ -33,7 +34,7 @@ fn held() -> MutexGuard<'static, Held> {
     HELD.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The leave to write temporary files into a folder.
+/// Permission to write temporary files into a folder.
 #[derive(Debug)]
 pub(super) struct Hold {
     folder: PathBuf,
@@ -41,7 +42,7 @@ pub(super) struct Hold {
 }
 
 impl Hold {
-    /// Takes the lock in a folder, and removes what killed runs left there.
+    /// Takes the lock in a folder, and removes files that killed runs left there.
     pub(super) fn of(folder: &Path) -> Result<Hold> {
         let mut held = held();
         if let Some(known) = held.folders.iter_mut().find(|known| known.path == folder) {
@@ -84,7 +85,7 @@ pub(super) fn publish(temporary: &Path, path: &Path, overwrite: bool) -> Result<
         let kept = tempfile::TempPath::try_from_path(temporary)?;
         kept.persist_noclobber(path).map_err(|failed| {
             let error = failed.error;
-            // Whoever added it removes it.
+            // The caller that added the file removes it.
             let _ = failed.path.keep();
             error
         })?;
@@ -100,7 +101,8 @@ pub(super) fn discard(temporary: &Path) {
     held.files.retain(|file| file != temporary);
 }
 
-/// Removes all temporary files of this process, which has to end then: no other file is begun or gets its name.
+/// Removes all temporary files of this process, which has to end then: no other file is begun or
+/// gets its name.
 pub fn abandon_files() {
     let held = held();
     for path in held.files.iter().chain(held.folders.iter().map(|folder| &folder.lock)) {
@@ -109,7 +111,7 @@ pub fn abandon_files() {
     std::mem::forget(held);
 }
 
-/// `.NAME.RUN.part`.
+/// Returns `.NAME.RUN.part`.
 fn named(name: &OsStr, run: &str) -> OsString {
     let mut file = OsString::from(".");
     file.push(name);
@@ -117,7 +119,7 @@ fn named(name: &OsStr, run: &str) -> OsString {
     file
 }
 
-/// The run in the name of a temporary file.
+/// Returns the run in the name of a temporary file.
 fn run_of(file: &OsStr) -> Option<&str> {
     let run = file.to_str()?.strip_prefix('.')?.strip_suffix(".part")?.rsplit_once('.')?.1;
     (run.len() == 16 && run.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))).then_some(run)
@@ -127,15 +129,16 @@ fn lock_name(run: &str) -> OsString {
     named(OsStr::new("skyshed"), run)
 }
 
-/// Makes a lock of a new run.
+/// Creates the lock of a new run.
 fn lock_in(folder: &Path) -> Result<(String, PathBuf, File)> {
     const TRIES: usize = 100;
     for _ in 0..TRIES {
-        // Unlike those of other programs that write the same file, also where each is process 1 of its own machine.
+        // Random digits differ from those of other programs that write the same file, also where
+        // each is process 1 of its own machine.
         let run = format!("{:016x}", std::hash::RandomState::new().build_hasher().finish());
         let path = folder.join(lock_name(&run));
         let file = File::create_new(&path)?;
-        // Another run may take it for one that was left, before it is locked.
+        // Before it is locked, another run may take it for an orphan.
         let is_mine = !matches!(file.try_lock(), Err(TryLockError::WouldBlock));
         if is_mine && path.exists() {
             return Ok((run, path, file));
@@ -153,7 +156,8 @@ fn remove_orphans(folder: &Path, own: &str) {
     runs.dedup();
     for run in runs {
         let lock = folder.join(lock_name(run));
-        // Without a lock its run has ended; where locks do not work nothing is known of it.
+        // A run without a lock file has ended. Where locks do not work, nothing is known of the
+        // run.
         let file = match File::options().read(true).write(true).open(&lock) {
             Ok(file) if file.try_lock().is_ok() => Some(file),
             Err(cause) if cause.kind() == ErrorKind::NotFound => None,

@@ -1,4 +1,5 @@
-//! A virtual raster over tiles that were written one by one, for GDAL and whoever reads its format.
+//! A virtual raster over tiles that were written one by one, for GDAL and other readers of its
+//! format.
 
 use std::fmt::Write as _;
 use std::path::{Component, Path, PathBuf};
@@ -11,10 +12,11 @@ use crate::error::{Error, Result, WriteFault};
 use crate::formats::{class_table, xml_text};
 use crate::raster::{CellWindow, GeoRef};
 
-/// A file of a mosaic, and the cells of the whole that it holds.
+/// File of a mosaic, and the cells of the whole that it holds.
 pub type MosaicTile = (PathBuf, CellWindow);
 
-/// The bands of files that hold layers of all UAVs together: their names, and the type and nodata that they share.
+/// Bands of files that hold layers of all UAVs together: their names, and their common type and
+/// nodata.
 struct Bands {
     names: Vec<String>,
     data_type: &'static str,
@@ -22,7 +24,7 @@ struct Bands {
 }
 
 impl Bands {
-    /// As GeoTIFF files have them, of a list of so many UAVs.
+    /// Returns the bands that GeoTIFF files have for a list of so many UAVs.
     fn of(layers: &[Layer], n_uavs: usize) -> Bands {
         let names = layers.iter().flat_map(|layer| match layer {
             Layer::Which => (0..n_uavs.div_ceil(32)).map(|word| format!("which.{word}")).collect(),
@@ -37,9 +39,11 @@ impl Bands {
     }
 }
 
-/// The text of a virtual raster at `path` over tiles of a grid, GeoTIFF files with some layers over a list of so many UAVs.
+/// Returns the text of a virtual raster at `path` over tiles of a grid: GeoTIFF files with some
+/// layers over a list of so many UAVs.
 ///
-/// Names are relative to the folder of the mosaic, where that and those of the tiles have names of one root.
+/// Names are relative to the folder of the mosaic, if the paths of that folder and of the tile have
+/// a common root.
 ///
 /// # Errors
 /// E401 for a tile whose name is no text.
@@ -85,17 +89,18 @@ pub fn vrt(path: &Path, grid: &GeoRef, tiles: &[MosaicTile], (layers, n_uavs): (
     Ok(text)
 }
 
-/// The folder that files are named from.
+/// Folder that files are named from.
 #[derive(Debug)]
 pub struct Near(PathBuf);
 
 impl Near {
-    /// The folder of a file that is still to be made.
+    /// Returns the folder of a file that is still to be made.
     pub fn of(path: &Path) -> Near {
         Near(folder_of(path))
     }
 
-    /// How a file that is there is called from the folder, and whether that is relative to it.
+    /// Returns the name of an existing file as seen from the folder, and `true` if that name is
+    /// relative.
     pub fn name_of(&self, file: &Path) -> (PathBuf, bool) {
         let (folder, name) = (folder_of(file), file.file_name().unwrap_or_default());
         let (from, to): (Vec<_>, Vec<_>) = (self.0.components().collect(), folder.components().collect());
@@ -108,7 +113,7 @@ impl Near {
     }
 }
 
-/// The folder of a file by its one name.
+/// Returns the canonical folder of a file.
 fn folder_of(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf())

@@ -1,6 +1,7 @@
-//! What is left of a file that was written once: a disk that was full, or a copy that was interrupted, may have cut its end.
+//! State of a file that was written earlier: a full disk or an interrupted copy may have cut its
+//! end.
 //!
-//! Cells and features are not decoded where the file itself says where it ends.
+//! Cells and features are not decoded where the file itself declares its end.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
@@ -14,7 +15,7 @@ use super::format::Format;
 use crate::error::{Error, ReadFault};
 use crate::formats::RasterFile;
 
-/// What is left of a file.
+/// State of a file that was written earlier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Left {
     /// It begins and ends as its format does.
@@ -25,10 +26,10 @@ pub enum Left {
     Strange,
 }
 
-/// Most bytes of the header of a FlatGeobuf file that are read.
+/// Largest header of a FlatGeobuf file that is read \[bytes\].
 const MOST_HEADER_BYTES: u32 = 64 << 20;
 
-/// What is left of a file of a format that maps are written in.
+/// Returns the state of a file of a format that maps are written in.
 ///
 /// Cost: that of reading it; of a picture, a GeoTIFF and an archive that of its ends.
 pub fn left_of(path: &Path, format: Format) -> Left {
@@ -40,7 +41,8 @@ pub fn left_of(path: &Path, format: Format) -> Left {
     if is_whole(path, format).unwrap_or(false) { Left::Whole } else { Left::Damaged }
 }
 
-/// Whether these are the first bytes of a format, or the beginning of them.
+/// Returns `true` when `head` begins with the first bytes of a format, or is itself the beginning
+/// of them.
 fn begins_as(format: Format, head: &[u8]) -> bool {
     let beginnings: &[&[u8]] = match format {
         Format::Png => &[b"\x89PNG"],
@@ -83,7 +85,7 @@ fn is_whole(path: &Path, format: Format) -> io::Result<bool> {
     }
 }
 
-/// The last bytes of a file.
+/// Returns the last bytes of a file.
 fn tail(path: &Path) -> io::Result<Vec<u8>> {
     const BYTES: u64 = 64;
     let mut file = File::open(path)?;
@@ -97,13 +99,13 @@ fn tail(path: &Path) -> io::Result<Vec<u8>> {
 fn is_whole_grid(path: &Path) -> bool {
     let file = RasterFile::open(path, &mut Vec::new());
     match file.and_then(|file| file.for_each_row(&mut Vec::new(), |_, _| {})) {
-        // No cell may hold a number.
+        // All cells may be void.
         Err(Error::Read(error)) => matches!(error.fault, ReadFault::AllVoid(..)),
         read => read.is_ok(),
     }
 }
 
-/// Whether there are as many bytes as the header beside the numbers says.
+/// Returns `true` when there are as many bytes as the header beside the numbers declares.
 fn is_whole_bil(path: &Path) -> io::Result<bool> {
     let header = std::fs::read_to_string(path.with_extension("hdr"))?;
     let number = |key: &str| -> Option<u64> {
@@ -120,7 +122,8 @@ fn is_whole_exr(path: &Path) -> bool {
     chunks.is_ok_and(|mut chunks| chunks.all(|chunk| chunk.is_ok()))
 }
 
-/// Whether features follow one another up to the end of the file, as many as its header says.
+/// Returns `true` when features follow one another up to the end of the file, as many as its header
+/// declares.
 fn is_whole_flatgeobuf(path: &Path) -> io::Result<bool> {
     const MAGIC_BYTES: u64 = 8;
     let mut file = BufReader::new(File::open(path)?);

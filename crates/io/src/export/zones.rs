@@ -7,7 +7,8 @@ use crate::error::Result;
 use crate::formats::{Bands, ClassColor, GeoTiffImage, TiffLayout, pam_sidecar, write_geotiff};
 use crate::zones::{NONE, Zone, ZoneMap};
 
-/// Adds a GeoTIFF of [`Zone::code`]s, one byte a cell, [`NONE`] as nodata, and the sidecar that names them.
+/// Adds a GeoTIFF of [`Zone::code`]s, one byte a cell, with [`NONE`] as nodata, and the sidecar
+/// that names them.
 ///
 /// # Errors
 /// Those of [`Batch::add`]; internal errors from the encoder.

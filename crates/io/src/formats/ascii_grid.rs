@@ -1,11 +1,13 @@
-//! Esri ASCII grid (`.asc`): a header of keys and numbers, then the heights row by row from the north.
+//! Esri ASCII grid (`.asc`): a header of keys and numbers, then the heights row by row from the
+//! north.
 //!
-//! Keys come in any case and order; the corner is that of the grid (`xllcorner`) or the center of its first cell
-//! (`xllcenter`), the cells are square (`cellsize`) or not (`dx`, `dy`, as GDAL writes them). A missing `NODATA_value` is
-//! -9999, as Esri defines it. The coordinate reference system is in a file of the same name with the ending `.prj`.
-//! Numbers have a decimal point; decimal commas are refused, since they cannot be told from separators.
+//! Keys come in any case and order. The corner is that of the grid (`xllcorner`) or the center of
+//! its south-west cell (`xllcenter`). The cells are square (`cellsize`) or not (`dx`, `dy`, as GDAL
+//! writes them). A missing `NODATA_value` is -9999, as Esri defines it. The coordinate reference
+//! system is in a file of the same name with the ending `.prj`. Numbers have a decimal point;
+//! decimal commas are refused, since they cannot be distinguished from separators.
 //!
-//! The file is read as a stream of words, so that its size in memory is that of the cells asked for.
+//! The file is read as a stream of words, so that it takes the memory of the requested cells only.
 
 use std::fmt::Write as _;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
@@ -51,8 +53,8 @@ impl AsciiGrid {
     /// Opens a file and reads its header, no cell.
     ///
     /// # Errors
-    /// If the file cannot be opened, or its header is incomplete, contradicts itself or promises more cells than the
-    /// file can hold.
+    /// If the file cannot be opened, or its header is incomplete, contradicts itself or promises
+    /// more cells than the file can hold.
     pub fn open(input: impl Into<Input>, warnings: &mut Vec<Warning>) -> Result<AsciiGrid> {
         warned(warnings, |odd| AsciiGrid::open_told(&input.into(), odd))
     }
@@ -79,12 +81,12 @@ impl AsciiGrid {
         Ok(AsciiGrid { input: input.clone(), georef, nodata, cells_at, cells_line })
     }
 
-    /// Where the cells lie.
+    /// Returns the grid of the cells.
     pub fn georef(&self) -> &GeoRef {
         &self.georef
     }
 
-    /// How the file is encoded, in a few words.
+    /// Returns the encoding in a few words.
     pub fn description(&self) -> String {
         format!("Esri ASCII grid, nodata {}", self.nodata)
     }
@@ -104,7 +106,7 @@ impl AsciiGrid {
         Ok(Raster::new(part, cells))
     }
 
-    /// The value of cells without a height.
+    /// Returns the value of cells without a height.
     pub(super) fn nodata(&self) -> f64 {
         self.nodata
     }
@@ -133,7 +135,8 @@ impl AsciiGrid {
         Ok(())
     }
 
-    /// The value as read, and the declared nodata value where the two are the same 32-bit number.
+    /// Returns the value as read, or the declared nodata value where the two are the same 32-bit
+    /// number.
     #[expect(
         clippy::float_cmp,
         clippy::cast_possible_truncation,
@@ -144,7 +147,7 @@ impl AsciiGrid {
     }
 }
 
-/// Whether a word is a key of the header, in any case.
+/// Returns `true` when a word is a key of the header, in any case.
 pub(super) fn is_header_key(word: &str) -> bool {
     KEYS.iter().any(|key| word.eq_ignore_ascii_case(key))
 }
@@ -182,7 +185,7 @@ impl Header {
                 return Err(words.truncated(format!("the file ends after `{word}`, wanted its value")));
             }
             let value = words.text();
-            // The value is checked where its line is at hand.
+            // The value is checked while its line is known.
             let number = words.number().map_err(|_| {
                 words.not_a_number(format!("`{word}` is `{value}`, wanted a number with a decimal point"))
             })?;
@@ -201,7 +204,7 @@ impl Header {
         }
     }
 
-    /// Checks that each number that the grid needs is there once.
+    /// Checks that each number that the grid needs is present once.
     fn check(&self, words: &Words) -> Result<()> {
         let has = |key| self.entries.iter().any(|(k, ..)| *k == key);
         for (one, other) in
@@ -246,7 +249,7 @@ impl Header {
     }
 }
 
-/// The words of a file, one after the other.
+/// Words of a file, one after the other.
 struct Words<'a> {
     input: &'a Input,
     reader: BufReader<Reader>,
@@ -265,17 +268,17 @@ impl<'a> Words<'a> {
         Words { input, reader, at, line, word: Vec::new(), word_at: at, word_line: line }
     }
 
-    /// E302, on the line of the current word.
+    /// Returns E302 on the line of the current word.
     fn malformed(&self, what: impl Into<String>) -> Error {
         Error::malformed(self.input, what).at(Place::Line(self.word_line))
     }
 
-    /// E303, on the line of the current word.
+    /// Returns E303 on the line of the current word.
     fn truncated(&self, what: impl Into<String>) -> Error {
         Error::truncated(self.input, what).at(Place::Line(self.word_line))
     }
 
-    /// Moves to the next word; false at the end of the file.
+    /// Moves to the next word; returns `false` at the end of the file.
     fn next(&mut self) -> Result<bool> {
         self.word.clear();
         loop {
@@ -286,7 +289,7 @@ impl<'a> Words<'a> {
             let mut n_used = 0;
             let mut done = false;
             for byte in buffer {
-                // A byte-order mark is no part of the first word.
+                // A byte-order mark does not belong to the first word.
                 let is_mark = self.at + (n_used as u64) < 3 && matches!(byte, 0xef | 0xbb | 0xbf);
                 if byte.is_ascii_whitespace() || *byte == 0x0b || is_mark {
                     if !self.word.is_empty() {
@@ -316,12 +319,12 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The current word, for a message.
+    /// Returns the current word, for a message.
     fn text(&self) -> String {
         String::from_utf8_lossy(&self.word).into_owned()
     }
 
-    /// The current word as a number.
+    /// Returns the current word as a number.
     fn number(&self) -> Result<f64> {
         std::str::from_utf8(&self.word)
             .ok()
@@ -329,14 +332,15 @@ impl<'a> Words<'a> {
             .ok_or_else(|| self.not_a_number(format!("`{}` is no number", self.text())))
     }
 
-    /// The error of a word that is to be a number.
+    /// Returns the error of a word that should be a number.
     fn not_a_number(&self, what: String) -> Error {
         let error = self.malformed(what);
         if self.word.contains(&b',') { error.because(Cause::DecimalCommas) } else { error }
     }
 }
 
-/// The coordinate reference system in the `.prj` file beside a grid, if there is one that can be understood.
+/// Reads the coordinate reference system from the `.prj` file beside a grid, if it can be
+/// understood.
 fn sidecar_crs(input: &Input, odd: &mut Vec<Oddity>) -> Option<Crs> {
     let sidecar = input.beside("prj")?;
     let (file, _) = sidecar.open().ok()?;
@@ -356,9 +360,9 @@ fn sidecar_crs(input: &Input, odd: &mut Vec<Oddity>) -> Option<Crs> {
 
 /// Writes a grid: the header, then `values` row by row from the north-west cell.
 ///
-/// NaN and infinities are written as `nodata`; `decimals` is the number of digits behind the point, `None` the fewest
-/// that read back as the same number. Cells that are not square get `dx` and `dy`, as GDAL writes them. `out` is written
-/// once per row.
+/// NaN and infinities are written as `nodata`. `decimals` is the number of digits behind the point;
+/// `None` writes the fewest that read back as the same number. Cells that are not square get `dx`
+/// and `dy`, as GDAL writes them. `out` is written once per row.
 ///
 /// # Errors
 /// If `out` cannot be written, or there is not exactly one value per cell.

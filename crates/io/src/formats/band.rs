@@ -1,12 +1,12 @@
-//! Which band of a raster holds the heights.
+//! Choice of the band of a raster that holds the heights.
 
 use crate::error::{Error, ReadFault, Result};
 use crate::input::Input;
 
-/// The band of a raster that is read.
+/// Band of a raster to read.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Band {
-    /// The first, because nobody named another.
+    /// The first, by default.
     #[default]
     First,
     /// A band by its number, counted from 1.
@@ -33,7 +33,7 @@ impl Band {
         text.parse().ok().filter(|number| *number > 0).map(Band::Number)
     }
 
-    /// Returns whether a band was named, be it the first.
+    /// Returns `true` when a band was named, even if it is the first.
     pub(super) fn is_named(&self) -> bool {
         *self != Band::First
     }
@@ -57,7 +57,7 @@ impl Band {
     }
 }
 
-/// The bands of a file: number, and name where there is one.
+/// Returns the bands of a file in words: number, and name where there is one.
 pub(super) fn bands_in_words(names: &[Option<&str>]) -> Vec<String> {
     let word = |(band, name): (usize, &Option<&str>)| match name {
         Some(name) => format!("{} `{name}`", band + 1),

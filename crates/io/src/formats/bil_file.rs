@@ -1,4 +1,5 @@
-//! Raw numbers with a text header (`.bil` and `.hdr`), which radio planners read: band interleaved by line, one band.
+//! Raw numbers with a text header (`.bil` and `.hdr`), which radio planners read: band interleaved
+//! by line, one band.
 //!
 //! # References
 //! The header's keywords: Esri, "BIL, BIP, and BSQ raster files"; GDAL's driver `EHdr`.
@@ -7,7 +8,7 @@ use std::fmt::Write;
 
 use crate::raster::GeoRef;
 
-/// The type of the numbers, all little endian.
+/// Type of the numbers, all little endian.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BilValues {
     /// Bytes.
@@ -18,7 +19,7 @@ pub enum BilValues {
     Float,
 }
 
-/// The header of a file that holds one number per cell, row by row from the north-west.
+/// Returns the header of a file that holds one number per cell, row by row from the north-west.
 ///
 /// Like a world file it places the *center* of the north-west cell.
 pub fn bil_header(georef: &GeoRef, values: BilValues, nodata: Option<f64>) -> String {

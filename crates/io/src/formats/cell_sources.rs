@@ -1,4 +1,5 @@
-//! One grid over another in another reference system: which cell of the one holds the center of each cell of the other.
+//! One grid over another in another reference system: for each cell of one, the cell of the other
+//! that holds its center.
 
 use rayon::prelude::*;
 
@@ -6,22 +7,25 @@ use crate::crs::Transformation;
 use crate::error::{CrsError, Result};
 use crate::raster::{Crs, CrsKind, GeoRef};
 
-/// Points along each side of a grid between which its outline in another system is taken for straight.
+/// Points along each side of a grid; its outline in another system is taken as straight between
+/// them.
 const POINTS_PER_SIDE: usize = 32;
-/// No cell of the source.
+/// Marker of a center outside of the source.
 const NONE: u32 = u32::MAX;
 
-/// For each cell of a grid the cell of a source that holds its center.
+/// Cells of a source that hold the centers of the cells of a grid.
 #[derive(Debug, Clone)]
 pub struct CellSources {
     sources: Vec<u32>,
 }
 
 impl CellSources {
-    /// Looks up the center of each cell of `grid` in `source`; `way` leads from the system of the one to that of the other.
+    /// Looks up the center of each cell of `grid` in `source`; `way` transforms from the system of
+    /// `grid` to that of `source`.
     ///
-    /// A center on an edge between cells of the source belongs to the one north or east of it. A point that the projection
-    /// does not know lies in no cell. Degrees of longitude are taken a turn on or back where that leads into the source.
+    /// A center on an edge between cells of the source belongs to the cell north or east of it. A
+    /// point that the projection does not know lies in no cell. Degrees of longitude are shifted by
+    /// a turn where that leads into the source.
     ///
     /// Cost: one transformation per cell.
     ///
@@ -44,13 +48,14 @@ impl CellSources {
         Ok(CellSources { sources: sources.collect() })
     }
 
-    /// The values of the cells of the source at the centers of these cells, `outside` where there is none.
+    /// Returns the values of the source's cells at the centers of these cells, `outside` where
+    /// there is none.
     pub fn resampled<T: Copy + Send + Sync>(&self, values: &[T], outside: T) -> Vec<T> {
         let value = |source: &u32| values.get(*source as usize).copied().unwrap_or(outside);
         self.sources.par_iter().map(value).collect()
     }
 
-    /// Number of cells whose center lies in no cell of the source.
+    /// Returns the number of cells whose center lies in no cell of the source.
     pub fn n_outside(&self) -> usize {
         self.sources.iter().filter(|source| **source == NONE).count()
     }
@@ -67,7 +72,7 @@ fn cell_at(grid: &GeoRef, (x, y): (f64, f64)) -> u32 {
     u32::try_from((grid.n_rows() - 1 - from_south) * grid.n_cols() + col).unwrap_or(NONE)
 }
 
-/// Points around a grid, its corners among them.
+/// Returns points around a grid, its corners among them.
 fn outline(grid: &GeoRef) -> impl Iterator<Item = (f64, f64)> {
     let (west, east, south, north) = (grid.x_min(), grid.x_max(), grid.y_min(), grid.y_max());
     (0..=POINTS_PER_SIDE).flat_map(move |k| {
@@ -77,7 +82,8 @@ fn outline(grid: &GeoRef) -> impl Iterator<Item = (f64, f64)> {
     })
 }
 
-/// West, south, east, north of a grid in another system: an outline that is bent reaches beyond its corners.
+/// Returns west, south, east, north of a grid in another system. Points along its sides count,
+/// because a bent outline reaches beyond its corners.
 ///
 /// # Errors
 /// E310 if a part of it is outside the domain of the projection.
@@ -90,8 +96,8 @@ pub fn bounds_through(grid: &GeoRef, way: &Transformation) -> Result<[f64; 4]> {
     Ok(bounds)
 }
 
-/// How far a point can be from the center of the cell that holds it, at most: half the longest diagonal of the cells around
-/// a grid, in units of another system.
+/// Returns the largest distance of a point from the center of its cell, in units of another system:
+/// half the longest diagonal of the cells around a grid.
 ///
 /// # Errors
 /// E310 if a cell is outside the domain of the projection.
@@ -99,7 +105,7 @@ pub fn half_diagonal_through(grid: &GeoRef, way: &Transformation) -> Result<f64>
     let (width, height) = (grid.cell_width(), grid.cell_height());
     let mut longest: f64 = 0.0;
     for (x, y) in outline(grid) {
-        // The cell next to the point that lies inside of the grid.
+        // The cell at the point, inside of the grid.
         let (west, south) = (x.min(grid.x_max() - width), y.min(grid.y_max() - height));
         let corner = |dx: f64, dy: f64| way.apply((west + dx * width, south + dy * height));
         for (a, b) in [(corner(0.0, 0.0)?, corner(1.0, 1.0)?), (corner(1.0, 0.0)?, corner(0.0, 1.0)?)] {
@@ -109,8 +115,9 @@ pub fn half_diagonal_through(grid: &GeoRef, way: &Transformation) -> Result<f64>
     Ok(longest / 2.0)
 }
 
-/// A north-up grid of square cells over a grid in another system, its diagonal as many cells long: what `gdalwarp` chooses
-/// where no cell size is given. `None` where the grid shrinks to nothing.
+/// Returns a north-up grid of square cells over a grid in another system, with as many cells along
+/// its diagonal. This is the choice of `gdalwarp` where no cell size is given. `None` where the
+/// grid shrinks to nothing.
 ///
 /// # Errors
 /// E310 if a part of the grid is outside the domain of the projection.

@@ -1,11 +1,17 @@
-//! OpenEXR out: named channels of 32-bit numbers, lossless, in one part, placed on the map as GDAL does it.
+//! OpenEXR files: named channels of 32-bit numbers, lossless, in one part, placed on the map as
+//! GDAL does it.
 //!
-//! GDAL and QGIS read the definition of the coordinate system from the string attribute `gdal:crsWkt`, the place from
-//! `gdal:geoTransform` of type `m33d` (rows `[dx, 0, x0]`, `[0, −dy, y0]`, `[0, 0, 1]`), and any other string attribute
-//! `gdal:NAME` as metadata item NAME. Channels come as bands in the order of their names. No data is NaN.
+//! | attribute | read by GDAL and QGIS as |
+//! |---|---|
+//! | `gdal:crsWkt` | definition of the coordinate system |
+//! | `gdal:geoTransform` | place, of type `m33d`: rows `[dx, 0, x0]`, `[0, −dy, y0]`, `[0, 0, 1]` |
+//! | any other `gdal:NAME` | metadata item NAME |
+//!
+//! Channels appear as bands in the order of their names. No data is NaN.
 //!
 //! # References
-//! OpenEXR file layout (openexr.com, version 3); the EXR driver of GDAL, `frmts/exr/exrdataset.cpp`.
+//! OpenEXR file layout (openexr.com, version 3); the EXR driver of GDAL,
+//! `frmts/exr/exrdataset.cpp`.
 
 use std::io::{Cursor, Write};
 
@@ -21,7 +27,7 @@ use exr::prelude::{Blocks, Compression};
 use crate::error::{Error, Result};
 use crate::raster::GeoRef;
 
-/// The values of a channel, row by row from the north-west cell.
+/// Values of a channel, row by row from the north-west cell.
 #[derive(Debug, Clone, Copy)]
 pub enum ExrChannel<'a> {
     /// Measures; NaN where there is none.
@@ -33,8 +39,8 @@ pub enum ExrChannel<'a> {
 /// Writes channels and metadata as an OpenEXR file, compressed with ZIP in blocks of 16 rows.
 ///
 /// # Errors
-/// E401 if `out` refuses the bytes, E402 if the format cannot hold the image (no channel, two channels of one name, a
-/// name of more than 255 bytes, more than 2³¹ rows or columns).
+/// E401 if `out` refuses the bytes. E402 if the format cannot hold the image (no channel, two
+/// channels of one name, a name of more than 255 bytes, more than 2³¹ rows or columns).
 ///
 /// # Panics
 /// If a channel does not hold one value per cell.
@@ -69,12 +75,12 @@ fn cannot_encode(why: &str) -> Error {
     Error::encode("an OpenEXR file", why)
 }
 
-/// The bytes of a string; readers take them as UTF-8.
+/// Returns the bytes of a string; readers take them as UTF-8.
 fn text(string: &str) -> Text {
     Text::from_slice_unchecked(string.as_bytes())
 }
 
-/// Nine numbers in 64 bits, row by row.
+/// Returns the place as nine numbers of 64 bits, row by row.
 fn geo_transform(georef: &GeoRef) -> AttributeValue {
     let (dx, dy) = (georef.cell_width(), georef.cell_height());
     let matrix = [dx, 0.0, georef.x_min(), 0.0, -dy, georef.y_max(), 0.0, 0.0, 1.0];
@@ -134,7 +140,8 @@ impl<'slf> WritableChannels<'slf> for Channels<'slf> {
     }
 }
 
-/// Hands out blocks of rows: in each row all of the first channel, then all of the second, and so on.
+/// Writer of blocks of rows: in each row all of the first channel, then all of the second, and so
+/// on.
 struct BlockWriter<'a>(&'a Channels<'a>);
 
 impl ChannelsWriter for BlockWriter<'_> {
@@ -159,12 +166,14 @@ impl ChannelsWriter for BlockWriter<'_> {
     }
 }
 
-/// Brings the attributes in the header of a one-part file into the order of their names.
+/// Sorts the attributes in the header of a one-part file by name; `None` if the file does not begin
+/// with a header.
 ///
-/// The crate keeps them in a hash map, so that the same image would give other bytes in each run. The length of the
-/// header stays the same, and with it all offsets. `None` if the file does not begin with a header.
+/// The crate keeps them in a hash map, so that the same image would give other bytes in each run.
+/// The length of the header stays, and with it all offsets.
 fn sort_attributes(file: &mut [u8]) -> Option<()> {
-    // Magic number and version, then `name 0 type 0 length value` for each attribute, then one more 0.
+    // Magic number and version, then `name 0 type 0 length value` for each attribute, then one more
+    // 0.
     let start = 8;
     let (mut at, mut attributes) = (start, Vec::new());
     while *file.get(at)? != 0 {

@@ -1,4 +1,5 @@
-//! Raster files of any format, and folders of them: told apart by what they hold, not by what they are called.
+//! Raster files of any format, and folders of them, recognized by their content and not by their
+//! names.
 
 use std::io::Read;
 use std::path::Path;
@@ -12,7 +13,7 @@ use crate::error::{Cause, Error, Oddity, Result, Warning};
 use crate::input::{Input, cannot_read};
 use crate::raster::{CellWindow, GeoRef, Raster};
 
-/// A raster file, or a folder of them, whose headers have been read.
+/// Raster file, or a folder of them, whose headers have been read.
 #[derive(Debug, Clone)]
 #[expect(clippy::large_enum_variant, reason = "one value per input file")]
 pub enum RasterFile {
@@ -25,15 +26,18 @@ pub enum RasterFile {
 }
 
 impl RasterFile {
-    /// Opens a raster file and reads its header, no cell; of a folder and of a virtual raster those of all tiles.
+    /// Opens a raster file and reads its header, no cell; for a folder or a virtual raster, the
+    /// headers of all tiles.
     ///
     /// # Errors
-    /// If the file cannot be opened, is of another kind (the error says of which), or its header is bad.
+    /// If the file cannot be opened, is of another kind (which the error names), or its header is
+    /// bad.
     pub fn open(input: impl Into<Input>, warnings: &mut Vec<Warning>) -> Result<RasterFile> {
         warned(warnings, |odd| RasterFile::open_told(&input.into(), None, odd))
     }
 
-    /// What is odd about its header comes as values; `band` is the one to read, where one can be asked for.
+    /// Opens as [`RasterFile::open`], with oddities as values. `band` is the band to read, where
+    /// the caller can choose one.
     pub(crate) fn open_told(input: &Input, band: Option<&Band>, odd: &mut Vec<Oddity>) -> Result<RasterFile> {
         if input.is_folder() {
             return Mosaic::open_folder(input.as_path(), band, read_header, odd).map(RasterFile::Mosaic);
@@ -70,7 +74,8 @@ impl RasterFile {
         }
     }
 
-    /// Length of the file's height unit \[m\], if it names one; values are read as they are.
+    /// Returns the length of the file's height unit \[m\], if it names one; values are read without
+    /// conversion.
     pub fn meters_per_height_unit(&self) -> Option<f64> {
         match self {
             RasterFile::GeoTiff(tiff) => tiff.meters_per_height_unit(),
@@ -79,7 +84,7 @@ impl RasterFile {
         }
     }
 
-    /// What heights are above, where the file names it.
+    /// Returns the vertical system, where the file names it.
     pub fn vertical(&self) -> Option<&VerticalCrs> {
         match self {
             RasterFile::GeoTiff(tiff) => tiff.vertical(),
@@ -88,7 +93,7 @@ impl RasterFile {
         }
     }
 
-    /// Where the cells lie.
+    /// Returns the grid of the cells.
     pub fn georef(&self) -> &GeoRef {
         match self {
             RasterFile::GeoTiff(tiff) => tiff.georef(),
@@ -97,12 +102,12 @@ impl RasterFile {
         }
     }
 
-    /// The files that the raster is made of beside its own, in their order.
+    /// Returns the other files that the raster is made of, in their order.
     pub fn tile_paths(&self) -> Vec<&Path> {
         if let RasterFile::Mosaic(mosaic) = self { mosaic.tile_paths() } else { Vec::new() }
     }
 
-    /// How the file is encoded, in a few words.
+    /// Returns the encoding in a few words.
     pub fn description(&self) -> String {
         match self {
             RasterFile::GeoTiff(tiff) => tiff.description(),
@@ -111,11 +116,12 @@ impl RasterFile {
         }
     }
 
-    /// All heights on the lattice \[1/1024 m\], where the file stores them so plainly that no cell needs a word, and the
-    /// number of cells without one; `None` else.
+    /// Returns all heights on the lattice \[1/1024 m\], and the number of cells without one. `None`
+    /// unless the file stores them so plainly that no cell needs a warning.
     ///
     /// # Errors
-    /// If the heights do not fit in memory, the file cannot be read, or none of its cells holds a height.
+    /// If the heights do not fit in memory, the file cannot be read, or none of its cells holds a
+    /// height.
     pub fn read_plain_heights(
         &self,
         window: CellWindow,
@@ -124,10 +130,12 @@ impl RasterFile {
         if let RasterFile::GeoTiff(tiff) = self { tiff.read_plain_heights(window, warnings) } else { Ok(None) }
     }
 
-    /// Reads a part of the raster, of its first band if nobody named another; cells without a height arrive in `convert` as NaN.
+    /// Reads a part of the raster, of its first band by default; cells without a height arrive in
+    /// `convert` as NaN.
     ///
     /// # Errors
-    /// If the part does not fit in memory, the file cannot be read or decoded, or no cell of the part holds a height.
+    /// If the part does not fit in memory, the file cannot be read or decoded, or no cell of the
+    /// part holds a height.
     ///
     /// # Panics
     /// If `window` is empty or reaches beyond the grid.
@@ -144,7 +152,8 @@ impl RasterFile {
         }
     }
 
-    /// Whether reading a part costs what the part costs: not in strips of compressed rows, nor in text.
+    /// Returns `true` when the cost of reading a part is that of the part. Strips of compressed
+    /// rows, and text, are read from their beginning.
     pub fn reads_parts(&self) -> bool {
         match self {
             RasterFile::GeoTiff(tiff) => tiff.reads_parts(),
@@ -153,27 +162,28 @@ impl RasterFile {
         }
     }
 
-    /// Bytes that reading takes beside the cells that are read: a strip or tile, unpacked.
+    /// Returns the memory of reading beyond the requested cells \[bytes\]: an unpacked strip or
+    /// tile.
     pub fn block_bytes(&self) -> u64 {
         if let RasterFile::GeoTiff(tiff) = self { tiff.block_bytes() } else { 0 }
     }
 
-    /// Whether the file stores no cell at all, whatever size it claims.
+    /// Returns `true` when the file stores no cell at all, whatever size it declares.
     pub fn is_empty(&self) -> bool {
         matches!(self, RasterFile::GeoTiff(tiff) if tiff.is_empty())
     }
 
-    /// Calls `visit` with the index and the heights of every row, from the north or from the south as they are stored;
-    /// NaN where there is none. Memory is that of a row of blocks.
+    /// Calls `visit` with the index and the heights of every row, from the north or from the south
+    /// as they are stored. NaN marks cells without a height. Memory is that of a row of blocks.
     ///
     /// # Errors
-    /// As [`RasterFile::read`].
+    /// Errors of [`RasterFile::read`].
     pub fn for_each_row(&self, warnings: &mut Vec<Warning>, mut visit: impl FnMut(usize, &[f64])) -> Result<()> {
         let (n_rows, n_cols) = (self.georef().n_rows(), self.georef().n_cols());
         let is_from_south = matches!(self, RasterFile::GeoTiff(tiff) if tiff.is_south_up());
         let mut heights = Vec::with_capacity(n_cols);
         let mut n_done = 0;
-        // Cells of no size: nothing is held but the row.
+        // `convert` returns values of no size, so that only one row is held.
         self.read(self.georef().window(), warnings, |height| {
             heights.push(height);
             if heights.len() == n_cols {
@@ -186,7 +196,7 @@ impl RasterFile {
     }
 }
 
-/// What the first bytes of a file say that it is.
+/// Kind of a file by its first bytes.
 #[derive(Debug, PartialEq, Eq)]
 enum Kind {
     Tiff,
@@ -216,7 +226,7 @@ fn kind_of(head: &[u8]) -> Kind {
         return Kind::Other("empty");
     }
     if head.starts_with(b"II") || head.starts_with(b"MM") {
-        // A text may begin with these letters as well.
+        // Texts may begin with these letters as well.
         if matches!(head, [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..]) || head.len() < 4 {
             return Kind::Tiff;
         }
@@ -236,7 +246,7 @@ fn kind_of(head: &[u8]) -> Kind {
     }
 }
 
-/// The start of a file as text, `None` if it is binary.
+/// Returns the start of a file as text; `None` if it is binary.
 fn leading_text(head: &[u8]) -> Option<&str> {
     let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
     let text = match std::str::from_utf8(head) {

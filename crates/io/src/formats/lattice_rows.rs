@@ -1,4 +1,4 @@
-//! Rows of 32-bit floats straight onto the lattice of heights, many at a time.
+//! Conversion of rows of 32-bit floats to the lattice of heights, many at a time.
 
 use fearless_simd::prelude::*;
 use skyshed_core::dispatch;
@@ -7,11 +7,12 @@ use skyshed_core::simd::SimdLevel;
 use super::voids::{HIGHEST_LIKELY, LOWEST_LIKELY};
 use crate::quantity::{STEPS_PER_UNIT, VOID};
 
-/// Rounds heights \[m\] to the lattice as [`crate::quantity::height_steps`] does; `nodata` becomes [`VOID`].
+/// Rounds heights \[m\] to the lattice as [`crate::quantity::height_steps`] does; `nodata` becomes
+/// [`VOID`].
 ///
-/// `cells` holds the bits of 32-bit floats, and then lattice heights. Returns the number of nodata cells, or `None` if any
-/// cell is neither nodata nor a likely height: what to say of such a cell is for who reads them one by one. `cells` holds
-/// nothing of use then.
+/// `cells` holds the bits of 32-bit floats, and then lattice heights. Returns the number of nodata
+/// cells, or `None` if any cell is neither nodata nor a likely height. The caller then reads cells
+/// one by one for a warning; `cells` holds nothing of use.
 pub(super) fn put_on_lattice(cells: &mut [i32], nodata: Option<f32>) -> Option<u64> {
     dispatch!(SimdLevel::new(), simd => convert(simd, cells, nodata))
 }
@@ -34,11 +35,12 @@ fn convert<S: Simd>(simd: S, cells: &mut [i32], nodata: Option<f32>) -> Option<u
     Some(n_nodata)
 }
 
-/// One vector, of which the lanes of `counted` are cells.
+/// Converts one vector, of which the lanes of `counted` are cells.
 #[inline(always)]
 fn convert_lanes<S: Simd>(simd: S, nodata: Option<f32>, counted: u64, cells: &mut [i32]) -> Option<u64> {
     let heights: S::f32s = S::i32s::from_slice(simd, cells).bitcast();
-    // EXACT: the product with a power of two, the floor, and the fraction above it are all 32-bit floats.
+    // EXACT: the product with a power of two, the floor, and the fraction above it are all 32-bit
+    // floats.
     let steps = heights * STEPS_PER_UNIT as f32;
     let floor = steps.floor();
     let up = (steps - floor).simd_ge(0.5).select(S::f32s::splat(simd, 1.0), S::f32s::splat(simd, 0.0));

@@ -1,4 +1,5 @@
-//! A grid in longitude and latitude over a grid in another system, for programs that know nothing else.
+//! A grid in longitude and latitude over a grid in another system, for programs that support no
+//! other.
 
 use super::CellSources;
 use super::cell_sources::bounds_through;
@@ -9,11 +10,11 @@ use crate::raster::GeoRef;
 
 /// Length of a degree of latitude \[m\], to half a percent everywhere.
 const METERS_PER_DEGREE: f64 = 111_195.0;
-/// Largest number of columns or rows: what globes take as one picture.
+/// Largest number of columns or rows: the limit of globes for one picture.
 const LARGEST_SIDE: f64 = 4096.0;
 
-/// Cells of equal steps in degrees of WGS 84 over a grid, as large as those of the grid or larger, and the cell of the grid
-/// at the center of each.
+/// Grid of equal steps in degrees of WGS 84 over another grid, with cells as large as those of that
+/// grid or larger. It holds the source cell at the center of each.
 #[derive(Debug, Clone)]
 pub struct LonLatGrid {
     georef: GeoRef,
@@ -22,7 +23,7 @@ pub struct LonLatGrid {
 }
 
 impl LonLatGrid {
-    /// A grid over all of `grid`; `None` if that has no CRS.
+    /// Returns a grid over all of `grid`; `None` if that has no CRS.
     ///
     /// Cost: one transformation per cell.
     ///
@@ -50,12 +51,12 @@ impl LonLatGrid {
         Ok(Some(LonLatGrid { georef, sources, to_degrees }))
     }
 
-    /// Where the cells lie \[deg\].
+    /// Returns the grid of the cells \[deg\].
     pub fn georef(&self) -> &GeoRef {
         &self.georef
     }
 
-    /// Longitude and latitude of a place in the CRS of the source \[deg\].
+    /// Returns longitude and latitude of a place in the CRS of the source \[deg\].
     ///
     /// # Errors
     /// E310 outside the domain of the projection.
@@ -63,7 +64,8 @@ impl LonLatGrid {
         self.to_degrees.apply(place)
     }
 
-    /// The values of the cells of the source at the centers of these cells, `outside` where there is none.
+    /// Returns the values of the source's cells at the centers of these cells, `outside` where
+    /// there is none.
     pub fn resampled<T: Copy + Send + Sync>(&self, values: &[T], outside: T) -> Vec<T> {
         self.sources.resampled(values, outside)
     }
@@ -75,7 +77,7 @@ mod tests {
 
     const NONE: u32 = u32::MAX;
 
-    /// Each cell knows its own place.
+    /// Checks that each cell holds the source cell at its own place.
     #[test]
     fn cells_in_degrees_hold_the_nearest_cell_of_the_source() {
         let crs = crs::from_epsg(25832).unwrap();
@@ -96,9 +98,9 @@ mod tests {
             assert!(away < 0.72, "{away}");
             seen[id] = true;
         }
-        // Of as many cells as the source has, a few fall between the others.
+        // The grid has as many cells as the source, so a few source cells lie between its centers.
         assert!(seen.iter().filter(|s| **s).count() > 2100);
-        // The grid is turned by its convergence, so the corners of the box are empty.
+        // The convergence turns the grid, so the corners of the box are empty.
         assert!(found.contains(&NONE));
         assert!(LonLatGrid::over(&grid.with_crs(None)).unwrap().is_none());
     }

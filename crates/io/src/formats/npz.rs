@@ -1,4 +1,4 @@
-//! NumPy archives out: a ZIP file of one `.npy` file per array, as `numpy.savez_compressed` writes it.
+//! NumPy archives: a ZIP file of one `.npy` file per array, as `numpy.savez_compressed` writes it.
 //!
 //! # References
 //! NumPy Enhancement Proposal 1, format version 1.0.
@@ -32,10 +32,11 @@ pub enum NpyArray<'a> {
 /// Writes arrays under their names.
 ///
 /// # Errors
-/// E401 if `out` refuses the bytes, E402 if ZIP cannot hold the arrays (two of one name, a name of more than 64 KiB).
+/// E401 if `out` refuses the bytes, E402 if ZIP cannot hold the arrays (two of one name, a name of
+/// more than 64 KiB).
 ///
 /// # Panics
-/// If an array does not hold as many values as its shape says.
+/// If an array does not hold as many values as its shape requires.
 pub fn write_npz(out: &mut (impl Write + Seek), arrays: &[(String, NpyArray<'_>)]) -> Result<()> {
     let refused = |cause: zip::result::ZipError| match cause {
         zip::result::ZipError::Io(cause) => Error::refused("an npz file", &cause),
@@ -57,7 +58,8 @@ pub fn write_npz(out: &mut (impl Write + Seek), arrays: &[(String, NpyArray<'_>)
 }
 
 impl NpyArray<'_> {
-    /// How hard to look for what repeats, which measures hardly do; the library's own level if `None`.
+    /// Returns the compression level, low for measures, which hardly repeat; `None` is the
+    /// library's own level.
     fn level(&self) -> Option<i64> {
         matches!(self, NpyArray::F32(..) | NpyArray::F64(..)).then_some(1)
     }
@@ -94,7 +96,7 @@ impl NpyArray<'_> {
         }
     }
 
-    /// Length of the values, the header left out \[bytes\].
+    /// Returns the length of the values without the header \[bytes\].
     fn n_bytes(&self) -> u64 {
         let len = match self {
             NpyArray::U8(values, _) => values.len(),
@@ -109,12 +111,13 @@ impl NpyArray<'_> {
     }
 }
 
-/// Characters of the longest string; NumPy has no strings of none.
+/// Returns the number of characters of the longest string; NumPy has no strings of none.
 fn longest(texts: &[String]) -> usize {
     texts.iter().map(|t| t.chars().count()).max().unwrap_or(0).max(1)
 }
 
-/// Magic number, version, and a Python literal padded so that the values begin at a multiple of 64 bytes.
+/// Returns magic number, version, and a Python literal padded so that the values begin at a
+/// multiple of 64 bytes.
 fn header(kind: &str, shape: &[usize]) -> Vec<u8> {
     let shape = match shape {
         [only] => format!("({only},)"),

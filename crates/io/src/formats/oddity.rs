@@ -1,4 +1,4 @@
-//! What is odd about the headers of rasters: a mosaic and a scene know better than some of it.
+//! Oddities of the headers of rasters. Mosaics and scenes override some of them.
 
 use std::fmt::Display;
 
@@ -6,7 +6,8 @@ use crate::crs::Stretch;
 use crate::error::{OddRaster, Oddity, Result, Warning};
 use crate::raster::GeoRef;
 
-/// Gives a grid in web Mercator the length that its unit has in its middle, and tells of that; other grids stay.
+/// Gives a grid in web Mercator the true length of its unit in its middle, and reports that; other
+/// grids stay.
 pub(crate) fn with_true_lengths(grid: GeoRef, tell: &mut impl FnMut(OddRaster)) -> GeoRef {
     let bounds = [grid.x_min(), grid.y_min(), grid.x_max(), grid.y_max()];
     let Some((crs, stretch)) = grid.crs().and_then(|crs| Some((crs.clone(), Stretch::of(crs, bounds)?))) else {
@@ -24,19 +25,20 @@ impl From<Stretch> for OddRaster {
 }
 
 impl OddRaster {
-    /// Whether it is about the reference system, so that another one settles it.
+    /// Returns `true` when it concerns the reference system, so that another one settles it.
     pub(crate) fn is_of_crs(&self) -> bool {
         matches!(self.number(), 325 | 326 | 331)
     }
 
-    /// Whether it is about the place or the unit, so that those of a virtual raster settle it.
+    /// Returns `true` when it concerns the place or the unit, so that those of a virtual raster
+    /// settle it.
     pub(super) fn is_of_place(&self) -> bool {
         self.is_of_crs() || matches!(self, OddRaster::NoPlace | OddRaster::Unit(_))
     }
 }
 
 impl Oddity {
-    /// Whether it is that the raster is in web Mercator.
+    /// Returns `true` when the raster is in web Mercator.
     pub(crate) fn is_web_mercator(&self) -> bool {
         matches!(self.odd, OddRaster::WebMercator { .. })
     }
@@ -46,7 +48,7 @@ impl Oddity {
     }
 }
 
-/// What is odd about many tiles, each kind once.
+/// Returns the oddities of many tiles, each kind once.
 pub(super) fn each_once(all: impl Iterator<Item = Oddity>) -> Vec<Oddity> {
     let mut kinds: Vec<Oddity> = Vec::new();
     for oddity in all {
@@ -58,7 +60,7 @@ pub(super) fn each_once(all: impl Iterator<Item = Oddity>) -> Vec<Oddity> {
     kinds
 }
 
-/// Opens something, and warns of what is odd about it.
+/// Opens something, and warns of its oddities.
 pub(super) fn warned<T>(warnings: &mut Vec<Warning>, open: impl FnOnce(&mut Vec<Oddity>) -> Result<T>) -> Result<T> {
     let mut odd = Vec::new();
     let opened = open(&mut odd);

@@ -1,4 +1,4 @@
-//! What this program wrote into a picture, raster or archive about its origin.
+//! Provenance that this program wrote into a picture, raster or archive.
 
 use std::io::{BufReader, Read};
 
@@ -8,14 +8,14 @@ use exr::meta::attribute::AttributeValue;
 use super::RasterFile;
 use crate::input::Input;
 
-/// Longest text that is looked at \[bytes\].
+/// Longest text that is read \[bytes\].
 const MOST_BYTES: u64 = 64 << 20;
 
-/// How every text about the origin of a file begins.
+/// Beginning of every provenance text.
 const BEGINNING: &str = "{\"schema\":\"skyshed/";
 
-/// The text about its origin that a GeoTIFF, PNG, OpenEXR file or numpy archive of this program holds, as JSON; `None` for
-/// the files of others, damaged ones, and formats that hold none.
+/// Returns the provenance in a GeoTIFF, PNG, OpenEXR file or numpy archive of this program, as
+/// JSON. `None` for files of other programs, damaged ones, and formats that hold none.
 pub fn origin_of(input: impl Into<Input>) -> Option<String> {
     let input = &input.into();
     let mut head = [0; 4];
@@ -50,7 +50,7 @@ fn of_exr(input: &Input) -> Option<String> {
     })
 }
 
-/// The entry `meta` of an archive: a numpy array of one text in UTF-32.
+/// Reads the entry `meta` of an archive: a numpy array of one text in UTF-32.
 fn of_npz(input: &Input) -> Option<String> {
     let mut archive = zip::ZipArchive::new(BufReader::new(input.open().ok()?.0)).ok()?;
     let mut bytes = Vec::new();

@@ -1,14 +1,14 @@
-//! Room in memory for the cells of a grid, refused beyond a limit.
+//! Memory for the cells of a grid, refused beyond a limit.
 
 use std::fmt::Display;
 
 use crate::error::{Cause, Error, ReadFault, Result};
 use crate::raster::GeoRef;
 
-/// Most memory that the cells of one read may take \[bytes\].
+/// Largest memory for the cells of one read \[bytes\].
 const MAX_READ_BYTES: u64 = 16 << 30;
 
-/// An empty vector with room for all cells of `georef`.
+/// Returns an empty vector with room for all cells of `georef`.
 pub(crate) fn reserve_cells<T>(name: &dyn Display, georef: &GeoRef) -> Result<Vec<T>> {
     check_cells::<T>(name, georef)?;
     let mut cells = Vec::new();

@@ -1,6 +1,6 @@
-//! The type of the numbers that a raster file stores, one for each cell.
+//! Type of the numbers that a raster file stores, one for each cell.
 
-/// The type of one sample.
+/// Type of one sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sample {
     /// One bit, only in masks.
@@ -19,7 +19,7 @@ pub(super) enum Sample {
 }
 
 impl Sample {
-    /// Bits per sample.
+    /// Returns the bits per sample.
     pub(super) fn bits(self) -> u16 {
         match self {
             Sample::Bit => 1,
@@ -30,7 +30,7 @@ impl Sample {
         }
     }
 
-    /// The name that GDAL and numpy use.
+    /// Returns the name that GDAL and numpy use.
     pub(super) fn name(self) -> &'static str {
         match self {
             Sample::Bit => "bit",
@@ -48,7 +48,7 @@ impl Sample {
         }
     }
 
-    /// Whether samples may have fractions.
+    /// Returns `true` for samples that may have fractions.
     pub(super) fn is_float(self) -> bool {
         matches!(self, Sample::F16 | Sample::F32 | Sample::F64)
     }

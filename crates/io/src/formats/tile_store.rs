@@ -1,11 +1,14 @@
-//! A raster of 32-bit integers in tiles on disk, of which windows are read.
+//! A raster of 32-bit integers in tiles on disk, which is read in windows.
 //!
-//! The file has no name: it is gone when the store is dropped, and when the program is killed. Rows within a tile follow
-//! each other, so that a window reads nothing but stretches of the tiles that it touches. Cells without a height are stored as
-//! zeros, and a tile of these alone is a hole in the file: it takes no room. Most tiles have heights within 64 m of each other,
-//! which 16 bits hold above the lowest of them; the rest of such a tile's place is a hole, too.
+//! The file has no name: it is gone when the store is dropped, and when the program is killed. Rows
+//! within a tile follow each other, so that a window reads only stretches of the tiles that it
+//! touches.
 //!
-//! PERF: what a map by strips waits for is the disk.
+//! Cells without a height are stored as zeros. A tile of such cells alone is a hole in the file,
+//! which takes no space. Most tiles have heights within 64 m of each other. They are stored in 16
+//! bits above the lowest of them; the rest of such a tile's place is a hole, too.
+//!
+//! PERF: a map by strips waits for the disk.
 
 use std::fs::File;
 use std::path::Path;
@@ -22,7 +25,7 @@ const TILE: usize = 256;
 /// Rows of a tile that are read at a time by one thread.
 const ROWS_AT_ONCE: usize = 32;
 
-/// Of a cell, if its tile is not narrow.
+/// Size of a cell in a tile that is not narrow \[bytes\].
 const BYTES: usize = size_of::<i32>();
 
 /// A raster in tiles on disk.
@@ -31,30 +34,31 @@ pub struct TileStore {
     file: File,
     n_rows: usize,
     n_cols: usize,
-    /// Of each tile that is narrow what its numbers of 16 bits are above; a cell without a height is 0.
+    /// Base of the 16-bit numbers of each narrow tile, in which a cell without a height is 0;
+    /// `None` for other tiles.
     bases: Vec<Option<i32>>,
 }
 
-/// What the numbers of a tile are above, if 16 bits hold them.
+/// Returns the base of the numbers of a tile, if 16 bits hold them.
 fn base_of(cells: impl Iterator<Item = i32>) -> Option<i32> {
     let (low, high) = cells.filter(|z| *z != VOID).fold((i32::MAX, i32::MIN), |r, z| (r.0.min(z), r.1.max(z)));
     let base = low.checked_sub(1)?;
     high.checked_sub(base).filter(|range| u16::try_from(*range).is_ok()).map(|_| base)
 }
 
-/// A [`TileStore`] that is being filled row by row.
+/// A [`TileStore`] that is filled row by row.
 #[derive(Debug)]
 pub struct TileStoreWriter {
     store: TileStore,
     folder: String,
-    /// The rows of tile row `tile_row` so far.
+    /// Rows of tile row `tile_row` so far.
     band: Vec<i32>,
     tile_row: usize,
     bytes: Vec<u8>,
 }
 
 impl TileStoreWriter {
-    /// A store of shape `[n_rows, n_cols]` in a file without a name in `folder`.
+    /// Creates a store of shape `[n_rows, n_cols]` in a file without a name in `folder`.
     ///
     /// # Errors
     /// E401 if the file cannot be made.
@@ -71,7 +75,7 @@ impl TileStoreWriter {
         })
     }
 
-    /// Sets a row. Rows come in the order of the raster, or in the opposite one; all of them once.
+    /// Sets a row. Rows come in the order of the raster or in the opposite one, each once.
     ///
     /// # Errors
     /// E401 if the disk is full or refuses the bytes.
@@ -90,10 +94,10 @@ impl TileStoreWriter {
         Ok(())
     }
 
-    /// The filled store.
+    /// Returns the filled store.
     ///
     /// # Errors
-    /// As [`TileStoreWriter::put_row`].
+    /// Errors of [`TileStoreWriter::put_row`].
     pub fn finish(mut self) -> Result<TileStore> {
         self.flush()?;
         Ok(self.store)
@@ -152,17 +156,18 @@ impl TileStoreWriter {
 }
 
 impl TileStore {
-    /// Number of rows and columns.
+    /// Returns the number of rows and columns.
     pub fn shape(&self) -> (usize, usize) {
         (self.n_rows, self.n_cols)
     }
 
-    /// Bytes that a store of some cells takes on disk.
+    /// Returns the bytes that a store of some cells takes on disk.
     pub fn bytes_on_disk((n_rows, n_cols): (usize, usize)) -> u64 {
         (n_rows.div_ceil(TILE) * n_cols.div_ceil(TILE)) as u64 * (TILE * TILE * BYTES) as u64
     }
 
-    /// Replaces `cells` by those of a window, row by row from the north. Threads of the current pool share the reading.
+    /// Replaces `cells` by those of a window, row by row from the north. Threads of the current
+    /// pool share the reading.
     ///
     /// # Errors
     /// E401 if the file cannot be read.
@@ -226,8 +231,8 @@ fn scratch_error(folder: &str, cause: &std::io::Error) -> Error {
     Error::write(format!("a scratch file in {folder}"), WriteFault::Scratch(io_words(cause)))
 }
 
-/// Fills `bytes` from an offset on, without moving a position that threads share.
-/// Systems without files have no tiles on them.
+/// Fills `bytes` from an offset on, without moving a position that threads share. Unsupported on
+/// systems without files, where no tiles exist.
 #[cfg(not(any(unix, windows)))]
 fn read_at(_: &File, _: &mut [u8], _: u64) -> std::io::Result<()> {
     Err(std::io::ErrorKind::Unsupported.into())

@@ -1,20 +1,21 @@
-//! Cells without a height, told apart and counted while a raster is read.
+//! Cells without a height, distinguished and counted while a raster is read.
 //!
-//! A declared nodata value is what a file is meant to hold and passes silently; NaN, infinities, missing blocks and
-//! numbers that look like an undeclared nodata value are reported, with the rectangle they lie in.
+//! A declared nodata value is expected and gives no warning. NaN, infinities and numbers that look
+//! like an undeclared nodata value are reported with the rectangle that they lie in. Cells of
+//! missing blocks are reported by their number.
 
 use std::fmt::Display;
 
 use crate::error::{Cause, CellsFound, Error, OddRaster, Oddity, ReadFault, Result, Warning};
 
-/// Heights at or below this, or at or above [`HIGHEST_LIKELY`], are no place on Earth \[m or ft\].
+/// Heights at or below this, or at or above [`HIGHEST_LIKELY`], occur nowhere on Earth \[m or ft\].
 pub(super) const LOWEST_LIKELY: f64 = -9000.0;
 pub(super) const HIGHEST_LIKELY: f64 = 32_000.0;
 
-/// What a file holds for one cell.
+/// Content of a file for one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Stored {
-    /// A number, which may stand for nodata.
+    /// A number, which may mean nodata.
     Number(f64),
     /// A number that a mask hides.
     Hidden(f64),
@@ -22,7 +23,7 @@ pub(super) enum Stored {
     Nothing,
 }
 
-/// Whether a stored number stands for no height; NaN equals NaN.
+/// Returns `true` when a stored number means no height; NaN equals NaN.
 #[inline]
 #[expect(clippy::float_cmp, reason = "a nodata value is a pattern to recognize, not a quantity")]
 pub(super) fn is_nodata(nodata: Option<f64>, number: f64) -> bool {
@@ -40,15 +41,15 @@ impl CellsFound {
     }
 }
 
-/// The tally of one read.
+/// Tally of one read.
 #[derive(Debug)]
 pub(super) struct Voids {
     nodata: Option<f64>,
-    /// Cells with a height.
+    /// Number of cells with a height.
     pub(super) n_heights: u64,
-    /// Cells with the declared nodata value, or hidden by a mask.
+    /// Number of cells with the declared nodata value, or hidden by a mask.
     pub(super) n_nodata: u64,
-    /// Cells of blocks that the file leaves out.
+    /// Number of cells of blocks that the file leaves out.
     pub(super) n_missing: u64,
     nan: CellsFound,
     infinite: CellsFound,
@@ -56,7 +57,7 @@ pub(super) struct Voids {
 }
 
 impl Voids {
-    /// An empty tally; cells equal to `nodata` (NaN equals NaN) are void.
+    /// Creates an empty tally; cells equal to `nodata` (NaN equals NaN) are void.
     pub(super) fn new(nodata: Option<f64>) -> Self {
         Voids {
             nodata,
@@ -69,7 +70,7 @@ impl Voids {
         }
     }
 
-    /// The height of a cell, NaN where it has none.
+    /// Counts a cell and returns its height, NaN where it has none.
     #[inline]
     pub(super) fn height_of(&mut self, row: usize, col: usize, stored: Stored) -> f64 {
         match stored {
@@ -80,7 +81,7 @@ impl Voids {
         f64::NAN
     }
 
-    /// The height of a cell that holds a number, NaN where that is none.
+    /// Counts a cell that holds a number and returns its height, NaN where the number is none.
     #[inline]
     pub(super) fn height(&mut self, row: usize, col: usize, stored: f64) -> f64 {
         if is_nodata(self.nodata, stored) {
@@ -98,7 +99,7 @@ impl Voids {
         stored
     }
 
-    /// Warns of what was odd.
+    /// Warns of oddities; fails if no cell has a height.
     pub(super) fn report(&self, name: &dyn Display, warnings: &mut Vec<Warning>) -> Result<()> {
         let n_voids = self.n_nodata + self.n_missing + self.nan.count + self.infinite.count;
         if self.n_heights == 0 {

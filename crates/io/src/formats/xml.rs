@@ -6,25 +6,27 @@ use roxmltree::Node;
 
 use crate::error::{Error, ReadFault, Result};
 
-/// The first child element of a name; like GDAL in any case of letters.
+/// Returns the first child element of a name; like GDAL in any case of letters.
 pub(super) fn child<'a, 'b>(parent: Node<'a, 'b>, name: &str) -> Option<Node<'a, 'b>> {
     parent.children().find(|node| node.is_element() && node.tag_name().name().eq_ignore_ascii_case(name))
 }
 
-/// An attribute in any case of letters.
+/// Returns an attribute, in any case of letters.
 pub(super) fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
     node.attributes().find(|attribute| attribute.name().eq_ignore_ascii_case(name)).map(|attribute| attribute.value())
 }
 
-/// The text in an element, without blanks around it.
+/// Returns the text in an element, without blanks around it.
 pub(super) fn text_of<'a>(node: Node<'a, '_>) -> &'a str {
     node.text().unwrap_or_default().trim()
 }
 
-/// Most attributes of an element and most namespaces of a file; the parser compares each with all others.
+/// Largest number of attributes of an element, and of namespaces of a file; the parser compares
+/// each with all others.
 const MOST_ATTRIBUTES: usize = 500;
 
-/// Refuses elements with more attributes than any file of GDAL has, and more namespaces.
+/// Refuses elements with more attributes, and files with more namespaces, than any file of GDAL
+/// has.
 pub(super) fn refuse_crowds(name: impl Display, xml: &str) -> Result<()> {
     let mut rest = xml;
     let mut n_namespaces = 0;
@@ -35,7 +37,7 @@ pub(super) fn refuse_crowds(name: impl Display, xml: &str) -> Result<()> {
             rest = rest[begin.len()..].split_once(end).map_or("", |(_, after)| after);
             continue;
         }
-        // Each value in quotes is that of an attribute.
+        // Each value in quotes belongs to an attribute.
         let (mut n_attributes, mut quote) = (0, None);
         let end = rest.find(|c| match (quote, c) {
             (Some(open), c) if c == open => {

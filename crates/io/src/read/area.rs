@@ -10,12 +10,13 @@ use crate::raster::GeoRef;
 
 /// Reads an area from the polygons of a file of vector data.
 ///
-/// Positions are longitude and latitude (RFC 7946) unless a `crs` member says otherwise; those that no degrees can be
-/// are taken for the scene's own coordinates, as those of sites are.
+/// Positions are longitude and latitude (RFC 7946) unless a `crs` member names another system.
+/// Positions beyond the range of degrees are taken for the scene's own coordinates, as those of
+/// sites are.
 ///
 /// # Errors
-/// File errors naming the feature (E301, E302, E310), none with a polygon (E308); site errors if a position cannot be
-/// brought into the scene's CRS (E206) or no polygon meets the grid (E208).
+/// File errors naming the feature (E301, E302, E310), and E308 without a polygon. Site errors if a
+/// position cannot be brought into the scene's CRS (E206) or no polygon meets the grid (E208).
 pub fn read_area(input: impl Into<Input>, grid: &GeoRef) -> Result<Area> {
     let input = &input.into();
     let set = read_features(input, Selection::default()).map_err(Error::beside_scene)?;
@@ -28,7 +29,7 @@ pub fn read_area(input: impl Into<Input>, grid: &GeoRef) -> Result<Area> {
         .is_some_and(|b| b[0].abs().max(b[2].abs()) <= 360.0 && b[1].abs().max(b[3].abs()) <= 90.0);
     let from = match named {
         Some(crs) => Some(crs),
-        // Without a CRS of its own a scene is in local coordinates, and so is what is drawn over it.
+        // A scene without a CRS is in local coordinates, and so is an area over it.
         None if is_degrees && grid.crs().is_some() => Some(crs::from_epsg(4326)?),
         None => None,
     };

@@ -1,15 +1,15 @@
-//! Boxes that meet another one, found by their west sides.
+//! Search for boxes that meet another one, by their west sides.
 
-/// Boxes, west, south, east, north, by their west sides.
+/// Index of boxes (west, south, east, north) by their west sides.
 #[derive(Debug)]
 pub(super) struct BoxIndex<T> {
-    /// Each with its number, from west to east.
+    /// Boxes with their numbers, from west to east.
     boxes: Vec<([T; 4], usize)>,
     widest: T,
 }
 
 impl<T: Copy + PartialOrd + Default + std::ops::Sub<Output = T>> BoxIndex<T> {
-    /// Of numbered boxes.
+    /// Creates an index of numbered boxes.
     pub(super) fn new(boxes: impl Iterator<Item = (usize, [T; 4])>) -> Self {
         let mut boxes: Vec<([T; 4], usize)> = boxes.map(|(number, of)| (of, number)).collect();
         boxes.sort_by(|(a, _), (b, _)| a[0].partial_cmp(&b[0]).unwrap_or(std::cmp::Ordering::Equal));
@@ -17,9 +17,10 @@ impl<T: Copy + PartialOrd + Default + std::ops::Sub<Output = T>> BoxIndex<T> {
         BoxIndex { boxes, widest }
     }
 
-    /// Numbers of those that meet a box, in no particular order.
+    /// Returns the numbers of the boxes that meet a box, in no particular order.
     ///
-    /// Cost: those that begin within a strip as wide as the box and the widest of them.
+    /// Cost: the boxes that begin within a strip as wide as the box and the widest box of the
+    /// index.
     pub(super) fn meeting(&self, [west, south, east, north]: [T; 4]) -> impl Iterator<Item = usize> + '_ {
         let widest = self.widest;
         let from = self.boxes.partition_point(|(of, _)| west - of[0] > widest);

@@ -1,9 +1,15 @@
-//! What a feature says of a building: whether it is one, a part of one, how high it is and in which unit.
+//! Properties of a feature as a building: whether it is one or a part of one, its height, and the
+//! unit of that.
 //!
-//! Names and meanings are those of OpenStreetMap, which most tables of buildings borrow: `height` above the ground,
-//! `building:levels` without the storeys under the roof, which `roof:levels` counts; `min_height` where a part begins
-//! above the ground; `building:part` for parts of different heights inside an outline ([`super::parts`]), which Overture tells by
-//! `building_id`. A prism here is solid from the ground up: a part that floats is taken as solid, and counted.
+//! Names and meanings are those of OpenStreetMap, which most tables of buildings borrow.
+//!
+//! * `height` is above the ground.
+//! * `building:levels` counts storeys without those under the roof, which `roof:levels` counts.
+//! * `min_height` is the base of a part that begins above the ground.
+//! * `building:part` marks parts of different heights inside an outline ([`super::parts`]);
+//!   Overture uses `building_id`.
+//!
+//! A prism here is solid from the ground up: a floating part is taken as solid, and counted.
 
 use std::collections::HashMap;
 
@@ -17,64 +23,64 @@ use crate::city::FootprintFault;
 use crate::error::{Error, Place, ReadFault, Result, Wanted};
 use crate::input::Input;
 
-/// Properties that count storeys where none is named: the first that a feature has counts.
+/// Properties that count storeys, unless one is named; the first that a feature has counts.
 const STOREYS: [&str; 4] = ["building:levels", "num_floors", "storeysAboveGround", "numberOfFloorsAboveGround"];
 
-/// Properties that hold the ground below buildings where none is named: the first that any feature of the file has counts for all of them. The
-/// last is what `city` writes.
+/// Properties of the ground below buildings, unless one is named. The first that any feature of the
+/// file has counts for all of them. `city` writes the last.
 const BASES: [&str; 5] = ["b3_h_maaiveld", "ground_height", "z_ground", "h_ground", "ground"];
 
-/// The areas of a file with what is known of their heights.
+/// Areas of a file with their known heights.
 #[derive(Debug, Default)]
 pub(super) struct Buildings {
     pub(super) footprints: Vec<RawFootprint>,
-    /// Share of the area of all features with a height that those have which stand for nothing above the ground.
+    /// Share of features with nothing above the ground in the area of all features with a height.
     pub(super) not_there_share: f64,
 }
 
-/// The building that a part belongs to.
+/// Building that a part belongs to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum PartOf {
-    /// By its id.
+    /// Building with this id.
     Named(String),
-    /// The one that holds most of it.
+    /// Outline that holds most of the part.
     Outline,
 }
 
-/// One feature with areas.
+/// Feature with areas.
 #[derive(Debug, Clone)]
 pub(super) struct RawFootprint {
     /// Number of the feature in the file, from 1.
     pub(super) number: usize,
     pub(super) id: String,
-    /// Whether it meets the typed extent.
+    /// `true` if it meets the typed extent.
     pub(super) is_asked: bool,
-    /// Polygons of rings of positions, last point dropped if it repeats the first.
+    /// Polygons of rings of positions, without a last point that repeats the first.
     pub(super) polygons: Vec<Polygon>,
     pub(super) unclosed: usize,
     pub(super) height: FoundHeight,
-    /// Whether the height is that of the top above the datum.
+    /// `true` if the height is that of the top above the datum.
     pub(super) above_datum: bool,
-    /// The ground below it \[m above the datum\], as the file tells it.
+    /// Ground below it \[m above the datum\], if the file holds it.
     pub(super) base_m: Option<f64>,
-    /// The building that it is a part of, if it is one.
+    /// Building that it is a part of, if any.
     pub(super) part_of: Option<PartOf>,
     /// Storeys, those under the roof included.
     pub(super) levels: Option<f64>,
     /// Standard deviation of the error of the height \[m\].
     pub(super) height_error_m: Option<f64>,
-    /// Whether it begins above the ground.
+    /// `true` if it begins above the ground.
     pub(super) floats: bool,
-    /// The surfaces of its roof, if that is taken as it is.
+    /// Surfaces of its roof, if that is taken as it is.
     pub(super) roof: Vec<Face>,
-    /// What it covers of the ground then, where that is known.
+    /// Area of its ground surfaces then, where known.
     pub(super) ground: Vec<Polygon>,
-    /// Whether it was to be taken so, but has no surface of a roof.
+    /// `true` if its roof should be taken as it is, but has no surface.
     pub(super) lacks_roof: bool,
 }
 
 impl RawFootprint {
-    /// Area of its polygons as they are drawn \[square CRS units\].
+    /// Returns the area of its polygons as they are drawn \[square CRS units\].
     pub(super) fn area(&self) -> f64 {
         let of_ring = |ring: &Vec<[f64; 2]>| 0.5 * doubled_area(ring).abs();
         let of_polygon =
@@ -82,23 +88,24 @@ impl RawFootprint {
         self.polygons.iter().map(of_polygon).sum()
     }
 
-    /// Whether it meets a box: west, south, east, north \[CRS units\].
+    /// Returns `true` when it meets a box: west, south, east, north \[CRS units\].
     pub(super) fn meets(&self, of: [f64; 4]) -> bool {
         meets(&self.polygons, of)
     }
 
-    /// Its height above the ground that it stands on by itself \[m\]; `None` where that is missing, or above a ground that the file does not tell.
+    /// Returns its height above its own ground \[m\]. `None` where the height is missing, or is
+    /// above the datum and the file lacks the ground.
     pub(super) fn height_above_ground(&self) -> Option<f64> {
         let height = self.height.meters()?;
         if self.above_datum { self.base_m.map(|base| height - base) } else { Some(height) }
     }
 
-    /// What a fault of it is of.
+    /// Returns the culprit of a fault of the whole feature.
     pub(super) fn culprit(&self) -> Culprit<'_> {
         self.culprit_at(0)
     }
 
-    /// What a fault of one of its polygons is of, with the first point of that.
+    /// Returns the culprit of a fault of one of its polygons, with the first point of that.
     pub(super) fn culprit_at(&self, k: usize) -> Culprit<'_> {
         let first = self.polygons.get(k).and_then(|rings| rings.iter().flatten().next());
         Culprit { feature: self.number, id: &self.id, place: first.copied(), is_asked: self.is_asked }
@@ -106,7 +113,7 @@ impl RawFootprint {
 }
 
 impl Buildings {
-    /// The buildings among the features of a file; what is none, and what is a part of one, is noted.
+    /// Returns the buildings among the features of a file, and logs features that are none.
     pub(super) fn of(
         input: &Input,
         set: FeatureSet,
@@ -116,7 +123,8 @@ impl Buildings {
         if options.roofs == Some(Roofs::Lod2) && set.features.iter().all(|feature| feature.roof.is_empty()) {
             return Err(Error::read(input, ReadFault::Nothing(Wanted::Roofs)));
         }
-        // What a file means does not hang on what is read of it beyond the extent. Of another system that is not known yet.
+        // The meaning of a file must not depend on features that are read beyond the extent. The
+        // extent of a projected scene is in a system that is not known yet.
         let extent = options.extent.filter(|_| options.project.is_none());
         let is_asked = |feature: &Feature| {
             !feature.polygons.is_empty() && extent.is_none_or(|extent| meets(&feature.polygons, extent))
@@ -127,7 +135,7 @@ impl Buildings {
         let has_storeys = |feature: &Feature| {
             let is_none = || tagging.is_not_there(feature, set.name_limit, FoundHeight::Missing);
             let says = reading.about(feature);
-            // A part may have those of its outline.
+            // A part may use those of its outline.
             says.levels().is_some() || says.part_of().is_some() || is_none()
         };
         let all_have_storeys = options.missing.counts_storeys() && asked.iter().all(|feature| has_storeys(feature));
@@ -158,7 +166,7 @@ impl Buildings {
             if feature.has_other_parts {
                 log.note(FootprintFault::NotAnArea, footprint.culprit());
             }
-            // Without a height nobody would have taken it for a building of some.
+            // Only features with a height count in the share.
             let has_height = footprint.height != FoundHeight::Missing;
             let of_it = if has_height && footprint.is_asked { footprint.area() } else { 0.0 };
             area += of_it;
@@ -177,13 +185,14 @@ impl Buildings {
         Ok(buildings)
     }
 
-    /// West, south, east, north of all positions; `None` if there is none.
+    /// Returns west, south, east, north of all positions; `None` if there is none.
     pub(super) fn bounds(&self) -> Option<[f64; 4]> {
         bounds(self.footprints.iter().flat_map(|f| &f.polygons))
     }
 }
 
-/// Parts of a building begin where the lowest of them does: a tower that is drawn from a roof on stands on the ground of its building.
+/// Sets the base of all parts of a named building to the lowest of theirs. A tower that is drawn
+/// from a roof on stands on the ground of its building.
 fn share_bases(footprints: &mut [RawFootprint]) {
     let mut lowest: HashMap<String, f64> = HashMap::new();
     for footprint in footprints.iter() {
@@ -198,12 +207,13 @@ fn share_bases(footprints: &mut [RawFootprint]) {
     }
 }
 
-/// Whether the box around polygons meets another: west, south, east, north.
+/// Returns `true` when the box around polygons meets another: west, south, east, north.
 fn meets(polygons: &[Polygon], [west, south, east, north]: [f64; 4]) -> bool {
     bounds(polygons.iter()).is_some_and(|[w, s, e, n]| w <= east && e >= west && s <= north && n >= south)
 }
 
-/// Refuses areas of which none has the property that heights are read from, unless the list for missing heights gives each one.
+/// Refuses areas of which none has the property that heights are read from, unless the list for
+/// missing heights gives each one.
 fn refuse_unknown_property(
     input: &Input,
     areas: &[&Feature],
@@ -242,15 +252,15 @@ fn refuse_unknown_property(
     Err(Error::read(input, ReadFault::NoHeightProperty { wanted, like_heights, like_storeys, others, has_bases }))
 }
 
-/// The properties that count storeys.
+/// Returns the properties that count storeys.
 fn storeys_of(options: &FootprintOptions) -> Vec<&str> {
     options.levels_field.as_deref().map_or(STOREYS.to_vec(), |name| vec![name])
 }
 
-/// Refuses areas that tell nowhere what ground they stand on, where that is needed.
+/// Refuses areas without a property of the ground below them, where that is needed.
 ///
 /// # Errors
-/// E365 without the property that was named, or without any of those that are known.
+/// E365 without the property that was named, or without any of the known ones.
 fn refuse_unknown_bases(input: &Input, areas: &[&Feature], reading: Reading<'_>) -> Result<()> {
     let Reading { name_limit, options, .. } = reading;
     if areas.is_empty() {
@@ -275,13 +285,13 @@ fn refuse_unknown_bases(input: &Input, areas: &[&Feature], reading: Reading<'_>)
     }
 }
 
-/// What a property may hold by its name.
+/// Likely content of a property.
 enum Likeness {
     Height,
     Storeys,
 }
 
-/// Whether a property may hold the height of a building, or the number of its storeys.
+/// Guesses whether a property holds the height of a building, or the number of its storeys.
 fn likeness(name: &str, value: &Property) -> Option<Likeness> {
     const HEIGHTS: [&str; 11] =
         ["height", "heigth", "hgt", "hoehe", "höhe", "haut", "altura", "altezza", "hoogte", "z_", "b3_h_"];
@@ -307,7 +317,7 @@ fn likeness(name: &str, value: &Property) -> Option<Likeness> {
 struct Reading<'a> {
     name_limit: Option<usize>,
     options: &'a FootprintOptions,
-    /// The property of the ground below buildings, if the file has one.
+    /// Property of the ground below buildings, if the file has one.
     base_field: Option<&'a str>,
 }
 
@@ -332,20 +342,20 @@ impl Says<'_> {
         self.property(name).and_then(Property::text).map(|text| text.trim().to_lowercase())
     }
 
-    /// The building that it is a part of.
+    /// Returns the building that it is a part of.
     fn part_of(&self) -> Option<PartOf> {
         let named = self.feature.part_of.clone().or_else(|| self.property("building_id").and_then(Property::text));
         let is_part = || self.word("building:part").is_some_and(|word| word != "no" && !word.is_empty());
         named.map(PartOf::Named).or_else(|| is_part().then_some(PartOf::Outline))
     }
 
-    /// Whether a number other than zero is given.
+    /// Returns `true` when a property holds a number above zero.
     fn is_above_zero(&self, name: &str) -> bool {
         let found = self.property(name).map(|value| found_height(value, HeightUnit::Meters));
         found.and_then(FoundHeight::meters).is_some_and(|v| v > 0.0)
     }
 
-    /// A number that a property holds.
+    /// Returns the number that a property holds.
     fn number(&self, name: &str) -> Option<f64> {
         found_height(self.property(name)?, HeightUnit::Meters).meters()
     }
@@ -356,12 +366,13 @@ impl Says<'_> {
         Some(levels + self.number("roof:levels").filter(|n| *n > 0.0).unwrap_or(0.0))
     }
 
-    /// The ground below it \[m above the datum\] that a property holds.
+    /// Returns the ground below it \[m above the datum\] from a property.
     fn base_in(&self, name: &str) -> Option<f64> {
         found_height(self.property(name)?, self.reading.options.height_unit).unless(is_no_top).meters()
     }
 
-    /// The ground below it \[m above the datum\]: of a solid its lowest point, unless the property of another height is named.
+    /// Returns the ground below it \[m above the datum\]. A solid's own lowest point counts first,
+    /// unless the property of another height is named.
     fn base_m(&self) -> Option<f64> {
         let of_solid = self.feature.heights.map(|[lowest, _]| lowest);
         let of_field = || self.base_in(self.reading.base_field?);
@@ -371,7 +382,7 @@ impl Says<'_> {
         }
     }
 
-    /// The standard deviation of the error of the height \[m\], if it is told.
+    /// Returns the standard deviation of the error of the height \[m\], if a property holds it.
     fn height_error_m(&self) -> Option<f64> {
         let value = self.property(self.reading.options.height_error_field.as_deref()?)?;
         match found_height(value, self.reading.options.height_unit) {
@@ -380,14 +391,14 @@ impl Says<'_> {
         }
     }
 
-    /// The height, and whether it is above the datum: from the property that is named, else from the solid itself, else
-    /// from `height`.
+    /// Returns the height, and `true` if it is above the datum. The height comes from the named
+    /// property, else from the solid itself, else from `height`.
     fn height(&self) -> (FoundHeight, bool) {
         let options = self.reading.options;
         let of = |name: &str| {
             self.property(name).map_or(FoundHeight::Missing, |value| found_height(value, options.height_unit))
         };
-        // A number below 0 stands for none, unless the feature begins somewhere below the ground.
+        // A number below 0 means no height, unless the feature has a `min_height`.
         let begins_somewhere = self.property("min_height").is_some();
         let above_ground = |name: &str| of(name).unless(|m| m < 0.0 && !begins_somewhere);
         match (&options.top_field, &options.height_field, self.feature.heights, self.feature.height) {
@@ -400,14 +411,14 @@ impl Says<'_> {
         }
     }
 
-    /// What the feature is called; its number where it has no name.
+    /// Returns the id of the feature; its number where it has none.
     fn id(&self, number: usize) -> String {
         let id = self.feature.id.clone().or_else(|| self.property("id").and_then(Property::text));
         id.unwrap_or_else(|| number.to_string())
     }
 
     fn footprint(&self, number: usize) -> RawFootprint {
-        // Surfaces that do not tell the height are no roof.
+        // Surfaces that do not define the height are no roof.
         let is_as_it_is = self.reading.options.roofs == Some(Roofs::Lod2) && self.feature.height.is_none();
         let (roof, ground) = match is_as_it_is {
             true => (self.feature.roof.clone(), opened(self.feature.ground.clone()).0),

@@ -8,16 +8,16 @@ use crate::city::{FootprintFault, FootprintFaults, HeightSource};
 use crate::error::{OddFile, Warning};
 use crate::input::Input;
 
-/// What warnings tell beside the numbers of faults.
+/// Content of warnings beside the numbers of faults.
 pub(super) struct Said<'a> {
     pub(super) heights: &'a FileHeights,
-    /// What outlines are beside their parts, as high as the lowest of these \[m²\].
+    /// Area of outlines beside their parts that is as high as the lowest part \[m²\].
     pub(super) rest_area_m2: f64,
-    /// Shares of the area of all that have a height, of faults whose footprints are left out.
+    /// Shares, by fault, of left-out footprints in the area of all that have a height.
     pub(super) left_out: &'a HashMap<FootprintFault, f64>,
 }
 
-/// Warns of each kind of fault, with how many there are and what was done.
+/// Warns of each kind of fault, with its number and its treatment.
 pub(super) fn warn_of_faults(
     faults: &FootprintFaults,
     input: &Input,
@@ -25,7 +25,7 @@ pub(super) fn warn_of_faults(
     said: &Said<'_>,
     warnings: &mut Vec<Warning>,
 ) {
-    /// A smaller share of the area is not told.
+    /// Largest share of the area that a warning leaves out.
     const TOLD: f64 = 0.02;
     let sources = &said.heights.sources;
     let missing = sources.missing();

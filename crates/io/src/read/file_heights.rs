@@ -1,7 +1,7 @@
 //! Facts about the heights of a whole file: median, bases, sources.
 //!
-//! They cover all features in the typed extent, never only those near a radius, in a tile or in a block of the file. So a
-//! building has one height, however the run is cut.
+//! They cover all features in the typed extent, not only those near a radius, in a tile or in a
+//! block of the file. A building thus has one height, however the run is cut.
 
 use std::collections::{HashMap, HashSet};
 
@@ -11,10 +11,11 @@ use super::missing_heights::{HeightRule, MissingHeights};
 use super::parts::Grouping;
 use crate::city::{HeightSource, HeightSources};
 
-/// Meters that stand for one storey where only their number is known (the default of OpenStreetMap renderers).
+/// Meters per storey where only the number of storeys is known (the default of OpenStreetMap
+/// renderers).
 pub const METERS_PER_LEVEL: f64 = 3.0;
 
-/// A height \[m\], and what it is above.
+/// A height \[m\], and its reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Height {
     pub(super) m: f64,
@@ -24,9 +25,11 @@ pub(super) struct Height {
 /// Facts of the heights of a file.
 #[derive(Debug, Clone, Default)]
 pub(super) struct FileHeights {
-    /// The lower middle of all heights above the ground that were read; of tops without a ground of their own, of these.
+    /// Lower middle of all heights above the ground that were read; without any, of the tops above
+    /// the datum.
     median: Option<Height>,
-    /// The lower middle of the ground below buildings, lowest and highest \[m above the datum\]; `None` where the file tells of none.
+    /// Ground below buildings: lowest, lower middle and highest \[m above the datum\]; `None` where
+    /// the file holds none.
     pub(super) bases: Option<BaseRange>,
     /// Number and area of footprints by the source of their height.
     pub(super) sources: HeightSources,
@@ -34,7 +37,7 @@ pub(super) struct FileHeights {
     pub(super) without: Option<String>,
     /// Number of footprints that have storeys and no height.
     pub(super) n_storeys: usize,
-    /// Whether any height is measured from the datum.
+    /// `true` if any height is above the datum.
     pub(super) has_tops: bool,
 }
 
@@ -70,7 +73,7 @@ impl FileHeights {
             let outline = grouping.outline_of(k).map(|outline| &footprints[outline]);
             facts.height(&footprints[k], outline, missing).0
         };
-        // Parts stand in place of an outline: it misses nothing.
+        // Parts replace an outline, whose height is then not missing.
         let is_replaced = |k: usize| {
             grouping.parts_of(k).is_some_and(|parts| parts.iter().any(|part| source_of(*part) != HeightSource::Nowhere))
         };
@@ -82,12 +85,13 @@ impl FileHeights {
         FileHeights { sources, without, n_storeys, ..facts }
     }
 
-    /// The median \[m\], as rules take it.
+    /// Returns the median \[m\] that rules use.
     pub(super) fn median_m(&self) -> Option<f64> {
         self.median.map(|height| height.m)
     }
 
-    /// The height of a footprint, and where it comes from. A part has its own storeys, else those of its outline.
+    /// Returns the height of a footprint, and its source. A part uses its own storeys, else those
+    /// of its outline.
     pub(super) fn height(
         &self,
         of: &RawFootprint,
@@ -97,7 +101,7 @@ impl FileHeights {
         if let Some(m) = of.height.meters() {
             return (HeightSource::File, Some(Height { m, above_datum: of.above_datum }));
         }
-        // Storeys are counted from the ground, whatever the property would have been measured from.
+        // Storeys are counted from the ground, even if the property is measured from the datum.
         let above_ground = |m: f64| Height { m, above_datum: false };
         let of_storeys = of.levels.map(|levels| above_ground(levels * METERS_PER_LEVEL));
         let of_outline = || outline?.levels.map(|levels| above_ground(levels * METERS_PER_LEVEL));
@@ -113,7 +117,8 @@ impl FileHeights {
     }
 }
 
-/// Returns one height for each building in the typed extent that has any: its outline's, else its highest part's.
+/// Returns one height for each building in the typed extent that has any: its outline's, else its
+/// highest part's.
 fn by_building(
     footprints: &[RawFootprint],
     asked: &[usize],
@@ -123,7 +128,7 @@ fn by_building(
     let mut found = Vec::new();
     // Highest parts of buildings without an outline, by group.
     let (mut undrawn, mut drawn): (HashMap<u32, f64>, HashSet<u32>) = Default::default();
-    // Without a grouping parts count where nothing else is drawn.
+    // Without a grouping, parts count only if no outline is drawn.
     let has_outlines = asked.iter().any(|k| footprints[*k].part_of.is_none());
     for k in asked.iter().copied() {
         let (own, parts) = (height(&footprints[k]), grouping.parts_of(k));
@@ -147,7 +152,7 @@ fn by_building(
     found
 }
 
-/// The middle of some numbers, of two the lower one.
+/// Returns the middle of some numbers, the lower one of two.
 pub(super) fn lower_middle(mut values: Vec<f64>) -> Option<f64> {
     let middle = values.len().checked_sub(1)? / 2;
     let (_, m, _) = values.select_nth_unstable_by(middle, f64::total_cmp);

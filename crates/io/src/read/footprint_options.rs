@@ -1,4 +1,4 @@
-//! How footprints are read.
+//! Options for reading footprints.
 
 use super::missing_heights::MissingHeights;
 use super::projection::Projection;
@@ -6,41 +6,42 @@ use crate::city::NodataAs;
 use crate::input::Input;
 use crate::raster::Crs;
 
-/// What becomes of an outline whose building is drawn by parts as well.
+/// Treatment of an outline whose building is drawn by parts as well.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Parts {
-    /// Parts stand in its place; beside them stands what they leave of it, if that is more than a tenth.
+    /// Parts replace the outline. Its rest beside them stays if that is more than a tenth of it.
     #[default]
     Replace,
-    /// Both stand, and the highest of what overlaps counts.
+    /// Both stay, and the highest counts where they overlap.
     Join,
 }
 
-/// The ground of footprints, where no terrain is given.
+/// Ground of footprints, where no terrain is given.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum GroundChoice {
-    /// A plane at 0 m. Tops above the datum take a plane in the median of the ground below buildings, which the file must tell.
+    /// A plane at 0 m. For tops above the datum, a plane in the median of the ground below
+    /// buildings, which the file must hold.
     #[default]
     Auto,
-    /// A plane at so many meters above the datum.
+    /// A plane at this height \[m above the datum\].
     Flat(f64),
-    /// A terrain through the ground below buildings, as the file tells it.
+    /// A terrain through the ground below buildings, which the file must hold.
     Buildings,
 }
 
-/// Which of the terrain columns that a footprint's area overlaps it stands on.
+/// Choice of a footprint's base among the terrain columns that its area overlaps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum BaseRule {
     /// The lowest, as OpenStreetMap defines `height`.
     #[default]
     Lowest,
-    /// Their mean, each weighted by the area that is overlapped.
+    /// Their mean, each weighted by the overlapped area.
     Mean,
     /// The highest.
     Highest,
 }
 
-/// Where the ground of a footprint scene is known, as it was asked for.
+/// Choice of the area in which the ground of a footprint scene is known.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum DataAreaChoice {
     /// Near the footprints; everywhere if the extent was typed.
@@ -55,62 +56,65 @@ pub enum DataAreaChoice {
 /// The shape of roofs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Roofs {
-    /// Each building as high as it is highest.
+    /// Each building as high as its highest point.
     Flat,
-    /// As the surfaces of the file have them (level of detail 2).
+    /// As the surfaces of the file define them (level of detail 2).
     Lod2,
 }
 
-/// How footprints are read.
+/// Options for reading footprints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FootprintOptions {
-    /// Property that holds the height above ground; `None` is `height`, or of solids their own top.
+    /// Property that holds the height above ground; `None` is `height`, or the own top of solids.
     pub height_field: Option<String>,
-    /// Property that holds the absolute height of the top above the datum, instead.
+    /// Property that holds the height of the top above the datum, instead.
     pub top_field: Option<String>,
-    /// Unit of heights that name none.
+    /// Unit of heights without one.
     pub height_unit: HeightUnit,
-    /// Property that holds the ground below the building \[m above the datum\]; `None` is the first of the known names that a file has, where one
-    /// is needed.
+    /// Property that holds the ground below the building \[m above the datum\]. `None` is the first
+    /// of the known names that a file has, where one is needed.
     pub base_field: Option<String>,
-    /// Property that holds the number of storeys; `None` is the first of the known names that a feature has.
+    /// Property that holds the number of storeys; `None` is the first of the known names that a
+    /// feature has.
     pub levels_field: Option<String>,
-    /// Property that holds the standard deviation of the error of the height \[m\], if one does.
+    /// Property that holds the standard deviation of the error of the height \[m\], if any.
     pub height_error_field: Option<String>,
-    /// The shape of roofs, of files that hold surfaces; flat, which is told, where nothing is said.
+    /// Shape of roofs in files that hold surfaces; `None` is flat, with a warning.
     pub roofs: Option<Roofs>,
-    /// What becomes of missing heights.
+    /// Treatment of missing heights.
     pub missing: MissingHeights,
-    /// What becomes of outlines that have parts.
+    /// Treatment of outlines that have parts.
     pub parts: Parts,
     /// Table of a GeoPackage; needed where it has several.
     pub layer: Option<String>,
     /// Terrain model, in the same CRS unless `project` is given.
     pub terrain: Option<Input>,
-    /// The ground without a terrain.
+    /// Ground without a terrain.
     pub ground: GroundChoice,
     /// Extent of the receivers' grid: west, south, east, north \[CRS units\].
     pub extent: Option<[f64; 4]>,
-    /// How far from the extent a building can matter at most \[m\]; by default as far as engines can see.
+    /// Largest distance from the extent at which a building matters \[m\]; by default as far as
+    /// engines can see.
     pub reach_m: Option<f64>,
     /// Cell size of the receivers' grid \[m\]; by default the terrain's, else 1.
     pub cell_m: Option<f64>,
-    /// The CRS to assume.
+    /// CRS to assume.
     pub crs: Option<Crs>,
-    /// Another CRS for the scene than that of the file.
+    /// CRS of the scene, if it is not that of the file.
     pub project: Option<Projection>,
-    /// What nodata cells of the terrain, and ground beyond it, do.
+    /// Effect of nodata cells of the terrain, and of ground beyond it.
     pub nodata_as: NodataAs,
-    /// Which ground a footprint stands on.
+    /// Choice of the ground that a footprint stands on.
     pub base: BaseRule,
-    /// Where the ground is known.
+    /// Area in which the ground is known.
     pub data_area: DataAreaChoice,
-    /// Whether to hash inputs of any size.
+    /// `true` to hash inputs of any size.
     pub always_hash: bool,
 }
 
 impl Default for FootprintOptions {
-    /// Heights in meters in the property `height`, on flat ground at 0 m, on a grid of 1 m over the footprints.
+    /// Returns the default: heights in meters in the property `height`, on flat ground at 0 m, on a
+    /// grid of 1 m over the footprints.
     fn default() -> Self {
         FootprintOptions {
             height_field: None,
@@ -138,7 +142,7 @@ impl Default for FootprintOptions {
     }
 }
 
-/// The unit of heights that name none.
+/// Unit of heights without one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum HeightUnit {
     /// Meters.
@@ -149,7 +153,7 @@ pub enum HeightUnit {
 }
 
 impl HeightUnit {
-    /// Length of the unit \[m\].
+    /// Returns the length of the unit \[m\].
     pub fn meters(self) -> f64 {
         match self {
             HeightUnit::Meters => 1.0,
@@ -160,16 +164,16 @@ impl HeightUnit {
 
 pub(super) const METERS_PER_FOOT: f64 = 0.3048;
 
-/// The property of a height where none is named.
+/// Property of heights, unless one is named.
 pub(super) const HEIGHT: &str = "height";
 
 impl FootprintOptions {
-    /// The property that heights are read from.
+    /// Returns the property that heights are read from.
     pub(super) fn height_property(&self) -> &str {
         self.top_field.as_deref().or(self.height_field.as_deref()).unwrap_or(HEIGHT)
     }
 
-    /// Whether the ground is that below buildings, as the file tells it.
+    /// Returns `true` when the scene may need the ground below buildings from the file.
     pub(super) fn needs_bases(&self) -> bool {
         self.terrain.is_none() && !matches!(self.ground, GroundChoice::Flat(_))
     }

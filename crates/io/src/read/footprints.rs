@@ -1,9 +1,10 @@
 //! Scenes from building footprints with heights, on flat ground or terrain.
 //!
-//! Order of events: positions are rounded to the lattice, then each polygon is repaired there by the even-odd rule
-//! (i_overlay, integers throughout), so that what is triangulated later is exactly what is tested. Every mended or
-//! left-out thing is counted in [`crate::city::FootprintFaults`] and reported. Formats end where features begin (`vector/`); what a
-//! feature says of a building is read in `building.rs`.
+//! Positions are rounded to the lattice. Then each polygon is repaired there by the even-odd rule
+//! (i_overlay, integers throughout), so that later triangulation uses exactly the polygons that are
+//! tested. Everything that is repaired or left out is counted in [`crate::city::FootprintFaults`]
+//! and reported. Formats end where features begin (`vector/`); `building.rs` reads a feature's
+//! properties as a building.
 
 use super::area::read_area;
 use super::building::{Buildings, RawFootprint};
@@ -31,11 +32,12 @@ use crate::input::Input;
 use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, meters};
 use crate::raster::{Crs, GeoRef, Raster};
 
-/// Reads footprints from GeoJSON, CityJSON, a shapefile, FlatGeobuf or a GeoPackage, told apart by their extension.
+/// Reads footprints from GeoJSON, CityJSON, a shapefile, FlatGeobuf or a GeoPackage, chosen by the
+/// extension.
 ///
 /// # Errors
-/// File errors for malformed files (with line or feature), degrees, or a CRS that differs from the terrain's; usage
-/// errors for bad numbers and layers; limit errors for huge grids.
+/// File errors for malformed files (with line or feature), degrees, or a CRS that differs from the
+/// terrain's; usage errors for bad numbers and layers; limit errors for huge grids.
 pub fn read_footprints(
     input: impl Into<Input>,
     options: &FootprintOptions,
@@ -44,11 +46,11 @@ pub fn read_footprints(
     read(&input.into(), options, Listing::CountsOnly, warnings).map(|(scene, _)| scene)
 }
 
-/// Reads footprints as [`read_footprints`] does, and lists everything that was mended or left out, in the order of the
-/// file.
+/// Reads footprints as [`read_footprints`] does, and lists everything that was repaired or left
+/// out, in the order of the file.
 ///
 /// # Errors
-/// As [`read_footprints`].
+/// Errors of [`read_footprints`].
 pub fn read_footprints_and_repairs(
     input: impl Into<Input>,
     options: &FootprintOptions,
@@ -69,16 +71,17 @@ fn read(
     scene_of(input, (set, vec![source]), options, listing, warnings)
 }
 
-/// The box that can matter of a file, with all parts of what meets it: the extent is in the scene's CRS, so of a file in another one all must
-/// be read.
+/// Returns the box in which features of a file can matter, with all parts of those that meet it.
+/// There is none for a projected scene: its extent is in another system, so all features must be
+/// read.
 fn within_reach(options: &FootprintOptions) -> Option<[f64; 4]> {
-    /// No building is longer \[CRS units\].
+    /// Largest length of a building \[CRS units\].
     const LONGEST: f64 = 5000.0;
     let [west, south, east, north] = grown(options.extent.filter(|_| options.project.is_none())?, options.reach_m);
     Some([west - LONGEST, south - LONGEST, east + LONGEST, north + LONGEST])
 }
 
-/// The scene of features, and everything that was mended or left out.
+/// Returns the scene of features, and everything that was repaired or left out.
 pub(super) fn scene_of(
     input: &Input,
     (mut set, mut sources): (FeatureSet, Vec<Source>),
@@ -94,7 +97,7 @@ pub(super) fn scene_of(
     let mut log = FaultLog::new(listing);
     warn_of_flat_roofs(input, &set, options, warnings);
     let mut raw = Buildings::of(input, set, options, &mut log)?;
-    // Local coordinates are nowhere on earth.
+    // Local coordinates have no place on earth.
     if file_crs.is_some() || options.project.is_some() {
         let crs = said_or_degrees(file_crs.as_ref(), raw.bounds())?;
         crs.into_iter().for_each(|crs| bring_together(&mut raw, &crs));
@@ -185,7 +188,8 @@ pub(super) fn scene_of(
     Ok((scene, log.into_list()))
 }
 
-/// Takes positions on both sides of 180 degrees side by side, so that their middle lies between them.
+/// Moves positions on both sides of 180 degrees side by side, so that their middle lies between
+/// them.
 fn bring_together(raw: &mut Buildings, crs: &Crs) {
     let Some(length) = Turn::length_in(crs) else { return };
     let mut eastings = Vec::new();
@@ -207,9 +211,9 @@ fn for_each_position(raw: &mut Buildings, mut visit: impl FnMut(&mut f64, &mut f
     }
 }
 
-/// Warns of roofs that are taken flat without a word about it.
+/// Warns of sloped roofs that are taken flat by default.
 fn warn_of_flat_roofs(input: &Input, set: &FeatureSet, options: &FootprintOptions, warnings: &mut Vec<Warning>) {
-    /// A surface whose corners differ by less than this is flat \[m\].
+    /// Largest difference between the corners of a flat surface \[m\].
     const FLAT_M: f64 = 0.1;
     if options.roofs.is_some() || options.height_field.is_some() || options.top_field.is_some() {
         return;
@@ -224,7 +228,7 @@ fn warn_of_flat_roofs(input: &Input, set: &FeatureSet, options: &FootprintOption
     }
 }
 
-/// Where the ground is known.
+/// Returns the area in which the ground is known.
 fn data_area(options: &FootprintOptions, grid: &GeoRef, warnings: &mut Vec<Warning>) -> Result<DataArea> {
     match (&options.data_area, options.extent) {
         (DataAreaChoice::All, _) => Ok(DataArea::All),
@@ -237,7 +241,8 @@ fn data_area(options: &FootprintOptions, grid: &GeoRef, warnings: &mut Vec<Warni
     }
 }
 
-/// A terrain whose voids block everything, with such cells around it as far as the grid of receivers reaches.
+/// Returns a terrain whose voids block everything, with such cells around it as far as the grid of
+/// receivers reaches.
 fn blocking_where_unknown(input: &Input, terrain: &Raster<i32>, grid: &GeoRef) -> Result<Raster<i32>> {
     let from = terrain.georef();
     let beyond = |length: f64, cell: f64| (length / cell - 1e-6).ceil().max(0.0);
@@ -263,10 +268,11 @@ fn blocking_where_unknown(input: &Input, terrain: &Raster<i32>, grid: &GeoRef) -
     Ok(Raster::new(georef, cells))
 }
 
-/// Brings the places that are listed so far, those of a file within `bounds`, into the system of the scene.
+/// Transforms the places that are listed so far into the system of the scene. Positions of the file
+/// lie within `bounds`.
 fn move_listed(log: &mut FaultLog, from: Option<Crs>, to: Option<&Crs>, bounds: Option<[f64; 4]>) -> Result<()> {
     let (Some(to), Some([west, south, east, north]), true) = (to, bounds, log.has_listed()) else { return Ok(()) };
-    // Positions in no system of their own were taken for degrees.
+    // Positions without a system were taken for degrees.
     let from = from.map_or_else(|| crs::from_epsg(4326), Ok)?;
     if from != *to {
         let way = Transformation::new(&from, to, ((west + east) / 2.0, (south + north) / 2.0))?;
@@ -275,7 +281,8 @@ fn move_listed(log: &mut FaultLog, from: Option<Crs>, to: Option<&Crs>, bounds: 
     Ok(())
 }
 
-/// The system of a file, or longitude and latitude where it names none and its positions can be degrees.
+/// Returns the system of a file; without one, longitude and latitude if its positions can be
+/// degrees.
 fn said_or_degrees(said: Option<&Crs>, bounds: Option<[f64; 4]>) -> Result<Option<Crs>> {
     match (said, bounds) {
         (Some(crs), _) => Ok(Some(crs.clone())),
@@ -284,14 +291,16 @@ fn said_or_degrees(said: Option<&Crs>, bounds: Option<[f64; 4]>) -> Result<Optio
     }
 }
 
-/// Whether positions can be longitude and latitude. Writers go on past 180 degrees rather than cut a polygon there.
+/// Returns `true` when positions can be longitude and latitude. Writers continue past 180 degrees
+/// rather than cut a polygon there.
 fn may_be_degrees([west, south, east, north]: [f64; 4]) -> bool {
     west >= -360.0 && east <= 360.0 && south >= -90.0 && north <= 90.0
 }
 
-/// Takes all positions into the wanted system, and says so; returns the system that they are in afterwards.
+/// Transforms all positions into the wanted system, and warns of that; returns the system that they
+/// are in afterwards.
 ///
-/// Without a system of their own, positions that can be degrees are taken for longitude and latitude.
+/// Positions without a system that can be degrees are taken for longitude and latitude.
 fn project(
     input: &Input,
     raw: &mut Buildings,
@@ -324,7 +333,8 @@ fn project(
     Ok(Some(to))
 }
 
-/// The heights of the terrain, brought into the system of the footprints if these are brought into another one too.
+/// Reads the heights of the terrain, reprojected to the system of the footprints if these are
+/// reprojected too.
 fn terrain_heights(
     input: &Input,
     scene_crs: Option<&Crs>,
@@ -340,15 +350,17 @@ fn terrain_heights(
     Reprojection::read(reprojection, file, options.always_hash, warnings)
 }
 
-/// An extent with all that can cast a shadow into it: a UAV is at most so far from any cell that it sees.
+/// Grows an extent by the largest distance between a UAV and a cell that it sees, so that it holds
+/// everything that can cast a shadow into it.
 fn grown([west, south, east, north]: [f64; 4], reach_m: Option<f64>) -> [f64; 4] {
-    /// The system is not known yet, and no unit of one is shorter \[m\].
+    /// Shortest unit of any system, since the system is not known yet \[m\].
     const SHORTEST_UNIT_M: f64 = 0.25;
     let reach = reach_m.map_or(MAX_EXTENT_UNITS, |reach_m| (reach_m / SHORTEST_UNIT_M).min(MAX_EXTENT_UNITS));
     [west - reach, south - reach, east + reach, north + reach]
 }
 
-/// Warns where solids stand on another height than the flat ground of the scene, and says what ground was taken for them.
+/// Warns where solids stand on another height than the flat ground of the scene, and names the
+/// ground that was taken for them.
 fn warn_of_the_ground(
     input: &Input,
     heights: &FileHeights,
@@ -365,7 +377,8 @@ fn warn_of_the_ground(
     warnings.push(Warning::of(input, odd));
 }
 
-/// GeoJSON without a CRS is longitude and latitude (RFC 7946); files that break the rule are local or projected.
+/// Refuses degrees. GeoJSON without a CRS is longitude and latitude (RFC 7946); files that break
+/// the rule are local or projected.
 fn check_degrees(input: &Input, crs: Option<&Crs>, bounds: Option<[f64; 4]>) -> Result<()> {
     let Some(bounds) = bounds else { return Ok(()) };
     // A city in degrees spans less than a degree; one in meters does not lie within a meter.

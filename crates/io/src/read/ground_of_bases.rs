@@ -24,8 +24,10 @@ impl HasPosition for Corner {
     }
 }
 
-/// A terrain on the cells of a grid, grown to hold all buildings: linear between the corners of these, which are triangulated (Delaunay), and
-/// beyond their hull that of the nearest corner. Where corners of several buildings meet, the lowest counts.
+/// Returns a terrain through the ground below buildings, on the cells of a grid that is grown to
+/// hold them all. It is linear between the corners of buildings, which are triangulated (Delaunay).
+/// Beyond their hull it is as high as the nearest corner. Where corners of several buildings meet,
+/// the lowest counts.
 ///
 /// # Errors
 /// E501 if the cells do not fit in memory.
@@ -39,7 +41,7 @@ pub(super) fn terrain_through<'a>(
         let corners = building.polygons.iter().flatten().flatten();
         corners.filter_map(move |[x, y]| Some(Corner { at: Point2::new(*x, *y), base_m: base_m? }))
     };
-    // Of those at one place the last is kept: the lowest.
+    // At one place the last corner is kept: the lowest.
     let mut corners: Vec<Corner> = buildings.flat_map(corners_of).collect();
     corners.sort_by(|a, b| b.base_m.total_cmp(&a.base_m));
     let georef = grown(grid, &corners);
@@ -64,7 +66,7 @@ pub(super) fn terrain_through<'a>(
     Ok(Raster::new(georef, cells))
 }
 
-/// A grid with as many more cells on each side as hold all corners.
+/// Grows a grid by as many cells on each side as hold all corners.
 fn grown(grid: &GeoRef, corners: &[Corner]) -> GeoRef {
     let (width, height) = (grid.cell_width(), grid.cell_height());
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, and is not below 0")]

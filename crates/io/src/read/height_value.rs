@@ -1,9 +1,9 @@
-//! The height that a property holds: a number, or text with a unit.
+//! Height that a property holds: a number, or text with a unit.
 
 use super::footprint_options::{HeightUnit, METERS_PER_FOOT};
 use super::vector::Property;
 
-/// What a height property held.
+/// Content of a height property.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum FoundHeight {
     Meters(f64),
@@ -12,7 +12,7 @@ pub(super) enum FoundHeight {
 }
 
 impl FoundHeight {
-    /// The height \[m\], if there is one.
+    /// Returns the height \[m\], if there is one.
     pub(super) fn meters(self) -> Option<f64> {
         match self {
             FoundHeight::Meters(m) | FoundHeight::DecimalComma(m) => Some(m),
@@ -20,7 +20,7 @@ impl FoundHeight {
         }
     }
 
-    /// Missing where the number stands for that.
+    /// Returns [`FoundHeight::Missing`] if `is_missing` holds for the number.
     pub(super) fn unless(self, is_missing: impl FnOnce(f64) -> bool) -> FoundHeight {
         match self.meters() {
             Some(m) if is_missing(m) => FoundHeight::Missing,
@@ -29,16 +29,16 @@ impl FoundHeight {
     }
 }
 
-/// Whether a top above the datum is a number that stands for none \[m\].
+/// Returns `true` when a top above the datum \[m\] is a number that means none.
 pub(super) fn is_no_top(m: f64) -> bool {
-    /// No roof on Earth is higher above the datum, and none lower below it.
+    /// Largest distance of any roof on Earth from the datum \[m\].
     const MOST_M: f64 = 9000.0;
     // −9999, −99999, −32768, ±1e30 are beyond.
     m.abs() > MOST_M
 }
 
-/// A height from a property: a number, or text such as `12`, `12.5 m`, `40 ft`, `39'4"`, `12,5`; `unit` is that of
-/// numbers without one.
+/// Reads a height from a property: a number, or text such as `12`, `12.5 m`, `40 ft`, `39'4"`,
+/// `12,5`. `unit` is that of numbers without one.
 pub(super) fn found_height(value: &Property, unit: HeightUnit) -> FoundHeight {
     let text = match value {
         Property::Number(n) if n.is_finite() => return FoundHeight::Meters(n * unit.meters()),
@@ -72,7 +72,7 @@ pub(super) fn found_height(value: &Property, unit: HeightUnit) -> FoundHeight {
     }
 }
 
-/// `39` and `4"` as meters, the inches left out or below 12.
+/// Converts `39` and `4"` to meters; inches may be left out, and are below 12.
 fn feet_and_inches(feet: &str, inches: &str) -> Option<f64> {
     let feet: f64 = feet.trim().parse().ok().filter(|v: &f64| v.is_finite())?;
     let inches = inches.trim().trim_end_matches(['"', '\'']).trim();

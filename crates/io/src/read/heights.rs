@@ -17,37 +17,37 @@ use crate::raster::{CellWindow, Crs, CrsKind, GeoRef, LargeVec, Raster};
 pub(super) struct HeightFile<'a> {
     input: &'a Input,
     file: RasterFile,
-    /// The part of the file that is read, and where it lies.
+    /// Part of the file that is read, and its grid.
     window: CellWindow,
     georef: GeoRef,
 }
 
-/// What a raster of heights holds.
+/// Heights of a raster.
 #[derive(Debug)]
 pub(super) struct Heights {
     /// Heights on the lattice, [`VOID`] where there is none.
     pub(super) raster: Raster<i32>,
-    /// Cells without a height.
+    /// Number of cells without a height.
     pub(super) n_void: u64,
-    /// The files that were read.
+    /// Files that were read.
     pub(super) sources: Vec<Source>,
 }
 
-/// What a raster of heights holds, in tiles on disk.
+/// Heights of a raster, in tiles on disk.
 #[derive(Debug)]
 pub(super) struct StoredHeights {
     /// Heights on the lattice, [`VOID`] where there is none.
     pub(super) tiles: TileStore,
-    /// Where the cells lie.
+    /// Grid of the cells.
     pub(super) georef: GeoRef,
-    /// Cells without a height.
+    /// Number of cells without a height.
     pub(super) n_void: u64,
-    /// The files that were read.
+    /// Files that were read.
     pub(super) sources: Vec<Source>,
 }
 
 impl<'a> HeightFile<'a> {
-    /// Opens the raster of a scene; `crs` overrides what it says, or does not say, of its own.
+    /// Opens the raster of a scene; `crs` overrides the system of the file, or a missing one.
     pub(super) fn open(
         input: &'a Input,
         (crs, band): (Option<&Crs>, &Band),
@@ -56,7 +56,7 @@ impl<'a> HeightFile<'a> {
         HeightFile::open_band(input, (crs, Some(band)), warnings)
     }
 
-    /// Opens a raster; `band` is the one to read, where one can be asked for.
+    /// Opens a raster; `band` is the one to read, where the caller can choose one.
     fn open_band(
         input: &'a Input,
         (crs, band): (Option<&Crs>, Option<&Band>),
@@ -67,7 +67,8 @@ impl<'a> HeightFile<'a> {
         let georef = file.georef().clone();
         let georef = match crs {
             None => {
-                // A system that is cut off may be one of feet: its cells are not taken for meters.
+                // A definition that is cut off may be one in feet: its cells are not taken for
+                // meters.
                 let said = odd
                     .iter()
                     .find(|oddity| matches!(oddity.odd, OddRaster::CrsIgnored(_) | OddRaster::DamagedKeys(_)));
@@ -88,7 +89,8 @@ impl<'a> HeightFile<'a> {
         Ok(HeightFile { input, window: georef.window(), file, georef })
     }
 
-    /// Opens a terrain model; lengths are those of the surface or the footprints above it, whatever its own are.
+    /// Opens a terrain model. Lengths are those of the surface or the footprints above it, whatever
+    /// its own are.
     pub(super) fn open_terrain(
         input: &'a Input,
         crs: Option<&Crs>,
@@ -100,25 +102,26 @@ impl<'a> HeightFile<'a> {
         Ok(file)
     }
 
-    /// The cells that touch a box alone: west, south, east, north \[CRS units\].
+    /// Limits the file to the cells that touch a box: west, south, east, north \[CRS units\].
     pub(super) fn around(self, around: [f64; 4]) -> HeightFile<'a> {
         let window = self.georef.window_within(around);
         HeightFile { window, georef: self.georef.part(window), ..self }
     }
 
-    /// The cells under those of another grid alone; its very cells where the grids agree.
+    /// Limits the file to the cells under those of another grid; where the grids agree, to the same
+    /// cells.
     pub(super) fn under(self, (surface, grid): (&Input, &GeoRef)) -> Result<HeightFile<'a>> {
         let window = self.georef.window_of(grid).or_else(|| self.georef.window_over(grid));
         let window = window.ok_or_else(|| no_terrain_below((surface, grid), (self.input, &self.georef)))?;
         Ok(HeightFile { window, georef: self.georef.part(window), ..self })
     }
 
-    /// Where the cells lie.
+    /// Returns the grid of the cells.
     pub(super) fn georef(&self) -> &GeoRef {
         &self.georef
     }
 
-    /// The file, if its coordinates can be those of a scene as they are.
+    /// Returns the file, if its coordinates can be used for a scene as they are.
     pub(super) fn in_meters(self, warnings: &mut Vec<Warning>) -> Result<HeightFile<'a>> {
         check_grid(self.input, &self.georef, warnings)?;
         Ok(self)
@@ -134,7 +137,7 @@ impl<'a> HeightFile<'a> {
             None => lattice_heights((input, &file, window), warnings),
         };
         let (cells, n_void) = match heights {
-            // A hole of the file is no fault of it.
+            // A part without heights is no fault of the file.
             Err(Error::Read(error)) if is_part && matches!(error.fault, ReadFault::AllVoid(..)) => {
                 (vec![VOID; georef.n_cells()].into(), georef.n_cells() as u64)
             }
@@ -144,7 +147,8 @@ impl<'a> HeightFile<'a> {
         Ok(Heights { raster: Raster::new(georef, cells), n_void, sources })
     }
 
-    /// Copies all heights to tiles on disk: memory is that of a row of tiles, and of a row of blocks of the file.
+    /// Copies all heights to tiles on disk. Memory is that of a row of tiles, and of a row of
+    /// blocks of the file.
     pub(super) fn store(self, scratch: &Path, always_hash: bool, warnings: &mut Vec<Warning>) -> Result<StoredHeights> {
         let HeightFile { input, file, window, georef } = self;
         if let Some((tiles, n_void)) = store_plain(&file, window, scratch)? {
@@ -170,14 +174,14 @@ impl<'a> HeightFile<'a> {
     }
 }
 
-/// Copies heights that are stored plainly to tiles on disk, and tells how many cells have none; `None` of others, and where
-/// no cell has a height.
+/// Copies heights that are stored plainly to tiles on disk, and returns the number of cells without
+/// one. `None` for other files, and where no cell has a height.
 fn store_plain(file: &RasterFile, window: CellWindow, scratch: &Path) -> Result<Option<(TileStore, u64)>> {
     let mut writer = TileStoreWriter::create(scratch, (window.n_rows, window.n_cols))?;
     let mut n_void = 0;
     let mut first = 0;
     while first < window.n_rows {
-        // Those between multiples in the file, so that no block is decoded twice.
+        // Rows end at multiples in the file, so that no block is decoded twice.
         let n_rows = (ROWS_AT_ONCE - (window.row + first) % ROWS_AT_ONCE).min(window.n_rows - first);
         let rows = CellWindow { row: window.row + first, n_rows, ..window };
         match file.read_plain_heights(rows, &mut Vec::new()) {
@@ -199,10 +203,10 @@ fn store_plain(file: &RasterFile, window: CellWindow, scratch: &Path) -> Result<
     Ok(if n_void < n_cells { Some((writer.finish()?, n_void)) } else { None })
 }
 
-/// Rows that are read at once while heights are copied: those of a tile, as most files have them.
+/// Number of rows that are read at once while heights are copied: those of a tile in most files.
 const ROWS_AT_ONCE: usize = 256;
 
-/// The heights of a part of a file on the lattice, and the number of cells that have none.
+/// Reads the heights of a part of a file onto the lattice, with the number of cells that have none.
 fn lattice_heights(
     (input, file, window): (&Input, &RasterFile, CellWindow),
     warnings: &mut Vec<Warning>,
@@ -213,7 +217,7 @@ fn lattice_heights(
     Ok((raster.into_cells(), n_void))
 }
 
-/// Heights put onto the lattice one by one.
+/// Conversion of heights to the lattice one by one.
 struct LatticeHeights {
     meters_per_unit: f64,
     n_void: u64,
@@ -226,7 +230,7 @@ impl LatticeHeights {
         LatticeHeights { meters_per_unit, n_void: 0, out_of_range: None }
     }
 
-    /// A height on the lattice, [`VOID`] where there is none.
+    /// Returns a height on the lattice, [`VOID`] where there is none.
     #[inline]
     fn put(&mut self, height: f64) -> i32 {
         let height = height * self.meters_per_unit;
@@ -240,7 +244,7 @@ impl LatticeHeights {
         steps.unwrap_or(VOID)
     }
 
-    /// The number of cells without a height.
+    /// Returns the number of cells without a height.
     fn finish(self, input: &Input) -> Result<u64> {
         if let Some(v) = self.out_of_range {
             return Err(Error::read(input, ReadFault::HeightRange(HeightOf::Cell, v)));
@@ -249,7 +253,7 @@ impl LatticeHeights {
     }
 }
 
-/// Whether a warning is that of lengths in web Mercator.
+/// Returns `true` when a warning is about lengths in web Mercator.
 pub(super) fn is_of_web_mercator(warning: &Warning) -> bool {
     matches!(warning, Warning::Raster(odd) if odd.is_web_mercator())
 }
@@ -263,7 +267,7 @@ pub(super) fn warn_of_units(input: &Input, crs: &Crs, warnings: &mut Vec<Warning
     }
 }
 
-/// Checks that a grid can be that of a scene.
+/// Checks that a grid can be used for a scene.
 pub(super) fn check_grid(input: &Input, georef: &GeoRef, warnings: &mut Vec<Warning>) -> Result<()> {
     let Some(crs) = georef.crs() else { return Ok(()) };
     refuse_degrees(input, crs, [georef.x_min(), georef.y_min(), georef.x_max(), georef.y_max()], InputKind::Raster)?;

@@ -1,6 +1,6 @@
-//! Scenes of what the caller holds in memory: heights of cells, and buildings as polygons.
+//! Scenes from data that the caller holds in memory: heights of cells, and buildings as polygons.
 //!
-//! They are read as files of the same content are: the same checks, warnings and lattice.
+//! They are read as files of the same content are, with the same checks, warnings and lattice.
 
 use std::sync::{Arc, Mutex};
 
@@ -30,11 +30,13 @@ pub struct HeldHeights {
 }
 
 impl HeldHeights {
-    /// Heights row by row: `put(row, heights)` fills in those of a row, from the north and from the west \[m\], NaN where there is
-    /// none, and says whether to go on. Threads of the current pool ask for different rows. `name` stands in messages and titles.
+    /// Collects heights row by row. `put(row, heights)` fills in a row, from the north and from the
+    /// west \[m\], NaN where there is none; it returns `false` to stop. Threads of the current pool
+    /// request different rows. `name` appears in messages and titles.
     ///
     /// # Errors
-    /// E305 without any height; E205 for one beyond the lattice; E501 if they do not fit in memory; `Interrupted`.
+    /// E305 without any height; E205 for one beyond the lattice; E501 if they do not fit in memory;
+    /// `Interrupted` if `put` stops.
     pub fn new(name: &str, georef: GeoRef, put: impl Fn(usize, &mut [f64]) -> bool + Sync) -> Result<HeldHeights> {
         let name = Input::bytes(name, Vec::new());
         drop(reserve_cells::<i32>(&name, &georef)?);
@@ -55,7 +57,7 @@ impl HeldHeights {
                 }
             }
             if let (Some(bad), Ok(mut first)) = (bad, out_of_range.lock()) {
-                // The first in the order of cells, whoever comes first.
+                // The first in the order of cells counts, whichever thread comes first.
                 if first.is_none_or(|(first_row, _)| row < first_row) {
                     *first = Some((row, bad));
                 }
@@ -74,17 +76,17 @@ impl HeldHeights {
         Ok(HeldHeights { name, raster: Raster::new(georef, cells), n_void })
     }
 
-    /// Where the cells lie.
+    /// Returns the grid of the cells.
     pub fn georef(&self) -> &GeoRef {
         self.raster.georef()
     }
 }
 
-/// The scene of a surface model, and of the terrain below it if that is held, too. Into another reference system they are
-/// brought as files are.
+/// Returns the scene of a surface model, and of the terrain below it if the caller holds one. Both
+/// are reprojected as files are.
 ///
 /// # Errors
-/// Those of [`super::read_surface`] about heights and reference systems.
+/// Errors of [`super::read_surface`] about heights and reference systems.
 pub fn surface_of(
     surface: HeldHeights,
     terrain: Option<HeldHeights>,
@@ -118,18 +120,18 @@ pub fn surface_of(
 /// A building that the caller holds.
 #[derive(Debug, Clone)]
 pub struct HeldBuilding<'a> {
-    /// Its name; its number from 1 without one.
+    /// Name; without one, its number from 1.
     pub id: Option<String>,
-    /// Its polygons as well-known binary (OGC 06-103r4, section 8).
+    /// Polygons as well-known binary (OGC 06-103r4, section 8).
     pub wkb: &'a [u8],
-    /// Its height above the ground, or what the options take it for; NaN without one.
+    /// Height above the ground, or as the options define it; NaN without one.
     pub height: f64,
 }
 
-/// The scene of some buildings.
+/// Returns the scene of some buildings.
 ///
 /// # Errors
-/// Those of [`super::read_footprints`] about geometries, heights and reference systems.
+/// Errors of [`super::read_footprints`] about geometries, heights and reference systems.
 pub fn footprints_of(
     name: &str,
     buildings: &[HeldBuilding<'_>],

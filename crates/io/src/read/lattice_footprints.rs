@@ -1,4 +1,5 @@
-//! Buildings of a file become footprints on the lattice: each has a shape that is mended, a height that is known or treated, and a top.
+//! Conversion of buildings of a file to footprints on the lattice: each gets a repaired shape, a
+//! known or substitute height, and a top.
 
 use std::collections::HashMap;
 
@@ -19,10 +20,10 @@ use crate::input::Input;
 use crate::overlay::Polygon;
 use crate::quantity::{Frame, STEPS_PER_UNIT, height_steps, meters};
 
-/// The largest share of the footprint area that may go without heights unless a policy was chosen.
+/// Largest share of the footprint area that may lack heights unless a policy was chosen.
 const FEW: f64 = 0.02;
 
-/// What prisms are made of buildings with.
+/// Inputs for making prisms of buildings.
 #[derive(Clone, Copy)]
 pub(super) struct Making<'a> {
     pub(super) input: &'a Input,
@@ -33,32 +34,34 @@ pub(super) struct Making<'a> {
     pub(super) meters_per_unit: f64,
     /// Facts of all heights of the file.
     pub(super) heights: &'a FileHeights,
-    /// Which of its footprints are parts of others.
+    /// Outlines of the file, and their parts.
     pub(super) grouping: &'a Grouping,
 }
 
-/// Top and base of what stands of a footprint \[1/1024 m above the datum\].
+/// Top and base of a footprint or of its rest \[1/1024 m above the datum\].
 #[derive(Debug, Clone)]
 struct Standing {
     top: i32,
     base: Option<i32>,
-    /// Rest of an outline beside its parts; `None` for a footprint that stands as it is.
+    /// Rest of an outline beside its parts; `None` for a whole footprint.
     rest: Option<Rest>,
 }
 
-/// What parts leave of an outline.
+/// Rest of an outline beside its parts.
 #[derive(Debug, Clone)]
 struct Rest {
     polygons: Vec<Polygon>,
-    /// Whether it is as high as the lowest part, for want of a height of its own.
+    /// `true` if it is as high as the lowest part, for want of a height of its own.
     is_as_lowest: bool,
 }
 
 impl Making<'_> {
-    /// Prisms of the footprints that meet the box `near` \[CRS units\], of all without one.
+    /// Returns the prisms of the footprints that meet the box `near` \[CRS units\], of all without
+    /// one.
     ///
     /// # Errors
-    /// E309 for missing heights, E205 and E504 for shapes and heights beyond the lattice, E365 for a bad error of a height.
+    /// E309 for missing heights, E205 and E504 for shapes and heights beyond the lattice, E365 for
+    /// a bad error of a height.
     pub(super) fn prisms(
         self,
         mut raw: Buildings,
@@ -100,12 +103,12 @@ impl Making<'_> {
         Ok(footprints)
     }
 
-    /// Brings footprints onto the lattice, repaired.
+    /// Brings footprints onto the lattice, and repairs them.
     fn shapes(self, raw: Vec<RawFootprint>) -> Result<Vec<Shaped>> {
         let of_ground = (self.ground, self.options.base);
         let mut shaped: Vec<Shaped> = raw.into_par_iter().map(|f| shape(f, of_ground, self.frame)).collect();
         if self.options.needs_bases() && self.options.ground == GroundChoice::Buildings {
-            // Corners of cells may be lower or higher than the ground that the file holds.
+            // Corners of terrain cells may be lower or higher than the ground that the file holds.
             shaped.iter_mut().for_each(|s| s.base = s.raw.base_m.and_then(height_steps).or(s.base));
         }
         if let Some((found, tangle)) = shaped.iter().find_map(|s| Some((s, s.tangle?))) {
@@ -119,7 +122,8 @@ impl Making<'_> {
         Ok(shaped)
     }
 
-    /// What stands of a footprint as it is; `None` if it is left out. Notes what is odd about its height.
+    /// Returns top and base of a whole footprint; `None` if it is left out. Logs oddities of its
+    /// height.
     fn whole(self, shaped: &[Shaped], k: usize, log: &mut FaultLog) -> Result<Option<Standing>> {
         let of = &shaped[k];
         if !is_usable(of) {
@@ -145,8 +149,9 @@ impl Making<'_> {
         Ok(standing)
     }
 
-    /// What stands of an outline beside its parts: at its own height where that is read and below the highest part, else as high as the
-    /// lowest part. The whole outline if no part stands; nothing if parts cover nine tenths of it.
+    /// Returns the rest of an outline beside its parts. The rest has the outline's own height where
+    /// that was read and is below the highest part, else that of the lowest part. Without any part
+    /// it is the whole outline; `None` if parts cover nine tenths of it.
     fn beside_parts(
         self,
         shaped: &[Shaped],
@@ -163,7 +168,7 @@ impl Making<'_> {
         if rest.is_empty() {
             return Ok(None);
         }
-        // A height that was made up is none of its own.
+        // A substitute height is not the outline's own.
         let own = match self.height(shaped, k) {
             (HeightSource::File, Some(height)) if is_usable(&shaped[k]) => self.on_lattice(shaped, k, height)?,
             _ => None,
@@ -173,8 +178,9 @@ impl Making<'_> {
         Ok(Some(Standing { top: own.unwrap_or(lowest), base: shaped[k].base, rest: Some(rest) }))
     }
 
-    /// Area of the rests of outlines that are as high as the lowest part \[m²\], and shares of the area of all that have a height: of those
-    /// that are left out, by why. Of footprints in the typed extent.
+    /// Returns the area of the rests of outlines that are as high as the lowest part \[m²\].
+    /// Returns also, by fault, the share of left-out footprints in the area of all that have a
+    /// height. Both count footprints in the typed extent.
     fn areas(
         self,
         shaped: &[Shaped],
@@ -196,13 +202,13 @@ impl Making<'_> {
             rests += rest.map_or(0.0, |rest| rest.polygons.iter().map(|polygon| polygon_area(polygon)).sum());
         }
         let step_m = self.meters_per_unit / f64::from(STEPS_PER_UNIT);
-        // What is not there has a share of the whole; the others share what is left.
+        // `not_there_share` is a share of the whole; other faults divide the remainder.
         let shares = left_out.into_iter().map(|(fault, area)| (fault, area / with_height * (1.0 - not_there_share)));
         let shares = shares.chain([(FootprintFault::NotABuilding, not_there_share)]).collect();
         (0.5 * rests * step_m * step_m, shares)
     }
 
-    /// The footprint of what stands.
+    /// Returns the footprint of `standing`.
     fn footprint(self, k: usize, shaped: Shaped, standing: Standing) -> Result<Footprint> {
         if let Some(error) = shaped.raw.height_error_m.filter(|m| !(0.0..=1000.0).contains(m)) {
             return Err(Error::read(self.input, ReadFault::HeightError(shaped.raw.id, error)));
@@ -223,7 +229,7 @@ impl Making<'_> {
         })
     }
 
-    /// Refuses a file of which too much has no height.
+    /// Refuses a file if too much of its footprint area has no height.
     fn refuse_missing(self) -> Result<()> {
         let left_out = self.heights.sources.from(HeightSource::Nowhere);
         let rest = self.options.missing.rest();
@@ -249,13 +255,14 @@ impl Making<'_> {
         Err(Error::read(self.input, ReadFault::HeightsMissing(fault)))
     }
 
-    /// The height of a footprint, and where it comes from.
+    /// Returns the height of a footprint, and its source.
     fn height(self, shaped: &[Shaped], k: usize) -> (HeightSource, Option<Height>) {
         let outline = self.grouping.outline_of(k).map(|outline| &shaped[outline].raw);
         self.heights.height(&shaped[k].raw, outline, &self.options.missing)
     }
 
-    /// A footprint at a height, on the ground of its outline if it has one; `None` below 0 or where that ground is not known.
+    /// Puts a footprint at a height, on the ground of its outline if it has one. `None` for a
+    /// height below 0, or where that ground is not known.
     fn on_lattice(self, shaped: &[Shaped], k: usize, Height { m, above_datum }: Height) -> Result<Option<Standing>> {
         let base = self.grouping.outline_of(k).map_or(shaped[k].base, |outline| shaped[outline].base);
         let above = match (above_datum, base) {
@@ -273,18 +280,18 @@ impl Making<'_> {
 }
 
 impl Standing {
-    /// Whether a top that is read above the datum is not above the ground.
+    /// Returns `true` when a top that is read above the datum is not above the ground.
     fn is_below_ground(&self, of: &RawFootprint) -> bool {
         of.above_datum && self.base.is_some_and(|base| self.top <= base)
     }
 }
 
-/// Whether anything is left of a building after repair, and near enough.
+/// Returns `true` when a building is near enough, and has an area after repair.
 fn is_usable(shaped: &Shaped) -> bool {
     !shaped.too_far && !shaped.polygons.is_empty()
 }
 
-/// Notes what is odd about a building whatever its height is.
+/// Logs oddities of a building that do not depend on its height.
 fn note_shape(shaped: &Shaped, log: &mut FaultLog) {
     let raw = &shaped.raw;
     shaped.repaired.iter().for_each(|k| log.note(FootprintFault::SelfIntersection, raw.culprit_at(*k)));

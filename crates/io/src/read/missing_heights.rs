@@ -1,11 +1,11 @@
-//! What becomes of footprints whose height is missing.
+//! Treatment of footprints whose height is missing.
 
 use std::fmt;
 use std::str::FromStr;
 
 use crate::quantity::{parse_meters, tidy};
 
-/// A way to a height that is missing.
+/// Source of a height that is missing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HeightRule {
     /// Three meters for each storey.
@@ -16,10 +16,11 @@ pub enum HeightRule {
     Meters(f64),
 }
 
-/// What becomes of a footprint that no rule gives a height.
+/// Treatment of a footprint without a height from any rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum WithoutHeight {
-    /// It is left out. The file is refused where such footprints cover more than 2 % of the area of all.
+    /// It is left out. The file is refused where such footprints cover more than 2 % of the area of
+    /// all.
     #[default]
     Few,
     /// It is left out.
@@ -36,40 +37,42 @@ pub struct MissingHeights {
 }
 
 impl MissingHeights {
-    /// No rule, and an end.
+    /// Returns a list without rules.
     pub fn only(rest: WithoutHeight) -> Self {
         MissingHeights { rules: Vec::new(), rest }
     }
 
-    /// Leaves out what no rule gives a height, whatever it covers, unless the list ends otherwise.
+    /// Leaves out footprints without a height from any rule, whatever they cover, unless the list
+    /// ends otherwise.
     #[must_use]
     pub fn with_rest_dropped(self) -> Self {
         let rest = if self.rest == WithoutHeight::Few { WithoutHeight::Drop } else { self.rest };
         MissingHeights { rest, ..self }
     }
 
-    /// The rules, in their order.
+    /// Returns the rules, in their order.
     pub fn rules(&self) -> &[HeightRule] {
         &self.rules
     }
 
-    /// What becomes of footprints that no rule gives a height.
+    /// Returns the treatment of footprints without a height from any rule.
     pub fn rest(&self) -> WithoutHeight {
         self.rest
     }
 
-    /// Whether storeys are asked.
+    /// Returns `true` when a rule uses storeys.
     pub fn counts_storeys(&self) -> bool {
         self.rules.contains(&HeightRule::Levels)
     }
 
-    /// Whether every footprint has a height by a number.
+    /// Returns `true` when a number gives every footprint a height.
     pub fn gives_all(&self) -> bool {
         matches!(self.rules.last(), Some(HeightRule::Meters(_)))
     }
 }
 
-/// Words separated by commas: `levels`, `median`, a number of meters, and at the end `drop` or `fail`.
+/// Words separated by commas: `levels`, `median`, a number of meters, and at the end `drop` or
+/// `fail`.
 impl FromStr for MissingHeights {
     type Err = String;
 

@@ -1,12 +1,14 @@
-//! Features that stand for nothing above the ground: what is no building, no longer or not yet there, or below the street.
+//! Features with nothing above the ground: no buildings, buildings that are demolished or planned,
+//! or below the street.
 //!
-//! Names and values are those of OpenStreetMap and Overture, which many files borrow. A column `building` may also hold names of houses, as
-//! in a cadastre: features without it are left out only where its values are those of OpenStreetMap.
+//! Names and values are those of OpenStreetMap and Overture, which many files borrow. A column
+//! `building` may also hold names of houses, as in a cadastre. Features without it are therefore
+//! left out only where its values are those of OpenStreetMap.
 
 use super::height_value::FoundHeight;
 use super::vector::{Feature, Property};
 
-/// Values of `building` that mappers write most.
+/// Values of `building` that mappers use most.
 const BUILDINGS: [&str; 40] = [
     "yes",
     "house",
@@ -50,21 +52,21 @@ const BUILDINGS: [&str; 40] = [
     "tower",
 ];
 
-/// Keys of features that are something else, where they are no building.
+/// Keys of other features, which are no building unless tagged as one.
 const OTHERS: [&str; 5] = ["leisure", "landuse", "natural", "barrier", "highway"];
 
-/// What stands before the colon in the key of something that is gone or planned.
+/// Prefixes, before the colon, of the keys of removed or planned features.
 const LIFECYCLES: [&str; 5] = ["demolished", "razed", "removed", "proposed", "construction"];
 
-/// How a file tags buildings.
+/// Tagging of buildings in a file.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tagging {
-    /// Whether values of `building` are those of OpenStreetMap.
+    /// `true` if values of `building` are those of OpenStreetMap.
     has_building_tags: bool,
 }
 
 impl Tagging {
-    /// That of some areas of a file.
+    /// Determines the tagging of some areas of a file.
     pub(super) fn of(areas: &[&Feature], name_limit: Option<usize>) -> Tagging {
         let words = || areas.iter().filter_map(|feature| word(feature, "building", name_limit));
         let n_known = words().filter(|value| BUILDINGS.contains(&value.as_str())).count();
@@ -72,7 +74,8 @@ impl Tagging {
         Tagging { has_building_tags: n_known > 0 && 2 * n_known >= words().count() || n_known == 0 && has_parts }
     }
 
-    /// Whether a feature stands for nothing above the ground. `height` is what its property of a height holds.
+    /// Returns `true` when a feature has nothing above the ground. `height` is the content of its
+    /// height property.
     pub(super) fn is_not_there(self, feature: &Feature, name_limit: Option<usize>, height: FoundHeight) -> bool {
         let word = |name: &str| word(feature, name, name_limit);
         let is = |name: &str, values: &[&str]| word(name).is_some_and(|value| values.contains(&value.as_str()));
@@ -105,7 +108,7 @@ impl Tagging {
     }
 }
 
-/// The text of a property in lower case; `None` where it is missing or empty.
+/// Returns the text of a property in lower case; `None` where it is missing or empty.
 fn word(feature: &Feature, name: &str, name_limit: Option<usize>) -> Option<String> {
     let text = feature.property(name, name_limit)?.text()?;
     Some(text.trim().to_lowercase()).filter(|text| !text.is_empty())

@@ -1,4 +1,4 @@
-//! The outline of a building: onto the lattice, repaired, and the ground under it.
+//! Outline of a building: onto the lattice, repaired, with the ground under it.
 
 use super::building::RawFootprint;
 use super::footprint_options::BaseRule;
@@ -13,34 +13,37 @@ use crate::raster::{CellLattice, Raster};
 pub(super) struct Shaped {
     pub(super) raw: RawFootprint,
     pub(super) polygons: Vec<Polygon>,
-    /// Which of the raw polygons were repaired.
+    /// Indices of the raw polygons that were repaired.
     pub(super) repaired: Vec<usize>,
-    /// Which of them have no area.
+    /// Indices of the raw polygons without area.
     pub(super) degenerate: Vec<usize>,
-    /// Which of them have a hole that lies outside of their shell, or reaches out of it.
+    /// Indices of the raw polygons with a hole that lies outside of their shell, or reaches out of
+    /// it.
     pub(super) stray_holes: Vec<usize>,
     pub(super) too_far: bool,
-    /// Why it could not be repaired.
+    /// Reason why it could not be repaired.
     pub(super) tangle: Option<Tangle>,
-    /// The ground that it stands on, `None` where none is known.
+    /// Ground that it stands on; `None` where none is known.
     pub(super) base: Option<i32>,
     /// Its roof, if that is taken as it is.
     pub(super) roof: LatticeRoof,
-    /// A height of that beyond the lattice \[m\].
+    /// A height of the roof beyond the lattice \[m\].
     pub(super) bad_height: Option<f64>,
-    /// Whether it reaches beyond the ground surfaces.
+    /// `true` if the roof reaches beyond the ground surfaces.
     pub(super) overhangs: bool,
-    /// Whether ground surfaces reach beyond it.
+    /// `true` if ground surfaces reach beyond the roof.
     pub(super) bares_ground: bool,
 }
 
-/// A roof that reaches beyond its ground surfaces by less than this is as the file was drawn \[square steps\]: half a square meter.
+/// Area by which a roof must reach beyond its ground surfaces to be reported \[square steps\]: half
+/// a square meter. Less is due to how the file was drawn.
 const LEAST_OVERHANG: i128 = 1 << 19;
 
-/// Positions are within this of the origin \[lattice steps\].
+/// Largest coordinate of a position \[lattice steps\].
 const LIMIT: i64 = 1 << 26;
 
-/// Brings a footprint onto the lattice, repairs its polygons and finds the ground that it stands on.
+/// Brings a footprint onto the lattice, repairs its polygons and finds the ground that it stands
+/// on.
 pub(super) fn shape(raw: RawFootprint, (ground, rule): (&Ground, BaseRule), frame: Frame) -> Shaped {
     let mut shaped = Shaped {
         polygons: Vec::new(),
@@ -69,7 +72,7 @@ pub(super) fn shape(raw: RawFootprint, (ground, rule): (&Ground, BaseRule), fram
     shaped
 }
 
-/// Triangles of the roof, and what they cover.
+/// Fills in the triangles of the roof, and the polygons that they cover.
 fn shape_roof(shaped: &mut Shaped, frame: Frame) {
     match lattice_roof(&shaped.raw.roof, frame) {
         Ok(roof) => shaped.roof = roof,
@@ -102,20 +105,21 @@ fn shape_roof(shaped: &mut Shaped, frame: Frame) {
     }
 }
 
-/// A position on the lattice; `None` beyond it.
+/// Returns a position on the lattice; `None` beyond it.
 pub(super) fn lattice_point(frame: Frame, [x, y]: [f64; 2]) -> Option<[i32; 2]> {
     let (x, y) = frame.lattice_from_world(x, y);
     let on_lattice = |v: i64| i32::try_from(v).ok().filter(|_| v.abs() <= LIMIT);
     Some([on_lattice(x)?, on_lattice(y)?])
 }
 
-/// The rings of a polygon on the lattice, those that enclose something; `None` beyond it.
+/// Returns the rings of a polygon on the lattice that enclose an area; `None` beyond it.
 fn lattice_rings(rings: &[Vec<[f64; 2]>], frame: Frame) -> Option<Vec<Ring>> {
     let on_lattice = |ring: &Vec<[f64; 2]>| ring.iter().map(|p| lattice_point(frame, *p)).collect();
     rings.iter().map(on_lattice).collect::<Option<Vec<Ring>>>().map(enclosing)
 }
 
-/// The rings that enclose something, without corners that stand at the one before. Without a shell there is nothing to take holes out of.
+/// Returns the rings that enclose an area, without corners that repeat the one before. Without a
+/// shell there is nothing to take holes out of, and no ring is returned.
 pub(super) fn enclosing(mut rings: Vec<Ring>) -> Vec<Ring> {
     for ring in &mut rings {
         ring.dedup();
@@ -130,7 +134,7 @@ pub(super) fn enclosing(mut rings: Vec<Ring>) -> Vec<Ring> {
     rings
 }
 
-/// Polygons as drawn, on the lattice and mended; none beyond it.
+/// Returns polygons on the lattice and repaired; none beyond it.
 pub(super) fn lattice_polygons(polygons: &[Vec<Vec<[f64; 2]>>], frame: Frame) -> Vec<Polygon> {
     let rings = polygons.iter().map(|polygon| lattice_rings(polygon, frame)).collect::<Option<Vec<_>>>();
     let is_sound = |rings: &Vec<Ring>| tangle(rings).is_none();
@@ -142,7 +146,7 @@ pub(super) fn lattice_polygons(polygons: &[Vec<Vec<[f64; 2]>>], frame: Frame) ->
         .collect()
 }
 
-/// Polygons, repaired.
+/// Repairs the polygons.
 fn shape_polygons(shaped: &mut Shaped, frame: Frame) {
     for (k, polygon) in shaped.raw.polygons.iter().enumerate() {
         let Some(rings) = lattice_rings(polygon, frame) else {
@@ -166,26 +170,27 @@ fn shape_polygons(shaped: &mut Shaped, frame: Frame) {
     }
 }
 
-/// The region of a polygon, mended.
+/// Repaired region of a polygon.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Region {
     /// Polygons, shell first, whose edges do not cross.
     pub polygons: Vec<Polygon>,
-    /// Whether it is another one than the rings say as they are.
+    /// `true` if the rings as drawn describe another region.
     pub is_repaired: bool,
-    /// Whether a hole lies outside of the shell, or reaches out of it: that part is no region.
+    /// `true` if a hole lies outside of the shell, or reaches out of it. That part does not belong
+    /// to the region.
     pub has_stray_hole: bool,
 }
 
-/// The region of a polygon of rings, the shell first: what the shell encloses less what each hole does, both by the even-odd
-/// rule.
+/// Returns the region of a polygon of rings, the shell first: the area of the shell without those
+/// of the holes, all by the even-odd rule.
 ///
-/// Where edges cross off the lattice, the crossing is rounded to it and the edges bend by less than a step. Coordinates
-/// are within ±2^26.
+/// Where edges cross off the lattice, the crossing is rounded to it and the edges bend by less than
+/// a step. Coordinates are within ±2^26.
 pub fn region_of(rings: &[Ring]) -> Region {
     let polygons = even_odd(rings);
-    // A valid polygon comes back with the area of its shell less that of its holes and with as many rings. A hole that is not
-    // in the shell would have added its area.
+    // A valid polygon comes back with the area of its shell minus that of its holes, and with as
+    // many rings. A hole outside of the shell would have added its area.
     let area = |ring: &Ring| doubled_area(ring).abs();
     let before = rings.first().map_or(0, area) - rings.iter().skip(1).map(area).sum::<i128>();
     let after: i128 = polygons.iter().map(|p| area(&p[0]) - p[1..].iter().map(area).sum::<i128>()).sum();
@@ -196,7 +201,8 @@ pub fn region_of(rings: &[Ring]) -> Region {
     let Some((shell, holes)) = rings.split_first().filter(|(_, holes)| !holes.is_empty()) else {
         return Region { polygons, is_repaired: true, has_stray_hole: false };
     };
-    // Each ring by itself, wound alike, so that regions add up by their winding numbers.
+    // Each ring is resolved by itself, wound alike, so that regions add up by their winding
+    // numbers.
     let shell = even_odd(std::slice::from_ref(shell)).concat();
     let holes: Vec<_> = holes.iter().flat_map(|hole| even_odd(std::slice::from_ref(hole)).concat()).collect();
     let has_stray_hole = !difference(&holes, &shell).is_empty();
@@ -209,7 +215,8 @@ pub(super) fn polygon_area(polygon: &[Vec<[i32; 2]>]) -> f64 {
     polygon.first().map_or(0.0, area) - polygon.iter().skip(1).map(area).sum::<f64>()
 }
 
-/// The ground that a footprint stands on, by the terrain columns that its area overlaps; `None` if none of them is known.
+/// Returns the ground that a footprint stands on, by the terrain columns that its area overlaps;
+/// `None` if none of them is known.
 ///
 /// OpenStreetMap measures `height` from the lowest point where the building meets the ground.
 fn base_on(polygons: &[Polygon], frame: &Frame, terrain: &Raster<i32>, rule: BaseRule) -> Option<i32> {

@@ -1,10 +1,13 @@
-//! Parts of buildings in place of their outlines (Simple 3D Buildings of OpenStreetMap, Overture, CityJSON).
+//! Parts of buildings in place of their outlines (Simple 3D Buildings of OpenStreetMap, Overture,
+//! CityJSON).
 //!
-//! An outline has the height of its highest part, so it is too high everywhere else. Parts replace it where they are drawn.
-//! If they cover nine tenths of it, the rest is dropped; else the rest stands by itself.
+//! An outline has the height of its highest part, so it is too high everywhere else. Parts replace
+//! it where they are drawn. If they cover nine tenths of it, the rest is dropped; else the rest
+//! stands by itself.
 //!
-//! The outline of a part is the footprint that it names, else the smallest that holds most of its area. A part that lies
-//! beside the building it names, as an annex does, replaces nothing. All areas are compared on the lattice.
+//! The outline of a part is the footprint that it names, else the smallest that holds most of its
+//! area. A part that lies beside the building it names, as an annex does, replaces nothing. All
+//! areas are compared on the lattice.
 
 use std::collections::HashMap;
 
@@ -16,13 +19,13 @@ use super::vector::bounds;
 use crate::overlay::{Polygon, Ring, difference, doubled_area, intersection, union, wound};
 use crate::quantity::Frame;
 
-/// Which footprints belong together, by their places in a list.
+/// Groups of footprints that belong together, by their indices in a list.
 #[derive(Debug, Default)]
 pub(super) struct Grouping {
     /// Parts by their outline.
     parts: HashMap<usize, Vec<usize>>,
     outline: HashMap<usize, usize>,
-    /// A number for each building of parts.
+    /// Number of each building of parts.
     group: HashMap<usize, u32>,
 }
 
@@ -60,7 +63,7 @@ impl Grouping {
             grouping.group.insert(k, group);
             if let Some(outline) = outline {
                 grouping.group.insert(outline, group);
-                // What stands beside its building, as an annex, takes nothing of it.
+                // A part beside its building, such as an annex, takes nothing from it.
                 if named.is_none() || outlines.covers(outline, part) {
                     grouping.outline.insert(k, outline);
                     grouping.parts.entry(outline).or_default().push(k);
@@ -70,38 +73,38 @@ impl Grouping {
         grouping
     }
 
-    /// Whether every footprint is a building by itself.
+    /// Returns `true` when every footprint is a building by itself.
     pub(super) fn is_empty(&self) -> bool {
         self.group.is_empty()
     }
 
-    /// The parts of an outline.
+    /// Returns the parts of an outline.
     pub(super) fn parts_of(&self, outline: usize) -> Option<&[usize]> {
         self.parts.get(&outline).map(Vec::as_slice)
     }
 
-    /// The outline of a part.
+    /// Returns the outline of a part.
     pub(super) fn outline_of(&self, part: usize) -> Option<usize> {
         self.outline.get(&part).copied()
     }
 
-    /// The building of several that a footprint belongs to.
+    /// Returns the number of the building of parts that a footprint belongs to.
     pub(super) fn group_of(&self, footprint: usize) -> Option<u32> {
         self.group.get(&footprint).copied()
     }
 }
 
-/// Outlines that parts are looked up in.
+/// Outlines in which parts are looked up.
 struct Outlines<'a> {
     footprints: &'a [RawFootprint],
     frame: Frame,
     boxes: BoxIndex<f64>,
-    /// What outlines cover, of those that were asked.
+    /// Regions of the outlines that were looked up.
     regions: HashMap<usize, Vec<Ring>>,
 }
 
 impl Outlines<'_> {
-    /// The smallest outline that holds most of a part.
+    /// Returns the smallest outline that holds most of a part.
     fn holding(&mut self, part: &RawFootprint) -> Option<usize> {
         let region = region_of(part, self.frame);
         let mut smallest: Option<(i128, usize)> = None;
@@ -117,7 +120,7 @@ impl Outlines<'_> {
         smallest.map(|(_, k)| k)
     }
 
-    /// Whether an outline covers any of a part.
+    /// Returns `true` when an outline covers any of a part.
     fn covers(&mut self, outline: usize, part: &RawFootprint) -> bool {
         let (footprints, frame) = (self.footprints, self.frame);
         let outline = self.regions.entry(outline).or_insert_with(|| region_of(&footprints[outline], frame));
@@ -125,12 +128,12 @@ impl Outlines<'_> {
     }
 }
 
-/// What a footprint covers on the lattice.
+/// Returns the region that a footprint covers on the lattice.
 fn region_of(footprint: &RawFootprint, frame: Frame) -> Vec<Ring> {
     rings_of(&lattice_polygons(&footprint.polygons, frame))
 }
 
-/// What is left of an outline beside its parts; nothing if they cover nine tenths of it.
+/// Returns the rest of an outline beside its parts; nothing if they cover nine tenths of it.
 pub(super) fn rest_of<'a>(outline: &[Polygon], parts: impl Iterator<Item = &'a [Polygon]>) -> Vec<Polygon> {
     let parts: Vec<Polygon> = parts.flatten().map(wound).collect();
     let rings = rings_of(outline);
@@ -138,12 +141,12 @@ pub(super) fn rest_of<'a>(outline: &[Polygon], parts: impl Iterator<Item = &'a [
     if 10 * doubled(&rest.concat()) <= doubled(&rings) { Vec::new() } else { rest }
 }
 
-/// Rings wound alike, holes the other way.
+/// Returns all rings: shells wound alike, holes the other way.
 fn rings_of(polygons: &[Polygon]) -> Vec<Ring> {
     polygons.iter().flat_map(wound).collect()
 }
 
-/// Twice the area that rings of the same winding enclose.
+/// Returns twice the area that rings of the same winding enclose.
 fn doubled(rings: &[Ring]) -> i128 {
     rings.iter().map(|ring| doubled_area(ring)).sum()
 }

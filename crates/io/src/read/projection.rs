@@ -1,22 +1,22 @@
-//! Which reference system a scene is brought into, from degrees into meters as a rule; and its footprints on their way.
+//! Reference system that a scene is projected to, as a rule from degrees to meters.
 
 use crate::crs;
 use crate::crs::{Transformation, is_web_mercator, utm_for};
 use crate::error::Result;
 use crate::raster::{Crs, CrsKind};
 
-/// Where to.
+/// Target of a projection.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Projection {
-    /// From degrees and web Mercator into the zone of UTM that the middle of the data lies in; what is in another
-    /// projection stays.
+    /// The UTM zone at the middle of the data, for data in degrees or web Mercator. Data in another
+    /// projection stay.
     Auto,
-    /// Into this one.
+    /// This system.
     To(Crs),
 }
 
 impl Projection {
-    /// `auto`, or what [`crs::parse`] knows.
+    /// Parses `auto`, or a notation that [`crs::parse`] reads.
     ///
     /// # Errors
     /// E310 if the system is not known.
@@ -24,7 +24,7 @@ impl Projection {
         if text == "auto" { Ok(Projection::Auto) } else { crs::parse(text).map(Projection::To) }
     }
 
-    /// Where data in `from` around `middle` are to go; `from` itself where they stay.
+    /// Returns the target of data in `from` around `middle`; `from` itself where they stay.
     pub(super) fn target(&self, from: &Crs, middle: (f64, f64)) -> Result<Crs> {
         match self {
             Projection::To(to) => Ok(to.clone()),

@@ -1,11 +1,12 @@
-//! The grid of receivers over footprints and meshes: what was asked for, else the terrain's, else their bounding box.
+//! Grid of receivers over footprints and meshes: the requested one, else the terrain's, else their
+//! bounding box.
 
 use crate::error::{Error, OptionError, ReadFault, Result, Wanted};
 use crate::input::Input;
 use crate::quantity::{MAX_EXTENT_UNITS, whole};
 use crate::raster::{Crs, GeoRef, Raster};
 
-/// What was asked for.
+/// Requested extent and cell size.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GridRequest {
     /// West, south, east, north \[CRS units\].
@@ -14,7 +15,7 @@ pub(super) struct GridRequest {
     pub(super) cell_m: Option<f64>,
 }
 
-/// The grid for `bounds`, those of what was read, without its CRS.
+/// Returns the grid without its CRS; `bounds` are those of the data that were read.
 pub(super) fn receivers_grid(
     input: &Input,
     request: GridRequest,

@@ -1,7 +1,7 @@
-//! Rasters brought into another reference system before they become a scene.
+//! Rasters that are reprojected before they become a scene.
 //!
-//! Each cell of the new grid takes the height of the cell of the file that holds its center, so that no height is made up
-//! and flat roofs stay flat.
+//! Each cell of the new grid takes the height of the source cell that holds its center. So no
+//! height is invented, and flat roofs stay flat.
 
 use super::heights::{HeightFile, Heights, check_grid};
 use super::projection::Projection;
@@ -13,7 +13,7 @@ use crate::input::Input;
 use crate::quantity::VOID;
 use crate::raster::{Crs, GeoRef, Raster};
 
-/// A grid in the wanted system, and the cells of a file that lie below its own.
+/// Grid in the wanted system, and the source cells of its own.
 #[derive(Debug)]
 pub(super) struct Reprojection<'a> {
     input: &'a Input,
@@ -21,15 +21,16 @@ pub(super) struct Reprojection<'a> {
     to: Crs,
     grid: GeoRef,
     sources: CellSources,
-    /// How far the center of a cell is from that of its source at most \[CRS units\].
+    /// Largest distance of the center of a cell from that of its source \[CRS units\].
     farthest: f64,
-    /// How lengths of the wanted system are stretched there.
+    /// Stretch of lengths in the wanted system there.
     stretch: Option<Stretch>,
 }
 
 impl<'a> Reprojection<'a> {
-    /// Lays a grid over that of a file: of square cells of `cell_m` meters on whole multiples of them, or by default as
-    /// many cells diagonally. `None` if the file is in the wanted system.
+    /// Plans a grid over that of a file; `None` if the file is in the wanted system. Square cells
+    /// of `cell_m` meters lie on whole multiples of them. By default the grid has as many cells
+    /// diagonally as the file.
     pub(super) fn plan(
         input: &'a Input,
         file: &GeoRef,
@@ -64,7 +65,8 @@ impl<'a> Reprojection<'a> {
         Ok(Some(Reprojection { input, from: from.clone(), to, grid, sources, farthest, stretch }))
     }
 
-    /// The heights of a file on the grid if there is one, with a warning of what was done; else as they are.
+    /// Reads the heights of a file onto the planned grid, with a warning; without a plan, as they
+    /// are.
     pub(super) fn read(
         plan: Option<Reprojection<'_>>,
         file: HeightFile<'_>,
@@ -81,7 +83,8 @@ impl<'a> Reprojection<'a> {
         }
     }
 
-    /// Heights in memory on the grid if there is one, with a warning of what was done; else as they are.
+    /// Puts heights in memory onto the planned grid, with a warning; without a plan, returns them
+    /// as they are.
     pub(super) fn of_held(
         plan: Option<Reprojection<'_>>,
         (input, heights): (&Input, Heights),

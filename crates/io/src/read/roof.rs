@@ -1,7 +1,8 @@
-//! A roof onto the lattice: surfaces become triangles whose corners have whole positions and heights.
+//! Roofs on the lattice: surfaces become triangles whose corners have whole positions and heights.
 //!
-//! A surface of more than three corners is never quite a plane once it is rounded. Three corners always are, so surfaces are triangulated as seen from
-//! above, and neighbors that share corners share them to the last bit. Each triangle is then exact.
+//! A surface of more than three corners is never quite a plane once it is rounded; three corners
+//! always are. So surfaces are triangulated as seen from above, and neighbors that share corners
+//! share them to the last bit. Each triangle is then exact.
 
 use std::collections::HashMap;
 
@@ -16,27 +17,28 @@ use crate::quantity::{Frame, height_steps};
 #[derive(Debug, Default)]
 pub(super) struct LatticeRoof {
     pub(super) triangles: Vec<RoofTriangle>,
-    /// Surfaces that cross themselves as seen from above, or are longer than a roof can be: taken flat, as high as they are highest.
+    /// Number of surfaces that cross themselves as seen from above, or are longer than a roof can
+    /// be. They are taken flat, as high as their highest corner.
     pub(super) n_flattened: usize,
-    /// Surfaces that are no plane to within [`EVEN`]: as they are triangulated, so they are.
+    /// Number of surfaces that are not plane within [`EVEN`]. They stay as they are triangulated.
     pub(super) n_uneven: usize,
 }
 
-/// Corners of a surface may be so far from its plane, in height \[1/1024 m\]: 5 cm.
+/// Largest distance of corners from the plane of their surface, in height \[1/1024 m\]: 5 cm.
 const EVEN: f64 = 51.2;
 
-/// Why a roof is none.
+/// Reason why a roof cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum RoofFault {
     /// A corner is beyond the lattice.
     TooFar,
-    /// A surface crosses itself too often to be mended.
+    /// A surface crosses itself too often to be repaired.
     Tangle(Tangle),
-    /// A corner has a height beyond it \[m\].
+    /// A corner has a height beyond the lattice \[m\].
     Height(f64),
 }
 
-/// The triangles of the surfaces of a roof.
+/// Returns the triangles of the surfaces of a roof.
 pub(super) fn lattice_roof(faces: &[Face], frame: Frame) -> Result<LatticeRoof, RoofFault> {
     let mut roof = LatticeRoof::default();
     for face in faces {
@@ -47,7 +49,7 @@ pub(super) fn lattice_roof(faces: &[Face], frame: Frame) -> Result<LatticeRoof, 
             for &[x, y, z] in ring {
                 let point = lattice_point(frame, [x, y]).ok_or(RoofFault::TooFar)?;
                 let z = height_steps(z).ok_or(RoofFault::Height(z))?;
-                // Of corners above one another the highest counts.
+                // Of corners above one another, the highest counts.
                 let known = heights.entry(point).or_insert(z);
                 *known = z.max(*known);
                 points.push(point);
@@ -97,18 +99,19 @@ impl LatticeRoof {
         }
     }
 
-    /// What it covers.
+    /// Returns the polygons that it covers.
     pub(super) fn polygons(&self) -> Vec<Polygon> {
         union(self.triangles.iter().map(|corners| vec![corners.map(|[x, y, _]| [x, y]).to_vec()]).collect())
     }
 
-    /// Its highest corner \[1/1024 m above the datum\].
+    /// Returns its highest corner \[1/1024 m above the datum\].
     pub(super) fn top(&self) -> Option<i32> {
         self.triangles.iter().flatten().map(|[.., z]| *z).max()
     }
 }
 
-/// How far corners are from the plane of a ring (Newell's normal through the mean of its corners), in height \[1/1024 m\].
+/// Returns the largest distance of corners from the plane of a ring (Newell's normal through the
+/// mean of its corners), in height \[1/1024 m\].
 #[expect(clippy::cast_precision_loss, reason = "told to a step")]
 fn deviation(ring: &Ring, heights: &HashMap<[i32; 2], i32>) -> f64 {
     let first = ring[0];
@@ -144,7 +147,8 @@ mod tests {
         let roof = lattice_roof(&[vec![shell, hole]], FRAME).expect("a roof");
         assert_eq!((area(&roof), roof.n_flattened, roof.top()), (44 * 1024 * 1024, 0, Some(8 * 1024)));
         assert_eq!(roof.n_uneven, 0);
-        // Each corner is where its plane says: 5 m and half a meter for each to the north.
+        // Each corner lies in its plane: 5 m high, and half a meter higher for each meter to the
+        // north.
         for [_, y, z] in roof.triangles.iter().flatten() {
             assert_eq!(z - 5 * 1024, y / 2);
         }

@@ -1,4 +1,4 @@
-//! UAV sites: where the UAVs hover, from flags, CSV or GeoJSON.
+//! UAV sites, at which UAVs hover, from CSV or GeoJSON.
 
 use serde_json::Value;
 
@@ -13,16 +13,27 @@ use crate::input::Input;
 use crate::quantity::parse_number;
 use crate::raster::{Crs, CrsKind, GeoRef};
 
-/// Reads sites from a CSV table or GeoJSON points; of `-` from standard input, which is GeoJSON if it begins with a brace.
+/// Reads sites from a CSV table or GeoJSON points. `-` is standard input, which is GeoJSON if it
+/// begins with a brace.
 ///
-/// CSV columns: `x,y` in the scene's CRS or `lon,lat` in degrees; `h` (or `height`, `h_m`, `height_m`) such as `120`,
-/// `30roof`, `400ft`; optional `h_above` (`ground`, `roof`, `amsl`) and `id` (or `site`). GeoJSON points are longitude and
-/// latitude (RFC 7946) unless a `crs` member says otherwise, with the same property names; `height_amsl_m`, as written
-/// by this program, serves too. Optional as well: what the antenna of a site serves, as `min_radius` \[m\], `sector` and `elevation`
-/// (two angles, as `90,180`; in GeoJSON also `[90, 180]`) and `beam` \[deg\]. Sites without an id are numbered from `first_number` by their row.
+/// | CSV column | content |
+/// |---|---|
+/// | `x,y` or `lon,lat` | position in the scene's CRS, or in degrees |
+/// | `h`, `height`, `h_m` or `height_m` | height such as `120`, `30roof`, `400ft` |
+/// | `h_above`, optional | `ground`, `roof` or `amsl` |
+/// | `id`, `site` or `name`, optional | name of the site |
+/// | `min_radius`, optional | least range of the antenna \[m\] |
+/// | `sector`, `elevation`, optional | two angles of the antenna, as `90,180` \[deg\] |
+/// | `beam`, optional | beam of the antenna \[deg\] |
+///
+/// GeoJSON points are longitude and latitude (RFC 7946) unless a `crs` member names another system.
+/// Their properties have the names of the columns; two angles may also be `[90, 180]`. The height
+/// may also be `height_amsl_m`, as written by this program. Sites without an id are numbered from
+/// `first_number` by their row.
 ///
 /// # Errors
-/// File errors naming the lines or features; site errors if positions cannot be brought into the scene's CRS.
+/// File errors naming the lines or features; site errors if positions cannot be brought into the
+/// scene's CRS.
 pub fn read_sites(
     input: impl Into<Input>,
     grid: &GeoRef,
@@ -80,20 +91,21 @@ fn read_geojson(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<
     readable(input, rows, bad, |told| refused(input, told, PlacesIn::SiteFeatures, true))
 }
 
-/// The coordinates of a point.
+/// Returns the coordinates of a point.
 fn position_of(geometry: &Value) -> std::result::Result<(f64, f64), RowFault> {
     let coordinate = |k: usize| geometry["coordinates"].get(k).and_then(Value::as_f64);
     let xy = coordinate(0).zip(coordinate(1)).filter(|_| geometry["type"] == "Point");
     xy.ok_or_else(|| RowFault::Text("found no Point with two numbers".into()))
 }
 
-/// What a position is in: positions far outside the range of degrees cannot be meant as such.
+/// Returns the system of a position; `None` if it is said to be in degrees, but lies far outside of
+/// their range.
 pub(super) fn degrees_or_named(crs: &Crs, (x, y): (f64, f64)) -> Option<&Crs> {
     let is_named_projected = !matches!(crs.kind(), CrsKind::Geographic);
     (is_named_projected || (x.abs() <= 360.0 && y.abs() <= 90.0)).then_some(crs)
 }
 
-/// The site of a feature.
+/// Reads the site of a feature.
 fn site_of(feature: &Value, (crs, grid): (&Crs, &GeoRef), number: usize) -> std::result::Result<GivenSite, RowFault> {
     let given = position_of(&feature["geometry"])?;
     let text = |v: &Value| v.as_str().map_or_else(|| v.to_string(), str::to_string);
@@ -121,10 +133,10 @@ fn site_of(feature: &Value, (crs, grid): (&Crs, &GeoRef), number: usize) -> std:
 /// Names of the column or property with the height of a place.
 pub(super) const HEIGHT_COLUMNS: [&str; 4] = ["h", "h_m", "height", "height_m"];
 
-/// The columns of an antenna.
+/// Columns of an antenna.
 const OF_ANTENNA: [&str; 4] = ["min_radius", "sector", "elevation", "beam"];
 
-/// An antenna from the texts of [`OF_ANTENNA`], as far as there are any.
+/// Reads an antenna from the texts of [`OF_ANTENNA`], as far as there are any.
 fn antenna(text: impl Fn(usize) -> Option<String>) -> std::result::Result<Antenna, RowFault> {
     let wrong = |k: usize, found: String| RowFault::Text(format!("`{}`: {found}", OF_ANTENNA[k]));
     let number = |k: usize| {
@@ -177,12 +189,12 @@ pub(super) fn check_placeable(input: &Input, from: Option<&Crs>, scene_crs: Opti
     }
 }
 
-/// The error of rows or features that cannot be read.
+/// Returns the error of rows or features that cannot be read.
 pub(super) fn bad_rows(input: &Input, of: PlacesIn, what: String, some_are_good: bool) -> Error {
     Error::read(input, ReadFault::Rows { what, of, some_are_good })
 }
 
-/// The error of rows or features that cannot be read, or lie where they cannot.
+/// Returns the error of rows or features that cannot be read, or cannot be placed.
 pub(super) fn refused(input: &Input, told: BadRowsTold, of: PlacesIn, is_degrees: bool) -> Error {
     let BadRowsTold { first, text: what, some_are_good } = told;
     match first {
@@ -192,7 +204,7 @@ pub(super) fn refused(input: &Input, told: BadRowsTold, of: PlacesIn, is_degrees
     }
 }
 
-/// A position in the scene's CRS; `from` is `None` where it already is.
+/// Returns a position in the scene's CRS; `from` is `None` where it already is in that.
 pub(super) fn in_scene(
     xy: (f64, f64),
     from: Option<&Crs>,

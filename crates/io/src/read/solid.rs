@@ -1,44 +1,46 @@
-//! Surfaces of a building: which of them are its roof, and which its ground.
+//! Surfaces of a building, divided into its roof and its ground.
 //!
-//! Line of sight asks what lies over a place, so walls count for nothing and a roof is all that is seen from above. Files that name
-//! the meaning of surfaces are believed: a roof is its `RoofSurface`s and `OuterFloorSurface`s. Of unmarked ones every surface counts that is no
-//! wall and does not lie flat at the lowest height below another one; where several lie on one another the highest counts, so floors
-//! and the undersides of roofs do no harm.
+//! Line of sight depends on what lies over a place. So walls do not count, and a roof is everything
+//! that is seen from above. Surfaces with a meaning in the file are believed: a roof is its
+//! `RoofSurface`s and `OuterFloorSurface`s. Unmarked surfaces count unless they are walls, or lie
+//! flat at the lowest height below another one. Where several lie on one another the highest
+//! counts, so that floors and the undersides of roofs do no harm.
 
 use super::vector::{Polygon, doubled_area};
 
 /// A surface: rings of positions \[CRS units\] with heights \[m above the datum\], the shell first.
 pub(super) type Face = Vec<Vec<[f64; 3]>>;
 
-/// What a file says that a surface is.
+/// Meaning of a surface in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FaceKind {
     Ground,
     Roof,
     /// Something else.
     Other,
-    /// It does not say.
+    /// Not marked.
     Unknown,
 }
 
-/// What the surfaces of one building make.
+/// Outline, heights, roof and ground from the surfaces of one building.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Solid {
-    /// What it covers, of overlapping parts.
+    /// Polygons that it covers, which may overlap.
     pub(super) polygons: Vec<Polygon>,
     /// Lowest and highest point \[m above the datum\]; `None` without a point.
     pub(super) heights: Option<[f64; 2]>,
-    /// Its roof.
+    /// Surfaces of its roof.
     pub(super) roof: Vec<Face>,
-    /// What it covers of the ground, where that is known.
+    /// Polygons that it covers of the ground, where known.
     pub(super) ground: Vec<Polygon>,
 }
 
-/// A surface of which less than this share faces up or down is a wall; roofs are far flatter.
+/// Least share of a roof that faces up or down; a surface with less is a wall. Roofs are far
+/// flatter.
 const LEAST_FLATNESS: f64 = 1e-3;
 
 impl Solid {
-    /// Made of surfaces.
+    /// Creates a solid from surfaces.
     pub(super) fn of(faces: Vec<(Face, FaceKind)>) -> Solid {
         let heights = |face: &Face| {
             face.iter().flatten().fold(None, |range: Option<[f64; 2]>, [.., z]| {
@@ -55,13 +57,13 @@ impl Solid {
         let has_ground = flat.iter().any(|(_, kind)| *kind == FaceKind::Ground);
         let upper: Vec<Polygon> =
             flat.iter().filter(|(face, _)| !is_lowest(face)).map(|(face, _)| plan(face)).collect();
-        // A surface that lies lowest is ground only below others.
+        // The lowest surface is ground only if it lies below others.
         let is_ground = |(face, kind): &(Face, FaceKind)| match kind {
             FaceKind::Ground => true,
             _ => !has_ground && is_lowest(face) && upper.iter().any(|other| lies_over(other, &plan(face))),
         };
         let ground: Vec<Polygon> = flat.iter().filter(|face| is_ground(face)).map(|(face, _)| plan(face)).collect();
-        // The footprint is what is marked as ground, or all that is seen from above.
+        // The footprint is everything marked as ground, or everything seen from above.
         let marked = |(_, kind): &&(Face, FaceKind)| !has_ground || *kind == FaceKind::Ground;
         let polygons = flat.iter().filter(marked).map(|(face, _)| plan(face)).collect();
         let is_roof = |face: &(Face, FaceKind)| match face.1 {
@@ -74,21 +76,22 @@ impl Solid {
     }
 }
 
-/// A surface as seen from above.
+/// Returns a surface as seen from above.
 pub(super) fn plan(face: &Face) -> Polygon {
     face.iter().map(|ring| ring.iter().map(|p| [p[0], p[1]]).collect()).collect()
 }
 
-/// Whether a polygon lies over a place inside of another one.
+/// Returns `true` when a polygon lies over a place inside of another one.
 fn lies_over(polygon: &Polygon, other: &Polygon) -> bool {
     inner_place(other).is_some_and(|[x, y]| crossings(polygon, y).filter(|at| *at > x).count() % 2 == 1)
 }
 
-/// A place inside of a polygon: on a line through its middle, where that is inside for longest.
+/// Returns a place inside of a polygon: on a line through its middle, in the longest stretch
+/// inside.
 fn inner_place(polygon: &Polygon) -> Option<[f64; 2]> {
     let ys = || polygon.iter().flatten().map(|p| p[1]);
     let (low, high) = (ys().fold(f64::INFINITY, f64::min), ys().fold(f64::NEG_INFINITY, f64::max));
-    // Hardly ever at the height of a corner.
+    // This height is hardly ever that of a corner.
     let y = low + 0.4837 * (high - low);
     let mut at: Vec<f64> = crossings(polygon, y).collect();
     at.sort_by(f64::total_cmp);
@@ -96,7 +99,7 @@ fn inner_place(polygon: &Polygon) -> Option<[f64; 2]> {
     pairs.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, x)| [x, y])
 }
 
-/// Where edges of a polygon cross a line to the east.
+/// Returns the places where edges of a polygon cross a line to the east.
 fn crossings(polygon: &Polygon, y: f64) -> impl Iterator<Item = f64> + '_ {
     let edges = polygon.iter().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)));
     edges
@@ -104,7 +107,7 @@ fn crossings(polygon: &Polygon, y: f64) -> impl Iterator<Item = f64> + '_ {
         .map(move |(a, b)| a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
 }
 
-/// Whether hardly any of a surface faces up or down.
+/// Returns `true` when hardly any of a surface faces up or down.
 fn is_wall(ring: &[[f64; 3]]) -> bool {
     let seen_along = |i: usize, j: usize| {
         let plane: Vec<[f64; 2]> = ring.iter().map(|p| [p[i], p[j]]).collect();
@@ -121,7 +124,8 @@ mod tests {
         vec![corners.to_vec()]
     }
 
-    /// A shed of 4 × 2 m, 2 m high at its west wall and 3 m at its east, from 1 m up: ground, roof, one wall.
+    /// Returns a shed of 4 × 2 m, 2 m high at its west wall and 3 m at its east, from 1 m up:
+    /// ground, roof, one wall.
     fn shed() -> [Face; 3] {
         [
             face(&[[0.0, 0.0, 1.0], [0.0, 2.0, 1.0], [4.0, 2.0, 1.0], [4.0, 0.0, 1.0]]),
@@ -130,7 +134,7 @@ mod tests {
         ]
     }
 
-    /// A flat roof at 1 m beside the shed.
+    /// Returns a flat roof at 1 m beside the shed.
     fn annex() -> Face {
         face(&[[4.0, 0.0, 1.0], [6.0, 0.0, 1.0], [6.0, 2.0, 1.0], [4.0, 2.0, 1.0]])
     }
@@ -150,7 +154,7 @@ mod tests {
             assert_eq!(solid.heights, Some([1.0, 3.0]));
         }
         assert_eq!(marked.polygons, [plan(&ground)]);
-        // What is not marked beside a marked roof is roof as well, if it is no ground.
+        // Unmarked surfaces beside a marked roof are roof as well, unless they are ground.
         let partly = Solid::of(vec![
             (ground.clone(), FaceKind::Ground),
             (roof.clone(), FaceKind::Roof),

@@ -1,4 +1,4 @@
-//! The files that a scene was read from, and their hashes, for the provenance of what is made of it.
+//! Files that a scene was read from, and their hashes, for the provenance of results.
 
 use std::io::Read;
 
@@ -8,18 +8,19 @@ use crate::error::{OddFile, Result, Warning};
 use crate::formats::RasterFile;
 use crate::input::{Input, cannot_read};
 
-/// Files larger than this are hashed only on request; of a mosaic all tiles together.
+/// Largest size of a file that is hashed without request \[bytes\]; of a mosaic, of all tiles
+/// together.
 const HASH_LIMIT_BYTES: u64 = 64 << 20;
-/// Most tiles of a mosaic that are named one by one.
+/// Largest number of tiles of a mosaic that are named one by one.
 const MAX_NAMED_TILES: usize = 1000;
 
-/// What is called so in titles that a file holds, such as `the surface in dsm.tif`.
+/// Returns the name of a file's content in titles, such as `the surface in dsm.tif`.
 pub(super) fn name_of(what: &str, input: &Input) -> String {
     let file = input.as_path().file_name().unwrap_or(input.as_path().as_os_str());
     format!("the {what} in {}", file.to_string_lossy())
 }
 
-/// The text of a table.
+/// Reads the text of a table.
 ///
 /// # Errors
 /// E301 if it cannot be read, E302 if it is not UTF-8.
@@ -27,7 +28,8 @@ pub fn read_text(input: impl Into<Input>) -> Result<String> {
     input.into().text("a table as UTF-8 text")
 }
 
-/// Whether a file of places is GeoJSON: by its extension; on standard input it begins with a brace.
+/// Returns `true` when a file of places is GeoJSON, by its extension. Standard input is GeoJSON if
+/// it begins with a brace.
 pub(super) fn is_geojson(input: &Input) -> Result<bool> {
     if input.is_standard_input() {
         let bytes = input.read()?;
@@ -37,7 +39,8 @@ pub(super) fn is_geojson(input: &Input) -> Result<bool> {
     Ok(["geojson", "json"].contains(&input.extension().as_str()))
 }
 
-/// A source with its hash, which is left out above 64 MiB and of files on servers unless `always_hash`.
+/// Returns a source with its hash. The hash is left out above 64 MiB and for files on servers,
+/// unless `always_hash`.
 ///
 /// # Errors
 /// If the file cannot be read.
@@ -49,7 +52,7 @@ pub fn source_of(input: impl Into<Input>, always_hash: bool) -> Result<Source> {
         hasher.update(input.read()?);
         return Ok(named(Some(hasher.hex_digits())));
     }
-    // Of a file on a server all would be read.
+    // A hash would read all of a file on a server.
     if input.is_remote() && !always_hash {
         return Ok(named(None));
     }
@@ -67,7 +70,8 @@ pub fn source_of(input: impl Into<Input>, always_hash: bool) -> Result<Source> {
     }
 }
 
-/// The sources of a raster: its file, or its folder without a hash, and the tiles that it is made of.
+/// Returns the sources of a raster: its file, or its folder without a hash, and the tiles that it
+/// is made of.
 pub(super) fn sources_of_raster(
     input: &Input,
     raster: &RasterFile,

@@ -1,4 +1,5 @@
-//! Raster scenes that do not fit in memory: their heights in tiles on disk, handed out window by window.
+//! Raster scenes that do not fit in memory: their heights are in tiles on disk, and are read window
+//! by window.
 
 use std::path::Path;
 
@@ -18,12 +19,12 @@ use crate::input::Input;
 use crate::quantity::VOID;
 use crate::raster::{CellWindow, GeoRef, Raster};
 
-/// A surface model in tiles on disk, and what lies below it.
+/// A surface model in tiles on disk, and the ground below it.
 #[derive(Debug)]
 pub struct StreamedSurface {
-    /// What the scene is called in captions.
+    /// Name of the scene in captions.
     pub name: String,
-    /// The files that it was read from.
+    /// Files that it was read from.
     pub sources: Vec<Source>,
     grid: GeoRef,
     surface: TileStore,
@@ -36,17 +37,19 @@ pub struct StreamedSurface {
 enum StreamedGround {
     Surface,
     Flat(i32),
-    /// On a grid of its own, or the surface's.
+    /// A terrain on a grid of its own, or on the surface's.
     Terrain(TileStore, Box<GeoRef>),
 }
 
 impl StreamedSurface {
-    /// Copies a surface model, and the terrain below it, to tiles in files without a name in `scratch`.
+    /// Copies a surface model, and the terrain below it, to tiles in files without a name in
+    /// `scratch`.
     ///
-    /// Memory is that of a row of tiles, and of a row of blocks of the file. What is refused and warned of is that of [`super::read_surface`].
+    /// Memory is that of a row of tiles, and of a row of blocks of the file. Refusals and warnings
+    /// are those of [`super::read_surface`].
     ///
     /// # Errors
-    /// As [`super::read_surface`], and E401 if there is no room on the disk.
+    /// Errors of [`super::read_surface`], and E401 if there is no room on the disk.
     pub fn read(
         input: impl Into<Input>,
         options: &SurfaceOptions,
@@ -94,12 +97,12 @@ impl StreamedSurface {
         Ok(scene)
     }
 
-    /// Bytes on disk that the heights of a grid take.
+    /// Returns the bytes on disk that the heights of a grid take.
     pub fn bytes_on_disk(grid: &GeoRef) -> u64 {
         TileStore::bytes_on_disk((grid.n_rows(), grid.n_cols()))
     }
 
-    /// The part of the scene over a window.
+    /// Returns the part of the scene over a window.
     ///
     /// # Errors
     /// If it cannot be read.
@@ -115,7 +118,8 @@ impl StreamedSurface {
         })
     }
 
-    /// The scene in cells `factor` times as large, at the highest surface and ground in each: for pictures.
+    /// Returns the scene in cells `factor` times as large, with the highest surface and ground in
+    /// each: for pictures.
     ///
     /// # Errors
     /// If it cannot be read.
@@ -163,7 +167,7 @@ impl StreamedSurface {
             let known = cells.iter().enumerate().filter(|(_, s)| **s != VOID);
             match self.ground(window)? {
                 Ground::Surface => {}
-                // A surface that is flat where it is ground is often a rounding below the ground that was typed.
+                // A surface that shows flat ground is often a rounding below the typed ground.
                 Ground::Flat(z) => above += known.filter(|(_, s)| **s < z - 1).count() as u64,
                 Ground::Terrain(terrain) => {
                     let terrain = terrain.cells();
@@ -189,7 +193,7 @@ impl StreamedSurface {
         Ok(())
     }
 
-    /// What lies below the surface of a window.
+    /// Returns the ground below the surface of a window.
     fn ground(&self, window: CellWindow) -> Result<Ground> {
         let grid = self.grid.part(window);
         let (store, from) = match &self.ground {

@@ -14,36 +14,40 @@ use crate::input::Input;
 use crate::quantity::{BLOCKS_ALL, VOID, height_steps};
 use crate::raster::{BitGrid, Crs, GeoRef, Raster};
 
-/// Fewest cells that are worth handing to a thread.
+/// Least number of cells that is worth a thread.
 const PART: usize = 1 << 16;
 
-/// How a raster scene is read.
+/// Options for reading a raster scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceOptions {
-    /// A terrain model in the same CRS, unless `project` is given; brought to the surface's grid if it is on another.
+    /// Terrain model in the same CRS, unless `project` is given; resampled to the surface's grid if
+    /// it is on another.
     pub terrain: Option<Input>,
     /// Height of flat ground \[m above the datum\]; not together with `terrain`.
     pub ground_m: Option<f64>,
-    /// A cell whose surface is more than this above the ground is a building \[m\].
+    /// Height above the ground beyond which a surface is a building \[m\].
     pub building_threshold_m: f64,
-    /// What nodata cells do.
+    /// Effect of nodata cells.
     pub nodata_as: NodataAs,
-    /// The band that holds the heights; that of the terrain is its first.
+    /// Band that holds the heights of the surface; a terrain is read from its first band.
     pub band: Band,
-    /// The CRS to assume where the file names none (or to override what it names).
+    /// CRS to assume where the file names none, or to override the one it names.
     pub crs: Option<Crs>,
-    /// Another CRS for the scene than that of the file; a terrain in a third one is looked up there.
+    /// CRS of the scene, if it is not that of the file; a terrain in a third one is looked up
+    /// there.
     pub project: Option<Projection>,
     /// Cell size in that CRS \[m\]; by default as many cells diagonally as the file has.
     pub cell_m: Option<f64>,
-    /// Whether to hash inputs of any size.
+    /// `true` to hash inputs of any size.
     pub always_hash: bool,
-    /// Only the cells that touch this box are read: west, south, east, north \[CRS units\]; not together with `project`.
+    /// Box that limits reading to the cells that touch it: west, south, east, north \[CRS units\];
+    /// not together with `project`.
     pub around: Option<[f64; 4]>,
 }
 
 impl Default for SurfaceOptions {
-    /// A surface model alone; with a terrain, cells more than 0.25 m above it are buildings.
+    /// Returns the default: a surface model alone; with a terrain, cells more than 0.25 m above it
+    /// are buildings.
     fn default() -> Self {
         SurfaceOptions {
             terrain: None,
@@ -60,11 +64,12 @@ impl Default for SurfaceOptions {
     }
 }
 
-/// Reads a surface model (GeoTIFF, Esri ASCII grid, GDAL virtual raster or folder of tiles) and what lies below it.
+/// Reads a surface model (GeoTIFF, Esri ASCII grid, GDAL virtual raster or folder of tiles) and the
+/// ground below it.
 ///
 /// # Errors
-/// File errors for rasters that cannot be read, are in degrees, differ in CRS, or do not overlap; limit errors for huge ones; usage
-/// errors for bad numbers.
+/// File errors for rasters that cannot be read, are in degrees, differ in CRS, or do not overlap;
+/// limit errors for huge ones; usage errors for bad numbers.
 pub fn read_surface(input: impl Into<Input>, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<City> {
     let input = &input.into();
     let Heights { raster: surface, n_void, sources } = surface_heights(input, options, warnings)?;
@@ -72,12 +77,12 @@ pub fn read_surface(input: impl Into<Input>, options: &SurfaceOptions, warnings:
     scene_of(input, (surface, Empty::Nodata), sources, options, warnings)
 }
 
-/// The heights of the surface, in the wanted system.
+/// Reads the heights of the surface, in the wanted system.
 fn surface_heights(input: &Input, options: &SurfaceOptions, warnings: &mut Vec<Warning>) -> Result<Heights> {
     let file = HeightFile::open(input, (options.crs.as_ref(), &options.band), warnings)?;
     let reprojection = reprojection_of(input, file.georef(), options)?;
     if reprojection.is_some() {
-        // Its meters are those of another system then.
+        // Its meters are then those of another system.
         warnings.retain(|odd| !is_of_web_mercator(odd));
     }
     let file = match options.around {
@@ -87,7 +92,7 @@ fn surface_heights(input: &Input, options: &SurfaceOptions, warnings: &mut Vec<W
     Reprojection::read(reprojection, file, options.always_hash, warnings)
 }
 
-/// The way of a surface into the wanted system; `None` where it stays in its own.
+/// Plans the reprojection of a surface; `None` where it stays in its own system.
 pub(super) fn reprojection_of<'a>(
     input: &'a Input,
     grid: &GeoRef,
@@ -103,10 +108,10 @@ pub(super) fn reprojection_of<'a>(
     Ok(reprojection)
 }
 
-/// The grid of a surface, without reading its cells.
+/// Returns the grid of a surface, without reading its cells.
 ///
 /// # Errors
-/// Those of [`read_surface`] about the file as such.
+/// Errors of [`read_surface`] about the file as such.
 pub fn surface_grid(input: impl Into<Input>, options: &SurfaceOptions) -> Result<GeoRef> {
     let input = &input.into();
     let mut said = Vec::new();
@@ -114,21 +119,21 @@ pub fn surface_grid(input: impl Into<Input>, options: &SurfaceOptions) -> Result
     Ok(file.georef().clone())
 }
 
-/// What is said of cells without a height, if there are any.
+/// Returns the warning about cells without a height, if there are any.
 pub(super) fn warning_of_voids(input: &Input, n_void: u64, nodata_as: NodataAs) -> Option<Warning> {
     (n_void > 0).then(|| Warning::of(input, OddFile::Voids { n: n_void, nodata_as }))
 }
 
-/// What the cells of a surface are that hold no height.
+/// Meaning of surface cells without a height.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Empty {
-    /// Not known.
+    /// Unknown.
     Nodata,
     /// Bare ground, where the ground is known.
     Ground,
 }
 
-/// The scene of a surface and of what lies below it.
+/// Returns the scene of a surface and of the ground below it.
 pub(super) fn scene_of(
     input: &Input,
     surface: (Raster<i32>, Empty),
@@ -147,7 +152,7 @@ pub(super) fn scene_of(
     scene_over(input, surface, terrain, sources, options, warnings)
 }
 
-/// The heights of a terrain model on the grid of the surface above it.
+/// Reads the heights of a terrain model onto the grid of the surface above it.
 fn terrain_heights(
     path: &Input,
     (input, grid): (&Input, &GeoRef),
@@ -166,7 +171,7 @@ fn terrain_heights(
     Ok(Heights { raster: terrain_on_grid(above, below, way.as_ref(), warnings)?, ..heights })
 }
 
-/// The scene of a surface over a terrain on its grid, or over what the options say of the ground.
+/// Returns the scene of a surface over a terrain on its grid, or over the ground of the options.
 pub(super) fn scene_over(
     input: &Input,
     (mut surface, empty): (Raster<i32>, Empty),
@@ -184,7 +189,7 @@ pub(super) fn scene_over(
         }
         (None, Some(ground_m)) => {
             let z = ground_steps(ground_m)?;
-            // A surface that is flat where it is ground is often a rounding below the ground that was typed.
+            // A surface that shows flat ground is often a rounding below the typed ground.
             let parts = surface.cells().par_chunks(PART);
             let buried: usize = parts.map(|part| part.iter().filter(|s| **s != VOID && **s < z - 1).count()).sum();
             warnings.extend(warning_of_high_ground(input, ground_m, buried as u64, surface.cells().len()));
@@ -198,7 +203,7 @@ pub(super) fn scene_over(
     let georef = surface.georef().clone();
     let mut cells = surface.into_cells();
     let voids = match (&ground, options.nodata_as) {
-        // Cells without a height are known as they are.
+        // `VOID` itself marks the cells without a height.
         (Ground::Surface, NodataAs::Clear) => None,
         _ => raise(&mut cells, (georef.n_rows(), georef.n_cols()), &ground, (options.nodata_as, empty)),
     };
@@ -215,18 +220,19 @@ pub(super) fn scene_over(
     })
 }
 
-/// What is said of a terrain that is above the surface in some cells, if there are any.
+/// Returns the warning about a terrain that is above the surface in some cells, if there are any.
 pub(super) fn warning_of_high_terrain(terrain: &Input, above: u64, n_cells: usize) -> Option<Warning> {
     (above > 0).then(|| Warning::of(terrain, OddFile::HighTerrain { n: above, of: n_cells }))
 }
 
-/// What is said of flat ground that is above the surface in some cells, if there are any.
+/// Returns the warning about flat ground that is above the surface in some cells, if there are any.
 pub(super) fn warning_of_high_ground(input: &Input, ground_m: f64, buried: u64, n_cells: usize) -> Option<Warning> {
     (buried > 0).then(|| Warning::of(input, OddFile::HighGround { ground_m, n: buried, of: n_cells }))
 }
 
-/// Raises surface cells to the ground below them, those without a height too, and returns the latter: what stands on them is
-/// not known. Where these block everything, they get a height that no real top reaches instead.
+/// Raises surface cells to the ground below them, also cells without a height. Returns the latter,
+/// since what stands on them is not known. Where they block everything, they get a height above any
+/// real top instead.
 pub(super) fn raise(
     cells: &mut [i32],
     (n_rows, n_cols): (usize, usize),
@@ -252,7 +258,7 @@ pub(super) fn raise(
     voids
 }
 
-/// The cells without a height, if there are any.
+/// Returns the cells without a height, if there are any.
 fn voids_of(cells: &[i32], (n_rows, n_cols): (usize, usize)) -> Option<BitGrid> {
     cells.par_chunks(PART).any(|part| part.contains(&VOID)).then(|| {
         let mut voids = BitGrid::new(n_rows, n_cols);
@@ -266,14 +272,14 @@ fn voids_of(cells: &[i32], (n_rows, n_cols): (usize, usize)) -> Option<BitGrid> 
     })
 }
 
-/// How far above the ground a surface is a building \[1/1024 m\].
+/// Returns the height above the ground beyond which a surface is a building \[1/1024 m\].
 pub(super) fn building_threshold(options: &SurfaceOptions) -> Result<i32> {
     let m = options.building_threshold_m;
     let bad = OptionError::Number("building_threshold_m", m, "0 m or more");
     height_steps(m).filter(|t| *t >= 0).ok_or_else(|| bad.into())
 }
 
-/// Ground height on the lattice.
+/// Returns the ground height on the lattice.
 pub(super) fn ground_steps(ground_m: f64) -> Result<i32> {
     let bad = OptionError::Number("ground_m", ground_m, "a height within ±32768 m");
     height_steps(ground_m).ok_or_else(|| bad.into())

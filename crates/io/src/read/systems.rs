@@ -1,4 +1,4 @@
-//! Reference systems that cannot be combined, or are no metric ones: refused.
+//! Refusal of reference systems that cannot be combined, or are not metric.
 
 use std::fmt::Display;
 
@@ -7,8 +7,8 @@ use crate::error::{Error, InputKind, Namer, Pair, ReadFault, Result, two_crs};
 use crate::input::Input;
 use crate::raster::{Crs, CrsKind};
 
-/// Refuses to combine files in different CRSs, told apart by EPSG code, or by definition where neither has one. A CRS that is
-/// not known is taken for the other's.
+/// Refuses to combine files in different CRSs, compared by EPSG code, or by definition where
+/// neither has one. A file without a CRS is taken to be in that of the other.
 ///
 /// # Errors
 /// E311.

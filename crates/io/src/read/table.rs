@@ -1,7 +1,8 @@
-//! Tables as text: what separates their fields, what marks their decimals, and rows that cannot be read.
+//! Tables as text: separators of fields, decimal marks, and rows that cannot be read.
 //!
-//! The line of the column names tells the separator: commas, semicolons or tabs. Numbers have a point before their
-//! decimals; behind semicolons and tabs a comma serves too, the same in all rows.
+//! The line of the column names sets the separator: commas, semicolons or tabs. Numbers have a
+//! point before their decimals. Behind semicolons and tabs a comma may mark decimals too, the same
+//! in all rows.
 
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -10,16 +11,16 @@ use std::fmt::Display;
 use crate::error::{OddFile, Warning, shortened};
 use crate::quantity::{Height, parse_meters, parse_number};
 
-/// What becomes of rows that cannot be read.
+/// Treatment of rows that cannot be read.
 #[derive(Debug)]
 pub enum BadRows<'a> {
-    /// They are an error, told together.
+    /// One error for all of them.
     Refuse,
-    /// They are left out, with one warning (W380); if no row can be read it is an error still.
+    /// Omission with one warning (W380); it is still an error if no row can be read.
     LeaveOut(&'a mut Vec<Warning>),
 }
 
-/// What a coordinate is to be.
+/// Wanted content of a coordinate, for messages.
 pub(super) const NUMBER: &str = "a number";
 
 /// A table of named columns.
@@ -28,7 +29,7 @@ pub struct Table {
     headers: csv::StringRecord,
     rows: Vec<Row>,
     separator: u8,
-    /// What marks decimals, and the line that says so.
+    /// Decimal mark, and the line that sets it.
     mark: Cell<Option<(char, u64)>>,
 }
 
@@ -39,20 +40,20 @@ pub struct Row {
     fields: csv::StringRecord,
 }
 
-/// The columns of a position.
+/// Columns of a position.
 #[derive(Debug)]
 pub struct Position {
-    /// Of x and y, or of longitude and latitude.
+    /// Columns of x and y, or of longitude and latitude.
     pub columns: (usize, usize),
-    /// Whether it is longitude and latitude.
+    /// `true` if the position is longitude and latitude.
     pub is_degrees: bool,
 }
 
 impl Table {
-    /// Takes a text apart. Lines that begin with `#` are comments.
+    /// Parses a text. Lines that begin with `#` are comments.
     ///
     /// # Errors
-    /// What is wrong with it as a whole.
+    /// The fault of the table as a whole, in words.
     pub fn parse(text: &str) -> std::result::Result<Table, String> {
         let text = text.trim_start_matches('\u{feff}');
         let separator = separator_of(text)?;
@@ -72,22 +73,22 @@ impl Table {
         Ok(Table { headers, rows, separator, mark: Cell::new(None) })
     }
 
-    /// The column of one of these names.
+    /// Returns the column with one of these names.
     pub fn column(&self, names: &[&str]) -> Option<usize> {
         self.headers.iter().position(|header| names.contains(&header.to_lowercase().as_str()))
     }
 
-    /// The name of a column, as the table has it.
+    /// Returns the name of a column, as the table has it.
     pub fn name(&self, column: usize) -> &str {
         &self.headers[column]
     }
 
-    /// The names of all columns, for messages.
+    /// Returns the names of all columns, for messages.
     pub fn found(&self) -> String {
         self.headers.iter().collect::<Vec<_>>().join(",")
     }
 
-    /// The columns of a position: in the scene's system if there are such, else in degrees.
+    /// Returns the columns of a position: in the scene's system if there are any, else in degrees.
     pub fn position(&self) -> std::result::Result<Position, String> {
         let projected = self.column(&["x", "x_m", "easting"]).zip(self.column(&["y", "y_m", "northing"]));
         let degrees = self.column(&["lon", "longitude", "lng"]).zip(self.column(&["lat", "latitude"]));
@@ -97,7 +98,7 @@ impl Table {
         }
     }
 
-    /// What `read` makes of each row, with the words for its place.
+    /// Calls `read` with each row, and returns the results with the place of each row in words.
     pub fn rows<T>(
         &self,
         mut read: impl FnMut(usize, &Row) -> std::result::Result<T, RowFault>,
@@ -108,7 +109,8 @@ impl Table {
         self.rows.iter().enumerate().map(each).collect()
     }
 
-    /// Fields beyond the last column are decimals behind a comma, or shift all others.
+    /// Refuses fields beyond the last column: they are decimals behind a comma, or shift all other
+    /// fields.
     fn check_fields(&self, row: &Row) -> std::result::Result<(), RowFault> {
         let wanted = self.headers.len();
         if row.fields.iter().skip(wanted).all(str::is_empty) {
@@ -128,7 +130,7 @@ impl Table {
         }
     }
 
-    /// A finite number; `wanted` says which, for messages.
+    /// Returns a finite number; `wanted` names it in messages.
     pub fn number(&self, row: &Row, column: usize, wanted: &str) -> std::result::Result<f64, RowFault> {
         let number = self
             .decimals(row, column)
@@ -136,13 +138,13 @@ impl Table {
         number.map_err(|found| RowFault::Text(format!("`{}`: {found}", &self.headers[column])))
     }
 
-    /// A height, whose reference may stand in a column of its own.
+    /// Returns a height, whose reference may be in a column of its own.
     pub fn height(&self, row: &Row, column: usize, above: Option<usize>) -> std::result::Result<Height, RowFault> {
         let above = above.map(|column| row.field(column));
         self.decimals(row, column).and_then(|text| height(&text, above)).map_err(RowFault::Text)
     }
 
-    /// A field with a point before its decimals.
+    /// Returns a field with a point before its decimals.
     fn decimals<'a>(&self, row: &'a Row, column: usize) -> std::result::Result<Cow<'a, str>, String> {
         let text = row.field(column);
         if self.separator == b',' {
@@ -169,18 +171,18 @@ impl Table {
 }
 
 impl Row {
-    /// The line of the file.
+    /// Returns the line of the file.
     pub fn line(&self) -> u64 {
         self.line
     }
 
-    /// A field; nothing where the row has none.
+    /// Returns a field; empty where the row has none.
     pub fn field(&self, column: usize) -> &str {
         self.fields.get(column).unwrap_or_default()
     }
 }
 
-/// A height from its number and what it is above, if that is told apart from it.
+/// Parses a height from its number and its reference, if that is separate.
 pub(super) fn height(text: &str, above: Option<&str>) -> std::result::Result<Height, String> {
     let Some(above) = above.filter(|a| !a.is_empty()) else { return text.parse() };
     let value = parse_meters(text).map_err(|found| format!("height: {found}"))?;
@@ -192,7 +194,7 @@ pub(super) fn height(text: &str, above: Option<&str>) -> std::result::Result<Hei
     }
 }
 
-/// What separates the column names: none of them holds another separator, unless it is quoted.
+/// Returns the separator of the column names. No name holds another separator, unless it is quoted.
 fn separator_of(text: &str) -> std::result::Result<u8, String> {
     const SEPARATORS: [(char, u8, &str); 3] = [(',', b',', "commas"), (';', b';', "semicolons"), ('\t', b'\t', "tabs")];
     let (number, line) = text
@@ -213,21 +215,22 @@ fn separator_of(text: &str) -> std::result::Result<u8, String> {
     }
 }
 
-/// The line of a record: the reader gives the end of the record before it, ahead of comments and empty lines.
+/// Returns the line of a record. The reader returns the end of the record before it, ahead of
+/// comments and empty lines.
 fn line_of(text: &str, start: &csv::Position) -> u64 {
     let rest = usize::try_from(start.byte()).ok().and_then(|byte| text.get(byte..)).unwrap_or_default();
     let skipped = rest.lines().take_while(|line| line.is_empty() || line.starts_with('#'));
     start.line() + skipped.count() as u64
 }
 
-/// What is wrong with a row.
+/// Fault of a row.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum RowFault {
-    /// Its text.
+    /// Fault of its text.
     Text(String),
-    /// Where its position lies.
+    /// Fault of the place of its position.
     Place(String),
-    /// Its position in a system from or to which no way is known.
+    /// Fault of the system of its position: no transformation from or to it is known.
     NoWay(String),
 }
 
@@ -242,27 +245,28 @@ impl std::fmt::Display for RowFault {
 /// Rows that cannot be read, in words.
 #[derive(Debug)]
 pub struct BadRowsTold {
-    /// What is wrong with the first.
+    /// Fault of the first bad row.
     pub first: RowFault,
-    /// All of them.
+    /// Text about all bad rows.
     pub text: String,
-    /// Whether others are good.
+    /// `true` if other rows are good.
     pub some_are_good: bool,
 }
 
-/// The rows of a file that can be read; all others are told together, by an error of `refuse` or a warning.
+/// Returns the rows of a file that can be read. All others are reported together, by an error of
+/// `refuse` or a warning.
 ///
 /// # Errors
-/// If rows are bad and must not be, or all of them are.
+/// If `bad` refuses bad rows and there are any, or if all rows are bad.
 pub fn readable<T, E>(
     name: impl Display,
     rows: Vec<(String, std::result::Result<T, RowFault>)>,
     bad: BadRows<'_>,
     refuse: impl FnOnce(BadRowsTold) -> E,
 ) -> std::result::Result<Vec<T>, E> {
-    /// Rows that are told one by one.
+    /// Largest number of rows that are reported one by one.
     const MOST_TOLD: usize = 20;
-    /// Characters that are told of each.
+    /// Largest number of characters about each.
     const MOST_CHARACTERS: usize = 160;
     let n_rows = rows.len();
     let (mut good, mut faults) = (Vec::with_capacity(n_rows), Vec::new());

@@ -15,7 +15,8 @@ pub(super) struct Placed<'a, T> {
     pub(super) on: T,
 }
 
-/// The way from the reference system of a scene to that of its terrain, where `projects` allows to go there.
+/// Returns the transformation from the reference system of a scene to that of its terrain, if
+/// `projects` and they differ.
 pub(super) fn way_to_terrain(grid: &GeoRef, terrain: &GeoRef, projects: bool) -> Result<Option<Transformation>> {
     match (grid.crs(), terrain.crs()) {
         (Some(from), Some(to)) if projects && !from.same_as(to) => {
@@ -26,9 +27,10 @@ pub(super) fn way_to_terrain(grid: &GeoRef, terrain: &GeoRef, projects: bool) ->
     }
 }
 
-/// The terrain on the grid of the surface: each cell takes the height of the terrain cell that holds its center (the
-/// one to its north-east where the center lies on an edge, to within a millionth of a cell); `way` leads from the system of
-/// the surface to that of the terrain, where they differ.
+/// Resamples a terrain to the grid of the surface. Each cell takes the height of the terrain cell
+/// that holds its center. A center on an edge, to within a millionth of a cell, takes the cell to
+/// its north-east. Where the systems differ, `way` transforms from that of the surface to that of
+/// the terrain.
 pub(super) fn terrain_on_grid(
     surface: Placed<'_, &GeoRef>,
     terrain: Placed<'_, Raster<i32>>,
@@ -68,14 +70,15 @@ pub(super) fn terrain_on_grid(
     Ok(Raster::new(grid.clone(), cells))
 }
 
-/// Refuses a terrain that lies elsewhere than the surface.
+/// Returns the error of a terrain that lies elsewhere than the surface.
 pub(super) fn no_terrain_below((surface, grid): (&Input, &GeoRef), (terrain, from): (&Input, &GeoRef)) -> Error {
     let [surface, terrain] =
         [(surface, grid), (terrain, from)].map(|(input, grid)| format!("{input} ({})", grid.description()));
     CombineError::NoTerrainBelow(surface, terrain).into()
 }
 
-/// What is said of a terrain on another grid than the surface, `n_void` of whose cells it leaves without ground.
+/// Returns the warning about a terrain on another grid than the surface; `n_void` cells of the
+/// surface have no ground.
 pub(super) fn warning_of_other_grid(
     surface: Placed<'_, &GeoRef>,
     (terrain, from, brought): (&Input, &GeoRef, &str),
@@ -87,7 +90,7 @@ pub(super) fn warning_of_other_grid(
     OddPair::OtherGrid { terrain, surface, n_void, of }.into()
 }
 
-/// The heights of a terrain in the same system at the centers of cells, [`VOID`] outside.
+/// Returns the heights of a terrain in the same system at the centers of cells, [`VOID`] outside.
 pub(super) fn looked_up(grid: &GeoRef, terrain: &Raster<i32>) -> Vec<i32> {
     let from = terrain.georef();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside the grid by the check")]

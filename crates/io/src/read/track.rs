@@ -11,16 +11,19 @@ use crate::error::{Error, PlacesIn, ReadFault, Result, Wanted};
 use crate::input::Input;
 use crate::raster::Crs;
 
-/// Reads the places of a track in the scene's CRS; of `-` from standard input, which is GeoJSON if it begins with a brace.
+/// Reads the places of a track in the scene's CRS. `-` is standard input, which is GeoJSON if it
+/// begins with a brace.
 ///
-/// CSV: columns `x,y` in the scene's CRS, or `lon,lat` in degrees; rows in the order of the track, other columns ignored.
-/// GeoJSON: one LineString (a MultiLineString of one part, or Points in their order, serve too), longitude and latitude
-/// unless a `crs` member says otherwise. A place that repeats the one before it is dropped. Every place is at the height of the
-/// receivers, so a track that has heights of its own is refused.
+/// CSV: columns `x,y` in the scene's CRS, or `lon,lat` in degrees; rows in the order of the track,
+/// other columns ignored. GeoJSON: one LineString, a MultiLineString of one part, or Points in
+/// their order; longitude and latitude unless a `crs` member names another system.
+///
+/// A place that repeats the one before it is dropped. Every place is at the height of the
+/// receivers, so a track with heights of its own is refused.
 ///
 /// # Errors
-/// File errors naming the lines or features, also for heights and for fewer than two different places; site errors if places
-/// cannot be brought into the scene's CRS.
+/// File errors naming the lines or features, also for heights and for fewer than two different
+/// places; site errors if places cannot be brought into the scene's CRS.
 pub fn read_track(input: impl Into<Input>, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<Vec<[f64; 2]>> {
     let input = &input.into();
     let mut places = match is_geojson(input)? {
@@ -96,7 +99,7 @@ fn read_geojson(input: &Input, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Res
     readable(input, rows, bad, |told| refused(input, told, PlacesIn::TrackFeatures, true))
 }
 
-/// The positions of a line or a point.
+/// Returns the positions of a line or a point.
 fn positions_of(geometry: &Value) -> std::result::Result<Vec<&Value>, &'static str> {
     Ok(match geometry["type"].as_str() {
         Some("Point") => vec![&geometry["coordinates"]],

@@ -1,4 +1,4 @@
-//! Heights of two files together: what each is above, and whether that is the same.
+//! Heights of two files together: the vertical system of each, and their difference.
 
 use std::fmt::Display;
 
@@ -7,27 +7,29 @@ use crate::error::{CombineError, OddPair, Result, Warning};
 use crate::formats::RasterFile;
 use crate::input::Input;
 
-/// The vertical system that a raster file names; `None` if it names none, or cannot be opened as a raster.
+/// Returns the vertical system that a raster file names; `None` if it names none, or cannot be
+/// opened as a raster.
 pub fn vertical_of(input: impl Into<Input>) -> Option<VerticalCrs> {
     RasterFile::open(input, &mut Vec::new()).ok()?.vertical().cloned()
 }
 
-/// Whether the user has said which reference system the files are in.
+/// Origin of the reference system of files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SystemSaid {
-    /// By the files alone.
+    /// The files alone.
     ByFiles,
-    /// By the user, over what the files say.
+    /// The user, who overrides the files.
     ByUser,
 }
 
-/// Compares what the heights of a surface and of a terrain are above.
+/// Compares the vertical systems of a surface and a terrain.
 ///
-/// Where only one of them names it, or their datums differ, a warning says so (W370, W371).
+/// A warning reports that only one of them names its system, or that their datums differ (W370,
+/// W371).
 ///
 /// # Errors
-/// E311 if one is above an ellipsoid and the other above a datum, which are tens of meters apart, unless the user has said
-/// which system the files are in.
+/// E311 if one is above an ellipsoid and the other above a datum, which are tens of meters apart,
+/// unless the user has named the system of the files.
 pub fn compare_vertical(
     (a_path, a): (impl Display, Option<&VerticalCrs>),
     (b_path, b): (impl Display, Option<&VerticalCrs>),

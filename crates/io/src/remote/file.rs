@@ -1,4 +1,4 @@
-//! A remote file as what readers take: bytes in any order, fetched by ranges (object_store).
+//! Remote file as an input of readers: bytes in any order, fetched by ranges (object_store).
 
 use std::collections::HashMap;
 use std::io::{Error as IoError, ErrorKind, Read, Seek, SeekFrom};
@@ -17,27 +17,28 @@ use crate::error::{Error, ReadFault, Result};
 use crate::input::Input;
 use crate::remote::address_of;
 
-/// Bytes that are fetched at once where less is asked for: those of headers and indices, which are read in small pieces.
+/// Number of bytes that are fetched if less is requested: headers and indices are read in small
+/// pieces.
 const BLOCK: u64 = 64 << 10;
-/// Blocks that are kept of a file.
+/// Largest number of blocks that are kept of a file.
 const MOST_BLOCKS: usize = 256;
-/// How long a server may take to connect and between two parts of an answer.
+/// Time that a server may take to connect, and between two parts of an answer.
 const PATIENCE: Duration = Duration::from_secs(30);
-/// How often a request that failed is sent again, and for how long.
+/// Number of times that a failed request is sent again, and their total time.
 const MOST_TRIES: usize = 4;
 const MOST_TRYING: Duration = Duration::from_secs(90);
 
 /// A file on a server.
 #[derive(Debug)]
 pub(crate) struct RemoteFile {
-    /// The address, as it is told.
+    /// Address as it appears in messages.
     name: String,
     store: Box<dyn ObjectStore>,
     path: ObjectPath,
     len: u64,
-    /// What the file is told apart by from a later one of its name.
+    /// Tag that differs in a later file of the same name.
     tag: Tag,
-    /// Blocks by their numbers, with when each was last asked for.
+    /// Blocks by their numbers, with the time of their last request.
     blocks: Mutex<Blocks>,
 }
 
@@ -45,7 +46,7 @@ pub(crate) struct RemoteFile {
 enum Tag {
     /// A tag that the server compares.
     Etag(String),
-    /// The time of the last change, in words; nothing if the server tells neither.
+    /// The time of the last change, in words; a fixed time if the server sends neither.
     Time(String),
 }
 
@@ -55,17 +56,17 @@ struct Blocks {
     clock: u64,
 }
 
-/// The files that this process reads, by their addresses.
+/// Returns the files that this process reads, by their addresses.
 fn files() -> &'static Mutex<HashMap<String, Arc<RemoteFile>>> {
     static FILES: OnceLock<Mutex<HashMap<String, Arc<RemoteFile>>>> = OnceLock::new();
     FILES.get_or_init(Mutex::default)
 }
 
-/// Where requests wait for answers.
+/// Returns the runtime in which requests wait for answers.
 fn runtime() -> std::io::Result<&'static Runtime> {
     static RUNTIME: OnceLock<Runtime> = OnceLock::new();
     if RUNTIME.get().is_none() {
-        // Another library of the process may have chosen before.
+        // Another library of the process may have installed a provider before.
         let _ = rustls::crypto::ring::default_provider().install_default();
         let made = Builder::new_multi_thread().worker_threads(1).enable_all().thread_name("remote").build()?;
         let _ = RUNTIME.set(made);
@@ -73,10 +74,10 @@ fn runtime() -> std::io::Result<&'static Runtime> {
     RUNTIME.get().ok_or_else(|| IoError::other("no thread for requests"))
 }
 
-/// A file by its address, asked for once by a process, unless it changes.
+/// Opens a file by its address. A process requests it once, unless it changes.
 ///
 /// # Errors
-/// E301 if the server does not give it, or gives no parts of files.
+/// E301 if the server refuses it, or sends no parts of files.
 pub(crate) fn open(input: &Input) -> Result<Arc<RemoteFile>> {
     let address = input.as_path().to_string_lossy().into_owned();
     let lock = || files().lock().unwrap_or_else(PoisonError::into_inner);
@@ -94,7 +95,7 @@ pub(crate) fn open(input: &Input) -> Result<Arc<RemoteFile>> {
 }
 
 impl RemoteFile {
-    /// A file that is told by a name, by its whole address.
+    /// Requests a file by its whole address; `name` appears in messages.
     fn new(name: &str, address: &str) -> std::io::Result<RemoteFile> {
         let runtime = runtime()?;
         let url = Url::parse(address).map_err(|e| IoError::new(ErrorKind::InvalidInput, format!("no address: {e}")))?;
@@ -110,7 +111,7 @@ impl RemoteFile {
             let path = ObjectPath::from_url_path(url.path()).map_err(|e| in_words(&e.into()))?;
             (Box::new(store.with_retry(retry).build().map_err(|e| in_words(&e))?), path)
         } else {
-            // The address itself is the root: what follows a `?` stays with it.
+            // The address itself is the root, so that anything after a `?` stays with it.
             let store = HttpBuilder::new().with_url(url.as_str()).with_client_options(options).with_retry(retry);
             (Box::new(store.build().map_err(|e| in_words(&e))?), ObjectPath::default())
         };
@@ -120,22 +121,23 @@ impl RemoteFile {
         Ok(RemoteFile { name: name.to_string(), store, path, len: size, tag, blocks: Mutex::default() })
     }
 
-    /// Length \[bytes\].
+    /// Returns the length \[bytes\].
     pub(crate) fn len(&self) -> u64 {
         self.len
     }
 
-    /// What it is told apart by from a later one of its name.
+    /// Returns the tag that differs in a later file of the same name.
     pub(crate) fn tag(&self) -> &str {
         match &self.tag {
             Tag::Etag(tag) | Tag::Time(tag) => tag,
         }
     }
 
-    /// Some bytes, all of them.
+    /// Fetches a range of bytes completely.
     fn fetch(&self, range: Range<u64>) -> std::io::Result<Vec<u8>> {
         let wanted = range.end - range.start;
-        // A tag that begins with W/ holds for equal contents, not for equal bytes: servers compare only strong ones.
+        // A tag that begins with W/ marks equal contents, not equal bytes: servers compare only
+        // strong tags.
         let if_match = match &self.tag {
             Tag::Etag(tag) if !tag.starts_with("W/") => Some(tag.clone()),
             _ => None,
@@ -174,13 +176,13 @@ impl RemoteFile {
         }
     }
 
-    /// Asks for it anew the next time that it is opened.
+    /// Forgets the file, so that it is requested anew when it is opened next.
     fn forget(&self) {
         let mut files = files().lock().unwrap_or_else(PoisonError::into_inner);
         files.retain(|_, file| !std::ptr::eq(file.as_ref(), self));
     }
 
-    /// A block of bytes, kept for a while.
+    /// Returns a block of bytes, which is kept for a while.
     fn block(&self, number: u64) -> std::io::Result<Arc<[u8]>> {
         let lock = || self.blocks.lock().unwrap_or_else(PoisonError::into_inner);
         {
@@ -206,7 +208,7 @@ impl RemoteFile {
     }
 }
 
-/// A failed request on one line, with what caused it.
+/// Returns a failed request on one line, with its cause.
 fn in_words(error: &object_store::Error) -> IoError {
     let kind = match error {
         object_store::Error::NotFound { .. } => ErrorKind::NotFound,
@@ -226,7 +228,7 @@ fn in_words(error: &object_store::Error) -> IoError {
     IoError::new(kind, text.lines().next().unwrap_or("the request failed").to_string())
 }
 
-/// A remote file that is read from a place on.
+/// Remote file that is read from a position on.
 #[derive(Debug)]
 pub(crate) struct RemoteReader {
     file: Arc<RemoteFile>,
@@ -248,7 +250,7 @@ impl Read for RemoteReader {
         }
         #[expect(clippy::cast_possible_truncation, reason = "no more than the length of a slice")]
         let n = if n >= BLOCK {
-            // What is large is read once.
+            // Large ranges are read once, so they are not kept.
             let bytes = self.file.fetch(self.at..self.at + n)?;
             out[..bytes.len()].copy_from_slice(&bytes);
             bytes.len()

@@ -1,7 +1,8 @@
-//! Files behind `http://`, `https://` and `s3://`: how they are named, and, with the feature `remote`, how they are read.
+//! Files behind `http://`, `https://` and `s3://`: their names and, with the feature `remote`,
+//! their reading.
 //!
-//! No more is read of a file than is asked for, by ranges of its bytes. It must not change while it is read: every range is asked
-//! for under the tag that the file had at first.
+//! Only requested ranges of bytes are fetched, small ones in blocks of 64 KiB. A file must not
+//! change while it is read: every range is requested under the tag that the file had at first.
 
 #[cfg(feature = "remote")]
 mod file;
@@ -15,25 +16,26 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 #[cfg(feature = "remote")]
 pub(crate) use file::{RemoteReader, open};
 
-/// How names of such files begin.
+/// Prefixes of the names of such files.
 const SCHEMES: [&str; 3] = ["http://", "https://", "s3://"];
 
-/// How names of reference systems begin that have the form of addresses; no file of a city lies there.
+/// Prefixes of reference systems that have the form of addresses; no file of a city lies there.
 const SYSTEMS: [&str; 2] = ["http://www.opengis.net/", "https://www.opengis.net/"];
 
-/// Whether a path is the address of a file on a server.
+/// Returns `true` when a path is the address of a file on a server.
 pub fn is_remote(path: &Path) -> bool {
     path.to_str().is_some_and(|path| SCHEMES.iter().any(|scheme| path.starts_with(scheme)))
 }
 
-/// Addresses with all that belongs to them, by how they are told.
+/// Returns the whole addresses, by their form in messages.
 fn addresses() -> MutexGuard<'static, HashMap<String, String>> {
     static ADDRESSES: OnceLock<Mutex<HashMap<String, String>>> = OnceLock::new();
     ADDRESSES.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A word as it may be told: an address without a user and without what follows a `?`, which often is a signature; anything else
-/// as it is. This process goes on to know the whole address.
+/// Returns a word as messages may show it. An address loses its user and anything after a `?`,
+/// which often is a signature; this process remembers the whole address. Any other word stays as it
+/// is.
 ///
 /// Names of reference systems have the form of addresses, and stay whole.
 pub fn told(word: &OsStr) -> Cow<'_, OsStr> {
@@ -48,7 +50,7 @@ pub fn told(word: &OsStr) -> Cow<'_, OsStr> {
     Cow::Owned(told.into())
 }
 
-/// The whole of an address that was told.
+/// Returns the whole of an address that [`told`] shortened.
 #[cfg(feature = "remote")]
 fn address_of(told: &str) -> String {
     addresses().get(told).cloned().unwrap_or_else(|| told.to_string())
@@ -62,17 +64,17 @@ fn without_secrets(address: &str) -> String {
     format!("{scheme}{host}{path}")
 }
 
-/// What tells whether a remote file is the same as before: its length, and its tag or the time of its last change.
+/// Returns the identity of a remote file: its length, and its tag or the time of its last change.
 ///
 /// # Errors
-/// E301 if the server does not tell.
+/// E301 if the server does not send them.
 #[cfg(feature = "remote")]
 pub fn identity(path: &Path) -> crate::error::Result<String> {
     let file = open(&path.into())?;
     Ok(format!("{} {}", file.len(), file.tag()))
 }
 
-/// What tells whether a remote file is the same as before.
+/// Returns the identity of a remote file.
 ///
 /// # Errors
 /// E301: this program was built without the feature `remote`.
@@ -81,7 +83,7 @@ pub fn identity(path: &Path) -> crate::error::Result<String> {
     Err(not_built(&path.into()))
 }
 
-/// E301: that no remote file can be read.
+/// Returns E301 for a build that reads no remote file.
 #[cfg(not(feature = "remote"))]
 pub(crate) fn not_built(input: &crate::Input) -> crate::Error {
     let why = "this program was built without the feature `remote`, which reads files on servers";

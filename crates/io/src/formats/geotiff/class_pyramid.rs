@@ -1,5 +1,5 @@
-//! A cloud optimized GeoTIFF of classes whose rows come one after another, from the north: the file that
-//! [`super::write_geotiff`] writes of the same cells in memory.
+//! A cloud optimized GeoTIFF of classes whose rows come one after another, from the north. It
+//! equals the file that [`super::write_geotiff`] writes of the same cells in memory.
 
 use std::borrow::Cow;
 use std::io::Write;
@@ -11,13 +11,14 @@ use super::levels::{Level, TILE, compressed_tiles, level_tags, n_overviews, writ
 use super::overview::most_frequent;
 use crate::error::Result;
 
-/// The compressed tiles of all rows so far, at every resolution. Memory is theirs and that of a few hundred rows.
+/// Compressed tiles of all rows so far, at every resolution. Memory is that of the tiles and of a
+/// few hundred rows.
 #[derive(Debug, Default)]
 pub struct ClassPyramid {
     n_rows: usize,
     n_cols: usize,
     n_pushed: usize,
-    /// Rows that are not yet a row of tiles.
+    /// Rows that do not yet fill a row of tiles.
     band: Vec<u8>,
     levels: Vec<PyramidLevel>,
 }
@@ -26,13 +27,13 @@ pub struct ClassPyramid {
 struct PyramidLevel {
     reduction: usize,
     n_cols: usize,
-    /// Rows that are not yet a row of tiles.
+    /// Rows that do not yet fill a row of tiles.
     band: Vec<u8>,
     blocks: Vec<Vec<u8>>,
 }
 
 impl ClassPyramid {
-    /// A pyramid of a shape without rows.
+    /// Creates a pyramid of a shape, without rows.
     pub fn new((n_rows, n_cols): (usize, usize)) -> Self {
         let level = |level: usize| PyramidLevel {
             reduction: 1 << level,
@@ -50,7 +51,7 @@ impl ClassPyramid {
     /// E402 if a tile cannot be encoded.
     ///
     /// # Panics
-    /// If `cells` are no whole rows, or more than there are.
+    /// If `cells` are not whole rows, or more than are missing.
     pub fn push(&mut self, cells: &[u8]) -> Result<()> {
         assert!(cells.len().is_multiple_of(self.n_cols), "whole rows");
         for row in cells.chunks(self.n_cols) {
@@ -64,7 +65,7 @@ impl ClassPyramid {
         Ok(())
     }
 
-    /// Hands a row of tiles to all levels. A row of tiles is a multiple of the largest reduction.
+    /// Passes a row of tiles to all levels. Its height is a multiple of the largest reduction.
     fn flush(&mut self) -> Result<()> {
         let n_rows = self.band.len() / self.n_cols;
         let is_end = self.n_pushed == self.n_rows;
@@ -81,7 +82,8 @@ impl ClassPyramid {
         Ok(())
     }
 
-    /// Writes the file front to back, with items of GDAL's metadata; a BigTIFF if it is above 4 GiB.
+    /// Writes the file front to back, with items of GDAL's metadata; a BigTIFF if it is above 4
+    /// GiB.
     ///
     /// # Errors
     /// E401 if `out` refuses the bytes, E402 if TIFF cannot hold the image.

@@ -1,4 +1,5 @@
-//! Where a picture lies and what it is about: GeoKeys, GDAL's metadata, and the names of classes in the sidecar.
+//! Tags for place and content of a picture: GeoKeys, GDAL's metadata, and the names of classes in
+//! the sidecar.
 //!
 //! # References
 //! OGC 19-008r4, GeoTIFF 1.1; the GDAL driver documentation: tag 42112, and the PAM sidecar.
@@ -21,7 +22,7 @@ const PROJ_LINEAR_UNIT_SIZE: u16 = 3077;
 /// Longest citation taken as a definition \[bytes\]; GDAL reads up to 2400.
 const LONGEST_DEFINITION: usize = 2300;
 
-/// The tags that say where the picture lies and what it is about; in the first directory only.
+/// Returns the tags for place and metadata of the picture, which are in the first directory only.
 pub(super) fn place_tags(image: &GeoTiffImage<'_>, names: &[&str]) -> Result<Vec<Tag>> {
     let georef = image.georef;
     let scale = vec![georef.cell_width(), georef.cell_height(), 0.0];
@@ -30,7 +31,8 @@ pub(super) fn place_tags(image: &GeoTiffImage<'_>, names: &[&str]) -> Result<Vec
         Tag::new(geotiff_core::tags::TAG_MODEL_PIXEL_SCALE, TagValue::Double(scale)),
         Tag::new(geotiff_core::tags::TAG_MODEL_TIEPOINT, TagValue::Double(corner)),
     ];
-    // Without a reference system there are no keys at all: with any key GDAL makes up a local system.
+    // Without a reference system there are no keys at all: with any key GDAL makes up a local
+    // system.
     if let Some(crs) = georef.crs() {
         let (keys, doubles, text) =
             geo_keys(crs).serialize().map_err(|cause| Error::encode("the GeoKeys of a GeoTIFF", cause))?;
@@ -44,10 +46,11 @@ pub(super) fn place_tags(image: &GeoTiffImage<'_>, names: &[&str]) -> Result<Vec
     Ok(tags)
 }
 
-/// The reference system as GeoKeys.
+/// Returns the reference system as GeoKeys.
 ///
-/// A system without an EPSG code is written as a definition in the citation, in Esri's form: GDAL, QGIS and ArcGIS read
-/// it. One of which only the name is known becomes a local system of that name in GDAL.
+/// A system without an EPSG code is written as a definition in the citation, in Esri's form, which
+/// GDAL, QGIS and ArcGIS read. A system known only by name becomes a local system of that name in
+/// GDAL.
 fn geo_keys(crs: &Crs) -> GeoKeyDirectory {
     let ascii = |text: &str| {
         let plain = text.chars().map(|c| if c.is_ascii_graphic() && c != '|' { c } else { ' ' });
@@ -69,7 +72,7 @@ fn geo_keys(crs: &Crs) -> GeoKeyDirectory {
     };
     let mut keys = GeoKeyDirectory::new();
     keys.set(geokeys::GT_MODEL_TYPE, GeoKeyValue::Short(model));
-    // A cell is an area.
+    // Cells are areas.
     keys.set(geokeys::GT_RASTER_TYPE, GeoKeyValue::Short(1));
     keys.set(geokeys::GT_CITATION, ascii(&crs.name()));
     if let Some(key) = code_key {
@@ -94,7 +97,8 @@ fn geo_keys(crs: &Crs) -> GeoKeyDirectory {
     keys
 }
 
-/// Items of the dataset and names of the bands in the form that GDAL gives them: values are escaped twice.
+/// Returns items of the dataset and names of the bands as GDAL writes them: values are escaped
+/// twice.
 fn gdal_metadata(items: &[(String, String)], names: &[&str]) -> String {
     let mut text = String::from("<GDALMetadata>\n");
     for (key, value) in items {
@@ -110,17 +114,19 @@ fn gdal_metadata(items: &[(String, String)], names: &[&str]) -> String {
     text
 }
 
-/// The sidecar `FILE.tif.aux.xml` with names and colors of the classes of the first `n_bands` bands.
+/// Returns the sidecar `FILE.tif.aux.xml` with names and colors of the classes of the first
+/// `n_bands` bands.
 ///
-/// GDAL reads category names of a GeoTIFF from nowhere else. The color table of a TIFF always has 256 entries; this one has those of
-/// the classes, and GDAL and QGIS take it instead.
+/// GDAL reads category names of a GeoTIFF from nowhere else. The color table of a TIFF always has
+/// 256 entries. The table of the sidecar has those of the classes; GDAL and QGIS prefer it.
 pub fn pam_sidecar(palette: &[ClassColor], n_bands: usize) -> String {
     let table = class_table(palette);
     let band = |band| format!("  <PAMRasterBand band=\"{band}\">\n{table}  </PAMRasterBand>\n");
     format!("<PAMDataset>\n{}</PAMDataset>\n", (1..=n_bands).map(band).collect::<String>())
 }
 
-/// Names and colors of classes, from 0 to the last, as virtual rasters and sidecars of GDAL have them within a band.
+/// Returns names and colors of classes, from 0 to the last, as virtual rasters and sidecars of GDAL
+/// have them within a band.
 pub fn class_table(palette: &[ClassColor]) -> String {
     let last = palette.iter().map(|class| class.value).max().unwrap_or(0);
     let of = |value: u8| palette.iter().find(|class| class.value == value);
@@ -133,12 +139,13 @@ pub fn class_table(palette: &[ClassColor]) -> String {
     format!("    <CategoryNames>\n{names}    </CategoryNames>\n    <ColorTable>\n{colors}    </ColorTable>\n")
 }
 
-/// A value as GDAL escapes it before the XML is made; quotation marks may stay, so that JSON remains readable.
+/// Escapes a value as GDAL does before it writes XML; quotation marks stay, so that JSON remains
+/// readable.
 fn xml_value(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
-/// Text within XML; what XML 1.0 cannot hold becomes a space.
+/// Escapes text for XML; characters that XML 1.0 cannot hold become a space.
 pub fn xml_text(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,4 +1,5 @@
-//! A GeoTIFF whose header was read and checked: its picture, its mask, its place, and what its tags say of the heights.
+//! A GeoTIFF whose header was read and checked: its picture, its mask, its place, and the tags
+//! about its heights.
 
 use super::header::{Codec, Image};
 use super::metadata::Metadata;
@@ -13,10 +14,10 @@ use crate::formats::sample::Sample;
 use crate::input::Input;
 use crate::raster::GeoRef;
 
-/// Most image directories to look through for a mask.
+/// Largest number of image directories that are searched for a mask.
 const MAX_DIRECTORIES: usize = 64;
 
-/// A GeoTIFF file, its header read and checked.
+/// GeoTIFF file whose header is read and checked.
 #[derive(Debug, Clone)]
 pub struct GeoTiff {
     pub(super) input: Input,
@@ -25,15 +26,15 @@ pub struct GeoTiff {
     pub(super) image: Image,
     pub(super) mask: Option<Mask>,
     pub(super) placement: Placement,
-    /// The nodata value of the tags, for bands of which the sidecar has none.
+    /// Nodata value of the tags, for bands without one in the sidecar.
     nodata_of_all: Option<f64>,
     sidecar: Sidecar,
     pub(super) metadata: Metadata,
-    /// The band that is read, counted from 0; `None` where nobody named one and the first is read.
+    /// Band that is read, counted from 0; `None` where none was named and the first is read.
     chosen: Option<usize>,
-    /// Whether another band can be asked for.
+    /// `true` if the caller can choose another band.
     pub(super) can_choose: bool,
-    /// The first three bands are red, green and blue.
+    /// `true` if the first three bands are red, green and blue.
     pub(super) is_picture: bool,
 }
 
@@ -43,13 +44,14 @@ impl GeoTiff {
     /// Cost: proportional to the number of strips or tiles.
     ///
     /// # Errors
-    /// If the file cannot be opened, is no TIFF, is cut short, is encoded in a way that is not read, or lies on no
-    /// north-up grid.
+    /// If the file cannot be opened, is no TIFF, is cut short, has an unsupported encoding, or lies
+    /// on no north-up grid.
     pub fn open(input: impl Into<Input>, warnings: &mut Vec<Warning>) -> Result<GeoTiff> {
         warned(warnings, |odd| GeoTiff::open_told(&input.into(), None, odd))
     }
 
-    /// `band` is the one to read, where one can be asked for.
+    /// Opens as [`GeoTiff::open`], with oddities as values. `band` is the band to read, where the
+    /// caller can choose one.
     pub(in crate::formats) fn open_told(input: &Input, band: Option<&Band>, odd: &mut Vec<Oddity>) -> Result<GeoTiff> {
         let (mut source, first) = TiffSource::open(input)?;
         let directory = source.directory(first)?;
@@ -118,75 +120,78 @@ impl GeoTiff {
         }
     }
 
-    /// Where the cells lie; rows run from north to south whatever the file does.
+    /// Returns the grid of the cells; its rows run from north to south in any file.
     pub fn georef(&self) -> &GeoRef {
         &self.placement.georef
     }
 
-    /// Whether the rows of the file run from the south.
+    /// Returns `true` when the rows of the file run from the south.
     pub(in crate::formats) fn is_south_up(&self) -> bool {
         self.placement.south_up
     }
 
-    /// Whether the file stores no cell at all.
+    /// Returns `true` when the file stores no cell at all.
     pub(in crate::formats) fn is_empty(&self) -> bool {
         self.image.blocks.iter().all(|(_, len)| *len == 0)
     }
 
-    /// Whether reading a part costs what the part costs.
+    /// Returns `true` when the cost of reading a part is that of the part.
     pub(in crate::formats) fn reads_parts(&self) -> bool {
         self.image.tiled || self.image.codec == Codec::None
     }
 
-    /// Bytes that its largest strip or tile takes while it is unpacked; 0 where rows are read as they are.
+    /// Returns the size of the largest strip or tile while it is unpacked \[bytes\]; 0 where rows
+    /// are read as they are.
     pub(in crate::formats) fn block_bytes(&self) -> u64 {
         let is_packed = self.image.codec != Codec::None;
         if is_packed { self.image.row_bytes().saturating_mul(self.image.block_rows as u64) } else { 0 }
     }
 
-    /// Number of bands.
+    /// Returns the number of bands.
     pub fn n_bands(&self) -> usize {
         self.image.n_bands
     }
 
-    /// What the bands are called, where the file says so.
+    /// Returns the names of the bands, where the file has them.
     pub fn band_names(&self) -> Vec<Option<&str>> {
         (0..self.n_bands()).map(|band| self.metadata.name(band)).collect()
     }
 
-    /// The band that is read, counted from 0.
+    /// Returns the band that is read, counted from 0.
     pub(in crate::formats) fn band(&self) -> usize {
         self.chosen.unwrap_or(0)
     }
 
-    /// Whether nobody named the band that is read.
+    /// Returns `true` when no band was named.
     pub(in crate::formats) fn is_first_by_default(&self) -> bool {
         self.chosen.is_none()
     }
 
-    /// The declared nodata value of a band, as the samples can hold it.
+    /// Returns the declared nodata value of a band, as the samples can hold it.
     pub(in crate::formats) fn nodata_of(&self, band: usize) -> Option<f64> {
         let own = self.sidecar.nodata(band).and_then(|text| nodata_in(self.image.sample, text));
         own.or(self.nodata_of_all)
     }
 
-    /// What this program wrote into the file about its origin, as one JSON text; `None` in files of others.
+    /// Returns the provenance that this program wrote into the file, as one JSON text; `None` in
+    /// files of other programs.
     pub fn provenance(&self) -> Option<&str> {
         self.metadata.provenance.as_deref()
     }
 
-    /// Meters per unit of height, where the file says so; [`GeoTiff::read`] converts nothing.
+    /// Returns the meters per unit of height, where the file names the unit; [`GeoTiff::read`]
+    /// converts nothing.
     pub fn meters_per_height_unit(&self) -> Option<f64> {
         let of_band = self.metadata.unit(self.band()).and_then(meters_per_named_unit);
         of_band.or(self.placement.meters_per_height_unit)
     }
 
-    /// What heights are above, where the file names it.
+    /// Returns the vertical system, where the file names it.
     pub fn vertical(&self) -> Option<&VerticalCrs> {
         self.placement.vertical.as_ref()
     }
 
-    /// How the file is encoded, in a few words: `float32, deflate, tiles 256x256, nodata -9999`.
+    /// Returns the encoding in a few words: `float32, deflate, tiles 256x256, nodata -9999`.
     pub fn description(&self) -> String {
         let image = &self.image;
         let mut text = format!("{}, {}", image.sample.name(), image.codec.name());
@@ -207,14 +212,15 @@ impl GeoTiff {
     }
 }
 
-/// Which cells hold something: those that are not 0 in a band of an image.
+/// Mask of a raster: cells that are not 0 in a band of an image hold a value.
 #[derive(Debug, Clone)]
 pub(super) struct Mask {
     pub(super) image: Image,
     pub(super) band: usize,
 }
 
-/// The band that says how opaque each cell is, after the first, which holds the heights.
+/// Returns the band with the opacity of each cell. It follows the first band, which holds the
+/// heights.
 fn alpha_band(source: &mut TiffSource, directory: &Directory, n_bands: usize) -> Result<Option<usize>> {
     const ALPHA: [u64; 2] = [1, 2];
     let extra = directory.integers(source, tag::EXTRA_SAMPLES)?.unwrap_or_default();
@@ -222,7 +228,8 @@ fn alpha_band(source: &mut TiffSource, directory: &Directory, n_bands: usize) ->
     Ok(extra.iter().position(|kind| ALPHA.contains(kind)).map(|k| first + k).filter(|band| *band > 0))
 }
 
-/// The mask of the first image among the later directories; what is wrong with these is no reason to refuse the first.
+/// Finds the mask of the first image among the later directories. Faults of these are no reason to
+/// refuse the first image.
 fn find_mask(
     source: &mut TiffSource,
     first: &Directory,
@@ -263,9 +270,8 @@ fn find_mask(
     None
 }
 
-/// The nodata value as the samples of the file can hold it; `None` if the text is no number.
-///
-/// The text is rounded as the samples were, so that `-3.4028234663852886e+38` equals the lowest 32-bit float.
+/// Returns the nodata value as the samples of the file can hold it; `None` if the text is no
+/// number.
 pub(super) fn nodata_in(sample: Sample, text: &str) -> Option<f64> {
     let value: f64 = text.trim().parse().ok()?;
     #[expect(clippy::cast_possible_truncation, reason = "rounding to the type of the samples is the purpose")]
@@ -273,7 +279,8 @@ pub(super) fn nodata_in(sample: Sample, text: &str) -> Option<f64> {
     Some(if sample == Sample::F32 { rounded } else { value })
 }
 
-/// A number as short as it can be told from its neighbors, with an exponent where that is shorter.
+/// Number whose text is as short as it can be read back, with an exponent below 1e-4 and from 1e9
+/// on.
 struct Number(f64);
 
 impl std::fmt::Display for Number {

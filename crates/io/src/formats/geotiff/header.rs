@@ -1,10 +1,12 @@
-//! What the header of a TIFF says of its picture, and whether the file can hold what it promises.
+//! Header of a TIFF picture, checked against the length of the file.
 //!
-//! Everything here is decided before a pixel is read and before anything of the size of the picture is allocated: each
-//! block is checked against the length of the file, each product is computed where it cannot overflow. After
-//! [`Image::parse`] the decoder may rely on the block table, the block size and the sample type.
+//! All checks come before a pixel is read and before anything of the size of the picture is
+//! allocated. Each block is checked against the length of the file; each product is computed where
+//! it cannot overflow. After [`Image::parse`] the decoder may rely on the block table, the block
+//! size and the sample type.
 //!
-//! Reference: TIFF 6.0 (1992), TIFF Technical Notes 1 to 3, and the LERC and Zstandard compressions of libtiff.
+//! Reference: TIFF 6.0 (1992), TIFF Technical Notes 1 to 3, and the LERC and Zstandard compressions
+//! of libtiff.
 
 use tiff_reader::ByteOrder;
 
@@ -15,7 +17,7 @@ use crate::formats::sample::Sample;
 /// Largest decoded size of one compressed strip or tile \[bytes\].
 const MAX_BLOCK_BYTES: u64 = 4 << 30;
 
-/// How the bytes of a block are packed.
+/// Compression of the bytes of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Codec {
     None,
@@ -28,7 +30,7 @@ pub(super) enum Codec {
     Jpeg,
 }
 
-/// What LERC blocks are packed with once more.
+/// Second compression of LERC blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LercInner {
     None,
@@ -37,7 +39,7 @@ pub(super) enum LercInner {
 }
 
 impl Codec {
-    /// The name that GDAL uses, in lower case.
+    /// Returns the name that GDAL uses, in lower case.
     pub(super) fn name(self) -> &'static str {
         match self {
             Codec::None => "uncompressed",
@@ -52,10 +54,12 @@ impl Codec {
         }
     }
 
-    /// Most decoded bytes per stored byte that the format can reach; `None` where constant blocks cost nothing.
+    /// Returns the most decoded bytes per stored byte that the format can reach; `None` where
+    /// constant blocks cost nothing.
     ///
-    /// Deflate: 258 bytes in 2 bits, less the block overhead (zlib documents 1032). LZW: a 12-bit code stands for less
-    /// than 4096 bytes. PackBits: 128 bytes in 2. Zstandard: a block of 128 KiB in 4 bytes.
+    /// Deflate: 258 bytes in 2 bits, less the block overhead (zlib documents 1032). LZW: a 12-bit
+    /// code encodes less than 4096 bytes. PackBits: 128 bytes in 2. Zstandard: a block of 128 KiB
+    /// in 4 bytes.
     fn max_ratio(self) -> Option<u64> {
         match self {
             Codec::None => Some(1),
@@ -68,7 +72,7 @@ impl Codec {
     }
 }
 
-/// What a predictor left in place of the samples of a row.
+/// Predictor: the form in which the samples of a row are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Predictor {
     None,
@@ -78,7 +82,8 @@ pub(super) enum Predictor {
     FloatingPoint,
 }
 
-/// One picture of the file: its size, its sample type and the table of its blocks (strips or tiles).
+/// One picture of the file: its size, its sample type and the table of its blocks (strips or
+/// tiles).
 #[derive(Debug, Clone)]
 pub(super) struct Image {
     pub(super) n_rows: usize,
@@ -88,14 +93,15 @@ pub(super) struct Image {
     pub(super) codec: Codec,
     pub(super) predictor: Predictor,
     pub(super) tiled: bool,
-    /// Each band in blocks of its own.
+    /// `true` if each band has blocks of its own.
     pub(super) planar: bool,
     pub(super) block_rows: usize,
     pub(super) block_cols: usize,
-    /// Stored bytes have their lowest bit first.
+    /// `true` if stored bytes have their lowest bit first.
     pub(super) bits_reversed: bool,
     pub(super) jpeg_tables: Option<Vec<u8>>,
-    /// Offset and length of each block \[bytes\], length 0 where the block is missing (a sparse file).
+    /// Offset and length of each block \[bytes\]; length 0 where the block is missing (a sparse
+    /// file).
     pub(super) blocks: Vec<(u64, u64)>,
 }
 
@@ -147,7 +153,8 @@ impl Image {
         };
         let jpeg_tables = match codec {
             Codec::Jpeg => {
-                // Several samples in one JPEG stream are a color picture, whose color space would need undoing.
+                // Several samples in one JPEG stream are a color picture, whose color space would
+                // have to be undone.
                 if n_bands > 1 && !planar {
                     let error = source.unsupported("a JPEG color picture, wanted one band of heights");
                     return Err(error.because(Cause::ColorJpeg));
@@ -163,7 +170,7 @@ impl Image {
             let rows = dimension(source, directory, tag::TILE_LENGTH, "tile height")?;
             (rows, dimension(source, directory, tag::TILE_WIDTH, "tile width")?)
         } else {
-            // Writers put 2^32 - 1 where they mean all rows.
+            // Writers put 2^32 - 1 for all rows.
             match directory.integer(source, tag::ROWS_PER_STRIP)?.unwrap_or(n_rows) {
                 0 => return Err(source.malformed("0 rows per strip, wanted at least 1")),
                 rows => (rows.min(n_rows), n_cols),
@@ -194,39 +201,41 @@ impl Image {
         Ok(image)
     }
 
-    /// Number of blocks side by side.
+    /// Returns the number of blocks side by side.
     pub(super) fn blocks_across(&self) -> usize {
         self.n_cols.div_ceil(self.block_cols)
     }
 
-    /// Number of blocks from north to south.
+    /// Returns the number of blocks from north to south.
     pub(super) fn blocks_down(&self) -> usize {
         self.n_rows.div_ceil(self.block_rows)
     }
 
-    /// Samples of a cell that lie side by side in a block.
+    /// Returns the number of samples of a cell that lie side by side in a block.
     pub(super) fn samples_per_block_cell(&self) -> usize {
         if self.planar { 1 } else { self.n_bands }
     }
 
-    /// Rows that a block stores: tiles are padded to their full height, the last strip is not.
+    /// Returns the number of rows that a block stores: tiles are padded to their full height, the
+    /// last strip is not.
     pub(super) fn stored_rows(&self, block_row: usize) -> usize {
         if self.tiled { self.block_rows } else { self.block_rows.min(self.n_rows - block_row * self.block_rows) }
     }
 
-    /// Bytes of one decoded row of a block; cannot overflow where the block table has been checked.
+    /// Returns the size of one decoded row of a block \[bytes\]; cannot overflow where the block
+    /// table has been checked.
     pub(super) fn row_bytes(&self) -> u64 {
         let samples = self.block_cols as u128 * self.samples_per_block_cell() as u128;
         let bytes = (samples * u128::from(self.sample.bits())).div_ceil(8);
         u64::try_from(bytes).unwrap_or(u64::MAX)
     }
 
-    /// What to call block `index` in a message.
+    /// Returns the name of block `index` for messages.
     pub(super) fn block_name(&self, index: usize) -> String {
         format!("{} {index}", if self.tiled { "tile" } else { "strip" })
     }
 
-    /// Reads the places of all blocks and checks that the file can hold them.
+    /// Reads the places of all blocks, and checks that the file can hold them.
     fn block_table(&self, source: &mut TiffSource, directory: &Directory) -> Result<Vec<(u64, u64)>> {
         let (offsets_tag, counts_tag) = if self.tiled {
             (tag::TILE_OFFSETS, tag::TILE_BYTE_COUNTS)
@@ -250,7 +259,7 @@ impl Image {
         }
         let counts = match directory.integers(source, counts_tag)? {
             Some(counts) if counts.len() as u128 >= n_blocks => counts,
-            // Old writers leave the lengths out where they follow from the size of the picture.
+            // Old writers leave out the lengths where they follow from the size of the picture.
             None if self.codec == Codec::None => vec![u64::MAX; offsets.len()],
             _ => return Err(source.truncated(format!("the lengths of some {kind} are missing (tag {counts_tag})"))),
         };
@@ -263,7 +272,8 @@ impl Image {
         Ok(blocks)
     }
 
-    /// Checks that block `index` lies in the file and can hold its rows; trims a length that is longer than needed.
+    /// Checks that block `index` lies in the file and can hold its rows; trims a length beyond the
+    /// size of these rows.
     fn check_block(&self, source: &TiffSource, index: usize, block: &mut (u64, u64)) -> Result<()> {
         if block.0 == 0 || block.1 == 0 {
             *block = (0, 0);
@@ -352,7 +362,8 @@ fn codec(source: &mut TiffSource, directory: &Directory) -> Result<Codec> {
         32773 => return Ok(Codec::PackBits),
         50000 => return Ok(Codec::Zstd),
         34887 if source.byte_order() == ByteOrder::BigEndian => {
-            // GDAL swaps the samples before it makes a blob of them, others do not; nothing in the file tells which.
+            // GDAL swaps the samples before it makes a blob of them, other writers do not, and no
+            // tag records it.
             let error = source.unsupported("LERC in a big-endian file, whose samples may be stored in either order");
             return Err(error.because(Cause::Compression));
         }
@@ -374,13 +385,13 @@ fn codec(source: &mut TiffSource, directory: &Directory) -> Result<Codec> {
     };
     let wanted = "none, LZW, deflate, PackBits, Zstandard, LERC or JPEG";
     let error = source.unsupported(format!("unsupported compression `{code}` ({name}), wanted {wanted}"));
-    // What nobody knows no program decodes.
+    // No program decodes an unknown compression.
     Err(error.because(if name == "unknown" { Cause::DamagedHeader } else { Cause::Compression }))
 }
 
 fn predictor(source: &mut TiffSource, directory: &Directory, codec: Codec, sample: Sample) -> Result<Predictor> {
     let code = directory.integer(source, tag::PREDICTOR)?.unwrap_or(1);
-    // The other codecs have no predictor: as libtiff does, the tag is not looked at.
+    // Other codecs have no predictor; as in libtiff, the tag is not read.
     if !matches!(codec, Codec::Lzw | Codec::Deflate | Codec::Zstd) {
         return Ok(Predictor::None);
     }

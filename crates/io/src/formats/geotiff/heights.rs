@@ -21,23 +21,27 @@ use crate::input::{Input, Reader, cannot_read};
 use crate::quantity::VOID;
 use crate::raster::{CELLS_PER_RUN, CellWindow, LargeVec, Raster, RowGroup, RowRuns};
 
-/// Bytes that a thread reads at a time, mostly: they are looked at while they are in its cache.
+/// Usual size of one read of a thread \[bytes\]: the bytes are converted while they are in its
+/// cache.
 const READ_BYTES: usize = 256 << 10;
 
-/// Rows that are looked at together for runs, at least: each is compared with the one before.
+/// Least number of rows that are searched for runs together: each is compared with the one before.
 const ROWS_OF_RUNS: usize = 16;
 
 impl GeoTiff {
-    /// Heights of a part of the only band on the lattice \[1/1024 m\], [`crate::quantity::VOID`] where nodata, and
-    /// the number of nodata cells.
+    /// Returns the heights of a part of the only band on the lattice \[1/1024 m\], and the number
+    /// of nodata cells, which are [`crate::quantity::VOID`].
     ///
-    /// `None` if they are not stored plainly (32-bit floats or integers of 8 or 16 bits, in meters, one band without a mask, no
-    /// block missing) or hold a value that deserves a word: [`GeoTiff::read`] has it then. Threads of the current pool read,
-    /// decode and convert parts of the file; memory is that of the result. Heights of few runs, such as those of a block model
-    /// along the grid, are held as such where strips are not compressed.
+    /// `None` if the heights are not stored plainly or one of them needs a warning;
+    /// [`GeoTiff::read`] reads them then. Plain are 32-bit floats or integers of 8 or 16 bits, in
+    /// meters, in one band without a mask, with no block missing. Threads of the current pool read,
+    /// decode and convert parts of the file; memory is that of the result. Heights of few runs,
+    /// such as those of a block model along the grid, are held as runs where strips are not
+    /// compressed.
     ///
     /// # Errors
-    /// If the heights do not fit in memory, the file cannot be read, or none of its cells holds a height.
+    /// If the heights do not fit in memory, the file cannot be read, or none of its cells holds a
+    /// height.
     pub fn read_plain_heights(
         &self,
         window: CellWindow,
@@ -61,7 +65,7 @@ impl GeoTiff {
         #[expect(clippy::cast_possible_truncation, reason = "rounded to the samples already")]
         let nodata = self.nodata().map(|nodata| nodata as f32);
         let georef = self.georef().part(window);
-        // Who asks for all heights one by one gets them.
+        // Memory is checked for all cells: a caller may request all heights one by one.
         drop(reserve_cells::<i32>(&self.input, &georef)?);
         let are_floats_in_strips =
             image.codec == Codec::None && image.sample == Sample::F32 && !image.tiled && !image.bits_reversed;
@@ -77,14 +81,15 @@ impl GeoTiff {
         Ok(Some((Raster::new(georef, cells), n_nodata)))
     }
 
-    /// Heights of a part, and the number of nodata cells, from blocks of any codec; `None` if a value deserves a word.
+    /// Returns the heights of a part, and the number of nodata cells, from blocks of any codec.
+    /// `None` if a value needs a warning.
     fn heights_of_blocks(&self, window: CellWindow, nodata: Option<f32>) -> Result<Option<(LargeVec<i32>, u64)>> {
         let image = &self.image;
         let n_cols = window.n_cols;
         let south_up = self.placement.south_up;
         let first_row = if south_up { image.n_rows - window.row - window.n_rows } else { window.row };
         let mut cells = LargeVec::<i32>::zeroed(window.n_rows * n_cols);
-        // The rows that each row of blocks has of the part.
+        // Rows of the part in each row of blocks.
         let mut parts: Vec<(Range<usize>, &mut [i32])> = Vec::new();
         let (mut row, mut rest) = (first_row, &mut cells[..]);
         while row < first_row + window.n_rows {
@@ -118,7 +123,7 @@ impl GeoTiff {
             Ok(found.unwrap_or(0))
         };
         let found: Vec<Result<u64>> = parts.into_par_iter().map_init(|| None, read).collect();
-        // The first error is told, whoever comes first.
+        // The first error in file order is returned, whichever thread comes first.
         let n_nodata = found.into_iter().sum::<Result<u64>>()?;
         if is_odd.into_inner() {
             return Ok(None);
@@ -129,7 +134,8 @@ impl GeoTiff {
         Ok(Some((cells, n_nodata)))
     }
 
-    /// All heights, and the number of nodata cells, from floats in strips that are not compressed; `None` if a value deserves a word.
+    /// Returns all heights, and the number of nodata cells, from floats in uncompressed strips.
+    /// `None` if a value needs a warning.
     fn heights_of_strips(&self, source: &TiffSource, nodata: Option<f32>) -> Result<Option<(LargeVec<i32>, u64)>> {
         let image = &self.image;
         let rows = PlainRows {
@@ -138,7 +144,7 @@ impl GeoTiff {
             is_swapped: (source.byte_order() == ByteOrder::BigEndian) != cfg!(target_endian = "big"),
             nodata,
         };
-        // Strips that lie one behind the other in the file are one run of rows.
+        // Strips that follow one another in the file are one run of rows.
         let mut strips: Vec<(u64, usize)> = Vec::new();
         for (strip, (offset, _)) in image.blocks.iter().enumerate() {
             let n_rows = image.stored_rows(strip);
@@ -169,8 +175,8 @@ struct PlainRows<'a> {
 }
 
 impl PlainRows<'_> {
-    /// Parts of some strips that are read at once, of `rows_at_once` rows or fewer: where their bytes begin, and the number of
-    /// their rows.
+    /// Splits strips into parts that are read at once, of at most `rows_at_once` rows; returns the
+    /// offset of each part and the number of its rows.
     fn parts(strips: &[(u64, usize)], n_cols: usize, rows_at_once: usize) -> Vec<(u64, usize)> {
         let parts_of = |(offset, n_rows): &(u64, usize)| {
             let (offset, n_rows) = (*offset, *n_rows);
@@ -180,7 +186,8 @@ impl PlainRows<'_> {
         strips.iter().flat_map(parts_of).collect()
     }
 
-    /// Reads cells, as the bits of their floats, from an offset on; opens the file if it is not open.
+    /// Reads cells, as the bits of their floats, from an offset on; opens the file if it is not
+    /// open.
     fn read(&self, file: &mut Option<Reader>, offset: u64, cells: &mut [i32]) -> Result<()> {
         let failed = |e: std::io::Error| cannot_read(self.input, &e);
         if file.is_none() {
@@ -195,12 +202,12 @@ impl PlainRows<'_> {
         Ok(())
     }
 
-    /// All heights as runs of equal ones, and the number of nodata cells; `None` if there are too many runs for that to
-    /// save anything, or a value that deserves a word.
+    /// Returns all heights as runs of equal ones, and the number of nodata cells. `None` if there
+    /// are too many runs to save anything, or a value needs a warning.
     fn as_runs(&self, strips: &[(u64, usize)]) -> Result<Option<(LargeVec<i32>, u64)>> {
         let n_cols = self.n_cols;
         let rows_at_once = (READ_BYTES / (4 * n_cols)).max(ROWS_OF_RUNS);
-        // One part alone tells most files that are not of runs.
+        // In most files without runs, one part suffices to see that.
         let is_given_up = AtomicBool::new(false);
         let read = |(file, cells): &mut (Option<Reader>, Vec<i32>), (offset, n_rows): (u64, usize)| {
             if is_given_up.load(Ordering::Relaxed) {
@@ -228,11 +235,12 @@ impl PlainRows<'_> {
         Ok(Some((LargeVec::from_runs(runs), n_nodata)))
     }
 
-    /// All heights, and the number of nodata cells; `None` if a value deserves a word.
+    /// Fills `cells` with all heights and returns the number of nodata cells; `None` if a value
+    /// needs a warning.
     fn one_by_one(&self, strips: &[(u64, usize)], cells: &mut [i32]) -> Result<Option<u64>> {
         let n_cols = self.n_cols;
         let rows_at_once = (READ_BYTES / (4 * n_cols)).max(1);
-        // Where the bytes of a part begin, and its cells.
+        // Offset of the bytes of a part, and its cells.
         let mut parts: Vec<(u64, &mut [i32])> = Vec::new();
         let mut rest = cells;
         for (offset, n_rows) in PlainRows::parts(strips, n_cols, rows_at_once) {

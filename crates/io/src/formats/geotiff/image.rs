@@ -1,20 +1,21 @@
-//! What goes into a GeoTIFF: bands, names and colors of classes, metadata, and how the cells are arranged.
+//! Content of a GeoTIFF: bands, names and colors of classes, metadata, and the arrangement of the
+//! cells.
 
 use crate::raster::GeoRef;
 
-/// How the cells of a file are arranged and compressed.
+/// Arrangement and compression of the cells of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TiffLayout {
     /// Tiles of 256 × 256 cells, deflated, with overviews: a cloud optimized GeoTIFF.
     #[default]
     Cog,
-    /// Strips of whole rows, neither compressed nor reduced. The strips of a band follow each other without gaps, north
-    /// first, so a band is one stretch of little-endian numbers; the first begins behind the header, at byte 8, or 16 of a
-    /// BigTIFF.
+    /// Strips of whole rows, neither compressed nor reduced. The strips of a band follow each other
+    /// without gaps, north first, so a band is one stretch of little-endian numbers. The first
+    /// begins behind the header, at byte 8, or 16 in a BigTIFF.
     Plain,
 }
 
-/// The bands of an image: name and values row by row from the north-west cell, all of one type.
+/// Bands of an image: name and values row by row from the north-west cell, all of one type.
 #[derive(Debug, Clone)]
 pub enum Bands<'a> {
     /// Classes; overviews show the most frequent one, the smaller on a tie.
@@ -25,7 +26,7 @@ pub enum Bands<'a> {
     UInt32(Vec<(String, &'a [u32])>),
 }
 
-/// How a class is called and drawn.
+/// Name and color of a class.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ClassColor {
     /// The cell value.
@@ -36,16 +37,16 @@ pub struct ClassColor {
     pub rgba: [u8; 4],
 }
 
-/// Everything that goes into a GeoTIFF file.
+/// Content of a GeoTIFF file.
 #[derive(Debug, Clone)]
 pub struct GeoTiffImage<'a> {
-    /// Where the cells lie.
+    /// Grid of the cells.
     pub georef: &'a GeoRef,
-    /// The values.
+    /// Names and values of the bands.
     pub bands: Bands<'a>,
-    /// The value that means no data, in all bands.
+    /// Nodata value of all bands.
     pub nodata: Option<f64>,
-    /// Colors of a single byte band. TIFF has no opacity: it is left to the renderer.
+    /// Colors of a single byte band. TIFF has no opacity: the renderer applies it.
     pub palette: Option<&'a [ClassColor]>,
     /// Items of GDAL's metadata: key and value.
     pub metadata: &'a [(String, String)],
@@ -53,21 +54,21 @@ pub struct GeoTiffImage<'a> {
     pub layout: TiffLayout,
 }
 
-/// What a file of classes is, without its cells.
+/// Content of a file of classes, without its cells.
 #[derive(Debug, Clone, Copy)]
 pub struct ClassImage<'a> {
-    /// Where the cells lie.
+    /// Grid of the cells.
     pub georef: &'a GeoRef,
-    /// The value that means no data.
+    /// Nodata value.
     pub nodata: Option<f64>,
     /// Colors of the classes.
     pub palette: Option<&'a [ClassColor]>,
-    /// What the band is called.
+    /// Name of the band.
     pub name: &'a str,
 }
 
 impl<'a> ClassImage<'a> {
-    /// An image of the class without its cells.
+    /// Returns the image of the classes without its cells.
     pub(super) fn head(&self, metadata: &'a [(String, String)], layout: TiffLayout) -> GeoTiffImage<'a> {
         GeoTiffImage {
             georef: self.georef,

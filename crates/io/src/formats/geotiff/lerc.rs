@@ -1,15 +1,15 @@
 //! LERC blocks, which carry their own size, sample type and mask.
 //!
-//! Decoding is that of the crate `lerc-reader`. Its decoder allocates what the blob declares, so size and type are
-//! compared with the block first.
+//! The crate `lerc-reader` decodes. Its decoder allocates the size that the blob declares, so size
+//! and type are compared with the block first.
 
 use lerc_core::PixelData;
 
 use super::header::Image;
 use crate::formats::sample::Sample;
 
-/// Decodes one blob into samples in the byte order of the machine and, where it has a mask, a byte for each cell, 0 where
-/// it is void; the error says what was wrong.
+/// Decodes one blob into samples in the byte order of the machine and, where it has a mask, a byte
+/// for each cell, 0 where it is void. The error names the fault.
 pub(super) fn decode_lerc(image: &Image, blob: &[u8], n_rows: usize) -> Result<(Vec<u8>, Option<Vec<u8>>), String> {
     let n_samples = image.samples_per_block_cell();
     let (cols, rows, depth) = declared_size(blob).ok_or("not a LERC blob of version 2 to 6")?;
@@ -47,7 +47,7 @@ pub(super) fn decode_lerc(image: &Image, blob: &[u8], n_rows: usize) -> Result<(
     Ok((bytes, valid))
 }
 
-/// Columns, rows and samples per cell from the head of a LERC2 blob.
+/// Returns columns, rows and samples per cell from the head of a LERC2 blob.
 fn declared_size(blob: &[u8]) -> Option<(u32, u32, u32)> {
     let field = |at: usize| Some(u32::from_le_bytes(blob.get(at..at + 4)?.try_into().ok()?));
     if !blob.starts_with(b"Lerc2 ") {

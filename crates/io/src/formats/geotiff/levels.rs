@@ -1,4 +1,5 @@
-//! The resolutions of a GeoTIFF: their tags, their encoded blocks, and the head of a file that says where these are.
+//! Resolutions of a GeoTIFF: their tags, their encoded blocks, and the head of a file that locates
+//! the blocks.
 
 use std::borrow::Cow;
 use std::io::{Cursor, Seek, SeekFrom, Write};
@@ -15,15 +16,16 @@ use crate::error::{Error, Result};
 
 /// Rows and columns of a tile \[cells\], a multiple of 16 as TIFF demands.
 pub(super) const TILE: usize = 256;
-/// Overviews are made while the next larger level is larger than this \[cells\] …
+/// Largest side of a level without a smaller overview \[cells\].
 const LARGEST_WITHOUT_OVERVIEW: usize = 256;
-/// … and so many of them.
+/// Largest number of overviews.
 const MOST_OVERVIEWS: usize = 4;
 
-/// Least length of a strip of more than one row \[bytes\]; TIFF 6.0 asks for about 8 KB, as does GDAL.
+/// Least length of a strip of more than one row \[bytes\]; TIFF 6.0 recommends about 8 KB, as GDAL
+/// does.
 const STRIP_BYTES: usize = 8192;
 
-/// Header, directories and blocks, the smallest overview first.
+/// Writes header, directories and blocks, the smallest overview first.
 pub(super) fn write_levels(out: &mut impl Write, levels: &[Level<'_>], force_big: bool) -> Result<()> {
     let head = head(levels, force_big)?;
     out.write_all(&head).map_err(failed)?;
@@ -35,19 +37,20 @@ pub(super) fn write_levels(out: &mut impl Write, levels: &[Level<'_>], force_big
     Ok(())
 }
 
-/// One resolution: its tags except for the places of the blocks, and its encoded tiles or strips band by band.
+/// One resolution: its tags except those of block places, and its encoded tiles or strips band by
+/// band.
 pub(super) struct Level<'a> {
     pub(super) tags: Vec<Tag>,
     pub(super) blocks: Vec<Cow<'a, [u8]>>,
 }
 
-/// How many overviews a raster of a shape has, each half as large as the one before.
+/// Returns the number of overviews of a raster, each half as large as the one before.
 pub(super) fn n_overviews((n_rows, n_cols): (usize, usize)) -> usize {
     let is_large = |level: &usize| n_rows.max(n_cols).div_ceil(1 << level) > LARGEST_WITHOUT_OVERVIEW;
     (0..MOST_OVERVIEWS).take_while(is_large).count()
 }
 
-/// The tags of a level but for the places of its blocks.
+/// Returns the tags of a level except those of block places.
 pub(super) fn level_tags<T: TiffWriteSample>(
     image: &GeoTiffImage<'_>,
     (shape, reduction): ((usize, usize), usize),
@@ -62,7 +65,7 @@ pub(super) fn level_tags<T: TiffWriteSample>(
     Ok(tags)
 }
 
-/// The tags that describe the picture as such.
+/// Returns the tags that describe the picture itself.
 fn picture_tags<T: TiffWriteSample>(
     image: &GeoTiffImage<'_>,
     (n_rows, n_cols): (usize, usize),
@@ -75,7 +78,8 @@ fn picture_tags<T: TiffWriteSample>(
         return Err(Error::encode("a GeoTIFF", "it has no bands"));
     }
     let palette = image.palette.filter(|_| n_bands == 1 && matches!(image.bands, Bands::Byte(_)));
-    // 1: zero is black, 3: colors from the map. 2: one plane per band.
+    // Photometric 1: zero is black; 3: colors from the map. Planar configuration 2: one plane per
+    // band.
     let photometric = if palette.is_some() { 3 } else { 1 };
     let planes = if n_bands > 1 { 2 } else { 1 };
     let mut tags = vec![
@@ -101,7 +105,7 @@ fn picture_tags<T: TiffWriteSample>(
         ]),
     }
     if n_bands > 1 {
-        // Bands after the first are data of no color.
+        // Bands after the first are data without a color.
         tags.push(Tag::new(tiff_core::TAG_EXTRA_SAMPLES, TagValue::Short(vec![0; n_bands - 1])));
     }
     if let Some(palette) = palette {
@@ -114,7 +118,7 @@ fn picture_tags<T: TiffWriteSample>(
     Ok(tags)
 }
 
-/// Red of all 256 values, then green, then blue, in 16 bits.
+/// Returns red of all 256 values, then green, then blue, in 16 bits.
 fn color_map(palette: &[ClassColor]) -> Vec<u16> {
     let mut map = vec![0; 3 * 256];
     for class in palette {
@@ -125,7 +129,7 @@ fn color_map(palette: &[ClassColor]) -> Vec<u16> {
     map
 }
 
-/// How tiles are encoded, but for their predictor.
+/// Encoding of tiles, except for their predictor.
 pub(super) const TILE_ENCODING: BlockEncodingOptions<'static> = BlockEncodingOptions {
     byte_order: ByteOrder::LittleEndian,
     compression: Compression::Deflate,
@@ -134,13 +138,14 @@ pub(super) const TILE_ENCODING: BlockEncodingOptions<'static> = BlockEncodingOpt
     row_width_pixels: TILE,
     jpeg_options: None,
     jpeg_sampling: None,
-    // PERF: measures at the default level take a third more of a whole command, and a sixth less of a disk.
+    // PERF: at the default level, measures take a third more time of a whole command, and a sixth
+    // less space on a disk.
     deflate_level: Some(1),
 };
 
-/// What tiles hold.
+/// Type of the cells of a tile.
 pub(super) trait Tile: TiffWriteSample + Send + Sync {
-    /// A tile as it is stored.
+    /// Returns a tile as it is stored.
     fn compressed(samples: &[Self], options: BlockEncodingOptions<'_>, index: usize) -> Result<Vec<u8>> {
         compress_block(samples, options, index).map_err(refused)
     }
@@ -150,7 +155,8 @@ impl Tile for f32 {}
 
 impl Tile for u32 {}
 
-/// Classes, which come in runs: matches are of the byte before alone, which takes a fifth of the time of the default search of zlib.
+/// Classes come in runs: only the byte before is matched, which takes a fifth of the time of the
+/// default search of zlib.
 impl Tile for u8 {
     fn compressed(samples: &[Self], _: BlockEncodingOptions<'_>, _: usize) -> Result<Vec<u8>> {
         let config = DeflateConfig { strategy: Strategy::Rle, ..DeflateConfig::default() };
@@ -164,7 +170,8 @@ impl Tile for u8 {
     }
 }
 
-/// The tiles of all bands, band by band, row by row; tiles at the margin repeat the last row and column.
+/// Returns the tiles of all bands, band by band, row by row; tiles at the margin repeat the last
+/// row and column.
 pub(super) fn compressed_tiles<T: Tile>(
     bands: &[&[T]],
     (n_rows, n_cols): (usize, usize),
@@ -193,13 +200,13 @@ pub(super) fn rows_per_strip<T: TiffWriteSample>(n_cols: usize) -> usize {
     STRIP_BYTES.div_ceil(n_cols * T::BYTES_PER_SAMPLE)
 }
 
-/// Header and all directories: everything before the blocks.
+/// Returns header and all directories: everything before the blocks.
 fn head(levels: &[Level<'_>], force_big: bool) -> Result<Vec<u8>> {
     let data: u64 = levels.iter().map(Level::n_bytes).sum();
     let is_big = force_big || data + head_len(levels, false)? > u64::from(u32::MAX);
     let head_len = head_len(levels, is_big)?;
 
-    // Blocks begin after the head, those of the smallest level first.
+    // Blocks begin after the head, the smallest level first.
     let mut starts = vec![0; levels.len()];
     let mut next = head_len;
     for (level, start) in levels.iter().zip(&mut starts).rev() {
@@ -230,7 +237,7 @@ fn head(levels: &[Level<'_>], force_big: bool) -> Result<Vec<u8>> {
     Ok(head.into_inner())
 }
 
-/// Length of [`head`] \[bytes\].
+/// Returns the length of [`head`] \[bytes\].
 fn head_len(levels: &[Level<'_>], is_big: bool) -> Result<u64> {
     let even = |n: u64| n + n % 2;
     let mut len = encoder::header_len(is_big);
@@ -241,7 +248,7 @@ fn head_len(levels: &[Level<'_>], is_big: bool) -> Result<u64> {
     Ok(len)
 }
 
-/// Directories begin on even offsets.
+/// Pads to an even offset, where directories begin.
 fn align(head: &mut Cursor<Vec<u8>>) -> Result<()> {
     if head.get_ref().len() % 2 == 1 { write_all(head, &[0]) } else { Ok(()) }
 }
@@ -251,23 +258,23 @@ fn write_all(head: &mut Cursor<Vec<u8>>, bytes: &[u8]) -> Result<()> {
 }
 
 impl Level<'_> {
-    /// Length of all blocks \[bytes\].
+    /// Returns the length of all blocks \[bytes\].
     fn n_bytes(&self) -> u64 {
         self.blocks.iter().map(|block| block.len() as u64).sum()
     }
 
-    /// All tags in order, for blocks that begin at `start`.
+    /// Returns all tags in order, for blocks that begin at `start`.
     fn tags_at(&self, start: u64, is_big: bool) -> Vec<Tag> {
         let lens: Vec<u64> = self.blocks.iter().map(|block| block.len() as u64).collect();
         tags_with_places(&self.tags, TILE_PLACES, &lens, start, is_big)
     }
 }
 
-/// The tags that hold where tiles begin and how long they are.
+/// Tags of the offsets and of the lengths of tiles.
 const TILE_PLACES: (u16, u16) = (tiff_core::TAG_TILE_OFFSETS, tiff_core::TAG_TILE_BYTE_COUNTS);
 
-/// Tags, and those that hold where blocks of some lengths begin, one behind the other from `start` on, and how long they
-/// are: all in order.
+/// Returns the tags in order, with those of the offsets and lengths of blocks. The blocks follow
+/// one another from `start` on.
 pub(super) fn tags_with_places(
     tags: &[Tag],
     (offsets_code, counts_code): (u16, u16),
@@ -281,7 +288,7 @@ pub(super) fn tags_with_places(
         offsets.push(next);
         next += len;
     }
-    // Saturation is out of reach: a file in which an offset does not fit in 32 bits is a BigTIFF.
+    // Saturation is impossible: a file with an offset beyond 32 bits is a BigTIFF.
     let narrow = |n| u32::try_from(n).unwrap_or(u32::MAX);
     let value = |numbers: Vec<u64>| match is_big {
         true => TagValue::Long8(numbers),

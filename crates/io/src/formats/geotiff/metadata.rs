@@ -1,8 +1,9 @@
-//! What GDAL's metadata tag, and the sidecar, say of the bands.
+//! Properties of bands from GDAL's metadata tag and from the sidecar.
 
 use super::sidecar::Sidecar;
 
-/// What GDAL's metadata tag says of the bands: a list of `<Item name=… sample=… role=…>value</Item>`.
+/// Properties of bands in GDAL's metadata tag: a list of `<Item name=… sample=…
+/// role=…>value</Item>`.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Metadata {
     scales: Vec<(usize, f64)>,
@@ -11,7 +12,7 @@ pub(super) struct Metadata {
     units: Vec<(usize, String)>,
     /// Names of bands.
     names: Vec<(usize, String)>,
-    /// The item of this program.
+    /// Item of this program.
     pub(super) provenance: Option<String>,
 }
 
@@ -44,8 +45,8 @@ impl Metadata {
         metadata
     }
 
-    /// Adds what a sidecar says of bands, where the tag says nothing. As in GDAL, a band that has a factor or a summand in
-    /// the tag takes neither from the sidecar.
+    /// Adds properties from a sidecar where the tag has none. As in GDAL, a band with a factor or a
+    /// summand in the tag takes neither from the sidecar.
     pub(super) fn complete(&mut self, sidecar: &Sidecar) {
         for of_band in &sidecar.bands {
             let band = of_band.band;
@@ -62,7 +63,7 @@ impl Metadata {
         }
     }
 
-    /// Factor and summand that turn the stored numbers of a band into heights.
+    /// Returns factor and summand that turn the stored numbers of a band into heights.
     pub(super) fn scaling(&self, band: usize) -> (f64, f64) {
         (of_band(&self.scales, band).copied().unwrap_or(1.0), of_band(&self.offsets, band).copied().unwrap_or(0.0))
     }
@@ -71,12 +72,12 @@ impl Metadata {
         of_band(&self.scales, band).is_some() || of_band(&self.offsets, band).is_some()
     }
 
-    /// Name of the unit of a band.
+    /// Returns the name of the unit of a band.
     pub(super) fn unit(&self, band: usize) -> Option<&str> {
         of_band(&self.units, band).map(String::as_str)
     }
 
-    /// Name of a band.
+    /// Returns the name of a band.
     pub(super) fn name(&self, band: usize) -> Option<&str> {
         of_band(&self.names, band).map(String::as_str)
     }
@@ -86,7 +87,7 @@ fn of_band<T>(list: &[(usize, T)], band: usize) -> Option<&T> {
     list.iter().find(|(other, _)| *other == band).map(|(_, value)| value)
 }
 
-/// XML text as it was before its escaping.
+/// Returns XML text without its escaping.
 fn unescaped(text: &str) -> String {
     let entities = [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&apos;", "'"), ("&amp;", "&")];
     entities.iter().fold(text.to_owned(), |text, (entity, letter)| text.replace(entity, letter))

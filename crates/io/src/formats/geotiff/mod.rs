@@ -1,16 +1,24 @@
 //! GeoTIFF: heights in strips or tiles, with the place and the coordinate reference system in tags.
 //!
-//! What is read: TIFF and BigTIFF in both byte orders; strips and tiles, bands interleaved or apart; integers of 8 to 64
-//! bits and floats of 16 to 64 bits; no compression, LZW, deflate, PackBits, Zstandard, LERC (plain, with deflate or
-//! Zstandard) and single-band JPEG; predictors 2 and 3; the first image of a file with overviews; GDAL's nodata value,
-//! scale and offset, internal masks, bands of opacity (0 is nothing) and missing (sparse) blocks. `MinIsWhite` changes no
-//! height. What is not: other compressions and depths, LERC in big-endian files, color JPEG, ground control points and rotation, which are refused
-//! by name; a `.msk` file beside the raster, which is reported. Of a `.aux.xml` file what GDAL takes of it ([`sidecar`]).
+//! Supported:
 //!
-//! The first image directory is parsed ([`tags`]) and checked against the length of the file ([`header`]) before a decoder
-//! sees a byte, since a header may promise what no file can hold.
+//! * TIFF and BigTIFF in both byte orders; strips and tiles, bands interleaved or apart.
+//! * Integers of 8 to 64 bits and floats of 16 to 64 bits; predictors 2 and 3.
+//! * No compression, LZW, deflate, PackBits, Zstandard, LERC (plain, with deflate or Zstandard) and
+//!   single-band JPEG.
+//! * The first image of a file with overviews.
+//! * GDAL's nodata value, scale and offset, internal masks, bands of opacity (0 is nothing), and
+//!   missing (sparse) blocks.
+//! * `MinIsWhite`, which changes no height.
+//! * The entries of a `.aux.xml` file that GDAL uses ([`sidecar`]).
 //!
-//! What can be odd about it is listed in [`crate::error::OddRaster`].
+//! Refused by name: other compressions and depths, LERC in big-endian files, color JPEG, ground
+//! control points, and rotation. A `.msk` file beside the raster is not read, but reported.
+//!
+//! The first image directory is parsed ([`tags`]) and checked against the length of the file
+//! ([`header`]) before a decoder receives a byte. A header may promise more than any file can hold.
+//!
+//! [`crate::error::OddRaster`] lists the oddities of such files.
 
 mod class_pyramid;
 mod geo_tags;

@@ -1,11 +1,11 @@
-//! Overviews: smaller pictures of a raster, each cell standing for a square of them.
+//! Overviews: smaller pictures of a raster, in which a cell represents a square of cells.
 
 use rayon::prelude::*;
 
-/// Makes the overviews of a raster that are 2, 4, 8, … times smaller, so many of them.
+/// Function that makes a number of overviews of a raster, which are 2, 4, 8, … times smaller.
 pub(super) type Overviews<T> = fn(&[T], (usize, usize), usize) -> Vec<Vec<T>>;
 
-/// The north-west cell of each square.
+/// Returns the north-west cell of each square.
 pub(super) fn first_of<T: Copy + Send + Sync>(
     cells: &[T],
     (n_rows, n_cols): (usize, usize),
@@ -19,13 +19,14 @@ pub(super) fn first_of<T: Copy + Send + Sync>(
     (0..n_levels).map(of_level).collect()
 }
 
-/// The most frequent class of each square, the smallest one on a tie.
+/// Returns the most frequent class of each square, the smallest one on a tie.
 ///
-/// Each class is counted in squares of two cells, and these counts are added to those of the larger squares.
+/// Each class is counted in squares of two cells, and these counts are added to those of the larger
+/// squares.
 pub(super) fn most_frequent(cells: &[u8], (n_rows, n_cols): (usize, usize), n_levels: usize) -> Vec<Vec<u8>> {
     let mut levels: Vec<Vec<u8>> =
         (0..n_levels).map(|level| vec![0; n_rows.div_ceil(2 << level) * n_cols.div_ceil(2 << level)]).collect();
-    // Rows of the largest squares, and what they are in each overview.
+    // Rows of the largest squares, and their rows in each overview.
     let mut bands: Vec<Vec<&mut [u8]>> = cells.chunks(n_cols << n_levels).map(|_| Vec::new()).collect();
     for (level, cells) in levels.iter_mut().enumerate() {
         let rows = cells.chunks_mut(n_cols.div_ceil(2 << level) << (n_levels - 1 - level));
@@ -40,7 +41,7 @@ pub(super) fn most_frequent(cells: &[u8], (n_rows, n_cols): (usize, usize), n_le
     levels
 }
 
-/// The overviews of as many rows as the largest squares have, or fewer.
+/// Returns the overviews of the rows of one row of the largest squares, or of fewer rows.
 fn most_frequent_of(cells: &[u8], n_cols: usize, n_levels: usize) -> Vec<Vec<u8>> {
     let mut occurs = [false; 256];
     cells.iter().for_each(|class| occurs[usize::from(*class)] = true);
@@ -59,7 +60,7 @@ fn most_frequent_of(cells: &[u8], n_cols: usize, n_levels: usize) -> Vec<Vec<u8>
     levels.into_iter().map(|level| level.classes).collect()
 }
 
-/// The most frequent class of each square so far, and how often it occurs.
+/// Most frequent class of each square so far, and its count.
 #[derive(Default)]
 struct Most {
     classes: Vec<u8>,
@@ -67,7 +68,7 @@ struct Most {
 }
 
 impl Most {
-    /// Adds a class above all those before.
+    /// Adds a class that is larger than all before.
     fn add(&mut self, class: u8, counts: &[u16]) {
         if self.classes.is_empty() {
             self.classes = vec![class; counts.len()];
@@ -81,7 +82,7 @@ impl Most {
     }
 }
 
-/// How many cells of each square of 2 × 2 are of a class.
+/// Counts the cells of a class in each square of 2 × 2.
 fn counts_of(class: u8, cells: &[u8], n_cols: usize) -> Vec<u16> {
     let width = n_cols.div_ceil(2);
     let mut counts = vec![0; width * cells.len().div_ceil(2 * n_cols)];
@@ -101,7 +102,8 @@ fn counts_of(class: u8, cells: &[u8], n_cols: usize) -> Vec<u16> {
     counts
 }
 
-/// Counts in squares of twice the side: at most 256, in squares of 16 × 16. `sums` is room for a row of them.
+/// Returns counts in squares of twice the side: at most 256, in squares of 16 × 16. `sums` is
+/// scratch space for a row of them.
 fn halved(counts: &[u16], n_cols: usize, sums: &mut [u16]) -> Vec<u16> {
     let width = n_cols.div_ceil(2);
     let mut larger = vec![0; width * counts.len().div_ceil(2 * n_cols)];
@@ -124,7 +126,7 @@ fn halved(counts: &[u16], n_cols: usize, sums: &mut [u16]) -> Vec<u16> {
 mod tests {
     use super::*;
 
-    /// By counting all cells of each square.
+    /// Counts all cells of each square.
     fn naive(cells: &[u8], (n_rows, n_cols): (usize, usize), reduction: usize) -> Vec<u8> {
         let mut all = Vec::new();
         for top in (0..n_rows).step_by(reduction) {

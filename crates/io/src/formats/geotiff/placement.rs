@@ -1,8 +1,8 @@
-//! Where a TIFF lies: tie point and cell size, or a matrix, or a world file; and the coordinate reference system that
-//! its GeoKeys name.
+//! Place of a TIFF: tie point and cell size, or a matrix, or a world file; and the coordinate
+//! reference system in its GeoKeys.
 //!
-//! Reference: OGC 19-008r4 (GeoTIFF 1.1), sections 7.4 and B.6; a negative cell height in the pixel scale is read as
-//! GDAL reads it.
+//! Reference: OGC 19-008r4 (GeoTIFF 1.1), sections 7.4 and B.6; a negative cell height in the pixel
+//! scale is read as GDAL reads it.
 
 use std::io::Read;
 
@@ -25,19 +25,20 @@ const PIXEL_IS_POINT: u16 = 2;
 /// Largest shift across the whole raster that still counts as north-up \[cells\].
 const MAX_SHEAR_CELLS: f64 = 1e-3;
 
-/// The place of a raster, and how its rows run.
+/// Place of a raster, and the direction of its rows.
 #[derive(Debug, Clone)]
 pub(super) struct Placement {
     pub(super) georef: GeoRef,
-    /// The first row of the file is the southernmost.
+    /// `true` if the first row of the file is the southernmost.
     pub(super) south_up: bool,
-    /// Meters per unit of height, where the CRS says so.
+    /// Meters per unit of height, where the CRS defines it.
     pub(super) meters_per_height_unit: Option<f64>,
-    /// What heights are above, where the file names it.
+    /// Vertical system, where the file names it.
     pub(super) vertical: Option<VerticalCrs>,
 }
 
-/// Affine map from (column, row) of a file to the plane: `x = a·col + b·row + c`, `y = d·col + e·row + f`.
+/// Affine map from (column, row) of a file to the plane: `x = a·col + b·row + c`, `y = d·col +
+/// e·row + f`.
 #[derive(Debug, Clone, Copy)]
 struct Affine {
     a: f64,
@@ -48,7 +49,8 @@ struct Affine {
     f: f64,
 }
 
-/// Reads the place of a raster of `n_rows` rows of `n_cols` cells; what the sidecar says counts before the tags.
+/// Reads the place of a raster of `n_rows` rows of `n_cols` cells; the sidecar takes precedence
+/// over the tags.
 pub(super) fn read_placement(
     (source, directory): (&mut TiffSource, &Directory),
     sidecar: &Sidecar,
@@ -106,13 +108,13 @@ pub(super) fn read_placement(
         None => (vertical(&keys), keys.meters_per_unit(4099, 4098)),
         Some(text) => (VerticalCrs::in_text(text), None),
     };
-    // The unit of a system of the registry is part of it, and often not repeated.
+    // The unit of a registered system belongs to it, and is often not repeated.
     let of_system = vertical.as_ref().and_then(VerticalCrs::meters_per_unit);
     let meters_per_height_unit = of_keys.or(of_system);
     Ok(Placement { georef, south_up, meters_per_height_unit, vertical })
 }
 
-/// The affine map that the tags of the file give, of cells as areas.
+/// Returns the affine map from the tags of the file, for cells as areas.
 fn affine_of_tags(
     (source, directory): (&mut TiffSource, &Directory),
     keys: &GeoKeys,
@@ -120,20 +122,20 @@ fn affine_of_tags(
 ) -> Result<Option<Affine>> {
     let mut affine = affine(source, directory, tell)?;
     if let (Some(affine), Some(PIXEL_IS_POINT)) = (&mut affine, keys.short(1025)) {
-        // The tie point names the center of a cell.
+        // The tie point marks the center of a cell.
         affine.c -= 0.5 * (affine.a + affine.b);
         affine.f -= 0.5 * (affine.d + affine.e);
     }
     Ok(affine)
 }
 
-/// The error of a raster that ground control points place.
+/// Returns the error of a raster that ground control points place.
 fn by_control_points(input: &Input, n: usize) -> Error {
     let text = format!("it is placed by {n} ground control points, wanted a regular grid");
     Error::read(input, ReadFault::Irregular(text)).because(Cause::ControlPoints)
 }
 
-/// The affine map that the tags of the file hold.
+/// Reads the affine map from the tags of the file.
 fn affine(source: &mut TiffSource, directory: &Directory, tell: &mut impl FnMut(OddRaster)) -> Result<Option<Affine>> {
     let scale = directory.floats(source, tag::MODEL_PIXEL_SCALE)?;
     let tie_points = directory.floats(source, tag::MODEL_TIE_POINT)?;
@@ -148,7 +150,7 @@ fn affine(source: &mut TiffSource, directory: &Directory, tell: &mut impl FnMut(
         }
         (_, _, Some([a, b, _, c, d, e, _, f, ..])) => Ok(Some(Affine { a: *a, b: *b, c: *c, d: *d, e: *e, f: *f })),
         (None, None, None) => Ok(None),
-        // Fewer do not tell how columns and rows run.
+        // Fewer points leave the directions of columns and rows open.
         (None, Some(points), None) if points.len() >= 3 * 6 => Err(by_control_points(source.input(), points.len() / 6)),
         _ => {
             let what = "the tags of its place are incomplete, wanted a tie point and a cell size".into();
@@ -157,7 +159,8 @@ fn affine(source: &mut TiffSource, directory: &Directory, tell: &mut impl FnMut(
     }
 }
 
-/// The world file beside a raster that has no place of its own: six numbers, the last two the center of the first cell.
+/// Reads the world file beside a raster without a place of its own: six numbers, the last two the
+/// center of the first cell.
 fn world_file(input: &Input) -> Option<Affine> {
     ["tfw", "tifw", "wld"].iter().find_map(|extension| {
         let (file, _) = input.beside(extension)?.open().ok()?;
@@ -169,7 +172,8 @@ fn world_file(input: &Input) -> Option<Affine> {
     })
 }
 
-/// The coordinate reference system that the keys name, with warnings where it is missing or cannot be relied on.
+/// Returns the coordinate reference system that the keys name, with warnings where it is missing or
+/// unreliable.
 fn crs(keys: &GeoKeys, tell: &mut impl FnMut(OddRaster)) -> Option<Crs> {
     let (code_key, citation_key, geographic) = match (keys.short(1024), keys.short(3072), keys.short(2048)) {
         (Some(2), _, _) | (None, None, Some(_)) => (2048, 2049, true),
@@ -203,7 +207,7 @@ fn crs(keys: &GeoKeys, tell: &mut impl FnMut(OddRaster)) -> Option<Crs> {
     }
 }
 
-/// The vertical system that the keys name.
+/// Returns the vertical system that the keys name.
 fn vertical(keys: &GeoKeys) -> Option<VerticalCrs> {
     let citation = keys.text(4097);
     match keys.short(4096) {
@@ -214,7 +218,7 @@ fn vertical(keys: &GeoKeys) -> Option<VerticalCrs> {
     }
 }
 
-/// The GeoKey directory: numbers and texts by key.
+/// GeoKey directory: numbers and texts by key.
 #[derive(Debug, Default)]
 struct GeoKeys {
     keys: Vec<(u16, GeoValue)>,
@@ -237,7 +241,7 @@ impl GeoKeys {
             .ok_or_else(|| source.malformed("a key points outside the GeoKey tables"))
     }
 
-    /// `None` if the table is not of version 1 or points outside itself.
+    /// Parses the tables; `None` if the directory is not of version 1 or points outside them.
     fn parse(table: &[u16], doubles: &[f64], texts: &[u8]) -> Option<GeoKeys> {
         let [1, _, _, n_keys, rest @ ..] = table else { return None };
         let mut keys = Vec::new();
@@ -247,7 +251,8 @@ impl GeoKeys {
                 0 => GeoValue::Short(key[3]),
                 tag::GEO_DOUBLE_PARAMS => GeoValue::Double(*doubles.get(at)?),
                 tag::GEO_ASCII_PARAMS => {
-                    // Writers differ in whether the final separator is part of the text, and of the tag.
+                    // Writers disagree on whether the final separator belongs to the text, and to
+                    // the tag.
                     let text = texts.get(at..(at + count).min(texts.len()))?;
                     GeoValue::Text(String::from_utf8_lossy(text).trim_end_matches(['|', '\0']).trim().to_owned())
                 }
@@ -276,7 +281,8 @@ impl GeoKeys {
         }
     }
 
-    /// Meters per linear unit from an EPSG unit code, or from the key that holds the size of a user-defined one.
+    /// Returns the meters per linear unit from an EPSG unit code, or from the key with the size of
+    /// a user-defined one.
     fn meters_per_unit(&self, unit_key: u16, size_key: u16) -> Option<f64> {
         match self.short(unit_key)? {
             9001 => Some(1.0),
@@ -292,7 +298,7 @@ impl GeoKeys {
     }
 }
 
-/// Meters per unit of height from the name that GDAL stores for a band.
+/// Returns the meters per unit of height from the name that GDAL stores for a band.
 pub(in crate::formats) fn meters_per_named_unit(name: &str) -> Option<f64> {
     match name.trim().to_ascii_lowercase().as_str() {
         "m" | "metre" | "meter" | "metres" | "meters" => Some(1.0),

@@ -1,5 +1,5 @@
-//! Plain GeoTIFFs: a header of 8 bytes (16 of a BigTIFF), strips of bare numbers, and the directory, so that cells can be
-//! written before it is known what there is to say about them.
+//! Plain GeoTIFFs: a header of 8 bytes (16 in a BigTIFF), strips of bare numbers, and the directory
+//! last. Cells can thus be written before their description is known.
 
 use std::io::{Cursor, Seek, SeekFrom, Write};
 
@@ -10,7 +10,8 @@ use super::image::{ClassImage, TiffLayout};
 use super::levels::{Level, failed, level_tags, refused, rows_per_strip, tags_with_places};
 use crate::error::Result;
 
-/// The most cells of a classic TIFF \[bytes\], of 4 GiB: the directory behind them fits into the last of these.
+/// Largest size of the cells of a classic TIFF \[bytes\]. The directory behind them fits into the
+/// rest of its 4 GiB.
 const LARGEST_CLASSIC: u64 = 3 << 30;
 
 /// Writes a plain file front to back.
@@ -24,8 +25,8 @@ pub(super) fn write_plain(out: &mut impl Write, level: &Level<'_>, force_big: bo
     out.write_all(&frame.directory(&level.tags, &lens)?).map_err(failed)
 }
 
-/// A plain GeoTIFF of classes whose rows are written one after another, from the north: the file that
-/// [`super::write_geotiff`] writes of the same cells in memory.
+/// A plain GeoTIFF of classes whose rows are written one after another, from the north. It equals
+/// the file that [`super::write_geotiff`] writes of the same cells in memory.
 #[derive(Debug)]
 pub struct ClassStrips<W> {
     out: W,
@@ -52,7 +53,7 @@ impl<W: Write> ClassStrips<W> {
     /// E401 if `out` refuses the bytes.
     ///
     /// # Panics
-    /// If `cells` are no whole rows, or more than there are.
+    /// If `cells` are not whole rows, or more than are missing.
     pub fn push(&mut self, cells: &[u8]) -> Result<()> {
         assert!(cells.len().is_multiple_of(self.n_cols), "whole rows");
         self.n_pushed += cells.len() / self.n_cols;
@@ -60,7 +61,7 @@ impl<W: Write> ClassStrips<W> {
         self.out.write_all(cells).map_err(failed)
     }
 
-    /// Writes what the file is, with items of GDAL's metadata, and returns what was written to.
+    /// Writes the description of the file, with items of GDAL's metadata, and returns the writer.
     ///
     /// # Errors
     /// E401 if `out` refuses the bytes, E402 if TIFF cannot hold the image.
@@ -80,7 +81,7 @@ impl<W: Write> ClassStrips<W> {
     }
 }
 
-/// What stands before and behind the cells of a file.
+/// Bytes before and behind the cells of a file.
 #[derive(Debug, Clone, Copy)]
 struct Frame {
     is_big: bool,
@@ -95,7 +96,7 @@ impl Frame {
         Frame { is_big: force_big || n_bytes > LARGEST_CLASSIC, n_bytes }
     }
 
-    /// Where the directory begins, on an even offset.
+    /// Returns the offset of the directory, which is even.
     fn directory_at(&self) -> u64 {
         (encoder::header_len(self.is_big) + self.n_bytes).next_multiple_of(2)
     }
@@ -107,7 +108,7 @@ impl Frame {
         Ok(bytes.into_inner())
     }
 
-    /// All that comes after the cells, given the lengths of the strips.
+    /// Returns all bytes after the cells, given the lengths of the strips.
     fn directory(&self, tags: &[Tag], lens: &[u64]) -> Result<Vec<u8>> {
         let first = encoder::header_len(self.is_big);
         let codes = (tiff_core::TAG_STRIP_OFFSETS, tiff_core::TAG_STRIP_BYTE_COUNTS);
@@ -119,7 +120,7 @@ impl Frame {
     }
 }
 
-/// The end of a file, from offset `start` on.
+/// End of a file, from offset `start` on.
 struct Beyond {
     start: u64,
     bytes: Cursor<Vec<u8>>,

@@ -1,9 +1,9 @@
-//! From the blocks of a TIFF file to rows of samples.
+//! Decoding of the blocks of a TIFF file into rows of samples.
 //!
-//! Blocks are read one band of rows at a time, decoded in parallel, and handed on row by row from north to south, so
-//! that memory is one band and not one picture. Decompression and predictors are those of the crate `tiff-reader`; the
-//! places and sizes of the blocks come from the checked header, so that a codec only ever sees bytes that exist and a
-//! limit on what it may produce.
+//! Blocks are read one band of rows at a time, decoded in parallel, and passed on row by row from
+//! north to south. Memory is thus one band and not one picture. The crate `tiff-reader`
+//! decompresses and undoes predictors. Places and sizes of the blocks come from the checked header,
+//! so a codec receives only bytes that exist, and a limit on its output.
 
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -17,12 +17,12 @@ use super::tags::TiffSource;
 use crate::error::{Cause, Result};
 use crate::formats::sample::Sample;
 
-/// Decoded bytes to hold at a time, unless one row of blocks needs more.
+/// Decoded bytes held at a time, unless one row of blocks needs more.
 const BAND_BYTES: u64 = 16 << 20;
 /// Decoded bytes that a block may hold beyond its cells; some writers pad.
 const PADDING_BYTES: usize = 64 << 10;
 
-/// The cells of one band to read.
+/// Cells of one band to read.
 #[derive(Debug, Clone)]
 pub(super) struct Region {
     pub(super) rows: Range<usize>,
@@ -36,11 +36,11 @@ pub(super) struct Span<'a> {
     pub(super) row: usize,
     pub(super) col: usize,
     pub(super) n_cells: usize,
-    /// `None` where the file stores nothing.
+    /// Samples of the cells; `None` where the file stores nothing.
     pub(super) samples: Option<Samples<'a>>,
 }
 
-/// The stored samples of a [`Span`].
+/// Stored samples of a [`Span`].
 #[derive(Debug)]
 pub(super) struct Samples<'a> {
     /// One decoded row of a block, in the byte order of the machine.
@@ -48,11 +48,11 @@ pub(super) struct Samples<'a> {
     /// Index of the first sample, and distance to the next \[samples\].
     first: usize,
     stride: usize,
-    /// For each cell whether the codec says that it holds a value.
+    /// For each cell, 0 if the codec marks it as void.
     valid: Option<&'a [u8]>,
 }
 
-/// A decoded block, or the part of it that was asked for.
+/// A decoded block, or its requested part.
 #[derive(Debug, Default)]
 struct Block {
     bytes: Vec<u8>,
@@ -69,7 +69,7 @@ struct RowRun {
     first_in_block: usize,
 }
 
-/// A block to decode: its index, its stored bytes and the rows that these hold.
+/// A block to decode: its index, its stored bytes and the number of their rows.
 struct Job {
     index: usize,
     stored: Vec<u8>,
@@ -85,7 +85,8 @@ pub(super) fn for_each_span(
 ) -> Result<()> {
     let block_cols = region.cols.start / image.block_cols..region.cols.end.div_ceil(image.block_cols);
     let (band_first, stride) = if image.planar { (0, 1) } else { (region.band, image.n_bands) };
-    // Block rows are rectangles of known size; only sparse ones may be too wide to hold, and these hold nothing.
+    // Rows of blocks have a known size. Only sparse ones may be too wide to hold, and these hold
+    // nothing.
     let row_len = usize::try_from(image.row_bytes()).unwrap_or(usize::MAX);
     let mut row = region.rows.start;
     while row < region.rows.end {
@@ -118,7 +119,8 @@ pub(super) fn for_each_span(
     Ok(())
 }
 
-/// The next rows to read: whole rows of blocks until a band is full, or a part of one where rows can be read singly.
+/// Returns the next rows to read: whole rows of blocks until a band is full, or a part of one where
+/// rows can be read singly.
 fn next_runs(image: &Image, rows: Range<usize>, n_blocks: usize) -> Vec<RowRun> {
     let row_bytes = image.row_bytes().saturating_mul(n_blocks as u64);
     let rows_per_band = usize::try_from((BAND_BYTES / row_bytes).max(1)).unwrap_or(usize::MAX);
@@ -139,7 +141,8 @@ fn next_runs(image: &Image, rows: Range<usize>, n_blocks: usize) -> Vec<RowRun> 
     runs
 }
 
-/// Reads and decodes the blocks of some rows, run by run and from west to east; `None` for a missing block.
+/// Reads and decodes the blocks of some rows, run by run and from west to east; `None` for a
+/// missing block.
 fn read_blocks(
     source: &mut TiffSource,
     image: &Image,
@@ -162,7 +165,7 @@ fn read_blocks(
             None => Ok(None),
             Some(job) => {
                 let index = job.index;
-                // A last resort: the codecs are not ours, and a bad file must not end the program.
+                // The codecs are of other authors, and a bad file must not end the program.
                 let decoded = catch_unwind(AssertUnwindSafe(|| decode(image, byte_order, job)));
                 let decoded = decoded.unwrap_or_else(|_| Err("the decoder gave up on its bytes".to_owned()));
                 decoded.map(Some).map_err(|text| (index, text))
@@ -180,7 +183,7 @@ fn read_blocks(
         .collect()
 }
 
-/// The stored bytes of a block; of an uncompressed one only the rows of `run`.
+/// Reads the stored bytes of a block; of an uncompressed one only the rows of `run`.
 fn read_block(source: &mut TiffSource, image: &Image, index: usize, run: &RowRun) -> Result<Option<Job>> {
     let (offset, len) = image.blocks[index];
     if len == 0 {
@@ -203,7 +206,8 @@ fn read_block(source: &mut TiffSource, image: &Image, index: usize, run: &RowRun
     Ok(Some(Job { index, stored, n_rows }))
 }
 
-/// Decodes the rows of one block into samples in the byte order of the machine; the error says what was wrong.
+/// Decodes the rows of one block into samples in the byte order of the machine; the error names the
+/// fault.
 fn decode(image: &Image, byte_order: ByteOrder, job: Job) -> std::result::Result<Block, String> {
     let Job { index, mut stored, n_rows } = job;
     let row_bytes = usize::try_from(image.row_bytes()).map_err(|_| "too wide to decode")?;
@@ -262,10 +266,14 @@ fn decode(image: &Image, byte_order: ByteOrder, job: Job) -> std::result::Result
     Ok(Block { bytes, valid: None })
 }
 
-/// Turns a row of the floating-point predictor into 32-bit floats of the machine, one sample a cell: bytes are differences to the
-/// byte before, and stand plane by plane, the highest of all cells first, whatever the order of the file. `planes` is room for them.
+/// Decodes a row of the floating-point predictor into 32-bit floats of the machine, one sample a
+/// cell.
 ///
-/// PERF: with the way of the library a strip-by-strip map of 50 000² cells took 99 s of user CPU, with this one 57.
+/// Bytes are stored as differences to the byte before. They are sorted into planes, the highest
+/// byte of all cells first, in any byte order of the file. `planes` is scratch space for them.
+///
+/// PERF: with the code of the library a strip-by-strip map of 50 000² cells took 99 s of user CPU,
+/// with this one 57.
 ///
 /// # References
 /// Adobe Photoshop TIFF Technical Note 3 (2005).
@@ -287,11 +295,11 @@ fn undo_float_predictor(row: &mut [u8], planes: &mut [u8]) {
 
 /// Checks that a JPEG stream holds one component of exactly the size of its block.
 ///
-/// The decoder only sees a number of bytes, which a picture of another shape may also have.
+/// The decoder sees only a number of bytes, which a picture of another shape may have too.
 fn check_jpeg_size(stream: &[u8], n_cols: usize, n_rows: usize) -> std::result::Result<(), String> {
     let mut at = 2;
     while let Some([0xff, marker, high, low]) = stream.get(at..at + 4) {
-        // Start-of-frame markers, less the three that only share their range.
+        // Start-of-frame markers, without the three other markers in their range.
         if (0xc0..=0xcf).contains(marker) && ![0xc4, 0xc8, 0xcc].contains(marker) {
             let Some(frame) = stream.get(at + 5..at + 10) else { break };
             let rows = usize::from(u16::from_be_bytes([frame[0], frame[1]]));
@@ -331,7 +339,8 @@ impl Samples<'_> {
         }
     }
 
-    /// Calls `visit` with the index and the value of each cell; NaN where the codec says that there is none.
+    /// Calls `visit` with the index and the value of each cell; NaN where the codec marks the cell
+    /// as void.
     pub(super) fn for_each(&self, sample: Sample, n_cells: usize, mut visit: impl FnMut(usize, f64)) {
         match self.valid {
             None => self.for_each_stored(sample, n_cells, visit),
@@ -365,7 +374,8 @@ impl Samples<'_> {
             Sample::U8 => typed!(u8, f64::from),
             Sample::U16 => typed!(u16, f64::from),
             Sample::U32 => typed!(u32, f64::from),
-            // Beyond 2^53 rounded; no height is that high, and nodata values are rounded in the same way.
+            // Values beyond 2^53 are rounded. No height is that high, and nodata values are rounded
+            // in the same way.
             Sample::U64 => typed!(u64, |v| v as f64),
             Sample::I8 => typed!(i8, f64::from),
             Sample::I16 => typed!(i16, f64::from),
@@ -378,7 +388,7 @@ impl Samples<'_> {
     }
 }
 
-/// The value of an IEEE 754 half-precision number, exactly.
+/// Returns the exact value of an IEEE 754 half-precision number.
 fn f64_from_half(bits: u16) -> f64 {
     let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
     let (exponent, fraction) = (i32::from(bits >> 10 & 31), f64::from(bits & 1023));

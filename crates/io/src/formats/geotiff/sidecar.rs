@@ -1,7 +1,9 @@
-//! The sidecar of a GeoTIFF, `FILE.tif.aux.xml`: what GDAL and ArcGIS say of a file that they cannot say in it.
+//! The sidecar of a GeoTIFF, `FILE.tif.aux.xml`: properties that GDAL and ArcGIS cannot store in
+//! the file itself.
 //!
-//! As in GDAL, place, reference system and nodata of the sidecar count before those of the tags. Factor, summand, unit and
-//! name of a band count where the tags have none. All else in it (statistics, histograms, colors) is no matter of heights.
+//! As in GDAL, place, reference system and nodata of the sidecar take precedence over the tags.
+//! Factor, summand, unit and name of a band count where the tags have none. Everything else in it
+//! (statistics, histograms, colors) does not concern heights.
 //!
 //! # References
 //! GDAL's persistent auxiliary metadata (`gdal_priv.h`, `GDALPamDataset`), as GDAL 3.6 reads it.
@@ -17,10 +19,10 @@ use crate::input::Input;
 /// Longest sidecar that is read \[bytes\]: histograms and tables of attributes can be long.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// What a sidecar says of the place and the bands of its file.
+/// Place and bands of a file in its sidecar.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Sidecar {
-    /// The reference system, as text.
+    /// Reference system, as text.
     pub(super) crs: Option<String>,
     /// West, cell width, shear, north, shear, cell height (negative from north to south).
     pub(super) geo_transform: Option<[f64; 6]>,
@@ -29,12 +31,12 @@ pub(super) struct Sidecar {
     pub(super) bands: Vec<SidecarBand>,
 }
 
-/// What a sidecar says of a band.
+/// Properties of a band in a sidecar.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct SidecarBand {
-    /// Counted from 0.
+    /// Number of the band, counted from 0.
     pub(super) band: usize,
-    /// As text, since it is rounded as the samples are.
+    /// Nodata value as text, since it is rounded as the samples are.
     pub(super) nodata: Option<String>,
     pub(super) scale: Option<f64>,
     pub(super) offset: Option<f64>,
@@ -43,7 +45,8 @@ pub(super) struct SidecarBand {
 }
 
 impl Sidecar {
-    /// Reads the sidecar of a file; the empty one where there is none, or where it cannot be read, which is told.
+    /// Reads the sidecar of a file. Returns an empty one where there is none, or, with a warning,
+    /// where it cannot be read.
     pub(super) fn of(input: &Input, odd: &mut Vec<Oddity>) -> Sidecar {
         let Some(sidecar) = input.with_suffix(".aux.xml") else { return Sidecar::default() };
         text_in(&sidecar).and_then(|text| Sidecar::parse(&text)).unwrap_or_else(|why| {
@@ -52,10 +55,10 @@ impl Sidecar {
         })
     }
 
-    /// The error says what is wrong.
+    /// Parses a sidecar; the error names the fault.
     fn parse(xml: &str) -> Result<Sidecar, String> {
         refuse_crowds("the sidecar", xml).map_err(|error| error.to_string())?;
-        // Without document types there are no entities to blow up.
+        // Without document types there are no entities to expand.
         let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
         let document = Document::parse_with_options(xml, options).map_err(|error| error.to_string())?;
         let root = document.root_element();
@@ -77,14 +80,14 @@ impl Sidecar {
         })
     }
 
-    /// The nodata value of a band, as text.
+    /// Returns the nodata value of a band, as text.
     pub(super) fn nodata(&self, band: usize) -> Option<&str> {
         self.bands.iter().find(|of_band| of_band.band == band)?.nodata.as_deref()
     }
 }
 
 impl SidecarBand {
-    /// `None` without the number of the band.
+    /// Reads a band; `None` without its number.
     fn of(node: Node<'_, '_>) -> Option<SidecarBand> {
         let band = attribute(node, "band")?.trim().parse::<usize>().ok()?.checked_sub(1)?;
         let text = |name: &str| child(node, name).map(text_of).filter(|text| !text.is_empty()).map(str::to_string);
@@ -104,7 +107,8 @@ fn is_named(node: Node<'_, '_>, name: &str) -> bool {
     node.is_element() && node.tag_name().name().eq_ignore_ascii_case(name)
 }
 
-/// The number in an element; its bytes are there as hexadecimal digits where the decimal ones are not exact.
+/// Returns the number in an element. Where decimal digits are not exact, its bytes are stored as
+/// hexadecimal digits.
 fn exact_number(node: Node<'_, '_>) -> Option<String> {
     let of_bytes = attribute(node, "le_hex_equiv").and_then(|digits| u64::from_str_radix(digits.trim(), 16).ok());
     let exact = of_bytes.map(|bits| f64::from_bits(bits.swap_bytes()).to_string());

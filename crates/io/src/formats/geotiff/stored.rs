@@ -1,4 +1,4 @@
-//! The cells of a band: as the file has them, and as heights.
+//! Cells of a band: as the file stores them, and as heights.
 
 use super::geo_tiff::{GeoTiff, Mask};
 use super::read::{Region, for_each_span};
@@ -10,14 +10,17 @@ use crate::formats::voids::{Stored, Voids};
 use crate::raster::{CellWindow, Raster};
 
 impl GeoTiff {
-    /// Reads a part of the band that was named when it was opened, else of the first; `convert` turns a stored height into what the raster holds.
+    /// Reads a part of the band that was named when the file was opened, else of the first.
+    /// `convert` turns a stored height into a value of the raster.
     ///
-    /// Cells that hold no height (nodata, NaN, infinite, hidden by a mask, missing in a sparse file) arrive in `convert`
-    /// as NaN. Heights are in the unit of the file, scaled where the file says so. `convert` is called once per cell,
-    /// row by row in the order of the file. Memory is that of the result and of one band of rows.
+    /// Cells that hold no height (nodata, NaN, infinite, hidden by a mask, missing in a sparse
+    /// file) arrive in `convert` as NaN. Heights are in the unit of the file, scaled where the file
+    /// declares it. `convert` is called once per cell, row by row in the order of the file. Memory
+    /// is that of the result and of one band of rows.
     ///
     /// # Errors
-    /// If the part does not fit in memory, the file cannot be read or decoded, or no cell of the part holds a height.
+    /// If the part does not fit in memory, the file cannot be read or decoded, or no cell of the
+    /// part holds a height.
     ///
     /// # Panics
     /// If `window` is empty or reaches beyond the grid.
@@ -42,7 +45,7 @@ impl GeoTiff {
     /// Reads a part of one band, counted from 0, as [`GeoTiff::read`] does for the first.
     ///
     /// # Errors
-    /// As [`GeoTiff::read`], and if there is no such band.
+    /// Errors of [`GeoTiff::read`], and an error if there is no such band.
     ///
     /// # Panics
     /// If `window` is empty or reaches beyond the grid.
@@ -56,7 +59,8 @@ impl GeoTiff {
         let georef = self.georef().part(window);
         check_cells::<T>(&self.input, &georef)?;
         if self.is_empty() {
-            // A sparse file without any block can be tiny and promise anything: no memory is taken for it.
+            // A sparse file without any block can be tiny and declare any size: no memory is taken
+            // for it.
             let mut voids = Voids::new(self.nodata_of(band));
             voids.n_missing = georef.n_cells() as u64;
             voids.report(&self.input, warnings)?;
@@ -77,8 +81,8 @@ impl GeoTiff {
         Ok(Raster::new(georef, cells))
     }
 
-    /// Calls `visit` with row, column and content of each cell of a part of one band, row by row in the order of the file
-    /// (which may begin in the south); no number is scaled.
+    /// Calls `visit` with row, column and content of each cell of a part of one band, row by row in
+    /// the order of the file. That order may begin in the south; no number is scaled.
     pub(in crate::formats) fn for_each_stored(
         &self,
         band: usize,
@@ -112,17 +116,17 @@ impl GeoTiff {
         })
     }
 
-    /// The declared nodata value of the band that is read, as the samples can hold it.
+    /// Returns the declared nodata value of the band that is read, as the samples can hold it.
     pub(in crate::formats) fn nodata(&self) -> Option<f64> {
         self.nodata_of(self.band())
     }
 
-    /// Factor and summand that turn the stored numbers of a band into heights.
+    /// Returns factor and summand that turn the stored numbers of a band into heights.
     pub(in crate::formats) fn scaling(&self, band: usize) -> (f64, f64) {
         self.metadata.scaling(band)
     }
 
-    /// The cells of a region that the mask hides, in the order in which they are read.
+    /// Returns the cells of a region that the mask hides, in the order in which they are read.
     fn hidden_cells(&self, source: &mut TiffSource, region: &Region) -> Result<Option<Bits>> {
         let Some(mask) = &self.mask else { return Ok(None) };
         let mut hidden = Bits::default();
@@ -136,7 +140,7 @@ impl GeoTiff {
     }
 }
 
-/// Turns the order of rows over.
+/// Reverses the order of rows.
 pub(super) fn turn_over<T>(cells: &mut [T], n_cols: usize) {
     let n_rows = cells.len() / n_cols;
     for row in 0..n_rows / 2 {

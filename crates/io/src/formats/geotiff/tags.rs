@@ -1,4 +1,4 @@
-//! The tags of a TIFF file: its byte order, its image directories, and the values of tags by number.
+//! Tags of a TIFF file: its byte order, its image directories, and the values of tags by number.
 //!
 //! Nothing is trusted: each length is checked against the length of the file before it is read.
 //!
@@ -48,7 +48,7 @@ pub(super) struct TiffSource {
 }
 
 impl TiffSource {
-    /// Opens the file and reads its first bytes; returns it with the place of its first directory.
+    /// Opens the file and reads its first bytes; returns it with the offset of its first directory.
     pub(super) fn open(input: &Input) -> Result<(TiffSource, u64)> {
         let (file, len) = input.open()?;
         let mut source =
@@ -77,17 +77,17 @@ impl TiffSource {
         }
     }
 
-    /// E302.
+    /// Returns E302.
     pub(super) fn malformed(&self, what: impl Into<String>) -> Error {
         Error::malformed(&self.input, what)
     }
 
-    /// E303.
+    /// Returns E303.
     pub(super) fn truncated(&self, what: impl Into<String>) -> Error {
         Error::truncated(&self.input, what)
     }
 
-    /// E304.
+    /// Returns E304.
     pub(super) fn unsupported(&self, what: impl Into<String>) -> Error {
         Error::unsupported(&self.input, what)
     }
@@ -96,7 +96,7 @@ impl TiffSource {
         &self.input
     }
 
-    /// Length of the file \[bytes\].
+    /// Returns the length of the file \[bytes\].
     pub(super) fn len(&self) -> u64 {
         self.len
     }
@@ -105,7 +105,8 @@ impl TiffSource {
         self.byte_order
     }
 
-    /// Bytes `offset..offset + len`; `what` names them in the error when the file ends before.
+    /// Reads bytes `offset..offset + len`; `what` names them in the error when the file ends
+    /// before.
     pub(super) fn bytes(&mut self, offset: u64, len: u64, what: &str) -> Result<Vec<u8>> {
         let end = offset.checked_add(len).filter(|end| *end <= self.len);
         let (Some(_), Ok(n_bytes)) = (end, usize::try_from(len)) else {
@@ -144,7 +145,7 @@ impl TiffSource {
         }
     }
 
-    /// The directory of tags at `offset`; values are read when they are asked for.
+    /// Reads the directory of tags at `offset`; values are read on request.
     pub(super) fn directory(&mut self, offset: u64) -> Result<Directory> {
         let (count_len, entry_len, pointer_len) = if self.big_tiff { (8, 20, 8) } else { (2, 12, 4) };
         let head = self.bytes(offset, count_len, "the image directory")?;
@@ -180,7 +181,7 @@ impl TiffSource {
     }
 }
 
-/// Bytes per value of a TIFF field type, 0 for an unknown type.
+/// Returns the bytes per value of a TIFF field type, 0 for an unknown type.
 fn kind_len(kind: u16) -> u64 {
     match kind {
         1 | 2 | 6 | 7 => 1,
@@ -199,7 +200,7 @@ struct Entry {
     value_at: u64,
 }
 
-/// One image directory: its tags, and where the next directory is (0: there is none).
+/// One image directory: its tags, and the offset of the next directory (0: there is none).
 #[derive(Debug, Clone)]
 pub(super) struct Directory {
     entries: BTreeMap<u16, Entry>,
@@ -211,7 +212,7 @@ impl Directory {
         self.entries.contains_key(&tag)
     }
 
-    /// The raw bytes of a tag's values with their type, `None` if the tag is absent.
+    /// Reads the raw bytes of a tag's values with their type; `None` if the tag is absent.
     fn raw(&self, source: &mut TiffSource, tag: u16) -> Result<Option<(u16, Vec<u8>)>> {
         let Some(&Entry { kind, count, value_at }) = self.entries.get(&tag) else { return Ok(None) };
         let Some(len) = count.checked_mul(kind_len(kind)).filter(|len| *len > 0) else {
@@ -221,7 +222,7 @@ impl Directory {
         Ok(Some((kind, source.bytes(value_at, len, &format!("tag {tag}"))?)))
     }
 
-    /// The values of an unsigned integer tag.
+    /// Reads the values of an unsigned integer tag.
     pub(super) fn integers(&self, source: &mut TiffSource, tag: u16) -> Result<Option<Vec<u64>>> {
         let Some((kind, bytes)) = self.raw(source, tag)? else { return Ok(None) };
         let values = match kind {
@@ -237,7 +238,7 @@ impl Directory {
         Ok(Some(values))
     }
 
-    /// The single value of an unsigned integer tag.
+    /// Reads the single value of an unsigned integer tag.
     pub(super) fn integer(&self, source: &mut TiffSource, tag: u16) -> Result<Option<u64>> {
         match self.integers(source, tag)?.as_deref() {
             None => Ok(None),
@@ -249,7 +250,7 @@ impl Directory {
         }
     }
 
-    /// The values of a floating-point tag.
+    /// Reads the values of a floating-point tag.
     pub(super) fn floats(&self, source: &mut TiffSource, tag: u16) -> Result<Option<Vec<f64>>> {
         let Some((kind, bytes)) = self.raw(source, tag)? else { return Ok(None) };
         match kind {
@@ -259,7 +260,7 @@ impl Directory {
         }
     }
 
-    /// The text of an ASCII tag up to its first NUL.
+    /// Reads the text of an ASCII tag up to its first NUL.
     pub(super) fn text(&self, source: &mut TiffSource, tag: u16) -> Result<Option<String>> {
         if self.entries.get(&tag).is_some_and(|e| e.count > MAX_TEXT_BYTES) {
             return Err(source.malformed(format!("tag {tag} is a text of more than {MAX_TEXT_BYTES} bytes")));

@@ -11,7 +11,7 @@ use crate::input::Input;
 /// A tag: code, field type, values as 32-bit numbers.
 type Tag = (u16, u16, &'static [u32]);
 
-/// A little-endian classic TIFF of one image with these tags, then `pixels`.
+/// Returns a little-endian classic TIFF of one image with these tags, then `pixels`.
 ///
 /// An offset of strips or tiles other than 0 counts from 1 at the first byte of `pixels`.
 fn tiff(tags: &[Tag], pixels: &[u8]) -> Vec<u8> {
@@ -40,7 +40,7 @@ fn tiff(tags: &[Tag], pixels: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// The tags of 3 x 2 cells of one byte in one strip, one of them replaced.
+/// Returns the tags of 3 x 2 cells of one byte in one strip, one of them replaced.
 fn tags_with(replaced: Tag) -> Vec<Tag> {
     let mut tags: Vec<Tag> = vec![
         (256, 4, &[3]),

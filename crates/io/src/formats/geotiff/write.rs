@@ -1,13 +1,14 @@
-//! GeoTIFF out: tiled, deflated, with overviews, laid out as a cloud optimized GeoTIFF; or plain strips for readers that
-//! know no more, and for comparing how long programs take without their codecs.
+//! Writer of GeoTIFFs: tiled, deflated, with overviews, as cloud optimized files; or plain strips
+//! for readers without codecs, and to compare the run time of programs without them.
 //!
-//! All blocks of tiled files are compressed in parallel and held in memory, so that every offset is known before the first
-//! byte is written: header, directories (full resolution first), blocks of the smallest overview, …, blocks of the full
-//! resolution. Plain files have their directory behind their strips (`plain.rs`). The bytes depend on the input alone, not
-//! on the number of threads or the time of day.
+//! All blocks of tiled files are compressed in parallel and held in memory, so that every offset is
+//! known before the first byte is written. The order is: header, directories (full resolution
+//! first), blocks of the smallest overview, …, blocks of the full resolution. Plain files have
+//! their directory behind their strips (`plain.rs`). The bytes depend on the input alone, not on
+//! the number of threads or the time of day.
 //!
-//! The codecs and the byte layout of tags are those of `tiff-writer`. What says where the picture lies and what it is about
-//! is in `geo_tags.rs`; GDAL's tag for nodata (42113) is written here.
+//! The codecs and the byte layout of tags are those of `tiff-writer`. Tags for place and metadata
+//! of the picture are in `geo_tags.rs`, GDAL's tag for nodata (42113) in `levels.rs`.
 //!
 //! # References
 //! TIFF 6.0 (1992); OGC 21-026, Cloud Optimized GeoTIFF; the GDAL driver documentation.
@@ -28,7 +29,7 @@ use super::overview::{Overviews, first_of, most_frequent};
 use super::plain::write_plain;
 use crate::error::Result;
 
-/// The file as bytes.
+/// Returns the file as bytes.
 ///
 /// # Errors
 /// E402 if TIFF cannot hold the image.
@@ -41,7 +42,7 @@ pub fn encode_geotiff(image: &GeoTiffImage<'_>) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Writes the file front to back; a BigTIFF if it is above 4 GiB, or 3 GiB of a plain one.
+/// Writes the file front to back; a BigTIFF above 4 GiB, or above 3 GiB if it is plain.
 ///
 /// # Errors
 /// E401 if `out` refuses the bytes, E402 if TIFF cannot hold the image.
@@ -64,9 +65,9 @@ fn write_as(out: &mut impl Write, image: &GeoTiffImage<'_>, force_big: bool) -> 
     }
 }
 
-/// All resolutions, the full one first.
+/// Returns all resolutions, the full one first.
 ///
-/// `as_bytes` gives the cells as they are stored without compression, if they need no encoding.
+/// `as_bytes` returns the cells as they are stored without compression, if they need no encoding.
 fn levels<'a, T: Tile>(
     image: &GeoTiffImage<'_>,
     bands: &[(String, &'a [T])],
@@ -99,7 +100,8 @@ fn levels<'a, T: Tile>(
     (0..=n_overviews).map(of_level).collect()
 }
 
-/// The strips of all bands, band by band, from the north; the last one of a band holds the rows that are left.
+/// Returns the strips of all bands, band by band, from the north; the last one of a band holds the
+/// remaining rows.
 fn plain_strips<'a, T: TiffWriteSample + Send + Sync>(
     bands: &[(String, &'a [T])],
     n_cols: usize,
@@ -159,8 +161,8 @@ mod tests {
         }
     }
 
-    /// Calls `check` with rows of classes, what they are, metadata, and the file that is made of them at once, for shapes of all
-    /// kinds.
+    /// Calls `check` for shapes of all kinds with rows of classes, their image, metadata, and the
+    /// file that is made of them at once.
     fn for_files_of_classes(
         layout: TiffLayout,
         shapes: &[(usize, usize)],

@@ -1,9 +1,11 @@
-//! Which cells a tile covers, and how many cells lie in at least one of many rectangles: Klee's measure in the plane.
+//! Cells that a tile covers, and the number of cells in at least one of many rectangles: Klee's
+//! measure in the plane.
 
 use crate::raster::CellWindow;
 
-/// The cells of a grid of `n_rows` × `n_cols` that a tile covers which begins at row and column `origin`; `None` if it lies
-/// outside. `bounds` is a rectangle of the grid that it is cut to, first and end row and column.
+/// Returns the cells of a grid of `n_rows` × `n_cols` that a tile covers; `None` if it lies
+/// outside. The tile begins at row and column `origin`, and is cut to `bounds`: first and end row,
+/// first and end column.
 pub(super) fn covered_area(
     (n_rows, n_cols): (usize, usize),
     (tile_rows, tile_cols): (usize, usize),
@@ -22,7 +24,7 @@ pub(super) fn covered_area(
     Some(CellWindow { row, col, n_rows: rows, n_cols: cols })
 }
 
-/// Number of cells that at least one window covers.
+/// Returns the number of cells that at least one window covers.
 ///
 /// A line sweeps from row to row over a tree of column ranges.
 ///
@@ -31,7 +33,7 @@ pub(super) fn n_covered_cells(windows: &[CellWindow]) -> u64 {
     let mut edges: Vec<usize> = windows.iter().flat_map(|w| [w.col, w.col + w.n_cols]).collect();
     edges.sort_unstable();
     edges.dedup();
-    // Row, whether a window begins there, and the edges of its columns.
+    // Row, `true` if a window begins there, and the edges of its columns.
     let mut events: Vec<(usize, bool, usize, usize)> = Vec::with_capacity(2 * windows.len());
     for window in windows {
         let edge = |col: usize| edges.partition_point(|edge| *edge < col);
@@ -55,11 +57,11 @@ struct Columns {
     edges: Vec<usize>,
     /// Windows that cover all of a node, but not all of its parent.
     counts: Vec<u32>,
-    /// Columns of a node that are covered within it.
+    /// Number of columns of a node that are covered within it.
     covered: Vec<u64>,
 }
 
-/// A node of the tree and the edges between which it lies.
+/// Node of the tree, and the edges between which it lies.
 #[derive(Clone, Copy)]
 struct Node {
     at: usize,
@@ -77,7 +79,7 @@ impl Columns {
         self.covered[1]
     }
 
-    /// A window over the ranges `from..to` begins or ends.
+    /// Adds or removes a window over the ranges `from..to`.
     fn change(&mut self, node: Node, (from, to): (usize, usize), begins: bool) {
         let Node { at, from: low, to: high } = node;
         if to <= low || high <= from {

@@ -13,13 +13,14 @@ use crate::formats::oddity::{each_once, with_true_lengths};
 use crate::input::cannot_read;
 use crate::raster::{Crs, CrsKind, GeoRef};
 
-/// How far the grids of two tiles may be apart \[cells\].
+/// Largest distance between the grids of two tiles \[cells\].
 const MAX_SHIFT_CELLS: f64 = 1e-3;
 
 impl Mosaic {
     /// Opens a folder of tiles and reads their headers, no cell.
     ///
-    /// `open` reads the header of a tile of any format; `band` is the one to read, where one can be asked for.
+    /// `open` reads the header of a tile of any format; `band` is the one to read, where the caller
+    /// can choose one.
     pub(in crate::formats) fn open_folder(
         path: &Path,
         band: Option<&Band>,
@@ -29,13 +30,13 @@ impl Mosaic {
         let paths = tile_files(path)?;
         let n_opened = AtomicUsize::new(0);
         let mut headers = read_headers(&paths, Nesting { band, ancestors: &[], n_opened: &n_opened, open })?;
-        // Lengths are those in the middle of all.
+        // Lengths are those in the middle of the whole mosaic.
         let of_tiles = headers.iter_mut().flat_map(|header| header.odd.drain(..));
         odd.extend(each_once(of_tiles.filter(|oddity| !oddity.is_web_mercator())));
         tell_of_bands(path, &headers, band, odd);
         bring_together(&mut headers);
         let Some(first) = headers.first() else { return Err(no_tiles(path)) };
-        // What has no CRS is taken to be in that of the others.
+        // Tiles without a CRS are taken to be in that of the rest.
         let named = headers.iter().find(|header| header.georef.crs().is_some());
         for other in &headers[1..] {
             if let Some(named) = named {
@@ -79,9 +80,9 @@ impl Mosaic {
     }
 }
 
-/// Takes tiles in degrees on both sides of 180 degrees side by side.
+/// Moves tiles in degrees on both sides of 180 degrees side by side.
 fn bring_together(headers: &mut [Header]) {
-    /// Tiles that name no system and have larger cells than these are not in degrees \[deg\].
+    /// Largest cell of tiles in degrees that name no system \[deg\].
     const MOST: f64 = 0.1;
     let is_in_degrees = |header: &Header| match header.georef.crs() {
         Some(crs) => matches!(crs.kind(), CrsKind::Geographic),
@@ -100,7 +101,7 @@ fn bring_together(headers: &mut [Header]) {
     }
 }
 
-/// The rasters in a folder, sorted by name.
+/// Returns the rasters in a folder, sorted by name.
 fn tile_files(folder: &Path) -> Result<Vec<PathBuf>> {
     let failed = |e: std::io::Error| cannot_read(&folder.into(), &e);
     let mut paths = Vec::new();
@@ -122,7 +123,8 @@ fn no_tiles(folder: &Path) -> Error {
     Error::read(folder.display(), ReadFault::Nothing(Wanted::Tiles))
 }
 
-/// West and north edge of a grid in cells of another one, east and south of its north-west corner.
+/// Returns west and north edge of a grid in cells of another one, east and south of its north-west
+/// corner.
 fn cells_from(reference: &GeoRef, grid: &GeoRef) -> (f64, f64) {
     (
         (grid.x_min() - reference.x_min()) / reference.cell_width(),
@@ -157,7 +159,7 @@ fn refuse_other_grid(folder: &Path, first: &Header, other: &Header) -> Result<()
     }
     let (col, row) = cells_from(one, two);
     let off = |position: f64| (position - position.round()).abs();
-    // NaN is neither.
+    // NaN fails both comparisons.
     if !(off(col) <= MAX_SHIFT_CELLS && off(row) <= MAX_SHIFT_CELLS) {
         let text = format!("are {:.4} cells east and {:.4} cells south off a common grid", off(col), off(row));
         return refuse(text, "at most 0.001");
@@ -169,7 +171,7 @@ fn refuse_other_grid(folder: &Path, first: &Header, other: &Header) -> Result<()
     Ok(())
 }
 
-/// The smallest grid that holds all tiles.
+/// Returns the smallest grid that holds all tiles.
 fn common_grid(folder: &Path, headers: &[Header]) -> Result<GeoRef> {
     let first = &headers[0].georef;
     let grids = || headers.iter().map(|header| &header.georef);
@@ -192,7 +194,7 @@ fn common_grid(folder: &Path, headers: &[Header]) -> Result<GeoRef> {
     GeoRef::new((x_min, y_max), (width, height), shape, crs.cloned()).ok_or_else(too_far)
 }
 
-/// Tells of tiles with several bands, and of scaled ones, which are read as single files are.
+/// Warns of tiles with several bands, and of scaled tiles. Both are read as single files are.
 fn tell_of_bands(folder: &Path, headers: &[Header], band: Option<&Band>, odd: &mut Vec<Oddity>) {
     let mut tell = |of_tiles| odd.push(Oddity::new(folder.display(), of_tiles));
     let is_named = band.is_some_and(Band::is_named);

@@ -1,10 +1,11 @@
-//! What becomes of a stored number on its way from a tile into a mosaic.
+//! Conversion of stored numbers of tiles to numbers of a mosaic.
 
 use crate::formats::sample::Sample;
 use crate::formats::voids::{Stored, is_nodata};
 
 impl Sample {
-    /// The type of a virtual raster's band with GDAL's name; `None` for complex and unknown ones.
+    /// Returns the type of a virtual raster's band by GDAL's name; `None` for complex and unknown
+    /// ones.
     pub(super) fn of_gdal(name: &str) -> Option<Sample> {
         Some(match name {
             "Byte" | "UInt8" => Sample::U8,
@@ -21,7 +22,8 @@ impl Sample {
         })
     }
 
-    /// A number as the type can hold it: integers are rounded, halves away from zero, and clamped; NaN becomes 0.
+    /// Returns a number as the type can hold it: integers are rounded, halves away from zero, and
+    /// clamped; NaN becomes 0.
     #[expect(clippy::cast_possible_truncation, reason = "rounding to 32 bits is the purpose")]
     pub(super) fn rounded(self, number: f64) -> f64 {
         let (low, high) = match self {
@@ -41,7 +43,7 @@ impl Sample {
         if number.is_nan() { 0.0 } else { number.round().clamp(low, high) }
     }
 
-    /// The type that GDAL scales such numbers in: 32-bit floats where these hold them all.
+    /// Returns the type that GDAL scales such numbers in: 32-bit floats where these hold them all.
     fn scaled_in(self) -> Sample {
         match self {
             Sample::U32 | Sample::U64 | Sample::I32 | Sample::I64 | Sample::F64 => Sample::F64,
@@ -50,34 +52,34 @@ impl Sample {
     }
 }
 
-/// What the stored numbers of a tile mean.
+/// Meaning of the stored numbers of a tile.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::formats) struct TileNumbers {
-    /// The band that they are of, counted from 0.
+    /// Band of the numbers, counted from 0.
     pub(in crate::formats) band: usize,
-    /// The declared nodata value.
+    /// Declared nodata value.
     pub(in crate::formats) nodata: Option<f64>,
     /// Factor and summand that turn the numbers of the band into heights.
     pub(in crate::formats) scaling: (f64, f64),
 }
 
-/// Which cells of a tile count, and as what.
+/// Cells of a tile that count, and their values in the mosaic.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Rule {
-    /// All, as the tile stores them: a `SimpleSource`.
+    /// All cells, as the tile stores them: a `SimpleSource`.
     Copied(Sample),
-    /// A `ComplexSource`: those that are not `nodata` (nor hidden by the tile's mask, if that is used), multiplied by
-    /// `ratio`, then `offset` added.
+    /// A `ComplexSource`: cells that are not `nodata`, nor hidden by the tile's mask if that is
+    /// used. Numbers are multiplied by `ratio`, then `offset` is added.
     Scaled { to: Sample, ratio: f64, offset: f64, nodata: Option<f64>, uses_mask: bool },
-    /// Those that hold a height, as that height in the tile's unit: a tile of a folder.
+    /// Cells that hold a height, as that height in the tile's unit: a tile of a folder.
     Heights,
 }
 
 impl Rule {
-    /// The mosaic's number for a cell of a tile; `None` leaves what earlier tiles put there.
+    /// Returns the mosaic's number for a cell of a tile; `None` keeps the number of earlier tiles.
     #[inline]
     pub(super) fn number(&self, tile: TileNumbers, stored: Stored) -> Option<f64> {
-        // What GDAL reads where a file stores nothing.
+        // GDAL reads nodata, or 0, where a file stores nothing.
         let as_read = || match stored {
             Stored::Number(number) | Stored::Hidden(number) => number,
             Stored::Nothing => tile.nodata.unwrap_or(0.0),
@@ -122,7 +124,7 @@ mod tests {
             assert_eq!(found.map(f64::to_bits), Some(f64::to_bits(wanted)), "{name} {number}");
         }
         assert!(Sample::F32.rounded(f64::NAN).is_nan());
-        // `rounded` knows none of these.
+        // No band of a virtual raster has these types.
         for name in ["CFloat32", "Float16", "Bit", ""] {
             assert_eq!(Sample::of_gdal(name), None);
         }

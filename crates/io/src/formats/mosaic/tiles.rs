@@ -1,5 +1,5 @@
-//! A mosaic: its tiles, where each part of them goes, and how a window is put together. Of each tile little is kept, for
-//! thousands are common.
+//! A mosaic: its tiles, the place of each part of them, and the assembly of a window. Little is
+//! kept of each tile, since thousands are common.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
@@ -17,48 +17,48 @@ use crate::formats::{AsciiGrid, GeoTiff};
 use crate::quantity::counted;
 use crate::raster::{CellWindow, GeoRef, Raster};
 
-/// Cells that are put together at a time, unless one row has more.
+/// Cells that are assembled at a time, unless one row has more.
 const BAND_CELLS: usize = 1 << 24;
-/// Most columns or rows, as in GDAL.
+/// Largest number of columns or rows, as in GDAL.
 pub(super) const MAX_SIDE: f64 = 2_147_483_647.0;
 
-/// Where a file stands among virtual rasters that are in each other.
+/// Position of a file among nested virtual rasters.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::formats) struct Nesting<'a> {
-    /// The band to read, where one can be asked for.
+    /// Band to read, where the caller can choose one.
     pub(in crate::formats) band: Option<&'a Band>,
-    /// Those that it is in, outermost first.
+    /// Virtual rasters that the file is in, outermost first.
     pub(in crate::formats) ancestors: &'a [PathBuf],
-    /// Files that were opened for all but the outermost.
+    /// Number of files that were opened for all virtual rasters but the outermost.
     pub(in crate::formats) n_opened: &'a AtomicUsize,
-    /// What reads the header of a tile of any format.
+    /// Function that reads the header of a tile of any format.
     pub(in crate::formats) open: fn(&Path, Nesting<'_>) -> Result<Header>,
 }
 
-/// A raster made of many, the headers of its tiles read and checked.
+/// A raster made of many tiles, whose headers are read and checked.
 #[derive(Debug, Clone)]
 pub struct Mosaic {
     pub(super) path: PathBuf,
     pub(super) kind: Kind,
-    /// The warning of a virtual raster of several bands, of which nobody named one.
+    /// Warning of a virtual raster of several bands, of which none was named.
     pub(super) of_bands: Option<OddRaster>,
     pub(super) georef: GeoRef,
     pub(super) tiles: Vec<Tile>,
-    /// In the order in which they lie over each other, the lowest first.
+    /// Pieces in the order in which they lie over each other, the lowest first.
     pub(super) pieces: Vec<Piece>,
-    /// The number of cells in no tile.
+    /// Value of cells in no tile.
     pub(super) empty: f64,
-    /// The number of cells without a height.
+    /// Value of cells without a height.
     pub(super) nodata: Option<f64>,
     /// Factor and summand that turn numbers into heights.
     pub(super) scaling: (f64, f64),
     pub(super) meters_per_height_unit: Option<f64>,
     pub(super) vertical: Option<VerticalCrs>,
-    /// Cells in no tile.
+    /// Number of cells in no tile.
     pub(super) n_gaps: u64,
 }
 
-/// What a mosaic was opened from.
+/// Kind of a mosaic, by its source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     VirtualRaster { numbers: Sample },
@@ -74,42 +74,43 @@ pub(super) struct Piece {
     /// Row and column of the mosaic at which the tile would begin.
     pub(super) row: i64,
     pub(super) col: i64,
-    /// The cells of the mosaic that it covers, inside of both.
+    /// Cells of the mosaic that the piece covers, inside of both.
     pub(super) area: CellWindow,
     pub(super) rule: Rule,
 }
 
-/// What tiles of a folder hold that deserves a word.
+/// Counts of oddities in tiles of a folder.
 #[derive(Debug, Default)]
 struct Oddities {
-    /// Times that a height was laid over another one.
+    /// Number of times that a height was laid over a different one.
     n_differing: u64,
-    /// Cells of tiles that hold NaN or an infinite number.
+    /// Number of cells of tiles with NaN or an infinite number.
     n_not_finite: u64,
 }
 
 impl Mosaic {
-    /// Where the cells lie.
+    /// Returns the grid of the cells.
     pub fn georef(&self) -> &GeoRef {
         &self.georef
     }
 
-    /// Meters per unit of height, where the virtual raster or the tiles say so; [`Mosaic::read`] converts nothing.
+    /// Returns the meters per unit of height, where the virtual raster or the tiles name it;
+    /// [`Mosaic::read`] converts nothing.
     pub fn meters_per_height_unit(&self) -> Option<f64> {
         self.meters_per_height_unit
     }
 
-    /// What heights are above, where a tile names it.
+    /// Returns the vertical system, where a tile names it.
     pub fn vertical(&self) -> Option<&VerticalCrs> {
         self.vertical.as_ref()
     }
 
-    /// What its numbers mean.
+    /// Returns the meaning of its numbers.
     pub(in crate::formats) fn numbers(&self) -> TileNumbers {
         TileNumbers { band: 0, nodata: self.nodata, scaling: self.scaling }
     }
 
-    /// What it is made of, in a few words: `mosaic of 24 tiles, 1200 cells in no tile`.
+    /// Returns its content in a few words: `mosaic of 24 tiles, 1200 cells in no tile`.
     pub fn description(&self) -> String {
         let tiles = counted(self.tiles.len() as u64, "tile", "tiles");
         let mut text = match self.kind {
@@ -125,7 +126,7 @@ impl Mosaic {
         text
     }
 
-    /// The files of the tiles, each once, in their order.
+    /// Returns the files of the tiles, each once, in their order.
     pub fn tile_paths(&self) -> Vec<&Path> {
         let mut paths: Vec<&Path> = Vec::with_capacity(self.tiles.len());
         let mut seen = std::collections::HashSet::new();
@@ -135,8 +136,8 @@ impl Mosaic {
         paths
     }
 
-    /// Reads a part as [`crate::formats::RasterFile::read`] does; an error names the tile. Memory is that of the result and
-    /// of one band of rows.
+    /// Reads a part as [`crate::formats::RasterFile::read`] does; an error names the tile. Memory
+    /// is that of the result and of one band of rows.
     pub fn read<T: bytemuck::Pod>(
         &self,
         window: CellWindow,
@@ -170,8 +171,8 @@ impl Mosaic {
         Ok(odd)
     }
 
-    /// How many of the first rows of a window to put together: up to the edge of a tile where one is near, so that no tile
-    /// is opened twice without need.
+    /// Returns the number of first rows of a window to assemble. It ends at the edge of a tile if
+    /// one is near, so that no tile is opened twice without need.
     fn rows_at_once(&self, window: CellWindow) -> usize {
         let most = (BAND_CELLS / window.n_cols).clamp(1, window.n_rows);
         if most == window.n_rows {
@@ -184,7 +185,7 @@ impl Mosaic {
         ends.filter(|rows| (1..=most).contains(rows)).max().unwrap_or(most)
     }
 
-    /// The numbers of a window, row by row.
+    /// Returns the numbers of a window, row by row.
     fn put_together(&self, window: CellWindow, odd: &mut Oddities) -> Result<Vec<f64>> {
         let mut numbers = reserve_cells(&self.path.display(), &self.georef.part(window))?;
         numbers.resize(window.n_rows * window.n_cols, self.empty);
@@ -196,7 +197,7 @@ impl Mosaic {
         Ok(numbers)
     }
 
-    /// Lays the part of a piece that covers `area` over what is there.
+    /// Lays the part of a piece that covers `area` over earlier numbers.
     fn lay(
         &self,
         piece: &Piece,
@@ -254,7 +255,8 @@ pub(in crate::formats) struct Tile {
     pub(in crate::formats) content: Content,
 }
 
-/// What is kept of a tile beside its place: the table of a GeoTIFF's blocks can be large, and is read again.
+/// Kept content of a tile beside its place. The table of a GeoTIFF's blocks can be large, and is
+/// read again.
 #[derive(Debug, Clone)]
 pub(in crate::formats) enum Content {
     GeoTiff,
@@ -262,7 +264,7 @@ pub(in crate::formats) enum Content {
     Mosaic(Box<Mosaic>),
 }
 
-/// What the header of a tile says, needed while the mosaic is put together.
+/// Header of a tile, needed while the mosaic is put together.
 #[derive(Debug)]
 pub(in crate::formats) struct Header {
     pub(in crate::formats) tile: Tile,
@@ -282,7 +284,8 @@ pub(super) fn read_headers(paths: &[PathBuf], nesting: Nesting<'_>) -> Result<Ve
 }
 
 impl Tile {
-    /// Calls `visit` with row, column and content of each cell of a part of one band; rows may come in any order.
+    /// Calls `visit` with row, column and content of each cell of a part of one band; rows may come
+    /// in any order.
     fn for_each_stored(
         &self,
         band: usize,
@@ -291,7 +294,7 @@ impl Tile {
     ) -> Result<()> {
         match &self.content {
             Content::GeoTiff => {
-                // What is odd about its header was told when the mosaic was opened.
+                // Oddities of its header were reported when the mosaic was opened.
                 let tiff = GeoTiff::open(&self.path, &mut Vec::new())?;
                 let (n_rows, n_cols) = (tiff.georef().n_rows(), tiff.georef().n_cols());
                 if (n_rows, n_cols, tiff.nodata_of(self.numbers.band).map(f64::to_bits))
@@ -313,12 +316,12 @@ impl Tile {
         }
     }
 
-    /// Whether a cell holds a number that is neither a height nor declared as none.
+    /// Returns `true` when a cell holds a number that is neither a height nor declared as nodata.
     fn is_not_finite(&self, stored: Stored) -> bool {
         matches!(stored, Stored::Number(number) if !number.is_finite() && !is_nodata(self.numbers.nodata, number))
     }
 
-    /// The files that the tile is made of, beside itself.
+    /// Returns the files that the tile is made of, without itself.
     fn parts(&self) -> Vec<&Path> {
         match &self.content {
             Content::Mosaic(mosaic) => mosaic.tile_paths(),
@@ -327,13 +330,13 @@ impl Tile {
     }
 }
 
-/// Whether a height is laid over another one; NaN is no height.
+/// Returns `true` when a height is laid over a different one; NaN is no height.
 #[expect(clippy::float_cmp, reason = "copies of one height are equal to the last digit")]
 fn differ(below: f64, above: f64) -> bool {
     !below.is_nan() && below != above
 }
 
-/// The cells that lie in both windows, if there are any.
+/// Returns the cells that lie in both windows, if there are any.
 fn overlap(a: CellWindow, b: CellWindow) -> Option<CellWindow> {
     let (row, col) = (a.row.max(b.row), a.col.max(b.col));
     let n_rows = (a.row + a.n_rows).min(b.row + b.n_rows).checked_sub(row)?;

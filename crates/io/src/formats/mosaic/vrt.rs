@@ -1,8 +1,9 @@
-//! GDAL's virtual rasters: the XML, and what of it is read.
+//! GDAL's virtual rasters: their XML, and the supported part of it.
 //!
-//! What places a source without resampling is read: `SimpleSource`, and `ComplexSource` with a nodata value, a factor and
-//! a summand. What computes new numbers is refused by name, with the command that lets GDAL do it: warped, derived and
-//! pansharpened rasters, look-up tables, averages, kernels and sources of another cell size.
+//! Supported are sources that are placed without resampling: `SimpleSource`, and `ComplexSource`
+//! with a nodata value, a factor and a summand. Rasters that compute new numbers are refused by
+//! name, with the command that lets GDAL do it. These are warped, derived and pansharpened rasters,
+//! look-up tables, averages, kernels and sources of another cell size.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -25,19 +26,19 @@ use crate::formats::xml::{attribute, child, refuse_crowds, text_of};
 use crate::input::cannot_read;
 use crate::raster::GeoRef;
 
-/// Most virtual rasters inside of each other.
+/// Deepest nesting of virtual rasters.
 const MAX_DEPTH: usize = 4;
-/// Most sources of virtual rasters that are in others.
+/// Largest number of sources of nested virtual rasters.
 const MOST_NESTED_FILES: usize = 10_000;
 /// Largest shift across the whole raster that still counts as north-up \[cells\].
 const MAX_SHEAR_CELLS: f64 = 1e-3;
 
-/// What an XML says of its raster.
+/// Raster as an XML describes it.
 struct Described {
     georef: GeoRef,
     of_bands: Option<OddRaster>,
     numbers: Sample,
-    /// The number of cells in no source, and of cells without a height.
+    /// Value of cells in no source, and of cells without a height.
     empty: f64,
     nodata: Option<f64>,
     scaling: (f64, f64),
@@ -63,7 +64,7 @@ impl Mosaic {
         let xml = read_xml(path)?;
         let described = describe(path, &xml, band, odd)?;
         let (paths, tile_of) = distinct(&described.sources);
-        // A file that many name which many name is opened for each.
+        // A file named by many virtual rasters, which many others name, is opened for each.
         let is_nested = ancestors.len() > 1;
         if is_nested && n_opened.fetch_add(paths.len(), Ordering::Relaxed) + paths.len() > MOST_NESTED_FILES {
             let what = format!("virtual rasters in each other with more than {MOST_NESTED_FILES} sources");
@@ -116,7 +117,7 @@ impl Mosaic {
     }
 }
 
-/// The paths of the sources, each once, and the index of that of each source.
+/// Returns the paths of the sources, each once, and for each source the index of its path.
 fn distinct(sources: &[Source]) -> (Vec<PathBuf>, Vec<usize>) {
     let mut paths: Vec<PathBuf> = Vec::new();
     let mut known: HashMap<&Path, usize> = HashMap::new();
@@ -138,14 +139,14 @@ fn refuse_other_crs(path: &Path, georef: &GeoRef, header: &Header) -> Result<()>
     Err(two_crs((path.display(), wanted), (header.tile.path.display(), found), Pair::Tiles))
 }
 
-/// What a band is called.
+/// Returns the name of a band.
 fn name_of<'a>(band: Node<'a, '_>) -> Option<&'a str> {
     child(band, "Description").map(text_of).filter(|name| !name.is_empty())
 }
 
 fn describe(path: &Path, xml: &str, wanted: Option<&Band>, odd: &mut Vec<Oddity>) -> Result<Described> {
     refuse_crowds(path.display(), xml)?;
-    // Without document types there are no entities to blow up.
+    // Without document types there are no entities to expand.
     let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
     let document = Document::parse_with_options(xml, options)
         .map_err(|e| Error::malformed(path.display(), format!("{e}, wanted the XML of a virtual raster")))?;
@@ -191,7 +192,7 @@ fn describe(path: &Path, xml: &str, wanted: Option<&Band>, odd: &mut Vec<Oddity>
         Some(node) if text_of(node).eq_ignore_ascii_case("nan") => Some(f64::NAN),
         Some(node) => Some(vrt.number(node, "NoDataValue", text_of(node))?),
     };
-    // As the numbers can hold it, if they are floats; an integer band never holds a fraction.
+    // Rounded as the numbers are, if they are floats; an integer band never holds a fraction.
     let declared = declared.map(|nodata| if numbers.is_float() { numbers.rounded(nodata) } else { nodata });
     let is_hidden = child(band, "HideNoDataValue")
         .is_some_and(|node| ["1", "yes", "true", "on"].contains(&text_of(node).to_ascii_lowercase().as_str()));
@@ -209,7 +210,7 @@ fn describe(path: &Path, xml: &str, wanted: Option<&Band>, odd: &mut Vec<Oddity>
     })
 }
 
-/// Where the cells lie.
+/// Reads the grid of the cells.
 fn placement(vrt: Vrt<'_>, root: Node<'_, '_>, odd: &mut Vec<Oddity>) -> Result<GeoRef> {
     let side = |name: &str| {
         let text = attribute(root, name).unwrap_or_default();

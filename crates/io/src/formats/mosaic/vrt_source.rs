@@ -1,4 +1,4 @@
-//! One source of a virtual raster's band: which part of which file goes where, and how.
+//! One source of a virtual raster's band: the file, the part of it, its place and its rule.
 
 use std::path::{Path, PathBuf};
 
@@ -13,21 +13,21 @@ use crate::formats::sample::Sample;
 use crate::formats::xml::{attribute, child, text_of};
 use crate::raster::CellWindow;
 
-/// How far a rectangle may be off whole cells \[cells\].
+/// Largest distance of a rectangle from whole cells \[cells\].
 const MAX_FRACTION: f64 = 1e-6;
-/// Elements of a `ComplexSource` that compute what is not computed here.
+/// Elements of a `ComplexSource` that compute new numbers, which is not supported.
 const COMPUTING: [&str; 8] =
     ["LUT", "ColorTableComponent", "Exponent", "SrcMin", "SrcMax", "DstMin", "DstMax", "Clamp"];
 
-/// A source as the XML has it.
+/// A source as the XML describes it.
 pub(super) struct Source {
     pub(super) path: PathBuf,
-    /// Counted from 0.
+    /// Band, counted from 0.
     pub(super) band: usize,
     pub(super) rule: Rule,
-    /// Rows and columns that the file is said to have.
+    /// Declared rows and columns of the file.
     size: Option<(f64, f64)>,
-    /// First column and row, columns and rows: of the file, and of the virtual raster.
+    /// Rectangles in the file and in the virtual raster: first column and row, columns and rows.
     from: Option<[f64; 4]>,
     to: Option<[f64; 4]>,
 }
@@ -40,7 +40,7 @@ pub(super) struct Place {
 }
 
 impl Source {
-    /// The sources of a band, the lowest first.
+    /// Reads the sources of a band, the lowest first.
     pub(super) fn all_of(vrt: Vrt<'_>, band: Node<'_, '_>, numbers: Sample) -> Result<Vec<Source>> {
         let mut sources = Vec::new();
         for node in band.children().filter(Node::is_element) {
@@ -90,7 +90,7 @@ impl Source {
         Ok(Source { path, band: band - 1, rule, size, from: rectangle("SrcRect")?, to: rectangle("DstRect")? })
     }
 
-    /// Checks what is said of the file.
+    /// Checks the declared properties of the file.
     pub(super) fn check(&self, vrt: &Path, header: &Header) -> Result<()> {
         let Tile { path, n_rows, n_cols, .. } = &header.tile;
         let refuse = |said: String, found: String| {
@@ -110,7 +110,8 @@ impl Source {
         Ok(())
     }
 
-    /// Where the tile lies in a raster of `n_rows` × `n_cols`; `None` if nothing of it does.
+    /// Returns the place of the tile in a raster of `n_rows` × `n_cols`; `None` if nothing of it
+    /// lies there.
     pub(super) fn place(&self, vrt: &Path, tile: &Tile, (n_rows, n_cols): (usize, usize)) -> Result<Option<Place>> {
         let from = self.from.unwrap_or([0.0, 0.0, tile.n_cols as f64, tile.n_rows as f64]);
         let to = self.to.unwrap_or([0.0, 0.0, n_cols as f64, n_rows as f64]);
@@ -119,7 +120,7 @@ impl Source {
             Err(Error::unsupported(vrt.display(), what).because(Cause::ForGdal))
         };
         let is_whole = |number: &f64| (number - number.round()).abs() <= MAX_FRACTION;
-        // What is this far off lies outside of any raster; below it, whole numbers are exact.
+        // Numbers beyond this lie outside of any raster; below it, whole numbers are exact.
         let is_sane = |number: &f64| number.abs() <= 4_294_967_296.0;
         let [_, _, from_cols, from_rows] = from;
         let [_, _, to_cols, to_rows] = to;
@@ -142,7 +143,7 @@ impl Source {
     }
 }
 
-/// The rule of a `ComplexSource`.
+/// Reads the rule of a `ComplexSource`.
 fn scaled(vrt: Vrt<'_>, node: Node<'_, '_>, to: Sample) -> Result<Rule> {
     let computes = |node: &Node<'_, '_>| COMPUTING.iter().any(|name| node.tag_name().name().eq_ignore_ascii_case(name));
     if let Some(node) = node.children().find(computes) {

@@ -1,4 +1,4 @@
-//! Faces that hang together by their corners.
+//! Faces that are connected by their corners.
 
 use std::collections::HashMap;
 
@@ -7,8 +7,8 @@ use skyshed_core::disjoint_sets::DisjointSets;
 use super::super::solid::Face;
 use super::faces::Mesh;
 
-/// The faces of each part of a mesh that hangs together, in the order of their first faces. Corners at one position are one, whatever their
-/// numbers are.
+/// Returns the faces of each connected part of a mesh, in the order of their first faces. Corners
+/// at one position are one, whatever their numbers are.
 pub(super) fn buildings(mesh: &Mesh) -> Vec<Vec<Face>> {
     let mut numbers: HashMap<[u64; 3], usize> = HashMap::new();
     let mut joined = DisjointSets::default();
@@ -17,7 +17,7 @@ pub(super) fn buildings(mesh: &Mesh) -> Vec<Vec<Face>> {
         let corners: Vec<[f64; 3]> = face.collect();
         let mut first = None;
         for corner in &corners {
-            // Adding 0 makes one zero of both.
+            // Adding 0 turns −0 into 0.
             let number = *numbers.entry(corner.map(|v| (v + 0.0).to_bits())).or_insert_with(|| joined.add());
             joined.join(*first.get_or_insert(number), number);
         }

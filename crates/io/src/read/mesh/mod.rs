@@ -1,10 +1,13 @@
 //! Scenes from meshes: the top surface of triangles and other faces, cell by cell, or buildings.
 //!
-//! A mesh becomes a surface model where nothing else is asked for: each cell is as high as the highest face over its center. Faces are surfaces, not
-//! solids, and nothing below the highest one is kept: a bridge or a balcony blocks down to the ground. Where no face is,
-//! the surface is the ground if that is known, else nodata. Meshes name no CRS: their coordinates are local meters with z
-//! up unless another CRS is given. As buildings, faces that hang together by their corners are one, closed or a roof over the ground
-//! ([`super::solid`]).
+//! By default a mesh becomes a surface model: each cell is as high as the highest face over its
+//! center. Faces are surfaces, not solids, and nothing below the highest one is kept: a bridge or a
+//! balcony blocks down to the ground. Where no face is, the surface is the ground if that is known,
+//! else nodata. Meshes name no CRS: their coordinates are local meters with z up unless another CRS
+//! is given.
+//!
+//! As buildings, faces that are connected by their corners are one, closed or a roof over the
+//! ground ([`super::solid`]).
 
 mod connected;
 mod faces;
@@ -29,10 +32,10 @@ use crate::error::{Error, InputKind, OddFile, Oddity, ReadFault, Result, Wanted,
 use crate::input::Input;
 use crate::quantity::VOID;
 
-/// How a mesh is read.
+/// Options for reading a mesh.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MeshOptions {
-    /// What stands below it, as for any surface model.
+    /// Options of any surface model, such as the ground below it.
     pub surface: SurfaceOptions,
     /// Extent of the grid: west, south, east, north \[CRS units\]; by default that of the faces.
     pub extent: Option<[f64; 4]>,
@@ -40,11 +43,11 @@ pub struct MeshOptions {
     pub cell_m: Option<f64>,
 }
 
-/// Reads a mesh from Wavefront OBJ or PLY, told apart by the extension.
+/// Reads a mesh from Wavefront OBJ or PLY, chosen by the extension.
 ///
 /// # Errors
-/// File errors for malformed files (with line or vertex) and meshes without faces; site errors for heights out of range;
-/// usage errors for bad numbers; limit errors for huge grids.
+/// File errors for malformed files (with line or vertex) and meshes without faces; site errors for
+/// heights out of range; usage errors for bad numbers; limit errors for huge grids.
 pub fn read_mesh(input: impl Into<Input>, options: &MeshOptions, warnings: &mut Vec<Warning>) -> Result<City> {
     let input = &input.into();
     let mesh = mesh_of(input)?;
@@ -77,11 +80,11 @@ pub fn read_mesh(input: impl Into<Input>, options: &MeshOptions, warnings: &mut 
     scene_of(input, (surface, Empty::Ground), sources, &options.surface, warnings)
 }
 
-/// Reads a mesh from Wavefront OBJ or PLY as buildings: closed ones, or roofs over the ground. They are named by their numbers from 1, in the order
-/// of their first faces.
+/// Reads a mesh from Wavefront OBJ or PLY as buildings: closed ones, or roofs over the ground.
+/// Their names are numbers from 1, in the order of their first faces.
 ///
 /// # Errors
-/// As [`super::read_footprints`].
+/// Errors of [`super::read_footprints`].
 pub fn read_mesh_buildings(
     input: impl Into<Input>,
     options: &FootprintOptions,
@@ -101,7 +104,7 @@ pub fn read_mesh_buildings(
     footprints::scene_of(input, (set, vec![source]), options, Listing::CountsOnly, warnings).map(|(city, _)| city)
 }
 
-/// The mesh of a file, whose vertices are finite.
+/// Reads the mesh of a file, whose vertices must be finite.
 fn mesh_of(input: &Input) -> Result<Mesh> {
     let mesh = if input.extension() == "ply" { ply::read(input)? } else { obj::read(input)? };
     match mesh.vertices.iter().position(|v| !v.iter().all(|c| c.is_finite())) {

@@ -1,7 +1,8 @@
-//! Wavefront OBJ: of its many statements only vertices (`v`) and faces (`f`) say where surfaces are.
+//! Wavefront OBJ: among its many statements only vertices (`v`) and faces (`f`) define surfaces.
 //!
 //! # References
-//! Wavefront, Advanced Visualizer manual, appendix B1 (1995): negative numbers count from the last vertex.
+//! Wavefront, Advanced Visualizer manual, appendix B1 (1995): negative numbers count from the last
+//! vertex.
 
 use super::faces::Mesh;
 use crate::error::{Error, Place, Result};
@@ -30,7 +31,7 @@ pub(super) fn read(input: &Input) -> Result<Mesh> {
     Ok(mesh)
 }
 
-/// Takes one statement into account; the error says what is wrong with it.
+/// Reads one statement; the error names its fault.
 fn add(mesh: &mut Mesh, statement: &str) -> std::result::Result<(), String> {
     if statement.contains('\0') {
         return Err("a binary file".into());
@@ -58,7 +59,7 @@ fn add(mesh: &mut Mesh, statement: &str) -> std::result::Result<(), String> {
     }
 }
 
-/// The number of a vertex, counted from 0, of a word such as `7`, `7/1/3` or `-1`.
+/// Returns the number of a vertex, counted from 0, from a word such as `7`, `7/1/3` or `-1`.
 fn corner(word: &str, n_vertices: usize) -> std::result::Result<u32, String> {
     let wrong = || format!("a face whose corner is `{word}`, of {n_vertices} vertices so far");
     let number: i64 = word.split('/').next().unwrap_or_default().parse().map_err(|_| wrong())?;

@@ -1,4 +1,5 @@
-//! PLY, as text or binary in either byte order: elements `vertex` with x, y, z and `face` with a list of vertices.
+//! PLY, as text or binary in either byte order: elements `vertex` with x, y, z and `face` with a
+//! list of vertices.
 //!
 //! # References
 //! Turk, The PLY Polygon File Format (1994).
@@ -39,7 +40,7 @@ pub(super) fn read(input: &Input) -> Result<Mesh> {
     Ok(mesh)
 }
 
-/// What is kept of an element.
+/// Kept properties of an element.
 #[derive(Debug)]
 struct Element {
     position: [f64; 3],
@@ -47,7 +48,7 @@ struct Element {
 }
 
 impl PropertyAccess for Element {
-    /// A coordinate that the file does not give is not a number, and refused as such.
+    /// Creates an element. A coordinate that the file lacks stays NaN, and is refused as such.
     fn new() -> Self {
         Element { position: [f64::NAN; 3], corners: Vec::new() }
     }
@@ -77,7 +78,7 @@ fn number(value: &Property) -> Option<f64> {
     }
 }
 
-/// Numbers of vertices; a negative one is beyond any vertex.
+/// Returns numbers of vertices; a negative one becomes one beyond any vertex.
 fn corners(value: Property) -> Vec<u32> {
     fn unsigned<T: TryInto<u32>>(list: Vec<T>) -> Vec<u32> {
         list.into_iter().map(|k| k.try_into().unwrap_or(u32::MAX)).collect()

@@ -1,9 +1,10 @@
-//! The highest face over the center of each cell.
+//! Highest face over the center of each cell.
 //!
-//! Corners are rounded to 1/1024 of a cell first, so whether a center is inside a face is decided in integers, by the
-//! even-odd rule along its row; a center on an edge belongs to the face north-east of it, so that faces that share an
-//! edge leave no gap. Faces that stand upright cover no center. A face of more than three corners is taken as plane
-//! (Newell's normal through its first corner), its height kept within that of its corners.
+//! Corners are rounded to 1/1024 of a cell first. Integers then decide whether a center is inside a
+//! face, by the even-odd rule along its row. A center on an edge belongs to the face north-east of
+//! it, so that faces that share an edge leave no gap. Upright faces cover no center. A face of more
+//! than three corners is taken as plane (Newell's normal through its first corner), its height kept
+//! within that of its corners.
 
 use super::faces::Mesh;
 use crate::error::{Error, HeightOf, ReadFault, Result};
@@ -20,7 +21,7 @@ struct Corner {
     z: i32,
 }
 
-/// The surface \[1/1024 m above the datum\], [`VOID`] where no face is.
+/// Returns the surface \[1/1024 m above the datum\], [`VOID`] where no face is.
 pub(super) fn top_surface(input: &Input, mesh: &Mesh, grid: &GeoRef) -> Result<Raster<i32>> {
     let mut cells: Vec<i32> = reserve_cells(input, grid)?;
     cells.resize(grid.n_cells(), VOID);
@@ -77,13 +78,14 @@ impl Surface {
     }
 }
 
-/// The lattice position of the center of cell `k`.
+/// Returns the lattice position of the center of cell `k`.
 fn center(k: usize) -> i64 {
     let steps = i64::from(STEPS_PER_UNIT);
     i64::try_from(k).unwrap_or(i64::MAX / steps - 1) * steps + steps / 2
 }
 
-/// The first of `n` cells whose center is at or beyond `position / per` \[lattice steps\], `n` if there is none.
+/// Returns the first of `n` cells whose center is at or beyond `position / per` \[lattice steps\],
+/// `n` if there is none.
 fn first_center(position: i128, per: i128, n: usize) -> usize {
     let steps = i128::from(STEPS_PER_UNIT);
     let (from_center, cell) = (position - per * (steps / 2), per * steps);
@@ -102,7 +104,7 @@ struct Plane {
 }
 
 impl Plane {
-    /// `None` of a face that covers no area from above.
+    /// Returns the plane of a face; `None` if it covers no area from above.
     fn of(corners: &[Corner]) -> Option<Plane> {
         let first = *corners.first()?;
         let pairs = || corners.iter().zip(corners.iter().cycle().skip(1));
@@ -160,13 +162,13 @@ mod tests {
 
     #[test]
     fn faces_that_share_an_edge_through_centers_cover_each_center_once() {
-        // The edge x = 1.5 passes through centers: they belong to the east face; so does the outer edge at 0.5 to the
-        // inside, and the one at 2.5 to the outside.
+        // The edge x = 1.5 passes through centers, which belong to the east face. Likewise the
+        // outer edge at 0.5 belongs to the inside, and the one at 2.5 to the outside.
         let west = [[0.5, 0.0, 1.0], [1.5, 0.0, 1.0], [1.5, 3.0, 1.0], [0.5, 3.0, 1.0]];
         let east = [[1.5, 0.0, 2.0], [2.5, 0.0, 2.0], [2.5, 3.0, 2.0], [1.5, 3.0, 2.0]];
         let row = [Some(1.0), Some(2.0), None];
         assert_eq!(surface(3, &[&west, &east]), [row, row, row].concat());
-        // Walls cover nothing; a concave face only what is inside it.
+        // Walls cover nothing; a concave face covers only its inside.
         let wall = [[0.0, 0.0, 0.0], [3.0, 3.0, 0.0], [3.0, 3.0, 9.0], [0.0, 0.0, 9.0]];
         assert!(surface(3, &[&wall]).iter().all(Option::is_none));
         let ell =

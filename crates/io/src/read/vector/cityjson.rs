@@ -1,9 +1,11 @@
 //! CityJSON 1.0, 1.1 and 2.0: buildings and their parts as solids or surfaces.
 //!
-//! Of each building and building part the geometry with the highest level of detail counts ([`super::super::solid`]): its
-//! footprint is the union of its ground surfaces, or, where none is marked as such, of all its surfaces as seen from
-//! above. With a flat top that is as high as the geometry's highest point, so a pitched roof is as high as its ridge; as it is, the
-//! roof is its surfaces. Walls, being vertical, cover no ground. A building without a geometry of its own is that of its parts.
+//! The geometry with the highest level of detail of each building and building part counts
+//! ([`super::super::solid`]). Its footprint is the union of its ground surfaces or, without marked
+//! ones, of all its surfaces as seen from above. A flat top is as high as the geometry's highest
+//! point, so a pitched roof is as high as its ridge. A roof that is taken as it is consists of its
+//! surfaces. Walls, being vertical, cover no ground. A building without a geometry of its own is
+//! made of its parts.
 //!
 //! # References
 //! CityJSON Specifications 2.0.1, sections 3 to 5.
@@ -15,12 +17,12 @@ use super::feature::{Feature, FeatureSet, Properties, Property, SolidHeight, crs
 use crate::error::{Error, ReadFault, Result, Wanted};
 use crate::input::Input;
 
-/// A JSON document of type CityJSON.
+/// Returns `true` for a JSON document of type CityJSON.
 pub(super) fn is_cityjson(document: &Value) -> bool {
     document.get("type").and_then(Value::as_str) == Some("CityJSON")
 }
 
-/// The buildings of a document.
+/// Reads the buildings of a document.
 pub(super) fn features(input: &Input, document: &Value) -> Result<FeatureSet> {
     let wrong = |found: &str| malformed(input, found, "a CityJSON document of version 1.0, 1.1 or 2.0");
     let version = document.get("version").and_then(Value::as_str).unwrap_or_default();
@@ -40,14 +42,14 @@ pub(super) fn features(input: &Input, document: &Value) -> Result<FeatureSet> {
         if !["Building", "BuildingPart"].contains(&kind) {
             continue;
         }
-        // A building is what its parts are, if they are more detailed.
+        // A building is made of its parts, if they are more detailed.
         let of_parts = names(object, "children").filter_map(|part| most_detailed(objects.get(part)?));
         let best = most_detailed(object).filter(|geometry| of_parts.map(detail).all(|part| part <= detail(geometry)));
         let Some(geometry) = best else { continue };
         let solid = solid_of(geometry, &vertices).map_err(|found| wrong(&format!("object `{id}`: {found}")))?;
         let attributes = |object: &Value| object.get("attributes").and_then(Value::as_object).cloned();
         let building = names(object, "parents").next().filter(|_| kind == "BuildingPart");
-        // A part has the attributes of its building, but for those of its own.
+        // A part has the attributes of its building, except those of its own.
         let of_building = building.and_then(|id| attributes(objects.get(id)?)).unwrap_or_default();
         let properties = with_others(properties(&attributes(object).unwrap_or_default()), &of_building);
         let measured = properties.iter().find(|(name, _)| **name == *"measuredHeight").map(|(_, value)| value);
@@ -69,7 +71,7 @@ pub(super) fn features(input: &Input, document: &Value) -> Result<FeatureSet> {
     })
 }
 
-/// `https://www.opengis.net/def/crs/EPSG/0/7415` and `urn:ogc:def:crs:EPSG::7415` as `EPSG:7415`.
+/// Returns `https://www.opengis.net/def/crs/EPSG/0/7415` as `EPSG:7415`; other names stay.
 fn reference_system(name: &str) -> String {
     match name.rsplit_once('/') {
         Some((_, code)) if name.contains("/EPSG/") => format!("EPSG:{code}"),
@@ -77,7 +79,8 @@ fn reference_system(name: &str) -> String {
     }
 }
 
-/// All vertices in coordinates of the reference system: integers are scaled and shifted by `transform`.
+/// Returns all vertices in coordinates of the reference system; `transform` scales and shifts
+/// integers.
 fn vertices(document: &Value) -> std::result::Result<Vec<[f64; 3]>, String> {
     let triple = |value: &Value| -> Option<[f64; 3]> {
         let [x, y, z] = value.as_array()?.as_slice() else { return None };
@@ -99,12 +102,12 @@ fn vertices(document: &Value) -> std::result::Result<Vec<[f64; 3]>, String> {
     list.iter().enumerate().map(vertex).collect()
 }
 
-/// Names in a list of an object.
+/// Returns the names in a list of an object.
 fn names<'a>(object: &'a Value, list: &str) -> impl Iterator<Item = &'a str> {
     object.get(list).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str)
 }
 
-/// The level of detail of a geometry.
+/// Returns the level of detail of a geometry.
 fn detail(geometry: &Value) -> f64 {
     // 1.0 writes a number, later versions text.
     match geometry.get("lod") {
@@ -114,7 +117,7 @@ fn detail(geometry: &Value) -> f64 {
     }
 }
 
-/// The geometry with the highest level of detail; `None` without one.
+/// Returns the geometry with the highest level of detail; `None` without one.
 fn most_detailed(object: &Value) -> Option<&Value> {
     let is_surfaces = |geometry: &&Value| {
         let kind = geometry.get("type").and_then(Value::as_str).unwrap_or_default();
@@ -124,8 +127,8 @@ fn most_detailed(object: &Value) -> Option<&Value> {
     geometries.iter().filter(is_surfaces).max_by(|a, b| detail(a).total_cmp(&detail(b)))
 }
 
-/// The height of a building that its surfaces do not tell: of an outline alone the measured one, and of a block of just 3 m, which stands for
-/// a height that nobody knows.
+/// Returns the height of a building whose surfaces do not define it. The height of an outline alone
+/// is the measured one. A block of just 3 m has an unknown height.
 fn height_of(measured: Option<&Property>, detail: f64, heights: Option<[f64; 2]>) -> Option<SolidHeight> {
     const FILLER_M: f64 = 3.0;
     let [low, high] = heights?;
@@ -142,7 +145,8 @@ fn height_of(measured: Option<&Property>, detail: f64, heights: Option<[f64; 2]>
     }
 }
 
-/// How many lists hold the surfaces of a type of geometry, beyond the one of a surface list.
+/// Returns the number of lists around the surfaces of a type of geometry, beyond the one of a
+/// surface list.
 fn shells_above(kind: &str) -> Option<usize> {
     match kind {
         "MultiSurface" | "CompositeSurface" => Some(0),
@@ -152,7 +156,7 @@ fn shells_above(kind: &str) -> Option<usize> {
     }
 }
 
-/// The building that a geometry is.
+/// Returns the solid of a geometry.
 fn solid_of(geometry: &Value, vertices: &[[f64; 3]]) -> std::result::Result<Solid, String> {
     let depth = geometry.get("type").and_then(Value::as_str).and_then(shells_above).unwrap_or(0);
     let mut surfaces = Vec::new();
@@ -172,10 +176,11 @@ fn solid_of(geometry: &Value, vertices: &[[f64; 3]]) -> std::result::Result<Soli
     Ok(Solid::of(surfaces.into_iter().map(face).collect::<std::result::Result<_, _>>()?))
 }
 
-/// A surface as its rings, and the number of its semantic surface.
+/// A surface as its rings, and the index of its semantic surface.
 type Surface<'a> = (&'a Value, Option<u64>);
 
-/// The surfaces `depth` lists further down, each with the number that stands at the same place of `values`.
+/// Collects the surfaces `depth` lists further down, each with the number at the same place of
+/// `values`.
 fn collect<'a>(
     boundaries: &'a Value,
     values: Option<&'a Value>,
@@ -214,7 +219,8 @@ mod tests {
     use super::super::rings::doubled_area;
     use super::*;
 
-    /// A house of 10 × 6 m from (100, 200, 50) with its ridge at 59 m, integers of a millimeter.
+    /// Returns a house of 10 × 6 m from (100, 200, 50) with its ridge at 59 m, in integers of a
+    /// millimeter.
     fn house(version: &str, lod: Value, semantics: bool) -> Value {
         let mut geometry = serde_json::json!({
             "type": "Solid", "lod": lod,

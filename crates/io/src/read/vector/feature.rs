@@ -1,4 +1,4 @@
-//! What every format of vector data is made into: features with properties and polygons.
+//! Common form of all formats of vector data: features with properties and polygons.
 
 use std::sync::Arc;
 
@@ -13,89 +13,90 @@ use crate::raster::Crs;
 /// Rings of positions \[CRS units\], the shell first; inside by the even-odd rule.
 pub(in crate::read) type Polygon = Vec<Vec<[f64; 2]>>;
 
-/// What a file of vector data holds.
+/// Content of a file of vector data.
 #[derive(Debug)]
 pub(in crate::read) struct FeatureSet {
-    /// The CRS that the file names; an error that counts only where no other CRS is given.
+    /// CRS that the file names; an error counts only where no other CRS is given.
     pub(in crate::read) crs: Result<Option<Crs>>,
-    /// What the file calls the place, capitalized.
+    /// Name of the place in the file, capitalized.
     pub(in crate::read) name: Option<String>,
-    /// Whom a picture must credit.
+    /// Credit that a picture must show.
     pub(in crate::read) attribution: Option<String>,
-    /// Most characters that the format keeps of a property's name.
+    /// Largest number of characters that the format keeps of a property's name.
     pub(in crate::read) name_limit: Option<usize>,
-    /// In the order of the file.
+    /// Features in the order of the file.
     pub(in crate::read) features: Vec<Feature>,
 }
 
-/// A feature as found.
+/// A feature as the file holds it.
 #[derive(Debug, Default)]
 pub(in crate::read) struct Feature {
-    /// What the file calls it, if anything.
+    /// Id in the file, if any.
     pub(in crate::read) id: Option<String>,
-    /// What is said of it.
+    /// Properties by name.
     pub(in crate::read) properties: Properties,
-    /// Its areas; empty where it is none.
+    /// Its areas; empty without any.
     pub(in crate::read) polygons: Vec<Polygon>,
-    /// Whether it has points or lines beside its areas.
+    /// `true` if it has points or lines beside its areas.
     pub(in crate::read) has_other_parts: bool,
     /// Lowest and highest point of a solid \[m above the datum\].
     pub(in crate::read) heights: Option<[f64; 2]>,
-    /// The surfaces of its roof; none where the file tells of areas alone.
+    /// Surfaces of its roof; none where the file holds areas alone.
     pub(in crate::read) roof: Vec<Face>,
-    /// What a solid covers of the ground, where that is known.
+    /// Polygons that a solid covers of the ground, where known.
     pub(in crate::read) ground: Vec<Polygon>,
-    /// What else than its surfaces tells its height.
+    /// Height from another source than its surfaces.
     pub(in crate::read) height: Option<SolidHeight>,
     /// Name of the building that it is a part of.
     pub(in crate::read) part_of: Option<String>,
 }
 
-/// The height of a building whose surfaces do not tell it.
+/// Height of a building whose surfaces do not define it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::read) enum SolidHeight {
-    /// Above the ground \[m\].
+    /// Height above the ground \[m\].
     Measured(f64),
-    /// It is missing.
+    /// Missing.
     Unknown,
 }
 
 /// Properties by name; formats with columns share the names.
 pub(in crate::read) type Properties = Vec<(Arc<str>, Property)>;
 
-/// The value of a property.
+/// Value of a property.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::read) enum Property {
     /// A number.
     Number(f64),
     /// Text.
     Text(String),
-    /// Nothing, or what can be neither a height nor a word.
+    /// Nothing, or a value that can be neither a height nor a word.
     Null,
 }
 
-/// Which part of a file is wanted.
+/// Wanted part of a file.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::read) struct Selection<'a> {
-    /// The table of a GeoPackage.
+    /// Table of a GeoPackage.
     #[cfg_attr(not(feature = "geopackage"), expect(dead_code, reason = "no other format has tables"))]
     pub(in crate::read) layer: Option<&'a str>,
-    /// West, south, east, north \[CRS units\]: features that do not meet it need not be read.
+    /// Box west, south, east, north \[CRS units\]: features that do not meet it need not be read.
     pub(in crate::read) bounds: Option<[f64; 4]>,
 }
 
 impl Feature {
-    /// One that nothing is said of.
+    /// Creates a feature of a solid, without properties.
     pub(in crate::read) fn of_solid(Solid { polygons, heights, roof, ground }: Solid) -> Feature {
         Feature { polygons, heights, roof, ground, ..Feature::default() }
     }
 
-    /// The value of a property; where the format cuts names, also of the one that `name` is cut to.
+    /// Returns the value of a property. Where the format cuts names, `name` also matches its cut
+    /// form.
     pub(in crate::read) fn property(&self, name: &str, name_limit: Option<usize>) -> Option<&Property> {
         self.column(name, name_limit).filter(|value| **value != Property::Null)
     }
 
-    /// The value of a property, `null` included.
+    /// Returns the value of a property, `null` included.
     pub(in crate::read) fn column(&self, name: &str, name_limit: Option<usize>) -> Option<&Property> {
         let find = |name: &str| {
             let of =
@@ -111,7 +112,8 @@ impl Feature {
     }
 }
 
-/// Properties with others behind them: those of an object `tags`, or of the building of a part. Of one name the first counts that is not `null`.
+/// Appends other properties: those of an object `tags`, or of the building of a part. The first
+/// value of a name that is not `null` counts.
 pub(super) fn with_others(mut properties: Properties, others: &Map<String, Value>) -> Properties {
     for (name, value) in others {
         match properties.iter_mut().find(|(known, _)| **known == **name) {
@@ -124,7 +126,7 @@ pub(super) fn with_others(mut properties: Properties, others: &Map<String, Value
 }
 
 impl Feature {
-    /// Takes tags in as properties that a format holds as the text of a JSON object, which GDAL makes of one.
+    /// Appends the tags that a format holds as the text of a JSON object, as GDAL writes them.
     pub(super) fn open_tags(&mut self) {
         let text = self.properties.iter().find(|(name, _)| **name == *"tags").and_then(|(_, value)| value.text());
         let tags = text.filter(|text| text.starts_with('{')).and_then(|text| serde_json::from_str(&text).ok());
@@ -135,7 +137,7 @@ impl Feature {
 }
 
 impl Property {
-    /// As text.
+    /// Returns the value as text.
     pub(in crate::read) fn text(&self) -> Option<String> {
         match self {
             Property::Number(n) => Some(n.to_string()),
@@ -145,12 +147,12 @@ impl Property {
     }
 }
 
-/// E302: the file is not what its name says.
+/// Returns E302 for a file that is not what its name promises.
 pub(super) fn malformed(input: &Input, found: &str, wanted: &str) -> Error {
     Error::malformed(input, format!("{found}, wanted {wanted}"))
 }
 
-/// The CRS that a text in a file describes.
+/// Returns the CRS that a text in a file describes.
 pub(super) fn crs_of(input: &Input, text: &str) -> Result<Option<Crs>> {
     if text.trim().is_empty() {
         return Ok(None);
@@ -159,7 +161,7 @@ pub(super) fn crs_of(input: &Input, text: &str) -> Result<Option<Crs>> {
     crs::parse(text).map(Some).map_err(|e| Error::read(input, ReadFault::Crs(said(), e.to_string())))
 }
 
-/// West, south, east, north of polygons; `None` if they have no position.
+/// Returns west, south, east, north of polygons; `None` if they have no position.
 pub(in crate::read) fn bounds<'a>(polygons: impl Iterator<Item = &'a Polygon>) -> Option<[f64; 4]> {
     polygons.flatten().flatten().fold(None, |bounds, &[x, y]| {
         let [w, s, e, n] = bounds.unwrap_or([x, y, x, y]);
@@ -167,7 +169,8 @@ pub(in crate::read) fn bounds<'a>(polygons: impl Iterator<Item = &'a Polygon>) -
     })
 }
 
-/// Rings without the last point where it repeats the first, and how many do not end where they begin.
+/// Drops a last point of rings that repeats the first. Returns the polygons, and the number of
+/// rings that do not end where they begin.
 pub(in crate::read) fn opened(mut polygons: Vec<Polygon>) -> (Vec<Polygon>, usize) {
     let mut unclosed = 0;
     for ring in polygons.iter_mut().flatten() {

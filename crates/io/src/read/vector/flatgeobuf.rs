@@ -1,9 +1,9 @@
 //! FlatGeobuf: a header, an optional index of bounding boxes, and features one after another.
 //!
-//! With bounds only the features whose boxes meet them are read: the boxes stand at the end of the index, one per
-//! feature, with the feature's place in the file. They are read in order and the levels above them skipped, so that
-//! nothing hangs on offsets inside the index. Every table is verified before it is used; lengths are compared with the
-//! file's before anything is reserved.
+//! With bounds, only the features whose boxes meet them are read. The boxes are at the end of the
+//! index, one per feature, with the feature's place in the file. They are read in order and the
+//! levels above them skipped, so that no offset inside the index matters. Every table is verified
+//! before it is used; lengths are compared with the file's before anything is reserved.
 //!
 //! # References
 //! FlatGeobuf specification, version 3.
@@ -27,13 +27,14 @@ const BOX_BYTES: u64 = 40;
 /// Bytes of a point: two coordinates.
 const POINT_BYTES: usize = 16;
 
-/// Fewest bytes of a part or ring: the offset or the number that tells it.
+/// Least size of a part or ring \[bytes\]: the offset or the number that refers to it.
 const PART_BYTES: usize = 4;
 
-/// How deep geometries may nest.
+/// Deepest nesting of geometries.
 const MOST_NESTED: usize = 16;
 
-/// Reads the features of a file, with `bounds` only those whose boxes meet them where the file has an index.
+/// Reads the features of a file. With `bounds` and an index in the file, only features whose boxes
+/// meet the bounds are read.
 pub(super) fn read(input: &Input, bounds: Option<[f64; 4]>) -> Result<FeatureSet> {
     let (file, length) = input.open()?;
     let mut source = Source { input, file: BufReader::new(file), at: 0, length };
@@ -56,7 +57,7 @@ pub(super) fn read(input: &Input, bounds: Option<[f64; 4]>) -> Result<FeatureSet
     let mut add = |source: &mut Source<'_>, number: u64| {
         let bytes = source.prefixed()?;
         let wrong = |found: String| malformed(input, &format!("feature {number}: {found}"), "FlatGeobuf");
-        // An index that names a feature many times would make much of little.
+        // An index that names a feature many times would turn few bytes into much data.
         n_bytes += bytes.len() as u64;
         if n_bytes > length {
             return Err(wrong(format!("with it more than the {length} bytes of the file")));
@@ -89,7 +90,7 @@ pub(super) fn read(input: &Input, bounds: Option<[f64; 4]>) -> Result<FeatureSet
     Ok(FeatureSet { crs: crs(input, &header), name: None, attribution: None, name_limit: None, features })
 }
 
-/// The file, read from one place to the next.
+/// File that is read from one place to the next.
 struct Source<'a> {
     input: &'a Input,
     file: BufReader<Reader>,
@@ -104,7 +105,7 @@ impl Source<'_> {
         Ok(())
     }
 
-    /// The next `n` bytes.
+    /// Reads the next `n` bytes.
     fn take(&mut self, n: u64) -> Result<Vec<u8>> {
         self.check_left(n)?;
         let mut bytes = Vec::new();
@@ -113,7 +114,7 @@ impl Source<'_> {
         if bytes.len() as u64 == n { Ok(bytes) } else { Err(malformed(self.input, "an early end", "FlatGeobuf")) }
     }
 
-    /// Refuses a file that ends before its last feature, which begins at `start`, does.
+    /// Refuses a file that ends before the end of its last feature, which begins at `start`.
     fn check_end(&mut self, start: u64) -> Result<()> {
         self.go_to(start)?;
         let bytes = self.take(4)?;
@@ -121,7 +122,7 @@ impl Source<'_> {
         self.check_left(n)
     }
 
-    /// Refuses to take more than the file has left.
+    /// Refuses to read more than the file has left.
     fn check_left(&self, n: u64) -> Result<()> {
         let left = self.length.saturating_sub(self.at);
         if n > left {
@@ -131,7 +132,7 @@ impl Source<'_> {
         Ok(())
     }
 
-    /// The next table with the length that stands before it.
+    /// Reads the next table with the length before it.
     fn prefixed(&mut self) -> Result<Vec<u8>> {
         let mut bytes = self.take(4)?;
         let n = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
@@ -140,15 +141,15 @@ impl Source<'_> {
     }
 }
 
-/// Where features begin, from the end of the index.
+/// Offsets of features from the end of the index.
 struct Offsets {
-    /// Number and offset of each feature that is wanted.
+    /// Number and offset of each wanted feature.
     wanted: Vec<(u64, u64)>,
     /// Offset of the last feature of the file.
     last: u64,
 }
 
-/// Where the boxes of the features stand, and where the features begin.
+/// Place of the boxes of the features, and of the first feature.
 struct Index {
     /// Number of boxes; 0 without an index.
     n_boxes: u64,
@@ -157,7 +158,8 @@ struct Index {
 }
 
 impl Index {
-    /// From the number of features and of branches per node; the error says what cannot be.
+    /// Computes the index from the numbers of features and of branches per node; the error names an
+    /// impossible one.
     fn of(header: &Header<'_>, start: u64, length: u64) -> std::result::Result<Index, String> {
         let (n_features, n_branches) = (header.features_count(), u64::from(header.index_node_size()));
         if n_features == 0 || n_branches == 0 {
@@ -178,7 +180,7 @@ impl Index {
         Ok(Index { n_boxes: n_features, boxes, end: boxes + n_features * BOX_BYTES })
     }
 
-    /// Number and offset of each feature whose box meets `bounds`.
+    /// Returns number and offset of each feature whose box meets `bounds`.
     fn offsets(&self, source: &mut Source<'_>, bounds: [f64; 4]) -> Result<Offsets> {
         source.go_to(self.boxes)?;
         let mut offsets = Offsets { wanted: Vec::new(), last: 0 };
@@ -206,7 +208,8 @@ fn crs(input: &Input, header: &Header<'_>) -> Result<Option<Crs>> {
     }
 }
 
-/// The names of columns that are told in so many bytes; more than these hold are the same ones told many times.
+/// Returns the names of columns, which are stored in `n_bytes`. Longer names are the same bytes
+/// referred to many times, and are refused.
 fn names_of<'a>(
     columns: impl Iterator<Item = Column<'a>>,
     n_bytes: usize,
@@ -221,7 +224,7 @@ fn names_of<'a>(
     columns.map(name).collect()
 }
 
-/// A feature that is told in `n_bytes`, of columns with `names` unless it has its own.
+/// Reads a feature that is stored in `n_bytes`, of columns with `names` unless it has its own.
 fn feature_of(
     header: &Header<'_>,
     names: &[Arc<str>],
@@ -246,7 +249,7 @@ fn feature_of(
     let names = own.as_deref().unwrap_or(names);
     let bytes = table.properties().map(|p| p.bytes()).unwrap_or_default();
     let mut rest = bytes;
-    // A byte alone is no number of a column: some writers end with one, and GDAL passes over it.
+    // One byte is no column number: some writers end with one, and GDAL ignores it.
     while rest.len() > 1 {
         let number = usize::from(u16::from_le_bytes(taken(&mut rest)?));
         if number >= columns.len() {
@@ -259,12 +262,13 @@ fn feature_of(
     Ok(feature)
 }
 
-/// What the bytes of a feature have room for: a place in them that is named many times would make much of little.
+/// Room for points and parts in the bytes of a feature. Without this limit, bytes that are referred
+/// to many times would turn into much data.
 struct Room {
     n_bytes: usize,
     points: usize,
     parts: usize,
-    /// Whether the feature has points or lines.
+    /// `true` if the feature has points or lines.
     has_other_parts: bool,
 }
 
@@ -331,7 +335,7 @@ fn add_polygons(
     }
 }
 
-/// The value of a column, of the type that the header gives it.
+/// Reads the value of a column, of the type in the header.
 fn value(kind: ColumnType, rest: &mut &[u8]) -> std::result::Result<Property, String> {
     #[expect(clippy::cast_precision_loss, reason = "identifiers are told as numbers, heights are far below 2^53")]
     let number = match kind {

@@ -1,7 +1,8 @@
 //! GeoJSON text: its document, its CRS, its features.
 //!
-//! The geojson crate checks each feature; going feature by feature lets an error name the one that is wrong. RFC 7946
-//! has no `crs` member, but GDAL and many portals write one for projected coordinates, so it is honored.
+//! The geojson crate checks each feature by itself, so that an error can name the bad one. RFC 7946
+//! has no `crs` member, but GDAL and many portals write one for projected coordinates, so it is
+//! honored.
 
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -26,12 +27,12 @@ struct Collection<'a> {
     features: Vec<&'a RawValue>,
 }
 
-/// The outermost level of a text, if it is a FeatureCollection; what else it is, and what is wrong with it, [`parse_document`]
-/// tells.
+/// Parses the outermost level of a text, if it is a FeatureCollection. For any other text,
+/// [`parse_document`] names its kind or its fault.
 ///
-/// PERF: all features as JSON values take twenty times the text.
+/// PERF: all features as JSON values take twenty times the memory of the text.
 fn collection(text: &str) -> Option<Collection<'_>> {
-    // Of members of one name the last one counts.
+    // The last of several members of one name counts.
     let mut members: HashMap<Cow<'_, str>, &RawValue> = serde_json::from_str(text).ok()?;
     let features = members.remove("features")?;
     let parsed =
@@ -48,7 +49,7 @@ pub(in crate::read) fn read_document(input: &Input) -> Result<Value> {
     parse_document(input, text_of(&input.text("GeoJSON text")?))
 }
 
-/// A text without a byte order mark.
+/// Returns a text without a byte order mark.
 fn text_of(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
@@ -68,12 +69,12 @@ fn parse_document(input: &Input, text: &str) -> Result<Value> {
     })
 }
 
-/// Whether the second line of a text begins another JSON object.
+/// Returns `true` when the second line of a text begins another JSON object.
 fn is_one_feature_a_line(text: &str) -> bool {
     text.trim_start().lines().nth(1).is_some_and(|line| line.starts_with(['{', '\u{1e}']))
 }
 
-/// The features of a document: of a collection, of a single feature, or of a bare geometry.
+/// Returns the features of a document: of a collection, of a single feature, or of a bare geometry.
 pub(in crate::read) fn features(input: &Input, document: Value) -> Result<Vec<Value>> {
     let wrong = |found: String| Error::malformed(input, format!("found {found}, wanted a GeoJSON FeatureCollection"));
     let Value::Object(mut object) = document else {
@@ -99,7 +100,7 @@ pub(in crate::read) fn features(input: &Input, document: Value) -> Result<Vec<Va
     }
 }
 
-/// The CRS that a document's `crs` member names, if it has one.
+/// Returns the CRS that a document's `crs` member names, if it has one.
 pub(in crate::read) fn named_crs(input: &Input, document: &Value) -> Result<Option<Crs>> {
     let Some(member) = document.get("crs").filter(|c| !c.is_null()) else { return Ok(None) };
     let Some(name) = member.pointer("/properties/name").and_then(Value::as_str) else {
@@ -110,7 +111,7 @@ pub(in crate::read) fn named_crs(input: &Input, document: &Value) -> Result<Opti
     crs::parse(name).map(Some).map_err(|e| Error::read(input, ReadFault::Crs(said(), e.to_string())))
 }
 
-/// The features of GeoJSON text, or of CityJSON.
+/// Reads the features of GeoJSON text, or of CityJSON.
 pub(super) fn read(input: &Input) -> Result<FeatureSet> {
     let text = input.text("GeoJSON text")?;
     let text = text_of(&text);
@@ -121,7 +122,7 @@ pub(super) fn read(input: &Input) -> Result<FeatureSet> {
     if cityjson::is_cityjson(&document) { cityjson::features(input, &document) } else { feature_set(input, document) }
 }
 
-/// The features of a collection, parsed in parallel; `None` if any is not as it should be.
+/// Parses the features of a collection in parallel; `None` if any is faulty.
 fn set_of_collection(input: &Input, collection: &Collection<'_>) -> Option<FeatureSet> {
     let feature =
         |names: &mut HashSet<Arc<str>>, raw: &&RawValue| feature_of(serde_json::from_str(raw.get()).ok()?, names).ok();
@@ -129,7 +130,7 @@ fn set_of_collection(input: &Input, collection: &Collection<'_>) -> Option<Featu
     Some(FeatureSet { features, ..without_features(input, &collection.members) })
 }
 
-/// What a document says beside its features.
+/// Returns the members of a document beside its features.
 fn without_features(input: &Input, document: &Value) -> FeatureSet {
     let text = |key: &str| document.get(key).and_then(Value::as_str).map(str::to_string);
     // A name with an underscore is that of a table, not of a place.
@@ -141,7 +142,7 @@ fn without_features(input: &Input, document: &Value) -> FeatureSet {
     FeatureSet { crs: named_crs(input, document), name, attribution, name_limit: None, features: Vec::new() }
 }
 
-/// The features of a GeoJSON document.
+/// Reads the features of a GeoJSON document.
 fn feature_set(input: &Input, document: Value) -> Result<FeatureSet> {
     let set = without_features(input, &document);
     let (mut found, mut names) = (Vec::new(), HashSet::new());
@@ -157,7 +158,8 @@ fn feature_set(input: &Input, document: Value) -> Result<FeatureSet> {
     Ok(FeatureSet { features: found, ..set })
 }
 
-/// A feature with its areas; the error says what is wrong with its positions. `names` are those of properties that were met before.
+/// Converts a feature with its areas; the error names the fault of its positions. `names` holds the
+/// property names found so far.
 fn feature_of(feature: Feature, names: &mut HashSet<Arc<str>>) -> std::result::Result<feature::Feature, String> {
     let (mut polygons, mut has_other_parts) = (Vec::new(), false);
     if let Some(geometry) = &feature.geometry {
@@ -221,7 +223,7 @@ fn collect_polygons(
 }
 
 impl Property {
-    /// A JSON value as a property; lists and objects are none.
+    /// Converts a JSON value to a property; lists and objects become `null`.
     pub(in crate::read) fn of_json(value: &Value) -> Property {
         match value {
             Value::Number(n) => n.as_f64().map_or(Property::Null, Property::Number),

@@ -1,7 +1,7 @@
 //! GeoPackage: an SQLite database with a table of features.
 //!
-//! The file is opened as one that nobody changes, so that nothing is written beside it. Only plain tables are read: a
-//! view can compute without end.
+//! The file is opened as one that nobody changes, so that nothing is written beside it. Only plain
+//! tables are read: a view can compute without end.
 //!
 //! # References
 //! OGC 12-128r19, GeoPackage Encoding Standard 1.4.
@@ -22,7 +22,7 @@ use crate::raster::Crs;
 /// Bytes of the header of an SQLite database.
 const SQLITE_HEADER_BYTES: u64 = 100;
 
-/// Reads the features of a table, of the only one where no `layer` is named.
+/// Reads the features of a table; of the only one if no `layer` is named.
 pub(super) fn read(input: &Input, layer: Option<&str>) -> Result<FeatureSet> {
     if input.is_held() {
         return Err(Error::unsupported(input, "SQLite reads a GeoPackage from a file, wanted its path"));
@@ -33,7 +33,7 @@ pub(super) fn read(input: &Input, layer: Option<&str>) -> Result<FeatureSet> {
     let broken = |e: rusqlite::Error| malformed(input, &e.to_string(), "a GeoPackage");
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let database = Connection::open_with_flags(uri(input), flags).map_err(broken)?;
-    // What a column computes may not be larger than what the file holds.
+    // A column must not compute a value larger than the file.
     let longest = i32::try_from(length.max(LEAST_VALUE)).unwrap_or(i32::MAX);
     database.set_limit(Limit::SQLITE_LIMIT_LENGTH, longest).map_err(broken)?;
     database.execute_batch("PRAGMA trusted_schema = OFF").map_err(broken)?;
@@ -49,13 +49,13 @@ pub(super) fn read(input: &Input, layer: Option<&str>) -> Result<FeatureSet> {
     Ok(FeatureSet { crs, name: None, attribution: None, name_limit: None, features })
 }
 
-/// The longest value that any file may hold \[bytes\].
+/// Least limit for the longest value of a file \[bytes\].
 const LEAST_VALUE: u64 = 1 << 20;
 
-/// How often the bytes of a file may be read as values.
+/// Number of times that the bytes of a file may be read as values.
 const READS_PER_BYTE: u64 = 2;
 
-/// The tables that say what the others are must be tables: a view can compute without end.
+/// Refuses views in place of the tables that describe others: a view can compute without end.
 fn refuse_views(input: &Input, database: &Connection) -> rusqlite::Result<Result<()>> {
     let query = "SELECT name FROM sqlite_master WHERE rootpage = 0
         AND lower(name) IN ('gpkg_contents', 'gpkg_geometry_columns', 'gpkg_spatial_ref_sys')";
@@ -66,7 +66,8 @@ fn refuse_views(input: &Input, database: &Connection) -> rusqlite::Result<Result
     })
 }
 
-/// A database that another program holds open keeps its last changes in a file beside it.
+/// Refuses a database whose last changes are in a file beside it, since another program holds it
+/// open.
 fn refuse_open_changes(input: &Input) -> Result<()> {
     if let Some(beside) = input.with_suffix("-wal").filter(|changes| changes.len() > 0) {
         let what = format!("{beside} holds changes that are not in it yet");
@@ -75,14 +76,14 @@ fn refuse_open_changes(input: &Input) -> Result<()> {
     Ok(())
 }
 
-/// SQLite reads missing pages as far as it can; the header says how many there are.
+/// Refuses a file with fewer pages than its header declares: SQLite would read it as far as it can.
 fn refuse_cut_off(input: &Input, file: Reader, length: u64) -> Result<()> {
     let mut header = Vec::new();
     file.take(SQLITE_HEADER_BYTES).read_to_end(&mut header).map_err(|e| cannot_read(input, &e))?;
     let word = |at: usize| header.get(at..).and_then(<[u8]>::first_chunk::<4>).map(|w| u32::from_be_bytes(*w));
-    // The number of pages counts only if the version that wrote the file last wrote it too.
+    // The number of pages counts only if it was written by the version that wrote the file last.
     let (Some(n_pages), true) = (word(28), word(24) == word(92)) else { return Ok(()) };
-    // The page size is the upper half of the word at byte 16; 1 stands for 65 536.
+    // The page size is the upper half of the word at byte 16; 1 means 65 536.
     let page = match word(16).map_or(0, |w| w >> 16) {
         1 => 65_536,
         bytes => u64::from(bytes),
@@ -94,9 +95,9 @@ fn refuse_cut_off(input: &Input, file: Reader, length: u64) -> Result<()> {
     Ok(())
 }
 
-/// A path as SQLite takes it, with the promise that the file does not change.
+/// Returns a path as SQLite takes it, with the promise that the file does not change.
 fn uri(input: &Input) -> String {
-    // Byte by byte, for a input need not be Unicode.
+    // Byte by byte, since a path need not be Unicode.
     let bytes = input.as_path().as_os_str().as_encoded_bytes().iter();
     let escaped: String = bytes
         .map(|byte| match byte {
@@ -110,7 +111,7 @@ fn uri(input: &Input) -> String {
     format!("file:{root}{escaped}?immutable=1")
 }
 
-/// The tables of features, in the order of the file.
+/// Returns the tables of features, in the order of the file.
 fn layers(database: &Connection) -> rusqlite::Result<Vec<String>> {
     let mut query = database.prepare("SELECT table_name FROM gpkg_contents WHERE data_type = 'features' LIMIT 1000")?;
     query.query_map([], |row| row.get(0))?.collect()
@@ -136,7 +137,7 @@ struct Table<'a> {
 }
 
 impl<'a> Table<'a> {
-    /// What the database says of a table; `None` where it is a view or has no geometry.
+    /// Reads the description of a table; `None` where it is a view or has no geometry.
     fn of(database: &Connection, name: &'a str) -> rusqlite::Result<Option<Table<'a>>> {
         let is_plain = "SELECT 1 FROM sqlite_master WHERE name = ?1 AND type = 'table' AND rootpage > 0";
         if !database.prepare(is_plain)?.exists([name])? {
@@ -163,7 +164,8 @@ impl<'a> Table<'a> {
         while let Some(row) = rows.next().map_err(broken)? {
             let number = features.len() + 1;
             let wrong = |found: String| malformed(input, &format!("feature {number}: {found}"), "a GeoPackage");
-            // Damaged pages may lead in circles, and columns may have long values that stand in no row.
+            // Damaged pages may lead in circles, and columns may have long values that are in no
+            // row.
             n_bytes += 1 + bytes_of(row, columns.len());
             if n_bytes > READS_PER_BYTE * file_bytes {
                 return Err(wrong(format!("with it more than the {file_bytes} bytes of the file")));
@@ -173,7 +175,8 @@ impl<'a> Table<'a> {
         Ok(features)
     }
 
-    /// The names of the columns. Statements name them too, but panic where a damaged name is no UTF-8.
+    /// Returns the names of the columns. Statements have them too, but panic where a damaged name
+    /// is no UTF-8.
     fn columns(&self, database: &Connection) -> rusqlite::Result<Vec<Arc<str>>> {
         let mut query = database.prepare("SELECT name FROM pragma_table_info(?1)")?;
         let name = |row: &Row<'_>| Ok(String::from_utf8_lossy(row.get_ref(0)?.as_bytes().unwrap_or_default()).into());
@@ -194,7 +197,7 @@ impl<'a> Table<'a> {
                 }
                 continue;
             }
-            // A row need not hold what it has no value of.
+            // A row need not hold columns without a value.
             if value != ValueRef::Null {
                 feature.properties.push((name.clone(), property(value)));
             }
@@ -207,7 +210,7 @@ impl<'a> Table<'a> {
     }
 }
 
-/// The bytes that the values of a row take at least.
+/// Returns the least number of bytes that the values of a row take.
 fn bytes_of(row: &Row<'_>, n_columns: usize) -> u64 {
     let of_value = |k| match row.get_ref(k) {
         Ok(ValueRef::Null) | Err(_) => 0,
@@ -217,7 +220,7 @@ fn bytes_of(row: &Row<'_>, n_columns: usize) -> u64 {
     (0..n_columns).map(of_value).sum()
 }
 
-/// The well-known binary inside a geometry of a GeoPackage.
+/// Returns the well-known binary inside a geometry of a GeoPackage.
 fn geometry(blob: &[u8]) -> std::result::Result<&[u8], String> {
     let [b'G', b'P', _, flags, ..] = blob else { return Err("a geometry that does not begin with `GP`".into()) };
     if flags & 0x20 != 0 {

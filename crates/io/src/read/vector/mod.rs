@@ -1,8 +1,8 @@
-//! Vector data: whatever the format, a list of features with properties and polygons.
+//! Vector data in any format: a list of features with properties and polygons.
 //!
-//! One file per format makes a [`FeatureSet`] of it and knows nothing of buildings; what a feature says of a building is
-//! read in [`super::building`]. Readers trust no length or count that a file names: nothing is reserved that the file's
-//! own size does not bear out.
+//! One file per format makes a [`FeatureSet`] of it and knows nothing of buildings;
+//! [`super::building`] reads a feature's properties as a building. Readers trust no length or count
+//! in a file: nothing is reserved beyond what the file's own size allows.
 
 mod cityjson;
 mod feature;
@@ -24,10 +24,10 @@ use crate::error::Result;
 use crate::error::{Cause, Error};
 use crate::input::Input;
 
-/// The format of a file of vector data.
+/// Format of a file of vector data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VectorFormat {
-    /// GeoJSON, or CityJSON, which its text tells apart.
+    /// GeoJSON, or CityJSON, recognized by its text.
     Json,
     /// Shapefile with its sidecar files.
     Shapefile,
@@ -38,7 +38,7 @@ pub enum VectorFormat {
 }
 
 impl VectorFormat {
-    /// The format that an extension (lower case, without the point) stands for.
+    /// Returns the format of an extension (lower case, without the point).
     pub fn of_extension(extension: &str) -> Option<VectorFormat> {
         match extension {
             "geojson" | "json" => Some(VectorFormat::Json),
@@ -49,12 +49,12 @@ impl VectorFormat {
         }
     }
 
-    /// The format that the extension of a path stands for.
+    /// Returns the format of the extension of a path.
     pub fn of_path(path: &Path) -> Option<VectorFormat> {
         VectorFormat::of_extension(&path.extension()?.to_string_lossy().to_lowercase())
     }
 
-    /// The format of a file by its name; GeoJSON where the name says nothing.
+    /// Returns the format of a file by its name; GeoJSON for any other name.
     fn of(input: &Input) -> VectorFormat {
         VectorFormat::of_extension(&input.extension()).unwrap_or(VectorFormat::Json)
     }

@@ -1,9 +1,10 @@
-//! Rings into polygons, for formats that tell shells from holes by nothing but their sense of rotation.
+//! Rings into polygons, for formats that distinguish shells and holes only by their sense of
+//! rotation.
 
 use super::feature::Polygon;
 
-/// Twice the area of a ring, positive where it runs counterclockwise, relative to its first point so that large
-/// coordinates lose nothing.
+/// Returns twice the area of a ring, positive where it runs counterclockwise. Points are taken
+/// relative to the first, so that large coordinates lose nothing.
 pub(in crate::read) fn doubled_area(ring: &[[f64; 2]]) -> f64 {
     let Some(origin) = ring.first() else { return 0.0 };
     let from_origin = |p: &[f64; 2]| [p[0] - origin[0], p[1] - origin[1]];
@@ -11,8 +12,8 @@ pub(in crate::read) fn doubled_area(ring: &[[f64; 2]]) -> f64 {
     pairs.map(|(a, b)| (from_origin(a), from_origin(b))).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum()
 }
 
-/// Polygons of shells and holes in any order: each hole goes to the smallest shell around it, a hole that no shell
-/// surrounds is a shell itself, written in the wrong sense.
+/// Assembles polygons from shells and holes in any order. Each hole goes to the smallest shell
+/// around it. A hole without a shell around it is a shell itself, written in the wrong sense.
 pub(super) fn assembled(shells: Vec<Vec<[f64; 2]>>, holes: Vec<Vec<[f64; 2]>>) -> Vec<Polygon> {
     let mut polygons: Vec<Polygon> = shells.into_iter().map(|shell| vec![shell]).collect();
     let measured: Vec<(f64, [f64; 4])> = polygons.iter().map(|p| (doubled_area(&p[0]).abs(), bounds(&p[0]))).collect();
@@ -34,13 +35,14 @@ pub(super) fn assembled(shells: Vec<Vec<[f64; 2]>>, holes: Vec<Vec<[f64; 2]>>) -
     polygons
 }
 
-/// West, south, east, north of a ring.
+/// Returns west, south, east, north of a ring.
 fn bounds(ring: &[[f64; 2]]) -> [f64; 4] {
     const NOWHERE: [f64; 4] = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
     ring.iter().fold(NOWHERE, |b, p| [b[0].min(p[0]), b[1].min(p[1]), b[2].max(p[0]), b[3].max(p[1])])
 }
 
-/// Whether more points of a ring are inside another than outside: holes may touch their shell.
+/// Returns `true` when more points of a ring are inside another than outside: holes may touch their
+/// shell.
 fn mostly_inside(ring: &[[f64; 2]], shell: &[[f64; 2]]) -> bool {
     let n_inside = ring.iter().filter(|point| contains(shell, **point)).count();
     2 * n_inside > ring.len()

@@ -1,4 +1,5 @@
-//! Shapefiles: `.shp` with its index `.shx` and its table `.dbf`; the CRS from `.prj`, the code page from `.cpg`.
+//! Shapefiles: `.shp` with its index `.shx` and its table `.dbf`; the CRS from `.prj`, the code
+//! page from `.cpg`.
 //!
 //! # References
 //! ESRI Shapefile Technical Description (1998).
@@ -16,7 +17,7 @@ use super::rings::assembled;
 use crate::error::{Cause, Error, ReadFault, Result};
 use crate::input::Input;
 
-/// Most characters of a column's name in a `.dbf`.
+/// Largest number of characters of a column's name in a `.dbf`.
 const NAME_LIMIT: usize = 10;
 
 /// Bytes of a point: two coordinates.
@@ -40,7 +41,7 @@ pub(super) fn read(input: &Input) -> Result<FeatureSet> {
     for (number, shape) in reader.iter_shapes().enumerate() {
         let shape = shape.map_err(|e| malformed(input, &format!("feature {}: {e}", number + 1), "a shapefile"))?;
         let polygons = polygons_of(input, shape)?;
-        // An index that names a shape many times would make much of little.
+        // An index that names a shape many times would turn few bytes into much data.
         n_points += polygons.iter().flatten().map(Vec::len).sum::<usize>();
         if n_points > n_bytes / POINT_BYTES {
             let found = format!("feature {}: with it more points than {n_bytes} bytes hold", number + 1);
@@ -71,7 +72,8 @@ fn missing(input: &Input, extension: &str, holds: &'static str) -> Error {
     Error::read(input, ReadFault::NoSidecar(wanted.display().to_string(), holds))
 }
 
-/// Refuses an index whose records would be more than the file: it could have one shape read many times.
+/// Refuses an index whose records are larger than the file: it could have one shape read many
+/// times.
 fn check_index(input: &Input, shx: &[u8], shp_bytes: usize) -> Result<()> {
     let entries = shx.get(HEADER_BYTES..).unwrap_or_default().chunks_exact(8);
     let length = |entry: &[u8]| 2 * u64::from(u32::from_be_bytes([entry[4], entry[5], entry[6], entry[7]]));
@@ -83,7 +85,7 @@ fn check_index(input: &Input, shx: &[u8], shp_bytes: usize) -> Result<()> {
     Ok(())
 }
 
-/// The areas of a shape; points, lines and empty shapes have none.
+/// Returns the areas of a shape; points, lines and empty shapes have none.
 fn polygons_of(input: &Input, shape: Shape) -> Result<Vec<Polygon>> {
     match shape {
         Shape::Polygon(polygon) => Ok(rings_of(&polygon)),
@@ -108,7 +110,7 @@ fn rings_of<P: HasXY>(polygon: &GenericPolygon<P>) -> Vec<Polygon> {
     assembled(shells, holes)
 }
 
-/// The rows of the table, each by column name.
+/// Reads the rows of the table, each by column name.
 fn table(input: &Input, table: &Input) -> Result<Vec<Properties>> {
     let dbf = table.read()?;
     let code_page = match input.beside("cpg") {
@@ -119,7 +121,7 @@ fn table(input: &Input, table: &Input) -> Result<Vec<Properties>> {
     let broken = |e: shapefile::dbase::Error| malformed(table, &e.to_string(), "a dBase table");
     let built = match encoding {
         Some(encoding) => ReaderBuilder::new().with_encoding(encoding).build(Cursor::new(dbf)),
-        // A table that names no code page, or an unknown one, still has its numbers.
+        // A table without a code page, or with an unknown one, still has its numbers.
         None => match ReaderBuilder::new().build(Cursor::new(&dbf)) {
             Ok(_) => ReaderBuilder::new().build(Cursor::new(dbf)),
             Err(_) => ReaderBuilder::new().with_encoding(UnicodeLossy).build(Cursor::new(dbf)),
@@ -130,7 +132,7 @@ fn table(input: &Input, table: &Input) -> Result<Vec<Properties>> {
     rows.map(|row| row.map(properties).map_err(broken)).collect()
 }
 
-/// The values of a row, sorted by name: the crate keeps them in no order.
+/// Returns the values of a row, sorted by name: the crate keeps them in no order.
 fn properties(row: Record) -> Properties {
     let mut properties: Properties = row.into_iter().map(|(name, value)| (name.into(), property(value))).collect();
     properties.sort_by(|a, b| a.0.cmp(&b.0));

@@ -1,16 +1,17 @@
-//! Polygons of well-known binary (OGC 06-103r4, section 8; the ISO and the extended codes of Z and M).
+//! Polygons of well-known binary (OGC 06-103r4, section 8; the ISO and the extended codes of Z and
+//! M).
 //!
-//! Counts are never trusted: a geometry takes at least the bytes that its count stands for, so nothing is reserved that
-//! is not there, and collections may nest only so deep.
+//! Counts are never trusted: a geometry must have the bytes that its count requires, so that
+//! nothing is reserved for missing data. Collections may nest only to a limit.
 
 use super::feature::Polygon;
 
-/// How deep collections may nest; a multipolygon in a collection is two.
+/// Deepest nesting of collections; a multipolygon in a collection is two.
 const MOST_NESTED: usize = 16;
 
-/// Adds the polygons of a geometry to `polygons`, and says whether it has points or lines too.
+/// Adds the polygons of a geometry to `polygons`; returns `true` if it has points or lines too.
 ///
-/// The error says what is wrong.
+/// The error names the fault.
 pub(in crate::read) fn polygons_of(bytes: &[u8], polygons: &mut Vec<Polygon>) -> Result<bool, String> {
     let mut reader = Reader { bytes, little_endian: true, has_other_parts: false };
     reader.geometry(polygons, 0)?;
@@ -40,7 +41,7 @@ impl Reader<'_> {
         Ok(if self.little_endian { u32::from_le_bytes(bytes) } else { u32::from_be_bytes(bytes) })
     }
 
-    /// The number of things that follow, each of at least `bytes_each`.
+    /// Reads the number of parts that follow, each of at least `bytes_each`.
     fn count(&mut self, bytes_each: usize) -> Result<usize, String> {
         let n = self.integer()? as usize;
         if n > self.bytes.len() / bytes_each {
@@ -116,7 +117,8 @@ impl Reader<'_> {
 mod tests {
     use super::*;
 
-    /// A triangle as a polygon of one ring, in one of both byte orders and with or without Z.
+    /// Returns a triangle as a polygon of one ring, in one of both byte orders and with or without
+    /// Z.
     fn triangle(little_endian: bool, code: u32, height: Option<f64>) -> Vec<u8> {
         let int = |n: u32| if little_endian { n.to_le_bytes() } else { n.to_be_bytes() };
         let float = |v: f64| if little_endian { v.to_le_bytes() } else { v.to_be_bytes() };
