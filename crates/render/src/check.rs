@@ -1,6 +1,6 @@
-//! What no picture can be drawn of.
+//! Checks of arguments that several pictures share.
 
-/// Refuses an empty raster of so many columns and rows, and an array that does not fit it.
+/// Refuses an empty raster of `n_cols` × `n_rows` cells, and an array of another length.
 pub(crate) fn shape(name: &str, length: usize, [n_cols, n_rows]: [usize; 2]) -> Result<(), String> {
     if n_cols == 0 || n_rows == 0 {
         return Err(format!("cannot draw a raster of {n_cols} × {n_rows} cells: it is empty"));
@@ -19,7 +19,7 @@ pub(crate) fn ends(name: &str, [low, high]: [f64; 2]) -> Result<(), String> {
     }
 }
 
-/// Refuses the first thing that is not as `wanted`, by its name.
+/// Refuses the first item that fails `is_good`; the error names it and says what was `wanted`.
 pub(crate) fn each<'a, T>(
     things: &'a [T],
     is_good: impl Fn(&T) -> bool,

@@ -1,7 +1,8 @@
 //! Light on a city: the sun with the shadows that it casts, and the gloom of narrow streets.
 //!
-//! Shadows come from a second z-buffer that sees the city as the sun does. Gloom is how far the blurred roofs around a
-//! point rise above it, from a coarse z-buffer that looks down: cheap, smooth, and close to how little sky is left.
+//! Shadows come from a second z-buffer that sees the city as the sun does. Gloom measures how far
+//! the blurred roofs around a point rise above it. These roofs come from a coarse z-buffer that
+//! looks down. Gloom is cheap, smooth, and close to the loss of visible sky.
 
 use glam::{DVec2, DVec3};
 
@@ -10,9 +11,9 @@ use super::colors;
 use super::paint::narrow;
 use super::z_buffer::{Projection, View, ZBuffer, samples};
 
-/// Towards the sun: west-south-west, 40° high.
+/// Direction to the sun: west-south-west, 40° high.
 const SUN: DVec3 = DVec3::new(-0.72, -0.25, 0.64);
-/// Samples a side of the sun's view and of the coarse view from above.
+/// Samples a side of the sun's view; `GLOOM_SIDE` is that of the coarse view from above.
 const SHADOW_SIDE: f64 = 2048.0;
 const GLOOM_SIDE: f64 = 384.0;
 
@@ -22,7 +23,7 @@ pub(crate) struct Atmosphere {
     sun: DVec3,
     shadow: ZBuffer,
     shadow_view: View,
-    /// Distance \[m\] by which a point is lifted off its face before it looks for the sun.
+    /// About the distance \[m\] by which a point is lifted off its face for the shadow test.
     lift: f64,
     gloom: Vec<f32>,
     gloom_size: [usize; 2],
@@ -60,7 +61,7 @@ impl Atmosphere {
     pub(crate) fn light(&self, point: DVec3, normal: DVec3) -> f64 {
         let facing = normal.dot(self.sun).max(0.0) / self.sun.z;
         let lit = if facing > 0.0 { facing * self.sunlit(point + normal * 1.5 * self.lift) } else { 0.0 };
-        // A wall is darkened by what stands before it, not by its own building.
+        // A wall is darkened by the roofs before it, not by its own building.
         let place = point.truncate() + normal.truncate() * 0.8 * self.gloom_reach;
         let rise = (self.roofs_around(place) - point.z).max(0.0);
         let open = 1.0 / (1.0 + 0.6 * rise / self.gloom_reach);

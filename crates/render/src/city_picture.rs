@@ -13,7 +13,7 @@ use super::plot::{self, Axis, Direction, Span};
 use super::sheet::{self, Drawing, Sheet};
 use super::z_buffer::View;
 
-/// The longer side of the plan \[px\], and the box for the view.
+/// Longer side of the plan \[px\]; `VIEW` is the box of the view.
 const PLAN: f64 = 1000.0;
 const VIEW: [usize; 2] = [1240, 1000];
 /// Room for the numbers and the name of the plan's vertical axis.
@@ -33,10 +33,12 @@ pub struct CityPicture<'a> {
     pub model: CityModel<'a>,
 }
 
-/// Draws a city: plan on the left, view from the south-south-west on the right, heights true to scale.
+/// Draws a city: plan on the left, view from the south-south-west on the right, heights true to
+/// scale.
 ///
 /// # Errors
-/// An empty extent, a raster of another shape, numbers that are not finite, or 16 million buildings or more.
+/// An empty extent, a raster of another shape, numbers that are not finite, or 16 million buildings
+/// or more.
 pub fn draw_city(picture: &CityPicture<'_>) -> Result<Sheet, String> {
     check(picture)?;
     let [west, south, east, north] = picture.extent_m;
@@ -67,7 +69,7 @@ pub fn draw_city(picture: &CityPicture<'_>) -> Result<Sheet, String> {
 
     let room_below = color_bar.height.max(orientation.height) + 26.0;
     let plan_bottom = top + plan_h + 74.0;
-    // The view is centered on what its neighbors leave, and the legend ends where the plan does.
+    // The view is centered in the room above the legend, which ends level with the plan's axes.
     let body_h = (plan_bottom - top).max(view_h + room_below);
     let view_top = (top + ((body_h - room_below - view_h) / 2.0).max(0.0)).round();
     let view_x = (view_left + (VIEW[0] as f64 - view_w) / 2.0).round();
@@ -112,7 +114,7 @@ fn check(picture: &CityPicture<'_>) -> Result<(), String> {
     }
 }
 
-/// Frame, ticks and names of the plan's axes, the origin at the plan's top left corner.
+/// Draws frame, ticks and names of the plan's axes, with the origin at the plan's top left corner.
 fn plan_axes([west, south, east, north]: [f64; 4], size: [f64; 2]) -> Drawing {
     let axis = |name: &str, low: f64, high: f64, direction: Direction, length: f64| {
         let ticks = furniture::ticks(low, high, (length / 170.0).clamp(2.0, 6.0));
@@ -127,7 +129,7 @@ fn plan_axes([west, south, east, north]: [f64; 4], size: [f64; 2]) -> Drawing {
     drawing
 }
 
-/// A north arrow lying on the ground of the view.
+/// Draws a north arrow lying on the ground of the view.
 fn view_north(view: &View) -> Drawing {
     let [east, north] = [DVec3::X, DVec3::Y].map(|direction| view.direction(direction));
     let at = |x: f64, y: f64| (east * x * 46.0 + north * y * 46.0).to_array();

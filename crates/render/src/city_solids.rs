@@ -1,6 +1,7 @@
 //! The solids of a city: prisms or columns as faces, ready to be drawn from any side.
 //!
-//! Each face has a tag that says whose it is and where it looks, so that a z-buffer of tags is all that shading needs.
+//! Each face has a tag that holds its owner and its normal, so shading needs nothing but the
+//! z-buffer.
 
 use glam::{DVec2, DVec3};
 
@@ -8,12 +9,12 @@ use super::colors;
 use super::paint::{narrow, quantiles};
 use super::z_buffer::{Projection, View, ZBuffer};
 
-/// A column rises above its ground by more than this \[m\] if it is a building.
+/// Columns higher than this above their ground are buildings \[m\].
 const BUILDING_THRESHOLD_M: f64 = 0.25;
-/// Columns a side beyond which a height raster is thinned.
+/// Most columns a side; a larger height raster is thinned.
 const MOST_COLUMNS: usize = 1600;
 
-/// How a city is given.
+/// Form in which a city is given.
 #[derive(Clone, Copy, Debug)]
 pub enum CityModel<'a> {
     /// Footprints with roofs.
@@ -27,16 +28,17 @@ pub enum CityModel<'a> {
 pub struct CityPrism {
     /// The roof as triangles, each corner with its height \[m\].
     pub roof_triangles: Vec<[[f64; 3]; 3]>,
-    /// The upper edges of its walls, from which they lead down to the ground \[m\].
+    /// Upper edges of the walls, from which these lead down to the ground \[m\].
     pub wall_edges: Vec<[[f64; 3]; 2]>,
     /// Height of the ground \[m\].
     pub base_m: f64,
-    /// Height of the roof, where it is highest \[m\].
+    /// Greatest height of the roof \[m\].
     pub top_m: f64,
 }
 
-/// A city as a raster, `[n_rows, n_cols]`, columns running fastest, north row first. A cell is a building if its
-/// surface is more than 0.25 m above its ground. Rasters of more than 800 cells a side are thinned for the picture.
+/// A city as a raster, `[n_rows, n_cols]`, columns running fastest, north row first. A cell is a
+/// building if its surface is more than 0.25 m above its ground. Rasters of more than 1600 cells a
+/// side are thinned for the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct CityHeights<'a> {
     /// Columns.
@@ -49,7 +51,8 @@ pub struct CityHeights<'a> {
     pub ground_m: &'a [f32],
 }
 
-/// Tags: the face's owner in the lowest 24 bits, the normal of a wall in the next 8 (0 is none), that of a slope in the upper 32 (0 is up).
+/// Bits of a tag that hold the owner of the face, the lowest 24. The next 8 hold the normal of a
+/// wall (0: none), the upper 32 that of a slope (0: up).
 const OWNER_BITS: u32 = 24;
 const SLOPE_BITS: u32 = 32;
 pub(crate) const OWNER: u64 = (1 << OWNER_BITS) - 1;
@@ -69,7 +72,7 @@ pub(crate) struct Solids<'a> {
 #[derive(Debug)]
 enum Columns<'a> {
     Prisms(&'a [CityPrism]),
-    /// Thinned heights (surface, building height) with columns and rows.
+    /// Thinned surface heights and building heights \[m\], with their columns and rows.
     Raster {
         tops: Vec<[f32; 2]>,
         n_cols: usize,
@@ -78,7 +81,7 @@ enum Columns<'a> {
 }
 
 impl<'a> Solids<'a> {
-    /// Takes a city within `extent` (west, south, east, north) \[m\].
+    /// Makes the solids of a city within `extent`: west, south, east, north \[m\].
     pub(crate) fn new(model: &CityModel<'a>, extent: [f64; 4]) -> Self {
         let [west, south, east, north] = extent;
         let (model, low, high) = match *model {
@@ -97,7 +100,7 @@ impl<'a> Solids<'a> {
         }
     }
 
-    /// Returns the heights that the color scale spans, and whether some buildings are taller.
+    /// Returns the upper end of the color scale \[m\], and `true` if some buildings are taller.
     pub(crate) fn height_scale(&self) -> (f64, bool) {
         let heights: Vec<f32> = match &self.model {
             Columns::Prisms(prisms) => prisms.iter().map(|p| narrow(p.top_m - p.base_m)).collect(),
@@ -114,7 +117,7 @@ impl<'a> Solids<'a> {
         matches!(self.model, Columns::Raster { .. })
     }
 
-    /// Height of the owner of a face above its ground \[m\], or nothing for open ground.
+    /// Returns the height of a face's owner above its ground \[m\]; `None` for open ground.
     pub(crate) fn height_of(&self, owner: u64) -> Option<f64> {
         let owner = usize::try_from(owner).ok()?.checked_sub(1)?;
         match &self.model {
@@ -125,13 +128,14 @@ impl<'a> Solids<'a> {
         }
     }
 
-    /// Corners of the plate that the city stands on, counterclockwise from the south-west, and the height of its foot.
+    /// Returns the corners of the plate below the city, counterclockwise from the south-west, and
+    /// the height of its foot.
     fn plate(&self) -> ([DVec2; 4], f64) {
         let DVec3 { x: w, y: d, .. } = self.size;
         ([[0.0, 0.0], [w, 0.0], [w, d], [0.0, d]].map(DVec2::from), -0.012 * w.max(d))
     }
 
-    /// Looks straight down, north up, so that the extent fills `size` \[px\].
+    /// Makes a view straight down, north up, in which the extent fills `size` \[px\].
     pub(crate) fn view_from_above(&self, size: [usize; 2]) -> View {
         let above = DVec3::new(0.0, 0.0, self.size.z + 1.0);
         let mut view = View::new(Projection::Parallel, above, DVec3::NEG_Z, DVec3::Y);
@@ -140,7 +144,8 @@ impl<'a> Solids<'a> {
         view
     }
 
-    /// Calls `draw` with the corners and the tag of each face that `view` may see, in local coordinates.
+    /// Calls `draw` with the corners and the tag of each face that `view` may see, in local
+    /// coordinates.
     fn faces(&self, view: &View, mut draw: impl FnMut(&[DVec3], u64)) {
         let (corners, floor) = self.plate();
         for (k, outward) in SIDES.into_iter().enumerate() {
@@ -234,7 +239,7 @@ impl<'a> Solids<'a> {
         buffer
     }
 
-    /// Fits a view to the plate and to the roofs, of a raster to every fourth.
+    /// Fits a view to the plate and the roofs; in a raster, to every fourth row and column.
     pub(crate) fn fit(&self, view: &mut View, size: DVec2, margin: f64) -> DVec2 {
         let DVec3 { x: w, y: d, .. } = self.size;
         let (plate, floor) = self.plate();
@@ -260,7 +265,8 @@ impl<'a> Solids<'a> {
     }
 }
 
-/// Samples a height raster down to [`MOST_COLUMNS`] a side; returns it with its lowest ground and highest top.
+/// Samples a height raster down to [`MOST_COLUMNS`] a side; returns it with its lowest ground and
+/// highest top.
 fn thin<'a>(heights: &CityHeights<'_>) -> (Columns<'a>, f64, f64) {
     let thinned = |n: usize| n.div_ceil(n.div_ceil(MOST_COLUMNS));
     let (n_cols, n_rows) = (thinned(heights.n_cols), thinned(heights.n_rows));
@@ -282,10 +288,10 @@ fn thin<'a>(heights: &CityHeights<'_>) -> (Columns<'a>, f64, f64) {
     (Columns::Raster { tops, n_cols, n_rows }, low, high)
 }
 
-/// Which way the walls of a box look, the first one to the south.
+/// Outward directions of the walls of a box, the first one to the south.
 const SIDES: [DVec2; 4] = [DVec2::NEG_Y, DVec2::X, DVec2::Y, DVec2::NEG_X];
 
-/// The corners of a wall between two heights.
+/// Returns the corners of a wall between two heights.
 fn wall(from: DVec2, to: DVec2, [top, foot]: [f64; 2]) -> [DVec3; 4] {
     [from.extend(top), to.extend(top), to.extend(foot), from.extend(foot)]
 }
@@ -306,7 +312,7 @@ fn slope_tag([a, b, c]: [DVec3; 3], owner: u64) -> u64 {
     (part(normal.x) | part(normal.y) << 16) << SLOPE_BITS | owner
 }
 
-/// Whether a face is a roof, or ground.
+/// Returns `true` when a face is a roof, or ground.
 pub(crate) fn is_roof(tag: u64) -> bool {
     (tag >> OWNER_BITS).trailing_zeros() >= SLOPE_BITS - OWNER_BITS
 }

@@ -1,7 +1,8 @@
 //! The body of a city picture: the solids seen from above or from the side.
 //!
-//! Roofs have the color of their height, the same in both; walls are grayer shades of it. The plan is flat color with
-//! outlines; the view has sun, shadows and gloom as well. Several samples per pixel are averaged in linear light.
+//! A roof has the color of its height, the same in both pictures; walls are grayer shades of it.
+//! The plan has flat colors with outlines; the view also has sun, shadows and gloom. Several
+//! samples per pixel are averaged in linear light.
 
 use glam::{DVec2, DVec3};
 use image::RgbaImage;
@@ -14,7 +15,7 @@ use super::z_buffer::{Projection, View, ZBuffer, samples};
 
 /// Samples per pixel along one side.
 const SAMPLES: usize = 2;
-/// Towards the eye: south-south-west, 35° high.
+/// Direction to the eye: south-south-west, 35° high.
 const EYE: DVec3 = DVec3::new(-0.40, -0.80, 0.62);
 
 /// Draws the city from above, north up, filling `size` \[px\] without a margin.
@@ -28,7 +29,8 @@ pub(crate) fn draw_plan(solids: &Solids<'_>, size: [usize; 2], tallest_m: f64) -
     })
 }
 
-/// Draws the city from the south-south-west within `size` \[px\], as high as it needs to be, and tells how it was seen.
+/// Draws the city from the south-south-west within `size` \[px\], no higher than it needs to be,
+/// and returns the view, too.
 pub(crate) fn draw_view(solids: &Solids<'_>, size: [usize; 2], tallest_m: f64) -> (RgbaImage, View) {
     let center = 0.5 * solids.size;
     let reach = solids.size.length().max(1.0);
@@ -44,7 +46,7 @@ pub(crate) fn draw_view(solids: &Solids<'_>, size: [usize; 2], tallest_m: f64) -
         let depth = f64::from(buffer.depth[y * buffer.width + x]);
         let point = fine.unproject(DVec3::new(x as f64 + 0.5, y as f64 + 0.5, depth));
         let mut normal = normal_of(tag);
-        // Rings run either way around, but what is seen of a solid is turned to the viewer.
+        // Rings run in either direction, but every visible face of a solid is turned to the viewer.
         if !fine.sees(point, normal) {
             normal = -normal;
         }
@@ -64,7 +66,8 @@ fn albedo(solids: &Solids<'_>, tag: u64, tallest_m: f64) -> Rgb {
     }
 }
 
-/// Returns whether a sample borders another building, another side of its own, or the ground.
+/// Returns `true` when a sample borders another building, another side of its own building, or the
+/// ground.
 fn is_outline(buffer: &ZBuffer, tag: u64, x: usize, y: usize) -> bool {
     let differs = |x: usize, y: usize| {
         let other = buffer.tag[y * buffer.width + x];
@@ -77,7 +80,7 @@ fn is_outline(buffer: &ZBuffer, tag: u64, x: usize, y: usize) -> bool {
     (x + 1 < buffer.width && differs(x + 1, y)) || (y + 1 < buffer.height && differs(x, y + 1))
 }
 
-/// Colors all samples and averages them in linear light; where nothing is, the paper is white.
+/// Colors all samples and averages them in linear light; empty samples are white paper.
 fn resolve(buffer: &ZBuffer, size: [usize; 2], color: impl Fn(u64, usize, usize) -> Rgb + Sync) -> RgbaImage {
     let light = Light::tables();
     let mut pixels = vec![255_u8; size[0] * size[1] * 4];

@@ -1,12 +1,13 @@
 //! The palette: one meaning per color, readable with any color vision.
 //!
-//! The two class colors are from Okabe and Ito's set and are fixed: blue is line of sight, orange is none.
-//! Ramps change monotonically in lightness (a test measures it), so that they survive a gray printer; the
-//! diverging ramp runs from orange over near-white to blue, so that a positive margin has the color of line of sight.
+//! The two class colors are from Okabe and Ito's set and are fixed: blue is line of sight, orange
+//! is none. Ramps of unsigned quantities change monotonically in lightness (a test measures it), so
+//! that they survive a gray printer. The diverging ramp runs from orange over near-white to blue,
+//! so that a positive margin has the color of line of sight.
 //!
-//! Averages of colors are taken in linear light. The transfer curve is tabulated with additions, products and
-//! quotients only (no `powf`), since the library functions differ in the last bit between platforms and pictures
-//! must not.
+//! Averages of colors are taken in linear light. The transfer curve is tabulated with additions,
+//! products and quotients only, without `powf`. Library functions differ in the last bit between
+//! platforms, and pictures must not.
 
 use std::sync::OnceLock;
 
@@ -17,7 +18,7 @@ pub(crate) type Rgb = [u8; 3];
 pub(crate) const LOS: Rgb = [0x00, 0x72, 0xB2];
 /// No line of sight.
 pub(crate) const NLOS: Rgb = [0xE6, 0x9F, 0x00];
-/// Buildings where no height is known.
+/// Buildings of unknown height.
 pub(crate) const BUILDING: Rgb = [0xC3, 0xC6, 0xC9];
 /// Cells beyond the radius.
 pub(crate) const OUT_OF_RANGE: Rgb = [0xE9, 0xED, 0xF0];
@@ -25,17 +26,20 @@ pub(crate) const OUT_OF_RANGE: Rgb = [0xE9, 0xED, 0xF0];
 pub(crate) const HATCH: Rgb = [0xC2, 0xC8, 0xCE];
 /// Open ground on a city plan.
 pub(crate) const OPEN_GROUND: Rgb = [0xF3, 0xF1, 0xEB];
-/// What two UAVs see: neither, only the first (lost), only the second (gained), both. What changes is strong, what stays
-/// is pale, and all four differ in lightness.
+/// Colors of a cell as two UAVs see it: neither, only the first (lost), only the second (gained),
+/// both. Changes are strong, agreement is pale, and all four differ in lightness.
 pub(crate) const PAIR: [Rgb; 4] = [[0xF6, 0xEE, 0xDF], [0xD5, 0x5E, 0x00], [0x00, 0x2F, 0x4C], [0x9C, 0xC9, 0xE6]];
-/// Who sees a cell, of up to four UAVs: none, only the first to fourth, several. All differ in lightness.
+/// Colors of a cell by which of up to four UAVs see it: none, only the first to fourth, several.
+/// All differ in lightness.
 pub const ONLY_COLORS: [Rgb; 6] =
     [NLOS, LOS, [0xF0, 0xE4, 0x42], [0x88, 0x22, 0x55], [0x88, 0xCC, 0xEE], [0x1B, 0x1F, 0x24]];
-/// Who sees a cell, to one UAV of many: none, only others, this and others, only this one. All differ in lightness.
+/// Colors of a cell for one UAV of many: seen by none, only by other UAVs, by this and others, only
+/// by this. All differ in lightness.
 pub const ALONE_COLORS: [Rgb; 4] = [NLOS, [0xFB, 0xFA, 0xF6], [0xB4, 0xDB, 0xF2], LOS];
-/// From which height a cell is seen: classes from the lowest up, then at none. All differ in lightness.
+/// Colors of a cell by the least height that sees it: classes from the lowest up, then none. All
+/// differ in lightness.
 pub const LEAST_HEIGHT_COLORS: [Rgb; 6] = [HEIGHT[0], HEIGHT[1], HEIGHT[3], HEIGHT[4], HEIGHT[5], NLOS];
-/// What is sure of a cell: never seen, surely, perhaps. All differ in lightness.
+/// Colors of a cell by certainty of line of sight: never, surely, perhaps. All differ in lightness.
 pub const SURE_COLORS: [Rgb; 3] = [NLOS, LOS, [0xFB, 0xFA, 0xF6]];
 /// Paper.
 pub(crate) const WHITE: Rgb = [0xFF, 0xFF, 0xFF];
@@ -47,7 +51,7 @@ pub(crate) const MUTED: &str = "#545D68";
 /// Hairlines.
 pub(crate) const HAIRLINE: &str = "#AEB6BF";
 
-/// Gray of the lowest and of the tallest building on a map.
+/// Grays of the lowest and of the tallest building on a map.
 const BUILDING_TONES: [Rgb; 2] = [[0xDE, 0xE0, 0xE2], [0x7D, 0x81, 0x86]];
 
 /// Viridis (Smith, van der Walt, 2015; CC0) at seventeen equal steps.
@@ -55,14 +59,15 @@ const VIRIDIS: [Rgb; 17] = colors([
     0x440154, 0x48186A, 0x472D7B, 0x424086, 0x3B528B, 0x33638D, 0x2C728E, 0x26828E, 0x21918C, 0x1FA088, 0x28AE80,
     0x3FBC73, 0x5EC962, 0x84D44B, 0xADDC30, 0xD8E219, 0xFDE725,
 ]);
-/// How many of eight moves turn an answer: cream for none, then Inferno (Smith, van der Walt, 2015; CC0) from light to dark.
+/// Colors by how many of eight moves change the answer. None is cream, then Inferno (Smith, van der
+/// Walt, 2015; CC0) from light to dark.
 pub(crate) const TURNS: [Rgb; 9] =
     colors([0xF6F1E0, 0xF9C932, 0xF98E09, 0xE55C30, 0xBB3754, 0x89226A, 0x57106E, 0x2D0B59, 0x08051D]);
 const DIVERGING: [Rgb; 5] = [[0x7F, 0x4A, 0x00], NLOS, [0xF6, 0xF4, 0xEF], LOS, [0x00, 0x2F, 0x4C]];
 const SEEN: [Rgb; 4] = [[0xB4, 0xDB, 0xF2], [0x5A, 0xA9, 0xDB], LOS, [0x00, 0x3A, 0x5E]];
 const HEIGHT: [Rgb; 6] = colors([0xD3EECD, 0x94D9BE, 0x4FB9BE, 0x3B8DB8, 0x455CA0, 0x321D4F]);
 
-/// Colors written as one number each, 0xRRGGBB.
+/// Converts colors written as one number each, 0xRRGGBB.
 const fn colors<const N: usize>(numbers: [u32; N]) -> [Rgb; N] {
     let mut colors = [[0; 3]; N];
     let mut k = 0;
@@ -105,14 +110,14 @@ impl Ramp {
         mix(anchors[i], anchors[i + 1], position - i as f64)
     }
 
-    /// So many colors at equal steps.
+    /// Returns `n` colors at equal steps.
     pub(crate) fn steps(self, n: u8) -> Vec<Rgb> {
         (0..n).map(|k| self.at(f64::from(k) / f64::from(n - 1))).collect()
     }
 }
 
-/// Returns the colors of cells that none, one, two … all of `n_sites` UAVs see: orange for none, blue for one of one, else
-/// pale to deep blue.
+/// Returns the colors of cells by how many of `n_sites` UAVs see them, from none to all. None is
+/// orange, one of one is blue, and other numbers run from pale to deep blue.
 pub(crate) fn count_colors(n_sites: u32) -> Vec<Rgb> {
     let color = |seen| match (seen, n_sites) {
         (0, _) => NLOS,
@@ -132,23 +137,23 @@ pub(crate) fn shade(color: Rgb, factor: f64) -> Rgb {
     if factor <= 1.0 { mix([0, 0, 0], color, factor.max(0.0)) } else { mix(color, WHITE, (factor - 1.0).min(1.0)) }
 }
 
-/// Writes a color as SVG wants it, `#RRGGBB`.
+/// Writes a color in SVG's form, `#RRGGBB`.
 pub(crate) fn hex(color: Rgb) -> String {
     format!("#{:02X}{:02X}{:02X}", color[0], color[1], color[2])
 }
 
-/// The attribute of what is filled with a color.
+/// Returns the SVG attribute that fills with a color.
 pub(crate) fn fill(color: Rgb) -> String {
     format!("fill=\"{}\"", hex(color))
 }
 
-/// Returns the text color that contrasts more with a color, white or ink.
+/// Returns the text color, white or ink, that contrasts more with a color.
 pub(crate) fn ink_on(color: Rgb) -> &'static str {
     // Contrast with white and with black is equal at this lightness (WCAG 2.2).
     if lightness(color) > 0.179 { INK } else { "#FFFFFF" }
 }
 
-/// Relative luminance, 0 for black to 1 for white.
+/// Returns the relative luminance, 0 for black to 1 for white.
 fn lightness(color: Rgb) -> f64 {
     let [r, g, b] = Light::tables().linear(color).map(|c| f64::from(c) / f64::from(FULL_LIGHT));
     0.2126 * r + 0.7152 * g + 0.0722 * b
@@ -209,7 +214,8 @@ impl Light {
     }
 }
 
-/// The sRGB transfer curve (IEC 61966-2-1); x^2.4 is x² · (x²)^(1/5), the root by Newton's method.
+/// Evaluates the sRGB transfer curve (IEC 61966-2-1). x^2.4 is x² · (x²)^(1/5), the root by
+/// Newton's method.
 fn srgb_to_linear(code: f64) -> f64 {
     if code <= 0.04045 {
         return code / 12.92;

@@ -1,11 +1,14 @@
-//! Placements side by side as one self-contained web page: a map to swipe over, differences in words, tables.
+//! Placements side by side as one self-contained web page: a map to swipe over, differences in
+//! words, tables.
 //!
-//! The page loads nothing and asks nobody: style, script and pictures are in the file, and a policy in its head forbids
-//! the browser to fetch more. A mask is a palette PNG of one pixel per cell, so the script reads classes, shares and
-//! differences from the very pixels that are shown. Its parts are in `compare_page/` as files of their own kinds.
+//! The page loads nothing: style, script and pictures are in the file, and a policy in its head
+//! forbids the browser to fetch more. A mask is a palette PNG of one pixel per cell, so the script
+//! reads classes, shares and differences from the very pixels that are shown. Template, style and
+//! script are files of their own kinds in `compare_page/`.
 //!
-//! A grid of more cells than a picture may have is thinned, not averaged: each pixel is the cell in the middle of a square
-//! of them. So a pixel still says what is true of one cell, and the same cell in every mask; the page says so.
+//! A grid of more cells than a picture may have is thinned, not averaged: each pixel is the middle
+//! cell of a square of cells. So a pixel is true of one cell, the same cell in every mask. The page
+//! says so.
 
 use std::fmt::Write as _;
 
@@ -28,12 +31,13 @@ const TEMPLATE: &str = include_str!("compare_page/page.html");
 const STYLE: &str = include_str!("compare_page/page.css");
 const SCRIPT: &str = include_str!("compare_page/page.js");
 
-/// What opens the live page.
+/// Button that opens the live page.
 const LIVE_BUTTON: &str = "<button type=\"button\" id=\"live\">Open live: drag A and B</button>\n";
 
-/// Pixels that one picture may have …
+/// Most pixels of one picture.
 const MOST_PIXELS: usize = 4_000_000;
-/// … and that all masks together may have: two bits each, they stay below 8 MB in base 64 even if nothing compresses.
+/// Most pixels of all masks together. At two bits each they stay below 8 MB in base 64 even if
+/// nothing compresses.
 const MOST_PIXELS_OF_ALL: usize = 24_000_000;
 
 /// Placements to show. Arrays are `[n_rows, n_cols]`, columns running fastest, north row first.
@@ -41,11 +45,11 @@ const MOST_PIXELS_OF_ALL: usize = 24_000_000;
 pub struct ComparePage<'a> {
     /// Title.
     pub title: &'a str,
-    /// What comes out, below the title.
+    /// Result in words, below the title.
     pub verdict: &'a str,
-    /// Differences between any two placements, below that.
+    /// Differences between any two placements, below the verdict.
     pub matrix: &'a PageTable,
-    /// Lines at the end.
+    /// Caption lines at the end.
     pub caption: &'a [String],
     /// Columns.
     pub n_cols: usize,
@@ -57,11 +61,11 @@ pub struct ComparePage<'a> {
     pub cell: (f64, f64),
     /// Length of a CRS unit \[m\].
     pub meters_per_unit: f64,
-    /// Two placements or more.
+    /// Placements, at least two.
     pub placements: &'a [PagePlacement<'a>],
     /// Heights above ground \[m\], for the buildings behind the masks; not finite where unknown.
     pub above_ground_m: &'a [f32],
-    /// What the differences come to, sentence by sentence.
+    /// Sentences that sum up the differences.
     pub sentences: &'a [String],
     /// Tables.
     pub tables: &'a [PageTable],
@@ -71,14 +75,15 @@ pub struct ComparePage<'a> {
     pub live: Option<LiveDoor<'a>>,
 }
 
-/// The way to a live page.
+/// Live page that opens from this page.
 #[derive(Clone, Copy, Debug)]
 pub struct LiveDoor<'a> {
     /// The page, packed by gzip.
     pub page: &'a [u8],
-    /// What its address says of receivers: height, where, range.
+    /// Part of its address for receivers: height, place, range.
     pub sight: &'a str,
-    /// What its address says of each placement's UAV: x, y and height; nothing of a mask alone.
+    /// Part of its address for each placement's UAV: x, y and height; `None` for a mask without a
+    /// UAV.
     pub uavs: &'a [Option<String>],
 }
 
@@ -87,18 +92,18 @@ pub struct LiveDoor<'a> {
 pub struct PagePlacement<'a> {
     /// Its id, as in the page's address.
     pub id: &'a str,
-    /// What it is called in words.
+    /// Name in words.
     pub label: &'a str,
     /// Classes: 0 NLoS, 1 LoS, 2 not a receiver, 3 out of range, 255 nodata.
     pub mask: &'a [u8],
-    /// Where the UAV is, if that is known.
+    /// Mark of the UAV, if its place is known.
     pub mark: Option<Mark<'a>>,
 }
 
 /// A table of words.
 #[derive(Clone, Debug)]
 pub struct PageTable {
-    /// What it shows.
+    /// Caption.
     pub caption: String,
     /// Names of the columns.
     pub head: Vec<String>,
@@ -106,7 +111,7 @@ pub struct PageTable {
     pub rows: Vec<Vec<String>>,
 }
 
-/// Every how manyth cell along each side is shown.
+/// Returns the step of thinning: one of `step` cells along each side is shown.
 fn step(n_cells: usize, n_masks: usize) -> usize {
     let most = MOST_PIXELS.min(MOST_PIXELS_OF_ALL / n_masks.max(1));
     (1..).find(|step| n_cells.div_ceil(step * step) <= most).unwrap_or(1)
@@ -165,7 +170,8 @@ pub fn compare_page(page: &ComparePage<'_>) -> Result<String, String> {
     Ok(filled(TEMPLATE, &parts))
 }
 
-/// Words of the page, escaped, the index of each `P_LoS` below the line, and no break before a percent sign.
+/// Escapes words of the page, sets the index of each `P_LoS` below the line, and forbids a break
+/// before a percent sign.
 fn words(text: &str) -> String {
     escape(text).replace("P_LoS", "P<sub>LoS</sub>").replace(" %", "\u{a0}%")
 }
@@ -175,14 +181,14 @@ fn options(page: &ComparePage<'_>) -> String {
     page.placements.iter().map(option).collect()
 }
 
-/// A symbol as markup.
+/// Returns a symbol as markup.
 fn symbol(draw: fn(&mut Drawing, [f64; 2], f64)) -> String {
     let mut drawing = Drawing::default();
     draw(&mut drawing, [20.0, 20.0], 18.0);
     format!("<svg viewBox=\"0 0 40 40\" aria-hidden=\"true\">{}</svg>", drawing.svg.replace('\n', ""))
 }
 
-/// Legend entries of the symbols that are on the map: of UAVs and of observers.
+/// Returns the legend entries of the symbols on the map: UAVs and observers.
 fn legend_of_marks(page: &ComparePage<'_>, symbols: &[String; 2]) -> String {
     let has = |is_observer: bool| page.placements.iter().any(|p| p.mark.is_some_and(|m| m.is_observer == is_observer));
     let entry = |(symbol, (is_observer, name)): (&String, (bool, &str))| {
@@ -191,7 +197,8 @@ fn legend_of_marks(page: &ComparePage<'_>, symbols: &[String; 2]) -> String {
     symbols.iter().zip([(false, "UAV"), (true, "observer")]).map(entry).collect()
 }
 
-/// Symbols and names of the UAVs that are on the map; of those at one place each stands below the one before it.
+/// Returns symbols and names of the UAVs on the map. Those at one place are stacked, upward near
+/// the southern border.
 fn marks(page: &ComparePage<'_>, symbols: &[String; 2]) -> String {
     let mut out = String::new();
     let places: Vec<Option<[f64; 2]>> =
@@ -218,13 +225,13 @@ fn marks(page: &ComparePage<'_>, symbols: &[String; 2]) -> String {
     out
 }
 
-/// Colors by the number of placements that see a cell.
+/// Returns the colors of cells by the number of placements that see them.
 fn count_colors(page: &ComparePage<'_>) -> Vec<String> {
     let n = u32::try_from(page.placements.len()).unwrap_or(u32::MAX);
     colors::count_colors(n).into_iter().map(hex).collect()
 }
 
-/// Legend entries for these numbers.
+/// Returns the legend entries of [`count_colors`].
 fn counts(colors: &[String]) -> String {
     let entry = |(k, color): (usize, &String)| {
         let words = match k {
@@ -252,12 +259,12 @@ fn table(table: &PageTable) -> String {
     out + "</tbody>\n</table></div>\n"
 }
 
-/// A picture that is part of the page.
+/// Returns a picture as an element that holds its bytes.
 fn picture(attributes: &str, file: &[u8]) -> String {
     format!("<img {attributes} src=\"data:image/png;base64,{}\">\n", STANDARD.encode(file))
 }
 
-/// What the script needs to know of the map.
+/// Returns the facts of the map that the script needs.
 fn view(page: &ComparePage<'_>, thinned: &Thinned<'_>) -> Value {
     let list = |of: fn(&PagePlacement<'_>) -> String| page.placements.iter().map(of).collect::<Vec<_>>();
     json!({
@@ -282,7 +289,7 @@ fn view(page: &ComparePage<'_>, thinned: &Thinned<'_>) -> Value {
     })
 }
 
-/// The cells that are shown.
+/// Cells that the pictures of a page show.
 struct Thinned<'a> {
     page: &'a ComparePage<'a>,
     step: usize,
@@ -305,7 +312,7 @@ impl<'a> Thinned<'a> {
         )
     }
 
-    /// Some values of the cells that are shown, row by row.
+    /// Picks the values of the shown cells, row by row.
     fn pick<T: Copy>(&self, values: &[T]) -> Vec<T> {
         let n_cols = self.page.n_cols;
         self.rows.iter().flat_map(|row| self.cols.iter().map(move |col| values[row * n_cols + col])).collect()
@@ -322,7 +329,7 @@ impl<'a> Thinned<'a> {
         Ok(out)
     }
 
-    /// Buildings in gray by height, with light from the north-west, over pale ground.
+    /// Draws buildings in gray by height, with light from the north-west, over pale ground.
     fn backdrop(&self) -> Result<Vec<u8>, String> {
         let heights = self.pick(self.page.above_ground_m);
         let n_cells = [self.cols.len(), self.rows.len()];

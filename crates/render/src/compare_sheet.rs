@@ -1,7 +1,8 @@
-//! Placements side by side on one sheet: a small map each, what changes between pairs of them, and how many see a cell.
+//! Placements side by side on one sheet: a small map of each, maps of the change in pairs, and a
+//! map of counts.
 //!
-//! All maps have one scale and one legend. Where the maps leave a place in their last row, the number of UAVs that see a
-//! cell stands there, else behind the pairs.
+//! All maps have one scale and one legend. The map of counts fills the last row of placements if
+//! there is room, else it follows the pairs.
 
 use super::check;
 use super::colors::{self, Rgb};
@@ -22,7 +23,7 @@ const HEADING: Type = Type { size: 30.0, ..NAME };
 pub struct CompareSheet<'a> {
     /// Title.
     pub title: &'a str,
-    /// What comes out, below the title.
+    /// Result in words, below the title.
     pub verdict: &'a str,
     /// Lines below; long ones are wrapped.
     pub caption: &'a [String],
@@ -32,52 +33,52 @@ pub struct CompareSheet<'a> {
     pub n_rows: usize,
     /// Cell size along columns and along rows \[m\].
     pub cell_m: (f64, f64),
-    /// Two placements or more.
+    /// Placements, at least two.
     pub maps: &'a [CompareMap<'a>],
-    /// Pairs of them.
+    /// Pairs of placements.
     pub pairs: &'a [ComparePair<'a>],
     /// Surface heights for gray tones and hillshade of buildings \[m\]; not finite where unknown.
     pub surface_m: Option<&'a [f32]>,
-    /// What class 2 is, in the plural and capitalized, such as `Buildings`.
+    /// Name of class 2, plural and capitalized, such as `Buildings`.
     pub others_name: &'a str,
 }
 
 /// A placement.
 #[derive(Clone, Copy, Debug)]
 pub struct CompareMap<'a> {
-    /// What stands over it, such as `UAV 1 · 60 m above ground`.
+    /// Heading, such as `UAV 1 · 60 m above ground`.
     pub title: &'a str,
-    /// A line below that, such as its P_LoS with interval.
+    /// Line below the heading, such as its P_LoS with interval.
     pub detail: &'a str,
-    /// Classes as of [`MapPicture`](super::MapPicture).
+    /// Classes as in [`MapPicture`](super::MapPicture).
     pub mask: &'a [u8],
-    /// Where the UAV is, if that is known.
+    /// Mark of the UAV, if its place is known.
     pub mark: Option<Mark<'a>>,
 }
 
-/// What changes from one placement to another.
+/// Change from one placement to another.
 #[derive(Clone, Copy, Debug)]
 pub struct ComparePair<'a> {
-    /// What stands over it, such as `1 → 2`.
+    /// Heading, such as `1 → 2`.
     pub title: &'a str,
-    /// A line below that, such as the difference of P_LoS with its interval.
+    /// Line below the heading, such as the difference of P_LoS with its interval.
     pub detail: &'a str,
-    /// The first, as an index of the maps.
+    /// Index of the first map.
     pub first: usize,
-    /// The second.
+    /// Index of the second map.
     pub second: usize,
 }
 
-/// Columns of maps, and the length \[px\] that the longer side of a map aims at.
+/// Returns the number of maps in a row, and the target length \[px\] of a map's longer side.
 fn arrangement(n_maps: usize) -> (usize, f64) {
     if n_maps == 2 { (2, 760.0) } else { (4, 520.0) }
 }
 
-/// Draws placements.
+/// Draws placements side by side.
 ///
 /// # Errors
-/// Fewer than two maps, a pair of maps that are not there, an empty raster, an array of another length, or a cell size
-/// that is not positive.
+/// Fewer than two maps, a pair with an index beyond the maps, an empty raster, an array of another
+/// length, or a cell size that is not positive.
 pub fn draw_compare_sheet(sheet: &CompareSheet<'_>) -> Result<Sheet, String> {
     if sheet.maps.len() < 2 {
         return Err(format!("cannot draw {} placements side by side: there must be at least 2", sheet.maps.len()));
@@ -118,16 +119,16 @@ pub fn draw_compare_sheet(sheet: &CompareSheet<'_>) -> Result<Sheet, String> {
     Ok(maps.finish(page, |room| painter.legend(room), sheet.caption))
 }
 
-/// Paints the maps of a sheet, and counts over all of them what the legend names.
+/// Painter of the maps of a sheet. It counts the classes over all maps, for the legend.
 struct Painter<'a> {
     sheet: &'a CompareSheet<'a>,
     maps: Maps<'a>,
     counts_palette: Vec<Rgb>,
-    /// NLoS, LoS, not a receiver, out of range, nodata, open ground.
+    /// Cells by class: NLoS, LoS, not a receiver, out of range, nodata, open ground.
     classes: Vec<u64>,
-    /// Neither, only the first, only the second, both.
+    /// Cells of the pairs: seen by neither, only the first, only the second, both.
     pairs: Vec<u64>,
-    /// Seen by none, one, two …
+    /// Cells by count: seen by none, one, two …
     counts: Vec<u64>,
 }
 
@@ -143,7 +144,7 @@ impl Painter<'_> {
         let [first, second] = [pair.first, pair.second].map(|k| &self.sheet.maps[k]);
         let painted = self.maps.canvas.paint(&colors::PAIR, |cell| {
             let [a, b] = [first.mask[cell], second.mask[cell]];
-            // A cell that is a receiver of one alone is drawn as what it is to the other.
+            // A cell that is a receiver in only one mask takes its class from the other mask.
             special(a.max(b), 4).unwrap_or_else(|| usize::from(a) + 2 * usize::from(b))
         });
         add(&mut self.pairs, &painted.histogram);
@@ -170,7 +171,7 @@ impl Painter<'_> {
         self.maps.panel(("How many see a cell", &detail), painted.image, &marks)
     }
 
-    /// The legend of all maps.
+    /// Makes the legend of all maps.
     fn legend(&self, room: f64) -> Block {
         let entry = |swatch, name: &str| furniture::legend_entry(swatch, name, "");
         let flat = |of: &[(u64, Rgb, &str)]| -> Vec<Block> {

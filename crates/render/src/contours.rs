@@ -1,11 +1,13 @@
-//! Iso-lines of a field on a rectilinear grid: marching squares with linear interpolation along grid lines.
+//! Iso-lines of a field on a rectilinear grid: marching squares with linear interpolation along
+//! grid lines.
 //!
-//! Where a square has opposite corners on one side of the level, the mean of its corners decides which two are joined.
-//! Squares with an unknown corner have no line.
+//! If a square has opposite corners on one side of the level, the mean of its corners decides which
+//! edges are joined. Squares with an unknown corner have no line.
 
 use std::collections::{BTreeMap, VecDeque};
 
-/// A field on a grid: places of the columns and of the rows \[px\] and values `[n_rows, n_cols]`, columns fastest.
+/// A field on a grid: places of the columns and of the rows \[px\] and values `[n_rows, n_cols]`,
+/// columns fastest.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Field<'a> {
     /// Places of the columns, monotonic.
@@ -16,14 +18,16 @@ pub(crate) struct Field<'a> {
     pub(crate) values: &'a [Option<f64>],
 }
 
-/// Points that are joined one after the other \[px\].
+/// Points joined in order \[px\].
 pub(crate) type Path = Vec<[f64; 2]>;
 
-/// A grid line between two neighboring grid points: the first of them, and whether the other is in the next row.
+/// Grid line between neighboring grid points: row and column of the first, and `true` if the second
+/// is in the next row.
 type Edge = (usize, usize, bool);
 
 impl Field<'_> {
-    /// Returns the lines along which the field has this level, each as an open path or, with equal ends, a closed one.
+    /// Returns the lines along which the field has this level: open paths, or closed paths with
+    /// equal ends.
     pub(crate) fn lines(&self, level: f64) -> Vec<Path> {
         let mut joined: BTreeMap<Edge, Vec<Edge>> = BTreeMap::new();
         for row in 1..self.y.len() {
@@ -54,7 +58,8 @@ impl Field<'_> {
         self.values[row * self.x.len() + col]
     }
 
-    /// The pairs of edges that the level joins in the square from this grid point to the next row and column.
+    /// Returns the pairs of edges that the level joins in the square from this grid point to the
+    /// next row and column.
     fn in_square(&self, row: usize, col: usize, level: f64) -> Vec<(Edge, Edge)> {
         // Around the square; edge k is between corners k and k + 1.
         let corners = [(row, col), (row, col + 1), (row + 1, col + 1), (row + 1, col)];
@@ -80,7 +85,7 @@ impl Field<'_> {
         }
     }
 
-    /// Where the level lies on an edge whose ends are on both sides of it.
+    /// Returns the point of the level on an edge whose ends are on both sides of it.
     fn crossing(&self, (row, col, is_down): Edge, level: f64) -> [f64; 2] {
         let (next_row, next_col) = if is_down { (row + 1, col) } else { (row, col + 1) };
         let ends = [self.value(row, col), self.value(next_row, next_col)].map(Option::unwrap_or_default);
@@ -90,7 +95,7 @@ impl Field<'_> {
     }
 }
 
-/// Takes one segment at an edge, and says where it leads.
+/// Takes one segment at an edge, and returns the edge at its far end.
 fn take(joined: &mut BTreeMap<Edge, Vec<Edge>>, at: Edge) -> Option<Edge> {
     let next = joined.get_mut(&at)?.pop()?;
     if let Some(others) = joined.get_mut(&next)
@@ -106,7 +111,8 @@ fn take(joined: &mut BTreeMap<Edge, Vec<Edge>>, at: Edge) -> Option<Edge> {
     Some(next)
 }
 
-/// Cuts `gap` \[px\] out of the middle of a path, and returns what is left of it and the middle, if it is long enough.
+/// Cuts `gap` \[px\] out of the middle of a path. Returns both pieces and the middle; `None` for a
+/// path shorter than three gaps.
 pub(crate) fn cut_middle(line: &[[f64; 2]], gap: f64) -> Option<([Path; 2], [f64; 2])> {
     let length = |pair: &[[f64; 2]]| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
     let total: f64 = line.windows(2).map(length).sum();
@@ -115,7 +121,7 @@ pub(crate) fn cut_middle(line: &[[f64; 2]], gap: f64) -> Option<([Path; 2], [f64
     }
     let first = head(line, total / 2.0);
     let middle = *first.last()?;
-    // What is near the middle goes, however the path winds there.
+    // Points near the middle are cut off, however the path winds there.
     let is_far = |p: &[f64; 2]| (p[0] - middle[0]).hypot(p[1] - middle[1]) >= gap / 2.0;
     let half = |points: Path| -> Path {
         let Some(last) = points.iter().rposition(is_far) else { return Vec::new() };
@@ -135,7 +141,7 @@ pub(crate) fn cut_middle(line: &[[f64; 2]], gap: f64) -> Option<([Path; 2], [f64
     Some(([half(first), half(head(&reversed, total / 2.0))], middle))
 }
 
-/// The beginning of a path, `wanted` \[px\] long.
+/// Returns the first `wanted` \[px\] of a path.
 fn head(line: &[[f64; 2]], wanted: f64) -> Path {
     let mut rest = wanted;
     let mut points: Path = line.first().copied().into_iter().collect();

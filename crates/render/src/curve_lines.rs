@@ -4,21 +4,22 @@ use super::line_look::{LineLook, LineStyle, MARKER};
 use super::plot::{SLACK, Window};
 use super::sheet::Drawing;
 
-/// Between the markers of one solid line along the horizontal axis \[px\].
+/// Least distance between markers of a solid line along the horizontal axis \[px\].
 const MARKER_STEP: f64 = 26.0;
 
 /// A line of a plot. Lines with the same label in several panels share one entry of the legend.
 #[derive(Clone, Copy, Debug)]
 pub struct CurveLine<'a> {
-    /// What it is called; an empty label is not in the legend.
+    /// Name; an empty one is not in the legend.
     pub label: &'a str,
-    /// Which color, marker and pattern; 8 colors, 6 shapes and 19 patterns are used in turn.
+    /// Index of color, marker and pattern; 8 colors, 6 shapes and 19 patterns are used in turn.
     pub color_index: usize,
-    /// How it is drawn.
+    /// Look of the line.
     pub look: LineLook,
-    /// Its points; abscissas do not descend.
+    /// Points; abscissas do not descend.
     pub points: &'a [CurvePoint],
-    /// What the stroke and the band go through instead, where more is known of them than at the points, which keep the markers.
+    /// Denser points for the stroke and the band; if empty, these use `points`. Markers always stay
+    /// at `points`.
     pub through: &'a [CurvePoint],
 }
 
@@ -27,25 +28,26 @@ pub struct CurveLine<'a> {
 pub struct CurvePoint {
     /// Abscissa, in the unit of the horizontal axis.
     pub x: f64,
-    /// Ordinate, in the unit of the vertical axis; nothing is a gap in the line.
+    /// Ordinate, in the unit of the vertical axis; `None` is a gap in the line.
     pub y: Option<f64>,
-    /// Ends of its interval, ascending.
+    /// Ends of the interval, ascending.
     pub low_high: Option<(f64, f64)>,
 }
 
 impl CurveLine<'_> {
-    /// How it looks.
+    /// Returns the style of the line.
     pub(crate) fn style(&self) -> LineStyle {
         LineStyle::new(self.look, self.color_index)
     }
 
-    /// What its stroke goes through.
+    /// Returns the points that the stroke goes through.
     fn stroked(&self) -> &[CurvePoint] {
         if self.through.is_empty() { self.points } else { self.through }
     }
 }
 
-/// Draws lines, the first of them on top: behind all bands, then strokes, then error bars and hollow markers.
+/// Draws lines, the first of them on top. Bands lie behind strokes, and strokes behind looks
+/// without one.
 pub(crate) fn lines(lines: &[CurveLine<'_>], window: &Window) -> Drawing {
     let mut drawing = Drawing::default();
     let styled = lines.iter().rev().map(|line| (line, line.style()));
@@ -59,7 +61,7 @@ pub(crate) fn lines(lines: &[CurveLine<'_>], window: &Window) -> Drawing {
             markers(&mut drawing, line, style, window);
         }
     }
-    // Estimates, and over them what was measured.
+    // Estimates, and measurements over them.
     apart.sort_by_key(|(line, _)| line.look == LineLook::Points);
     for (line, style) in &apart {
         markers(&mut drawing, line, style, window);
@@ -82,7 +84,7 @@ fn strokes(drawing: &mut Drawing, line: &CurveLine<'_>, style: &LineStyle, windo
     for run in runs(line.stroked(), |p| p.y) {
         let points: Vec<[f64; 2]> = run.iter().map(|(x, y)| window.at(*x, *y)).collect();
         match points[..] {
-            // Between two gaps there is nothing to join.
+            // A point between two gaps has nothing to join.
             [at] if window.shows(at) && !style.has_markers() => {
                 drawing.circle(at, 3.0, &format!("fill=\"{}\"", style.color));
             }
@@ -94,7 +96,8 @@ fn strokes(drawing: &mut Drawing, line: &CurveLine<'_>, style: &LineStyle, windo
     }
 }
 
-/// Draws the points of a line, as far as they keep apart, and their intervals where no line has a band of them.
+/// Draws the markers of a line; looks without a stroke have error bars, too. Markers too close to
+/// the last one are left out, unless the look shows all.
 fn markers(drawing: &mut Drawing, line: &CurveLine<'_>, style: &LineStyle, window: &Window) {
     let mut last = [f64::NEG_INFINITY; 2];
     for (point, y) in line.points.iter().filter_map(|p| p.y.map(|y| (p, y))) {
@@ -128,14 +131,15 @@ fn error_bar(drawing: &mut Drawing, point: &CurvePoint, style: &LineStyle, windo
     style.draw_error_bar(drawing, x, ends.map(|[_, y]| y.clamp(0.0, window.size[1])), capped);
 }
 
-/// Stretches of points without a gap, each point with its abscissa.
+/// Returns the stretches of points without a gap, each point with its abscissa.
 fn runs<T: Copy>(points: &[CurvePoint], value: impl Fn(&CurvePoint) -> Option<T>) -> Vec<Vec<(f64, T)>> {
     let values: Vec<Option<(f64, T)>> = points.iter().map(|point| Some((point.x, value(point)?))).collect();
     let runs = values.split(Option::is_none).map(|run| run.iter().flatten().copied().collect::<Vec<_>>());
     runs.filter(|run| !run.is_empty()).collect()
 }
 
-/// The pieces of an open path inside a plot of this size (Liang & Barsky 1984, for each segment).
+/// Clips an open path to a plot of this size, and returns its pieces (Liang & Barsky 1984, for each
+/// segment).
 fn clip_line(points: &[[f64; 2]], size: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
     let mut pieces: Vec<Vec<[f64; 2]>> = Vec::new();
     let mut goes_on = false;
@@ -170,7 +174,7 @@ fn clip_line(points: &[[f64; 2]], size: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
     pieces
 }
 
-/// The part of an area inside a plot of this size (Sutherland & Hodgman 1974).
+/// Clips an area to a plot of this size (Sutherland & Hodgman 1974).
 fn clip_area(mut area: Vec<[f64; 2]>, size: [f64; 2]) -> Vec<[f64; 2]> {
     for (k, border, sign) in [(0, 0.0, 1.0), (0, size[0], -1.0), (1, 0.0, 1.0), (1, size[1], -1.0)] {
         let depth = |p: &[f64; 2]| (p[k] - border) * sign;

@@ -1,4 +1,5 @@
-//! Curves with confidence bands, estimates with error bars and models over them, in one plot or in small multiples.
+//! Curves with confidence bands, estimates with error bars and models over them, in one plot or in
+//! small multiples.
 
 use super::check;
 use super::curve_lines::{self, CurveLine, CurvePoint};
@@ -18,31 +19,32 @@ pub struct CurveSheet<'a> {
     pub title: &'a str,
     /// Lines below; long ones are wrapped.
     pub caption: &'a [String],
-    /// One to twelve plots, row by row.
+    /// Plots, one to twelve, row by row.
     pub panels: &'a [CurvePanel<'a>],
-    /// Plots beside each other.
+    /// Number of plots in a row.
     pub columns: usize,
 }
 
 /// One plot.
 #[derive(Clone, Copy, Debug)]
 pub struct CurvePanel<'a> {
-    /// What stands over it, such as `(a) Urban`; may be empty.
+    /// Heading, such as `(a) Urban`; may be empty.
     pub title: &'a str,
-    /// Name of the horizontal axis with its unit, such as `Elevation angle θ [°]`. With a degree sign and an end at a
-    /// multiple of 90, ticks are multiples of 10, 15, 30, 45 or 90.
+    /// Name of the horizontal axis with its unit, such as `Elevation angle θ [°]`. With a degree
+    /// sign and an upper end at a multiple of 90, ticks are multiples of 10, 15, 30, 45 or 90.
     pub x_name: &'a str,
-    /// Ends of the horizontal axis, ascending; what lies beyond is cut off.
+    /// Ends of the horizontal axis, ascending; lines are cut off there.
     pub x_ends: [f64; 2],
     /// Name of the vertical axis with its unit, such as `P_LoS`.
     pub y_name: &'a str,
-    /// Ends of the vertical axis, ascending; what lies beyond is cut off.
+    /// Ends of the vertical axis, ascending; lines are cut off there.
     pub y_ends: [f64; 2],
-    /// Up to 24 lines, the first one on top.
+    /// Lines, up to 24, the first one on top.
     pub lines: &'a [CurveLine<'a>],
 }
 
-/// Width and height of the frames \[px\]. Words have one size: the more plots, the wider the sheet is meant to be.
+/// Returns width and height of the frames \[px\]. Words have one size, so a sheet of more plots is
+/// meant to be wider.
 fn frame_size(columns: usize) -> [f64; 2] {
     match columns {
         1 => [760.0, 560.0],
@@ -54,8 +56,10 @@ fn frame_size(columns: usize) -> [f64; 2] {
 /// Draws curves.
 ///
 /// # Errors
-/// No panel or more than twelve, no column, more than 24 lines in a panel or labels in the legend, one label with two
-/// looks, or ends of an axis or points that are not finite or do not ascend.
+/// * No panel or more than twelve, or no column.
+/// * More than 24 lines in a panel, or labels in the legend.
+/// * One label with two looks.
+/// * Ends of an axis or points that are not finite or do not ascend.
 pub fn draw_curve_sheet(sheet: &CurveSheet<'_>) -> Result<Sheet, String> {
     panel_grid::check(sheet.panels.len(), sheet.columns)?;
     for panel in sheet.panels {

@@ -1,7 +1,8 @@
-//! What stands around a map: legend entries, color bars, the scale bar, the north arrow, and their arrangement.
+//! Furniture of a map: legend entries, color bars, the scale bar, the north arrow, and their
+//! arrangement.
 //!
-//! Each piece is a [`Block`], a drawing with a size; [`flow`] and [`stack`] put blocks into rows or a column, so that
-//! nothing overlaps whatever the words are.
+//! Each piece is a [`Block`], a drawing with a size. [`flow`] and [`stack`] put blocks into rows or
+//! a column, so that nothing overlaps, however long the words are.
 
 use super::colors::{self, HAIRLINE, INK, MUTED, Rgb, fill};
 use super::lettering::{self, Anchor, Type, Weight};
@@ -10,11 +11,11 @@ use super::sheet::Drawing;
 /// Height of a legend entry \[px\].
 pub(crate) const ENTRY_HEIGHT: f64 = 58.0;
 
-/// Large words: the title.
+/// Text style of titles.
 pub(crate) const TITLE: Type = Type { size: 42.0, weight: Weight::SemiBold, color: INK, anchor: Anchor::Start };
-/// Names in a legend.
+/// Text style of names in a legend.
 pub(crate) const NAME: Type = Type { size: 25.0, weight: Weight::SemiBold, color: INK, anchor: Anchor::Start };
-/// What is said about them, numbers at ticks, captions.
+/// Text style of details in a legend, numbers at ticks, and captions.
 pub(crate) const DETAIL: Type = Type { size: 23.0, weight: Weight::Regular, color: MUTED, anchor: Anchor::Start };
 
 /// A drawing of known size \[px\], its origin at the top left.
@@ -25,22 +26,22 @@ pub(crate) struct Block {
     pub(crate) drawing: Drawing,
 }
 
-/// How a legend entry shows its color.
+/// Sample of color in a legend entry.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Swatch {
     /// One color.
     Flat(Rgb),
-    /// From light to dark.
+    /// Gradient from one color to another.
     Range(Rgb, Rgb),
     /// Stripes, for cells without data.
     Hatched,
     /// The symbol of a UAV.
     Uav,
-    /// An observer.
+    /// The symbol of an observer.
     Observer,
 }
 
-/// Names longer than this are shortened \[px\].
+/// Widest name \[px\]; longer ones are shortened.
 const WIDEST_NAME: f64 = 460.0;
 
 /// Makes a legend entry: a swatch, a name, and a line of detail.
@@ -93,7 +94,7 @@ pub(crate) fn uav_symbol(drawing: &mut Drawing, [x, y]: [f64; 2], radius: f64) {
     }
 }
 
-/// Draws someone who looks up, with a white halo, `radius` \[px\] around `center`.
+/// Draws an observer with a white halo, `radius` \[px\] around `center`.
 pub(crate) fn observer_symbol(drawing: &mut Drawing, [x, y]: [f64; 2], radius: f64) {
     let (head, shoulders) = (0.32 * radius, 0.55 * radius);
     let (neck, feet) = (y - 0.05 * radius, y + 0.85 * radius);
@@ -113,13 +114,15 @@ fn north_arrow() -> Block {
     Block { width: 38.0, height: 76.0, drawing }
 }
 
-/// Draws the halves of a north arrow, a dark one at the right and a light one at the left; the last place is between their feet.
+/// Draws the dark right half and the light left half of a north arrow; `notch` is between their
+/// feet.
 pub(crate) fn north_halves(drawing: &mut Drawing, tip: [f64; 2], right: [f64; 2], left: [f64; 2], notch: [f64; 2]) {
     drawing.polygon(&[tip, right, notch], &format!("fill=\"{INK}\""));
     drawing.polygon(&[tip, left, notch], &format!("fill=\"#FFFFFF\" {}", stroke(INK, 1.6, "")));
 }
 
-/// Returns the length nearest to `wanted` among 1, 2 and 5 times powers of ten; 1 where `wanted` is no length.
+/// Returns the length nearest to `wanted` among 1, 2 and 5 times powers of ten, or 1 if `wanted` is
+/// not within 1e-300 to 1e300.
 fn round_length(wanted: f64) -> f64 {
     if !(1e-300..=1e300).contains(&wanted) {
         return 1.0;
@@ -179,7 +182,7 @@ pub(crate) fn beside(blocks: &[Block], gap: f64) -> Block {
     Block { width: x, height, drawing }
 }
 
-/// Places blocks in as few rows no wider than `max_width` as possible, aligned in columns.
+/// Places blocks in as few rows as possible, no wider than `max_width` and aligned in columns.
 pub(crate) fn flow(blocks: &[Block], max_width: f64, gap: [f64; 2]) -> Block {
     let widths = |per_row: usize| -> Vec<f64> {
         let column = |col: usize| blocks.iter().skip(col).step_by(per_row).map(|b| b.width).fold(0.0, f64::max);
@@ -218,7 +221,7 @@ pub(crate) fn stack(blocks: &[Block], gap: f64) -> Block {
     Block { width, height: y, drawing }
 }
 
-/// Text of more lines than about this is shortened.
+/// Most lines of a paragraph, roughly; longer text is shortened.
 const MOST_LINES: f64 = 60.0;
 
 /// Sets wrapped lines of text as a block.
@@ -234,7 +237,8 @@ pub(crate) fn paragraph(text: &str, style: Type, max_width: f64) -> Block {
     Block { width, height: leading * lines.len() as f64, drawing }
 }
 
-/// Sets caption lines below each other, the first in ink, the others muted. The backticks of messages are left out.
+/// Sets caption lines below each other, the first in ink, further ones muted. The backticks of
+/// messages are left out.
 pub(crate) fn caption(lines: &[String], max_width: f64) -> Block {
     let style = |i: usize| Type { color: if i == 0 { INK } else { MUTED }, ..DETAIL };
     let lines = lines.iter().map(|line| line.replace('`', "")).enumerate();
@@ -242,30 +246,32 @@ pub(crate) fn caption(lines: &[String], max_width: f64) -> Block {
     stack(&lines, 5.0)
 }
 
-/// A continuous scale and what lies beyond its ends.
+/// Continuous scale, open at an end if values lie beyond it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scale {
     /// Value at the left end.
     pub(crate) low: f64,
     /// Value at the right end.
     pub(crate) high: f64,
-    /// Some values lie below: the bar ends in a point.
+    /// True if some values lie below: the bar ends in a point there.
     pub(crate) open_low: bool,
-    /// Some values lie above.
+    /// True if some values lie above.
     pub(crate) open_high: bool,
 }
 
 /// Length of the point of an open color bar \[px\].
 const POINT: f64 = 20.0;
 
-/// From the left of the block of a color bar to the bar \[px\]: room for a point and for half the text of a tick.
+/// Returns the distance from the left of a color bar's block to the bar \[px\]: room for a point
+/// and for half the text of a tick.
 pub(crate) fn color_bar_inset(scale: Scale) -> f64 {
     let ticks = ticks(scale.low, scale.high, 5.0);
     let pad = ticks.iter().map(|(_, text)| DETAIL.width(text) / 2.0);
     pad.fold(POINT + 2.0, f64::max).ceil().min(60.0)
 }
 
-/// Makes a color bar of `width` \[px\] under its name, with round ticks; the name includes the unit.
+/// Makes a color bar of `width` \[px\] under its name, with round ticks; the name includes the
+/// unit.
 pub(crate) fn color_bar(name: &str, scale: Scale, colors_along: &[Rgb], width: f64) -> Block {
     const BAR: f64 = 26.0;
     let tick_style = Type { anchor: Anchor::Middle, ..DETAIL };
@@ -301,7 +307,8 @@ pub(crate) fn color_bar(name: &str, scale: Scale, colors_along: &[Rgb], width: f
     Block { width: (right + left).max(name_width), height: top + BAR + 36.0, drawing }
 }
 
-/// Returns about `wanted` round values, at least two, between `low` and `high` (`low` < `high`) with their texts.
+/// Returns about `wanted` (at least 2) round values between `low` and `high` (`low` < `high`) with
+/// their texts.
 pub(crate) fn ticks(low: f64, high: f64, wanted: f64) -> Vec<(f64, String)> {
     let step = round_length((high - low) / wanted.max(2.0));
     let mut decimals = 0;
@@ -325,18 +332,19 @@ pub(crate) fn frame(drawing: &mut Drawing, [left, top]: [f64; 2], [width, height
     drawing.rect(around, &format!("fill=\"none\" {}", ink(1.6)));
 }
 
-/// The attributes of a line of a width \[px\], with dashes and gaps unless `dash` is empty.
+/// Returns the SVG attributes of a line of a width \[px\], with dashes and gaps unless `dash` is
+/// empty.
 pub(crate) fn stroke(color: &str, width: f64, dash: &str) -> String {
     let dash = if dash.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dash}\"") };
     format!("stroke=\"{color}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"{dash}")
 }
 
-/// The attributes of a line in ink, its corners not rounded.
+/// Returns the SVG attributes of a line in ink with corners that are not rounded.
 pub(crate) fn ink(width: f64) -> String {
     format!("stroke=\"{INK}\" stroke-width=\"{width}\"")
 }
 
-/// The attributes of a hairline.
+/// Returns the SVG attributes of a hairline.
 pub(crate) fn hairline() -> String {
     format!("stroke=\"{HAIRLINE}\" stroke-width=\"1.2\"")
 }

@@ -1,4 +1,5 @@
-//! P_LoS against two quantities as a field of colored cells, in one plot or in small multiples with one color bar.
+//! P_LoS against two quantities as a field of colored cells, in one plot or in small multiples with
+//! one color bar.
 
 use super::check;
 use super::colors::{self, Ramp};
@@ -10,13 +11,13 @@ use super::panel_grid::{self, Panel};
 use super::plot::{Axis, Direction, Span};
 use super::sheet::{Drawing, Sheet};
 
-/// Most values along an axis: more have no pixel each.
+/// Most values along an axis; more would have less than a pixel each on small plots.
 const MOST_VALUES: usize = 400;
 /// Length of the color bar \[px\].
 const BAR: f64 = 400.0;
-/// Iso-lines of P_LoS.
+/// Levels of the iso-lines of P_LoS.
 const LEVELS: [f64; 3] = [0.1, 0.5, 0.9];
-/// The level in an iso-line.
+/// Text style of the level in an iso-line.
 const LEVEL: Type = Type { size: 20.0, weight: Weight::SemiBold, anchor: Anchor::Middle, ..DETAIL };
 
 /// Plots of P_LoS against two quantities with one color bar.
@@ -26,22 +27,23 @@ pub struct HeatSheet<'a> {
     pub title: &'a str,
     /// Lines below; long ones are wrapped.
     pub caption: &'a [String],
-    /// One to twelve plots, row by row.
+    /// Plots, one to twelve, row by row.
     pub panels: &'a [HeatPanel<'a>],
-    /// Plots beside each other.
+    /// Number of plots in a row.
     pub columns: usize,
 }
 
 /// One plot.
 #[derive(Clone, Copy, Debug)]
 pub struct HeatPanel<'a> {
-    /// What stands over it, such as `(a) Street`; may be empty.
+    /// Heading, such as `(a) Street`; may be empty.
     pub title: &'a str,
     /// Horizontal axis.
     pub x: HeatAxis<'a>,
     /// Vertical axis.
     pub y: HeatAxis<'a>,
-    /// P_LoS, 0 to 1, `[n_y, n_x]`, the horizontal quantity running fastest; nothing is drawn as no value.
+    /// P_LoS, 0 to 1, `[n_y, n_x]`, the horizontal quantity running fastest. `None` is drawn as no
+    /// value.
     pub values: &'a [Option<f64>],
 }
 
@@ -50,11 +52,12 @@ pub struct HeatPanel<'a> {
 pub struct HeatAxis<'a> {
     /// Name with unit, such as `Azimuth φ [°]`.
     pub name: &'a str,
-    /// One to 400 ascending values, to the right or upward. Cells have them in their middle and meet midway.
+    /// Ascending values, 1 to 400, to the right or upward. A cell has its value in the middle, and
+    /// neighbors meet midway.
     pub values: &'a [f64],
 }
 
-/// Width and height of the frames \[px\].
+/// Returns width and height of the frames \[px\].
 fn frame_size(columns: usize) -> [f64; 2] {
     match columns {
         1 => [680.0, 520.0],
@@ -66,8 +69,10 @@ fn frame_size(columns: usize) -> [f64; 2] {
 /// Draws heat maps.
 ///
 /// # Errors
-/// No panel or more than twelve, no column, an axis without values, with too many, or with values that are not finite
-/// or do not ascend, an array of another length, or a P_LoS outside 0 to 1.
+/// * No panel or more than twelve, or no column.
+/// * An axis without values, with more than 400, or with values that are not finite or do not
+///   ascend.
+/// * An array of another length, or a P_LoS outside 0 to 1.
 pub fn draw_heat_sheet(sheet: &HeatSheet<'_>) -> Result<Sheet, String> {
     panel_grid::check(sheet.panels.len(), sheet.columns)?;
     sheet.panels.iter().try_for_each(check)?;
@@ -104,7 +109,7 @@ fn check(panel: &HeatPanel<'_>) -> Result<(), String> {
     }
 }
 
-/// Where the cells along one axis lie.
+/// Cells along one axis.
 #[derive(Clone, Debug)]
 struct Cells<'a> {
     name: &'a str,
@@ -121,7 +126,7 @@ impl<'a> Cells<'a> {
         let HeatAxis { name, values } = *axis;
         let n = values.len();
         let midway = values.windows(2).map(|pair| pair[0] + (pair[1] - pair[0]) / 2.0);
-        // The outer cells are as wide beyond their middle as before it; a single one has any width.
+        // The outer cells are as wide beyond their middle as before it; a single cell has width 1.
         let (first, last) = match n {
             1 => (0.5, 0.5),
             _ => ((values[1] - values[0]) / 2.0, (values[n - 1] - values[n - 2]) / 2.0),
@@ -133,18 +138,18 @@ impl<'a> Cells<'a> {
         Self { name, values, direction, span, length, borders }
     }
 
-    /// Distances of the values from the left or from the top \[px\].
+    /// Returns the distances of the values from the left or from the top \[px\].
     fn middles(&self) -> Vec<f64> {
         self.values.iter().map(|value| self.span.along(*value, self.direction, self.length)).collect()
     }
 
-    /// Start and length of a cell from the left or from the top \[px\].
+    /// Returns start and length of a cell from the left or from the top \[px\].
     fn cell(&self, k: usize) -> [f64; 2] {
         let (a, b) = (self.borders[k], self.borders[k + 1]);
         [a.min(b), (b - a).abs()]
     }
 
-    /// The axis, with a tick at each cell if all texts have room there, else with round ones.
+    /// Makes the axis, with a tick at each cell if all texts have room there, else with round ones.
     fn axis(&self) -> Axis {
         let ticks = self.own_ticks().filter(|ticks| self.span.keeps_apart(ticks, self.direction, self.length));
         let axis = match ticks {
@@ -154,7 +159,7 @@ impl<'a> Cells<'a> {
         Axis { has_grid: false, ..axis }
     }
 
-    /// A tick at each value, if few decimals are enough to write them all.
+    /// Returns a tick at each value; `None` if four decimals cannot write them all.
     fn own_ticks(&self) -> Option<Vec<(f64, String)>> {
         const MOST_DECIMALS: i32 = 4;
         let [low, high] = self.span.ends;
@@ -181,7 +186,7 @@ impl<'a> Plot<'a> {
         Self { panel, x, y: Cells::new(&panel.y, Direction::Up, height) }
     }
 
-    /// The cells with their values: left, top, width, height.
+    /// Returns left, top, width and height of each cell, with its value.
     fn boxes(&self) -> impl Iterator<Item = ([f64; 4], Option<f64>)> {
         let (n_x, n_y) = (self.panel.x.values.len(), self.panel.y.values.len());
         // From the top, so that each cell can reach under the next ones.

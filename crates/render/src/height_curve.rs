@@ -1,4 +1,4 @@
-//! P_LoS against the UAV's height, one curve per UAV, drawn as the steps that it is.
+//! P_LoS against the UAV's height: one curve of steps per UAV.
 
 use super::check;
 use super::colors::MUTED;
@@ -16,15 +16,16 @@ const AXIS: f64 = 104.0;
 /// Width of the plot and the labels at its right \[px\].
 const WIDTH: f64 = 1500.0;
 
-/// So many colors are used in turn.
+/// Number of colors that are used in turn.
 const N_COLORS: usize = 7;
-/// Line patterns, so that neighbors differ in more than color; with the colors 28 different lines.
+/// Line patterns, so that neighbors differ in more than color. With the colors they make 28
+/// different lines.
 const DASHES: [&str; 4] = ["", "18 7", "5 6", "20 6 5 6"];
-/// More labels than this are not placed beside the plot.
+/// Most labels beside the plot; further curves have none.
 const MOST_LABELS: usize = 24;
-/// Up to this many asked heights have a line down to the axis.
+/// Most requested heights with a line down to the axis; if there are more, none has one.
 const MOST_ASKED_LINES: usize = 8;
-/// Up to this many labels have a second line.
+/// Most labels with a second line; if there are more, none has one.
 const MOST_TWO_LINES: usize = 12;
 
 /// A plot of P_LoS against the UAV's height. Heights are above one base \[m\].
@@ -34,7 +35,7 @@ pub struct HeightCurvePlot<'a> {
     pub title: &'a str,
     /// Lines below; long ones are wrapped.
     pub caption: &'a [String],
-    /// What is on the horizontal axis, such as `UAV height above ground`.
+    /// Name of the horizontal axis, such as `UAV height above ground`.
     pub height_name: &'a str,
     /// Ends of the horizontal axis \[m\].
     pub heights_m: [f64; 2],
@@ -45,42 +46,42 @@ pub struct HeightCurvePlot<'a> {
 /// The curve of one UAV.
 #[derive(Clone, Copy, Debug)]
 pub struct HeightCurveLine<'a> {
-    /// What it is called, such as `UAV 1`.
+    /// Name, such as `UAV 1`.
     pub label: &'a str,
-    /// The lowest height that the UAV may have \[m\]: the curve begins there.
+    /// Lowest height that the UAV may have \[m\]; the curve begins there.
     pub lowest_m: f64,
-    /// Heights \[m\], ascending, with P_LoS from there up.
+    /// Steps: heights \[m\], ascending, with P_LoS from there up.
     pub steps: &'a [(f64, f64)],
-    /// The height that was asked for \[m\], marked on the curve.
+    /// Requested height \[m\], marked on the curve.
     pub marked_m: f64,
 }
 
 impl HeightCurveLine<'_> {
-    /// P_LoS at a height \[m\].
+    /// Returns P_LoS at a height \[m\].
     fn p_los(&self, height_m: f64) -> f64 {
         let above = self.steps.partition_point(|s| s.0 <= height_m);
         above.checked_sub(1).map_or(0.0, |last| self.steps[last].1)
     }
 
-    /// Where the asked height is on the curve \[px\].
+    /// Returns the place of the requested height on the curve \[px\].
     fn mark(&self, window: &Window) -> [f64; 2] {
         window.at(self.marked_m, self.p_los(self.marked_m))
     }
 }
 
 impl HeightCurvePlot<'_> {
-    /// Whether the height that was asked of a curve is on the axis.
+    /// Returns `true` when a curve's requested height is on the axis.
     fn shows(&self, curve: &HeightCurveLine<'_>) -> bool {
         (self.heights_m[0]..=self.heights_m[1]).contains(&curve.marked_m)
     }
 
-    /// The curve that is drawn alone, if the height that was asked of it is on the axis.
+    /// Returns the curve that is drawn alone, if its requested height is on the axis.
     fn only(&self) -> Option<&HeightCurveLine<'_>> {
         self.curves.first().filter(|curve| self.curves.len() == 1 && self.shows(curve))
     }
 }
 
-/// How heights and probabilities map to a plot of a width \[px\].
+/// Returns the mapping of heights and probabilities to a plot of a width \[px\].
 fn window(plot: &HeightCurvePlot<'_>, width: f64) -> Window {
     let [low, high] = plot.heights_m;
     Window { size: [width, HEIGHT], x: Span::linear(low, high), y: Span::linear(0.0, 1.0) }
@@ -89,7 +90,8 @@ fn window(plot: &HeightCurvePlot<'_>, width: f64) -> Window {
 /// Draws P_LoS against height.
 ///
 /// # Errors
-/// Ends of the axis that are not finite or not ascending, or a curve with a value that is not finite or not ascending.
+/// Ends of the axis that are not finite or not ascending, or a curve with a value that is not
+/// finite or not ascending.
 pub fn draw_height_curve(plot: &HeightCurvePlot<'_>) -> Result<Sheet, String> {
     check(plot)?;
     let labels = side_labels(plot);
@@ -130,7 +132,7 @@ fn axes(plot: &HeightCurvePlot<'_>, window: &Window) -> [Axis; 2] {
     [x, Axis { name_at: 72.0, ..y }]
 }
 
-/// The look of the line with this index.
+/// Returns color and stroke of the line with this index.
 fn line_style(index: usize) -> (&'static str, String) {
     let (color, dash) = (COLORS[index % N_COLORS], DASHES[index % DASHES.len()]);
     (color, stroke(color, 4.5, dash))
@@ -146,7 +148,7 @@ fn curves(plot: &HeightCurvePlot<'_>, window: &Window) -> Drawing {
         let Some([x, y]) = points.first().copied() else { continue };
         drawing.polyline(&points, &style);
         if curve.lowest_m > plot.heights_m[0] {
-            // Lower the UAV cannot be: the line has a stop.
+            // The UAV cannot be lower: the line ends in a stop.
             drawing.line([x, y - 11.0], [x, (y + 11.0).min(HEIGHT)], &stroke(color, 4.5, ""));
         }
     }
@@ -160,12 +162,13 @@ fn curves(plot: &HeightCurvePlot<'_>, window: &Window) -> Drawing {
     drawing
 }
 
-/// Draws thin lines from the marks down to the asked heights, each once, and from a single mark to its P_LoS.
+/// Draws a thin line from each requested height's mark down to the axis, and from a single mark to
+/// its P_LoS.
 fn asked_lines(drawing: &mut Drawing, plot: &HeightCurvePlot<'_>, window: &Window) {
     let dotted = format!("{} stroke-linecap=\"round\"", stroke(MUTED, 1.8, "2 6"));
     let mut marks: Vec<[f64; 2]> =
         plot.curves.iter().filter(|curve| plot.shows(curve)).map(|curve| curve.mark(window)).collect();
-    // Of marks at one height the highest.
+    // Only the highest of the marks at one height.
     marks.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     marks.dedup_by_key(|mark| mark[0]);
     if marks.len() <= MOST_ASKED_LINES {
@@ -176,7 +179,8 @@ fn asked_lines(drawing: &mut Drawing, plot: &HeightCurvePlot<'_>, window: &Windo
     }
 }
 
-/// The words at the mark of a single curve. A curve only rises, so below its right and above its left are free.
+/// Draws the words at the mark of a single curve. A curve only rises, so the places below right and
+/// above left of the mark are free.
 fn mark_label(drawing: &mut Drawing, curve: &HeightCurveLine<'_>, window: &Window) {
     let ([x, y], [width, height]) = (curve.mark(window), window.size);
     let asked = format!("{} m", number(curve.marked_m, 2));
@@ -185,7 +189,8 @@ fn mark_label(drawing: &mut Drawing, curve: &HeightCurveLine<'_>, window: &Windo
     if right + label.width < width - 8.0 && below + label.height < height - 8.0 {
         return label.draw(drawing, right, below);
     }
-    // At the left border the label reaches over the curve to the right of the mark: above that, too.
+    // At the left border the label reaches to the right of the mark, where it must clear the curve,
+    // too.
     let left = (x - 24.0 - label.width).max(8.0);
     let [low, high] = window.x.ends;
     let height_at = |x: f64| low + x / width * (high - low);
@@ -197,7 +202,8 @@ fn p_words(curve: &HeightCurveLine<'_>) -> String {
     format!("{:.4}", curve.p_los(curve.marked_m))
 }
 
-/// The steps in the window as one line. Steps that share half a pixel are drawn as one, which no eye can tell.
+/// Returns the steps in the window as one line. Steps that share half a pixel are merged, which is
+/// invisible.
 fn step_line(curve: &HeightCurveLine<'_>, window: &Window) -> Vec<[f64; 2]> {
     const FINEST: f64 = 0.5;
     let [low, high] = window.x.ends;
@@ -226,7 +232,7 @@ fn step_line(curve: &HeightCurveLine<'_>, window: &Window) -> Vec<[f64; 2]> {
     line
 }
 
-/// The labels of several curves; a single one needs none.
+/// Returns the labels of several curves; a single curve needs none.
 fn side_labels(plot: &HeightCurvePlot<'_>) -> Vec<SideLabel> {
     if plot.curves.len() < 2 {
         return Vec::new();

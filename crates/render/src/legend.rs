@@ -1,4 +1,4 @@
-//! The legend of lines: one for all panels, where there is room for it.
+//! Legend of lines: one for all panels, placed in a corner, at the right or below.
 
 use super::curve_lines::CurveLine;
 use super::furniture::{self, Block, NAME};
@@ -9,26 +9,26 @@ use super::sheet::Drawing;
 
 /// Length of the sample of a line \[px\].
 const SAMPLE: f64 = 84.0;
-/// From its start to the words \[px\].
+/// Distance from the start of the sample to the words \[px\].
 const WORDS: f64 = SAMPLE + 16.0;
-/// Words wider than this are wrapped \[px\].
+/// Widest words \[px\]; wider ones are wrapped.
 const WIDEST: f64 = 400.0;
-/// Between entries: in a row, in a column \[px\].
+/// Gaps between entries: in a row, in a column \[px\].
 const GAPS: [f64; 2] = [48.0, 14.0];
 
 const LABEL: Type = Type { weight: Weight::Regular, ..NAME };
 
-/// A line of the legend.
+/// Entry of the legend.
 #[derive(Clone, Debug)]
 pub(crate) struct Entry<'a> {
     line: CurveLine<'a>,
     has_band: bool,
 }
 
-/// Collects lines, each label once, in the order in which they come.
+/// Collects lines, each label once, in order of appearance.
 ///
 /// # Errors
-/// A label that means two looks or colors.
+/// A label with two looks or colors.
 pub(crate) fn entries<'a>(lines: impl Iterator<Item = &'a CurveLine<'a>>) -> Result<Vec<Entry<'a>>, String> {
     let mut entries: Vec<Entry<'a>> = Vec::new();
     for line in lines.filter(|line| !line.label.is_empty()) {
@@ -71,7 +71,7 @@ pub(crate) fn with_legend(mut grid: Grid, entries: &[Entry<'_>]) -> Block {
     grid.block
 }
 
-/// Labels of more lines than about this are shortened.
+/// Most lines of a label, roughly; longer ones are shortened.
 const MOST_LINES: f64 = 3.0;
 
 /// Draws an entry: a sample of the line, and its label.

@@ -1,8 +1,9 @@
 //! Letters: the embedded font, the width of a text in it, and wrapping.
 //!
-//! Pictures never use the fonts of the machine. The two weights of Skyshed Sans (a subset of Inter under the SIL Open
-//! Font License, see `fonts/OFL.txt`) are part of the program, and layout measures text with the very advance widths
-//! that the rasterizer uses; kerning is ignored, which overestimates a width by a percent or two.
+//! Pictures never use the fonts of the machine. The two weights of Skyshed Sans are part of the
+//! program: a subset of Inter under the SIL Open Font License, see `fonts/OFL.txt`. Layout measures
+//! text with the advance widths that the rasterizer uses. Kerning is ignored, which overestimates a
+//! width by a percent or two.
 
 use std::sync::{Arc, OnceLock};
 
@@ -13,7 +14,7 @@ use ttf_parser::Face;
 static REGULAR: &[u8] = include_bytes!("fonts/SkyshedSans-Regular.otf");
 static SEMI_BOLD: &[u8] = include_bytes!("fonts/SkyshedSans-SemiBold.otf");
 
-/// The family name in SVG text; what follows serves viewers that lack the font.
+/// Font family in SVG text; the names after the first serve viewers that lack the font.
 pub(crate) const FAMILY: &str = "Skyshed Sans, Inter, Helvetica, Arial, sans-serif";
 
 /// A weight of the embedded font.
@@ -37,7 +38,7 @@ pub(crate) fn fonts() -> Arc<fontdb::Database> {
     }))
 }
 
-/// Where the reference point of a text lies.
+/// Position of the reference point of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Anchor {
     /// At its left end.
@@ -48,7 +49,7 @@ pub(crate) enum Anchor {
     End,
 }
 
-/// How a text is set.
+/// Style of a text.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Type {
     /// Font size \[px\].
@@ -62,7 +63,7 @@ pub(crate) struct Type {
 }
 
 impl Type {
-    /// Width of a text \[px\].
+    /// Returns the width of a text \[px\].
     pub(crate) fn width(self, text: &str) -> f64 {
         static FACES: OnceLock<[Face<'static>; 2]> = OnceLock::new();
         let faces = FACES.get_or_init(|| [REGULAR, SEMI_BOLD].map(|font| Face::parse(font, 0).expect("it is a font")));
@@ -71,7 +72,8 @@ impl Type {
         text.chars().map(|c| f64::from(advance(c))).sum::<f64>() * self.size / f64::from(face.units_per_em())
     }
 
-    /// Breaks a text into lines no wider than `max_width` \[px\]: at spaces, and inside a word that is itself too wide.
+    /// Breaks a text into lines no wider than `max_width` \[px\]: at spaces, and inside words that
+    /// are too wide themselves.
     pub(crate) fn wrap(self, text: &str, max_width: f64) -> Vec<String> {
         let mut lines = Vec::new();
         let mut line = String::new();
@@ -95,8 +97,8 @@ impl Type {
         lines
     }
 
-    /// A text with its end left out where it is wider than `max_width` \[px\]: names may be of any length, pictures are
-    /// not.
+    /// Cuts off the end of a text that is wider than `max_width` \[px\]: names may be of any
+    /// length, pictures are not.
     pub(crate) fn shortened(self, text: &str, max_width: f64) -> String {
         if self.width(text) <= max_width {
             return text.to_string();
@@ -126,13 +128,14 @@ pub(crate) fn escape(text: &str) -> String {
     out
 }
 
-/// A name with a capital.
+/// Returns a name with its first letter capitalized.
 pub fn capitalized(name: &str) -> String {
     let mut letters = name.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// Writes a count with narrow spaces between groups of three digits, as legends do; for use in captions.
+/// Writes a count with narrow spaces between groups of three digits, as legends do; for use in
+/// captions.
 pub fn grouped(n: u64) -> String {
     let mut out = n.to_string();
     if out.len() > 4 {
@@ -143,12 +146,13 @@ pub fn grouped(n: u64) -> String {
 
 /// Writes the share `part / whole` in percent with one decimal, never rounding a remainder away.
 ///
-/// Halves are rounded up, by whole numbers, as `web_page/shares.js` does in pages: one count has one share everywhere.
+/// Halves are rounded up, by integers, as `web_page/shares.js` does in pages, so that one count has
+/// one share everywhere.
 pub fn percent(part: u64, whole: u64) -> String {
     if whole == 0 {
         return "–".to_string();
     }
-    // Tenths of a percent, halves up: the same digits wherever a share is told, here and on pages.
+    // Tenths of a percent, halves up: the same digits here and on pages.
     let tenths = (u128::from(part) * 2000 + u128::from(whole)) / (u128::from(whole) * 2);
     match tenths {
         _ if part == 0 => "0 %".to_string(),
@@ -160,7 +164,8 @@ pub fn percent(part: u64, whole: u64) -> String {
     .replace(' ', "\u{202F}")
 }
 
-/// Writes a number with at most `decimals` decimals, without trailing zeros, and with a true minus sign.
+/// Writes a number with at most `decimals` decimals, without trailing zeros, and with a true minus
+/// sign.
 pub(crate) fn number(value: f64, decimals: usize) -> String {
     let mut out = format!("{value:.decimals$}");
     if out.contains('.') {
@@ -226,7 +231,7 @@ mod tests {
             (percent(1, 100_000), "<\u{202F}0.1\u{202F}%"),
             (percent(0, 0), "–"),
             (percent(637, 1000), "63.7\u{202F}%"),
-            // Ties, of which 3 / 2000 is below its half as a double.
+            // Ties; 3 / 2000 as a double is below its half.
             (percent(1, 400), "0.3\u{202F}%"),
             (percent(3, 2000), "0.2\u{202F}%"),
             (percent(1, 2000), "0.1\u{202F}%"),

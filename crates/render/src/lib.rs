@@ -1,26 +1,29 @@
-//! Pictures: what people look at.
+//! Pictures of maps, cities, links and curves.
 //!
-//! A picture is a pure function of plain slices: no file, no clock, no font of the machine, so equal input gives equal
-//! bytes. Maps and cities are painted pixel by pixel; title, legend, scale bar, marks and caption are SVG over it,
-//! rasterized with the embedded font, or kept as vectors.
+//! A picture is a pure function of plain slices: no file, no clock, no font of the machine. So
+//! equal input gives equal bytes. Maps and cities are painted pixel by pixel. Title, legend, scale
+//! bar, marks and caption are SVG over the pixels, rasterized with the embedded font or kept as
+//! vectors.
 //!
-//! * [`draw_map`]: a coverage map with everything that a publication wants around it.
+//! * [`draw_map`]: a coverage map with title, legend, scale bar, marks and caption.
 //! * [`draw_map_panels`]: a layer of several UAVs side by side.
 //! * [`draw_bare`]: one pixel per cell and nothing else, for overlays.
 //! * [`draw_city`]: a plan and a view of a city.
 //! * [`draw_link_profile`]: one link from the side.
 //! * [`draw_height_curve`]: P_LoS against the UAV's height.
-//! * [`draw_curve_sheet`]: estimates, bands and models against an angle or whatever was varied.
-//! * [`draw_compare_sheet`]: placements side by side, and what changes between them; [`compare_page`] as a web page.
+//! * [`draw_curve_sheet`]: estimates, bands and models against an angle or another varied quantity.
+//! * [`draw_compare_sheet`]: placements side by side, and the changes between them;
+//!   [`compare_page`] as a web page.
 //! * [`live_page`]: a city in which a UAV is dragged, as a web page.
 //! * [`draw_heat_sheet`]: P_LoS against two quantities.
 //! * [`draw_rate_sheet`]: failure rates of methods on families of scenes.
 //! * [`qgis_style`]: the style of a raster for QGIS.
-//! * [`draw_tradeoff`]: what accuracy costs, and the bias of what costs less.
+//! * [`draw_tradeoff`]: cost and error of methods, and the bias of each.
 //!
-//! A drawn [`Sheet`] is written as PNG, SVG or PDF, as wide as a [`PictureForm`] says.
+//! A drawn [`Sheet`] is written as PNG, SVG or PDF, at the width that a [`PictureForm`] sets.
 //!
-//! Blue is line of sight and orange is none, in every picture of places; curves use other colors to tell lines apart.
+//! Blue is line of sight and orange is none, in every picture of places; curves use other colors to
+//! tell lines apart.
 
 mod check;
 mod city_light;

@@ -1,34 +1,38 @@
-//! How lines of plots look, so that they are told apart with any color vision and on a gray printer.
+//! Looks of lines in plots, which differ with any color vision and on a gray printer.
 
 use super::furniture::stroke;
 use super::sheet::Drawing;
 
-/// Colors of lines, told apart with any color vision and dark enough on paper; none means NLoS, as orange would.
+/// Colors of lines, distinct with any color vision and dark enough on paper. None is orange, which
+/// would mean NLoS.
 pub(crate) const COLORS: [&str; 8] =
     ["#0072B2", "#D55E00", "#117733", "#AA4499", "#1B1F24", "#8A7A00", "#2A9D97", "#332288"];
 
-/// Width of a solid line, and of one with a pattern \[px\].
+/// Widths of a solid line and of a dashed one \[px\].
 const STROKES: [f64; 2] = [4.0, 3.4];
 /// Radius of a circle as large as a marker \[px\].
 pub(crate) const MARKER: f64 = 8.0;
 /// Half the length of the cap of an error bar \[px\].
 const CAP: f64 = 9.0;
 
-/// How a line of a [`CurveSheet`](super::CurveSheet) is drawn. Lines have a band where the points have
-/// intervals, markers have error bars.
+/// Look of a line in a [`CurveSheet`](super::CurveSheet). Intervals are drawn as a band by looks
+/// with a line, as error bars by looks without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LineLook {
-    /// A solid line with filled markers at its points, as far as these keep apart.
+    /// A solid line with filled markers at those of its points that keep apart.
     Solid,
-    /// Dashes, without markers, such as a model; each index has a pattern of its own.
+    /// Dashes without markers, such as for a model; each index has its own pattern.
     Dashed,
-    /// Hollow markers with error bars at all points and no line, such as estimates by simulation.
+    /// Hollow markers with error bars at all points and no line, such as for estimates by
+    /// simulation.
     Markers,
-    /// Filled markers and no line, such as measurements; where they would cover each other some are left out.
+    /// Filled markers and no line, such as for measurements; some are left out if they would cover
+    /// each other.
     Points,
 }
 
-/// Patterns of dashed lines, dashes and gaps \[px\]; those eight apart, of lines of one color, are of different kinds.
+/// Patterns of dashed lines: dashes and gaps \[px\]. Patterns eight apart, which lines of one color
+/// have, are of different kinds.
 const DASHES: [&str; 19] = [
     "14 14",
     "9 14",
@@ -51,14 +55,14 @@ const DASHES: [&str; 19] = [
     "34 6 5 6",
 ];
 
-/// Everything that a line needs to be drawn.
+/// Style of a line: everything needed to draw it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LineStyle {
     look: LineLook,
     /// SVG color.
     pub(crate) color: &'static str,
     dash: &'static str,
-    /// Corners of its marker in radii; none are a circle.
+    /// Corners of the marker in radii; empty for a circle.
     marker: &'static [[f64; 2]],
 }
 
@@ -69,22 +73,22 @@ impl LineStyle {
         Self { look, color: COLORS[index % COLORS.len()], dash, marker: MARKERS[index % MARKERS.len()] }
     }
 
-    /// Whether points are joined.
+    /// Returns `true` when points are joined.
     pub(crate) fn has_line(&self) -> bool {
         matches!(self.look, LineLook::Solid | LineLook::Dashed)
     }
 
-    /// Whether points have a marker: some for a solid line, all for markers.
+    /// Returns `true` when points have markers: some on a solid line, all in looks without a line.
     pub(crate) fn has_markers(&self) -> bool {
         self.look != LineLook::Dashed
     }
 
-    /// The attributes of the line.
+    /// Returns the SVG attributes of the line.
     pub(crate) fn stroke(&self) -> String {
         stroke(self.color, STROKES[usize::from(self.look == LineLook::Dashed)], self.dash)
     }
 
-    /// The attributes of the band.
+    /// Returns the SVG attributes of the band.
     pub(crate) fn band(&self) -> String {
         format!("fill=\"{}\" fill-opacity=\"0.2\"", self.color)
     }
@@ -112,8 +116,8 @@ impl LineStyle {
     }
 }
 
-/// Corners of markers about as large as a circle of radius 1, which has none: six shapes with eight colors, used in turn,
-/// make 24 different markers.
+/// Corners of markers about as large as a circle of radius 1, which has none. Six shapes with eight
+/// colors, used in turn, make 24 different markers.
 const MARKERS: [&[[f64; 2]]; 6] = [
     &[],
     &[[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]],

@@ -1,4 +1,4 @@
-//! One link from the side: what the ray passes over, and where it stops.
+//! One link from the side: ground and roofs below the ray, and the point that blocks it.
 
 use skyshed_core::coverage::{ProfileStep, StepKind};
 
@@ -15,14 +15,15 @@ const WIDTH: f64 = 1500.0;
 const HEIGHT: f64 = 620.0;
 const AXIS: f64 = 104.0;
 
-/// A link to draw from the side. Distances run from the UAV along the ground \[m\], heights are above one datum \[m\].
+/// A link to draw from the side. Distances run from the UAV along the ground \[m\], heights are
+/// above one datum \[m\].
 #[derive(Clone, Copy, Debug)]
 pub struct LinkProfile<'a> {
     /// Title.
     pub title: &'a str,
     /// Lines below; long ones are wrapped.
     pub caption: &'a [String],
-    /// What heights are, on their axis.
+    /// Name of the height axis.
     pub heights: &'a str,
     /// Horizontal length of the link \[m\].
     pub distance_m: f64,
@@ -32,7 +33,7 @@ pub struct LinkProfile<'a> {
     pub receiver_m: f64,
     /// Ground and roofs below the link.
     pub steps: &'a [ProfileStep],
-    /// What blocks the link; nothing if it is line of sight.
+    /// Point that blocks the link; `None` for line of sight.
     pub obstruction: Option<Obstruction>,
 }
 
@@ -47,7 +48,7 @@ pub struct Obstruction {
     pub roof_height_m: f64,
 }
 
-/// How meters map to the drawing.
+/// Returns the mapping of meters to the drawing.
 fn window(profile: &LinkProfile<'_>) -> Window {
     let heights = profile.steps.iter().flat_map(|step| step.heights_m).chain([profile.uav_m, profile.receiver_m]);
     let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
@@ -64,7 +65,8 @@ fn window(profile: &LinkProfile<'_>) -> Window {
 /// Draws a link from the side.
 ///
 /// # Errors
-/// A length that is not above 0 m, a height that is not finite, or a step that ends before it starts.
+/// A length that is not above 0 m, a height that is not finite, or a step that ends before it
+/// starts.
 pub fn draw_link_profile(profile: &LinkProfile<'_>) -> Result<Sheet, String> {
     check(profile)?;
     let window = window(profile);
@@ -83,7 +85,7 @@ pub fn draw_link_profile(profile: &LinkProfile<'_>) -> Result<Sheet, String> {
     Ok(page(profile.title, &body, profile.caption, [16.0, 0.0]))
 }
 
-/// Says how the scales of the two axes differ: so many times larger are heights drawn.
+/// Says in words how many times larger one axis is drawn than the other.
 fn stretch(exaggeration: f64) -> String {
     let factor = exaggeration.max(1.0 / exaggeration);
     let times = number(factor, if factor < 9.95 { 1 } else { 0 });
@@ -114,12 +116,12 @@ fn axes(profile: &LinkProfile<'_>, Window { x, y, .. }: &Window) -> [Axis; 2] {
     [Axis { has_grid: false, ..x }, Axis { name_at: 82.0, ..y }]
 }
 
-/// The look of the receiver and of the point on the roof.
+/// Look of the receiver and of the point on the roof.
 const POINT: &str = "fill=\"#101418\" stroke=\"#FFFFFF\" stroke-width=\"3\"";
 const TERRAIN_FILL: &str = "#DAD5CA";
 const BUILDING_FILL: &str = "#B4B8BD";
 
-/// Ground below, then buildings, each an area down to the bottom of the window.
+/// Draws the ground, then buildings, each an area down to the bottom of the window.
 fn steps(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
     let mut drawing = Drawing::default();
     let of_kind = |kind| profile.steps.iter().filter(move |step| step.kind == kind);
@@ -158,7 +160,7 @@ fn steps(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
     drawing
 }
 
-/// The ray, its ends and the obstructing point, with their labels.
+/// Draws the ray, its ends and the obstructing point, with their labels.
 fn ray(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
     let mut drawing = Drawing::default();
     let uav = window.at(0.0, profile.uav_m);
@@ -188,7 +190,7 @@ fn ray(profile: &LinkProfile<'_>, window: &Window) -> Drawing {
     drawing
 }
 
-/// The color of the ray, and what it says.
+/// Returns the color of the ray, and its meaning in words.
 fn answer(profile: &LinkProfile<'_>) -> (Rgb, &'static str) {
     match profile.obstruction {
         None => (colors::LOS, "Line of sight"),
@@ -196,7 +198,7 @@ fn answer(profile: &LinkProfile<'_>) -> (Rgb, &'static str) {
     }
 }
 
-/// The box around two points at one distance.
+/// Returns the box around two points at one distance.
 fn around([x, a]: [f64; 2], [_, b]: [f64; 2], reach: f64) -> Bounds {
     [x - reach, a.min(b) - reach, x + reach, a.max(b) + reach]
 }
@@ -210,7 +212,8 @@ fn draw_obstruction(drawing: &mut Drawing, on_ray: [f64; 2], on_roof: [f64; 2]) 
     drawing.polygon(&corners.map(|[dx, dy]| [on_roof[0] + dx, on_roof[1] + dy]), POINT);
 }
 
-/// Puts a label where it covers neither the ray nor another label: under an anchor near the bottom, else above it.
+/// Places a label, if possible clear of the ray and of other labels: under an anchor near the
+/// bottom, else above it.
 fn place_label(
     drawing: &mut Drawing,
     taken: &mut Vec<Bounds>,

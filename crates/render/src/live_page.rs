@@ -1,7 +1,7 @@
 //! The live page as one file: markup, style and script, the engine, and a packed city.
 //!
-//! A policy in its head forbids the browser to fetch anything, and to run any script but the one whose digest it names: so
-//! words of the data cannot become one.
+//! A policy in its head forbids the browser to fetch anything, and to run any script but the one
+//! whose digest it holds. So words of the data cannot become a script.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -13,7 +13,7 @@ use super::web_page::{SHARES, filled, gzip, in_script};
 
 const TEMPLATE: &str = include_str!("live_page/page.html");
 const STYLE: &str = include_str!("live_page/page.css");
-/// The script is in parts, of which each uses those before it.
+/// Parts of the script, each of which uses parts before it.
 const SCRIPTS: [&str; 29] = [
     include_str!("live_page/types.js"),
     SHARES,
@@ -47,17 +47,18 @@ const SCRIPTS: [&str; 29] = [
 ];
 /// Script of the worker, which holds the engine.
 const WORKER: &str = include_str!("live_page/worker.js");
-/// The engine as WebAssembly with vectors of 128 bits, gzipped by `scripts/engine`, which also checks it against the sources.
+/// Engine as WebAssembly with vectors of 128 bits, gzipped by `scripts/engine`, which also checks
+/// it against the sources.
 const ENGINE: &[u8] = include_bytes!("live_page/engine.wasm.gz");
 
-/// What a live page is made of.
+/// Content of a live page.
 #[derive(Debug, Clone, Copy)]
 pub struct LivePage<'a> {
-    /// The title of its window.
+    /// Title of its window.
     pub title: &'a str,
-    /// The program and its version.
+    /// Program and its version.
     pub generator: &'a str,
-    /// What the script is told.
+    /// Facts that the script reads.
     pub facts: &'a Value,
     /// The city, packed for the engine.
     pub scene: &'a [u8],
@@ -65,7 +66,7 @@ pub struct LivePage<'a> {
 
 /// Writes the page.
 pub fn live_page(page: &LivePage<'_>) -> String {
-    // Functions are many, and no text holds an arrow.
+    // The script has many arrow functions, and no text of it holds an arrow.
     let script = SCRIPTS.iter().map(|script| without_comments(script)).collect::<String>().replace(" => ", "=>");
     let digest = STANDARD.encode(Sha256::digest(&script));
     let policy = format!(
@@ -86,15 +87,16 @@ pub fn live_page(page: &LivePage<'_>) -> String {
     filled(TEMPLATE, &parts)
 }
 
-/// Bytes as text of a script: five digits for four bytes, which take a sixteenth less than those of base 64. A digit is the sign
-/// after `(` that it counts, but `}` for `<`, so that no tag can begin.
+/// Writes bytes as text of a script: five digits for four bytes, a sixteenth shorter than base 64.
+/// Digit d is the character d places after `(`, but `}` for `<`, so that no tag can begin.
 fn base85(bytes: &[u8]) -> String {
     let mut out = String::with_capacity(bytes.len() / 4 * 5 + 5);
     for group in bytes.chunks(4) {
         let mut word = [0; 4];
         word[..group.len()].copy_from_slice(group);
         let word = u32::from_be_bytes(word);
-        // A group of fewer bytes keeps one digit more than it has bytes, and 84 stands for those that are left out.
+        // A group of fewer bytes keeps one digit more than it has bytes; a decoder takes 84 for the
+        // digits left out.
         out.extend([52_200_625, 614_125, 7_225, 85, 1].into_iter().take(group.len() + 1).map(|power| {
             match b'(' + u8::try_from(word / power % 85).unwrap_or_default() {
                 b'<' => '}',
@@ -105,7 +107,7 @@ fn base85(bytes: &[u8]) -> String {
     out
 }
 
-/// A style without spaces that mean nothing.
+/// Removes spaces without meaning from a style.
 fn without_spaces(style: &str) -> String {
     let mut out = style.replace('\n', " ");
     for mark in ["{", "}", ";", ","] {
@@ -114,8 +116,8 @@ fn without_spaces(style: &str) -> String {
     out.replace(": ", ":").replace(";}", "}")
 }
 
-/// A script or a style without comments at the beginnings of lines, types within them and indents, which are a third of it. Texts
-/// that span lines are shaders, which lose theirs, too.
+/// Removes comments at the beginnings of lines, types within lines and indents from a script or a
+/// style, a third of it. Texts that span lines are shaders, which lose theirs, too.
 fn without_comments(source: &str) -> String {
     let mut out = String::with_capacity(source.len());
     let mut is_comment = false;

@@ -1,4 +1,4 @@
-//! What a map can show, and its cells in color.
+//! Layers that a map can show, and their cells in color.
 
 use super::check;
 use super::colors::{self, INK, Ramp, Rgb};
@@ -6,7 +6,7 @@ use super::paint::{Canvas, Painted};
 use super::sheet::Drawing;
 use super::value_range::ValueRange;
 
-/// What a map shows.
+/// Layer of a map.
 #[derive(Clone, Copy, Debug)]
 pub enum Layer<'a> {
     /// Line of sight of one UAV: the mask.
@@ -20,7 +20,7 @@ pub enum Layer<'a> {
         /// Number of UAVs.
         n_sites: u32,
     },
-    /// What each cell is: a palette of classes with their names, and for each cell its place in the palette.
+    /// Classes of cells: a palette with names, and for each cell its index in the palette.
     Classes {
         /// Index into `palette`, where the mask is 0 or 1.
         index: &'a [u8],
@@ -29,14 +29,15 @@ pub enum Layer<'a> {
         /// Classes 2, 3, 4 and 255 apply.
         mask: &'a [u8],
     },
-    /// How many of eight moves by one lattice step turn the answer.
+    /// Number of eight moves by one lattice step that change the answer.
     Stability {
         /// The number, 0 to 8, where the mask is 0 or 1.
         turns: &'a [f32],
         /// Classes 2, 3, 4 and 255 apply.
         mask: &'a [u8],
     },
-    /// A continuous quantity. Where some values are negative and some positive, colors are centered on 0.
+    /// A continuous quantity. Where some values are negative and some positive, colors are centered
+    /// on 0.
     Field {
         /// The values, where the mask is 0 or 1; NaN is drawn as nodata.
         values: &'a [f32],
@@ -51,13 +52,13 @@ pub enum Layer<'a> {
     Heat {
         /// The values, of any sign; NaN where there is none.
         values: &'a [f32],
-        /// Which cells are outlines of buildings, drawn paler.
+        /// True for outlines of buildings, which are drawn paler.
         outlines: &'a [bool],
         /// Its name, such as `P_LoS`.
         name: &'a str,
         /// Its unit, such as `m`; may be empty.
         unit: &'a str,
-        /// What cells without a value are, capitalized.
+        /// Name of cells without a value, capitalized.
         none: &'a str,
     },
 }
@@ -67,14 +68,15 @@ pub enum Layer<'a> {
 pub struct MapClass<'a> {
     /// Its name in the legend.
     pub name: &'a str,
-    /// More about it; the number of its cells without.
+    /// Detail below the name; if empty, the number of cells.
     pub detail: &'a str,
     /// Red, green, blue.
     pub color: [u8; 3],
 }
 
 impl Layer<'_> {
-    /// Refuses arrays that do not fit a raster of so many columns and rows, and indices beyond the palette.
+    /// Refuses arrays that do not fit a raster of `n_cells` columns and rows, and indices beyond
+    /// the palette.
     pub(crate) fn check(&self, n_cells: [usize; 2]) -> Result<(), String> {
         let shape = |name: &str, length: usize| check::shape(name, length, n_cells);
         match *self {
@@ -97,7 +99,8 @@ impl Layer<'_> {
         }
     }
 
-    /// The cells that a move turns, where they are so few that they would be overlooked.
+    /// Returns the cells whose answer a move changes, if they are so few that they would be
+    /// overlooked.
     fn ringed(&self) -> Vec<usize> {
         let Layer::Stability { turns, mask } = self else { return Vec::new() };
         let turned = (0..turns.len()).filter(|&cell| mask[cell] <= 1 && turns[cell] > 0.0);
@@ -105,12 +108,12 @@ impl Layer<'_> {
         if first.len() > MOST_RINGS { Vec::new() } else { first }
     }
 
-    /// Whether some cells have a ring.
+    /// Returns `true` when some cells have a ring.
     pub(crate) fn has_rings(&self) -> bool {
         !self.ringed().is_empty()
     }
 
-    /// Rings around the few receivers that a move turns.
+    /// Draws rings around the few receivers whose answer a move changes.
     pub(crate) fn rings(&self, n_cols: usize, px_per_cell: [f64; 2]) -> Drawing {
         let mut drawing = Drawing::default();
         let radius = 0.71 * px_per_cell[0].max(px_per_cell[1]) + 8.0;
@@ -123,14 +126,15 @@ impl Layer<'_> {
     }
 }
 
-/// More cells than this are not overlooked, and their rings would cover the map.
+/// Most cells with rings; more are not overlooked, and their rings would cover the map.
 const MOST_RINGS: usize = 60;
-/// How much white the outlines of buildings have under a field of heat.
+/// Share of white in the outlines of buildings under a field of heat.
 const PALE: f64 = 0.5;
-/// Colors of a field of heat; as many paler ones follow.
+/// Number of colors of a field of heat; as many paler ones follow.
 pub(crate) const HEAT: u8 = 128;
 
-/// The values that the colors of layers of one kind span, on one scale.
+/// Returns the range of values that the colors of these layers span; `None` for kinds without
+/// values.
 pub(crate) fn range_of(layers: &[Layer<'_>]) -> Option<ValueRange> {
     let fields: Vec<(&[f32], &[u8])> = layers
         .iter()
@@ -145,7 +149,7 @@ pub(crate) fn range_of(layers: &[Layer<'_>]) -> Option<ValueRange> {
     }
 }
 
-/// The colors of a layer, in the order of their indices.
+/// Returns the colors of a layer, in the order of their indices.
 pub(crate) fn palette(layer: Layer<'_>, range: Option<&ValueRange>) -> Vec<Rgb> {
     match layer {
         Layer::Los(_) => vec![colors::NLOS, colors::LOS],
@@ -161,7 +165,7 @@ pub(crate) fn palette(layer: Layer<'_>, range: Option<&ValueRange>) -> Vec<Rgb> 
     }
 }
 
-/// Paints a layer; values without a range are none.
+/// Paints a layer; without a range, values are painted as nodata.
 pub(crate) fn painted(layer: Layer<'_>, canvas: &Canvas<'_>, range: Option<&ValueRange>) -> Painted {
     let colors = palette(layer, range);
     let nodata = colors.len() + 2;

@@ -1,4 +1,4 @@
-//! The entries of the legend of a map: classes that occur, color bars, and what is no receiver.
+//! Legend entries of a map: classes that occur, color bars, and cells that are no receivers.
 
 use super::colors::{self, Ramp, Rgb};
 use super::furniture::{self, Block, DETAIL, Scale, Swatch};
@@ -9,26 +9,26 @@ use super::value_range::ValueRange;
 
 /// Space around and between the entries of the legend of an overlay \[px\].
 const PADDING: f64 = 18.0;
-/// More UAVs than this share a color bar instead of legend entries.
+/// Most UAVs whose counts have entries of their own; counts of more share a color bar.
 const MOST_COUNT_ENTRIES: u32 = 6;
 
-/// What a legend says beside colors.
+/// Words and options of a legend.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LegendWords<'a> {
-    /// What receivers are, in the plural.
+    /// Name of the receivers, plural.
     pub(crate) receivers_name: &'a str,
-    /// What class 2 is, in the plural and capitalized.
+    /// Name of class 2, plural and capitalized.
     pub(crate) others_name: &'a str,
-    /// What sees receivers, in the singular.
+    /// Name of a viewer, singular: `UAV` or `observer`.
     pub(crate) who: &'a str,
-    /// Whether cells are counted.
+    /// True if cells are counted.
     pub(crate) has_counts: bool,
-    /// Whether the few cells that a move turns have rings.
+    /// True if the few cells whose answer a move changes have rings.
     pub(crate) has_rings: bool,
 }
 
-/// Draws the legend that lies over a globe beside coverage overlays: `uavs` are those that see, `receivers` those that are
-/// seen.
+/// Draws the legend that lies over a globe beside coverage overlays. `uavs` is the detail of line
+/// of sight, `receivers` that of none.
 pub fn draw_overlay_legend(uavs: &str, receivers: &str) -> Sheet {
     let entries = [
         furniture::legend_entry(Swatch::Flat(colors::LOS), "Line of sight", uavs),
@@ -41,7 +41,7 @@ pub fn draw_overlay_legend(uavs: &str, receivers: &str) -> Sheet {
     Sheet { width: block.width + 2.0 * PADDING, height: block.height + 2.0 * PADDING, images: Vec::new(), furniture }
 }
 
-/// The entries of the legend of a layer of which so many cells have each color.
+/// Makes the legend entries of a layer from the number of cells of each color.
 pub(crate) fn entries(
     layer: Layer<'_>,
     histogram: &[u64],
@@ -126,7 +126,7 @@ fn color_bar(name: &str, unit: &str, range: &ValueRange, along: &[Rgb]) -> Block
     furniture::color_bar(&name, range.scale, along, 460.0)
 }
 
-/// The special classes that occur, from their numbers of cells: swatch, name, number.
+/// Lists the special classes that occur, from their numbers of cells: swatch, name, number.
 pub(crate) fn special_legend<'a>(
     numbers: &[u64],
     others_name: &'a str,
@@ -140,7 +140,8 @@ pub(crate) fn special_legend<'a>(
     special.into_iter().zip(numbers).filter(|(_, n)| **n > 0).map(|((swatch, name), n)| (swatch, name, *n)).collect()
 }
 
-/// Entries for the numbers of those that see a cell; a color bar for many. `who` they are, in the singular.
+/// Makes entries for the numbers of viewers that see a cell; a color bar for many. `who` names a
+/// viewer, singular.
 pub(crate) fn count_legend(who: &str, n_sites: u32, palette: &[Rgb], histogram: &[u64]) -> Vec<Block> {
     let receivers: u64 = histogram[..palette.len()].iter().sum();
     let entry = |k: u32, name: &str| {

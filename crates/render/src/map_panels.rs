@@ -24,28 +24,28 @@ pub struct MapPanels<'a> {
     pub n_rows: usize,
     /// Cell size along columns and along rows \[m\].
     pub cell_m: (f64, f64),
-    /// One to [`MOST_MAP_PANELS`] maps; their layers are of one kind, with one name and palette.
+    /// Maps, one to [`MOST_MAP_PANELS`]; their layers are of one kind, with one name and palette.
     pub maps: &'a [MapPanel<'a>],
     /// Surface heights for gray tones and hillshade of buildings \[m\]; not finite where unknown.
     pub surface_m: Option<&'a [f32]>,
-    /// What class 2 is, in the plural and capitalized, such as `Buildings`.
+    /// Name of class 2, plural and capitalized, such as `Buildings`.
     pub others_name: &'a str,
 }
 
 /// The map of one UAV.
 #[derive(Clone, Copy, Debug)]
 pub struct MapPanel<'a> {
-    /// What stands over it, such as `UAV 1 · 60 m above ground`.
+    /// Heading, such as `UAV 1 · 60 m above ground`.
     pub title: &'a str,
-    /// A line below that, such as its P_LoS.
+    /// Line below the heading, such as its P_LoS.
     pub detail: &'a str,
-    /// What to show.
+    /// Layer to show.
     pub layer: Layer<'a>,
-    /// Where the UAV is.
+    /// Mark of the UAV.
     pub mark: Mark<'a>,
 }
 
-/// Maps beside each other, and the length \[px\] that the longer side of a map aims at.
+/// Returns the number of maps in a row, and the target length \[px\] of a map's longer side.
 fn arrangement(n_maps: usize) -> (usize, f64) {
     match n_maps {
         1 | 2 => (2, 760.0),
@@ -57,7 +57,8 @@ fn arrangement(n_maps: usize) -> (usize, f64) {
 /// Draws maps side by side.
 ///
 /// # Errors
-/// No map or too many, an empty raster, an array of another length, or a cell size that is not positive.
+/// No map or too many, an empty raster, an array of another length, or a cell size that is not
+/// positive.
 pub fn draw_map_panels(sheet: &MapPanels<'_>) -> Result<Sheet, String> {
     let n_maps = sheet.maps.len();
     if !(1..=MOST_MAP_PANELS).contains(&n_maps) {

@@ -1,7 +1,7 @@
 //! The picture of a coverage map: title, map, legend, scale bar, north arrow, marks, caption.
 //!
-//! The legend stands below the map, or beside it where the map is narrow. Lengths are constants in pixels because a
-//! map has about the same size in every picture, however many cells it has.
+//! The legend is below the map, or beside it if the map is narrow. Lengths are constants in pixels
+//! because a map has about the same size in every picture, however many cells it has.
 
 use skyshed_core::coverage::Tally;
 
@@ -16,38 +16,42 @@ use super::paint::{Canvas, LARGE, RAISED};
 use super::sheet::{Drawing, Sheet};
 use super::value_range::ValueRange;
 
-/// No picture is narrower between its margins, so that titles and captions have room \[px\].
+/// Least width between the margins, so that titles and captions have room \[px\].
 const SMALLEST_BODY: f64 = 900.0;
 
 /// A map to draw. Arrays are `[n_rows, n_cols]`, columns running fastest, north row first.
 ///
-/// Mask classes: 0 NLoS, 1 LoS, 2 not a receiver, 3 out of range, 4 [`OPEN_GROUND`](super::OPEN_GROUND), 255 nodata.
+/// Mask classes: 0 NLoS, 1 LoS, 2 not a receiver, 3 out of range, 4
+/// [`OPEN_GROUND`](super::OPEN_GROUND), 255 nodata.
 #[derive(Clone, Copy, Debug)]
 pub struct MapPicture<'a> {
     /// Title, such as `What a UAV sees of Munich`.
     pub title: &'a str,
-    /// Lines below the map; long ones are wrapped. The first is set in ink, the others in gray.
+    /// Lines below the map; long ones are wrapped. The first is set in ink, further ones in gray.
     pub caption: &'a [String],
     /// Columns.
     pub n_cols: usize,
     /// Rows.
     pub n_rows: usize,
-    /// Cell size along columns and along rows \[m\]; the picture keeps the proportions of the ground.
+    /// Cell size along columns and along rows \[m\]; the picture keeps the proportions of the
+    /// ground.
     pub cell_m: (f64, f64),
-    /// What to show.
+    /// Layer to show.
     pub layer: Layer<'a>,
-    /// Surface heights for gray tones and hillshade of buildings \[m\]; not finite where unknown. Heights above ground
-    /// give tones that follow building height, heights above the datum give tones that follow altitude.
+    /// Surface heights for gray tones and hillshade of buildings \[m\]; not finite where unknown.
+    /// Heights above ground give tones that follow building height, heights above the datum give
+    /// tones that follow altitude.
     pub surface_m: Option<&'a [f32]>,
     /// UAVs.
     pub uavs: &'a [Mark<'a>],
-    /// Whether receivers are in the air: buildings below them are darker.
+    /// True if receivers are in the air; cells over buildings are then darker.
     pub is_in_air: bool,
-    /// What receivers are, in the plural, such as `street cells`.
+    /// Name of the receivers, plural, such as `street cells`.
     pub receivers_name: &'a str,
-    /// What class 2 is, in the plural and capitalized, such as `Buildings`.
+    /// Name of class 2, plural and capitalized, such as `Buildings`.
     pub others_name: &'a str,
-    /// The counts that the legend of a mask tells, where it is drawn smaller than it is; else those of what is drawn.
+    /// Counts for the legend of a mask that is drawn at reduced size; `None` counts the drawn
+    /// cells.
     pub counts: Option<Tally>,
 }
 
@@ -97,7 +101,8 @@ pub fn draw_map(picture: &MapPicture<'_>) -> Result<Sheet, String> {
     Ok(page.finish(0.0, picture.caption))
 }
 
-/// The entries of the layer, of which so many cells have each color, and one for the UAVs, so many of which have labels.
+/// Makes the entries of the layer from the number of cells of each color, and one entry for the
+/// UAVs, `n_labels` of which have labels.
 fn legend(picture: &MapPicture<'_>, of_colors: Vec<u64>, range: Option<&ValueRange>, n_labels: usize) -> Vec<Block> {
     let mut histogram = of_colors;
     let MapPicture { layer, n_cols, n_rows, receivers_name, others_name, .. } = *picture;
@@ -133,7 +138,7 @@ fn legend(picture: &MapPicture<'_>, of_colors: Vec<u64>, range: Option<&ValueRan
     legend
 }
 
-/// Thin lines between cells where these are large enough to be counted.
+/// Draws thin lines between cells if these are large enough to be counted.
 fn cell_borders([n_cols, n_rows]: [usize; 2], [w, h]: [f64; 2]) -> Drawing {
     let mut drawing = Drawing::default();
     let cell = (w / n_cols as f64).min(h / n_rows as f64);

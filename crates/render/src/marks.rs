@@ -15,11 +15,11 @@ pub struct Mark<'a> {
     pub col: f64,
     /// Distance from the northern border \[cells\]; may lie outside the grid.
     pub row: f64,
-    /// Whether it is an observer on the ground, not a UAV.
+    /// True if it is an observer on the ground, not a UAV.
     pub is_observer: bool,
 }
 
-/// What a legend says of some marks: a UAV, an observer, or both.
+/// Returns the legend entries of some marks: a UAV, an observer, or both.
 pub(crate) fn symbols<'a>(marks: impl Iterator<Item = Mark<'a>>) -> Vec<(Swatch, &'static str)> {
     let (mut has_uav, mut has_observer) = (false, false);
     for mark in marks {
@@ -33,39 +33,40 @@ pub(crate) fn symbols<'a>(marks: impl Iterator<Item = Mark<'a>>) -> Vec<(Swatch,
 /// A rectangle: left, top, right, bottom \[px\].
 pub(crate) type Bounds = [f64; 4];
 
-/// Whether two rectangles have more than a border in common.
+/// Returns `true` when two rectangles have more than a border in common.
 pub(crate) fn overlap(a: &Bounds, b: &Bounds) -> bool {
     a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
 }
 
-/// Whether one rectangle lies in another.
+/// Returns `true` when one rectangle lies in another.
 pub(crate) fn within(inner: &Bounds, outer: &Bounds) -> bool {
     inner[0] >= outer[0] && inner[1] >= outer[1] && inner[2] <= outer[2] && inner[3] <= outer[3]
 }
 
-/// Where a mark is drawn.
+/// Mark with its place on the map.
 #[derive(Clone, Debug)]
 struct Placed {
     at: [f64; 2],
     /// Unit vector towards a UAV outside the map.
     outward: Option<[f64; 2]>,
-    /// The place itself, where another mark is already.
+    /// Place of the UAV, if the mark was moved away from another one there.
     moved_from: Option<[f64; 2]>,
     words: [String; 2],
     is_observer: bool,
 }
 
-/// More UAVs than this have labels without heights, beside their marks or nowhere.
+/// Most UAVs with heights in their labels. Labels of more have only ids, and are beside their marks
+/// or left out.
 pub const MOST_WITH_HEIGHTS: usize = 60;
-/// More UAVs than this have no labels.
+/// Most UAVs with labels; more have none.
 const MOST_WITH_LABELS: usize = 400;
 
-/// Draws marks and labels on a map of `size` \[px\] with `px_per_cell` and `cell_m` per axis, and says how many labels found
-/// a place.
+/// Draws marks and labels on a map of `size` \[px\] with `px_per_cell` and `cell_m` per axis, and
+/// returns the number of labels that found a place.
 ///
-/// A UAV outside the grid becomes an arrow at the border and its distance from there. Of UAVs at one place each is drawn
-/// below the one before it, with a line to the place. Labels that find no free place are shortened, then left out, later
-/// marks first.
+/// A UAV outside the grid becomes an arrow at the border and its distance from there. UAVs at one
+/// place are drawn one below the other, each with a line to the place. Labels that find no free
+/// place are shortened, then left out, later marks first.
 pub(crate) fn draw_marks(
     uavs: &[Mark<'_>],
     size: [f64; 2],
@@ -101,14 +102,14 @@ pub(crate) fn draw_marks(
     (drawing, n_labels)
 }
 
-/// Draws the labels that find a place on a map of a size, and counts them.
+/// Draws the labels that find a place on a map of a size, and returns their number.
 fn draw_labels(drawing: &mut Drawing, placed: &[Placed], radius: f64, size: [f64; 2]) -> usize {
     let map = [6.0, 6.0, size[0] - 6.0, size[1] - 6.0];
     let mut taken: Vec<Bounds> = placed.iter().map(|mark| symbol_bounds(mark, radius)).collect();
     let is_crowd = placed.len() > MOST_WITH_HEIGHTS;
     for mark in placed {
         let font_size = if radius > 20.0 { 25.0 } else { (radius + 7.0).min(20.0) };
-        // In a crowd a label that is not beside its mark would be taken for that of another.
+        // In a crowd, a label away from its mark would be taken for another mark's label.
         let (choices, n_spots) =
             if is_crowd { (vec![id_of(mark, usize::MAX)], 8) } else { (choices(mark), usize::MAX) };
         let spot = choices.iter().find_map(|words| {
@@ -130,13 +131,13 @@ fn draw_labels(drawing: &mut Drawing, placed: &[Placed], radius: f64, size: [f64
     taken.len() - placed.len()
 }
 
-/// The words of a label, best first: where the whole finds no place, the id alone may, or its beginning.
+/// Returns the words of a label, best first: all of them, the id alone, or its beginning.
 fn choices(mark: &Placed) -> Vec<[String; 2]> {
     let ids = [usize::MAX, 20, 12, 6].map(|most| id_of(mark, most));
     std::iter::once(mark.words.clone()).chain(ids).collect()
 }
 
-/// The id of a mark, or so much of its beginning.
+/// Returns the id of a mark, or its beginning if it has more than `most` characters.
 fn id_of(mark: &Placed, most: usize) -> [String; 2] {
     let id = &mark.words[0];
     let is_whole = id.chars().count() <= most;
@@ -157,7 +158,7 @@ fn place(uav: &Mark<'_>, size: [f64; 2], px_per_cell: [f64; 2], cell_m: (f64, f6
     Placed { at, outward, moved_from: None, words, is_observer: uav.is_observer }
 }
 
-/// Puts marks at one place one below the other, or above where the map ends.
+/// Moves marks at one place apart: one below the other, or above if the map ends there.
 fn set_apart(placed: &mut [Placed], radius: f64, size: [f64; 2]) {
     let places: Vec<[f64; 2]> = placed.iter().map(|mark| mark.at).collect();
     let is_same = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).abs() < 1.0 && (a[1] - b[1]).abs() < 1.0;
@@ -173,7 +174,8 @@ fn set_apart(placed: &mut [Placed], radius: f64, size: [f64; 2]) {
     }
 }
 
-/// Says what the label of a mark says beside the id: its height, and its distance from a map of this size in cells.
+/// Returns the detail of a mark's label: its height, and its distance from a map of this size in
+/// cells.
 pub(crate) fn detail(uav: &Mark<'_>, size_cells: [f64; 2], cell_m: (f64, f64)) -> String {
     place(uav, size_cells, [1.0, 1.0], cell_m).words[1].clone()
 }
@@ -196,7 +198,7 @@ fn arrow(drawing: &mut Drawing, [x, y]: [f64; 2], [dx, dy]: [f64; 2], radius: f6
     drawing.polygon(&shape, "fill=\"#101418\"");
 }
 
-/// Top left corners for a label around a mark, best first.
+/// Returns top left corners for a label around a mark, best first.
 fn candidates(mark: &Placed, radius: f64, size: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     let inset = if mark.outward.is_some() { 1.4 * radius } else { 0.0 };
     [6.0, 20.0, 45.0, 80.0, 130.0]
@@ -204,7 +206,8 @@ fn candidates(mark: &Placed, radius: f64, size: [f64; 2]) -> impl Iterator<Item 
         .flat_map(move |gap| spots_around(mark.at, radius * 1.15 + inset + gap, size))
 }
 
-/// Top left corners for a label of a size around a place, `reach` from it, best first \[px\].
+/// Returns top left corners for a label of a size around a place, `reach` from it, best first
+/// \[px\].
 pub(crate) fn spots_around([x, y]: [f64; 2], reach: f64, [w, h]: [f64; 2]) -> [[f64; 2]; 8] {
     let (east, west) = (x + reach, x - reach - w);
     let (above, below) = (y - reach - h, y + reach);
@@ -234,7 +237,7 @@ pub(crate) struct Label {
     words: [String; 2],
 }
 
-/// Names and details wider than this are shortened \[letter sizes\].
+/// Widest name or detail \[letter sizes\]; wider ones are shortened.
 const WIDEST: f64 = 18.0;
 
 impl Label {

@@ -5,7 +5,7 @@ use image::RgbaImage;
 use super::furniture::{self, Block, TITLE};
 use super::sheet::{Drawing, Sheet, pixels};
 
-/// Around a page \[px\].
+/// Margin around a page \[px\].
 pub(crate) const MARGIN: f64 = 40.0;
 
 /// A page that is not finished.
@@ -15,7 +15,7 @@ pub(crate) struct Page {
     pub(crate) width: f64,
     pub(crate) furniture: Drawing,
     images: Vec<(u32, u32, RgbaImage)>,
-    /// Where the next piece goes \[px\].
+    /// Top of the next piece \[px\].
     pub(crate) bottom: f64,
 }
 

@@ -1,9 +1,10 @@
-//! From cells to pixels: classes become colors, large rasters shrink, small ones grow.
+//! Conversion of cells to pixels: classes become colors, large rasters shrink, small ones grow.
 //!
-//! A raster of up to 2000 cells a side keeps one whole number of pixels per cell, so that a cell is a crisp rectangle.
-//! A larger one is reduced: a pixel is the average, in linear light, of the colors of all its cells, none skipped, and
-//! of the heights of some 16 of them. Work and memory beyond the input are those of the picture, not of the raster.
-//! Cells that are not square keep their proportions.
+//! A raster of up to 2000 cells a side, fewer on small maps, keeps one whole number of pixels per
+//! cell, so that a cell is a crisp rectangle. A larger one is reduced. A pixel is then the average,
+//! in linear light, of the colors of all its cells, none skipped, and of the heights of some 16 of
+//! them. Memory beyond the input is that of the picture. Cells that are not square keep their
+//! proportions.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -14,23 +15,25 @@ use skyshed_core::raster::Surface;
 use super::check;
 use super::colors::{self, FULL_LIGHT, Light, Ramp, Rgb};
 
-/// The class of open ground that holds no receiver, which pictures tell from buildings; masks in files do not.
+/// Class of open ground that holds no receiver. Pictures distinguish it from buildings; masks in
+/// files do not.
 pub const OPEN_GROUND: u8 = 4;
 
-/// Place of nodata among the indices behind the colors.
+/// Offset of nodata among the indices behind the colors.
 const NODATA: usize = 2;
 
-/// A map with a picture of its own: its longer side \[px\], and the most cells along it that are drawn one by one.
+/// Size of a map with a picture of its own: its longer side \[px\], and the most cells along it
+/// that are drawn one by one.
 pub(crate) const LARGE: (f64, f64) = (1400.0, 2000.0);
-/// No cell is drawn larger than this \[px\].
+/// Largest side of a cell \[px\].
 const LARGEST_CELL_PX: f64 = 320.0;
-/// Strength of the hillshade on buildings, and on what is out of range.
+/// Strength of the hillshade on buildings; `FAINT_RELIEF` is that on cells out of range.
 const RELIEF: f64 = 0.45;
 const FAINT_RELIEF: f64 = 0.22;
-/// How light colors are over buildings.
+/// Factor on the brightness of colors over buildings.
 pub(crate) const RAISED: f64 = 0.8;
 
-/// How cells map to pixels along one axis.
+/// Mapping of cells to pixels along one axis.
 #[derive(Clone, Copy, Debug)]
 struct Axis {
     n_cells: usize,
@@ -38,7 +41,8 @@ struct Axis {
 }
 
 impl Axis {
-    /// Number of colors to work out: one per cell, or one per pixel when several cells share it.
+    /// Returns the number of colors to compute: one per cell, or one per pixel if several cells
+    /// share it.
     fn n_work(self) -> usize {
         self.n_cells.min(self.n_px)
     }
@@ -56,7 +60,7 @@ impl Axis {
     }
 }
 
-/// A map to paint: where its cells go, and the surface below them.
+/// A map to paint: the mapping of its cells to pixels, and the surface below them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Canvas<'a> {
     /// Columns and rows.
@@ -72,12 +76,13 @@ pub(crate) struct Canvas<'a> {
 pub(crate) struct Painted {
     /// The map, without furniture.
     pub(crate) image: RgbaImage,
-    /// Cells per color, then not receivers, out of range, nodata, open ground. No cell counts as nodata where no pixel is hatched: a few of them are
-    /// lost in the colors of their neighbors.
+    /// Cells per color, then not receivers, out of range, nodata, open ground. If no pixel is
+    /// hatched, nodata is 0: a few such cells are lost in the colors of their neighbors.
     pub(crate) histogram: Vec<u64>,
 }
 
-/// The index of a class that is no receiver, behind so many colors.
+/// Returns the index of a class that is no receiver, behind `n_colors` colors; `None` for a
+/// receiver.
 pub(crate) fn special(class: u8, n_colors: usize) -> Option<usize> {
     match class {
         0 | 1 => None,
@@ -89,7 +94,8 @@ pub(crate) fn special(class: u8, n_colors: usize) -> Option<usize> {
 }
 
 impl<'a> Canvas<'a> {
-    /// A map whose longer side aims at `target` \[px\], and is reduced where it has more than `whole` cells.
+    /// Makes a map whose longer side aims at `target` \[px\]; it is reduced if it has more than
+    /// `whole` cells.
     ///
     /// # Errors
     /// Cells without a size, or a surface of another shape.
@@ -119,22 +125,22 @@ impl<'a> Canvas<'a> {
         Ok(Self { axes, cell_m, surface_m })
     }
 
-    /// A map of one pixel per cell.
+    /// Makes a map of one pixel per cell.
     pub(crate) fn bare(n_cells: [usize; 2], cell_m: (f64, f64), surface_m: &'a [f32]) -> Self {
         Self { axes: n_cells.map(|n| Axis { n_cells: n, n_px: n }), cell_m, surface_m: Some(surface_m) }
     }
 
-    /// Width and height \[px\].
+    /// Returns width and height \[px\].
     pub(crate) fn size(&self) -> [f64; 2] {
         self.axes.map(|axis| axis.n_px as f64)
     }
 
-    /// Pixels of a cell along columns and rows.
+    /// Returns the pixels of a cell along columns and rows.
     pub(crate) fn px_per_cell(&self) -> [f64; 2] {
         self.axes.map(Axis::px_per_cell)
     }
 
-    /// Paints receivers in the colors of their indices, and other cells as what they are.
+    /// Paints receivers in the colors of their indices, and other cells by their class.
     pub(crate) fn paint_receivers(
         &self,
         colors: &[Rgb],
@@ -202,7 +208,7 @@ pub(crate) fn add(sums: &mut [u64], numbers: &[u64]) {
     sums.iter_mut().zip(numbers).for_each(|(sum, n)| *sum += n);
 }
 
-/// The color of a hatched pixel.
+/// Returns the color of a hatched pixel.
 fn hatch(x: usize, y: usize) -> Rgb {
     if (x + y) % 14 < 3 { colors::HATCH } else { colors::WHITE }
 }
@@ -212,16 +218,17 @@ fn hatch(x: usize, y: usize) -> Rgb {
 struct Sum {
     /// Linear light of flat colors.
     light: [u64; 3],
-    /// Number of cells that are buildings, out of range, void.
+    /// Numbers of cells that are buildings, out of range, void.
     special: [u64; 3],
     /// Number of cells.
     n: u64,
 }
 
-/// Cells that can be added before a lane of 21 bits overflows: 2²¹ / 2¹².
+/// Most cells that can be added before a lane of 21 bits overflows: 2²¹ / 2¹².
 const RUN: usize = 512;
 
-/// Colors and what follows them as three 21-bit lanes per word, so that one addition sums three numbers.
+/// Packs colors and special classes as three 21-bit lanes per word, so that one addition sums three
+/// numbers.
 fn packed(colors: &[Rgb]) -> Vec<[u64; 2]> {
     let flat = |color: &Rgb| {
         let [r, g, b] = Light::tables().linear(*color).map(u64::from);
@@ -235,9 +242,10 @@ fn lanes(word: u64) -> [u64; 3] {
     [word & 0x1F_FFFF, word >> 21 & 0x1F_FFFF, word >> 42 & 0x1F_FFFF]
 }
 
-/// Sums one row of work cells, and counts palette entries if asked.
+/// Sums one row of work cells, and counts palette entries into `histogram`.
 ///
-/// PERF: two counters take turns because runs of equal cells would otherwise wait for the same memory word.
+/// PERF: two counters take turns because runs of equal cells would otherwise wait for the same
+/// memory word.
 fn sum_row(
     [across, down]: [Axis; 2],
     packed: &[[u64; 2]],
@@ -279,7 +287,7 @@ fn sum_row(
     sums
 }
 
-/// What buildings look like: the surface at the resolution of the picture.
+/// Surface below a map at the resolution of the picture, with the tones of buildings.
 #[derive(Debug)]
 struct Ground<'a> {
     surface: Surface<'a>,
@@ -310,7 +318,7 @@ impl<'a> Ground<'a> {
         Self { surface: Surface { heights, n_cols, n_rows, step_m }, tones, relief }
     }
 
-    /// Returns the color of a work cell, or nothing where most of it is void.
+    /// Returns the color of a work cell; `None` if most of it is void.
     fn color(&self, sum: &Sum, row: usize, col: usize) -> Option<Rgb> {
         let light = Light::tables();
         let [n_building, n_out, n_void] = sum.special;
@@ -337,7 +345,8 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// Averages a surface over work cells, from up to four by four samples each; unknown heights do not count.
+/// Averages a surface over work cells, from up to four by four samples each; unknown heights do not
+/// count.
 fn reduce(axes: [Axis; 2], height: impl Fn(usize) -> f32 + Sync) -> Vec<f32> {
     let [across, down] = axes;
     let samples = |range: std::ops::Range<usize>| {
@@ -363,9 +372,10 @@ fn reduce(axes: [Axis; 2], height: impl Fn(usize) -> f32 + Sync) -> Vec<f32> {
     heights
 }
 
-/// Returns the heights \[m\] between which most buildings lie, from a sample of at most about 200 000.
+/// Returns the heights \[m\] between which most buildings lie, from a sample of at most about 200
+/// 000.
 fn tone_range(surface: &[f32], is_building: impl Fn(usize) -> bool) -> Option<(f64, f64)> {
-    // A step without small factors does not fall into the rhythm of rows.
+    // An odd step does not fall into the rhythm of rows.
     let step = (surface.len() / 200_000).max(1) | 1;
     let heights: Vec<f32> =
         (0..surface.len()).step_by(step).filter(|&cell| is_building(cell)).map(|c| surface[c]).collect();
@@ -373,7 +383,7 @@ fn tone_range(surface: &[f32], is_building: impl Fn(usize) -> bool) -> Option<(f
     Some((low, high.max(low + 1.0)))
 }
 
-/// Returns quantiles of the finite values, or nothing if there is none.
+/// Returns quantiles of the finite values; `None` if there are none.
 pub(crate) fn quantiles<const N: usize>(mut values: Vec<f32>, shares: [f64; N]) -> Option<[f64; N]> {
     values.retain(|v| v.is_finite());
     values.sort_unstable_by(f32::total_cmp);

@@ -1,4 +1,4 @@
-//! Plots of one size in a grid: neighbors that share an axis name show it once.
+//! Plots of one size in a grid; neighbors with the same axis name show it once.
 
 use super::furniture::{self, Block, NAME};
 use super::plot::{self, Axis};
@@ -6,38 +6,38 @@ use super::sheet::Drawing;
 
 /// Most plots on a sheet.
 pub(crate) const MOST_PANELS: usize = 12;
-/// Between neighboring plots, beside what stands at their axes \[px\].
+/// Gaps between neighboring plots, besides the room for axes \[px\].
 const GAPS: [f64; 2] = [30.0, 26.0];
 
-/// From the plots to what explains them, at the right and below \[px\].
+/// Gaps between the plots and their key, at the right and below \[px\].
 const KEY_GAPS: [f64; 2] = [40.0, 20.0];
 
 /// A plot without its frame and axes.
 #[derive(Clone, Debug)]
 pub(crate) struct Panel<'a> {
-    /// What stands over it; may be empty.
+    /// Heading; may be empty.
     pub(crate) title: &'a str,
     /// Horizontal axis.
     pub(crate) x: Axis,
     /// Vertical axis.
     pub(crate) y: Axis,
-    /// What is in the frame.
+    /// Drawing inside the frame.
     pub(crate) content: Drawing,
 }
 
 /// Plots in a grid.
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
-    /// All of them.
+    /// Drawing of all plots.
     pub(crate) block: Block,
     /// Top left corner of the first frame \[px\].
     pub(crate) first_frame: [f64; 2],
-    /// What the last row has left at its right: left, top, width, height \[px\].
+    /// Free room at the right of an incomplete last row: left, top, width, height \[px\].
     pub(crate) free: Option<[f64; 4]>,
 }
 
 impl Grid {
-    /// Puts a block into the middle of the free corner, if there is one and the block has room in it.
+    /// Puts a block into the middle of the free corner; returns `false` if there is no room for it.
     pub(crate) fn place_in_corner(&mut self, key: &Block) -> bool {
         let Some([left, top, width, height]) = self.free.filter(|[_, _, w, h]| key.width <= *w && key.height <= *h)
         else {
@@ -73,10 +73,12 @@ pub(crate) fn check(n_panels: usize, columns: usize) -> Result<(), String> {
     }
 }
 
-/// Places panels with frames of `size` \[px\] row by row; there is at least one panel and one column.
+/// Places panels with frames of `size` \[px\] row by row; there is at least one panel and one
+/// column.
 pub(crate) fn grid(mut panels: Vec<Panel<'_>>, columns: usize, size: [f64; 2]) -> Grid {
     let (n, columns) = (panels.len(), columns.min(panels.len()));
-    // Backwards for the vertical axes and forwards for the others, so that names are compared before they go.
+    // Backwards for vertical axes and forwards for horizontal ones, so that each name is compared
+    // before it is cleared.
     for k in (1..n).rev().filter(|k| k % columns > 0) {
         if panels[k - 1].y.name == panels[k].y.name {
             panels[k].y.name.clear();
@@ -87,7 +89,7 @@ pub(crate) fn grid(mut panels: Vec<Panel<'_>>, columns: usize, size: [f64; 2]) -
             panels[k].x.name.clear();
         }
     }
-    // What stands left of the frames of a column, and above and below those of a row.
+    // Room left of the frames of a column, and below those of a row.
     let left_of = |axis: &Axis| {
         if axis.name.is_empty() { 14.0 + axis.widest_text().ceil() } else { axis.name_at + 24.0 }
     };

@@ -1,8 +1,9 @@
 //! PDF files: one page with images at the back and vectors in front.
 //!
-//! The furniture of a sheet is SVG text, which `usvg` turns into paths; letters become outlines, so that no viewer needs
-//! the font. Only what sheets draw is known here: opaque groups with a transform, paths in flat colors, lines with dashes.
-//! A file holds no time and nothing of the machine.
+//! The furniture of a sheet is SVG text, which `usvg` turns into paths. Letters become outlines, so
+//! that no viewer needs the font. Only elements that sheets draw are supported: opaque groups with
+//! a transform, paths in flat colors, lines with dashes. A file holds no time and nothing of the
+//! machine.
 //!
 //! # References
 //! ISO 32000-1:2008, sections 8.4 (state), 8.5 (paths), 8.9 (images).
@@ -24,10 +25,11 @@ use super::paint::narrow;
 /// Points of PDF per inch.
 const POINTS: f64 = 72.0;
 
-/// Encodes a page of images, with the places of their top left corners \[px\], and a tree of paths over them.
+/// Encodes a page of images, each with the place of its top left corner \[px\], and a tree of paths
+/// over them.
 ///
-/// `size` is that of the layout \[px\], `inches` that on paper. What the page says of where it comes from is in the
-/// document information.
+/// `size` is that of the layout \[px\], `inches` that on paper. `provenance` goes into the document
+/// information.
 ///
 /// # Errors
 /// A paint that is no flat color.
@@ -87,13 +89,14 @@ pub(crate) fn encode(
     Ok(pdf.finish())
 }
 
-/// A document without characters beyond ASCII, escaped as JSON allows: in PDF it stays as it is, byte by byte.
+/// Escapes the characters of a JSON document beyond ASCII, as JSON allows. PDF then keeps it byte
+/// by byte.
 fn ascii(json: &str) -> String {
     let escaped = |c: char| c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")).collect();
     json.chars().map(|c| if c.is_ascii() { c.to_string() } else { escaped(c) }).collect()
 }
 
-/// The name of an opacity in percent.
+/// Returns the name of an opacity in percent.
 fn state_name(percent: u8) -> String {
     format!("A{percent}")
 }
@@ -116,7 +119,7 @@ fn deflated(bytes: &[u8]) -> Result<Vec<u8>, String> {
     encoder.write_all(bytes).and_then(|()| encoder.finish()).map_err(|e| format!("cannot encode PDF: {e}"))
 }
 
-/// Writes paths as they come.
+/// Writer of paths, in drawing order.
 struct Painter {
     content: Content,
     /// Opacities that occur, by percent.
@@ -147,7 +150,7 @@ impl Painter {
     }
 
     fn path(&mut self, path: &usvg::Path) -> Result<(), String> {
-        // A line has no inside, which some viewers would fill all the same.
+        // A line has no inside, but some viewers would fill it.
         if let Some(fill) = path.fill().filter(|_| path.data().len() > 2) {
             let [r, g, b] = flat(fill.paint())?;
             self.content.save_state();

@@ -1,11 +1,11 @@
-//! What every plot has: how values map to pixels, which of them have a tick, and axes around a frame.
+//! Parts of every plot: the mapping of values to pixels, ticks, and axes around a frame.
 
 use super::colors::INK;
 use super::furniture::{self, DETAIL};
 use super::lettering::{Anchor, Type, number};
 use super::sheet::Drawing;
 
-/// Between the texts of neighboring ticks \[px\].
+/// Least gap between the texts of neighboring ticks \[px\].
 const TEXT_GAP: f64 = 22.0;
 /// Steps between ticks on an axis of angles \[°\].
 const ANGLE_STEPS: [f64; 5] = [10.0, 15.0, 30.0, 45.0, 90.0];
@@ -15,27 +15,29 @@ const ANGLE_STEPS: [f64; 5] = [10.0, 15.0, 30.0, 45.0, 90.0];
 pub(crate) struct Axis {
     /// Name with unit.
     pub(crate) name: String,
-    /// Distance from the left end, or from the top end, and text of each tick \[px\]; a tick without text is short.
+    /// Ticks: distance from the left or from the top end \[px\], and text. A tick without text is
+    /// short.
     pub(crate) ticks: Vec<(f64, String)>,
-    /// Whether a line crosses the plot at each tick with a text.
+    /// True if a line crosses the plot at each tick with a text.
     pub(crate) has_grid: bool,
-    /// From the frame to the baseline of the name \[px\].
+    /// Distance from the frame to the baseline of the name \[px\].
     pub(crate) name_at: f64,
 }
 
 impl Axis {
-    /// Width of the widest text at a tick \[px\].
+    /// Returns the width of the widest text at a tick \[px\].
     pub(crate) fn widest_text(&self) -> f64 {
         self.ticks.iter().map(|(_, text)| DETAIL.width(text)).fold(0.0, f64::max)
     }
 
-    /// How far texts reach beyond the right end of an axis of this length \[px\].
+    /// Returns the length by which texts reach beyond the right end of an axis of this length
+    /// \[px\].
     pub(crate) fn text_beyond(&self, length: f64) -> f64 {
         self.ticks.iter().map(|(at, text)| at + DETAIL.width(text) / 2.0 - length).fold(0.0, f64::max).ceil()
     }
 }
 
-/// In which direction an axis runs.
+/// Direction of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Direction {
     /// From left to right.
@@ -45,7 +47,7 @@ pub(crate) enum Direction {
 }
 
 impl Direction {
-    /// Length that the text of a tick takes along the axis \[px\].
+    /// Returns the length that the text of a tick takes along the axis \[px\].
     fn room(self, text: &str) -> f64 {
         if self == Self::Across { DETAIL.width(text) } else { DETAIL.size }
     }
@@ -54,25 +56,27 @@ impl Direction {
 /// The values along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Span {
-    /// Value at the left or lower end, then at the other; they ascend.
+    /// Values at the left or lower end and at the opposite end, ascending.
     pub(crate) ends: [f64; 2],
-    /// Whether equal factors, not equal differences, have equal lengths. Then both ends are above 0.
+    /// True if equal factors, not equal differences, have equal lengths. Both ends are then above
+    /// 0.
     pub(crate) is_log: bool,
 }
 
 impl Span {
-    /// Values from `low` to `high`, equal differences of equal length.
+    /// Makes a span from `low` to `high`, equal differences of equal length.
     pub(crate) const fn linear(low: f64, high: f64) -> Self {
         Span { ends: [low, high], is_log: false }
     }
 
-    /// Where a value lies: 0 at the first end, 1 at the other, beyond that outside.
+    /// Returns the position of a value: 0 at the first end, 1 at the second, beyond that outside.
     pub(crate) fn share(&self, value: f64) -> f64 {
         let [low, high] = self.ends;
         if self.is_log { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) }
     }
 
-    /// How far a value lies from the left or from the top end of an axis of `length` \[px\].
+    /// Returns the distance of a value from the left or from the top end of an axis of `length`
+    /// \[px\].
     pub(crate) fn along(&self, value: f64, direction: Direction, length: f64) -> f64 {
         let share = self.share(value);
         length * if direction == Direction::Across { share } else { 1.0 - share }
@@ -107,7 +111,8 @@ impl Span {
         fitting.next().unwrap_or_default()
     }
 
-    /// Multiples of 10°, 15° and so on, where the axis ends at one of 90°; nothing elsewhere.
+    /// Returns multiples of 10°, 15° and so on; `None` unless the axis ends at a multiple of 90°
+    /// and spans at least 40°.
     fn angle_ticks(&self, direction: Direction, length: f64) -> Option<Vec<(f64, String)>> {
         let [low, high] = self.ends;
         let quarters = high / 90.0;
@@ -117,7 +122,8 @@ impl Span {
         ANGLE_STEPS.iter().map(|step| multiples(low, high, *step)).find(|t| self.keeps_apart(t, direction, length))
     }
 
-    /// Powers of ten with their text; over a short range 2 and 5 times them have one, too. All digits have a tick.
+    /// Returns ticks at all digits times powers of ten. Texts are at the digits 1, 2 and 5, at 1
+    /// and 3, or at 1 only: the most that have room.
     fn log_ticks(&self, direction: Direction, length: f64) -> Option<Vec<(f64, String)>> {
         let [low, high] = self.ends;
         let exponents = whole(low.log10().floor())..=whole(high.log10().ceil());
@@ -139,7 +145,7 @@ impl Span {
         None
     }
 
-    /// Whether the texts of ticks in ascending order have room.
+    /// Returns `true` when the texts of ticks in ascending order have room.
     pub(crate) fn keeps_apart(&self, ticks: &[(f64, String)], direction: Direction, length: f64) -> bool {
         ticks.windows(2).all(|pair| {
             let distance = (self.share(pair[1].0) - self.share(pair[0].0)) * length;
@@ -148,7 +154,7 @@ impl Span {
     }
 }
 
-/// Multiples of `step` from `low` to `high`.
+/// Returns the multiples of `step` from `low` to `high`.
 fn multiples(low: f64, high: f64, step: f64) -> Vec<(f64, String)> {
     let first = (low / step - 1e-9).ceil();
     let values = (0..200).map(|k| (first + f64::from(k)) * step).take_while(|value| *value <= high + 1e-9 * step);
@@ -169,16 +175,16 @@ fn power_text(exponent: i32, digit: i32) -> String {
     text
 }
 
-/// A whole number of the size of an exponent.
+/// Converts a whole number of the size of an exponent.
 #[expect(clippy::cast_possible_truncation, reason = "clamped to the exponents of f64 first")]
 fn whole(value: f64) -> i32 {
     value.clamp(-400.0, 400.0) as i32
 }
 
-/// A point so little outside the frame lies on it \[px\].
+/// Tolerance within which a point outside the frame counts as on it \[px\].
 pub(crate) const SLACK: f64 = 0.5;
 
-/// How values map to a plot.
+/// Mapping of values to a plot.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Window {
     /// Width and height \[px\].
@@ -190,18 +196,19 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// Place of a value from the top left of the frame \[px\].
+    /// Returns the place of a value from the top left of the frame \[px\].
     pub(crate) fn at(&self, x: f64, y: f64) -> [f64; 2] {
         [self.x.along(x, Direction::Across, self.size[0]), self.y.along(y, Direction::Up, self.size[1])]
     }
 
-    /// Whether a place is in the frame.
+    /// Returns `true` when a place is in the frame.
     pub(crate) fn shows(&self, place: [f64; 2]) -> bool {
         place.iter().zip(self.size).all(|(at, length)| (-SLACK..=length + SLACK).contains(at))
     }
 }
 
-/// Draws a plot of this size \[px\], its origin at the top left of the frame: axes, content, and the frame over both.
+/// Draws a plot of this size \[px\], its origin at the top left of the frame: axes, content, and
+/// the frame over both.
 pub(crate) fn framed(size: [f64; 2], x: &Axis, y: &Axis, content: &Drawing) -> Drawing {
     let mut drawing = axes(size, x, y);
     drawing.add(content);

@@ -1,4 +1,5 @@
-//! PNG files: pictures in true color, bare masks with a palette, both with their provenance as text.
+//! PNG files: pictures in true color, bare masks with a palette, both with their provenance as
+//! text.
 //!
 //! A file holds no time and nothing of the machine, so that equal input gives equal bytes.
 
@@ -27,13 +28,15 @@ pub(crate) fn encode_picture(image: &RgbaImage, dpi: u32, provenance: &[(String,
 
 /// Draws a mask with one pixel per cell and nothing else: no frame, no words.
 ///
-/// `mask` is `[n_rows, n_cols]`, columns running fastest. Blue is line of sight, orange none, gray not a receiver;
-/// out of range and nodata are transparent. The file has a palette of two bits per pixel, so that 16384 × 16384 cells
-/// need no more than the encoded file.
+/// `mask` is `[n_rows, n_cols]`, columns running fastest. Blue is line of sight, orange none, gray
+/// not a receiver; out of range and nodata are transparent. The file has a palette of two bits per
+/// pixel and is written row by row. So 16384 × 16384 cells need no more memory than the encoded
+/// file.
 ///
 /// # Errors
-/// A mask of another length than the raster, an empty raster or one of more than 2³¹ − 1
-/// cells a side, or a keyword of `provenance` that PNG does not allow (1 to 79 characters of Latin-1).
+/// * A mask of another length than the raster.
+/// * An empty raster, or more than 2³¹ − 1 cells a side.
+/// * A keyword of `provenance` that PNG does not allow (1 to 79 characters of Latin-1).
 pub fn draw_bare(
     n_cols: usize,
     n_rows: usize,
@@ -56,10 +59,11 @@ pub fn draw_bare(
     })
 }
 
-/// One pixel per cell and nothing else: how many UAVs see it, in the colors of the picture.
+/// Draws the number of UAVs that see each cell, in the colors of the picture, with one pixel per
+/// cell and nothing else.
 ///
-/// `count` and `mask` are `[n_rows, n_cols]`, columns running fastest; `mask` tells which cells are receivers. More than
-/// 252 UAVs share colors.
+/// `count` and `mask` are `[n_rows, n_cols]`, columns running fastest; `mask` marks the receivers.
+/// Beyond 252 UAVs, several counts share a color.
 ///
 /// # Errors
 /// As [`draw_bare`].
@@ -74,7 +78,7 @@ pub fn draw_bare_count(
     let n_cells = [n_cols, n_rows];
     check::shape("mask", mask.len(), n_cells)?;
     check::shape("count", count.len(), n_cells)?;
-    // Not a receiver, and nothing to show, come after the counts.
+    // The entries of cells that are no receivers, and of transparent cells, follow the counts.
     const MOST: u32 = 252;
     let shown = n_sites.min(MOST);
     let (other, nothing) = (shown + 1, shown + 2);
@@ -98,11 +102,12 @@ pub fn draw_bare_count(
     })
 }
 
-/// Encodes a picture of nearly gray colors with a palette of 64 of them: each pixel takes the mean color of those whose
-/// green is the same to a quarter.
+/// Encodes a picture of nearly gray colors with a palette of 64. A pixel takes the mean color of
+/// all pixels whose green, divided by 4, is the same integer.
 ///
 /// # Errors
-/// An array of another length than the raster, an empty raster or one of more than 2³¹ − 1 cells a side.
+/// An array of another length than the raster, an empty raster or one of more than 2³¹ − 1 cells a
+/// side.
 pub(crate) fn encode_grays(n_cells: [usize; 2], colors: &[Rgb]) -> Result<Vec<u8>, String> {
     check::shape("colors", colors.len(), n_cells)?;
     let level = |color: &Rgb| color[1] / 4;
@@ -119,7 +124,7 @@ pub(crate) fn encode_grays(n_cells: [usize; 2], colors: &[Rgb]) -> Result<Vec<u8
     })
 }
 
-/// Encodes a picture of a few colors with their opacities; `write` hands over its pixels.
+/// Encodes a picture of a few colors with their opacities; `write` writes its pixels.
 fn encode_palette(
     [n_cols, n_rows]: [usize; 2],
     (depth, colors, opacities): (png::BitDepth, &[Rgb], &[u8]),
@@ -143,7 +148,7 @@ fn encode_palette(
 
 type Encoder<'a, 'b> = png::Encoder<'a, &'b mut Vec<u8>>;
 
-/// Encodes a file of this size: `look` says what its pixels mean, `write` hands them over.
+/// Encodes a file of this size: `look` sets the format of its pixels, `write` writes them.
 fn encode(
     [width, height]: [u32; 2],
     look: impl FnOnce(&mut Encoder<'_, '_>),

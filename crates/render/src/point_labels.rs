@@ -1,4 +1,4 @@
-//! Numbers beside the points of a plot: near them, apart from each other and from whatever else is in the plot.
+//! Numbers beside the points of a plot: near them, apart from each other and from other marks.
 
 use super::furniture::{NAME, stroke};
 use super::lettering::Type;
@@ -6,17 +6,17 @@ use super::line_look::MARKER;
 use super::marks::{Bounds, overlap, spots_around, within};
 use super::sheet::Drawing;
 
-/// How a number is set.
+/// Text style of a number.
 const NUMBER: Type = Type { size: 21.0, ..NAME };
-/// A label farther from its point than this has a line to it \[px\].
+/// Largest distance of a label from its point without a line to it \[px\].
 const NEAR: f64 = 20.0;
-/// How far labels may be from their marks, nearest first \[px\].
+/// Gaps between marks and labels to try, nearest first \[px\].
 const GAPS: [f64; 9] = [5.0, 14.0, 30.0, 50.0, 75.0, 105.0, 140.0, 180.0, 230.0];
 
 /// A point that has a number.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LabeledPoint {
-    /// Where it is \[px\].
+    /// Place \[px\].
     pub(crate) at: [f64; 2],
     /// Its number.
     pub(crate) number: usize,
@@ -24,15 +24,15 @@ pub(crate) struct LabeledPoint {
     pub(crate) color: &'static str,
 }
 
-/// A label that has found its place.
+/// Label with its place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Label {
     point: LabeledPoint,
     bounds: Bounds,
 }
 
-/// Finds a place for each label within a plot of this size \[px\], apart from what is `taken`. A label that finds none is left
-/// out; its point has a row beside the plot.
+/// Finds a place for each label within a plot of this size \[px\], apart from the boxes in `taken`.
+/// A label that finds none is left out; its point has a row beside the plot.
 pub(crate) fn place(points: &[LabeledPoint], size: [f64; 2], mut taken: Vec<Bounds>) -> Vec<Label> {
     let plot = [4.0, 4.0, size[0] - 4.0, size[1] - 4.0];
     const REACH: f64 = 1.4 * MARKER;
@@ -52,7 +52,8 @@ pub(crate) fn place(points: &[LabeledPoint], size: [f64; 2], mut taken: Vec<Boun
             corners.map(|[x, y]| [x, y, x + box_size[0], y + box_size[1]])
         };
         let is_free = |bounds: &Bounds| within(bounds, &plot) && !taken.iter().any(|other| overlap(bounds, other));
-        // A line may begin among marks, and cross other lines where there is no better place, but no numbers.
+        // A line to a label may begin among marks. It crosses other lines or numbers only if there
+        // is no better place.
         let crosses = |bounds: &Bounds| {
             let over = |part: &Bounds| labels.iter().any(|other: &Label| overlap(part, &other.bounds));
             leader(point.at, bounds).iter().any(over)
@@ -70,18 +71,18 @@ pub(crate) fn place(points: &[LabeledPoint], size: [f64; 2], mut taken: Vec<Boun
     labels
 }
 
-/// Where the line from a point to a label ends, if there is to be one.
+/// Returns the end of the line from a point to its label; `None` if the label is near.
 fn leader_end([x, y]: [f64; 2], [left, top, right, bottom]: &Bounds) -> Option<[f64; 2]> {
     let nearest = [x.clamp(*left, *right), y.clamp(*top, *bottom)];
     ((nearest[0] - x).hypot(nearest[1] - y) > NEAR).then_some(nearest)
 }
 
-/// What the line from a point to a label takes.
+/// Returns the boxes that the line from a point to its label covers.
 fn leader(at: [f64; 2], bounds: &Bounds) -> Vec<Bounds> {
     leader_end(at, bounds).map_or(Vec::new(), |end| along(at, end).collect())
 }
 
-/// Small boxes along a line, so that no label lies across it.
+/// Returns small boxes along a line, so that no label lies across it.
 pub(crate) fn along(from: [f64; 2], to: [f64; 2]) -> impl Iterator<Item = Bounds> {
     const STEPS: u32 = 60;
     (0..=STEPS).map(move |k| {
@@ -91,7 +92,7 @@ pub(crate) fn along(from: [f64; 2], to: [f64; 2]) -> impl Iterator<Item = Bounds
     })
 }
 
-/// Draws thin lines from points to labels that are not beside them.
+/// Draws thin lines from points to labels that are not near them.
 pub(crate) fn leaders(drawing: &mut Drawing, labels: &[Label]) {
     for Label { point, bounds } in labels {
         if let Some(end) = leader_end(point.at, bounds) {

@@ -1,36 +1,38 @@
-//! The style of a raster for QGIS: a `.qml` file, which QGIS applies to the raster of the same name beside it.
+//! The style of a raster for QGIS: a `.qml` file, which QGIS applies to the raster of the same name
+//! beside it.
 //!
-//! Without one QGIS takes the first three bands of any raster for red, green and blue. A style shows the first band alone, in the colors of
-//! the program's own pictures.
+//! Without a style QGIS takes the first three bands of any raster for red, green and blue. A style
+//! shows the first band alone, in the colors of the program's own pictures.
 
 use std::fmt::Write as _;
 
 use super::colors::{self, LOS, NLOS, Ramp, Rgb};
 use super::value_range::ValueRange;
 
-/// More classes than this are drawn as a ramp.
+/// Number of UAVs from which counts are drawn as a ramp, not as classes.
 const MOST_CLASSES: u32 = 12;
 
-/// Values of the first band of a raster, as a legend lists them.
+/// Content of the first band of a raster.
 #[derive(Clone, Copy, Debug)]
 pub enum FirstBand<'a> {
     /// Classes of a mask.
     Mask,
-    /// Numbers of so many UAVs that see a cell.
+    /// Number of UAVs that see a cell, of this many.
     Count(u32),
-    /// The nearest of so many UAVs that see a cell, by its number from 1; 0 for none.
+    /// Nearest UAV that sees a cell, by its number from 1 to this many; 0 for none.
     BestServer(u32),
-    /// Moves of eight that turn the answer.
+    /// Number of eight moves that change the answer.
     Stability,
-    /// 0 never, 1 surely, 2 possibly in line of sight.
+    /// Line of sight: 0 never, 1 surely, 2 possibly.
     Sure,
-    /// Classes of a difference of two masks: 0 neither, 1 only the first, 2 only the second, 3 both.
+    /// Classes of a difference of two masks: 0 neither, 1 only the first, 2 only the second, 3
+    /// both.
     Difference,
     /// Heights or other values; NaN and values of -9999 are none.
     Values(&'a [f32]),
 }
 
-/// Returns the text of the style for a raster whose first band holds such values.
+/// Returns the text of the style for a raster with this first band.
 pub fn qgis_style(band: FirstBand<'_>) -> String {
     let classes = |named: &[(&str, Rgb)]| {
         let class = |(value, (name, color)): (usize, &(&str, Rgb))| (value as f64, (*name).to_string(), *color);
@@ -67,7 +69,7 @@ pub fn qgis_style(band: FirstBand<'_>) -> String {
             if n < MOST_CLASSES { paletted(&entries) } else { ramp(&entries) }
         }
         FirstBand::Values(values) => {
-            // Some thousands tell where the middle 98 % are.
+            // Some thousands are enough to find the middle 98 %.
             let step = (values.len() / 16_384).max(1) | 1;
             let known: Vec<f32> = values.iter().step_by(step).copied().filter(|v| *v > -9999.0).collect();
             let everywhere = vec![0_u8; known.len()];
@@ -81,7 +83,7 @@ pub fn qgis_style(band: FirstBand<'_>) -> String {
     }
 }
 
-/// A style of single values, each with its label.
+/// Writes a style of single values, each with its label.
 fn paletted(entries: &[(f64, String, Rgb)]) -> String {
     let mut list = String::from("      <colorPalette>\n");
     for (value, label, color) in entries {
@@ -95,7 +97,7 @@ fn paletted(entries: &[(f64, String, Rgb)]) -> String {
     style("type=\"paletted\"", &list)
 }
 
-/// A style of colors that change steadily between values.
+/// Writes a style of colors that change steadily between values.
 fn ramp(entries: &[(f64, String, Rgb)]) -> String {
     let (low, high) = (entries.first().map_or(0.0, |e| e.0), entries.last().map_or(1.0, |e| e.0));
     let mut list = format!(

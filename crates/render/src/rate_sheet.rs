@@ -1,7 +1,9 @@
-//! Failure rates as a table of colored squares: what is tried down, who tries it across.
+//! Failure rates as a table of colored squares: a row for each family of tests, a column for each
+//! method.
 //!
-//! Each square has its rate in percent as a number, and a color by its power of ten: the darker the worse. Exactly none
-//! is white, so that it cannot be taken for few; what cannot be decided is left blank.
+//! Each square has its rate in percent as a number, and a color by the size of the rate: the darker
+//! the worse. Exactly 0 is white, so that it cannot be taken for a small rate. A rate that cannot
+//! be decided is left blank.
 
 use super::check;
 use super::colors::{self, INK, Rgb, TURNS, WHITE};
@@ -17,13 +19,14 @@ pub struct RateSheet<'a> {
     pub title: &'a str,
     /// Lines below; long ones are wrapped.
     pub caption: &'a [String],
-    /// The rows, from the top: what each is in plain words, and its name.
+    /// Rows, from the top: a description in plain words, and a name.
     pub rows: &'a [[&'a str; 2]],
-    /// The columns, from the left; neighbors of one group share its name.
+    /// Columns, from the left; neighbors of one group share its name.
     pub columns: &'a [RateColumn<'a>],
-    /// Failures and trials, `[n_rows, n_columns]`, columns running fastest; nothing where none can be made.
+    /// Failures and trials, `[n_rows, n_columns]`, columns running fastest; `None` if no trial can
+    /// be made.
     pub rates: &'a [Option<[u64; 2]>],
-    /// What a blank in their place means.
+    /// Meaning of a blank square.
     pub blank: &'a str,
 }
 
@@ -32,20 +35,20 @@ pub struct RateSheet<'a> {
 pub struct RateColumn<'a> {
     /// Its name.
     pub name: &'a str,
-    /// What stands over it and its neighbors of the same kind.
+    /// Name of the group, over this column and its neighbors of the same group.
     pub group: &'a str,
 }
 
 /// Width and height of a square \[px\].
 const CELL: [f64; 2] = [124.0, 46.0];
-/// Between groups of columns \[px\].
+/// Gap between groups of columns \[px\].
 const GROUP_GAP: f64 = 18.0;
-/// From the top to the squares \[px\]: the names of groups and of columns.
+/// Height of the names of groups and of columns, above the squares \[px\].
 const HEAD: f64 = 84.0;
-/// Between the names of rows and the squares \[px\].
+/// Gap between the names of rows and the squares \[px\].
 const NAME_GAP: f64 = 16.0;
 
-/// Where each color of a rate ends \[%\], on a scale of powers of ten, with its words.
+/// Upper end \[%\] of each color of rates, about a power of ten each, with its words.
 const DECADES: [(f64, Rgb, &str); 5] = [
     (0.1, TURNS[1], "below 0.1 %"),
     (1.0, TURNS[2], "0.1 to 1 %"),
@@ -54,7 +57,7 @@ const DECADES: [(f64, Rgb, &str); 5] = [
     (f64::INFINITY, TURNS[8], "30 % or more"),
 ];
 
-/// The color of a rate \[%\].
+/// Returns the color of a rate \[%\].
 fn color(percent: f64) -> Rgb {
     if percent <= 0.0 {
         return WHITE;
@@ -62,7 +65,7 @@ fn color(percent: f64) -> Rgb {
     DECADES.iter().find(|(end, _, _)| percent < *end).map_or(WHITE, |(_, color, _)| *color)
 }
 
-/// A rate in percent with two digits, more of them where they are zeros: 0.0012, 0.35, 4.2, 87.
+/// Writes a rate in percent with more decimals the smaller it is: 0.0012, 0.35, 4.2, 87.
 fn digits(percent: f64) -> String {
     let decimals = match percent {
         p if p <= 0.0 || p >= 10.0 => 0,
@@ -94,7 +97,7 @@ pub fn draw_rate_sheet(sheet: &RateSheet<'_>) -> Result<Sheet, String> {
     Ok(page(sheet.title, &body, sheet.caption, [22.0, 20.0]))
 }
 
-/// The names, and the squares with their rates.
+/// Draws the names, and the squares with their rates.
 fn table(sheet: &RateSheet<'_>) -> Block {
     let mut drawing = Drawing::default();
     let widest = |k: usize| sheet.rows.iter().map(|row| DETAIL.width(row[k])).fold(0.0, f64::max).ceil();
@@ -131,7 +134,7 @@ fn table(sheet: &RateSheet<'_>) -> Block {
     Block { width, height: HEAD + CELL[1] * sheet.rows.len() as f64, drawing }
 }
 
-/// Left ends of the columns \[px\].
+/// Returns the left ends of the columns \[px\].
 fn lefts(columns: &[RateColumn<'_>], left: f64) -> Vec<f64> {
     let mut x = left;
     let mut lefts = Vec::with_capacity(columns.len());

@@ -4,8 +4,8 @@ use image::RgbaImage;
 
 use super::colors::{self, FULL_LIGHT, Light};
 
-/// Returns an opaque image at another size: a pixel is the average, in linear light, of what it covers, so that a map
-/// shrinks without losing thin streets and grows without blur.
+/// Returns an opaque image at another size. A pixel is the average, in linear light, of the source
+/// pixels that it covers. So a map shrinks without losing thin streets and grows without blur.
 pub(crate) fn resized(image: &RgbaImage, width: u32, height: u32) -> RgbaImage {
     if image.dimensions() == (width, height) {
         return image.clone();
@@ -37,7 +37,8 @@ pub(crate) fn resized(image: &RgbaImage, width: u32, height: u32) -> RgbaImage {
     RgbaImage::from_raw(width, height, pixels).expect("the buffer has this size")
 }
 
-/// For each of `to` pixels the source pixels of `from` that it covers, with their shares, which sum to 1.
+/// Returns for each of `to` pixels the source pixels of `from` that it covers, with their shares,
+/// which sum to 1.
 fn covered(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
     let step = from as f64 / to as f64;
     let parts = |k: usize| {

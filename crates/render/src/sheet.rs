@@ -1,6 +1,7 @@
 //! A sheet: raster images at the back, vector furniture in front, written as PNG, SVG or PDF.
 //!
-//! All furniture is SVG text first, whatever the output, so that a test can read what a picture says.
+//! All furniture is SVG text first, whatever the output, so that a test can read the words of a
+//! picture.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -23,18 +24,18 @@ pub enum PictureFormat {
     Png,
     /// Words and marks as vectors, maps as embedded pixels.
     Svg,
-    /// As SVG, on one page; letters are outlines, so that no viewer needs the font.
+    /// SVG's content on one page; letters are outlines, so that no viewer needs the font.
     Pdf,
 }
 
-/// How a picture is written. It is laid out once, and scaled as one.
+/// Form in which a picture is written. It is laid out once, and scaled as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PictureForm {
     /// The format.
     pub format: PictureFormat,
-    /// Width \[px\], above 0; the height follows. `None`: as the picture is laid out.
+    /// Width \[px\], above 0; the height follows. `None`: the width of the layout.
     pub width_px: Option<u32>,
-    /// Pixels per inch, above 0; with the width the size on paper. `None`: 200.
+    /// Pixels per inch, above 0; with the width it gives the size on paper. `None`: 200.
     pub dpi: Option<u32>,
 }
 
@@ -43,25 +44,26 @@ const DPI: u32 = 200;
 const MM_PER_INCH: f64 = 25.4;
 
 impl PictureForm {
-    /// PNG as wide as it is laid out.
+    /// PNG at the width of the layout.
     pub const PNG: PictureForm = PictureForm { format: PictureFormat::Png, width_px: None, dpi: None };
 
-    /// Factor from a picture laid out `width` \[px\] wide to the width that is wanted.
+    /// Returns the factor from a layout `width` \[px\] wide to the requested width.
     pub(crate) fn scale(&self, width: u32) -> f64 {
         f64::from(self.width_px.unwrap_or(width)) / f64::from(width)
     }
 
-    /// Pixels per inch.
+    /// Returns the pixels per inch.
     pub(crate) fn dpi(&self) -> u32 {
         self.dpi.unwrap_or(DPI)
     }
 
-    /// Inches of so many pixels of the layout.
+    /// Returns the inches on paper of `length` \[px\] in a layout `width` \[px\] wide.
     pub(crate) fn inches(&self, width: u32, length: u32) -> f64 {
         f64::from(length) * self.scale(width) / f64::from(self.dpi())
     }
 
-    /// Width and height in an SVG document: those of the layout, or the size on paper where one was asked for.
+    /// Returns width and height for an SVG document: those of the layout, or the size on paper if
+    /// the form sets one.
     pub(crate) fn svg_size(&self, width: u32, height: u32) -> [String; 2] {
         let on_paper = self.width_px.is_some() || self.dpi.is_some();
         [width, height].map(|length| match on_paper {
@@ -78,17 +80,18 @@ pub struct Sheet {
     pub(crate) width: f64,
     /// Height \[px\].
     pub(crate) height: f64,
-    /// Images with the place of their top left corner \[px\].
+    /// Images with the places of their top left corners \[px\].
     pub(crate) images: Vec<(u32, u32, RgbaImage)>,
-    /// What is drawn over them.
+    /// Furniture drawn over the images.
     pub(crate) furniture: Drawing,
 }
 
 impl Sheet {
-    /// Writes the picture as a file that says where it comes from, by keyword.
+    /// Writes the picture as a file that holds its provenance, by keyword.
     ///
     /// # Errors
-    /// A keyword that PNG does not allow (1 to 79 printable characters of Latin-1), or more pixels than memory holds.
+    /// A keyword that PNG does not allow (1 to 79 printable characters of Latin-1), or more pixels
+    /// than memory holds.
     pub fn write(&self, form: &PictureForm, provenance: &[(String, String)]) -> Result<Vec<u8>, String> {
         match form.format {
             PictureFormat::Png => self.to_png(form, provenance),
@@ -125,18 +128,18 @@ impl Sheet {
         pdf::encode([size.map(f64::from), inches], &self.images, &self.tree()?, provenance)
     }
 
-    /// Width and height of the layout in whole pixels.
+    /// Returns width and height of the layout in whole pixels.
     fn size(&self) -> [u32; 2] {
         [pixels(self.width), pixels(self.height)]
     }
 
-    /// The furniture as paths.
+    /// Returns the furniture as paths.
     fn tree(&self) -> Result<usvg::Tree, String> {
         let options = usvg::Options { fontdb: lettering::fonts(), ..usvg::Options::default() };
         usvg::Tree::from_str(&self.svg_around(&PictureForm::PNG, ""), &options).map_err(|e| format!("cannot draw: {e}"))
     }
 
-    /// One SVG document, its images embedded.
+    /// Writes one SVG document with its images embedded.
     fn to_svg(&self, form: &PictureForm, provenance: &[(String, String)]) -> Result<String, String> {
         let mut back = String::new();
         if !provenance.is_empty() {
@@ -248,7 +251,8 @@ impl Drawing {
         let _ = writeln!(self.svg, "<g transform=\"translate({} {})\">\n{}</g>", px(dx), px(dy), drawing.svg);
     }
 
-    /// Fills a box with a gradient from left to right through `colors` at equal steps, as slices without seams.
+    /// Fills a box with a gradient from left to right through `colors` at equal steps, as slices
+    /// without seams.
     pub(crate) fn gradient(&mut self, [x, y, w, h]: [f64; 4], colors: &[Rgb]) {
         let step = w / colors.len() as f64;
         for (i, &color) in colors.iter().enumerate() {

@@ -4,27 +4,27 @@ use super::furniture::{DETAIL, NAME};
 use super::lettering::Type;
 use super::sheet::Drawing;
 
-/// From the right end of a curve to its label \[px\].
+/// Distance from the right end of a curve to its label \[px\].
 pub(crate) const LEADER: f64 = 78.0;
 
-/// What stands beside the right end of a curve.
+/// Label beside the right end of a curve.
 #[derive(Clone, Debug)]
 pub(crate) struct SideLabel {
-    /// Where the curve ends \[px\].
+    /// Vertical place of the end of the curve \[px\].
     pub(crate) y: f64,
-    /// A name, and maybe a detail below it; no wider than [`WIDEST`].
+    /// Name, and optionally a detail below it; no wider than [`WIDEST`].
     words: Vec<String>,
-    /// The attributes of the line from the curve to the label.
+    /// SVG attributes of the line from the curve to the label.
     pub(crate) stroke: String,
 }
 
-/// How the name and the detail are set.
+/// Text styles of the name and of the detail.
 const STYLES: [Type; 2] = [NAME, DETAIL];
-/// Labels wider than this are shortened \[px\].
+/// Widest label \[px\]; wider ones are shortened.
 const WIDEST: f64 = 380.0;
 
 impl SideLabel {
-    /// A label of a name and maybe a detail below it.
+    /// Makes a label of a name and optionally a detail below it.
     pub(crate) fn new(y: f64, words: Vec<String>, stroke: String) -> Self {
         let words = words.iter().zip(STYLES).map(|(words, style)| style.shortened(words, WIDEST)).collect();
         SideLabel { y, words, stroke }
@@ -38,16 +38,17 @@ impl SideLabel {
         STYLES.into_iter().zip(&self.words)
     }
 
-    /// Width of the words \[px\].
+    /// Returns the width of the words \[px\].
     pub(crate) fn width(&self) -> f64 {
         self.lines().map(|(style, words)| style.width(words)).fold(0.0, f64::max)
     }
 }
 
-/// Middles of labels from the top down within `height` \[px\], as near to what they name as they can be without
-/// covering each other. Labels come in the order of the ends of their curves.
+/// Returns the middles of labels from the top down within `height` \[px\]. Each is as near to the
+/// end of its curve as it can be without covering another label. Labels come in the order of the
+/// ends of their curves.
 fn spread(labels: &[SideLabel], height: f64) -> Vec<f64> {
-    // Labels that touch form a stack, centered on where its labels want to be, within the plot.
+    // Labels that touch form a stack, centered on the mean of their curves' ends, within the plot.
     struct Stack {
         n: usize,
         height: f64,
@@ -76,8 +77,8 @@ fn spread(labels: &[SideLabel], height: f64) -> Vec<f64> {
     middles
 }
 
-/// Draws the labels of a plot of this size \[px\], each with a line from the end of its curve to its name. Labels come
-/// in the order of the ends of their curves.
+/// Draws the labels of a plot of this size \[px\], each with a line from the end of its curve to
+/// its name. Labels come in the order of the ends of their curves.
 pub(crate) fn beside(labels: &[SideLabel], [right, height]: [f64; 2]) -> Drawing {
     let mut drawing = Drawing::default();
     for (label, middle) in labels.iter().zip(spread(labels, height)) {

@@ -1,4 +1,4 @@
-//! Small maps on one page: rows of panels, one legend for all.
+//! Small maps on one page: rows of panels, one legend for all maps.
 
 use image::RgbaImage;
 
@@ -8,9 +8,9 @@ use super::page::{MARGIN, Page};
 use super::paint::Canvas;
 use super::sheet::{Drawing, Sheet};
 
-/// Between neighboring maps \[px\].
+/// Gaps between neighboring maps \[px\].
 const GAPS: [f64; 2] = [34.0, 30.0];
-/// No map is narrower, or its title would need many lines \[px\].
+/// Least width of a panel \[px\]; in a narrower one the title would need many lines.
 const NARROWEST: f64 = 380.0;
 
 /// One small map with its words.
@@ -18,20 +18,20 @@ const NARROWEST: f64 = 380.0;
 pub(crate) struct Panel {
     words: Block,
     image: RgbaImage,
-    /// Marks and what else is drawn over the map.
+    /// Marks and rings over the map.
     pub(crate) over: Drawing,
 }
 
-/// What the maps of a page have in common.
+/// Canvas and arrangement that the maps of a page share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Maps<'a> {
     pub(crate) canvas: Canvas<'a>,
-    /// Maps beside each other.
+    /// Number of maps in a row.
     columns: usize,
 }
 
 impl<'a> Maps<'a> {
-    /// Maps of the same cells, `columns` beside each other, whose longer sides aim at `target` \[px\].
+    /// Makes maps of the same cells, `columns` in a row, whose longer sides aim at `target` \[px\].
     ///
     /// # Errors
     /// Cells without a size, or a surface of another shape.
@@ -44,7 +44,7 @@ impl<'a> Maps<'a> {
         Ok(Maps { canvas: Canvas::new(n_cells, cell_m, surface_m, (target, 1.4 * target))?, columns })
     }
 
-    /// Width that a map and its words have \[px\].
+    /// Returns the width of a map and its words \[px\].
     fn width(&self) -> f64 {
         self.canvas.size()[0].max(NARROWEST)
     }
@@ -56,7 +56,7 @@ impl<'a> Maps<'a> {
         page
     }
 
-    /// A map with a title, a line below that, and marks.
+    /// Makes a map with a title, a line below that, and marks.
     pub(crate) fn panel(&self, (title, detail): (&str, &str), image: RgbaImage, marks: &[Mark<'_>]) -> Panel {
         let title = NAME.shortened(title, 2.0 * self.width());
         let words =
@@ -65,7 +65,7 @@ impl<'a> Maps<'a> {
         Panel { words: furniture::stack(&words, 2.0), image, over }
     }
 
-    /// Places maps row by row, those of a row at one height.
+    /// Places maps row by row; the maps of a row are level.
     pub(crate) fn place(&self, page: &mut Page, panels: Vec<Panel>) {
         let [width, height] = self.canvas.size();
         let mut panels = panels.into_iter().peekable();
@@ -84,7 +84,8 @@ impl<'a> Maps<'a> {
         }
     }
 
-    /// Ends a page with the legend, made for the room beside the scale bar and the north arrow, and a caption.
+    /// Ends a page with a legend, made for the room beside the scale bar and the north arrow, and a
+    /// caption.
     pub(crate) fn finish(&self, mut page: Page, legend: impl FnOnce(f64) -> Block, caption: &[String]) -> Sheet {
         let px_per_m = self.canvas.px_per_cell()[0] / self.canvas.cell_m.0;
         let orientation = furniture::orientation(px_per_m, (0.3 * self.canvas.size()[0]).clamp(140.0, 260.0));

@@ -1,5 +1,5 @@
-//! What a user sees along a track: on a plan of the city, as a strip of line of sight, and above it the height that would be
-//! enough.
+//! Track of a user: on a plan of the city, as a strip of line of sight, and above that the least
+//! height in line of sight.
 
 use super::check;
 use super::colors::{self, INK, Rgb};
@@ -15,12 +15,12 @@ use super::sheet::{Drawing, Sheet};
 const WIDTH: f64 = 1500.0;
 const HEIGHT: f64 = 480.0;
 const AXIS: f64 = 104.0;
-/// The strip below the plot, and the room between \[px\].
+/// Height of the strip below the plot \[px\]; `GAP` is the room between them.
 const STRIP: f64 = 40.0;
 const GAP: f64 = 14.0;
-/// Where a track runs through buildings.
+/// Color of a track inside buildings.
 const NO_RECEIVER: Rgb = [0x84, 0x5E, 0x8C];
-/// A plan: its longer side \[px\], and the most cells along it that are drawn one by one.
+/// Size of a plan: its longer side \[px\], and the most cells along it that are drawn one by one.
 const PLAN: (f64, f64) = (700.0, 950.0);
 
 /// A picture of a track. Lengths in meters.
@@ -32,10 +32,10 @@ pub struct TrackProfile<'a> {
     pub caption: &'a [String],
     /// Length of the track \[m\].
     pub length_m: f64,
-    /// Parts of the track, in order, that are all of it.
+    /// Parts of the track, in order, which together cover it.
     pub stretches: &'a [TrackStretch<'a>],
-    /// Distances along the track \[m\], ascending, with the least height above ground in line of sight there \[m\]; `None` where
-    /// there is no receiver or no height is enough.
+    /// Distances along the track \[m\], ascending, with the least height above ground in line of
+    /// sight there \[m\]. `None`: no receiver, or no height is enough.
     pub enough: &'a [(f64, Option<f64>)],
     /// Height of the user above ground \[m\].
     pub user_m: f64,
@@ -43,7 +43,8 @@ pub struct TrackProfile<'a> {
     pub plan: TrackPlan<'a>,
 }
 
-/// The city around a track from above. Arrays are `[n_rows, n_cols]`, columns running fastest, north row first.
+/// The city around a track from above. Arrays are `[n_rows, n_cols]`, columns running fastest,
+/// north row first.
 #[derive(Debug, Clone, Copy)]
 pub struct TrackPlan<'a> {
     /// Columns.
@@ -56,18 +57,18 @@ pub struct TrackPlan<'a> {
     pub mask: &'a [u8],
     /// Heights above ground, for gray tones of buildings \[m\]; not finite where unknown.
     pub surface_m: &'a [f32],
-    /// Where the UAV is.
+    /// Mark of the UAV.
     pub uav: Mark<'a>,
 }
 
 /// A part of a track.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrackStretch<'a> {
-    /// Where it begins and ends along the track \[m\].
+    /// Start and end along the track \[m\].
     pub along_m: [f64; 2],
-    /// Whether the user has line of sight; `None` where there is no receiver.
+    /// Line of sight of the user; `None` where there is no receiver.
     pub los: Option<bool>,
-    /// Where it begins, turns and ends on the plan: columns and rows.
+    /// Start, turns and end on the plan: columns and rows.
     pub path: &'a [[f64; 2]],
 }
 
@@ -106,7 +107,7 @@ pub fn draw_track_profile(track: &TrackProfile<'_>) -> Result<Sheet, String> {
     Ok(page.finish(0.0, track.caption))
 }
 
-/// The color of a stretch.
+/// Returns the color of a stretch.
 fn color(los: Option<bool>) -> Rgb {
     match los {
         Some(true) => colors::LOS,
@@ -115,7 +116,7 @@ fn color(los: Option<bool>) -> Rgb {
     }
 }
 
-/// The track on the plan, in the colors of its stretches, with a dot where it begins.
+/// Draws the track on the plan, in the colors of its stretches, with a dot at its start.
 fn walked(track: &TrackProfile<'_>, px_per_cell: [f64; 2]) -> Drawing {
     let mut drawing = Drawing::default();
     let px = |place: &[f64; 2]| [0, 1].map(|k| place[k] * px_per_cell[k]);
@@ -131,7 +132,7 @@ fn walked(track: &TrackProfile<'_>, px_per_cell: [f64; 2]) -> Drawing {
     drawing
 }
 
-/// The heights that would be enough, above the height of the user.
+/// Draws the heights that would be enough, and the height of the user.
 fn heights(track: &TrackProfile<'_>, along: Span, x_axis: &Axis) -> Drawing {
     let highest = track.enough.iter().filter_map(|p| p.1).fold(track.user_m, f64::max);
     let heights = Span::linear(0.0, 1.05 * highest.max(1.0));
@@ -151,14 +152,14 @@ fn heights(track: &TrackProfile<'_>, along: Span, x_axis: &Axis) -> Drawing {
     content.line([0.0, user], [WIDTH, user], &stroke(INK, 2.4, "10 7"));
     let words = format!("user at {}", length_words(track.user_m));
     content.text(WIDTH - 10.0, user - 10.0, Type { anchor: Anchor::End, color: INK, ..DETAIL }, &words);
-    // The names of the axis along stand below the strip.
+    // The texts of the horizontal axis are below the strip.
     let ticks = x_axis.ticks.iter().map(|tick| (tick.0, String::new())).collect();
     let empty = Axis { ticks, ..Axis::default() };
     let y_axis = heights.axis("Height above ground [m]", Direction::Up, HEIGHT);
     plot::framed(window.size, &empty, &Axis { name_at: 72.0, ..y_axis }, &content)
 }
 
-/// The stretches side by side.
+/// Draws the stretches side by side.
 fn strip(track: &TrackProfile<'_>, along: Span, x_axis: Axis) -> Drawing {
     let mut strip = Drawing::default();
     for stretch in track.stretches {
@@ -171,7 +172,7 @@ fn strip(track: &TrackProfile<'_>, along: Span, x_axis: Axis) -> Drawing {
     strip
 }
 
-/// The entries of the legend below each other.
+/// Makes the legend, its entries below each other.
 fn legend(track: &TrackProfile<'_>) -> Block {
     let sum = |los: Option<bool>| -> f64 {
         track.stretches.iter().filter(|s| s.los == los).map(|s| s.along_m[1] - s.along_m[0]).sum()

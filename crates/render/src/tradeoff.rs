@@ -1,8 +1,10 @@
-//! Cost against error, both logarithmic, and beside it the bias of the same contestants, row by row.
+//! Cost against error, both logarithmic, beside the bias of the same contestants, row by row.
 //!
-//! Names of contestants that lie close together would cover each other, so each mark has the number of its row.
+//! Names of contestants that lie close together would cover each other, so each mark has the number
+//! of its row.
 //!
-//! An error of 0 has no place on a logarithmic axis. It has a band of its own at the foot, and the axis is broken there.
+//! An error of 0 has no place on a logarithmic axis. It has its own band at the foot, where the
+//! axis is broken.
 
 use super::check;
 use super::colors::{INK, MUTED};
@@ -19,40 +21,41 @@ use super::tradeoff_rows::{self, TradeoffPoint, mark};
 const SIZE: [f64; 2] = [980.0, 800.0];
 /// Height of the band of zeros \[px\].
 const ZERO_BAND: f64 = 104.0;
-/// From the plot to what is beside it, with room for names of ticks \[px\].
+/// Gap between the plot and the rows beside it, with room for names of ticks \[px\].
 const GAP: f64 = 64.0;
-/// Room above the plots for their titles, and for the name of a least cost below these \[px\].
+/// Room above the plots for their titles \[px\]; `FLOOR_NAME` is the room for the name of a least
+/// cost below these.
 const HEAD: f64 = 44.0;
 const FLOOR_NAME: f64 = 34.0;
 
-/// A picture of what accuracy costs.
+/// Picture of cost against accuracy.
 #[derive(Clone, Copy, Debug)]
 pub struct Tradeoff<'a> {
     /// Title; may be empty.
     pub title: &'a str,
     /// Lines below; long ones are wrapped.
     pub caption: &'a [String],
-    /// What a contestant costs, with its unit.
+    /// Name of the cost, with its unit.
     pub cost_name: &'a str,
-    /// How far it errs, with its unit.
+    /// Name of the error, with its unit.
     pub error_name: &'a str,
-    /// What an error of 0 is called, such as `0: none wrong`.
+    /// Words for an error of 0, such as `0: none wrong`.
     pub zero_name: &'a str,
-    /// What the signed bias is called, with its unit.
+    /// Name of the signed bias, with its unit.
     pub bias_name: &'a str,
-    /// A cost that nothing can be below, and what it is called, over the plot.
+    /// Least possible cost, and its name over the plot.
     pub floor: Option<(f64, &'a str)>,
-    /// The contestants, those of one family behind each other.
+    /// Contestants, grouped by family.
     pub points: &'a [TradeoffPoint<'a>],
-    /// Which of them are on the Pareto front, by rising cost.
+    /// Indices of the points on the Pareto front, by rising cost.
     pub front: &'a [usize],
 }
 
 /// Draws cost against error.
 ///
 /// # Errors
-/// A cost, error or bias that is not finite, a cost that is not above 0, an error below 0, or a front that names no
-/// point.
+/// A cost, error or bias that is not finite, a cost that is not above 0, an error below 0, or a
+/// front that names no point.
 pub fn draw_tradeoff(plot: &Tradeoff<'_>) -> Result<Sheet, String> {
     check(plot)?;
     let window = Window::of(plot);
@@ -93,7 +96,7 @@ fn check(plot: &Tradeoff<'_>) -> Result<(), String> {
     }
 }
 
-/// How costs and errors map to the plot.
+/// Mapping of costs and errors to the plot.
 #[derive(Clone, Copy, Debug)]
 struct Window {
     x: Span,
@@ -129,7 +132,8 @@ impl Window {
     }
 }
 
-/// Ends around some values above 0, a factor beyond the least and the largest, at least two powers of ten apart.
+/// Returns ends around some values above 0: a factor beyond the least and the largest, at least two
+/// powers of ten apart.
 fn padded(values: impl Iterator<Item = f64>, factor: f64) -> [f64; 2] {
     const LEAST_RATIO: f64 = 100.0;
     let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
@@ -141,7 +145,7 @@ fn padded(values: impl Iterator<Item = f64>, factor: f64) -> [f64; 2] {
     [low / wider, high * wider]
 }
 
-/// What is in the frame: the band of zeros, the floor, the front, marks and their labels.
+/// Draws the content of the frame: the band of zeros, the floor, the front, marks and their labels.
 fn content(plot: &Tradeoff<'_>, window: &Window) -> Drawing {
     let mut drawing = Drawing::default();
     let mut taken: Vec<Bounds> = Vec::new();

@@ -1,4 +1,5 @@
-//! The signed bias of each contestant in a row of its own, which is the legend of their marks and numbers, too.
+//! Signed bias of each contestant in a row of its own. The rows are also the legend of marks and
+//! numbers.
 
 use super::colors::{INK, MUTED};
 use super::furniture::{self, Block, DETAIL, stroke};
@@ -9,27 +10,27 @@ use super::sheet::Drawing;
 
 /// Width of the plot of biases \[px\].
 const WIDTH: f64 = 430.0;
-/// Highest row \[px\].
+/// Greatest height of a row \[px\].
 const ROW: f64 = 40.0;
-/// Room for the numbers to its right \[px\].
+/// Room for the numbers at the right \[px\].
 const NUMBERS: f64 = 124.0;
 
 /// A contestant.
 #[derive(Clone, Copy, Debug)]
 pub struct TradeoffPoint<'a> {
-    /// Its name, in its row.
+    /// Name, in its row.
     pub label: &'a str,
-    /// What its family is called.
+    /// Name of its family.
     pub family: &'a str,
-    /// Color and shape of its mark, as for [`CurveLine`](super::CurveLine).
+    /// Index of color and shape of its mark, as in [`CurveLine`](super::CurveLine).
     pub look: usize,
-    /// Cost, above 0, and error, at least 0; one without is in the rows alone.
+    /// Cost, above 0, and error, at least 0; a contestant without them is only in the rows.
     pub place: Option<(f64, f64)>,
-    /// Signed bias; `None` where there is none.
+    /// Signed bias; `None` if there is none.
     pub bias: Option<f64>,
 }
 
-/// The mark of a contestant.
+/// Returns the mark of a contestant.
 pub(crate) fn mark(look: usize) -> LineStyle {
     LineStyle::new(LineLook::Solid, look)
 }
@@ -38,7 +39,7 @@ pub(crate) fn mark(look: usize) -> LineStyle {
 #[derive(Clone, Copy, Debug)]
 enum Row<'a> {
     Family(&'a str),
-    /// With its number.
+    /// Contestant, with its number.
     Point(usize, &'a TradeoffPoint<'a>),
 }
 
@@ -102,7 +103,7 @@ pub(crate) fn rows(points: &[TradeoffPoint<'_>], bias_name: &str, height: f64) -
     Block { width: left + WIDTH + NUMBERS, height: frame[1] + x.name_at + 8.0, drawing }
 }
 
-/// A number with its sign and as many decimals as its size calls for; 0 has none.
+/// Writes a number with its sign and as many decimals as its size needs; 0 has no sign.
 fn signed(value: f64) -> String {
     let decimals = match value.abs() {
         v if v >= 10.0 => 1,

@@ -1,23 +1,25 @@
-//! How values become colors: the scale of a layer, or of several.
+//! Mapping of values to colors: the scale of a layer, or of several.
 
 use super::colors::{self, Ramp, Rgb};
 use super::furniture::Scale;
 use super::paint::quantiles;
 
-/// How values become colors.
+/// Mapping of values to colors.
 #[derive(Debug)]
 pub(crate) struct ValueRange {
     ramp: Ramp,
     pub(crate) scale: Scale,
-    /// Positive values are few and small beside the negative ones, as margins are: they share one color.
+    /// True if positive values are few and small beside the negative ones, as margins are. They
+    /// then share one color.
     pub(crate) flat_above_zero: bool,
 }
 
-/// A positive side smaller than this share of the negative one is not worth half of a ramp.
+/// Share of the negative side below which a positive side is not worth half of a ramp.
 const SMALL_SIDE: f64 = 0.1;
 
 impl ValueRange {
-    /// Spans the middle 98 % of the receivers' values in all maps, from a sample of at most about a million.
+    /// Spans the middle 98 % of the receivers' values in all maps, from a sample of at most about a
+    /// million.
     pub(crate) fn of_receivers(maps: &[(&[f32], &[u8])]) -> Self {
         let n: usize = maps.iter().map(|(values, _)| values.len()).sum();
         let step = (n / 1_000_000).max(1) | 1;
@@ -36,7 +38,7 @@ impl ValueRange {
             high = low.abs().max(high.abs());
             low = -high;
         } else if high > 3.0 * most_are_below.abs() {
-            // A few cells beside walls ask for heights that would leave the others one color.
+            // A few extreme cells beside walls would leave all other cells one color.
             high = most_are_below;
         }
         (low, high) = widened(low, high);
@@ -50,7 +52,7 @@ impl ValueRange {
         Self { ramp: if signed { Ramp::Diverging } else { Ramp::Sequential }, scale, flat_above_zero }
     }
 
-    /// The whole range of some values.
+    /// Spans the whole range of some values.
     pub(crate) fn whole(values: &[f32]) -> Self {
         let [low, high] = quantiles(values.to_vec(), [0.0, 1.0]).unwrap_or([0.0, 1.0]);
         let (low, high) = widened(low, high);
@@ -58,7 +60,7 @@ impl ValueRange {
         Self { ramp: Ramp::Sequential, scale, flat_above_zero: false }
     }
 
-    /// One of the 256 colors of receivers.
+    /// Returns one of the 256 colors of receivers.
     pub(crate) fn color(&self, k: u8) -> Rgb {
         let t = f64::from(k) / 255.0;
         match (self.flat_above_zero, k) {
@@ -69,7 +71,7 @@ impl ValueRange {
         }
     }
 
-    /// Which of the colors from 0 to `last` a value has; nothing without a value.
+    /// Returns the index of a value's color, from 0 to `last`; `None` for NaN.
     pub(crate) fn index(&self, value: f32, last: u8) -> Option<usize> {
         if self.flat_above_zero && value >= 0.0 {
             return Some(last.into());
@@ -80,7 +82,7 @@ impl ValueRange {
     }
 }
 
-/// Two ends that differ.
+/// Widens two ends that are nearly equal.
 fn widened(low: f64, high: f64) -> (f64, f64) {
     if high - low < 1e-6 * (1.0 + high.abs()) { (low - 0.5, high + 0.5) } else { (low, high) }
 }

@@ -1,14 +1,15 @@
-//! What all web pages have in common: a template with marks, and data in scripts.
+//! Parts that all web pages share: a template with marks, and data in scripts.
 
 use std::io::Write as _;
 
 use flate2::{Compression, GzBuilder};
 use serde_json::Value;
 
-/// How scripts write shares and numbers.
+/// Script that writes shares and numbers.
 pub(crate) const SHARES: &str = include_str!("web_page/shares.js");
 
-/// A template with its marks `{{name}}` replaced, in one pass, so that words of the user are never taken for a mark.
+/// Replaces the marks `{{name}}` of a template in one pass, so that words of the user are never
+/// taken for a mark.
 ///
 /// # Panics
 /// If it has a mark without a part.
@@ -24,14 +25,14 @@ pub(crate) fn filled(template: &str, parts: &[(&str, String)]) -> String {
     out + rest
 }
 
-/// JSON that no parser of HTML takes for the end of its script.
+/// Writes JSON that no HTML parser takes for the end of its script.
 pub(crate) fn in_script(value: &Value) -> String {
     value.to_string().replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
 }
 
-/// Bytes as gzip packs them best, which browsers unpack.
+/// Packs bytes as gzip, at its best compression; browsers unpack them.
 pub fn gzip(bytes: &[u8]) -> Vec<u8> {
     let mut gzip = GzBuilder::new().write(Vec::new(), Compression::best());
-    // A vector takes all.
+    // Writing to a vector does not fail.
     gzip.write_all(bytes).and_then(|()| gzip.finish()).unwrap_or_default()
 }

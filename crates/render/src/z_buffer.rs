@@ -1,15 +1,16 @@
-//! A z-buffer: triangles in, for each sample the nearest face and how near it is.
+//! A z-buffer of triangles: for each sample the nearest face and its depth.
 //!
-//! A view maps the city to the buffer either in perspective (the picture) or in parallel (the plan, and the sun's
-//! view, which finds shadows). In both, `depth` is linear on the screen and larger is nearer: the reciprocal of the
-//! distance, or the negative distance. No angle is evaluated, so that the samples are the same on every machine.
+//! A view maps the city to the buffer either in perspective (the picture) or in parallel (the plan,
+//! and the sun's view, which finds shadows). In both, `depth` is linear on the screen and larger is
+//! nearer: the reciprocal of the distance, or the negative distance. No angle is evaluated, so that
+//! the samples are the same on every machine.
 
 use glam::{DVec2, DVec3};
 
 use super::colors;
 use super::paint::narrow;
 
-/// How a view projects.
+/// Projection of a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Projection {
     /// Lines of sight meet in the eye.
@@ -31,14 +32,15 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// Looks along `forward` from `eye` with `up` roughly upward.
+    /// Makes a view along `forward` from `eye` with `up` roughly upward.
     pub(crate) fn new(projection: Projection, eye: DVec3, forward: DVec3, up: DVec3) -> Self {
         let forward = forward.normalize();
         let right = forward.cross(up).normalize();
         Self { projection, eye, right, up: right.cross(forward), forward, scale: 1.0, offset: DVec2::ZERO }
     }
 
-    /// Scales and moves the view so that the given points fill `size` \[px\] up to a margin; returns the size used.
+    /// Scales and moves the view so that the given points fill `size` \[px\] up to a margin;
+    /// returns the size used.
     pub(crate) fn fit(&mut self, points: impl Iterator<Item = DVec3>, size: DVec2, margin: f64) -> DVec2 {
         (self.scale, self.offset) = (1.0, DVec2::ZERO);
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
@@ -78,7 +80,7 @@ impl View {
         self.eye + self.forward * distance + (self.right * x + self.up * y) * spread
     }
 
-    /// Returns whether a face at `point` with this normal is turned to the viewer.
+    /// Returns `true` when a face at `point` with this normal is turned to the viewer.
     pub(crate) fn sees(&self, point: DVec3, normal: DVec3) -> bool {
         match self.projection {
             Projection::Perspective => normal.dot(self.eye - point) > 0.0,
@@ -97,7 +99,7 @@ impl View {
     }
 }
 
-/// Whole samples of a buffer of this size, from 1 to 4000 a side.
+/// Returns the whole samples of a buffer of this size, from 1 to 4000 a side.
 pub(crate) fn samples(size: DVec2) -> [usize; 2] {
     [size.x, size.y].map(|side| colors::index(side.ceil(), 4000).max(1))
 }
@@ -107,9 +109,9 @@ pub(crate) fn samples(size: DVec2) -> [usize; 2] {
 pub(crate) struct ZBuffer {
     pub(crate) width: usize,
     pub(crate) height: usize,
-    /// Depth, larger is nearer; negative infinity where nothing is.
+    /// Depth; larger is nearer, negative infinity in an empty sample.
     pub(crate) depth: Vec<f32>,
-    /// The tag of the face; 0 where nothing is.
+    /// Tag of the face; 0 in an empty sample.
     pub(crate) tag: Vec<u64>,
 }
 
@@ -169,12 +171,12 @@ impl ZBuffer {
     }
 }
 
-/// Place of the center of a sample along a row or a column.
+/// Returns the place of the center of a sample along a row or a column.
 fn center(sample: usize) -> f64 {
     sample as f64 + 0.5
 }
 
-/// Samples whose centers lie between two positions, or nothing.
+/// Returns the samples whose centers lie between two positions; `None` if there are none.
 fn span(low: f64, high: f64, n: usize) -> Option<std::ops::Range<usize>> {
     let first = (low - 0.5).ceil().max(0.0);
     let last = (high - 0.5).floor().min(n as f64 - 1.0);

@@ -1,4 +1,5 @@
-//! What can go wrong: one [`Error`] for the whole crate, over one enum for each part of it, with what was found as values.
+//! Errors of this crate: one [`Error`] over one enum for each part, which holds the offending
+//! values.
 //!
 //! Classes and codes are those of [`skyshed_core::error`].
 
@@ -7,28 +8,28 @@ use std::borrow::Cow;
 use skyshed_core::ErrorClass;
 use skyshed_core::error::one_line;
 
-/// The error of every fallible function of this crate.
+/// Error of every fallible function of this crate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// An engine or a scene failed.
     #[error("{0}")]
     Core(#[from] skyshed_core::Error),
-    /// P_LoS cannot be asked for, or not so.
+    /// P_LoS cannot be computed for a request.
     #[error("{}", one_line(&.0.to_string()))]
     LosProbability(#[from] LosProbabilityError),
     /// Methods cannot be compared.
     #[error("{}", one_line(&.0.to_string()))]
     Chart(#[from] ChartError),
-    /// A stress scene is not what it should be.
+    /// A stress scene, or a method on it, is at fault.
     #[error("{}", one_line(&.0.to_string()))]
     Stress(#[from] StressError),
 }
 
-/// The result of every fallible function of this crate.
+/// Result of every fallible function of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Why P_LoS cannot be computed.
+/// Reason why P_LoS cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
@@ -39,7 +40,7 @@ pub enum LosProbabilityError {
     /// The UAV is not above the receivers \[m above the ground\].
     #[error("cannot compute P_LoS: the UAV's height is `{uav_height_m}`, wanted above the receivers, {rx_height_m} m")]
     BelowReceivers { uav_height_m: f64, rx_height_m: f64 },
-    /// Something puts users farther away \[m\] than half of the lattice.
+    /// A cause puts users farther away \[m\] than half of the lattice.
     #[error("cannot compute P_LoS: {cause} puts users {distance_m:.0} m away, wanted at most {most_m} m")]
     TooFar { cause: String, distance_m: f64, most_m: f64 },
     /// Whole cities around the longest links \[m\] have too many buildings.
@@ -50,12 +51,12 @@ pub enum LosProbabilityError {
     CityTooLarge { farthest_m: f64, buildings: f64, most: f64 },
 }
 
-/// Why methods cannot be compared on a scene.
+/// Reason why methods cannot be compared on a scene.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
 pub enum ChartError {
-    /// The method is one for other scenes: what this one lacks, and the name of a method for it.
+    /// The method does not fit the scene: what the scene lacks, and the name of a method that fits.
     #[error("the method that was asked for cannot decide this scene: {why}")]
     Method { why: &'static str, instead: Cow<'static, str> },
     /// Two exact engines differ: a fault of the program.
@@ -63,12 +64,12 @@ pub enum ChartError {
     EnginesDiffer { method: Cow<'static, str>, uav: String },
 }
 
-/// What is wrong with a stress scene, or with a method on it.
+/// Fault of a stress scene, or of a method on it.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
 pub enum StressError {
-    /// The answer of a receiver is not the one that is known by construction.
+    /// The answer of a receiver differs from the one known by construction.
     #[error(
         "the answer at row {row}, column {col} of the stress scene {scene} is {found:?}, known by construction is {known}"
     )]
@@ -90,7 +91,7 @@ pub enum StressError {
     /// The scene is too large for the integers of the truth.
     #[error("the stress scene {scene} is too large to be decided")]
     TooLarge { scene: String },
-    /// The scene does not come out as it was built.
+    /// The scene cannot be built as drawn.
     #[error("the stress scene {scene} cannot be built: {why}")]
     Build { scene: String, why: String },
     /// A map of the scene has other receivers than the truth.
@@ -113,12 +114,12 @@ impl Error {
         }
     }
 
-    /// The cause.
+    /// Returns the class.
     pub fn class(&self) -> ErrorClass {
         self.class_and_code().0
     }
 
-    /// The stable code, for example `E120`.
+    /// Returns the stable code, for example `E120`.
     pub fn code(&self) -> String {
         format!("E{:03}", self.class_and_code().1)
     }

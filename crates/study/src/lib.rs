@@ -1,4 +1,5 @@
-//! What is learned with the engines: how likely line of sight is, where to hover, what a method costs and errs.
+//! Studies that use the engines: the probability of line of sight, the placement of UAVs, and the
+//! cost and error of methods.
 
 pub mod accuracy;
 pub mod city_statistics;

@@ -1,4 +1,4 @@
-//! The error budget of a map: how far P_LoS moves when each of the things that it rests on moves by what is uncertain of it.
+//! Error budget of a map: the change of P_LoS when each of its inputs changes by its uncertainty.
 
 use super::economy::Setup;
 use super::simpler::Simpler;
@@ -11,26 +11,26 @@ use crate::quantity::height_steps;
 /// A part of the error budget.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
-    /// How finely ground and roofs are sampled.
+    /// Sampling of ground and roofs.
     Cells,
     /// The engine.
     Method,
-    /// Where the UAV hovers.
+    /// Position of the UAV.
     UavPlace,
-    /// How high it hovers.
+    /// Height of the UAV.
     UavHeight,
-    /// How high the buildings are, all of them wrong alike.
+    /// Heights of the buildings, all wrong by the same amount.
     RoofHeights,
-    /// What shape roofs have, where it is known.
+    /// Shapes of roofs, where they are known.
     RoofShapes,
     /// The curve of the earth.
     Earth,
-    /// That the city is one draw of many.
+    /// Random draw of the city, one of many.
     Cities,
 }
 
 impl Part {
-    /// The word for it.
+    /// Returns the word for it.
     pub fn name(self) -> &'static str {
         match self {
             Part::Cells => "cell size",
@@ -48,15 +48,15 @@ impl Part {
 /// A line of the budget.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BudgetLine {
-    /// What it is about.
+    /// Part of the budget.
     pub part: Part,
-    /// What was changed, in words.
+    /// Change that was made, in words.
     pub changed: String,
-    /// The largest change of P_LoS that it made, signed; or why there is none.
+    /// Largest change of P_LoS that followed, signed; or the reason why there is none.
     pub change: std::result::Result<f64, String>,
 }
 
-/// What is taken to be uncertain.
+/// Uncertainties of the inputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertain {
     /// Position and height of a UAV \[m\].
@@ -67,15 +67,16 @@ pub struct Uncertain {
     pub meters_per_unit: f64,
 }
 
-/// K of rays of radio in a standard atmosphere.
+/// K of radio rays in a standard atmosphere.
 const RADIO_K: f64 = 4.0 / 3.0;
 
-/// More receivers than this are not compared with `ray`.
+/// Most receivers that are compared with `ray`.
 const MOST_RAYS: u64 = 1 << 23;
 
-/// The budget of a map whose P_LoS is known, the largest change first; lines without a number last.
+/// Computes the budget of a map whose P_LoS is known. The largest change comes first, lines without
+/// a number last.
 ///
-/// `cities` makes other cities of the same kind, where there are any.
+/// `cities` are other cities of the same kind; none for a real city.
 pub fn error_budget(
     setup: &Setup<'_>,
     p_los: f64,
@@ -95,7 +96,7 @@ pub fn error_budget(
     Ok(lines)
 }
 
-/// A change of P_LoS to that of a form of the scene.
+/// Returns the change of P_LoS to that of a form of the scene.
 fn change_to(setup: &Setup<'_>, p_los: f64, field: Option<HeightField>) -> std::result::Result<f64, String> {
     let field = field.ok_or_else(|| "a scene of this kind has no such form".to_string())?;
     change_of(setup.p_los_of(&field), p_los)
@@ -144,7 +145,7 @@ fn change_of(other: Result<Option<f64>>, p_los: f64) -> std::result::Result<f64,
     }
 }
 
-/// The largest of some changes of P_LoS; why there is none where one has none.
+/// Returns the largest of some changes of P_LoS; an error if any of them is one.
 fn largest(changes: impl Iterator<Item = std::result::Result<f64, String>>) -> std::result::Result<f64, String> {
     changes.reduce(|a, b| Ok(if a.clone()?.abs() >= b.clone()?.abs() { a? } else { b? })).unwrap_or(Ok(0.0))
 }
@@ -175,7 +176,7 @@ fn height_line(setup: &Setup<'_>, p_los: f64, uncertain: &Uncertain) -> BudgetLi
     }
 }
 
-/// The change of P_LoS when all UAVs are elsewhere.
+/// Returns the change of P_LoS when all UAVs are elsewhere.
 fn change_with(
     setup: &Setup<'_>,
     p_los: f64,
@@ -184,7 +185,7 @@ fn change_with(
     let moved: Vec<Uav> =
         setup.uavs.iter().map(|uav| Uav { station: to(setup.field, uav.station), ..uav.clone() }).collect();
     let setup = Setup { uavs: &moved, ..*setup };
-    // Where a building stands in the way of the move there is no P_LoS to compare with.
+    // If a building is at the new place, there is no P_LoS to compare with.
     change_of(setup.p_los_of(setup.field), p_los)
 }
 
@@ -201,14 +202,15 @@ fn roof_line(setup: &Setup<'_>, p_los: f64, uncertain: &Uncertain) -> BudgetLine
     }
 }
 
-/// What it is worth that roofs are not flat, where they are not.
+/// Returns the effect of flat roofs in place of shaped ones; `None` if all roofs are flat.
 fn shape_line(setup: &Setup<'_>, p_los: f64) -> Option<BudgetLine> {
     let flat = setup.field.with_flat_roofs()?;
     let changed = "all roofs flat, each as high as it is highest".into();
     Some(BudgetLine { part: Part::RoofShapes, changed, change: change_of(setup.p_los_of(&flat), p_los) })
 }
 
-/// What it is worth that the earth is curved, as radio sees it, where it was taken as flat; or flat where it was not.
+/// Returns the effect of the earth's curvature as radio sees it if the earth was taken as flat,
+/// else the effect of a flat earth.
 fn earth_line(setup: &Setup<'_>, p_los: f64) -> BudgetLine {
     let is_flat = (setup.options)(setup.field).curvature.is_none();
     let curvature = if is_flat { Curvature::of_earth_k(RADIO_K) } else { None };
@@ -221,7 +223,7 @@ fn earth_line(setup: &Setup<'_>, p_los: f64) -> BudgetLine {
     }
 }
 
-/// The standard deviation of P_LoS among cities of the same kind, seen from the same places.
+/// Returns the standard deviation of P_LoS among cities of one kind, seen from the same places.
 fn city_line(setup: &Setup<'_>, cities: &[HeightField]) -> BudgetLine {
     let values: Vec<f64> = cities.iter().filter_map(|city| setup.p_los_of(city).ok().flatten()).collect();
     let n = values.len() as f64;

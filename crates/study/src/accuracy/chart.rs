@@ -1,8 +1,9 @@
-//! Speed against accuracy on one scene: who competes, on which cells, and what the exact answer is.
+//! Speed against accuracy on one scene: the contestants, the cells that they decide on, and the
+//! exact answer.
 //!
-//! A contestant is an engine on the scene itself, on coarser cells, or, where the scene is of footprints, on its raster. What
-//! it sees is compared with `ray` on the scene; the exact engines compete like all others, so that their zero is counted,
-//! not assumed.
+//! A contestant is an engine on the scene itself, on coarser cells, or on the raster of a scene of
+//! footprints. Its answer is compared with that of `ray` on the scene. Exact engines compete under
+//! the same rules, so that their zero is counted, not assumed.
 
 use std::borrow::Cow;
 
@@ -17,14 +18,14 @@ use crate::los::{Method, MethodChoice, StepLength};
 use crate::quantity::{STEPS_PER_UNIT, share};
 use crate::raster::BitGrid;
 
-/// Kinds of contestants, as legends tell them apart.
+/// Kinds of contestants, as legends distinguish them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
     /// Exact engines on the scene itself.
     Exact,
     /// Samples along a ray.
     Step,
-    /// Slopes handed on from neighbor to neighbor, or rays to the perimeter alone.
+    /// Slopes passed from neighbor to neighbor, or rays to the perimeter only.
     Neighbors,
     /// An exact engine on coarser cells.
     Coarser,
@@ -53,34 +54,34 @@ impl Family {
         }
     }
 
-    /// The word for it in tables.
+    /// Returns the word for it in tables.
     pub fn name(self) -> &'static str {
         self.told().0
     }
 
-    /// What it is, in a few words.
+    /// Returns a description in a few words.
     pub fn in_words(self) -> &'static str {
         self.told().1
     }
 }
 
-/// Which cells a contestant decides on.
+/// Cells that a contestant decides on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ground {
     /// The scene itself.
     Scene,
-    /// Larger cells of a raster, or fewer receivers over the same footprints.
+    /// Larger cells of a raster, or fewer receivers over unchanged footprints.
     Simpler(Simpler),
     /// The raster of the footprints, on the receivers' own cells.
     Raster,
-    /// The scene with flat roofs, each as high as it is highest.
+    /// The scene with flat roofs, each at the height of its highest point.
     FlatRoofs,
-    /// The scene with all roofs so many meters higher: what an error of heights is worth.
+    /// The scene with all roofs this many meters higher: the effect of an error of heights.
     HigherRoofs(u16),
 }
 
 impl Ground {
-    /// How many times as large its cells are.
+    /// Returns the factor by which its cells are wider and higher.
     pub fn factor(self) -> usize {
         match self {
             Ground::Simpler(form) => form.factor,
@@ -92,21 +93,21 @@ impl Ground {
 /// An engine and the cells that it decides on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Contestant {
-    /// The engine; on other cells the exact one for them may be another.
+    /// Engine; on other cells another exact engine may take its place.
     pub method: Method,
-    /// What it decides on.
+    /// Cells that it decides on.
     pub ground: Ground,
 }
 
-/// Steps of the sampled rays \[cells\].
+/// Step lengths of the sampled rays \[cells\].
 const STEPS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
-/// Errors of heights: good ones, and those of many footprints \[m\].
+/// Errors of heights: of good data, and of many footprints \[m\].
 const HIGHER_M: [u16; 2] = [1, 3];
-/// Times that cells are enlarged.
+/// Factors by which cells are enlarged.
 const FACTORS: [usize; 3] = [2, 4, 8];
 
 impl Contestant {
-    /// Those who compete on a scene, the exact ones first; `more` joins them if it is another engine.
+    /// Returns the contestants on a scene, exact engines on it first, then `more` if it is new.
     pub fn all(field: &HeightField, more: MethodChoice) -> Result<Vec<Contestant>> {
         let on = |ground: Ground| move |method: Method| Contestant { method, ground };
         let own = Method::choose(field, MethodChoice::Auto).map_or(Method::Ray, |(method, _)| method);
@@ -114,7 +115,7 @@ impl Contestant {
         let approximate = STEPS.into_iter().filter_map(StepLength::new).map(Method::Step);
         let approximate = approximate.chain([Method::Xdraw, Method::R2]);
         let mut all: Vec<Contestant> = [Method::Ray, own].map(on(Ground::Scene)).to_vec();
-        // A raster of plateaus is no such raster any more on larger cells.
+        // A raster of plateaus loses them on larger cells; the sweep decides these.
         let of_forms = if is_vector { own } else { Method::Sweep };
         if !is_vector && own != Method::Sweep {
             all.push(on(Ground::Scene)(Method::Sweep));
@@ -134,7 +135,7 @@ impl Contestant {
             all.extend(roofs.chain(HIGHER_M.map(Ground::HigherRoofs)).map(|ground| on(ground)(own)));
         }
         let more = match more.method() {
-            // Approximations of a vector scene are those of its raster.
+            // Approximations of a vector scene use its raster.
             Some(method) if is_vector && !matches!(method, Method::Ray | Method::Shadow) => on(Ground::Raster)(method),
             _ => {
                 let method = Method::choose(field, more)
@@ -148,7 +149,7 @@ impl Contestant {
         Ok(all)
     }
 
-    /// Which kind it is.
+    /// Returns the kind of contestant.
     pub fn family(&self) -> Family {
         match (self.method, self.ground) {
             (Method::Step(_), _) => Family::Step,
@@ -160,7 +161,7 @@ impl Contestant {
         }
     }
 
-    /// What it decides on, in tables; empty for the scene itself.
+    /// Returns the text of its cells for tables; empty for the scene itself.
     pub fn parameters(&self) -> String {
         match self.ground {
             Ground::Scene => String::new(),
@@ -174,7 +175,7 @@ impl Contestant {
         }
     }
 
-    /// A short name for pictures.
+    /// Returns a short name for pictures.
     pub fn label(&self) -> String {
         match self.ground {
             Ground::Scene => self.method.to_string(),
@@ -188,10 +189,12 @@ impl Contestant {
         }
     }
 
-    /// Makes the cells that it decides on and puts the UAVs over them, at their own places and heights above the datum.
+    /// Makes its cells and puts the UAVs over them, at their own places and heights above the
+    /// datum.
     ///
     /// # Errors
-    /// Why it cannot compete: such cells cannot be made, or a UAV is inside a building that grew.
+    /// The reason why it cannot compete: there are no such cells, or a UAV is inside a larger
+    /// building.
     pub fn prepare<'a>(
         &self,
         field: &'a HeightField,
@@ -216,7 +219,7 @@ impl Contestant {
         Ok(Prepared { field, uavs, options })
     }
 
-    /// The engine as it is asked for.
+    /// Returns the choice that selects the engine.
     fn choice(&self) -> MethodChoice {
         match self.method {
             Method::Ray => MethodChoice::Ray,
@@ -238,34 +241,34 @@ pub struct Prepared<'a> {
 }
 
 impl Prepared<'_> {
-    /// Makes ready what does not depend on the UAV.
+    /// Prepares the work that does not depend on the UAV.
     pub fn mapper(&self) -> Result<Mapper<'_>> {
         Ok(Mapper::new(&self.field, &self.options)?)
     }
 
-    /// What each UAV sees, one after the other: this is what is timed. A shadow is cast by one thread.
+    /// Maps one UAV after the other, which is what is timed. A shadow is cast by one thread.
     pub fn answer(&self, mapper: &Mapper<'_>) -> Vec<Seen> {
         self.uavs.iter().map(|uav| mapper.seen(uav)).collect()
     }
 }
 
-/// Links up to which `ray` decides all of them for the exact answer: some ten seconds of one core.
+/// Most links for which `ray` computes the whole exact answer: some ten seconds of one core.
 pub const MOST_RAYS: u64 = 1 << 26;
 
-/// The exact answer.
+/// Exact answer.
 #[derive(Debug, Clone)]
 pub struct Truth {
-    /// What each UAV sees.
+    /// Map of each UAV.
     pub seen: Vec<Seen>,
-    /// Which engine says so.
+    /// Engine that computed it.
     pub method: Method,
-    /// Links of a sample that `ray` decided, too, with the same result, where another engine answers.
+    /// Number of sampled links that `ray` decided alike; `None` if `ray` decided all links.
     pub checked: Option<u64>,
 }
 
 impl Truth {
-    /// The answer of `ray`; where that is more than `most_rays` links, of the engine for the scene, compared with `ray` on
-    /// evenly spread cells.
+    /// Computes the answer by `ray`. For more than `most_rays` links the engine for the scene
+    /// answers instead, and is compared with `ray` on evenly spread cells.
     ///
     /// # Errors
     /// As [`Mapper::new`]; E603 if the two engines differ.
@@ -293,34 +296,34 @@ impl Truth {
         Ok(Truth { seen, method, checked: Some(checked) })
     }
 
-    /// Receivers of all UAVs.
+    /// Returns the number of receivers, summed over the UAVs.
     pub fn receivers(&self) -> u64 {
         self.seen.iter().map(|seen| seen.receivers.count()).sum()
     }
 
-    /// Those in line of sight.
+    /// Returns the number of receivers in line of sight, summed over the UAVs.
     pub fn los(&self) -> u64 {
         self.seen.iter().map(|seen| seen.los.count()).sum()
     }
 
-    /// The exact P_LoS of all UAVs together; `None` without a receiver.
+    /// Returns the exact P_LoS of all UAVs together; `None` without a receiver.
     pub fn p_los(&self) -> Option<f64> {
         share(self.los(), self.receivers())
     }
 
-    /// Compares an answer for the same UAVs, on cells so many times as large.
+    /// Compares an answer for the same UAVs, on cells `factor` times as wide and high.
     pub fn compare(&self, answer: &[Seen], factor: usize) -> Comparison {
         let pairs = answer.iter().zip(&self.seen).map(|(answer, exact)| Comparison::of(answer, exact, factor));
         pairs.fold(Comparison::default(), Comparison::plus)
     }
 
-    /// P_LoS of an answer, over its own receivers, less the exact one.
+    /// Returns P_LoS of an answer, over its own receivers, minus the exact one.
     pub fn p_los_error(&self, counts: &Comparison) -> Option<f64> {
         Some(counts.p_los()? - self.p_los()?)
     }
 }
 
-/// Every `n`th cell of a set in row order.
+/// Returns every `n`th cell of a set in row order.
 fn every_nth(cells: &BitGrid, n: usize) -> BitGrid {
     let mut some = BitGrid::new(cells.n_rows(), cells.n_cols());
     cells.cells().step_by(n.max(1)).for_each(|(row, col)| some.insert(row, col));

@@ -1,4 +1,4 @@
-//! An answer held against the exact one, receiver by receiver.
+//! Comparison of an answer with the exact one, receiver by receiver.
 
 use super::{CoarseAnswer, coarse_answer};
 use crate::coverage::Seen;
@@ -9,35 +9,35 @@ use crate::quantity::share;
 pub struct Comparison {
     /// Receivers that both answer.
     pub receivers: u64,
-    /// Those in sight by the answer and not in truth.
+    /// Receivers in sight by the answer and not in truth.
     pub false_los: u64,
-    /// Those in sight in truth and not by the answer.
+    /// Receivers in sight in truth and not by the answer.
     pub false_nlos: u64,
-    /// Receivers of the exact answer for which the other has none.
+    /// Receivers of the exact answer for which the compared answer has none.
     pub unanswered: u64,
-    /// Receivers of the answer itself: its cells may be larger, and others may be open ground.
+    /// Receivers of the answer itself. Its cells may be larger, and other cells may be open ground.
     pub own_receivers: u64,
-    /// Those of them that it takes to be in sight.
+    /// Receivers of the answer itself that are in sight by it.
     pub own_los: u64,
 }
 
 impl Comparison {
-    /// Receivers that are decided wrongly.
+    /// Returns the number of receivers that are decided wrongly.
     pub fn wrong(&self) -> u64 {
         self.false_los + self.false_nlos
     }
 
-    /// The share of the receivers that are decided wrongly; `None` without a receiver.
+    /// Returns the share of receivers that are decided wrongly; `None` without a receiver.
     pub fn wrong_share(&self) -> Option<f64> {
         share(self.wrong(), self.receivers)
     }
 
-    /// P_LoS over the answer's own receivers; `None` without one.
+    /// Returns P_LoS over the answer's own receivers; `None` without one.
     pub fn p_los(&self) -> Option<f64> {
         share(self.own_los, self.own_receivers)
     }
 
-    /// The sum of both.
+    /// Returns the sum of both.
     #[must_use]
     pub fn plus(self, other: Comparison) -> Comparison {
         Comparison {
@@ -51,11 +51,10 @@ impl Comparison {
     }
 
     /// Compares an answer with the exact one of the same UAV.
-    ///
-    /// The cells of the answer are `factor` (at least 1) times as large in both directions, from the same north-west corner,
-    /// and cover the others.
-    /// A receiver takes the answer of the cell that holds its center: center c + 1/2 of `factor`-fold cells lies in cell
-    /// ⌊c / factor⌋, so this is integers, too.
+    /// The cells of the answer are `factor` (at least 1) times as large in both directions. They
+    /// begin at the same north-west corner and cover the exact cells. A receiver takes the answer
+    /// of the cell that holds its center. The center c + 1/2 lies in cell ⌊c / `factor`⌋ of the
+    /// larger cells, so this is done in integers, too.
     pub fn of(answer: &Seen, exact: &Seen, factor: usize) -> Comparison {
         let mut counts = Comparison {
             own_receivers: answer.receivers.count(),

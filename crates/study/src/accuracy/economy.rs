@@ -1,4 +1,4 @@
-//! What a scene needs: how coarse its cells may be, and whether its terrain can hide anyone.
+//! Savings that a scene permits: coarser cells, and a terrain without effect.
 
 use super::simpler::{FACTORS, Simpler, moved_to};
 use crate::coverage::{MapOptions, Mapper, Uav};
@@ -6,17 +6,17 @@ use crate::error::Result;
 use crate::height_field::HeightField;
 use crate::quantity::share;
 
-/// A change of P_LoS below this is none: a tenth of a percentage point.
+/// Least change of P_LoS that counts: a tenth of a percentage point.
 pub const NO_CHANGE: f64 = 0.001;
 
-/// UAVs over a scene and how maps of it are made.
+/// UAVs over a scene, and the options of its maps.
 #[derive(Clone, Copy)]
 pub struct Setup<'a> {
     /// The scene.
     pub field: &'a HeightField,
     /// The UAVs, counted together.
     pub uavs: &'a [Uav],
-    /// The options of a map of a form of the scene: cells of zones are those of its own grid.
+    /// Options of a map of a form of the scene: cells of zones are those of its own grid.
     pub options: &'a (dyn Fn(&HeightField) -> MapOptions + Sync),
 }
 
@@ -27,36 +27,36 @@ impl std::fmt::Debug for Setup<'_> {
 }
 
 impl Setup<'_> {
-    /// Receivers in range of the UAVs and those of them in line of sight, summed over the UAVs.
+    /// Returns the receivers in range and those in line of sight, summed over the UAVs.
     pub fn count(&self) -> Result<(u64, u64)> {
         let options = (self.options)(self.field);
         let mapper = Mapper::new(self.field, &options)?;
         Ok(self.uavs.iter().map(|uav| mapper.count(uav)).fold((0, 0), |sum, c| (sum.0 + c.0, sum.1 + c.1)))
     }
 
-    /// P_LoS of all UAVs together; `None` without a receiver.
+    /// Returns P_LoS of all UAVs together; `None` without a receiver.
     pub fn p_los(&self) -> Result<Option<f64>> {
         let (receivers, los) = self.count()?;
         Ok(share(los, receivers))
     }
 
-    /// P_LoS of another form of the scene, the UAVs at the same places and heights above the datum.
+    /// Returns P_LoS of another form of the scene; UAVs keep their places and heights above datum.
     pub(crate) fn p_los_of(&self, field: &HeightField) -> Result<Option<f64>> {
         let uavs: Vec<Uav> = self.uavs.iter().map(|uav| moved_to(uav, field)).collect::<Result<_>>()?;
         Setup { field, uavs: &uavs, options: self.options }.p_los()
     }
 }
 
-/// What larger cells do to P_LoS.
+/// Effect of larger cells on P_LoS.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CellEffect {
-    /// The form of the scene.
+    /// Form of the scene.
     pub form: Simpler,
-    /// Its P_LoS, or why there is none.
+    /// P_LoS of the form, or the reason why there is none.
     pub p_los: std::result::Result<f64, String>,
 }
 
-/// What larger cells do to P_LoS, the finest first.
+/// Computes the effect of larger cells on P_LoS, the finest first.
 pub fn cell_effects(setup: &Setup<'_>) -> Vec<CellEffect> {
     let effect = |form: Simpler| {
         let p_los = match form.of(setup.field).map(|field| setup.p_los_of(&field)) {
@@ -69,8 +69,8 @@ pub fn cell_effects(setup: &Setup<'_>) -> Vec<CellEffect> {
     Simpler::forms(setup.field, &FACTORS).into_iter().map(effect).collect()
 }
 
-/// The coarsest form up to which no form of its kind changes P_LoS by [`NO_CHANGE`] or more; `None` if the finest already
-/// does.
+/// Returns the coarsest form up to which every form of its kind changes P_LoS by less than
+/// [`NO_CHANGE`]; `None` if the finest already changes it by that or more.
 pub fn coarsest_unchanged(effects: &[CellEffect], p_los: f64) -> Option<Simpler> {
     let mut best: Option<Simpler> = None;
     let mut poolings: Vec<_> = effects.iter().map(|e| e.form.pooling).collect();
@@ -84,12 +84,12 @@ pub fn coarsest_unchanged(effects: &[CellEffect], p_los: f64) -> Option<Simpler>
     best
 }
 
-/// What the terrain of a scene can do.
+/// Effect of the terrain of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TerrainEffect {
-    /// The ground is flat, or not known apart from the surface: there is no terrain to hide anyone.
+    /// No effect: the ground is flat, or not known apart from the surface.
     None,
-    /// Without buildings it would hide so many of the receivers of all UAVs.
+    /// Receivers that the terrain would hide without buildings, summed over the UAVs.
     Hides {
         /// Receivers that it hides.
         hidden: u64,
@@ -98,10 +98,10 @@ pub enum TerrainEffect {
     },
 }
 
-/// What the terrain of a scene hides by itself.
+/// Computes the effect of the terrain alone.
 pub fn terrain_effect(setup: &Setup<'_>) -> Result<TerrainEffect> {
     let Some(terrain) = setup.field.terrain_alone() else { return Ok(TerrainEffect::None) };
-    // The same receivers as with the buildings, also where a building would stand in the way of none.
+    // Receivers stay those of the scene with buildings; removing a building adds none.
     let options = (setup.options)(setup.field);
     let cells = Mapper::new(setup.field, &options)?.receiver_cells();
     let options = MapOptions { within: Some(cells), receivers: crate::coverage::Receivers::Ground, ..options };
@@ -111,23 +111,23 @@ pub fn terrain_effect(setup: &Setup<'_>) -> Result<TerrainEffect> {
     Ok(TerrainEffect::Hides { hidden: receivers - los, receivers })
 }
 
-/// What roofs that are all flat, each as high as it is highest, would make of a map.
+/// Effect of flat roofs, each at the height of its highest point, in place of shaped ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoofEffect {
     /// Buildings whose roofs are not flat.
     pub shaped: usize,
-    /// Receivers of all UAVs whose answers they turn, of those that both forms have.
+    /// Receivers with another answer, summed over the UAVs; only receivers of both forms count.
     pub turned: u64,
-    /// All of these.
+    /// Receivers of both forms, summed over the UAVs.
     pub receivers: u64,
-    /// P_LoS with them; `None` without a receiver.
+    /// P_LoS with flat roofs; `None` without a receiver.
     pub p_los: Option<f64>,
 }
 
-/// What the shape of roofs is worth; `None` where all are flat.
+/// Computes the effect of flat roofs; `None` if all roofs are flat.
 ///
 /// # Errors
-/// As [`Uav::place`]: a UAV may be below the ridge of a roof that it hovers beside.
+/// As [`Uav::place`]: a UAV beside a roof may be below its ridge.
 pub fn roof_effect(setup: &Setup<'_>) -> Result<Option<RoofEffect>> {
     let Some(flat) = setup.field.with_flat_roofs() else { return Ok(None) };
     let (own, of_flat) = ((setup.options)(setup.field), (setup.options)(&flat));

@@ -1,9 +1,10 @@
-//! The Pareto front: what nothing else beats in both cost and error.
+//! Pareto front of cost and error.
 
-/// Indices of the points (cost, error) that no other point beats, by rising cost and falling error.
+/// Returns the indices of the points (cost, error) that no other point dominates, by rising cost
+/// and falling error.
 ///
-/// A point is beaten by one that costs no more and errs no more, and is better in one of both; of equal points the first
-/// counts. Points that are not finite are left out.
+/// A point dominates another if it is not worse in cost and error and better in one of them. Of
+/// equal points the first counts. Points that are not finite are left out.
 pub fn pareto_front(points: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> =
         (0..points.len()).filter(|k| points[*k].0.is_finite() && points[*k].1.is_finite()).collect();
@@ -23,8 +24,8 @@ mod tests {
 
     #[test]
     fn the_front_holds_what_nothing_beats() {
-        // By hand: (1, 5) is cheapest; (2, 5) costs more and is no better; (3, 1) is better; (4, 2) is beaten by it;
-        // (5, 0) errs least; its equal comes later.
+        // By hand: (1, 5) is cheapest; (2, 5) costs more and is no better; (3, 1) is better; (4, 2)
+        // is beaten by it; (5, 0) errs least; its equal comes later.
         let points = [(4.0, 2.0), (1.0, 5.0), (5.0, 0.0), (3.0, 1.0), (2.0, 5.0), (5.0, 0.0), (f64::NAN, 0.0)];
         assert_eq!(pareto_front(&points), [1, 3, 2]);
         assert_eq!(pareto_front(&[(1.0, 2.0), (1.0, 1.0)]), [1]);

@@ -1,6 +1,7 @@
-//! What a method costs and how far it errs: approximations, coarser cells and moved inputs against the exact answer.
+//! Cost and error of methods: approximations, coarser cells and changed inputs against the exact
+//! answer.
 //!
-//! Nothing here reads a clock: who runs a contestant times it.
+//! Nothing here reads a clock: the caller times the contestants.
 
 mod budget;
 pub mod chart;

@@ -1,22 +1,23 @@
-//! How far P_LoS over many UAV positions moves when their maps are made in a simpler way: compared position by position.
+//! Change of P_LoS over many UAV positions when maps are simpler, compared position by position.
 
 use crate::los_probability::estimate::{Count, FEWEST_CLUSTERS, student_quantile};
 
-/// What was measured of one value of P_LoS.
+/// Measured difference of one value of P_LoS.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Paired {
-    /// P_LoS of the simpler maps less that of the exact ones, over the positions compared.
+    /// P_LoS of the simpler maps minus that of the exact ones, over the positions compared.
     pub difference: f64,
-    /// Bound on the size of that over all positions.
+    /// Bound on the absolute difference over all positions.
     pub bound: f64,
 }
 
-/// The difference of two ratios Σ los / Σ receivers, of simpler and of exact maps from the same positions, with a bound on
-/// its size that fails with probability `risk` on either side.
+/// Returns the difference of two ratios Σ los / Σ receivers, of simpler and of exact maps from the
+/// same positions. The bound on its size fails with probability `risk` on either side.
 ///
-/// `counts` are (simpler, exact) for each of the positions compared, which were drawn at random; if they are all, nothing
-/// is uncertain. The bound is Student's over the linearized differences of positions, as of a ratio of clusters. `None` where
-/// either has no receiver, or where too few positions have one.
+/// `counts` are (simpler, exact) for each of the positions compared, which were drawn at random. If
+/// `are_all`, they are all positions and nothing is uncertain. The bound is Student's over the
+/// linearized differences of positions, as for a ratio of clusters. `None` if either map has no
+/// receiver, or if too few positions have one.
 pub fn paired_difference(counts: &[(Count, Count)], are_all: bool, risk: f64) -> Option<Paired> {
     let sum = |of: &dyn Fn(&(Count, Count)) -> u64| counts.iter().map(of).sum::<u64>() as f64;
     let (los, receivers) = (sum(&|c| c.0.los), sum(&|c| c.0.receivers));

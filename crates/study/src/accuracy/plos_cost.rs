@@ -1,5 +1,5 @@
-//! Effort against accuracy of P_LoS over a generated city: the product and both simulators with growing effort, and
-//! published models.
+//! Effort against accuracy of P_LoS over a generated city: the product and both simulators with
+//! growing effort, and published models.
 
 use crate::error::Result;
 use crate::los_probability::city::CitySimulator;
@@ -9,30 +9,30 @@ use crate::los_probability::models::{Model, ModelLink};
 use crate::los_probability::product::{Product, SHIFTS};
 use crate::los_probability::setting::Setting;
 
-/// A way to P_LoS with a fixed effort.
+/// Way to compute P_LoS with a fixed effort.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlosWay {
-    /// The product over crossed buildings at so many points of each shift.
+    /// Product over crossed buildings with this many points of each shift.
     Product(u64),
-    /// So many whole cities.
+    /// This many whole cities.
     City(u64),
-    /// So many links, each in a city of its own.
+    /// This many links, each in its own city.
     Geometry(u64),
     /// A published model.
     Model(Model),
 }
 
-/// What a way says.
+/// Result of a way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PlosAnswer {
     /// An estimate with its standard error.
     Estimate(Estimate),
-    /// The value of a model, which tells no error.
+    /// Value of a model, which has no error estimate.
     Model(f64),
 }
 
 impl PlosAnswer {
-    /// P_LoS; `None` without a user who counts.
+    /// Returns P_LoS; `None` without a user who counts.
     pub fn p_los(&self) -> Option<f64> {
         match self {
             PlosAnswer::Estimate(estimate) => estimate.p_los,
@@ -43,19 +43,20 @@ impl PlosAnswer {
 
 /// Points of each shift.
 const POINTS: [u64; 5] = [1 << 4, 1 << 7, 1 << 10, 1 << 12, 1 << 14];
-/// Whole cities: as many as a standard error needs, and more.
+/// Numbers of whole cities: as many as a standard error needs, and more.
 const CITIES: [u64; 4] = [16, 64, 256, 1024];
-/// Links of the geometry simulator.
+/// Numbers of links of the geometry simulator.
 const LINKS: [u64; 5] = [1 << 6, 1 << 9, 1 << 12, 1 << 15, 1 << 18];
 /// Points of each shift of the converged product.
 const REFERENCE_POINTS: u64 = 1 << 17;
-/// Users per city, as `skyshed plos` has them.
+/// Users per city, as in `skyshed plos`.
 const USERS_PER_CITY: u32 = 360;
-/// Confidence of intervals, which are not told here; standard errors do not depend on it.
+/// Confidence of intervals, which are not reported. Standard errors do not depend on it.
 const CONFIDENCE: f64 = 0.95;
 
 impl PlosWay {
-    /// All ways, by rising effort; of two versions of a model the published formula, and no model of one azimuth alone.
+    /// Returns all ways, by rising effort. Of two versions of a model it has the published formula
+    /// only; models of a single azimuth are left out.
     pub fn all() -> Vec<PlosWay> {
         let is_wanted = |m: &Model| !matches!(m, Model::AlHourani2014Table | Model::Tr38811Linear | Model::Saboor2024);
         let ways = POINTS.map(PlosWay::Product).into_iter().chain(CITIES.map(PlosWay::City));
@@ -64,7 +65,7 @@ impl PlosWay {
             .collect()
     }
 
-    /// The word of the command line.
+    /// Returns the word of the command line.
     pub fn method(self) -> &'static str {
         match self {
             PlosWay::Product(_) => "product",
@@ -74,7 +75,7 @@ impl PlosWay {
         }
     }
 
-    /// How much it draws; empty for a model.
+    /// Returns the effort in words; empty for a model.
     pub fn parameters(self) -> String {
         match self {
             PlosWay::Product(points) => format!("{SHIFTS} shifts of {points} points"),
@@ -84,7 +85,7 @@ impl PlosWay {
         }
     }
 
-    /// P_LoS of users at one distance.
+    /// Returns P_LoS of users at one distance.
     pub fn answer(self, setting: &Setting, seed: u64) -> std::result::Result<PlosAnswer, String> {
         let estimate = match self {
             PlosWay::Product(points) => by_product(setting, seed, points),
@@ -99,7 +100,7 @@ impl PlosWay {
     }
 }
 
-/// The converged product, with a seed of its own, so that it shares no points with the contestants.
+/// Returns the converged product. Its seed is its own, so it shares no points with contestants.
 pub fn reference(setting: &Setting, seed: u64) -> Estimate {
     by_product(setting, !seed, REFERENCE_POINTS)
 }

@@ -7,28 +7,28 @@ use crate::height_field::{HeightField, Pooling, Station};
 use crate::quantity::Height;
 use crate::raster::BitGrid;
 
-/// Times that cells are made larger, finest first.
+/// Factors by which cells are enlarged, finest first.
 pub const FACTORS: [usize; 4] = [2, 4, 8, 16];
 
-/// How a scene is made simpler.
+/// Form of a scene with fewer cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Simpler {
-    /// Cells are this many times as wide and as high: 1 is the scene itself.
+    /// Factor by which cells are wider and higher: 1 is the scene itself.
     pub factor: usize,
-    /// How the heights of a raster become one; `None` where only receivers become fewer, or nothing changes.
+    /// Pooling of heights of a raster; `None` if only receivers become fewer, or nothing changes.
     pub pooling: Option<Pooling>,
 }
 
 impl Simpler {
-    /// The scene as it is.
+    /// The unchanged scene.
     pub const SAME: Simpler = Simpler { factor: 1, pooling: None };
 
-    /// Whether it is the scene as it is.
+    /// Returns `true` for the unchanged scene.
     pub fn is_same(&self) -> bool {
         self.factor == 1
     }
 
-    /// The simpler scene; `None` where a scene of this kind has no such form, and for the scene as it is.
+    /// Returns the simpler scene; `None` if it is the unchanged scene or does not exist.
     pub fn of(&self, field: &HeightField) -> Option<HeightField> {
         match self.pooling {
             _ if self.is_same() => None,
@@ -37,7 +37,7 @@ impl Simpler {
         }
     }
 
-    /// The forms of a scene with cells `factors` times as large.
+    /// Returns the forms of a scene with cells `factors` times as large.
     pub fn forms(field: &HeightField, factors: &[usize]) -> Vec<Simpler> {
         let poolings: &[Option<Pooling>] =
             if field.prisms().is_some() { &[None] } else { &[Some(Pooling::Mean), Some(Pooling::Maximum)] };
@@ -45,7 +45,8 @@ impl Simpler {
         factors.iter().flat_map(of_factor).collect()
     }
 
-    /// In words, given the width of a cell of the scene \[m\]: `cells of 4 m (mean)`.
+    /// Returns the form in words, given the width of a cell of the scene \[m\]:
+    /// `cells of 4 m (mean)`.
     pub fn in_words(&self, cell_m: f64) -> String {
         #[expect(clippy::cast_precision_loss, reason = "a small factor")]
         let cell = crate::quantity::tidy(cell_m * self.factor as f64);
@@ -56,30 +57,30 @@ impl Simpler {
     }
 }
 
-/// A UAV over another form of its scene: at the same place and the same height above the datum.
+/// Moves a UAV to another form of its scene, at the same place and the same height above the datum.
 ///
 /// # Errors
-/// As [`Uav::place`]: coarser cells may hold a building where it hovers.
+/// As [`Uav::place`]: coarser cells may hold a building at its place.
 pub(crate) fn moved_to(uav: &Uav, field: &HeightField) -> Result<Uav> {
     let (x, y) = (uav.station.place.x, uav.station.place.y);
     let site = Site::new(uav.id.clone(), (x, y), Height::AboveDatum(uav.height_amsl_m()));
     let placed = Uav::place(&site, field, None)?;
-    // What it is above stays what it was said to be.
+    // What the UAV hovers over stays as it was stated for the scene itself.
     Ok(Uav { station: Station { place: placed.station.place, z: uav.station.z }, ..uav.clone() })
 }
 
-/// What a map of larger cells says of the receivers of a finer one: each takes the answer of the cell that it is in.
+/// Answer for a receiver of a finer map: that of the larger cell which holds it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CoarseAnswer {
     /// The larger cell is in line of sight.
     Los,
-    /// It is not.
+    /// The larger cell is not in line of sight.
     Nlos,
-    /// It holds no receiver.
+    /// The larger cell holds no receiver.
     None,
 }
 
-/// The answer for the receiver of row and column of the finer grid.
+/// Returns the answer for the receiver at a row and column of the finer grid.
 #[inline]
 pub fn coarse_answer(receivers: &BitGrid, los: &BitGrid, factor: usize, (row, col): (usize, usize)) -> CoarseAnswer {
     let (row, col) = (row / factor, col / factor);

@@ -1,21 +1,26 @@
-//! The coarsest form of a scene whose P_LoS is within a tolerance of the exact one, as measured.
+//! Coarsest form of a scene whose P_LoS is within a tolerance of the exact one, as measured.
 //!
-//! Forms are tried from the coarsest to the finest. A form is mapped as it is, which is cheap, and gives P_LoS = A. How far
-//! A is from the exact P is *measured*: receivers of the scene itself are drawn at random and decided by `ray`. Each is
-//! paired with the answer of the larger cell that it is in, so that only disagreements are uncertain. With e the exact
-//! answer of a receiver of the scene (1 for LoS) and c that of the larger cell (0 where it has none),
+//! Forms are tried from the coarsest to the finest. A form is mapped as it is, which is cheap, and
+//! gives P_LoS = A. The difference between A and the exact P is *measured*: receivers of the scene
+//! itself are drawn at random and decided by `ray`. Each is paired with the answer of the larger
+//! cell that holds it, so that only disagreements are uncertain. With e the exact answer of a
+//! receiver of the scene (1 for LoS) and c that of the larger cell (0 if it has none),
 //!
 //! ```text
 //!   A − P = A − mean(c) − mean(e − c)
 //! ```
 //!
-//! where mean(c) is counted over all receivers and mean(e − c) is estimated from three counts of the sample: e = 1 where
-//! the larger cell says 0, e = 0 where it says 1, and e = 1 where it has no receiver. Each has an exact binomial bound (Clopper &
-//! Pearson 1934), so |A − P| has one, too. The probability of 1 % that the bound fails is divided evenly between both signs,
-//! the three counts, all forms that may be tried, and all UAVs; so with 99 % confidence *no* form is taken wrongly, however
-//! many were tried. Where a sample would take more receivers than there are, all are decided and nothing is uncertain.
+//! Here mean(c) is counted over all receivers. The term mean(e − c) is estimated from three counts
+//! of the sample: e = 1 in NLoS cells, e = 0 in LoS cells, and e = 1 in cells without a receiver.
+//! Each count has an exact binomial bound (Clopper & Pearson 1934), so |A − P| has one, too.
 //!
-//! Approximate engines are no candidates: on every scene measured, the exact ones are faster (`skyshed chart` shows it).
+//! The bound fails with a probability of at most 1 %. That is divided evenly between both signs,
+//! the three counts, all forms that may be tried, and all UAVs. So with 99 % confidence *no* form
+//! is taken wrongly, however many were tried. If a sample would need more receivers than there are,
+//! all are decided and nothing is uncertain.
+//!
+//! Approximate engines are no candidates: on every scene measured, the exact ones are faster
+//! (`skyshed chart` shows it).
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -28,39 +33,40 @@ use crate::height_field::HeightField;
 use crate::los_probability::estimate::clopper_pearson;
 use crate::raster::{BitGrid, set_bits};
 
-/// Probability with which no form is taken whose P_LoS is farther off than the tolerance.
+/// Probability that no form is taken whose P_LoS is off by more than the tolerance.
 pub const CONFIDENCE: f64 = 0.99;
 
-/// Fewest cells along the shorter side of a form that is worth trying.
+/// Fewest cells along the shorter side of a form that is tried.
 const FEWEST_CELLS: usize = 8;
 
-/// Receivers that are drawn, times the square of the tolerance: enough for the bounds where one in twenty disagrees.
+/// Number of receivers drawn, times the square of the tolerance. It suffices for the bounds if one
+/// in twenty disagrees.
 const SAMPLE: f64 = 6.0;
 
 /// Fewest receivers that are drawn.
 const SMALLEST_SAMPLE: f64 = 2000.0;
 
-/// A question of how coarse a scene may be.
+/// Search for the coarsest form of a scene.
 #[derive(Debug)]
 pub struct Question<'a> {
     /// The scene itself.
     pub field: &'a HeightField,
-    /// The UAVs over it.
+    /// UAVs over it.
     pub uavs: &'a [Uav],
-    /// How far P_LoS of any of them may be off, above 0 and below 1.
+    /// Largest error of P_LoS of any of them, above 0 and below 1.
     pub tolerance: f64,
     /// Seed of the sample.
     pub seed: u64,
 }
 
-/// What was measured of one form and one UAV.
+/// Measurement of one form and one UAV.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     /// P_LoS of the simpler form.
     pub p_los: f64,
-    /// Estimate of how far it is above the exact P_LoS.
+    /// Estimate of this P_LoS minus the exact one.
     pub difference: f64,
-    /// Bound on the size of that, at the confidence.
+    /// Bound on the absolute difference, at the confidence.
     pub bound: f64,
     /// Receivers of the scene that were decided exactly.
     pub sample: u64,
@@ -68,28 +74,28 @@ pub struct Measured {
     pub receivers: u64,
 }
 
-/// A form that was tried.
+/// Form that was tried.
 #[derive(Debug, Clone)]
 pub struct Tried {
-    /// Which one.
+    /// The form.
     pub form: Simpler,
-    /// What was measured for each UAV, or why it could not be.
+    /// Measurement for each UAV, or the reason why there is none.
     pub measured: std::result::Result<Vec<Measured>, String>,
 }
 
 impl Tried {
-    /// The largest bound of all UAVs; `None` where nothing could be measured.
+    /// Returns the largest bound of all UAVs; `None` if nothing could be measured.
     pub fn bound(&self) -> Option<f64> {
         self.measured.as_ref().ok().map(|all| all.iter().fold(0.0, |most, m| m.bound.max(most)))
     }
 }
 
-/// The form that was taken.
+/// Result of a search.
 #[derive(Debug)]
 pub struct Choice {
-    /// The forms that were tried, the last one taken unless its bound is above the tolerance.
+    /// Forms that were tried; the last one was taken if its bound is within the tolerance.
     pub tried: Vec<Tried>,
-    /// The form to use, with the UAVs over it; `None` if no simpler one will do.
+    /// Form to use, with the UAVs over it; `None` if no simpler one is within the tolerance.
     pub taken: Option<(Simpler, HeightField, Vec<Uav>)>,
 }
 
@@ -97,8 +103,8 @@ pub struct Choice {
 ///
 /// `options` gives the options of a map of a form: cells of zones are those of its own grid.
 ///
-/// Cost: a map of the form by the engine for it, and a ray for each of 6/tolerance² receivers (at least 2000), for each
-/// UAV, and for each form until one will do.
+/// Cost: a map of each form tried by the engine for it, for each UAV; and a ray for each of
+/// 6/tolerance² receivers (at least 2000), for each UAV.
 pub fn coarsest_within(
     question: &Question<'_>,
     options: &(dyn Fn(&HeightField) -> MapOptions + Sync),
@@ -143,7 +149,7 @@ pub fn coarsest_within(
 struct Sample {
     receivers: BitGrid,
     n_receivers: u64,
-    /// Row, column and answer of those drawn; each of them once if they are all.
+    /// Row, column and answer of each receiver drawn; all receivers, once each, if `is_all`.
     drawn: Vec<((usize, usize), bool)>,
     is_all: bool,
 }
@@ -165,7 +171,7 @@ impl Sample {
         Sample { receivers, n_receivers, drawn, is_all }
     }
 
-    /// How far a simpler map is off, each of six bounds failing with probability `risk`.
+    /// Measures a simpler map; each of six bounds fails with probability `risk`.
     fn measure(&self, coarse: &Seen, factor: usize, risk: f64) -> std::result::Result<Measured, String> {
         let (of, los) = (coarse.receivers.count(), coarse.los.count());
         if of == 0 || self.n_receivers == 0 {
@@ -211,7 +217,7 @@ impl Sample {
     }
 }
 
-/// `n` cells of a set, drawn with replacement.
+/// Draws `n` cells of a set with replacement.
 fn random_cells(cells: &BitGrid, n: u64, (seed, stream): (u64, u64)) -> Vec<(usize, usize)> {
     let mut before = Vec::with_capacity(cells.n_rows() + 1);
     let mut total = 0_u64;
@@ -231,7 +237,7 @@ fn random_cells(cells: &BitGrid, n: u64, (seed, stream): (u64, u64)) -> Vec<(usi
     (0..n).map(draw).collect()
 }
 
-/// The column of cell number `n` of a row.
+/// Returns the column of cell number `n` of a row.
 fn nth_cell(words: &[u64], n: usize) -> usize {
     let mut left = n;
     for (k, word) in words.iter().enumerate() {

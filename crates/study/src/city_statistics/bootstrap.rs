@@ -1,18 +1,20 @@
-//! The bootstrap behind intervals over a real city and of comparisons: clusters are drawn with replacement, a thousand times,
-//! and ratios of sums are formed anew.
+//! Bootstrap for intervals over a real city and for comparisons. It draws clusters with replacement
+//! a thousand times and forms ratios of sums anew.
 //!
-//! Ratios that are asked for together are resampled together: in each drawing every block of ground counts equally often
-//! in all of them. So the difference of two maps is resampled as what it is, a difference cell by cell, and what both maps
-//! have in common does not widen its interval.
+//! Ratios that are estimated together are resampled together: in each drawing a block of ground has
+//! the same weight in all of them. So the difference of two maps is resampled as a difference cell
+//! by cell. Parts that both maps share do not widen its interval.
 //!
-//! Maps are exact, so over the ground that they show P_LoS has no error at all. Such an interval says how far it would
-//! move over other ground of the same kind: as if the blocks were a sample of a larger city, looked at by UAVs that
-//! stand to it as these do. It does not say how wrong the heights in the file are, nor what another place of the UAV
-//! would change; and where what hides a block reaches beyond its neighbors, blocks are not independent and the interval
-//! is somewhat too narrow: larger blocks show by how much.
+//! Maps are exact, so over the ground that they show P_LoS has no error. The interval measures how
+//! far P_LoS would move over other ground of the same kind. It treats the blocks as a sample of a
+//! larger city, seen by UAVs in the same relative positions. It covers neither errors of the
+//! heights in the file nor other positions of the UAV. Where obstacles hide ground beyond a
+//! neighboring block, blocks are not independent and the interval is somewhat too narrow. Larger
+//! blocks show by how much.
 //!
 //! # References
-//! Efron & Tibshirani 1993, "An Introduction to the Bootstrap", chapters 8 and 13 (blocks, percentile intervals).
+//! Efron & Tibshirani 1993, "An Introduction to the Bootstrap", chapters 8 and 13 (blocks,
+//! percentile intervals).
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -20,21 +22,21 @@ use rayon::prelude::*;
 
 use crate::los_probability::estimate::FEWEST_CLUSTERS;
 
-/// Resamplings behind an interval.
+/// Number of resamplings behind an interval.
 pub const RESAMPLINGS: u64 = 1000;
 
-/// The random numbers of one resampling: a stream of its own, so that no order of work changes it.
+/// Random numbers of one resampling. Its own stream makes it independent of the order of work.
 pub(crate) struct Drawing(ChaCha8Rng);
 
 impl Drawing {
-    /// The `k`th resampling of a seed.
+    /// Returns the `k`th resampling of a seed.
     pub(crate) fn nth(seed: u64, k: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(k);
         Drawing(random)
     }
 
-    /// How often each of `n` clusters is drawn in `n` draws with replacement.
+    /// Returns how often each of `n` clusters occurs in `n` draws with replacement.
     pub(crate) fn times(&mut self, n: usize) -> Vec<f64> {
         let mut times = vec![0.0; n];
         for _ in 0..n {
@@ -46,16 +48,16 @@ impl Drawing {
     }
 }
 
-/// What resamplings tell of a value.
+/// Spread of a value over its resamplings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Spread {
-    /// Percentile interval, which holds the value.
+    /// Percentile interval, widened to contain the value.
     pub(crate) interval: (f64, f64),
     pub(crate) std_error: f64,
 }
 
-/// The spread of a ratio over resampled numerators and denominators; `None` where more than one in a hundred resamplings
-/// has no denominator, because too few clusters bear on it.
+/// Returns the spread of a ratio over resampled numerators and denominators. `None` if more than
+/// one in a hundred resamplings has no denominator, because too few clusters contribute.
 pub(crate) fn spread(value: f64, resampled: impl Iterator<Item = (f64, f64)>, confidence: f64) -> Option<Spread> {
     let mut ratios: Vec<f64> = resampled.filter(|r| r.1 > 0.0).map(|r| r.0 / r.1).collect();
     ratios.sort_by(f64::total_cmp);
@@ -74,43 +76,44 @@ pub(crate) fn spread(value: f64, resampled: impl Iterator<Item = (f64, f64)>, co
     Some(Spread { interval: (quantile(tail).min(value), quantile(1.0 - tail).max(value)), std_error })
 }
 
-/// What one block contributes to a ratio of sums.
+/// Contribution of one block to a ratio of sums.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Share {
-    /// To the numerator; negative where a difference is.
+    /// Term of the numerator; may be negative if the ratio is a difference.
     pub part: i64,
-    /// To the denominator.
+    /// Term of the denominator.
     pub whole: u64,
 }
 
 /// A ratio of sums over blocks, with its interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RatioEstimate {
-    /// Σ part / Σ whole; `None` where nothing was counted.
+    /// Σ part / Σ whole; `None` if nothing was counted.
     pub value: Option<f64>,
-    /// Its interval; `None` where too few blocks bear on it.
+    /// Interval of the value; `None` if too few blocks contribute.
     pub interval: Option<(f64, f64)>,
-    /// Blocks that bear on it.
+    /// Number of blocks that contribute.
     pub blocks: u64,
 }
 
 impl RatioEstimate {
-    /// Whether the interval does not hold 0; `None` without an interval.
+    /// Returns `true` if the interval excludes 0; `None` without an interval.
     pub fn exceeds(&self) -> Option<bool> {
         self.interval.map(|(low, high)| low > 0.0 || high < 0.0)
     }
 }
 
-/// Ratios of sums over blocks, `[ratio][block]`, all resampled together.
+/// Estimates ratios of sums over blocks, `[ratio][block]`, all resampled together.
 ///
-/// Blocks without any denominator, such as those under one large building, are none of the sample. An interval needs ten
-/// blocks or more.
+/// Blocks without any denominator, such as those under one large building, are not part of the
+/// sample. An interval needs ten blocks or more.
 ///
-/// Cost: a thousand times the number of blocks and ratios; shared by all threads, on which the outcome does not depend.
+/// Cost: a thousand times the number of blocks and ratios, shared by all threads. The result does
+/// not depend on their number.
 pub fn resampled_ratios(ratios: &[Vec<Share>], confidence: f64, seed: u64) -> Vec<RatioEstimate> {
     let n_blocks = ratios.first().map_or(0, Vec::len);
     let blocks: Vec<usize> = (0..n_blocks).filter(|b| ratios.iter().any(|r| r[*b].whole > 0)).collect();
-    // Block by block, so that a drawn block adds one row to the sums. Counts are below 2^53, so no sum is rounded.
+    // Block by block, so that a drawn block adds one row. Counts below 2^53 need no rounding.
     let terms: Vec<f64> =
         blocks.iter().flat_map(|b| ratios.iter().flat_map(move |r| [r[*b].part as f64, r[*b].whole as f64])).collect();
     let n_terms = 2 * ratios.len();

@@ -1,27 +1,28 @@
-//! The statistical city that is most like a real one: α, β, γ from its buildings, and how well they fit.
+//! Fit of a statistical city to a real one: α, β, γ from its buildings, and the goodness of fit.
 
 use crate::city::BuiltUp;
 use crate::los_probability::product::rayleigh_cdf;
 
-/// Estimated built-up parameters, with the heights that they are to describe.
+/// Estimated built-up parameters, with the heights that they describe.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BuiltUpFit {
-    /// α: share of the cells that are buildings; β: buildings per area; γ: the scale that makes the heights most likely,
-    /// γ² = ΣH²/(2n).
+    /// α: share of the cells that are buildings; β: buildings per area; γ: maximum-likelihood scale
+    /// of the heights, γ² = ΣH²/(2n).
     pub built_up: BuiltUp,
     /// Building heights \[m\], ascending.
     pub heights: Vec<f64>,
     /// Standard error of γ \[m\]: γ/(2√n).
     pub height_scale_error: f64,
-    /// Kolmogorov–Smirnov distance: the largest difference between the shares of buildings below a height, in the city and
-    /// by the Rayleigh distribution.
+    /// Kolmogorov–Smirnov distance: the largest difference between the shares of buildings below a
+    /// height, in the city and by the Rayleigh distribution.
     pub distance: f64,
-    /// The height at which that is \[m\].
+    /// Height of that largest difference \[m\].
     pub farthest_m: f64,
 }
 
 impl BuiltUpFit {
-    /// Fits a city of which a share `built_up_ratio` of `area_km2` is built up; `None` without buildings or open ground.
+    /// Fits a city whose built-up share of `area_km2` is given; `None` without building or open
+    /// ground.
     pub fn of(built_up_ratio: f64, mut heights: Vec<f64>, area_km2: f64) -> Option<Self> {
         heights.retain(|h| *h > 0.0);
         heights.sort_by(f64::total_cmp);
@@ -41,7 +42,7 @@ impl BuiltUpFit {
         Some(BuiltUpFit { built_up, heights, height_scale_error, distance, farthest_m })
     }
 
-    /// The share of buildings that are not higher than `h` \[m\].
+    /// Returns the share of buildings not higher than `h` \[m\].
     pub fn share_up_to(&self, h: f64) -> f64 {
         self.heights.partition_point(|x| *x <= h) as f64 / self.heights.len() as f64
     }

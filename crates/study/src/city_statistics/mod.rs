@@ -1,5 +1,5 @@
-//! What the buildings of a city come to in numbers: α, β and γ of the whole ([`fit`]) and tile by tile ([`tiles`]), and
-//! intervals from blocks of its ground, drawn anew ([`bootstrap`]).
+//! Statistics of the buildings of a city: α, β and γ of the whole ([`fit`]) and tile by tile
+//! ([`tiles`]), and intervals from resampled blocks of its ground ([`bootstrap`]).
 
 pub mod bootstrap;
 pub mod fit;

@@ -1,10 +1,11 @@
 //! α, β and γ of a city tile by tile: where it is dense, fine-grained or tall.
 //!
-//! Tiles are squares that begin at the north-west corner of the extent; those in the last row and column hold what the
-//! extent leaves of them, and their values are of that part alone. A building belongs to the tile that holds its centroid
-//! (half-open towards the north-east, decided in integers). Of footprints, α is the share of the tile that their union
-//! covers; of a raster it is the share of its known cells that are buildings, and a building is a part of them that hangs
-//! together by cell sides, as high as its cells are on average.
+//! Tiles are squares counted from the north-west corner of the extent. Those in the last row and
+//! column are cut off at the extent, and their values are of the part inside. A building belongs to
+//! the tile that holds its centroid; a centroid on an edge belongs to the tile north or east of it.
+//! For footprints that is decided in integers, and α is the share of the tile that their union
+//! covers. For a raster, α is the share of the tile's known cells that are buildings. There a
+//! building is a set of such cells connected by cell sides, with their mean height.
 
 use crate::city::Footprint;
 use crate::height_field::HeightField;
@@ -16,12 +17,12 @@ use crate::raster::{BitGrid, CellLattice, GeoRef};
 /// Fewest buildings whose heights give a γ.
 pub const FEWEST_BUILDINGS: u64 = 2;
 
-/// The built-up parameters of a tile, or of several.
+/// Built-up parameters of a tile, or of several.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BuiltUpTile {
-    /// Ground, in lattice squares or cells.
+    /// Ground, in half lattice squares or in cells.
     ground: u64,
-    /// Of it, what buildings cover.
+    /// Part of the ground that buildings cover.
     built: u64,
     buildings: u64,
     /// Sum of the squared heights \[m²\].
@@ -31,18 +32,20 @@ pub struct BuiltUpTile {
 }
 
 impl BuiltUpTile {
-    /// Number of buildings.
+    /// Returns the number of buildings.
     pub fn buildings(&self) -> u64 {
         self.buildings
     }
 
-    /// α: the share of the ground that buildings cover, 0 to 1; `None` without any known ground.
+    /// Returns α, the share of known ground that buildings cover, 0 to 1; `None` without such
+    /// ground.
     pub fn built_up_ratio(&self) -> Option<f64> {
         (self.ground > 0).then(|| self.built as f64 / self.ground as f64)
     }
 
-    /// γ: the scale of the Rayleigh distribution that makes the heights most likely \[m\], γ² = ΣH²/(2n); `None` for fewer
-    /// than [`FEWEST_BUILDINGS`] buildings, or none that is higher than 0.
+    /// Returns γ \[m\], the maximum-likelihood scale of a Rayleigh distribution of the heights,
+    /// γ² = ΣH²/(2n). `None` for fewer than [`FEWEST_BUILDINGS`] buildings, or if none is higher
+    /// than 0.
     pub fn height_scale(&self) -> Option<f64> {
         let is_known = self.heights >= FEWEST_BUILDINGS && self.squares > 0.0;
         is_known.then(|| (self.squares / (2.0 * self.heights as f64)).sqrt())
@@ -67,7 +70,7 @@ pub struct BuiltUpTiles {
     buildings_outside: u64,
 }
 
-/// How a city is cut.
+/// Size of the tiles of a city.
 #[derive(Debug, Clone, Copy)]
 pub struct TileSize {
     /// Edge of a tile \[CRS units\], above 0.
@@ -76,11 +79,12 @@ pub struct TileSize {
     pub meters_per_unit: f64,
 }
 
-/// The most tiles of a city.
+/// Most tiles of a city.
 pub const MOST_TILES: f64 = 16_777_216.0;
 
 impl TileSize {
-    /// Rows and columns of tiles over a grid; `None` for more than [`MOST_TILES`], or an edge that is not above 0.
+    /// Returns the rows and columns of tiles over a grid; `None` for more than [`MOST_TILES`], or
+    /// an edge that is not above 0.
     pub fn shape(&self, grid: &GeoRef) -> Option<(usize, usize)> {
         let count = |length: f64| (length / self.edge - 1e-9).ceil().max(1.0);
         let (rows, cols) = (count(grid.y_max() - grid.y_min()), count(grid.x_max() - grid.x_min()));
@@ -95,8 +99,9 @@ impl TileSize {
 }
 
 impl BuiltUpTiles {
-    /// The tiles of the footprints of a vector scene, on the lattice of `frame`; `None` as [`TileSize::shape`]. Of a tile that
-    /// reaches beyond the data area, the ground is as much as the share of its cells there.
+    /// Computes the tiles of the footprints of a vector scene, on the lattice of `frame`; `None` as
+    /// [`TileSize::shape`]. The ground of a tile that reaches beyond the data area is reduced to
+    /// the share of its cells inside.
     ///
     /// Cost: the union of the footprints, and the tiles that it covers.
     pub fn of_footprints(footprints: &[Footprint], frame: Frame, field: &HeightField, size: TileSize) -> Option<Self> {
@@ -142,7 +147,8 @@ impl BuiltUpTiles {
         Some(BuiltUpTiles { georef, tiles, unit_m2: step_m * step_m / 2.0, buildings_outside })
     }
 
-    /// The tiles of a raster scene; `None` as [`TileSize::shape`]. A cell belongs to the tile that holds its center.
+    /// Computes the tiles of a raster scene; `None` as [`TileSize::shape`]. A cell belongs to the
+    /// tile that holds its center.
     pub fn of_cells(field: &HeightField, size: TileSize) -> Option<Self> {
         let grid = field.grid();
         let georef = size.georef(grid)?;
@@ -166,17 +172,17 @@ impl BuiltUpTiles {
         Some(BuiltUpTiles { georef, tiles, unit_m2, buildings_outside: 0 })
     }
 
-    /// A grid with a cell for each tile. Its last row and column may reach beyond the city.
+    /// Returns the grid with a cell for each tile. Its last row and column may exceed the city.
     pub fn georef(&self) -> &GeoRef {
         &self.georef
     }
 
-    /// The tiles, row by row from the north-west.
+    /// Returns the tiles, row by row from the north-west.
     pub fn tiles(&self) -> &[BuiltUpTile] {
         &self.tiles
     }
 
-    /// All tiles together.
+    /// Returns the sum of all tiles.
     pub fn whole(&self) -> BuiltUpTile {
         self.tiles.iter().fold(BuiltUpTile::default(), |mut sum, tile| {
             sum.add(tile);
@@ -184,30 +190,30 @@ impl BuiltUpTiles {
         })
     }
 
-    /// Area of the ground of a tile that is known \[m²\].
+    /// Returns the area of the known ground of a tile \[m²\].
     pub fn area_m2(&self, tile: &BuiltUpTile) -> f64 {
         tile.ground as f64 * self.unit_m2
     }
 
-    /// β: buildings per area \[1/km²\]; `None` without any known ground.
+    /// Returns β, buildings per area \[1/km²\]; `None` without known ground.
     pub fn buildings_per_km2(&self, tile: &BuiltUpTile) -> Option<f64> {
         (tile.ground > 0).then(|| tile.buildings as f64 / (self.area_m2(tile) / 1e6))
     }
 
-    /// Buildings whose centroid is beyond the extent: in no tile.
+    /// Returns the number of buildings in no tile: their centroid is beyond the extent.
     pub fn buildings_outside(&self) -> u64 {
         self.buildings_outside
     }
 }
 
-/// Which tile a place on a grid belongs to, counted in cells.
+/// Map of places on a grid, counted in cells, to tiles.
 #[derive(Debug)]
 struct CellTiles {
     /// Rows and columns of the grid.
     n_cells: [usize; 2],
     /// Rows and columns of tiles.
     n_tiles: [usize; 2],
-    /// South and east.
+    /// Cells of the grid along a side of a tile, southward and eastward.
     cells_per_tile: [f64; 2],
 }
 
@@ -220,15 +226,15 @@ impl CellTiles {
         }
     }
 
-    /// The tile of a place \[cells east and south of the north-west corner\]: one on an edge belongs to the tile east or north
-    /// of it.
+    /// Returns the tile of a place \[cells east and south of the north-west corner\]. A place on an
+    /// edge belongs to the tile east or north of it.
     fn at(&self, x: f64, y: f64) -> usize {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the grid of tiles")]
         let (row, col) = ((y / self.cells_per_tile[0]).ceil() as usize, (x / self.cells_per_tile[1]).floor() as usize);
         (row.clamp(1, self.n_tiles[0]) - 1) * self.n_tiles[1] + col.min(self.n_tiles[1] - 1)
     }
 
-    /// Row, column and tile of each cell; it belongs to the tile that holds its center.
+    /// Iterates over row, column and tile of each cell; its center decides the tile.
     fn cells(&self) -> impl Iterator<Item = (usize, usize, usize)> {
         let [n_rows, n_cols] = self.n_cells;
         let tile = move |row: usize, col: usize| (row, col, self.at(col as f64 + 0.5, row as f64 + 0.5));
@@ -236,7 +242,7 @@ impl CellTiles {
     }
 }
 
-/// Takes away the ground that is outside of the data area, by the share of each tile's cells; what is built stays.
+/// Removes ground outside of the data area, by the share of each tile's cells, but no built ground.
 fn take_away(tiles: &mut [BuiltUpTile], outside: &BitGrid, tiles_of: &CellTiles) {
     let mut cells = vec![[0_u64; 2]; tiles.len()];
     for (row, col, tile) in tiles_of.cells() {
@@ -249,7 +255,7 @@ fn take_away(tiles: &mut [BuiltUpTile], outside: &BitGrid, tiles_of: &CellTiles)
     }
 }
 
-/// The borders of tiles on the lattice: of columns from the west, of rows from the north.
+/// Borders of tiles on the lattice: of columns from the west, of rows from the north.
 #[derive(Debug)]
 struct Edges {
     xs: Vec<i64>,
@@ -266,7 +272,7 @@ impl Edges {
         }
     }
 
-    /// The tile that holds a point, given as numerators and one denominator; `None` beyond the extent.
+    /// Returns the tile that holds a point, numerators over one denominator; `None` off the extent.
     fn tile_of(&self, ([x, y], denominator): ([i128; 2], i128)) -> Option<(usize, usize)> {
         let col = self.xs.partition_point(|edge| i128::from(*edge) * denominator <= x);
         // From the north: an edge belongs to the tile above it.
@@ -275,12 +281,12 @@ impl Edges {
         is_inside.then(|| (row - 1, col - 1))
     }
 
-    /// Twice the area of a tile \[steps²\].
+    /// Returns twice the area of a tile \[steps²\].
     fn doubled_area(&self, row: usize, col: usize) -> u64 {
         2 * ((self.xs[col + 1] - self.xs[col]) * (self.ys[row] - self.ys[row + 1])).unsigned_abs()
     }
 
-    /// The rectangle that all tiles fill; the lattice of a scene is within ±2^26.
+    /// Returns the rectangle that all tiles fill; the lattice of a scene is within ±2^26.
     fn outline(&self) -> Ring {
         let narrow = |v: i64| i32::try_from(v).unwrap_or(if v < 0 { i32::MIN } else { i32::MAX });
         let [west, east] = [self.xs[0], self.xs[self.xs.len() - 1]].map(narrow);
@@ -289,18 +295,18 @@ impl Edges {
     }
 }
 
-/// A building of a raster: sums over its cells.
+/// Building of a raster: sums over its cells.
 #[derive(Debug, Clone, Copy, Default)]
 struct Part {
     n_cells: f64,
-    /// Of the centers of its cells, east and south of the north-west corner \[cells\].
+    /// Positions of the centers of its cells, east and south of the north-west corner \[cells\].
     x: f64,
     y: f64,
-    /// Above the ground \[m\].
+    /// Heights above the ground \[m\].
     height: f64,
 }
 
-/// The buildings of a raster scene.
+/// Returns the buildings of a raster scene.
 fn parts(field: &HeightField) -> Vec<Part> {
     let (labels, sizes) = labelled_parts(&field.cells().building);
     let heights = field.above_ground_m();

@@ -1,12 +1,14 @@
-//! The 3-D city simulator of Saboor et al. 2023 (section III-A): a new city for every draw, looked at from one UAV.
+//! 3-D city simulator of Saboor et al. 2023 (section III-A): a new city for every draw, seen from
+//! one UAV.
 //!
-//! A draw is a city with all its buildings, large enough that no link leaves it; a UAV over it; and users on a circle
-//! around the point below the UAV, or over the area within a radius. One city serves all settings of a study that share
-//! its α, β, γ, as in the paper, so that curves over angles or heights are smooth where cities differ. Only obstructing
-//! points are compared, in integers ([`LatticeCity`]).
+//! A draw consists of a city with all its buildings, large enough that no link leaves it, a UAV
+//! over it, and users. Users are on a circle around the point below the UAV, or over the area
+//! within a radius. One city serves all settings of a study that share its α, β, γ, as in the
+//! paper. So curves over angles or heights are smooth where cities differ. Only obstructing points
+//! are compared, in integers ([`LatticeCity`]).
 //!
-//! The circle is turned by a random angle in each draw. Users at whole degrees would include azimuth 0 and 90, along the
-//! streets, where P_LoS is 1 for a set of directions that has no share of the circle.
+//! Each draw turns the circle by a random angle. Users at whole degrees would include azimuth 0 and
+//! 90, along the streets. There P_LoS is 1 for a set of directions of measure 0.
 //!
 //! Users of one city share its buildings, so the city is the unit of the error: see [`clustered`].
 //!
@@ -25,10 +27,10 @@ use crate::city::BuiltUp;
 use crate::error::{LosProbabilityError, Result};
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT, height_steps};
 
-/// The most buildings of one city; each takes 4 bytes per thread.
+/// Most buildings of one city; each takes 4 bytes per thread.
 const MOST_BUILDINGS: f64 = 1e8;
 
-/// A city of a study: which one it is, and where the UAV hovers.
+/// City of a study: its seed, and the place of the UAV.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CityDraw {
     /// Seed of the building heights: `itu:α,β,γ --seed N` builds the same city.
@@ -40,7 +42,7 @@ pub struct CityDraw {
 }
 
 impl CityDraw {
-    /// Draw number `k` of a seed.
+    /// Draws number `k` of a seed.
     pub fn new(seed: u64, k: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(k);
@@ -50,18 +52,18 @@ impl CityDraw {
     }
 }
 
-/// The simulator for settings that share α, β, γ.
+/// Simulator for settings that share α, β, γ.
 #[derive(Debug, Clone)]
 pub struct CitySimulator {
     settings: Vec<Setting>,
     city: LatticeCity,
     built_up: BuiltUp,
     n_users: u32,
-    /// Periods around the UAV's own, on each side.
+    /// Number of periods around the UAV's own, on each side.
     n_around: i32,
 }
 
-/// A link of a draw.
+/// Link of a draw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CityLink {
     /// The user.
@@ -71,7 +73,7 @@ pub struct CityLink {
 }
 
 impl CitySimulator {
-    /// A simulator of `n_users` users per city and setting; 8 where the azimuth is given.
+    /// Makes a simulator of `n_users` users per city and setting; 8 if the azimuth is given.
     ///
     /// # Errors
     /// Limit error (E502) if the cities would have more than 10^8 buildings.
@@ -98,14 +100,14 @@ impl CitySimulator {
         })
     }
 
-    /// Buildings of one city.
+    /// Returns the number of buildings of one city.
     pub fn n_buildings(&self) -> u64 {
         let side = u64::from((2 * self.n_around + 1).unsigned_abs());
         side * side
     }
 
-    /// The links of a draw for a setting: whose user counts, in the order of the circle. `None`: the UAV would be inside
-    /// the building below it, and is to be clear of roofs.
+    /// Returns the links of a draw for a setting whose users count, in the order of the circle.
+    /// Returns `None` if the UAV must be clear of roofs and would be inside the building below it.
     pub fn links(
         &self,
         setting: &Setting,
@@ -123,7 +125,7 @@ impl CitySimulator {
         {
             return None;
         }
-        // With a given azimuth there is one user in each octant; more would stand at the same places.
+        // With a given azimuth there is one user in each octant; more would be at equal places.
         let n_users = if setting.phi_deg.is_some() { OCTANTS } else { self.n_users };
         let n = f64::from(n_users);
         let user = |k: u32| {
@@ -131,8 +133,9 @@ impl CitySimulator {
             // The golden section spreads distances evenly, whatever the number of users.
             let radius = (draw.turn[1] + f64::from(k) * GOLDEN_SECTION).fract();
             let (offset, street) = setting.offset(azimuth, radius);
-            // Zones are those of the exact position: on the lattice a wall is as wide as a step, and its points would count
-            // as street. A user outside a wall stays outside, because both are rounded alike.
+            // Zones are those of the exact position: on the lattice a wall is as wide as a step,
+            // and its points would count as street. A user outside a wall stays outside, because
+            // both are rounded alike.
             let user = [x + offset[0], y + offset[1]];
             let receiver = lattice_point(user, setting.rx_height_m);
             setting.counts(grid.zone(user[0], user[1]), street).then_some(CityLink { receiver, uav })
@@ -140,9 +143,9 @@ impl CitySimulator {
         Some((0..n_users).filter_map(user).collect())
     }
 
-    /// Counts what the UAV of a draw sees, setting by setting.
+    /// Counts the links of a draw and those in line of sight, setting by setting.
     pub fn count(&self, draw: &CityDraw) -> Vec<Count> {
-        // The whole city, as the paper has it, and its highest building.
+        // The whole city, as in the paper, and its highest building.
         let side = 2 * self.n_around + 1;
         let mut drawn = self.built_up.heights(draw.seed);
         let heights: Vec<i32> =
@@ -159,19 +162,20 @@ impl CitySimulator {
         self.settings.iter().map(count).collect()
     }
 
-    /// Counts draws `first` to `first + n` of a seed in parallel: `[draw][setting]`, whatever the number of threads.
+    /// Counts draws `first` to `first + n` of a seed in parallel, `[draw][setting]`. The counts do
+    /// not depend on the number of threads.
     pub fn count_many(&self, seed: u64, first: u64, n: u64) -> Vec<Vec<Count>> {
         (first..first + n).into_par_iter().map(|k| self.count(&CityDraw::new(seed, k))).collect()
     }
 }
 
-/// Directions that a given azimuth stands for: its mirror images, along either street.
+/// Number of directions equivalent to a given azimuth: its mirror images, along either street.
 const OCTANTS: u32 = 8;
 
 /// 2/(1 + √5).
 const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_8;
 
-/// A position and a height above ground \[m\] on the lattice.
+/// Returns a position and a height above ground \[m\] on the lattice.
 pub(super) fn lattice_point(position: [f64; 2], height_m: f64) -> LatticePoint {
     #[expect(clippy::cast_possible_truncation, reason = "positions are within the lattice by the checks of Setting")]
     let [x, y] = position.map(|v| (v * f64::from(STEPS_PER_UNIT)).round() as i64);

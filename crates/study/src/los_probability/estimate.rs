@@ -1,48 +1,48 @@
-//! An estimate is a value with its interval, its standard error, and what it rests on.
+//! Estimates: a value with its interval, its standard error, and the size of its sample.
 
 use statrs::distribution::{Beta, ContinuousCDF, Normal, StudentsT};
 
-/// Fewer clusters than this tell too little about their spread: there is no interval.
+/// Fewest clusters for an interval: the spread of fewer is too uncertain.
 pub const FEWEST_CLUSTERS: u64 = 10;
 
-/// P_LoS with what is known about its error.
+/// Estimate of P_LoS with its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// P_LoS; `None` without a single user who counts.
+    /// P_LoS; `None` without a user who counts.
     pub p_los: Option<f64>,
-    /// Confidence interval, within \[0, 1\]; `None` where there are too few clusters.
+    /// Confidence interval, within \[0, 1\]; `None` for too few clusters.
     pub interval: Option<(f64, f64)>,
-    /// Standard error; `None` where there are too few clusters.
+    /// Standard error; `None` for too few clusters.
     pub std_error: Option<f64>,
-    /// Links behind it.
+    /// Number of links behind the estimate.
     pub samples: u64,
-    /// Independent groups of links behind it.
+    /// Number of independent groups of these links.
     pub clusters: u64,
 }
 
 impl Estimate {
-    /// A value known without sampling.
+    /// Returns a value known without sampling.
     pub fn exact(p_los: f64) -> Self {
         Estimate { p_los: Some(p_los), interval: Some((p_los, p_los)), std_error: Some(0.0), samples: 0, clusters: 0 }
     }
 
-    /// The estimate of what nobody was asked about.
+    /// Returns the estimate if no user counts.
     pub fn none() -> Self {
         Estimate { p_los: None, interval: None, std_error: None, samples: 0, clusters: 0 }
     }
 
-    /// Half of the interval's width.
+    /// Returns half of the interval's width.
     pub fn half_width(&self) -> Option<f64> {
         self.interval.map(|(low, high)| 0.5 * (high - low))
     }
 }
 
-/// Links that were counted.
+/// Numbers of counted links.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Count {
     /// Links whose user counts.
     pub receivers: u64,
-    /// Those in line of sight.
+    /// Links of these in line of sight.
     pub los: u64,
 }
 
@@ -60,18 +60,18 @@ impl std::iter::Sum for Count {
     }
 }
 
-/// The two-sided quantile of Student's t distribution.
+/// Returns the two-sided quantile of Student's t distribution.
 pub fn student_quantile(confidence: f64, degrees_of_freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + 0.5 * confidence))
 }
 
-/// The two-sided quantile of the normal distribution.
+/// Returns the two-sided quantile of the normal distribution.
 fn normal_quantile(confidence: f64) -> f64 {
     Normal::standard().inverse_cdf(0.5 + 0.5 * confidence)
 }
 
-/// The estimate Σx / Σw of means over independent randomizations (x, w), with Student's interval; its standard error is
-/// that of a ratio, by linearization.
+/// Returns the estimate Σx / Σw of means over independent randomizations (x, w), with Student's
+/// interval. The standard error is that of a ratio, by linearization.
 pub(super) fn ratio_of_clusters(
     clusters: impl Iterator<Item = (f64, f64)> + Clone,
     samples: u64,
@@ -98,22 +98,27 @@ pub(super) fn ratio_of_clusters(
     }
 }
 
-/// P_LoS from counts in independent clusters, whose users share their buildings.
+/// Estimates P_LoS from counts in independent clusters, whose users share their buildings.
 ///
-/// The estimate is the ratio of the sums, Σ los / Σ receivers. Three things make its interval true for 30 clusters, too:
-/// * the residual of a cluster with a share h of all receivers is divided by 1 − h, because the cluster pulls the estimate
-///   towards itself (which makes this the jackknife's variance);
-/// * the spread of residuals with long tails is less certain than that of normal ones: the degrees of freedom of Student's
-///   quantile are 2 / CV² of the estimated variance, which the kurtosis of the residuals tells, and at most K − 1;
-/// * the interval is Wilson's for as many independent links as would have this standard error, p(1 − p)/se². It stays within
-///   \[0, 1\] and reaches farther towards 1/2.
+/// The estimate is the ratio of the sums, Σ los / Σ receivers. Three measures make its interval
+/// valid for 30 clusters, too:
+/// * The residual of a cluster with a share h of all receivers is divided by 1 − h, because the
+///   cluster pulls the estimate towards itself. This gives the jackknife's variance.
+/// * The degrees of freedom of Student's quantile are 2 / CV² of the estimated variance, at most
+///   K − 1. They follow from the kurtosis of the residuals, because long tails make their spread
+///   less certain.
+/// * The interval is Wilson's for as many independent links as would have this standard error,
+///   p(1 − p)/se². It stays within \[0, 1\] and reaches farther towards 1/2.
 ///
-/// Tried and left: p ± t·se (covers 90 % in some cities where P_LoS is above 0.8), intervals on the logit, Johnson's and Hall's
-/// corrections for skewness (88 to 98 %), the bootstrap of t (93 to 98 %).
+/// Tried and dropped, with the share of cases covered:
+/// * p ± t·se: 90 % in some cities with P_LoS above 0.8;
+/// * intervals on the logit, Johnson's and Hall's corrections for skewness: 88 to 98 %;
+/// * the bootstrap of t: 93 to 98 %.
 ///
 /// # References
-/// MacKinnon & White 1985, J. Econometrics 29, 305–325; Satterthwaite 1946, Biometrics Bulletin 2, 110–114; Korn & Graubard
-/// 1998, Survey Methodology 24, 193–201 (effective sample size); Wilson 1927, JASA 22, 209–212.
+/// MacKinnon & White 1985, J. Econometrics 29, 305–325; Satterthwaite 1946, Biometrics Bulletin 2,
+/// 110–114; Korn & Graubard 1998, Survey Methodology 24, 193–201 (effective sample size); Wilson
+/// 1927, JASA 22, 209–212.
 pub fn clustered(clusters: &[Count], confidence: f64) -> Estimate {
     let Count { receivers: samples, los } = clusters.iter().copied().sum();
     if samples == 0 {
@@ -140,7 +145,7 @@ pub fn clustered(clusters: &[Count], confidence: f64) -> Estimate {
     let (variance, fourth) = (moment(2), moment(4));
     let std_error = (variance * n).sqrt() / total;
     if std_error == 0.0 {
-        // All clusters alike tell no spread. They are worth one link each, at least.
+        // Equal clusters have no spread. Each is worth at least one link.
         return estimate(Some(wilson_for(p, n, student_quantile(confidence, n - 1.0))), Some(0.0));
     }
     // The excess kurtosis, corrected for the size of the sample.
@@ -151,10 +156,10 @@ pub fn clustered(clusters: &[Count], confidence: f64) -> Estimate {
     estimate(Some(wilson_for(p, links, quantile)), Some(std_error))
 }
 
-/// With fewer degrees of freedom Student's quantile has no meaning left.
+/// Fewest degrees of freedom; with fewer, Student's quantile has no meaning.
 const FEWEST_DEGREES: f64 = 2.0;
 
-/// P_LoS from `los` of `n` independent links, with Wilson's interval.
+/// Estimates P_LoS from `los` of `n` independent links, with Wilson's interval.
 ///
 /// # References
 /// Wilson 1927, JASA 22, 209–212.
@@ -173,7 +178,8 @@ pub fn wilson(los: u64, n: u64, confidence: f64) -> Estimate {
     }
 }
 
-/// The exact interval of `los` of `n` independent links: it covers at least as often as it says.
+/// Returns the exact interval for `los` of `n` independent links. It covers at least as often as
+/// its confidence.
 ///
 /// # References
 /// Clopper & Pearson 1934, Biometrika 26, 404–413.
@@ -186,7 +192,7 @@ pub fn clopper_pearson(los: u64, n: u64, confidence: f64) -> (f64, f64) {
     (low, high)
 }
 
-/// Wilson's interval about `p` for `n` independent links (any positive number) and a quantile.
+/// Returns Wilson's interval about `p` for a quantile and `n` > 0 independent links, whole or not.
 fn wilson_for(p: f64, n: f64, quantile: f64) -> (f64, f64) {
     let z2 = quantile * quantile;
     let middle = (p + z2 / (2.0 * n)) / (1.0 + z2 / n);

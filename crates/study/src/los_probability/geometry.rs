@@ -1,12 +1,14 @@
-//! The geometry simulator of Saboor et al. 2023 (section III-B): one user, one UAV, and the buildings between them.
+//! Geometry simulator of Saboor et al. 2023 (section III-B): one user, one UAV, and the buildings
+//! between them.
 //!
-//! A draw places a user and a UAV, and draws the heights of the buildings that the link meets, when it meets them, until one
-//! blocks it. No city is built, so its cost does not grow with the city, and draws are independent: a count of them is
-//! binomial. Building (i, j) has the height that it would have in the whole city of the same seed, so that for the same
-//! seed this simulator and [`super::city`] agree link by link.
+//! A draw places a user and a UAV. It draws the height of each building when the link meets it,
+//! until one blocks the link. No city is built, so the cost does not grow with the city. Draws are
+//! independent, so a count of them is binomial. Building (i, j) has the height of that building in
+//! the whole city of the seed. So for one seed this simulator and [`super::city`] agree link by
+//! link.
 //!
-//! The paper places only the user. Here the UAV may be given a zone, too: draws whose user does not count are
-//! repeated.
+//! The paper places only the user. Here the UAV may have a zone, too: draws whose user does not
+//! count are repeated.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -21,10 +23,10 @@ use super::street_grid::GridZone;
 use crate::city::BuildingHeights;
 use crate::quantity::LatticePoint;
 
-/// A draw gives up after so many placements without a user who counts: no such user can be there.
+/// Most placements that one draw tries. If all fail, no user who counts is possible.
 const MOST_TRIES: u32 = 10_000;
 
-/// The simulator for one setting.
+/// Simulator for one setting.
 #[derive(Debug, Clone)]
 pub struct GeometrySimulator {
     setting: Setting,
@@ -32,12 +34,12 @@ pub struct GeometrySimulator {
 }
 
 impl GeometrySimulator {
-    /// The simulator for a setting.
+    /// Makes the simulator for a setting.
     pub fn new(setting: &Setting) -> Self {
         GeometrySimulator { setting: *setting, city: LatticeCity::new(setting.built_up, None) }
     }
 
-    /// Whether draw number `k` of a seed is in line of sight; `None` if there is no user who counts.
+    /// Returns `true` if draw number `k` of a seed is in line of sight; `None` if no user counts.
     pub fn draw(&self, seed: u64, k: u64) -> Option<bool> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(k);
@@ -64,13 +66,13 @@ impl GeometrySimulator {
         None
     }
 
-    /// Whether a link is in line of sight in the city with these heights.
+    /// Returns `true` if a link is in line of sight in the city with these heights.
     pub fn los(&self, link: &CityLink, heights: &mut BuildingHeights) -> bool {
         self.city.los(&link.receiver, &link.uav, |i, j| heights.steps(i, j))
     }
 
-    /// Counts draws `first` to `first + n` of a seed in parallel: how many have a user, and how many of those are in line
-    /// of sight.
+    /// Counts draws `first` to `first + n` of a seed in parallel: those with a user, and those of
+    /// them in line of sight.
     pub fn count(&self, seed: u64, first: u64, n: u64) -> Count {
         let draws = (first..first + n).into_par_iter().filter_map(|k| self.draw(seed, k));
         draws.map(|los| Count { receivers: 1, los: u64::from(los) }).sum()

@@ -1,30 +1,32 @@
 //! Links of a generated city, decided in integers.
 //!
-//! A simulator need not build a scene to know what one link meets: the walls of building (i, j) and its height are
-//! functions of (i, j) and the seed, and both are on the lattice. So the decision is the one that [`crate::los`] defines,
-//! of the very city that [`crate::city::BuiltUpCity`] builds, and the engine `ray` gives the same answer link by link.
+//! A simulator of one link needs no scene. The walls of building (i, j) and its height are
+//! functions of (i, j) and the seed, and both are on the lattice. The decision is the one defined
+//! in [`crate::los`], for the very city that [`crate::city::BuiltUpCity`] builds. So the engine
+//! `ray` gives the same answer link by link.
 //!
-//! With D and E the lengths of the link along its longer and its shorter axis, positions along it are compared as
-//! multiples of 1/(D·E): all products are below 2^53.
+//! With D and E the lengths of the link along its longer and its shorter axis, positions along it
+//! are compared as multiples of 1/(D·E). All products are below 2^53.
 
 use crate::city::BuiltUp;
 use crate::quantity::{LatticePoint, STEPS_PER_UNIT, height_steps};
 
 use super::street_grid::{GridZone, StreetGrid};
 
-/// The walls of a generated city on the lattice.
+/// Walls of a generated city on the lattice.
 #[derive(Debug, Clone, Copy)]
 pub struct LatticeCity {
     built_up: BuiltUp,
     grid: StreetGrid,
     /// Period T \[1/1024 m\], not rounded.
     period: f64,
-    /// No building is higher \[1/1024 m\].
+    /// Height that no building exceeds \[1/1024 m\].
     highest: i64,
 }
 
 impl LatticeCity {
-    /// The city of these parameters. No building is higher than `highest` \[1/1024 m\]; `None`: than any ever is.
+    /// Makes the city of these parameters. No building exceeds `highest` \[1/1024 m\]; `None`
+    /// stands for the limit of all such cities.
     pub fn new(built_up: BuiltUp, highest: Option<i32>) -> Self {
         let grid = StreetGrid::new(&built_up);
         let any = || height_steps(built_up.tallest()).map_or(i64::from(i32::MAX), |z| i64::from(z) + 1);
@@ -32,25 +34,25 @@ impl LatticeCity {
         LatticeCity { built_up, grid, period: grid.period() * f64::from(STEPS_PER_UNIT), highest }
     }
 
-    /// The widths.
+    /// Returns the widths.
     pub fn grid(&self) -> &StreetGrid {
         &self.grid
     }
 
-    /// The number of the period that holds a coordinate \[1/1024 m\], or a neighbor of it.
+    /// Returns the number of the period that holds a coordinate \[1/1024 m\], or of a neighbor.
     fn period_of(&self, v: i64) -> i32 {
         #[expect(clippy::cast_possible_truncation, reason = "positions are below 2^31 and the period above 8 steps")]
         let k = (v as f64 / self.period).floor() as i32;
         k
     }
 
-    /// The zone of a place \[1/1024 m\].
+    /// Returns the zone of a place \[1/1024 m\].
     pub fn zone(&self, x: i64, y: i64) -> GridZone {
         GridZone::where_street(self.built_up.building_at(x).is_none(), self.built_up.building_at(y).is_none())
     }
 
-    /// Whether the UAV, not below the receiver, is in line of sight of it; `height(i, j)` gives the height of a building
-    /// \[1/1024 m\] and is asked only for buildings that the link enters.
+    /// Returns `true` if the UAV, not below the receiver, is in line of sight. Calls `height(i, j)`
+    /// for the height of a building \[1/1024 m\], only for buildings that the link enters.
     pub fn los(&self, receiver: &LatticePoint, uav: &LatticePoint, mut height: impl FnMut(i32, i32) -> i32) -> bool {
         debug_assert!(uav.z >= receiver.z, "the obstructing point is the entry");
         let (dx, dy, dz) = (uav.x - receiver.x, uav.y - receiver.y, uav.z - receiver.z);
@@ -81,12 +83,12 @@ impl LatticeCity {
             }
             let (near, far) = (near.max(0), far.min(d));
             if near < far {
-                // The ray only rises: above the highest building nothing is in the way.
+                // The ray never falls, so above the highest building nothing blocks it.
                 if dz * near >= (self.highest - receiver.z) * d {
                     return true;
                 }
-                // Rows between where the link enters the column and where it leaves it, by a guess that is safe by one
-                // lattice step; the comparison below is exact.
+                // Rows between the points where the link enters and leaves the column. The guess is
+                // safe by one lattice step; the comparison below is exact.
                 let across = |along: i64| along as f64 * (e as f64 / d as f64);
                 let world = |offset: f64| from[1] as f64 + signs[1] as f64 * offset;
                 let (a, b) = (world(across(near) - 1.0), world(across(far) + 1.0));

@@ -1,13 +1,15 @@
-//! The probability that a link is LoS, P_LoS: over cities that are known by α, β, γ alone, and over real ones.
+//! Probability that a link is LoS, P_LoS: over cities known only by α, β, γ, and over real ones.
 //!
-//! Three ways lead to P_LoS in a generated city, and all count the same thing. [`product`] integrates the heights out: they
-//! are independent, so the probability of one link is a product over the buildings that it crosses, and only position
-//! and azimuth are left to average, which a randomized lattice of points does. [`city`] and [`geometry`] are the two
-//! simulators of Saboor et al. 2023: the one draws whole cities and looks around in them, the other draws only the
-//! buildings that a link meets. Both decide links in integers on the lattice of [`crate::quantity`], in the very cities
-//! that [`crate::city::BuiltUpCity`] builds.
+//! Three methods compute the same P_LoS in a generated city:
+//! * [`product`] integrates the heights out. They are independent, so the probability of one link
+//!   is a product over the buildings that it crosses. A randomized lattice of points averages over
+//!   position and azimuth.
+//! * [`city`] and [`geometry`] are the two simulators of Saboor et al. 2023. The first draws whole
+//!   cities and looks around in them; the second draws only the buildings that a link meets. Both
+//!   decide links in integers on the lattice of [`crate::quantity`], in the very cities that
+//!   [`crate::city::BuiltUpCity`] builds.
 //!
-//! [`models`] holds what has been published instead.
+//! [`models`] holds published models.
 
 pub mod city;
 pub mod estimate;

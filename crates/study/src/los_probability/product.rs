@@ -1,19 +1,20 @@
-//! P_LoS without dice for the heights: the product over the crossed buildings.
+//! P_LoS with the heights integrated out: the product over the crossed buildings.
 //!
-//! A link clears a building of height H if and only if H ≤ z, z being the lower of the ray's heights at both ends of the
-//! crossing (the obstructing point is the one towards the lower terminal; Saboor et al. 2023, eq. 3). Heights are
-//! independent Rayleigh variates, so for one link
+//! A link clears a building of height H if and only if H ≤ z. Here z is the lower of the ray's
+//! heights at both ends of the crossing. The obstructing point is the one towards the lower
+//! terminal (Saboor et al. 2023, eq. 3). Heights are independent Rayleigh variates, so for one link
 //!
 //! ```text
 //!   P_LoS = Π over crossed buildings of F(z),   F(z) = 1 − exp(−z² / 2γ²) for z > 0, else 0
 //! ```
 //!
-//! A UAV over a building needs no extra rule: the crossing ends at the UAV. If it is to hover clear of the roof, the
-//! condition H < h_U divides by F(h_U), and positions over buildings weigh F(h_U).
+//! A UAV over a building needs no extra rule: the crossing ends at the UAV. If it must hover clear
+//! of the roof, the condition H < h_U divides by F(h_U), and positions over buildings have the
+//! weight F(h_U).
 //!
-//! What is left is the mean over positions and azimuths, by [`Points`]: for each of [`SHIFTS`] independent shifts a ratio
-//! Σ w·P / Σ w, w = 1 where the user is one who counts. The estimate is the ratio of the sums over all shifts, its
-//! standard error that of a ratio over independent shifts.
+//! The mean over positions and azimuths is taken by [`Points`]. Each of [`SHIFTS`] independent
+//! shifts gives a ratio Σ w·P / Σ w, with w = 1 if the user counts. The estimate is the ratio of
+//! the sums over all shifts. Its standard error is that of a ratio over independent shifts.
 
 use rayon::prelude::*;
 
@@ -23,13 +24,13 @@ use super::setting::{Placement, Setting, Users};
 use super::street_grid::{GridLink, GridZone, StreetGrid};
 use crate::quadrature::mean_over_unit;
 
-/// Independent shifts of the lattice; their number is that of the clusters of an estimate.
+/// Number of independent shifts of the lattice, which are the clusters of an estimate.
 pub const SHIFTS: usize = 32;
 
-/// Beyond this many γ a roof is never met: F(9γ) = 1 − 2.6·10^−18, which is 1 in floating point.
+/// Number of γ above which no roof is met: F(9γ) = 1 − 2.6·10^−18, which is 1 in floating point.
 const CERTAIN_SCALES: f64 = 9.0;
 
-/// The distribution of building heights: F(z) = 1 − exp(−z²/2γ²) (Saboor et al. 2023, eq. 1, integrated).
+/// Returns F(z) = 1 − exp(−z²/2γ²) of building heights (Saboor et al. 2023, eq. 1, integrated).
 #[inline]
 pub fn rayleigh_cdf(z: f64, height_scale: f64) -> f64 {
     if z <= 0.0 {
@@ -39,7 +40,7 @@ pub fn rayleigh_cdf(z: f64, height_scale: f64) -> f64 {
     -libm::expm1(-0.5 * q * q)
 }
 
-/// P_LoS of one link, to a few units of the last place.
+/// Returns P_LoS of one link, to a few units of the last place.
 pub fn link_p_los(grid: &StreetGrid, height_scale: f64, link: &GridLink) -> f64 {
     let r = link.ground_distance();
     let rises = link.uav[2] >= link.receiver[2];
@@ -48,7 +49,7 @@ pub fn link_p_los(grid: &StreetGrid, height_scale: f64, link: &GridLink) -> f64 
     grid.for_each_crossed(link, |crossing| {
         let z = link.height_at(if rises { crossing.t_in } else { crossing.t_out }, r);
         if z >= certain {
-            // A rising ray meets nothing from here on, a falling one may.
+            // A rising ray meets nothing beyond, a falling one may.
             return !rises;
         }
         let q = z.max(0.0) / height_scale;
@@ -67,7 +68,7 @@ struct Shift {
     n_users: u64,
 }
 
-/// A mean of P_LoS over positions and azimuths that can be made more precise.
+/// Mean of P_LoS over positions and azimuths that can be refined.
 #[derive(Debug, Clone)]
 pub struct Product {
     setting: Setting,
@@ -76,14 +77,14 @@ pub struct Product {
 }
 
 impl Product {
-    /// A mean without points.
+    /// Makes a mean without points.
     pub fn new(setting: Setting, seed: u64) -> Self {
         let shift = |k: usize| Shift { points: Points::new(seed, k as u64), p_los: 0.0, weight: 0.0, n_users: 0 };
         Product { setting, grid: StreetGrid::new(&setting.built_up), shifts: (0..SHIFTS).map(shift).collect() }
     }
 
-    /// Adds `n` points to each shift. Shifts run in parallel; each adds its points in order, so that the sums do not
-    /// depend on the threads.
+    /// Adds `n` points to each shift. Shifts run in parallel; each adds its points in order, so
+    /// that the sums do not depend on the threads.
     pub fn add_points(&mut self, n: u64) {
         let (setting, grid) = (self.setting, self.grid);
         self.shifts.par_iter_mut().for_each(|shift| {
@@ -97,16 +98,16 @@ impl Product {
         });
     }
 
-    /// The mean over all points so far, with an interval of the given confidence.
+    /// Returns the mean over all points so far, with an interval of the given confidence.
     pub fn estimate(&self, confidence: f64) -> Estimate {
         let n_users = self.shifts.iter().map(|s| s.n_users).sum();
         ratio_of_clusters(self.shifts.iter().map(|s| (s.p_los, s.weight)), n_users, confidence)
     }
 }
 
-/// P_LoS of the user that a point stands for, and the user's weight; `None` if no user who counts is there.
+/// Returns P_LoS and the weight of the user at a point; `None` if no user who counts is there.
 fn sample(setting: &Setting, grid: &StreetGrid, [u, v, azimuth, radius]: [f64; 4]) -> Option<(f64, f64)> {
-    // A quarter of the circle stands for all: zones are their own mirror images.
+    // A quarter of the circle represents it all: zones are their own mirror images.
     let azimuth = if setting.phi_deg.is_none() { 0.25 * azimuth } else { azimuth };
     let (offset, street) = setting.offset(azimuth, radius);
     let (user, uav) = if setting.placement == Placement::Anywhere {
@@ -133,7 +134,7 @@ fn sample(setting: &Setting, grid: &StreetGrid, [u, v, azimuth, radius]: [f64; 4
     Some((p_los, weight))
 }
 
-/// A user's place for two numbers in \[0, 1), uniform over those who count.
+/// Returns a user's place for two numbers in \[0, 1), uniform over the users who count.
 fn user_position(users: Users, grid: &StreetGrid, [u, v]: [f64; 2], street: Option<GridZone>) -> [f64; 2] {
     let (s, t) = (grid.street(), grid.period());
     let along_y = |u: f64| [s * u, s + (t - s) * v];
@@ -156,12 +157,13 @@ fn user_position(users: Users, grid: &StreetGrid, [u, v]: [f64; 2], street: Opti
     }
 }
 
-/// P_LoS of street users at azimuth φ = 0, across the street, by quadrature in one dimension: exact to about 10 digits.
+/// Returns P_LoS of street users at azimuth φ = 0, across the street, by quadrature in one
+/// dimension. It is exact to about 10 digits.
 ///
-/// With u the distance to the wall ahead, uniform in (0, s), the link meets walls at u + kT, so
-/// P_LoS = 1/s ∫ Π over k ≥ 0, u + kT < r of F(h_rx + (u + kT) tan θ) du. The number of factors changes where u + kT = r,
-/// which is where the integral is cut. Below one period, for h_rx = 0, this is the closed form
-/// 1 − γ√(π/2)/(s tan θ) · erf(min(r, s) tan θ/(√2 γ)).
+/// Let u be the distance to the wall ahead, uniform in (0, s). The link meets walls at u + kT, so
+/// P_LoS = 1/s ∫ Π over k ≥ 0, u + kT < r of F(h_rx + (u + kT) tan θ) du. The number of factors
+/// changes at u + kT = r, where the integral is cut. Below one period, for h_rx = 0, this is the
+/// closed form 1 − γ√(π/2)/(s tan θ) · erf(min(r, s) tan θ/(√2 γ)).
 pub fn across_street(setting: &Setting) -> Option<f64> {
     let theta = setting.theta_deg()?;
     let (grid, height_scale) = (StreetGrid::new(&setting.built_up), setting.built_up.height_scale);
@@ -199,7 +201,7 @@ pub fn across_street(setting: &Setting) -> Option<f64> {
     Some(sum / s)
 }
 
-/// e^x for −40.5 ≤ x ≤ 0, to 3·10^−15: the same on every machine, and cheaper than a call.
+/// Returns e^x for −40.5 ≤ x ≤ 0, to 3·10^−15, alike on every machine. It is cheaper than a call.
 #[inline]
 fn exp_of_negative(x: f64) -> f64 {
     const ROUNDER: f64 = 6_755_399_441_055_744.0; // 1.5 · 2^52

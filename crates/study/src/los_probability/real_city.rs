@@ -1,10 +1,14 @@
-//! P_LoS over one real city: exact maps from many UAV positions, counted by elevation angle or by distance.
+//! P_LoS over one real city: exact maps from many UAV positions, counted by elevation angle or by
+//! distance.
 //!
-//! There is one city, so there are no independent draws of it, and users share both their buildings and the UAVs that look
-//! at them. The interval comes from resampling both: blocks of ground (users of a block share what stands around them) and
-//! UAV positions are drawn with replacement, independently of each other, and the ratio of sums is formed anew, a thousand
-//! times. It says how far another sample of blocks and positions *of a city like this one* would move P_LoS; it is
-//! somewhat too wide, never too narrow, because a cell of blocks × positions varies in both drawings.
+//! One city gives no independent draws, and its users share both their buildings and the UAVs. So
+//! the interval comes from resampling blocks of ground, whose users share their surroundings, and
+//! UAV positions. Both are drawn with replacement, independently of each other, a thousand times,
+//! and the ratio of sums is formed anew.
+//!
+//! The interval measures how far another sample of blocks and positions *of a city like this one*
+//! would move P_LoS. It is somewhat too wide, never too narrow, because a cell of
+//! blocks × positions varies in both drawings.
 //!
 //! # References
 //! Owen 2007, "The pigeonhole bootstrap", Ann. Appl. Stat. 1, 386–411.
@@ -18,7 +22,7 @@ use crate::los::{GridLos, GridReceivers, Method, MethodChoice, WrongMethod};
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::{BitGrid, CellBlocks, CellWindow, set_bits};
 
-/// Which users are counted together. All comparisons are of squares, so that no root is taken for any user.
+/// Band of users who are counted together. Comparisons are of squares, so no user needs a root.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     by: By,
@@ -33,19 +37,20 @@ enum By {
 }
 
 impl Band {
-    /// Users who see the UAV at an elevation angle from `from` up to, but not including, `to` \[deg\], 0 ≤ from < to; up to
-    /// 90 includes it.
+    /// Makes the band of users who see the UAV at an elevation angle from `from` up to `to`
+    /// \[deg\], 0 ≤ from < to. `to` is excluded unless it is 90.
     pub fn elevation(from: f64, to: f64) -> Self {
         let squared = |theta: f64| if theta >= 90.0 { f64::INFINITY } else { theta.to_radians().tan().powi(2) };
         Band { by: By::SquaredTangent, from: squared(from), to: squared(to) }
     }
 
-    /// Users at a ground distance from `from` up to, but not including, `to` \[m\].
+    /// Makes the band of users at a ground distance from `from` up to, but without, `to` \[m\].
     pub fn distance(from: f64, to: f64) -> Self {
         Band { by: By::SquaredDistance, from: from * from, to: to * to }
     }
 
-    /// Whether a user is in it who is `squared_distance` \[m²\] away on the ground and `rise` \[m\] below.
+    /// Returns `true` if a user is in it who is `squared_distance` \[m²\] away on the ground and
+    /// `rise` \[m\] below.
     #[inline]
     fn holds(&self, squared_distance: f64, rise: f64) -> bool {
         match self.by {
@@ -60,14 +65,15 @@ impl Band {
     }
 }
 
-/// Bands that may overlap, cut at the ends of all of them: a user is in one part at most, and a band is the sum of its parts.
+/// Bands that may overlap, cut at the ends of all of them. A user is in at most one part, and a
+/// band is the sum of its parts.
 struct BandParts {
     parts: Vec<Band>,
     of_bands: Vec<std::ops::Range<usize>>,
 }
 
 impl BandParts {
-    /// All bands must be by the same quantity.
+    /// Cuts bands, all by one quantity.
     fn of(bands: &[Band]) -> Self {
         let mut ends: Vec<f64> = bands.iter().flat_map(|band| [band.from, band.to]).collect();
         ends.sort_by(f64::total_cmp);
@@ -80,7 +86,7 @@ impl BandParts {
     }
 }
 
-/// A real city made ready for counting.
+/// Real city prepared for counting.
 #[derive(Debug)]
 pub struct RealCity<'a> {
     field: &'a HeightField,
@@ -91,7 +97,8 @@ pub struct RealCity<'a> {
 }
 
 impl<'a> RealCity<'a> {
-    /// A city whose users are on all open ground, `rx_height` \[1/1024 m\] above it, in blocks of `block_m` \[m\].
+    /// Makes a city with users on all open ground, `rx_height` \[1/1024 m\] above it, in blocks of
+    /// a side of `block_m` \[m\].
     pub fn new(
         field: &'a HeightField,
         choice: MethodChoice,
@@ -109,24 +116,24 @@ impl<'a> RealCity<'a> {
         })
     }
 
-    /// The engine in use.
+    /// Returns the engine in use.
     pub fn method(&self) -> Method {
         self.engine.method()
     }
 
-    /// The city with users on some of the cells alone, such as those of a zone.
+    /// Restricts users to some of the cells, such as those of a zone.
     #[must_use]
     pub fn with_users(mut self, cells: &BitGrid) -> Self {
         self.receivers.cells = self.field.cells().open.clone().and(cells).into();
         self
     }
 
-    /// Number of blocks.
+    /// Returns the number of blocks.
     pub fn n_blocks(&self) -> usize {
         self.blocks.count()
     }
 
-    /// The blocks that hold any user, whichever band these are in.
+    /// Returns the blocks that hold any user, in whichever band.
     pub fn blocks_with_users(&self) -> Vec<usize> {
         let mut holds = vec![false; self.n_blocks()];
         for row in 0..self.receivers.cells.n_rows() {
@@ -136,13 +143,14 @@ impl<'a> RealCity<'a> {
         (0..holds.len()).filter(|block| holds[*block]).collect()
     }
 
-    /// Whether a UAV is inside a building.
+    /// Returns `true` if a UAV is inside a building.
     pub fn is_inside(&self, uav: &Station) -> bool {
         let inside = self.field.inside_prisms_below(&uav.place).max(self.field.inside_columns_below(&uav.place));
         uav.z < i64::from(inside)
     }
 
-    /// Counts what a UAV sees, `[block][band]`; bands may overlap. One inside a building sees nothing.
+    /// Counts the users of a UAV and those that it sees, `[block][band]`; bands may overlap. A UAV
+    /// inside a building sees nothing.
     pub fn count(&self, uav: &Station, bands: &[Band]) -> Vec<Count> {
         let grid = self.field.grid();
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
@@ -157,7 +165,7 @@ impl<'a> RealCity<'a> {
             return vec![Count::default(); self.n_blocks() * bands.len()];
         }
         let mut counts = vec![Count::default(); self.n_blocks() * parts.len()];
-        // Whole lattice steps, so that a city and its mirror image agree on who is at the end of a band.
+        // Whole lattice steps make a city and its mirror image agree at the end of a band.
         let positions = self.field.positions();
         let (at, step_lengths) = (positions.on_range(&uav.place), positions.step_lengths());
         let steps_to = |row: usize, col: usize| positions.steps(at, (row, col));
@@ -173,7 +181,7 @@ impl<'a> RealCity<'a> {
                 let squared = (dx * dx + dy * dy) * self.meters_per_unit * self.meters_per_unit;
                 #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
                 let rise = (uav.z - self.receivers.height(row * n_cols + col)) as f64 / f64::from(STEPS_PER_UNIT);
-                // Neighbors are mostly in the same part.
+                // Most neighbors are in one part.
                 if !parts[part].holds(squared, rise) {
                     let Some(found) = parts.iter().position(|b| b.holds(squared, rise)) else { continue };
                     part = found;
@@ -189,10 +197,11 @@ impl<'a> RealCity<'a> {
     }
 }
 
-/// P_LoS by band from counts `[position][block][band]`, with intervals from resampled positions and blocks.
+/// Estimates P_LoS by band from counts `[position][block][band]`, with intervals from resampled
+/// positions and blocks.
 ///
-/// `blocks` are those that are resampled: those that hold any user. What is drawn depends on nothing else, so a band has the
-/// same interval whichever other bands are counted.
+/// `blocks` are the blocks to resample: those that hold any user. Nothing else affects the drawing,
+/// so the interval of a band does not depend on the bands counted with it.
 pub fn resampled(counts: &[Vec<Count>], blocks: &[usize], n_bands: usize, confidence: f64, seed: u64) -> Vec<Estimate> {
     let n_positions = counts.len();
     let sum = |weight: &(dyn Fn(usize, usize) -> f64 + Sync)| {
@@ -228,7 +237,8 @@ pub fn resampled(counts: &[Vec<Count>], blocks: &[usize], n_bands: usize, confid
             }
             let p_los = los / receivers;
             let resampled = resamplings.iter().map(|r| r[band]);
-            // A band that many resamplings miss has too few blocks and positions for an interval.
+            // A band that is missed by many resamplings has too few blocks and positions for an
+            // interval.
             let spread = spread(p_los, resampled, confidence).filter(|_| is_enough);
             let with_users = |b: &&usize| counts.iter().any(|c| c[**b * n_bands + band].receivers > 0);
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a sum of counts")]

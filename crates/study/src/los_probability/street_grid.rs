@@ -1,37 +1,39 @@
-//! The Manhattan grid without heights: which buildings a link crosses, and where.
+//! Manhattan grid without heights: the buildings that a link crosses, and the crossings.
 //!
-//! Streets are {x mod T ≤ s} and {y mod T ≤ s}; building (i, j) is \[iT + s, (i + 1)T\] × \[jT + s, (j + 1)T\] with
-//! T = s + w. A building is convex, so a link crosses it in one interval of its ground distance t from the receiver. The
-//! intervals are found building by building, column after column along the longer of the link's two axes: a column is no
-//! wider than w, so the link meets at most two rows in it.
+//! Streets are {x mod T ≤ s} and {y mod T ≤ s}; building (i, j) is \[iT + s, (i + 1)T\] × \[jT + s,
+//! (j + 1)T\] with T = s + w. A building is convex, so a link crosses it in one interval of its
+//! ground distance t from the receiver. The intervals are found building by building, column after
+//! column along the longer of the link's two axes. A column is no wider than w, so the link meets
+//! at most two rows in it.
 //!
-//! Saboor et al. 2023 (section III-B, step 3) test instead where the link hits walls. A link along the diagonal of the
-//! grid enters every building through its corner, hits no wall inside, and would see no building at all.
+//! Saboor et al. 2023 (section III-B, step 3) test the points at which the link hits walls instead.
+//! A link along the diagonal of the grid enters every building through its corner and hits no wall
+//! inside. By that test it would meet no building at all.
 
 use crate::city::BuiltUp;
 
-/// The widths of a Manhattan grid \[m\].
+/// Widths of a Manhattan grid \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StreetGrid {
     street: f64,
     period: f64,
 }
 
-/// Where a place is in a Manhattan grid.
+/// Zone of a place in a Manhattan grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GridZone {
-    /// In the street along y: x mod T in \[0, s\], y mod T in (s, T).
+    /// Street along y: x mod T in \[0, s\], y mod T in (s, T).
     StreetAlongY,
-    /// In the street along x.
+    /// Street along x.
     StreetAlongX,
-    /// Where two streets cross.
+    /// Crossing of two streets.
     Crossroad,
-    /// On a building's footprint.
+    /// Footprint of a building.
     Building,
 }
 
 impl GridZone {
-    /// The zone of a place by whether its x and its y are in a street.
+    /// Returns the zone of a place; `x` and `y` are `true` if that coordinate is in a street.
     pub(super) fn where_street(x: bool, y: bool) -> Self {
         match (x, y) {
             (true, true) => GridZone::Crossroad,
@@ -42,7 +44,7 @@ impl GridZone {
     }
 }
 
-/// A straight link over the grid, from the receiver to the UAV. Heights are above ground.
+/// Straight link over the grid, from the receiver to the UAV. Heights are above ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridLink {
     /// Receiver: x, y, height \[m\].
@@ -51,7 +53,7 @@ pub struct GridLink {
     pub uav: [f64; 3],
 }
 
-/// A building that a link crosses.
+/// Building that a link crosses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
     /// Index of the building along x and y.
@@ -63,12 +65,12 @@ pub struct Crossing {
 }
 
 impl GridLink {
-    /// Ground distance r between the ends \[m\].
+    /// Returns the ground distance r between the ends \[m\].
     pub fn ground_distance(&self) -> f64 {
         (self.uav[0] - self.receiver[0]).hypot(self.uav[1] - self.receiver[1])
     }
 
-    /// Height of the ray at ground distance `t` from the receiver \[m\], of `r` in all.
+    /// Returns the height of the ray \[m\] at ground distance `t` from the receiver, of `r` in all.
     #[inline]
     pub fn height_at(&self, t: f64, r: f64) -> f64 {
         self.receiver[2] + (self.uav[2] - self.receiver[2]) * (t / r)
@@ -76,37 +78,37 @@ impl GridLink {
 }
 
 impl StreetGrid {
-    /// The grid of a city.
+    /// Returns the grid of a city.
     pub fn new(built_up: &BuiltUp) -> Self {
         StreetGrid { street: built_up.street_width(), period: built_up.period() }
     }
 
-    /// Width s of a street \[m\].
+    /// Returns the width s of a street \[m\].
     pub fn street(&self) -> f64 {
         self.street
     }
 
-    /// Period T = s + w \[m\].
+    /// Returns the period T = s + w \[m\].
     pub fn period(&self) -> f64 {
         self.period
     }
 
-    /// The zone of a place.
+    /// Returns the zone of a place.
     pub fn zone(&self, x: f64, y: f64) -> GridZone {
         let is_street = |v: f64| v.rem_euclid(self.period) <= self.street;
         GridZone::where_street(is_street(x), is_street(y))
     }
 
-    /// Calls `visit` for every building whose interior the link enters, from the receiver on, until it says `false`.
-    /// Of two buildings in one column the nearer comes first.
+    /// Calls `visit` for every building whose interior the link enters, from the receiver on, until
+    /// it returns `false`. Of two buildings in one column the nearer comes first.
     pub fn for_each_crossed(&self, link: &GridLink, mut visit: impl FnMut(Crossing) -> bool) {
         let (dx, dy) = (link.uav[0] - link.receiver[0], link.uav[1] - link.receiver[1]);
         let r = dx.hypot(dy);
         if r == 0.0 {
             return;
         }
-        // Along the longer axis `a`; a link towards the west or south is seen in a mirror, x → s − x, which maps streets
-        // to streets and building k to −k − 1.
+        // `a` is along the longer axis. A link towards the west or south is mirrored, x → s − x,
+        // which maps streets to streets and building k to −k − 1.
         let swapped = dy.abs() > dx.abs();
         let (from, step) = if swapped { ([1, 0], [dy, dx]) } else { ([0, 1], [dx, dy]) };
         let mirrored = step.map(|d| d < 0.0);
@@ -131,7 +133,7 @@ impl StreetGrid {
             let (t0, t1) = (t_west.max(0.0), (((col + 1.0) * self.period - a0) / cos).min(r));
             if t0 < t1 {
                 let mut row = floor((b0 + t0 * sin) / self.period);
-                // The last row whose south wall is below the point where the link leaves the column.
+                // Last row with its south wall below the point where the link leaves the column.
                 let last = -floor((self.street - b0 - t1 * sin) / self.period) - 1.0;
                 while row <= last {
                     let (south, north) = (row * self.period + self.street - b0, (row + 1.0) * self.period - b0);
@@ -154,7 +156,8 @@ impl StreetGrid {
     }
 }
 
-/// The largest integer not above `v`, for |v| below 2^31; `f64::floor` is a call where SSE4.1 is not assumed.
+/// Returns the largest integer not above `v`, for |v| below 2^31. `f64::floor` would be a call on
+/// targets without SSE4.1.
 #[inline]
 fn floor(v: f64) -> f64 {
     #[expect(clippy::cast_possible_truncation, reason = "within i32 as documented")]

@@ -1,4 +1,4 @@
-//! Many settings at once, each to the precision that is asked for.
+//! Estimates for many settings, each to the requested precision.
 
 use std::collections::HashMap;
 
@@ -12,7 +12,7 @@ use super::product::{Product, across_street};
 use super::setting::{Placement, Setting, Users};
 use crate::error::Result;
 
-/// How P_LoS is found.
+/// Method that estimates P_LoS.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Estimator {
     /// The product over crossed buildings, averaged by a lattice.
@@ -24,7 +24,7 @@ pub enum Estimator {
 }
 
 impl Estimator {
-    /// The word of the command line.
+    /// Returns the word of the command line.
     pub fn name(self) -> &'static str {
         match self {
             Estimator::Product => "product",
@@ -34,39 +34,40 @@ impl Estimator {
     }
 }
 
-/// How much is drawn.
+/// Amount of sampling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
-    /// Seed of everything random.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// Confidence of the intervals, 0 < c < 1.
     pub confidence: f64,
-    /// Half-width that every interval is to reach; `None`: the numbers below, and [`PRODUCT_HALF_WIDTH`].
+    /// Half-width that every interval must reach; `None` for the numbers below and
+    /// [`PRODUCT_HALF_WIDTH`].
     pub until: Option<f64>,
-    /// Cities.
+    /// Number of cities.
     pub n_cities: u64,
-    /// Users per city and setting.
+    /// Number of users per city and setting.
     pub n_users: u32,
-    /// Links of the geometry simulator per setting.
+    /// Number of links of the geometry simulator per setting.
     pub n_links: u64,
 }
 
-/// Half-width of the intervals of the product if nothing is asked for.
+/// Half-width of the intervals of the product unless `until` is given.
 pub const PRODUCT_HALF_WIDTH: f64 = 0.001;
 
-/// Points per shift that the product begins with.
+/// First number of points per shift of the product.
 const FIRST_POINTS: u64 = 512;
-/// Cities, and links, with which `until` begins: enough to know the spread.
+/// First numbers of cities and links with `until`: enough to know the spread.
 const FIRST_CITIES: u64 = 50;
 const FIRST_LINKS: u64 = 2_000;
-/// Cities and links with which `until` ends, reached or not.
+/// Numbers of cities and links at which `until` ends, reached or not.
 const MOST_CITIES: u64 = 200_000;
 const MOST_LINKS: u64 = 1 << 28;
 
-/// Estimates of P_LoS in the order of the settings.
+/// Estimates P_LoS in the order of the settings.
 ///
-/// Whole cities serve all settings that share α, β, γ. With `until` the number of cities or links grows by half until all
-/// intervals are narrow enough; it depends on the seed alone.
+/// Whole cities serve all settings that share α, β, γ. With `until` the number of cities or links
+/// grows by half until all intervals are narrow enough; it depends on the seed alone.
 pub fn estimate_all(estimator: Estimator, settings: &[Setting], effort: &Effort) -> Result<Vec<Estimate>> {
     match estimator {
         Estimator::Product => Ok(settings.par_iter().map(|s| by_product(s, effort)).collect()),
@@ -95,7 +96,7 @@ pub fn estimate_all(estimator: Estimator, settings: &[Setting], effort: &Effort)
     }
 }
 
-/// Whether an estimate needs nothing more: narrow enough, or nothing to count.
+/// Returns `true` if an estimate needs no more samples: it is narrow enough, or no user counts.
 fn is_enough(estimate: &Estimate, half_width: f64) -> bool {
     estimate.p_los.is_none() || estimate.half_width().is_some_and(|reach| reach <= half_width)
 }
@@ -117,7 +118,7 @@ fn by_product(setting: &Setting, effort: &Effort) -> Estimate {
         if is_enough(&estimate, half_width) || n >= MOST_POINTS {
             return estimate;
         }
-        // Twice as many points are a lattice again.
+        // Doubling the points gives a lattice again.
         product.add_points(n);
         n *= 2;
     }

@@ -1,4 +1,4 @@
-//! Which places and heights can be flown, and why the others cannot.
+//! Candidates: the places and heights that can be flown, and the reasons against all other spots.
 
 use crate::city::{Antenna, Area, Site};
 use crate::coverage::{HoversOver, Uav, surface_under};
@@ -10,16 +10,17 @@ use crate::zones::{Zone, ZoneMap};
 use skyshed_core::Error as Core;
 use skyshed_core::error::UavError;
 
-/// A grid of places: the centers of square cells over the extent of a scene.
+/// Grid of places: the centers of square cells over the extent of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlaceGrid {
-    /// The cells whose centers are the places.
+    /// Cells whose centers are the places.
     pub grid: GeoRef,
 }
 
 impl PlaceGrid {
-    /// As many cells of `step` \[CRS units\] as fit into the extent of a scene, at least one along each axis, with what is
-    /// left shared by both sides. `None` unless the step is finite and above 0, or if there are too many to count.
+    /// Makes as many cells of `step` \[CRS units\] as fit into the extent of a scene, at least one
+    /// along each axis. The remainder is split between both sides. `None` unless the step is finite
+    /// and above 0, or if there are too many to count.
     pub fn over(scene: &GeoRef, step: f64) -> Option<Self> {
         let (width, height) = (scene.x_max() - scene.x_min(), scene.y_max() - scene.y_min());
         let count = |length: f64| whole(length / step).floor().max(1.0);
@@ -34,7 +35,7 @@ impl PlaceGrid {
         Some(PlaceGrid { grid })
     }
 
-    /// The places at each of some heights: lowest height first as they are given, then row by row from the north-west.
+    /// Returns the places at heights in the given order, then row by row from the north-west.
     pub fn spots(&self, heights: &[Height]) -> Vec<Spot> {
         let n_cols = self.grid.n_cols();
         let spot = |level: usize, place: usize| {
@@ -45,64 +46,64 @@ impl PlaceGrid {
     }
 }
 
-/// A place with a height that is asked about.
+/// Place with a height, to be checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spot {
     /// Number of the place; spots over one place share it.
     pub place: usize,
-    /// Number of the height among those of the list.
+    /// Index of the height in its list.
     pub level: usize,
     /// East \[CRS units\].
     pub x: f64,
     /// North \[CRS units\].
     pub y: f64,
-    /// Height and what it is above.
+    /// Height and its reference.
     pub height: Height,
-    /// Antenna of a UAV there; what it does not limit, that of the run may.
+    /// Antenna of a UAV there. The antenna of the run may set limits that this one does not.
     pub antenna: Antenna,
 }
 
-/// Where a UAV may hover.
+/// Rules that a UAV's place must obey.
 #[derive(Debug, Clone, Default)]
 pub struct CandidateRules<'a> {
-    /// Only over these zones of the map, if there are any.
+    /// Zones that it must be over, with their map; no zones allow all.
     pub over: Option<(&'a [Zone], &'a ZoneMap)>,
-    /// Only inside of this area.
+    /// Area that it must be in.
     pub within: Option<&'a Area>,
-    /// Not inside of these areas.
+    /// Area that it must not be in.
     pub keep_out: Option<&'a Area>,
-    /// At least so high above the roof, the surface or the ground directly below \[1/1024 m\].
+    /// Least height above the roof, the surface or the ground directly below \[1/1024 m\].
     pub clearance: i32,
-    /// Range \[CRS units\], if it is limited.
+    /// Range \[CRS units\]; `None` without a limit.
     pub radius: Option<f64>,
 }
 
-/// Spots that are no candidates, by the first reason that holds.
+/// Numbers of spots that are no candidates, by the first reason that applies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Skipped {
-    /// Outside the data area of the scene.
+    /// Spots outside the data area of the scene.
     pub no_data: u64,
-    /// Outside the area that they must be in.
+    /// Spots outside the required area.
     pub outside: u64,
-    /// Over other zones than those asked for.
+    /// Spots over other zones than the required ones.
     pub other_zone: u64,
-    /// Inside an area that is to be kept out of.
+    /// Spots inside a forbidden area.
     pub keep_out: u64,
-    /// Without the ground or roof that the height is above.
+    /// Spots without the ground or roof to which the height refers.
     pub no_base: u64,
-    /// Inside a building or below the ground.
+    /// Spots inside a building or below the ground.
     pub inside: u64,
-    /// Closer to what is directly below than the clearance.
+    /// Spots closer than the clearance to the surface directly below.
     pub clearance: u64,
 }
 
 impl Skipped {
-    /// All of them.
+    /// Returns the sum over all reasons.
     pub fn total(&self) -> u64 {
         self.reasons().iter().map(|(_, n)| n).sum()
     }
 
-    /// Every reason in words with its count.
+    /// Returns every reason in words with its count.
     pub fn reasons(&self) -> [(&'static str, u64); 7] {
         [
             ("where there are no data", self.no_data),
@@ -116,34 +117,35 @@ impl Skipped {
     }
 }
 
-/// A spot where a UAV can hover.
+/// Spot where a UAV can hover.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
-    /// Where it was asked for.
+    /// Spot that was checked.
     pub spot: Spot,
-    /// The UAV there.
+    /// UAV at the spot.
     pub uav: Uav,
-    /// The zone below it, if zones are known.
+    /// Zone below it, if zones are known.
     pub zone: Option<Zone>,
 }
 
-/// The spots where UAVs can hover, in their order.
+/// Spots where UAVs can hover, in their order.
 #[derive(Debug, Clone)]
 pub struct Candidates {
-    /// The candidates.
+    /// Candidates.
     pub kept: Vec<Candidate>,
-    /// How many spots were left out, and why.
+    /// Numbers of spots left out, by reason.
     pub skipped: Skipped,
 }
 
-/// Why a spot is no candidate, as a count to raise.
+/// Count to raise for a spot that is no candidate.
 type Reason = fn(&mut Skipped) -> &mut u64;
 
 impl Candidates {
-    /// Sorts out the spots where UAVs can hover.
+    /// Selects the spots where UAVs can hover.
     ///
     /// # Errors
-    /// Site errors that no other spot would mend: outside the lattice (E203), a height beyond ±32 768 m (E205).
+    /// Site errors that are no reason of [`Skipped`]: outside the lattice (E203), a height
+    /// beyond ±32 768 m (E205).
     pub fn of(spots: &[Spot], field: &HeightField, rules: &CandidateRules<'_>) -> Result<Self> {
         let mut found = Candidates { kept: Vec::new(), skipped: Skipped::default() };
         for spot in spots {
@@ -156,7 +158,7 @@ impl Candidates {
     }
 }
 
-/// The candidate at a spot, or why there is none.
+/// Returns the candidate at a spot, or the reason why there is none.
 pub(super) fn candidate(
     spot: &Spot,
     field: &HeightField,

@@ -1,29 +1,32 @@
-//! Several UAVs that together see most, and how much more any others could.
+//! Choice of several UAVs that together see most, with a bound on any other choice.
 //!
-//! To choose k of n sets whose union is largest is NP-hard. Greedy takes the set that adds most, k times over; what it
-//! covers is at least 1 − (1 − 1/k)^k > 63 % of the optimum (Nemhauser, Wolsey & Fisher 1978). For the instance at hand
-//! more is known: let g_j(S) be what set j adds to a choice S. The optimum O covers no more than S and O together, and
-//! what O adds to S is at most the sum of what its k sets add one by one, so
+//! To choose k of n sets whose union is largest is NP-hard. Greedy takes the set that adds most, k
+//! times over. It covers at least 1 − (1 − 1/k)^k > 63 % of the optimum (Nemhauser, Wolsey & Fisher
+//! 1978). A tighter bound holds for a given instance. Let g_j(S) be the gain of set j over a choice
+//! S. The optimum O covers no more than S and O together. The gain of O over S is at most the sum
+//! of the gains of its k sets one by one, so
 //!
 //! ```text
 //!   f(O) ≤ f(S) + Σ_{j ∈ O} g_j(S) ≤ f(S) + sum of the k largest g_j(S)    for every S
 //! ```
 //!
-//! The bound is the least of these over all prefixes S of the greedy choice (Leskovec et al. 2007), the total, and a
-//! Lagrangian dual: pay λ_i ≤ w_i to each chosen set that covers receiver i instead of w_i once for all, then
+//! The bound is the least of three: these over all prefixes S of the greedy choice (Leskovec et al.
+//! 2007), the total, and a Lagrangian dual. For the dual, pay λ_i ≤ w_i to each chosen set that
+//! covers receiver i, instead of w_i once. Then
 //!
 //! ```text
 //!   f(O) ≤ Σ_i (w_i − λ_i) + sum over the k largest of Σ_{i ∈ j} λ_i       for every 0 ≤ λ ≤ w
 //! ```
 //!
-//! because the first sum counts what may go uncovered for nothing and a receiver that O covers is paid at least λ_i. Any λ
-//! gives a bound; subgradient steps look for a good one. All are integers, so nothing is rounded in the unsafe direction.
+//! The first sum counts w_i − λ_i of every receiver, covered or not, and each receiver that O
+//! covers is paid at least λ_i. Any λ gives a bound; subgradient steps search for a good one. All
+//! numbers are integers, so nothing is rounded in the unsafe direction.
 //!
-//! Where choices are few, all are tried (`exact_cover.rs`).
+//! If there are few choices, all are tried (`exact_cover.rs`).
 //!
 //! # References
-//! Nemhauser, Wolsey & Fisher 1978, Mathematical Programming 14; Leskovec et al. 2007, KDD (bounds for the instance at
-//! hand); Fisher 1981, Management Science 27 (Lagrangian relaxation).
+//! Nemhauser, Wolsey & Fisher 1978, Mathematical Programming 14; Leskovec et al. 2007, KDD (bounds
+//! for the instance at hand); Fisher 1981, Management Science 27 (Lagrangian relaxation).
 
 use std::sync::atomic::Ordering;
 
@@ -36,19 +39,19 @@ use crate::coverage::{Control, maps_at_once};
 use crate::error::Result;
 use crate::raster::{BitGrid, n_common};
 
-/// Sets of wanted receivers, one per candidate, packed: words of cells without a wanted receiver are left out.
+/// Sets of wanted receivers, one per candidate, packed without words that hold no wanted receiver.
 #[derive(Debug, Clone)]
 pub struct SeenSets {
-    /// Which words of the grid are kept: row and word of the row.
+    /// Row and word of the row of each kept word.
     kept: Vec<(usize, usize)>,
-    /// What the receivers count, 64 to a kept word; 1 each without.
+    /// Weights of the receivers, 64 to a kept word; `None` if each counts 1.
     weights: Option<Vec<u128>>,
     words: Vec<u64>,
     wanted: Vec<u64>,
 }
 
 impl SeenSets {
-    /// No sets yet, over the wanted receivers.
+    /// Makes an empty collection over the wanted receivers.
     pub fn over(wanted: &BitGrid, weights: Option<&Weights>) -> Self {
         let kept: Vec<(usize, usize)> = (0..wanted.n_rows())
             .flat_map(|row| (0..wanted.words_per_row()).map(move |word| (row, word)))
@@ -63,7 +66,8 @@ impl SeenSets {
         SeenSets { kept, weights, words: Vec::new(), wanted }
     }
 
-    /// What some candidates see, and their scores: as [`super::scores`] finds them. Adds 1 to `control.done` for each.
+    /// Maps candidates: returns their scores, equal to those of [`super::scores`], and their sets.
+    /// Adds 1 to `control.done` for each.
     pub fn of(scorer: &Scorer<'_>, candidates: &[Candidate], control: &Control) -> Result<(Vec<Score>, SeenSets)> {
         let mut scores = Vec::with_capacity(candidates.len());
         let mut sets = SeenSets::over(&scorer.mapper.receiver_cells(), scorer.weights);
@@ -82,33 +86,33 @@ impl SeenSets {
         Ok((scores, sets))
     }
 
-    /// Adds sets of cells, of which the wanted ones count.
+    /// Adds sets of cells, reduced to the wanted receivers.
     pub fn extend(&mut self, sets: &[BitGrid]) {
         let kept = &self.kept;
         self.words.extend(sets.iter().flat_map(|set| kept.iter().map(|(row, word)| set.row(*row)[*word])));
     }
 
-    /// Number of sets.
+    /// Returns the number of sets.
     pub fn len(&self) -> usize {
         if self.kept.is_empty() { 0 } else { self.words.len() / self.kept.len() }
     }
 
-    /// The wanted receivers, 64 to a word.
+    /// Returns the wanted receivers, 64 to a word.
     pub(super) fn wanted(&self) -> &[u64] {
         &self.wanted
     }
 
-    /// Number of words of a set.
+    /// Returns the number of words of a set.
     pub(super) fn n_words(&self) -> usize {
         self.kept.len()
     }
 
-    /// Whether receivers count differently.
+    /// Returns `true` if receivers have weights.
     pub(super) fn is_weighed(&self) -> bool {
         self.weights.is_some()
     }
 
-    /// Calls `visit` for each wanted receiver with the sets that see it, a bit each, and what it counts.
+    /// Calls `visit` for each wanted receiver with the bits of the sets that see it and its weight.
     pub(super) fn for_each_receiver(&self, mut visit: impl FnMut(usize, u128)) {
         for (word, wanted) in self.wanted.iter().enumerate() {
             for bit in (0..64).filter(|bit| wanted >> bit & 1 == 1) {
@@ -119,7 +123,7 @@ impl SeenSets {
         }
     }
 
-    /// Whether there is no set.
+    /// Returns `true` if there is no set.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -128,7 +132,7 @@ impl SeenSets {
         &self.words[k * self.kept.len()..(k + 1) * self.kept.len()]
     }
 
-    /// What the receivers of a set count that are in `left` too.
+    /// Returns the weight of the receivers of a set that are in `left`.
     pub(super) fn value(&self, set: &[u64], left: &[u64]) -> u128 {
         match &self.weights {
             None => n_common(set, left).into(),
@@ -139,48 +143,49 @@ impl SeenSets {
         }
     }
 
-    /// What each set adds to those whose receivers are no longer in `left`.
+    /// Returns the gain of each set, if only the receivers of `left` are uncovered.
     pub(super) fn gains(&self, left: &[u64]) -> Vec<u128> {
         (0..self.len()).into_par_iter().map(|k| self.value(self.set(k), left)).collect()
     }
 }
 
-/// One of the chosen sets.
+/// Chosen set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Chosen {
     /// Index of the set.
     pub set: usize,
-    /// What it adds to those before it.
+    /// Weight that it adds to the sets before it.
     pub gain: u128,
-    /// What it and those before it cover together.
+    /// Weight that it and the sets before it cover together.
     pub covered: u128,
 }
 
 /// Sets chosen one by one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cover {
-    /// The sets in the order of choice; fewer than asked for where no other adds anything.
+    /// Sets in the order of choice; fewer than requested if no other set adds anything.
     pub chosen: Vec<Chosen>,
-    /// What all wanted receivers count together.
+    /// Weight of all wanted receivers.
     pub wanted: u128,
-    /// No choice of so many sets covers more than this.
+    /// Upper bound on the weight that any choice of the requested number of sets covers.
     pub bound: u128,
 }
 
 impl Cover {
-    /// What the choice covers.
+    /// Returns the weight that the choice covers.
     pub fn covered(&self) -> u128 {
         self.chosen.last().map_or(0, |c| c.covered)
     }
 
-    /// How far the choice may be from the optimum, as a share of the bound; `None` if nothing can be covered.
+    /// Returns the largest possible distance from the optimum, as a share of the bound; `None` if
+    /// nothing can be covered.
     pub fn gap(&self) -> Option<f64> {
         (self.bound > 0).then(|| quotient(self.bound - self.covered(), self.bound))
     }
 }
 
-/// Chooses `k` sets whose union is largest, if choices are few enough to try them all (`exact_cover.rs`); else as
-/// [`greedy_cover`] does.
+/// Chooses `k` sets whose union is largest if choices are few enough to try all (`exact_cover.rs`),
+/// else as [`greedy_cover`] does.
 pub fn cover(sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
     let greedy = greedily(sets, k, control)?;
     match best_choice(sets, k, greedy.covered(), control)? {
@@ -190,12 +195,13 @@ pub fn cover(sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
     }
 }
 
-/// Chooses `k` sets whose union is large: greedy, the first of equal sets first, with an upper bound on every choice of `k`.
+/// Chooses `k` sets whose union is large: greedily, of equal sets the first. Computes an upper
+/// bound on every choice of `k`.
 pub fn greedy_cover(sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
     with_dual_bound(greedily(sets, k, control)?, sets, k, control)
 }
 
-/// A greedy choice with the bound of its prefixes. Every gain is computed in every round, because the bound asks for all of them.
+/// Chooses greedily, with the bound of the prefixes, for which every round computes all gains.
 fn greedily(sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
     let mut left = sets.wanted.clone();
     let wanted = sets.value(&left, &left);
@@ -215,7 +221,7 @@ fn greedily(sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
     Ok(Cover { chosen, wanted, bound })
 }
 
-/// A choice with a lower bound, where it is not known to be the best.
+/// Adds the dual bound to a choice, unless that is known to be the best.
 fn with_dual_bound(found: Cover, sets: &SeenSets, k: usize, control: &Control) -> Result<Cover> {
     let covered = found.covered();
     if covered == found.bound || k == 1 {
@@ -224,7 +230,8 @@ fn with_dual_bound(found: Cover, sets: &SeenSets, k: usize, control: &Control) -
     Ok(Cover { bound: found.bound.min(dual_bound(sets, k, covered, control)?), ..found })
 }
 
-/// Chosen sets from the one that covers most on, each before those that add less; the first of equal ones first.
+/// Orders chosen sets: next comes the one that adds most, of equal ones the first. Sets that add
+/// nothing are dropped.
 fn in_order(sets: &SeenSets, mut choice: Vec<usize>) -> Vec<Chosen> {
     let (mut left, mut covered, mut chosen) = (sets.wanted.clone(), 0, Vec::new());
     while !choice.is_empty() {
@@ -241,12 +248,12 @@ fn in_order(sets: &SeenSets, mut choice: Vec<usize>) -> Vec<Chosen> {
     chosen
 }
 
-/// No more than all numbers hold: no bound is that high.
+/// Returns the sum of the `k` largest values, saturating; no bound is that high.
 fn sum_of_largest(values: &[u128], k: usize) -> u128 {
     largest(values, k).iter().fold(0, |sum, j| sum.saturating_add(values[*j]))
 }
 
-/// The indices of the `k` largest values, the first of equal ones first.
+/// Returns the indices of the `k` largest values, of equal ones the first.
 fn largest(values: &[u128], k: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     let by_value = |j: &usize| (std::cmp::Reverse(values[*j]), *j);
@@ -257,17 +264,18 @@ fn largest(values: &[u128], k: usize) -> Vec<usize> {
     order
 }
 
-/// Levels of λ between 0 and the weight of a receiver, as a power of two.
+/// Number of levels of λ between 0 and the weight of a receiver, as a power of two.
 const LEVEL_BITS: u32 = 6;
 const LEVELS: i32 = 1 << LEVEL_BITS;
-/// Words read by all steps together, at most: seconds, not minutes.
+/// Most words read by all steps together: seconds, not minutes.
 const MOST_WORDS: u64 = 1 << 32;
 const MOST_STEPS: u64 = 120;
 
-/// The Lagrangian bound, the best of some steps from λ = w/2 on; each moves λ towards what the sets that pay most leave
-/// uncovered, or away from what they cover more than once.
+/// Computes the Lagrangian bound, the best of some steps from λ = w/2 on. Each step raises λ of the
+/// receivers that the best-paid sets leave uncovered, and lowers it where they overlap.
 ///
-/// λ_i is w_i times one of [`LEVELS`] levels, and receivers of one level form a plane of bits, so that sums are counts.
+/// λ_i is w_i times a level of up to [`LEVELS`], in units of 1/[`LEVELS`]. Each bit of the levels
+/// is a plane of receivers, so that sums are counts.
 fn dual_bound(sets: &SeenSets, k: usize, covered: u128, control: &Control) -> Result<u128> {
     let n_words = sets.kept.len();
     let words_each = if sets.weights.is_some() { 32 } else { u64::from(LEVEL_BITS) + 1 };
@@ -284,7 +292,7 @@ fn dual_bound(sets: &SeenSets, k: usize, covered: u128, control: &Control) -> Re
         let all = planes.iter().enumerate().map(|(b, plane)| sets.value(plane, &sets.wanted) << b).sum::<u128>();
         let total = sets.value(&sets.wanted, &sets.wanted);
         let payers = largest(&paid, k);
-        // What is covered is an integer, so the bound may be rounded down.
+        // The covered weight is an integer, so the bound may be rounded down.
         let bound = sum_of_largest(&paid, k).saturating_add((total << LEVEL_BITS) - all) >> LEVEL_BITS;
         if bound < least {
             (least, since_better) = (bound, 0);
@@ -302,7 +310,7 @@ fn dual_bound(sets: &SeenSets, k: usize, covered: u128, control: &Control) -> Re
     Ok(least)
 }
 
-/// Receivers by the bits of their levels, lowest first.
+/// Returns the receivers by the bits of their levels, lowest first.
 fn planes_of(levels: &[f64], wanted: &[u64]) -> Vec<Vec<u64>> {
     let mut planes = vec![vec![0_u64; wanted.len()]; LEVEL_BITS as usize + 1];
     for (k, (wanted, levels)) in wanted.iter().zip(levels.chunks_exact(64)).enumerate() {
@@ -317,7 +325,7 @@ fn planes_of(levels: &[f64], wanted: &[u64]) -> Vec<Vec<u64>> {
     planes
 }
 
-/// What a set is paid, in units of 1/[`LEVELS`].
+/// Returns the pay of a set, in units of 1/[`LEVELS`].
 fn paid_by(sets: &SeenSets, j: usize, planes: &[Vec<u64>]) -> u128 {
     planes.iter().enumerate().map(|(b, plane)| sets.value(sets.set(j), plane) << b).sum()
 }

@@ -1,4 +1,4 @@
-//! The choice of k sets whose union is largest, by trying all of them: where they are few.
+//! Choice of k sets whose union is largest, by trying all choices if there are few.
 
 use std::sync::Mutex;
 
@@ -8,20 +8,21 @@ use super::cover::SeenSets;
 use crate::coverage::Control;
 use crate::error::Result;
 
-/// Sets of which all choices are in one table, at most: 2^22 sums of 16 bytes.
+/// Most sets for which one table holds all choices: 2^22 sums of 16 bytes.
 const MOST_IN_TABLE: usize = 22;
-/// Words of 64 receivers that are looked at otherwise, at most: about a second of two threads.
+/// Most words of 64 receivers that an enumeration reads: about a second of two threads.
 const MOST_WORDS: u64 = 1 << 32;
-/// What a word costs whose receivers have weights, in words whose receivers have not.
+/// Cost of a word whose receivers have weights, in words without.
 const WEIGHED: u64 = 32;
 
-/// A choice of sets, ascending, and what it covers.
+/// Choice of sets, ascending, and its covered weight.
 type Choice = (Vec<usize>, u128);
 
-/// A choice of `k` sets that covers most, if that is more than `least`; `None` where there are too many choices to try.
+/// Returns a choice of `k` sets that covers most. The inner `None` means that none covers more than
+/// `least`, the outer one that there are too many choices to try.
 pub(super) fn best_choice(sets: &SeenSets, k: usize, least: u128, control: &Control) -> Result<Option<Option<Choice>>> {
     if k >= sets.len() || k <= 1 {
-        // What greedy takes is the best.
+        // The greedy choice is the best.
         return Ok(Some(None));
     }
     if sets.len() <= MOST_IN_TABLE {
@@ -35,8 +36,9 @@ pub(super) fn best_choice(sets: &SeenSets, k: usize, least: u128, control: &Cont
     }
 }
 
-/// What is left uncovered by each choice is what receivers count that only other sets see: the sums over all subsets of those
-/// others, found for all choices at once, set by set.
+/// Finds the best choice by a table. A choice leaves uncovered the receivers that only other sets
+/// see. Their weight is a sum over all subsets of these sets, built set by set for all choices at
+/// once.
 fn by_table(sets: &SeenSets, k: usize) -> Option<Choice> {
     let n = sets.len();
     let mut only: Vec<u128> = vec![0; 1 << n];
@@ -52,16 +54,16 @@ fn by_table(sets: &SeenSets, k: usize) -> Option<Choice> {
     }
     let all = (1_usize << n) - 1;
     let choices = (0..=all).filter(|choice| choice.count_ones() as usize == k);
-    // The first one of those that cover most.
+    // The first of the choices that cover most.
     let best = choices.min_by_key(|choice| only[all & !choice])?;
     Some(((0..n).filter(|set| best >> set & 1 == 1).collect(), total - only[all & !best]))
 }
 
-/// All choices, set after set, but for those that cannot cover more than what was found.
+/// Enumeration of all choices, set after set, without those that cannot reach the best one so far.
 struct Enumeration<'a> {
     sets: &'a SeenSets,
     k: usize,
-    /// The sets from the one that covers most on, and what each covers.
+    /// Sets by falling weight, and these weights.
     order: Vec<usize>,
     values: Vec<u128>,
     best: Mutex<(Vec<usize>, u128)>,
@@ -87,7 +89,7 @@ impl<'a> Enumeration<'a> {
         Ok((!choice.is_empty()).then_some((choice, covered)))
     }
 
-    /// Goes on from a choice, of places in the order, with each of some places.
+    /// Extends a choice, given as places in `order`, by each of some places.
     fn go_on(&self, choice: &mut Vec<usize>, places: std::ops::Range<usize>, (left, covered): (&[u64], u128)) {
         let n_more = self.k - choice.len();
         for place in places {
@@ -109,7 +111,7 @@ impl<'a> Enumeration<'a> {
         }
     }
 
-    /// Keeps a choice that covers more, or as much and comes first: which one is kept does not depend on threads.
+    /// Keeps a choice that covers more, or as much and comes first, so that threads do not matter.
     fn offer(&self, choice: &[usize], covered: u128) {
         let Ok(mut best) = self.best.lock() else { return };
         if covered > best.1 || covered == best.1 && !best.0.is_empty() && choice < best.0.as_slice() {

@@ -1,4 +1,4 @@
-//! How low a UAV may hover and still see a given share.
+//! Least heights at which a UAV still sees a given share.
 
 use std::sync::atomic::Ordering;
 
@@ -8,22 +8,23 @@ use super::{Candidate, Score, Scorer};
 use crate::coverage::Control;
 use crate::error::Result;
 
-/// What was found over one place.
+/// Result over one place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LeastHeight {
-    /// The candidate: the lowest that reaches the share, else the highest of the place.
+    /// Candidate: the lowest that reaches the share, else the highest of the place.
     pub candidate: usize,
     /// Its score.
     pub score: Score,
-    /// Whether it reaches the share.
+    /// `true` if it reaches the share.
     pub reaches: bool,
 }
 
-/// For each place the lowest of its candidates that sees at least `share` (0 to 1) of the wanted receivers, by binary
-/// search; places in the order of their first candidates.
+/// Finds for each place the lowest candidate that sees at least `share` (0 to 1) of the wanted
+/// receivers, by binary search. Places are in the order of their first candidates.
 ///
-/// A link never becomes NLoS by raising the UAV and range is horizontal, so over one place the share never falls with the
-/// height, and the outcome is that of trying every height. Shares are compared as they are printed: as doubles.
+/// A link never becomes NLoS by raising the UAV, and range is horizontal if no antenna limits
+/// elevations. Then the share over one place never falls with the height, and the outcome is that
+/// of trying every height. Shares are compared as doubles, as they are printed.
 pub fn least_heights(
     scorer: &Scorer<'_>,
     candidates: &[Candidate],
@@ -42,7 +43,8 @@ pub fn least_heights(
             let reaches = score.share().is_some_and(|p| p >= share);
             LeastHeight { candidate: place[k], score, reaches }
         };
-        // Invariant: all before `low` are too low, and `found` is the highest not yet ruled out.
+        // Invariant: all before `low` are too low; `found` is the lowest known to reach the share,
+        // or the highest of all.
         let (mut low, mut high) = (0, place.len() - 1);
         let mut found = at(high);
         while found.reaches && low < high {

@@ -1,4 +1,4 @@
-//! The worst case: how far the worst receiver is below line of sight.
+//! Worst case of candidates: the least margin of their receivers.
 
 use std::sync::atomic::Ordering;
 
@@ -8,26 +8,28 @@ use super::Candidate;
 use crate::coverage::{Control, Mapper};
 use crate::error::Result;
 
-/// The least margin of a candidate, or a bound on it.
+/// Least margin of a candidate, or a bound on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorstMargin {
-    /// The least margin over the wanted receivers in range \[m\], as the layer `margin` holds it; an upper bound of it if
-    /// not `exact`. −∞ where no receiver height is enough.
+    /// Least margin over the wanted receivers in range \[m\], as in the layer `margin`; an upper
+    /// bound of it if not `exact`. −∞ if no receiver height is enough.
     pub margin_m: f32,
-    /// Whether all receivers were asked.
+    /// `true` if all receivers were checked.
     pub exact: bool,
 }
 
-/// Candidates between two looks at what is known so far: the same on every machine, so that results are too.
+/// Number of candidates between two updates of the bounds; a constant, so that results are, too.
 const BATCH: usize = 8;
 
-/// The least margin of each candidate, `None` without a receiver in range. The `n_exact` largest are exact, equal ones
-/// in the order of the candidates; of the others some are upper bounds, none above those.
+/// Finds the least margin of each candidate; `None` without a receiver in range. The `n_exact`
+/// largest are exact, equal ones in the order of the candidates. Some of the rest are upper bounds,
+/// none above the exact ones.
 ///
-/// Receivers that were the worst for one candidate are asked of all others, which bounds each from above. The candidates
-/// with the highest bounds are asked about all receivers, until enough exact values are as high as every bound that is
-/// left. So few candidates are decided in full: cost is some walks per candidate, and a walk to each receiver for those
-/// few.
+/// The worst receivers of one candidate are checked for all candidates, which bounds each from
+/// above. The candidates with the highest bounds are checked for all receivers, until enough exact
+/// values are as high as every remaining bound. So few candidates are decided in full.
+///
+/// Cost: some walks per candidate, and a walk to each receiver for those few.
 pub fn worst_margins(
     mapper: &Mapper<'_>,
     candidates: &[Candidate],
@@ -65,8 +67,8 @@ pub fn worst_margins(
     Ok(found)
 }
 
-/// The indices of margins and bounds, the highest first, equal ones in the order of the candidates; those without a
-/// receiver last.
+/// Returns the indices of margins and bounds, the highest first, equal ones in the order of the
+/// candidates. Candidates without a receiver come last.
 pub fn ranked_margins(found: &[Option<WorstMargin>]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..found.len()).collect();
     order.sort_by(|a, b| match (found[*a], found[*b]) {

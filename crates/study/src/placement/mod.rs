@@ -1,19 +1,24 @@
-//! Where to hover: candidates for UAVs, ranked, searched and bounded; and what each kind of place sees on average.
+//! Placement of UAVs: candidates, ranked, searched and bounded, and the average view from each kind
+//! of place.
 //!
-//! A *candidate* is a place with a height. Candidates are tried lowest height first, and over each height row by row from
-//! the north-west; that order breaks every tie. Each is decided by the exact engines of [`crate::coverage`], so what is
-//! said of the candidates is exact: the best of them is the best of them. What lies between the candidates is searched by
-//! [`refined`], which tells what it found and never replaces the winner.
+//! A *candidate* is a place with a height. Candidates are tried lowest height first, and over each
+//! height row by row from the north-west; that order breaks every tie. Each is decided by the exact
+//! engines of [`crate::coverage`], so the best candidate found is the best of all candidates.
+//! [`refined`] searches between the candidates. It reports its result and never replaces the
+//! winner.
 //!
-//! * [`Candidates`]: which places and heights can be flown, and why the others cannot.
-//! * [`Scorer`], [`scores`] and [`scores_over_grid`]: the share of the wanted receivers that each candidate sees, by number
-//!   or by weight.
+//! * [`Candidates`]: the places and heights that can be flown, and the reasons against all others.
+//! * [`Scorer`], [`scores`] and [`scores_over_grid`]: the share of the wanted receivers that each
+//!   candidate sees, by number or by weight.
 //! * [`least_heights`]: for each place the least height of a list that reaches a share.
-//! * [`worst_margins`]: the least margin over all wanted receivers, largest where nobody is far out of sight.
-//! * [`SampledCounts`]: P_LoS by zone of the placement and of the receivers, from sampled placements.
-//! * [`SeenSets`] and [`cover()`]: several UAVs that together see most, with an upper bound on what any choice could see.
+//! * [`worst_margins`]: the least margin over all wanted receivers, largest if no receiver is far
+//!   out of sight.
+//! * [`SampledCounts`]: P_LoS by zone of the placement and of the receivers, from sampled
+//!   placements.
+//! * [`SeenSets`] and [`cover()`]: several UAVs that together see most, with an upper bound on any
+//!   choice.
 //!
-//! Sums are integers (weights count multiples of a power of two), so nothing depends on the number of threads.
+//! Sums are integers (weights count multiples of a power of two), so threads change nothing.
 
 mod candidates;
 mod cover;

@@ -1,4 +1,4 @@
-//! The scores of candidates on a grid of places: all those at one height together, where that is sooner done.
+//! Scores of candidates on a grid of places: all those at one height together, if that is faster.
 
 use std::collections::BTreeMap;
 
@@ -7,10 +7,11 @@ use crate::coverage::{Control, Uav};
 use crate::error::Result;
 use crate::los::Method;
 
-/// The scores of some candidates over a grid of places, in their order: those of [`scores`], which is asked where few
-/// candidates share a height, or the scene is no flat ground with footprints.
+/// Scores candidates over a grid of places, in their order. The results equal those of [`scores`].
+/// Candidates at one height are counted together if the engine is `shadow` and that is faster, else
+/// by [`scores`].
 ///
-/// Adds the number of candidates to `control.done` as it goes.
+/// Adds the number of candidates to `control.done` as it proceeds.
 pub fn scores_over_grid(
     scorer: &Scorer<'_>,
     places: &PlaceGrid,
@@ -32,8 +33,8 @@ pub fn scores_over_grid(
     Ok(found)
 }
 
-/// About how long one thread takes for [`scores_over_grid`], or for [`scores`] where there is no grid \[s\]; `None` unless the engine is `shadow` over a
-/// flat earth.
+/// Estimates the time \[s\] of one thread for [`scores_over_grid`], or for [`scores`] without a
+/// grid. `None` unless the engine is `shadow` over a flat earth.
 pub fn scoring_s(scorer: &Scorer<'_>, places: Option<&PlaceGrid>, candidates: &[Candidate]) -> Option<f64> {
     let one_us = scorer.mapper.counting_one_us()?;
     let Some(places) = places else {
@@ -51,7 +52,7 @@ pub fn scoring_s(scorer: &Scorer<'_>, places: Option<&PlaceGrid>, candidates: &[
     Some(by_height(candidates).values().map(of_height).sum::<f64>() * 1e-6)
 }
 
-/// Numbers of candidates by their height above the datum.
+/// Returns the indices of candidates by their height above the datum.
 fn by_height(candidates: &[Candidate]) -> BTreeMap<i64, Vec<usize>> {
     let mut of_heights: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
     for (k, candidate) in candidates.iter().enumerate() {
@@ -60,7 +61,7 @@ fn by_height(candidates: &[Candidate]) -> BTreeMap<i64, Vec<usize>> {
     of_heights
 }
 
-/// The scores of candidates at one height, counted together; `None` where one by one is sooner.
+/// Counts candidates at one height together and returns their scores; `None` if that is slower.
 fn together(
     scorer: &Scorer<'_>,
     places: &PlaceGrid,

@@ -1,4 +1,4 @@
-//! A search between the candidates: from the winner in ever smaller steps.
+//! Search between the candidates: from the winner in ever smaller steps.
 
 use super::candidates::candidate;
 use super::{Candidate, CandidateRules, Spot};
@@ -6,22 +6,23 @@ use crate::coverage::Uav;
 use crate::error::Result;
 use crate::height_field::HeightField;
 
-/// Where a search ended.
+/// Result of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refined<S> {
-    /// The best place that it saw.
+    /// Best place of the search.
     pub candidate: Candidate,
-    /// What that is worth.
+    /// Score of that place.
     pub score: S,
-    /// Number of places that it tried.
+    /// Number of places tried.
     pub tried: u64,
 }
 
-/// A compass search at constant height: the best of the four places a step to the north, east, south and west as long as
-/// that is better, then half the step, from `step` down to `least` \[CRS units\]. Places outside the scene or against the
-/// rules are left out. It climbs, so it may end short of the best place of all.
+/// Runs a compass search at constant height. It moves to the best of the four places a step to the
+/// north, east, south and west while that is better, then halves the step. Steps go from half of
+/// `step` down to `least` \[CRS units\]. Places outside the scene or against the rules are left
+/// out. The search climbs, so it may end short of the best place of all.
 ///
-/// `better(uav, best)` tells what a UAV is worth if that is more than the best so far.
+/// `better(uav, best)` returns the score of a UAV if that is better than the best so far.
 pub fn refined<S>(
     field: &HeightField,
     rules: &CandidateRules<'_>,

@@ -1,13 +1,12 @@
-//! What UAVs over one kind of place see of each kind of ground: P_LoS by zone of the placement and zone of the receivers,
-//! averaged over sampled placements.
+//! P_LoS by zone of the placement and zone of the receivers, averaged over sampled placements.
 //!
-//! A place where a street crosses another sees along both, but has no walls near that it could look over; which zone is
-//! best depends on the city, the height and how far receivers are (Saboor et al. 2023 ask it for crossroads and
-//! rooftops). So placements are drawn evenly over each zone, each is mapped exactly, and the receivers are counted by
-//! zone.
+//! A UAV over a crossroad sees along both streets, but has no walls near that it could look over.
+//! The best zone depends on the city, the height and the distance of receivers (Saboor et al. 2023
+//! ask for it between crossroads and rooftops). So placements are drawn evenly over each zone, each
+//! is mapped exactly, and the receivers are counted by zone.
 //!
-//! **Intervals.** Over one city placements and blocks of ground are resampled, as for P_LoS over a real city
-//! ([`resampled`]). Over many cities of one kind the city is the unit ([`clustered`]).
+//! **Intervals.** Over one city placements and blocks of ground are resampled, as for P_LoS over a
+//! real city ([`resampled`]). Over many cities of one kind the city is the unit ([`clustered`]).
 
 use rayon::prelude::*;
 
@@ -20,7 +19,7 @@ use crate::los_probability::real_city::resampled;
 use crate::raster::{BitGrid, CellBlocks};
 use crate::zones::{Zone, ZoneMap};
 
-/// Random places that are tried for each that is wanted: a zone of no more than a thousandth of the scene is found.
+/// Most random places tried per wanted place: enough for a zone of a thousandth of the scene.
 const TRIES: usize = 10_000;
 
 /// Places that were drawn over a zone.
@@ -28,28 +27,28 @@ const TRIES: usize = 10_000;
 pub struct DrawnPlaces {
     /// The places \[CRS units\].
     pub places: Vec<[f64; 2]>,
-    /// Places of the zone that were left out because their disc is cut: by the border of the scene or of its data.
+    /// Number of places of the zone with a disc cut by the border of the scene or of its data.
     pub n_cut: usize,
 }
 
-/// Where places are drawn.
+/// Sample of places to draw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drawn {
-    /// What they are over.
+    /// Zone that they are over.
     pub zone: Zone,
-    /// How many are wanted.
+    /// Number of wanted places.
     pub n: usize,
-    /// West, south, east, north of the part of the scene that they are in \[CRS units\].
+    /// West, south, east, north of the part of the scene that holds them \[CRS units\].
     pub within: [f64; 4],
-    /// The disc around each of them that must lie in the data \[CRS units\], if there is one.
+    /// Radius of the disc around each place that must lie in the data \[CRS units\], if any.
     pub radius: Option<f64>,
-    /// Equal seeds draw equal places.
+    /// Seed; equal seeds draw equal places.
     pub seed: u64,
 }
 
 impl Drawn {
-    /// Up to `n` places evenly spread over the zone: points of a shifted lattice that lie in it and have their whole disc in
-    /// the data; fewer where the zone is too small to be met.
+    /// Draws up to `n` places evenly spread over the zone: points of a shifted lattice in the zone
+    /// whose whole disc is in the data. Draws fewer if the zone is too small or most discs are cut.
     pub fn places(&self, field: &HeightField, zones: &ZoneMap) -> DrawnPlaces {
         let mut drawn = DrawnPlaces::default();
         if zones.count(self.zone) == 0 {
@@ -66,7 +65,7 @@ impl Drawn {
             }
             if !whole.contains(x, y) {
                 drawn.n_cut += 1;
-                // Where nearly all discs are cut, looking on would take long and find a few odd places.
+                // If nearly all discs are cut, going on would take long and find a few odd places.
                 if drawn.n_cut > MOST_CUT * self.n {
                     break;
                 }
@@ -81,10 +80,10 @@ impl Drawn {
     }
 }
 
-/// Places whose discs are cut that are tried for each that is wanted.
+/// Most places with a cut disc that are tried per wanted place.
 pub const MOST_CUT: usize = 1000;
 
-/// The places of a scene whose disc of some radius lies in its data: neither beyond the border nor outside of the data area.
+/// Places of a scene whose disc lies in its data, within both the border and the data area.
 #[derive(Debug)]
 pub struct WholeDiscs<'a> {
     field: &'a HeightField,
@@ -93,16 +92,16 @@ pub struct WholeDiscs<'a> {
 }
 
 impl<'a> WholeDiscs<'a> {
-    /// Discs of a radius \[CRS units\]; any place of the data without one.
+    /// Makes discs of a radius \[CRS units\]; `None` allows any place of the data.
     pub fn of(field: &'a HeightField, radius: Option<f64>) -> Self {
         WholeDiscs { field, radius, positions: field.positions() }
     }
 
-    /// Whether the disc around a place lies in the data.
+    /// Returns `true` if the disc around a place lies in the data.
     pub fn contains(&self, x: f64, y: f64) -> bool {
         let grid = self.field.grid();
         let reach = self.radius.unwrap_or(0.0);
-        // What touches the border is inside of it, whatever rounding says.
+        // Discs that touch the border are inside, however rounded.
         let slack = 1e-6 * grid.cell_width();
         let is_inside = x - reach >= grid.x_min() - slack
             && x + reach <= grid.x_max() + slack
@@ -116,8 +115,9 @@ impl<'a> WholeDiscs<'a> {
     }
 }
 
-/// The middles of all crossroads, streets or buildings of a generated city of `size_m` × `size_m` \[m\] from its origin,
-/// row by row from the south-west; none for courtyards, which it has not. Streets along x and along y alternate.
+/// Returns the middles of all crossroads, streets or buildings of a generated city of
+/// `size_m` × `size_m` \[m\] from its origin, row by row from the south-west. Streets along x and
+/// along y alternate. Courtyards have none: generated cities have no courtyards.
 pub fn middles_of(built_up: &BuiltUp, size_m: f64, zone: Zone) -> Vec<[f64; 2]> {
     let (street, period) = (built_up.street_width(), built_up.period());
     let (on_street, on_building) = (0.5 * street, 0.5 * (street + period));
@@ -142,7 +142,7 @@ pub struct ReceiverParts {
 }
 
 impl ReceiverParts {
-    /// The parts of the receivers on some cells.
+    /// Makes the parts of the receivers on some cells.
     pub fn new(receivers: &BitGrid, zones: &ZoneMap) -> Self {
         let zone = |zone: Zone| (Some(zone), zones.cells(zone).and(receivers));
         let mut parts = vec![(None, receivers.clone())];
@@ -150,13 +150,13 @@ impl ReceiverParts {
         ReceiverParts { parts }
     }
 
-    /// The zones in order; `None` stands for all.
+    /// Returns the zones in order; `None` is the part of all receivers.
     pub fn zones(&self) -> Vec<Option<Zone>> {
         self.parts.iter().map(|part| part.0).collect()
     }
 }
 
-/// Counts what a UAV sees, `[block][part]`.
+/// Counts the receivers of a UAV and those that it sees, `[block][part]`.
 pub fn count_by_part(mapper: &Mapper<'_>, uav: &Uav, parts: &ReceiverParts, blocks: &CellBlocks) -> Vec<Count> {
     let seen = mapper.seen(uav);
     let n_parts = parts.parts.len();
@@ -184,29 +184,29 @@ pub fn count_by_part(mapper: &Mapper<'_>, uav: &Uav, parts: &ReceiverParts, bloc
     counts
 }
 
-/// What sampled placements of one zone and height see: counts `[placement][block][part]` of one city.
+/// Counts of sampled placements of one zone and height, `[placement][block][part]`, over one city.
 #[derive(Debug, Clone)]
 pub struct SampledCounts {
     placements: Vec<Vec<Count>>,
     n_parts: usize,
-    /// Placements that were mapped.
+    /// Number of placements that were mapped.
     pub n_placements: usize,
 }
 
 impl SampledCounts {
-    /// Maps each placement and counts by block and part; shared by all threads, on which the counts do not depend.
+    /// Maps each placement and counts by block and part. Counts do not depend on the threads.
     pub fn of(mapper: &Mapper<'_>, uavs: &[Uav], parts: &ReceiverParts, blocks: &CellBlocks) -> Self {
         let count = |uav: &Uav| count_by_part(mapper, uav, parts, blocks);
         let placements = uavs.par_iter().map(count).collect();
         SampledCounts { placements, n_parts: parts.parts.len(), n_placements: uavs.len() }
     }
 
-    /// P_LoS by part over one city.
+    /// Estimates P_LoS by part over one city.
     pub fn estimates(&self, confidence: f64, seed: u64) -> Vec<Estimate> {
         if self.n_placements == 0 {
             return vec![Estimate::none(); self.n_parts];
         }
-        // Blocks that no placement has in range are none of the sample.
+        // Blocks that are in range of no placement are not in the sample.
         let n_blocks = self.placements.first().map_or(0, |c| c.len() / self.n_parts);
         let has_users = |block: &usize| {
             let parts = block * self.n_parts..(block + 1) * self.n_parts;
@@ -216,13 +216,13 @@ impl SampledCounts {
         resampled(&self.placements, &blocks, self.n_parts, confidence, seed)
     }
 
-    /// The counts with all placements and blocks as one, which says nothing of their spread.
+    /// Merges all placements and blocks into one, which loses their spread.
     #[must_use]
     pub fn summed(self) -> Self {
         SampledCounts { placements: vec![self.totals()], ..self }
     }
 
-    /// The counts by part, all placements and blocks together.
+    /// Returns the counts by part, all placements and blocks together.
     pub fn totals(&self) -> Vec<Count> {
         let mut totals = vec![Count::default(); self.n_parts];
         for counts in self.placements.iter().flat_map(|placement| placement.chunks_exact(self.n_parts)) {
@@ -232,7 +232,7 @@ impl SampledCounts {
     }
 }
 
-/// P_LoS by part over many cities, from the totals of each, `[city][part]`.
+/// Estimates P_LoS by part over many cities, from the totals of each, `[city][part]`.
 pub fn over_cities(totals: &[Vec<Count>], n_parts: usize, confidence: f64) -> Vec<Estimate> {
     let of_part = |part: usize| totals.iter().map(|of_city| of_city[part]).collect::<Vec<Count>>();
     (0..n_parts).map(|part| clustered(&of_part(part), confidence)).collect()

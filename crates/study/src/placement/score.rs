@@ -1,4 +1,4 @@
-//! What a candidate is worth: the share of the wanted receivers that it sees, by number or by weight.
+//! Scores of candidates: the share of the wanted receivers that each sees, by number or by weight.
 
 use std::cmp::Ordering;
 use std::sync::atomic;
@@ -9,23 +9,24 @@ use crate::coverage::{Control, Mapper, Seen, Uav};
 use crate::error::Result;
 use crate::raster::BitGrid;
 
-/// What each cell counts, as multiples of a power of two: so sums are exact in any order.
+/// Weights of cells, as multiples of a power of two. So sums are exact in any order.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Weights {
     n_cols: usize,
     of_cells: Vec<u128>,
 }
 
-/// Binary digits of the largest weight: sums over 2^32 cells and 2^6 levels fit 128 bits.
+/// Most binary digits of a weight: sums over 2^32 cells and 2^6 levels fit 128 bits.
 const MOST_DIGITS: i32 = 88;
 
 impl Weights {
     /// Bytes that the weight of a cell takes.
     pub const BYTES_PER_CELL: usize = 16;
 
-    /// Weights of the cells of a grid with `n_cols` columns, row by row: finite and not negative. They count multiples of 1,
-    /// or of the largest power of two below 1 that divides them all. Those below 2^-35 of the largest may be rounded, to
-    /// 2^-87 of it. `None` if all are 0.
+    /// Makes weights of the cells of a grid with `n_cols` columns, row by row: finite and not
+    /// negative. They count multiples of 1, or of the largest power of two below 1 that divides
+    /// them all. Weights below 2^-35 of the largest may be rounded to 2^-87 of it. `None` if all
+    /// weights are 0.
     pub fn new(weights: &[f64], n_cols: usize) -> Option<Self> {
         let parts = || weights.iter().filter(|w| **w > 0.0).map(|w| mantissa_and_exponent(*w));
         let top = parts().map(|(m, e)| e + u64::BITS.cast_signed() - m.leading_zeros().cast_signed()).max()?;
@@ -42,24 +43,24 @@ impl Weights {
         Some(Weights { n_cols, of_cells: weights.iter().map(multiples).collect() })
     }
 
-    /// The sum over the cells of a set.
+    /// Returns the sum over the cells of a set.
     pub fn sum(&self, cells: &BitGrid) -> u128 {
         let rows = self.of_cells.chunks_exact(self.n_cols).enumerate();
         rows.map(|(row, weights)| weighted_sum(cells.row(row), weights)).sum()
     }
 
-    /// The weight of a cell, cells row by row.
+    /// Returns the weight of a cell, cells row by row.
     pub(super) fn of_cell(&self, cell: usize) -> u128 {
         self.of_cells[cell]
     }
 
-    /// The weights of a row of cells.
+    /// Returns the weights of a row of cells.
     pub(super) fn row(&self, row: usize) -> &[u128] {
         &self.of_cells[row * self.n_cols..(row + 1) * self.n_cols]
     }
 }
 
-/// A number that is not negative as an integer times a power of two.
+/// Returns a number that is not negative as an integer and a power of two.
 fn mantissa_and_exponent(w: f64) -> (u64, i32) {
     let bits = w.to_bits();
     let fraction = bits & ((1 << 52) - 1);
@@ -69,12 +70,12 @@ fn mantissa_and_exponent(w: f64) -> (u64, i32) {
     }
 }
 
-/// The sum of the weights whose bits are set.
+/// Returns the sum of the weights whose bits are set.
 pub(super) fn weighted_sum(words: &[u64], weights: &[u128]) -> u128 {
     words.iter().zip(weights.chunks(64)).map(|(word, weights)| word_sum(*word, weights)).sum()
 }
 
-/// The sum of up to 64 weights whose bits are set.
+/// Returns the sum of up to 64 weights whose bits are set.
 #[inline]
 pub(super) fn word_sum(word: u64, weights: &[u128]) -> u128 {
     let mut left = word;
@@ -86,7 +87,7 @@ pub(super) fn word_sum(word: u64, weights: &[u128]) -> u128 {
     sum
 }
 
-/// A part of a whole that is above 0 and below 2^127, as the nearest double.
+/// Returns the nearest double of `part` / `whole`, for `whole` above 0 and below 2^127.
 pub(super) fn quotient(part: u128, whole: u128) -> f64 {
     if part >= whole {
         return 1.0;
@@ -96,7 +97,7 @@ pub(super) fn quotient(part: u128, whole: u128) -> f64 {
     if part == 0 || (is_double(part) && is_double(whole)) {
         return part as f64 / whole as f64;
     }
-    // Sixty-four digits by long division; the last one also says that there are more.
+    // Sixty-four digits by long division; the last one is set if there are more.
     let (mut left, mut digits, mut exponent) = (part, 0_u64, 0);
     while digits.leading_zeros() > 0 {
         left <<= 1;
@@ -110,38 +111,39 @@ pub(super) fn quotient(part: u128, whole: u128) -> f64 {
     rounded * 2.0_f64.powi(exponent)
 }
 
-/// The order of two quotients whose denominators are above 0, by continued fractions.
+/// Compares two quotients with denominators above 0, by continued fractions.
 fn compare_quotients(mut a: (u128, u128), mut b: (u128, u128)) -> Ordering {
     loop {
         match ((a.0 / a.1).cmp(&(b.0 / b.1)), a.0 % a.1, b.0 % b.1) {
             (Ordering::Equal, 0, 0) => return Ordering::Equal,
             (Ordering::Equal, 0, _) => return Ordering::Less,
             (Ordering::Equal, _, 0) => return Ordering::Greater,
-            // Of the rests p/q < r/s if s/r < q/p.
+            // The rests are p/q < r/s if s/r < q/p.
             (Ordering::Equal, of_a, of_b) => (a, b) = ((b.1, of_b), (a.1, of_a)),
             (unequal, ..) => return unequal,
         }
     }
 }
 
-/// All wanted receivers and what of them is in range and seen, in numbers or in weights.
+/// Wanted receivers, and those in range and seen, by number or by weight.
 ///
-/// Receivers out of range count as not seen: a place at the border of a scene, with few in range, gains nothing by that.
+/// Receivers out of range count as not seen. So a place at the border of a scene has no advantage
+/// from the few in range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Score {
-    /// Wanted receivers, in range or not, or their weight.
+    /// Number or weight of the wanted receivers, in range or not.
     pub wanted: u128,
-    /// Of these, in range and in line of sight.
+    /// Number or weight of these that are in range and in line of sight.
     pub seen: u128,
 }
 
 impl Score {
-    /// The share seen, as the nearest double; `None` where nothing is wanted.
+    /// Returns the share seen, as the nearest double; `None` if no receiver is wanted.
     pub fn share(&self) -> Option<f64> {
         (self.wanted > 0).then(|| quotient(self.seen, self.wanted))
     }
 
-    /// The order of two shares, exact; no share is below every other.
+    /// Compares two shares exactly; a missing share is below every other.
     pub fn compare(&self, other: &Score) -> Ordering {
         match (self.wanted > 0, other.wanted > 0) {
             (true, true) => match (self.seen.checked_mul(other.wanted), other.seen.checked_mul(self.wanted)) {
@@ -153,26 +155,26 @@ impl Score {
     }
 }
 
-/// Counts or weighs what UAVs see.
+/// Scorer of UAVs: counts or weighs the receivers that they see.
 #[derive(Debug, Clone, Copy)]
 pub struct Scorer<'a> {
-    /// The scene, made ready for the wanted receivers.
+    /// Scene prepared for the wanted receivers.
     pub(super) mapper: &'a Mapper<'a>,
-    /// What each receiver counts; 1 without.
+    /// Weight of each receiver; `None` if each counts 1.
     pub(super) weights: Option<&'a Weights>,
-    /// All wanted receivers, or their weight.
+    /// Number or weight of all wanted receivers.
     pub(super) wanted: u128,
 }
 
 impl<'a> Scorer<'a> {
-    /// Scores over a scene that was made ready for the wanted receivers; each counts 1, or its weight.
+    /// Makes a scorer over a scene prepared for the wanted receivers; each counts 1, or its weight.
     pub fn new(mapper: &'a Mapper<'a>, weights: Option<&'a Weights>) -> Self {
         let cells = mapper.receiver_cells();
         let wanted = weights.map_or_else(|| cells.count().into(), |weights| weights.sum(&cells));
         Scorer { mapper, weights, wanted }
     }
 
-    /// The score of one UAV.
+    /// Returns the score of one UAV.
     pub fn score(&self, uav: &Uav) -> Score {
         match self.weights {
             None => Score { wanted: self.wanted, seen: self.mapper.count(uav).1.into() },
@@ -180,14 +182,14 @@ impl<'a> Scorer<'a> {
         }
     }
 
-    /// The score of what a UAV sees.
+    /// Returns the score of a map.
     pub(crate) fn score_of(&self, seen: &Seen) -> Score {
         let seen = self.weights.map_or_else(|| seen.los.count().into(), |weights| weights.sum(&seen.los));
         Score { wanted: self.wanted, seen }
     }
 }
 
-/// The scores of some UAVs, in their order; each is worked on by one thread. Adds 1 to `control.done` for each.
+/// Scores UAVs in their order, each on one thread. Adds 1 to `control.done` for each.
 pub fn scores(scorer: &Scorer<'_>, uavs: &[&Uav], control: &Control) -> Result<Vec<Score>> {
     let score = |uav: &&Uav| {
         control.check()?;
@@ -198,7 +200,7 @@ pub fn scores(scorer: &Scorer<'_>, uavs: &[&Uav], control: &Control) -> Result<V
     uavs.par_iter().map(score).collect()
 }
 
-/// The indices of scores, best first, equal ones in their order.
+/// Returns the indices of scores, best first, equal ones in their order.
 pub fn ranked(scores: &[Score]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..scores.len()).collect();
     order.sort_by(|a, b| scores[*b].compare(&scores[*a]));

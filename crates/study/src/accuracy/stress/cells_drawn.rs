@@ -1,23 +1,23 @@
-//! Boards of cells drawn at random: borders, needles, slots, extreme heights, world coordinates, mirrored towns.
+//! Random boards of cells: borders, needles, slots, heights, world coordinates, mirrored towns.
 
 use super::draw::Draw;
 use super::scene::{Board, CELL, StressScene, StressSolid, narrow};
 use super::symmetry::Symmetry;
 use crate::quantity::{Frame, LatticePoint, VOID};
 
-/// Cells of a board along each side.
+/// Cells along each side of a board.
 const N: i64 = 20;
 
 fn board() -> Board {
     Board::flat(20)
 }
 
-/// The cells of a board, east and north.
+/// Iterates over the cells of a board, east and north.
 fn cells() -> impl Iterator<Item = (i64, i64)> {
     (0..N).flat_map(|east| (0..N).map(move |north| (east, north)))
 }
 
-/// A UAV so high above the highest of the columns that touch its place, or above the ground.
+/// Returns a UAV at `height` above the highest column that touches its place, or above the ground.
 fn above(board: &Board, (x, y): (i64, i64), height: i64) -> LatticePoint {
     let around = [(x - 1, y - 1), (x - 1, y), (x, y - 1), (x, y)];
     let tops = around.map(|(x, y)| board.top(x.div_euclid(CELL), y.div_euclid(CELL)));
@@ -25,7 +25,7 @@ fn above(board: &Board, (x, y): (i64, i64), height: i64) -> LatticePoint {
     LatticePoint { x, y, z: i64::from(surface) + height }
 }
 
-/// Some buildings of some heights on open ground.
+/// Draws buildings of some heights on open ground.
 fn town(draw: &mut Draw, percent: i64, tops: &[i64]) -> Board {
     let mut board = board();
     for cell in cells() {
@@ -40,7 +40,8 @@ fn anywhere(draw: &mut Draw) -> (i64, i64) {
     (draw.within(CELL, (N - 1) * CELL), draw.within(CELL, (N - 1) * CELL))
 }
 
-/// Two lines of columns of unequal heights on either side of a border, and a UAV on it, or on a corner, or a step beside.
+/// Draws two lines of columns of unequal heights on either side of a border. The UAV is on the
+/// border, on a corner, or a step beside.
 pub(super) fn borders(draw: &mut Draw) -> StressScene {
     let mut board = town(draw, 15, &[2 * CELL, 5 * CELL, 9 * CELL]);
     let (line, north) = (draw.within(4, N - 4), draw.within(1, 4));
@@ -56,7 +57,7 @@ pub(super) fn borders(draw: &mut Draw) -> StressScene {
     Symmetry::any(draw).of(&StressScene::of_board(board, uav))
 }
 
-/// A few towers of one cell, far higher than the UAV.
+/// Draws a few towers of one cell, far higher than the UAV.
 pub(super) fn needles(draw: &mut Draw) -> StressScene {
     let mut board = board();
     for _ in 0..draw.within(5, 9) {
@@ -70,7 +71,7 @@ pub(super) fn needles(draw: &mut Draw) -> StressScene {
     StressScene::of_board(board, uav)
 }
 
-/// Two long walls with openings of one cell.
+/// Draws two long walls with openings of one cell.
 pub(super) fn slots(draw: &mut Draw) -> StressScene {
     let mut board = board();
     for line in [draw.within(5, 8), draw.within(11, 15)] {
@@ -88,7 +89,7 @@ pub(super) fn slots(draw: &mut Draw) -> StressScene {
     Symmetry::any(draw).of(&StressScene::of_board(board, uav))
 }
 
-/// A UAV 2 m above a town, or 20 km; or so far away that its rays are all but level.
+/// Draws a town with a UAV 2 m to 20 km above it, or so far away that its rays are almost level.
 pub(super) fn heights(draw: &mut Draw) -> StressScene {
     let board = town(draw, 30, &[CELL, 6 * CELL, 12 * CELL, 30 * CELL, 120 * CELL]);
     let uav = if draw.chance(30) {
@@ -104,7 +105,7 @@ pub(super) fn heights(draw: &mut Draw) -> StressScene {
     scene
 }
 
-/// A town on odd, oblong cells far from the origin of its coordinates.
+/// Draws a town on odd, oblong cells far from the origin of its coordinates.
 pub(super) fn utm(draw: &mut Draw) -> StressScene {
     let board = town(draw, 25, &[3 * CELL, 8 * CELL, 20 * CELL]);
     let at = anywhere(draw);
@@ -116,7 +117,8 @@ pub(super) fn utm(draw: &mut Draw) -> StressScene {
     scene
 }
 
-/// A surface whose columns are any power of two high, from 1/1024 m to 16 km, below or above the datum; with holes.
+/// Draws a surface of columns that are powers of two high, from 1/1024 m to 16 km, below or above
+/// the datum. Half of the scenes have a hole.
 pub(super) fn magnitudes(draw: &mut Draw) -> StressScene {
     let mut board = board();
     for cell in cells() {
@@ -134,7 +136,8 @@ pub(super) fn magnitudes(draw: &mut Draw) -> StressScene {
     scene
 }
 
-/// A town on an earth so curved that its far side is meters lower: beyond the horizon, or behind roofs that a flat earth would clear.
+/// Draws a town on an earth so curved that its far side is meters lower. Some receivers are beyond
+/// the horizon, or behind roofs that rays over a flat earth would clear.
 pub(super) fn curved(draw: &mut Draw) -> StressScene {
     let board = town(draw, 20, &[CELL, 2 * CELL, 4 * CELL, 9 * CELL]);
     let at = anywhere(draw);
@@ -143,7 +146,8 @@ pub(super) fn curved(draw: &mut Draw) -> StressScene {
     StressScene { earth, ..StressScene::of_board(board, uav) }
 }
 
-/// Towers around a UAV over the middle of a cell that serves a sector; whole cells above the receivers, so that some are at 45°.
+/// Draws towers around a UAV over the middle of a cell that serves a sector. It is whole cells
+/// above the receivers, so that some are at 45°.
 pub(super) fn sectors(draw: &mut Draw) -> StressScene {
     let scene = needles(draw);
     let middle = |at: i64| at.div_euclid(CELL) * CELL + CELL / 2;
@@ -152,7 +156,7 @@ pub(super) fn sectors(draw: &mut Draw) -> StressScene {
     StressScene { uav, served: Some(draw.served()), ..scene }
 }
 
-/// A town, to be laid onto itself in eight ways.
+/// Draws a town for the eight symmetries.
 pub(super) fn mirrored(draw: &mut Draw) -> StressScene {
     let board = town(draw, 25, &[2 * CELL, 4 * CELL, 15 * CELL]);
     let at =

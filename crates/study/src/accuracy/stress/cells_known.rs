@@ -1,24 +1,24 @@
-//! Boards of cells on which some answers are known by construction: grazing roofs, diagonals, slits, cliffs.
+//! Boards of cells with known answers: grazing roofs, diagonals, slits, cliffs.
 
 use super::draw::Draw;
 use super::scene::{Board, CELL, StressScene};
 use super::symmetry::Symmetry;
 use crate::quantity::LatticePoint;
 
-/// Half a cell: where centers are.
+/// Half a cell, the position of centers.
 const HALF: i64 = CELL / 2;
 
 /// Height of the receivers of these scenes \[1/1024 m\].
 const RX: i64 = 3 * CELL / 2;
 
-/// A height difference that every number up to 2·12 divides: 2·lcm(1…12) steps, 54 m.
+/// Height difference that all even numbers up to 24 divide: 2·lcm(1…12) steps, 54 m.
 pub(super) const DIVISIBLE: i64 = 55_440;
 
-/// The directions of the axes and of the diagonals.
+/// Directions of the axes and of the diagonals.
 const COMPASS: [(i64, i64); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
 
-/// In each of the eight directions a tower whose roof the ray to one receiver touches, misses by a step, or is a step below;
-/// around them towers that other rays pass within a step.
+/// Draws a tower in each of the eight directions. The ray to one receiver touches its roof, misses
+/// it by a step, or is a step below. Other rays pass further towers within a step.
 pub(super) fn grazing(draw: &mut Draw) -> StressScene {
     const N: i64 = 25;
     let center = N / 2;
@@ -33,7 +33,7 @@ pub(super) fn grazing(draw: &mut Draw) -> StressScene {
         if is_compass((east, north)) || is_compass(cell) {
             continue;
         }
-        // The ray leaves the cell through the border that it meets first on its way to the receiver.
+        // The ray leaves the cell through the border that it meets first towards the receiver.
         let leave = |d: i64, cell: i64, from: i64| match d.signum() {
             0 => None,
             sign => Some((((cell + i64::from(sign > 0)) * CELL - from) * sign, (d * CELL).abs())),
@@ -48,7 +48,8 @@ pub(super) fn grazing(draw: &mut Draw) -> StressScene {
     for (east, north) in COMPASS {
         let far = draw.within(2, 12);
         let near = draw.within(1, far - 1);
-        // The end of the tower's cell that is nearer to the receiver is (2·near + 1)/(2·far) of the way from the UAV.
+        // The end of the tower's cell nearer to the receiver is (2·near + 1)/(2·far) of the way
+        // from the UAV.
         let ray = uav.z - DIVISIBLE * (2 * near + 1) / (2 * far);
         let above = draw.within(-1, 1);
         board.set((center + near * east, center + near * north), ray + above);
@@ -59,8 +60,8 @@ pub(super) fn grazing(draw: &mut Draw) -> StressScene {
     scene
 }
 
-/// A checkerboard of towers. From the middle of an open cell, exact diagonals pass between towers that touch corner to
-/// corner.
+/// Draws a checkerboard of towers. From the middle of an open cell, exact diagonals pass between
+/// towers that touch corner to corner.
 pub(super) fn diagonals(draw: &mut Draw) -> StressScene {
     const N: i64 = 20;
     let mut board = Board::flat(20);
@@ -79,13 +80,13 @@ pub(super) fn diagonals(draw: &mut Draw) -> StressScene {
     scene
 }
 
-/// Cells of a chain of towers that touch corner to corner, from the north-west down to the south-east, a UAV to the
-/// south-west of it, and what it sees through the chain.
+/// Chain of towers that touch corner to corner, from north-west to south-east, with a UAV to the
+/// south-west and its view through the chain.
 pub(super) struct SlitChain {
     pub(super) towers: Vec<(i64, i64)>,
-    /// Cell in whose middle the UAV is.
+    /// Cell with the UAV in its middle.
     pub(super) uav: (i64, i64),
-    /// Cells behind the chain, and whether the ray to their middle passes through a point where two towers touch.
+    /// Cells behind the chain; `true` if the ray to the middle passes between touching towers.
     pub(super) behind: Vec<((i64, i64), bool)>,
 }
 
@@ -110,7 +111,7 @@ impl SlitChain {
                 dx > 0 && dy > 0 && dx * (2 * tower.1 - uav.1) == dy * (2 * tower.0 + 2 - uav.0)
             })
         };
-        // Rays that pass beside the ends of the chain are not its business.
+        // Rays that pass beside the ends of the chain are left out.
         let (first, last) = (towers[0], towers[towers.len() - 1]);
         let passes_within = |(e, n): (i64, i64)| {
             let (dx, dy) = (2 * e + 1 - uav.0, 2 * n + 1 - uav.1);
@@ -122,13 +123,14 @@ impl SlitChain {
         SlitChain { towers, uav: (east, north), behind }
     }
 
-    /// The UAV in the middle of its cell.
+    /// Returns the UAV in the middle of its cell.
     pub(super) fn station(&self, z: i64) -> LatticePoint {
         LatticePoint { x: self.uav.0 * CELL + HALF, y: self.uav.1 * CELL + HALF, z }
     }
 }
 
-/// A chain of towers that touch corner to corner: what is behind it is seen through the single points between them.
+/// Draws a chain of towers that touch corner to corner. Cells behind are seen only through the
+/// points between them.
 pub(super) fn slits(draw: &mut Draw) -> StressScene {
     let chain = SlitChain::draw(draw);
     let mut board = Board::flat(21);
@@ -138,7 +140,7 @@ pub(super) fn slits(draw: &mut Draw) -> StressScene {
     Symmetry::any(draw).of(&scene)
 }
 
-/// A plateau, and a UAV exactly at its height: over the edge, a step before it or a step behind it.
+/// Draws a plateau, and a UAV exactly at its height: over the edge, or a step before or behind it.
 pub(super) fn cliffs(draw: &mut Draw) -> StressScene {
     const N: i64 = 20;
     let edge = draw.within(6, 14);

@@ -1,4 +1,4 @@
-//! The families of scenes, each with what it breaks and why.
+//! Families of scenes: the weaknesses that each exposes, and the reasons.
 
 use super::draw::Draw;
 use super::scene::{Known, StressScene};
@@ -7,27 +7,27 @@ use super::{cells_drawn, cells_known, prisms_drawn, prisms_known, roofs_drawn, t
 use crate::error::Result;
 use crate::quantity::LatticePoint;
 
-/// A family of scenes: any number of them, each a function of the seed and its number.
+/// Family of scenes: any number of them, each a function of the seed and its number.
 #[derive(Debug, Clone, Copy)]
 pub struct Family {
-    /// Its name in words and tables; `cell-…` are boards of columns, `prism-…` footprints.
+    /// Name in words and tables; `cell-…` are boards of columns, `prism-…` footprints.
     pub name: &'static str,
-    /// What happens in its scenes, in plain words.
+    /// Content of its scenes, in plain words.
     pub happens: &'static str,
-    /// What it breaks, and why.
+    /// Methods that it breaks, and the reason.
     pub breaks: &'static str,
-    /// Which methods are at risk.
+    /// Class of methods at risk.
     pub at_risk: AtRisk,
     make: fn(&mut Draw) -> StressScene,
     is_mirrored: bool,
 }
 
-/// Which methods a family is there for.
+/// Class of methods that a family is made for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AtRisk {
     /// At least one approximate method fails on it.
     Approximate,
-    /// Exact methods alone can decide it: the approximate ones know only columns.
+    /// Only exact methods can decide it: the approximate ones know only columns.
     ExactOnly,
 }
 
@@ -49,12 +49,12 @@ const fn prisms(
     Family { name, happens, breaks, at_risk: AtRisk::ExactOnly, make, is_mirrored: false }
 }
 
-/// The eight symmetries of scene after scene of a family.
+/// Returns the family of the eight symmetries of each scene of `family`.
 const fn mirrored(family: Family) -> Family {
     Family { is_mirrored: true, ..family }
 }
 
-/// All families. The place in this list is part of the key of their random numbers.
+/// All families. The position in this list is part of the key of their random numbers.
 pub const FAMILIES: [Family; 27] = [
     cells(
         "cell-grazing",
@@ -225,12 +225,12 @@ pub const FAMILIES: [Family; 27] = [
 const IMAGES: u32 = 8;
 
 impl Family {
-    /// The family of a name.
+    /// Returns the family of a name.
     pub fn named(name: &str) -> Option<&'static Family> {
         FAMILIES.iter().find(|family| family.name == name)
     }
 
-    /// One of its scenes. Those of a mirrored family carry the answers of the scene that they are an image of.
+    /// Draws scene `number`. A scene of a mirrored family holds the known answers of its original.
     pub fn scene(&self, seed: u64, number: u32) -> Result<StressScene> {
         let place = FAMILIES.iter().position(|f| f.name == self.name).and_then(|k| u32::try_from(k).ok()).unwrap_or(0);
         let drawn = |number: u32| (self.make)(&mut Draw::new(seed, place, number));
@@ -238,7 +238,8 @@ impl Family {
             let mut original = drawn(number / IMAGES);
             let ready = original.ready()?;
             let answers = truth(&original, &ready)?;
-            // A receiver over the wall of two houses stands on the one to its north-east, in every image.
+            // A receiver over the wall of two houses is on the one to its north-east, in every
+            // image.
             let is_mirrored = |p: &LatticePoint| original.is_board() || p.z == i64::from(original.rx_height);
             let mirrored = ready.receivers.iter().zip(answers).filter(|((_, p), _)| is_mirrored(p));
             let known = mirrored.map(|((cell, _), is_los)| {

@@ -1,13 +1,17 @@
-//! Where methods fail: families of small scenes that are hard to decide, the truth about them, and who gets them wrong.
+//! Stress tests of methods: families of small scenes that are hard to decide, the truth about them,
+//! and the errors of each method.
 //!
-//! Random cities hardly ever hold a tie, so a method that gets ties wrong looks right on them. The scenes here hold
-//! little else: rays that touch roofs exactly, pass through the one point where two towers touch, run along shared
-//! walls; UAVs on borders, at roof height, kilometers up. A [`Family`] makes any number of them, each a function of the
-//! seed and its number. [`truth()`] decides every receiver from the definition, by integers and without any code of the
-//! engines; where an answer is known by construction, it must agree. [`stress`] counts what each method gets wrong.
+//! Random cities hardly ever hold a tie, so a method with wrong ties looks right on them. The
+//! scenes here hold little else. Rays touch roofs exactly, pass through the one point where two
+//! towers touch, or run along shared walls. UAVs are on borders, at roof height, or kilometers up.
 //!
-//! `cells_known` and `prisms_known` make scenes with answers that are known, `cells_drawn`, `prisms_drawn` and `roofs_drawn` those without;
-//! `symmetry` mirrors and turns them.
+//! * A [`Family`] makes any number of scenes, each a function of the seed and its number.
+//! * [`truth()`] decides every receiver from the definition, in integers and without any code of
+//!   the engines. It must agree with answers known by construction.
+//! * [`stress`] counts the wrong receivers of each method.
+//!
+//! `cells_known` and `prisms_known` make scenes with known answers; `cells_drawn`, `prisms_drawn`
+//! and `roofs_drawn` make scenes without; `symmetry` mirrors and turns scenes.
 
 mod cells_drawn;
 mod cells_known;

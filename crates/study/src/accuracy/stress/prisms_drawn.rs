@@ -1,11 +1,11 @@
-//! Footprints drawn at random: party walls, slivers, needles, heights of all magnitudes, world coordinates, mirrored towns.
+//! Random footprints: party walls, slivers, needles, magnitudes, world coordinates, mirrored towns.
 
 use super::draw::Draw;
 use super::prisms_known::rectangle;
 use super::scene::{CELL, StressPrism, StressScene, narrow};
 use crate::quantity::{Frame, LatticePoint};
 
-/// Cells of a scene along each side.
+/// Cells along each side of a scene.
 const N: i64 = 18;
 
 fn scene(prisms: Vec<StressPrism>, uav: LatticePoint) -> StressScene {
@@ -16,8 +16,8 @@ fn prism(ring: &[[i64; 2]], top: i64) -> StressPrism {
     StressPrism { rings: vec![ring.iter().map(|corner| corner.map(narrow)).collect()], top: narrow(top) }
 }
 
-/// A UAV above everything that the scenes here put below it, or lower, over open ground in the south; in half of them over
-/// the middle of a cell, so that one link is vertical and others run along an axis.
+/// Draws a UAV above all roofs, `over_all`, or a lower one over open ground in the south. In half
+/// of the scenes it is over the middle of a cell, so that links run along an axis.
 fn uav(draw: &mut Draw, over_all: i64) -> LatticePoint {
     let is_centered = draw.chance(50);
     let mut along = |from: i64, to: i64| {
@@ -30,14 +30,14 @@ fn uav(draw: &mut Draw, over_all: i64) -> LatticePoint {
     LatticePoint { x, y: south, z: draw.within(CELL, 12 * CELL) }
 }
 
-/// Houses with shared walls on an earth so curved that their roofs bulge by a step or by meters.
+/// Draws houses with shared walls on an earth so curved that roofs bulge by a step or by meters.
 pub(super) fn curved(draw: &mut Draw) -> StressScene {
     let earth = Some(2 * draw.choose(&[9_000, 40_000, 300_000, 5_000_000]) + 1);
     StressScene { earth, ..shared_walls(draw) }
 }
 
-/// Houses with shared walls, and a UAV over the middle of a cell that serves a sector; whole cells above the receivers on the ground, so
-/// that some are at 45°.
+/// Draws houses with shared walls, and a UAV over the middle of a cell that serves a sector. It is
+/// whole cells above the receivers on the ground, so that some are at 45°.
 pub(super) fn sectors(draw: &mut Draw) -> StressScene {
     let scene = shared_walls(draw);
     let mut along = || draw.within(0, N - 1) * CELL + CELL / 2;
@@ -46,7 +46,7 @@ pub(super) fn sectors(draw: &mut Draw) -> StressScene {
     StressScene { uav: LatticePoint { x, y, z }, served: Some(draw.served()), ..scene }
 }
 
-/// Blocks cut into houses of equal and unequal heights that share their walls, some of them through the middle of cells.
+/// Draws blocks cut into houses of equal and unequal heights. Some walls divide cells in two.
 pub(super) fn shared_walls(draw: &mut Draw) -> StressScene {
     let mut prisms = Vec::new();
     let cut = |draw: &mut Draw, from: i64| {
@@ -70,8 +70,8 @@ pub(super) fn shared_walls(draw: &mut Draw) -> StressScene {
     scene(prisms, uav)
 }
 
-/// Shapes that are hard to cut into triangles: slivers and spikes a step wide, corners a step apart, many points on one
-/// edge, a hole that touches its shell, a ring that touches itself.
+/// Draws shapes that are hard to cut into triangles. Slivers and spikes are a step wide, corners a
+/// step apart, many points on one edge. A hole touches its shell, and a ring touches itself.
 pub(super) fn slivers(draw: &mut Draw) -> StressScene {
     let mut prisms = Vec::new();
     for row in 0..3 {
@@ -84,7 +84,7 @@ pub(super) fn slivers(draw: &mut Draw) -> StressScene {
     scene(prisms, uav)
 }
 
-/// A shape within 3 m north-east of a corner.
+/// Draws a shape within 3 m north-east of a corner.
 fn hard_shape(draw: &mut Draw, [x, y]: [i64; 2]) -> StressPrism {
     let top = draw.within(3, 30) * CELL;
     let s = draw.within(2 * CELL, 3 * CELL);
@@ -141,7 +141,7 @@ fn hard_shape(draw: &mut Draw, [x, y]: [i64; 2]) -> StressPrism {
     }
 }
 
-/// Towers from a step to a hand wide, some of them exactly in a row of receivers.
+/// Draws towers from a step to a hand wide, some of them exactly in a row of receivers.
 pub(super) fn needles(draw: &mut Draw) -> StressScene {
     let mut prisms = Vec::new();
     for _ in 0..draw.within(8, 16) {
@@ -159,7 +159,7 @@ pub(super) fn needles(draw: &mut Draw) -> StressScene {
     scene(prisms, LatticePoint { x, y, z: draw.within(2, 40) * CELL })
 }
 
-/// Roofs of any power of two, from 1/1024 m to 16 km.
+/// Draws roofs at powers of two, from 1/1024 m to 16 km.
 pub(super) fn magnitudes(draw: &mut Draw) -> StressScene {
     let mut prisms = Vec::new();
     for _ in 0..14 {
@@ -179,7 +179,7 @@ pub(super) fn magnitudes(draw: &mut Draw) -> StressScene {
     scene
 }
 
-/// A town of rectangles and triangles.
+/// Draws a town of rectangles and triangles.
 fn town(draw: &mut Draw) -> Vec<StressPrism> {
     let mut prisms = Vec::new();
     for _ in 0..12 {
@@ -196,7 +196,7 @@ fn town(draw: &mut Draw) -> Vec<StressPrism> {
     prisms
 }
 
-/// A town far from the origin of its coordinates, under odd, oblong cells.
+/// Draws a town far from the origin of its coordinates, under odd, oblong cells.
 pub(super) fn utm(draw: &mut Draw) -> StressScene {
     let prisms = town(draw);
     let uav = uav(draw, 18 * CELL);
@@ -207,7 +207,7 @@ pub(super) fn utm(draw: &mut Draw) -> StressScene {
     scene
 }
 
-/// A town, to be laid onto itself in eight ways.
+/// Draws a town for the eight symmetries.
 pub(super) fn mirrored(draw: &mut Draw) -> StressScene {
     let prisms = town(draw);
     let uav = uav(draw, 18 * CELL);

@@ -1,4 +1,4 @@
-//! Footprints of which some answers are known by construction: grazing roofs, walls, slits, a UAV at roof height.
+//! Footprints with known answers: grazing roofs, walls, slits, a UAV at roof height.
 
 use super::cells_known::{DIVISIBLE, SLIT_CELLS, SlitChain};
 use super::draw::Draw;
@@ -6,20 +6,20 @@ use super::scene::{CELL, StressPrism, StressScene, narrow};
 use super::symmetry::Symmetry;
 use crate::quantity::LatticePoint;
 
-/// Half a cell: where receivers are.
+/// Half a cell, the position of receivers.
 const HALF: i64 = CELL / 2;
 
 /// Height of the receivers of these scenes \[1/1024 m\].
 const RX: i64 = 3 * CELL / 2;
 
-/// An upright rectangle from one corner to the opposite one \[1/1024 m\].
+/// Makes a rectangle along the axes from one corner to the opposite one \[1/1024 m\].
 pub(super) fn rectangle([x0, y0]: [i64; 2], [x1, y1]: [i64; 2], top: i64) -> StressPrism {
     let ring = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(|corner| corner.map(narrow));
     StressPrism { rings: vec![ring.to_vec()], top: narrow(top) }
 }
 
-/// Along each axis a roof that the ray to one receiver touches, misses by a step, or is a step below; on each diagonal a
-/// corner that touches the rays, or reaches into them by a step.
+/// Draws a roof along each axis: the ray to one receiver touches it, misses it by a step, or is a
+/// step below. On each diagonal a corner touches the rays, or reaches into them by a step.
 pub(super) fn grazing(draw: &mut Draw) -> StressScene {
     const CENTER: i64 = 12 * CELL + HALF;
     let uav = LatticePoint { x: CENTER, y: CENTER, z: RX + DIVISIBLE };
@@ -51,8 +51,8 @@ pub(super) fn grazing(draw: &mut Draw) -> StressScene {
     scene
 }
 
-/// Buildings whose walls lie exactly in the rays along the axes: on one side, on both, or first on one and then on the
-/// other.
+/// Draws buildings whose walls lie exactly in the rays along the axes: on one side, on both, or
+/// first on one side and then on the other.
 pub(super) fn walls(draw: &mut Draw) -> StressScene {
     const CENTER: i64 = 10 * CELL + HALF;
     let uav = LatticePoint { x: CENTER, y: CENTER, z: draw.within(4, 20) * CELL };
@@ -89,7 +89,8 @@ pub(super) fn walls(draw: &mut Draw) -> StressScene {
     scene
 }
 
-/// A chain of square towers that touch corner to corner: what is behind it is seen through the single points between them.
+/// Draws a chain of square towers that touch corner to corner. Cells behind are seen only through
+/// the points between them.
 pub(super) fn slits(draw: &mut Draw) -> StressScene {
     let chain = SlitChain::draw(draw);
     let tower = |(east, north): &(i64, i64), top: i64| {
@@ -102,8 +103,8 @@ pub(super) fn slits(draw: &mut Draw) -> StressScene {
     Symmetry::any(draw).of(&scene)
 }
 
-/// A UAV exactly at the height of the roof below it: inside of its edge by a step or more, on the edge, or a step outside;
-/// around it roofs of the same height, a step lower or higher.
+/// Draws a UAV exactly at the height of the roof below it: inside its edge by a step or more, on
+/// the edge, or a step outside. Roofs around it have that height, or are a step lower or higher.
 pub(super) fn roof_height(draw: &mut Draw) -> StressScene {
     let height = draw.within(6 * CELL, 40 * CELL);
     let (west, east) = (6 * CELL + draw.within(0, CELL), 12 * CELL + draw.within(0, CELL));

@@ -1,4 +1,4 @@
-//! Roofs drawn at random: gables, hips and sheds, and houses whose heights change.
+//! Random roofs: gables, hips and sheds, and houses whose heights change.
 
 use super::draw::Draw;
 use super::prisms_drawn::shared_walls;
@@ -6,10 +6,12 @@ use super::scene::{CELL, StressScene, StressSolid, narrow};
 use crate::city::RoofTriangle;
 use crate::quantity::LatticePoint;
 
-/// Half a cell: all positions are multiples of it.
+/// Half a cell; positions are multiples of it.
 const HALF: i64 = CELL / 2;
 
-/// Houses wall to wall or apart under gables, hips and sheds that turn, half of them under a UAV at the height of a ridge or in the plane of a slope.
+/// Draws houses wall to wall or apart under gables, hips and sheds along either axis. The UAV is at
+/// the height of a ridge or some meters above. Positions are multiples of half a cell, so it may be
+/// in the plane of a slope.
 pub(super) fn gables(draw: &mut Draw) -> StressScene {
     let mut roofs = Vec::new();
     let mut slopes = Vec::new();
@@ -35,7 +37,7 @@ pub(super) fn gables(draw: &mut Draw) -> StressScene {
     StressScene::of_roofs(roofs, 18, LatticePoint { x, y, z })
 }
 
-/// Houses that share walls, each moved by itself after the city was made.
+/// Draws houses that share walls, each moved independently after the city was made.
 pub(super) fn redrawn(draw: &mut Draw) -> StressScene {
     let scene = shared_walls(draw);
     let n = match &scene.solid {
@@ -47,7 +49,7 @@ pub(super) fn redrawn(draw: &mut Draw) -> StressScene {
     StressScene { moved, uav, ..scene }
 }
 
-/// A house over a rectangle \[lattice steps\].
+/// House over a rectangle \[lattice steps\].
 #[derive(Debug, Clone, Copy)]
 struct House {
     at: [i64; 2],
@@ -58,7 +60,8 @@ struct House {
 }
 
 impl House {
-    /// Its roof, with the ridge along y if it turns: two slopes, or one as a shed, and hips at the ends if they have a width.
+    /// Returns its roof, with the ridge along y if it turns: two slopes, or one for a shed, and
+    /// hips at the ends if they have a width.
     fn roof(self, turns: bool, is_shed: bool) -> Vec<RoofTriangle> {
         let [long, wide] = if turns { [self.size[1], self.size[0]] } else { self.size };
         let middle = if is_shed { wide } else { wide / 2 / HALF * HALF };

@@ -1,4 +1,4 @@
-//! A stress scene: a small board of cells or some footprints, one UAV, a receiver in every cell, all on the lattice.
+//! Stress scene: a board of cells or some footprints, one UAV, receivers in cells, on the lattice.
 
 use super::served::Served;
 use crate::city::{DataArea, Footprint, FootprintFaults, Ground, RoofTriangle, Site, Solids};
@@ -9,7 +9,7 @@ use crate::overlay::even_odd;
 use crate::quantity::{Frame, Height, LatticePoint, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::{GeoRef, Raster};
 
-/// Edge length of a cell on the lattice of a board, and lattice steps to the meter.
+/// Edge of a cell of a board in lattice steps, which is also the number of steps to the meter.
 pub(super) const CELL: i64 = STEPS_PER_UNIT as i64;
 
 /// Columns over the cells of a board.
@@ -19,28 +19,30 @@ pub struct Board {
     pub n_rows: usize,
     /// Cells in a row, west to east.
     pub n_cols: usize,
-    /// Tops \[1/1024 m above the datum\], row by row from the north-west; [`VOID`] for nodata, which blocks nothing.
+    /// Tops \[1/1024 m above the datum\], row by row from the north-west; [`VOID`], nodata, blocks
+    /// nothing.
     pub tops: Vec<i32>,
 }
 
 impl Board {
-    /// A board from its tops, one for each cell.
+    /// Makes a board from its tops, one for each cell.
     pub fn new(n_rows: usize, n_cols: usize, tops: Vec<i32>) -> Self {
         debug_assert_eq!(tops.len(), n_rows * n_cols, "one top per cell");
         Board { n_rows, n_cols, tops }
     }
 
-    /// A square board of flat ground at 0 m.
+    /// Makes a square board of flat ground at 0 m.
     pub(super) fn flat(n: usize) -> Self {
         Board::new(n, n, vec![0; n * n])
     }
 
-    /// The top of the cell `east` cells from the west and `north` cells from the south edge; [`VOID`] outside.
+    /// Returns the top of the cell `east` cells from the west and `north` cells from the south
+    /// edge; [`VOID`] outside.
     pub fn top(&self, east: i64, north: i64) -> i32 {
         self.index(east, north).map_or(VOID, |cell| self.tops[cell])
     }
 
-    /// Gives a cell another top; outside of the board nothing happens.
+    /// Sets the top of a cell; does nothing outside of the board.
     pub(super) fn set(&mut self, (east, north): (i64, i64), top: i64) {
         if let Some(cell) = self.index(east, north) {
             self.tops[cell] = narrow(top);
@@ -53,14 +55,14 @@ impl Board {
     }
 }
 
-/// Row and column of the cell so many cells east and north of the south-west one; `None` outside.
+/// Returns row and column of a cell counted from the south-west one; `None` outside.
 fn row_and_col((east, north): (i64, i64), (n_rows, n_cols): (usize, usize)) -> Option<(usize, usize)> {
     let col = usize::try_from(east).ok().filter(|col| *col < n_cols)?;
     let from_south = usize::try_from(north).ok().filter(|row| *row < n_rows)?;
     Some((n_rows - 1 - from_south, col))
 }
 
-/// A prism over the even-odd interior of some rings.
+/// Prism over the even-odd interior of some rings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StressPrism {
     /// Rings, not closed, of either winding \[1/1024 m\].
@@ -69,14 +71,14 @@ pub struct StressPrism {
     pub top: i32,
 }
 
-/// What stands in the way.
+/// Solid of a scene, which blocks rays.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum StressSolid {
     /// Columns; receivers stand on the ground of open cells and on the roofs of buildings.
     Columns {
         /// The columns.
         board: Board,
-        /// Flat ground below them \[1/1024 m above the datum\]; without it receivers stand on every column.
+        /// Flat ground below them \[1/1024 m above the datum\]; `None`: receivers on every column.
         ground: Option<i32>,
     },
     /// Prisms on flat ground at 0 m; receivers stand on the ground and on the roofs.
@@ -85,25 +87,25 @@ pub enum StressSolid {
     Roofs(Vec<Vec<RoofTriangle>>),
 }
 
-/// A receiver whose answer is known by construction.
+/// Receiver whose answer is known by construction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Known {
     /// Row of its cell.
     pub row: usize,
     /// Column of its cell.
     pub col: usize,
-    /// Whether it is LoS.
+    /// `true` if it is LoS.
     pub is_los: bool,
 }
 
-/// A small scene on which methods fail.
+/// Small scene on which methods fail.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StressScene {
-    /// Its family and number, such as `cell-slits 3`.
+    /// Family and number, such as `cell-slits 3`.
     pub name: String,
-    /// What stands in the way.
+    /// Solid that blocks rays.
     pub solid: StressSolid,
-    /// Where the lattice lies in the world.
+    /// Position of the lattice in the world.
     pub world: Frame,
     /// Size of a cell of receivers \[CRS units\]; over columns the unit of the lattice.
     pub cell: (f64, f64),
@@ -115,46 +117,46 @@ pub struct StressScene {
     pub uav: LatticePoint,
     /// Height of the receivers above what they stand on \[1/1024 m\].
     pub rx_height: i32,
-    /// An odd number p, so that at a distance of d steps the earth falls away by d²/p; `None` where it is flat. No drop is halfway between
-    /// two steps then.
+    /// Odd number p: at a distance of d steps the earth falls away by d²/p. As p is odd, no drop is
+    /// halfway between two steps. `None` for a flat earth.
     pub earth: Option<i64>,
-    /// By how much each building is higher than it was built \[1/1024 m\]; none where all stay as they are.
+    /// Change of each building's height after it was built \[1/1024 m\]; empty if none changes.
     pub moved: Vec<i32>,
-    /// Whom the UAV serves, if not all: others are not seen.
+    /// Receivers that the UAV serves, and no others; `None` if it serves all.
     pub served: Option<Served>,
     /// Receivers whose answer is known without any computation.
     pub known: Vec<Known>,
 }
 
-/// A scene made ready for methods.
+/// Scene prepared for methods.
 #[derive(Debug)]
 pub struct Ready {
-    /// What rays can hit.
+    /// Solid that rays can hit.
     pub field: HeightField,
     /// The UAV.
     pub uav: Uav,
-    /// Cells, row by row, and the receivers in them.
+    /// Cells, row by row, each with its receiver.
     pub receivers: Vec<(usize, LatticePoint)>,
 }
 
 impl StressScene {
-    /// A scene of columns on flat ground at 0 m, receivers 1.5 m above it, one cell to the meter.
+    /// Makes a scene of columns on flat ground at 0 m, receivers 1.5 m above it, cells of 1 m.
     pub(super) fn of_board(board: Board, uav: LatticePoint) -> Self {
         let (n_rows, n_cols) = (board.n_rows, board.n_cols);
         StressScene::new(StressSolid::Columns { board, ground: Some(0) }, (n_rows, n_cols), uav)
     }
 
-    /// A scene of prisms under `n` by `n` cells of 1 m.
+    /// Makes a scene of prisms under `n` by `n` cells of 1 m.
     pub(super) fn of_prisms(prisms: Vec<StressPrism>, n: usize, uav: LatticePoint) -> Self {
         StressScene::new(StressSolid::Prisms(prisms), (n, n), uav)
     }
 
-    /// A scene of buildings with roofs of triangles under `n` by `n` cells of 1 m.
+    /// Makes a scene of buildings with roofs of triangles under `n` by `n` cells of 1 m.
     pub(super) fn of_roofs(roofs: Vec<Vec<RoofTriangle>>, n: usize, uav: LatticePoint) -> Self {
         StressScene::new(StressSolid::Roofs(roofs), (n, n), uav)
     }
 
-    /// By how much a building is higher than it was built \[1/1024 m\].
+    /// Returns the change of a building's height after it was built \[1/1024 m\].
     pub fn moved_by(&self, building: usize) -> i32 {
         self.moved.get(building).copied().unwrap_or(0)
     }
@@ -176,19 +178,19 @@ impl StressScene {
         }
     }
 
-    /// Notes that a receiver `east` cells from the west and `north` cells from the south is LoS, or not; outside of the
-    /// scene nothing happens.
+    /// Records whether the receiver `east` cells from the west and `north` cells from the south is
+    /// LoS. Does nothing outside of the scene.
     pub(super) fn know(&mut self, (east, north): (i64, i64), is_los: bool) {
         let place = row_and_col((east, north), (self.n_rows, self.n_cols));
         self.known.extend(place.map(|(row, col)| Known { row, col, is_los }));
     }
 
-    /// Whether columns stand in the way.
+    /// Returns `true` if the solid is columns.
     pub(crate) fn is_board(&self) -> bool {
         matches!(self.solid, StressSolid::Columns { .. })
     }
 
-    /// The largest distance of anything from the origin, along an axis \[lattice steps\].
+    /// Returns the largest distance of anything from the origin, along an axis \[lattice steps\].
     pub(super) fn reach(&self) -> i64 {
         let corners: i64 = match &self.solid {
             StressSolid::Columns { board, .. } => {
@@ -206,12 +208,12 @@ impl StressScene {
         corners.max(self.uav.x.abs()).max(self.uav.y.abs())
     }
 
-    /// Whether the UAV serves a receiver.
+    /// Returns `true` if the UAV serves a receiver.
     pub fn serves(&self, receiver: LatticePoint) -> bool {
         self.served.is_none_or(|served| served.holds(self.uav, receiver))
     }
 
-    /// How maps of the scene are made, by any method.
+    /// Returns the options of maps of the scene, by any method.
     pub fn options(&self) -> MapOptions {
         // d² in steps over p is 1024 d²/2KR in meters.
         #[expect(clippy::cast_precision_loss, reason = "a small number")]
@@ -222,7 +224,8 @@ impl StressScene {
         MapOptions { rx_height: self.rx_height, receivers, curvature, antenna, ..MapOptions::default() }
     }
 
-    /// The scene as methods take it, its world coordinates rounded to the lattice as those of every scene.
+    /// Prepares the scene for methods, with world coordinates rounded to the lattice as in any
+    /// scene.
     ///
     /// # Errors
     /// E902 if it does not come out as it was built: a fault of its family.
@@ -270,7 +273,7 @@ impl StressScene {
         Ok(Ready { field, uav, receivers })
     }
 
-    /// Footprints on flat ground.
+    /// Returns footprints on flat ground.
     fn vector(&self, footprints: Vec<Footprint>) -> Solids {
         let (ground, data_area) = (Ground::Flat(0), DataArea::All);
         Solids::Vector { footprints, frame: self.world, ground, faults: FootprintFaults::default(), data_area }
@@ -284,19 +287,19 @@ impl StressScene {
     }
 }
 
-/// A footprint as files have it: repaired by the even-odd rule.
+/// Returns a footprint as files have it: repaired by the even-odd rule.
 fn footprint((k, prism): (usize, &StressPrism)) -> Footprint {
     Footprint::on_zero(k.to_string(), even_odd(&prism.rings), prism.top)
 }
 
-/// A building with a roof of triangles.
+/// Returns a building with a roof of triangles.
 fn building((k, roof): (usize, &Vec<RoofTriangle>)) -> Footprint {
     let polygons = roof.iter().map(|corners| vec![corners.map(|[x, y, _]| [x, y]).to_vec()]).collect();
     let top = roof.iter().flatten().map(|[.., z]| *z).max().unwrap_or(0);
     Footprint { roof: roof.clone(), ..Footprint::on_zero(k.to_string(), polygons, top) }
 }
 
-/// A number of lattice steps that is known to be small.
+/// Narrows a number of lattice steps that is known to be small.
 pub(super) fn narrow(steps: i64) -> i32 {
     i32::try_from(steps).unwrap_or(i32::MAX)
 }

@@ -1,4 +1,4 @@
-//! Methods against the truth: how many receivers each gets wrong on each family.
+//! Scores of methods against the truth: the wrong receivers of each method on each family.
 
 use rayon::prelude::*;
 
@@ -9,36 +9,36 @@ use crate::coverage::{MapOptions, Mapper};
 use crate::error::{Result, StressError};
 use crate::los::{Method, MethodChoice, StepLength};
 
-/// A method that is tried.
+/// Method that is tried.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Contender {
-    /// The word for it on the command line.
+    /// Name on the command line.
     pub name: String,
-    /// The engine.
+    /// Engine.
     pub choice: MethodChoice,
 }
 
 impl Contender {
-    /// All engines, `step:K` at several lengths \[cells\].
+    /// Returns all engines, `step:K` at several lengths \[cells\].
     pub fn all() -> Vec<Self> {
         let steps = [0.25, 0.5, 1.0, 2.0, 4.0].into_iter().filter_map(StepLength::new).map(MethodChoice::Step);
         let exact = [MethodChoice::Ray, MethodChoice::Sweep, MethodChoice::Shadow];
         exact.into_iter().chain(steps).chain([MethodChoice::Xdraw, MethodChoice::R2]).map(Contender::of).collect()
     }
 
-    /// The contender of an engine.
+    /// Returns the contender of an engine.
     pub fn of(choice: MethodChoice) -> Self {
         let name = choice.method().map_or_else(|| "auto".into(), Method::name);
         Contender { name: name.into_owned(), choice }
     }
 
-    /// Whether every answer of it must be right.
+    /// Returns `true` if all its answers must be right.
     pub fn is_exact(&self) -> bool {
         self.choice.method().is_none_or(Method::is_exact)
     }
 }
 
-/// How much is tried.
+/// Amount of work of a stress test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Effort {
     /// Scenes of each family.
@@ -47,28 +47,28 @@ pub struct Effort {
     pub seed: u64,
 }
 
-/// What a method did on the scenes of a family.
+/// Result of a method on the scenes of a family.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Outcome {
-    /// It decided all of them.
+    /// The method decided all scenes.
     Decided(Wrong),
-    /// It cannot decide such scenes, for this reason.
+    /// The method cannot decide such scenes, for this reason.
     Cannot(&'static str),
 }
 
-/// Receivers that a method gets wrong.
+/// Receivers that a method decides wrongly.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Wrong {
-    /// LoS where there is none.
+    /// Number of LoS answers for NLoS receivers.
     pub false_los: u64,
-    /// NLoS where there is LoS.
+    /// Number of NLoS answers for LoS receivers.
     pub false_nlos: u64,
-    /// The first of them: its scene, row and column.
+    /// First wrong receiver: its scene, row and column.
     pub first: Option<(String, usize, usize)>,
 }
 
 impl Wrong {
-    /// Both kinds together.
+    /// Returns the sum of both kinds.
     pub fn total(&self) -> u64 {
         self.false_los + self.false_nlos
     }
@@ -82,28 +82,29 @@ impl Wrong {
     }
 }
 
-/// What methods did on a family.
+/// Results of methods on a family.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FamilyScore {
-    /// The name of the family.
+    /// Name of the family.
     pub family: &'static str,
-    /// What it breaks, and why.
+    /// Methods that it breaks, and the reason.
     pub breaks: &'static str,
-    /// Receivers in all its scenes.
+    /// Number of receivers in all its scenes.
     pub receivers: u64,
-    /// Those of them that are LoS and served.
+    /// Number of receivers that are LoS and served.
     pub los: u64,
-    /// What each method did, in the order asked for.
+    /// Outcome of each method, in the order of the request.
     pub outcomes: Vec<Outcome>,
 }
 
-/// Tries methods on the scenes of some families.
+/// Runs methods on the scenes of some families.
 ///
-/// Cost: mostly that of the [`truth()`], shared by all threads; scenes are small. The result depends on the effort alone.
+/// Cost: mostly that of the [`truth()`], shared by all threads; scenes are small. The result
+/// depends on the effort alone.
 ///
 /// # Errors
-/// E601 if an answer that is known by construction is not the truth; E902 for a scene that cannot be built, or whose
-/// receivers are not those of the methods.
+/// E601 if an answer that is known by construction is not the truth. E902 for a scene that cannot
+/// be built, or if its receivers are not those of the methods.
 pub fn stress(families: &[&Family], methods: &[Contender], effort: Effort) -> Result<Vec<FamilyScore>> {
     families
         .iter()
@@ -123,7 +124,7 @@ pub fn stress(families: &[&Family], methods: &[Contender], effort: Effort) -> Re
         .collect()
 }
 
-/// Refuses scores in which an exact method is wrong.
+/// Fails if an exact method is wrong.
 ///
 /// # Errors
 /// E602, naming the first such receiver.

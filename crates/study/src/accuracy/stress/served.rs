@@ -1,4 +1,4 @@
-//! Whom an antenna serves, in whole numbers: directions and distances that receivers lie on exactly.
+//! Receivers that an antenna serves, in integers: they lie exactly on its directions and distances.
 
 use super::scene::CELL;
 use crate::city::Antenna;
@@ -7,16 +7,17 @@ use crate::quantity::LatticePoint;
 /// Receivers that an antenna serves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Served {
-    /// The first azimuth and the one before which it ends, clockwise from north \[45°\], 0 to 7; they differ.
+    /// First azimuth of the sector and the one before which it ends, clockwise from north \[45°\],
+    /// 0 to 7; they differ.
     pub eighths: [i64; 2],
     /// Least horizontal distance \[cells\].
     pub least: i64,
-    /// Whether receivers more than 45° below the horizontal are out.
+    /// `true` if receivers more than 45° below the horizontal are excluded.
     pub is_flat: bool,
 }
 
 impl Served {
-    /// Whether it serves a receiver, by the definitions of [`Antenna`].
+    /// Returns `true` if it serves a receiver, by the definitions of [`Antenna`].
     pub fn holds(self, uav: LatticePoint, receiver: LatticePoint) -> bool {
         let (east, north) = (receiver.x - uav.x, receiver.y - uav.y);
         let squared = east * east + north * north;
@@ -28,7 +29,7 @@ impl Served {
         after < (to - from).rem_euclid(8) && squared >= least * least && is_flat_enough
     }
 
-    /// The antenna as it is typed.
+    /// Returns the antenna as an option of the command line gives it.
     pub(super) fn antenna(self) -> Antenna {
         let as_f64 = |v: i64| f64::from(u32::try_from(v).unwrap_or(u32::MAX));
         Antenna {
@@ -40,9 +41,9 @@ impl Served {
     }
 }
 
-/// The last multiple of 45° that a direction is not before, clockwise from north; straight below is north.
+/// Returns the last multiple of 45° up to a direction, clockwise from north; 0 for straight down.
 fn eighth(east: i64, north: i64) -> i64 {
-    // Turned back by quarters until it is in the first one.
+    // Turned back by quarters until it is in the first quadrant.
     let (mut right, mut ahead, mut quarters) = (east, north, 0);
     while (right, ahead) != (0, 0) && !(right >= 0 && ahead > 0) {
         (right, ahead) = (-ahead, right);

@@ -1,11 +1,11 @@
-//! The eight symmetries of a square, for scenes and their answers: no direction may be better than another.
+//! Symmetries of a square, eight in all, for scenes and their answers: no direction may be favored.
 
 use super::draw::Draw;
 use super::scene::{Board, CELL, Known, StressPrism, StressScene, StressSolid, narrow};
 use crate::city::RoofTriangle;
 use crate::quantity::LatticePoint;
 
-/// One of the eight ways to lay a square onto itself: mirrored along x, along y, or not, and then x and y exchanged or not.
+/// Symmetry of a square: optional mirroring along x and y, then an optional exchange of x and y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Symmetry {
     flips_x: bool,
@@ -14,33 +14,33 @@ pub struct Symmetry {
 }
 
 impl Symmetry {
-    /// Number 0 to 7; 0 changes nothing. Larger numbers count again from 0.
+    /// Returns symmetry `k`, 0 to 7; 0 changes nothing. Larger numbers count again from 0.
     pub fn number(k: u32) -> Self {
         Symmetry { flips_x: k & 1 != 0, flips_y: k & 2 != 0, swaps: k & 4 != 0 }
     }
 
-    /// Any of them.
+    /// Draws a symmetry.
     pub(super) fn any(draw: &mut Draw) -> Self {
         Symmetry { flips_x: draw.chance(50), flips_y: draw.chance(50), swaps: draw.chance(50) }
     }
 
-    /// A position in a box of this width and height \[any unit\].
+    /// Maps a position in a box of this width and height \[any unit\].
     fn position(self, [x, y]: [i64; 2], [width, height]: [i64; 2]) -> [i64; 2] {
         let x = if self.flips_x { width - x } else { x };
         let y = if self.flips_y { height - y } else { y };
         if self.swaps { [y, x] } else { [x, y] }
     }
 
-    /// Row and column of a cell, of `n_rows` and `n_cols`, after it.
+    /// Maps row and column of a cell of a grid of `n_rows` and `n_cols`.
     pub fn cell(self, (row, col): (usize, usize), (n_rows, n_cols): (usize, usize)) -> (usize, usize) {
-        // Of positions from the south-west, because rows count from the north.
+        // Computed from positions from the south-west, because rows count from the north.
         let east = if self.flips_x { n_cols - 1 - col } else { col };
         let north = if self.flips_y { row } else { n_rows - 1 - row };
         let (east, north, rows) = if self.swaps { (north, east, n_cols) } else { (east, north, n_rows) };
         (rows - 1 - north, east)
     }
 
-    /// A scene after it: what stands in the way, the UAV and the known answers.
+    /// Maps a scene: its solid, the UAV and the known answers.
     pub fn of(self, scene: &StressScene) -> StressScene {
         let shape = (scene.n_rows, scene.n_cols);
         let steps = |n: usize| i64::try_from(n).unwrap_or(i64::MAX).saturating_mul(CELL);

@@ -1,8 +1,9 @@
-//! What is right: the answer of every receiver of a scene, decided in integers from the definition of line of sight in
-//! [`crate::los`] and from nothing else.
+//! Truth of a scene: the answer of every receiver, decided in integers from the definition of line
+//! of sight in [`crate::los`] alone.
 //!
-//! It shares no code with the engines: there is no walk from cell to cell, no culling, no triangulation and no repair, only
-//! all crossings, sorted, and a look at both sides of the link between them. That is slow, and scenes are small.
+//! It shares no code with the engines. There is no walk from cell to cell, no culling, no
+//! triangulation and no repair. It sorts all crossings and checks both sides of the link between
+//! them. That is slow, and scenes are small.
 
 use super::scene::{Board, CELL, Ready, StressPrism, StressScene, StressSolid, narrow};
 use super::truth_columns::{self, columns_truth};
@@ -12,12 +13,13 @@ use crate::city::RoofTriangle;
 use crate::error::{Result, StressError};
 use crate::quantity::{LatticePoint, VOID};
 
-/// Whether each receiver of a scene is served and LoS, in the order of [`Ready::receivers`].
+/// Decides for each receiver of a scene whether it is served and LoS, in the order of
+/// [`Ready::receivers`].
 ///
 /// Cost: for each receiver the number of grid lines, or of edges squared.
 ///
 /// # Errors
-/// E601 if the answer differs from one that is known by construction; E902 for a scene too large for the integers.
+/// E601 if an answer differs from one known by construction. E902 for a scene beyond the integers.
 pub fn truth(scene: &StressScene, ready: &Ready) -> Result<Vec<bool>> {
     let far = |p: &LatticePoint| (p.x - scene.uav.x).abs().max((p.y - scene.uav.y).abs());
     let most = match &scene.solid {
@@ -54,7 +56,7 @@ pub fn truth(scene: &StressScene, ready: &Ready) -> Result<Vec<bool>> {
     Ok(answers)
 }
 
-/// What stands in the way once buildings are as high as they are.
+/// Returns the solid after the changes of heights.
 fn as_moved(scene: &StressScene) -> StressSolid {
     match &scene.solid {
         StressSolid::Prisms(prisms) => {
@@ -73,14 +75,14 @@ fn as_moved(scene: &StressScene) -> StressSolid {
     }
 }
 
-/// How much lower a place is as the UAV sees it, to the nearest step.
+/// Returns the drop of a place as the UAV sees it, to the nearest step.
 fn fall(scene: &StressScene, (x, y): (i64, i64)) -> i64 {
     let Some(p) = scene.earth else { return 0 };
     let (dx, dy) = (x - scene.uav.x, y - scene.uav.y);
     (2 * (dx * dx + dy * dy) + p).div_euclid(2 * p)
 }
 
-/// A board with its columns lower by what the earth falls away by at their middles.
+/// Returns a board with each column lowered by the drop of the earth at its middle.
 fn board_as_seen(board: &Board, scene: &StressScene) -> Board {
     let mut seen = board.clone();
     for (cell, top) in seen.tops.iter_mut().enumerate().filter(|(_, top)| **top != VOID) {

@@ -1,22 +1,28 @@
-//! The answer over columns, from the definition: every crossing of the link with every grid line, sorted.
+//! Truth over columns, from the definition: every crossing of the link with every grid line,
+//! sorted.
 //!
-//! The link runs from the UAV at t = 0 to the receiver at t = 1. With dx and dy its lengths along the axes, the crossing
-//! with the line x = k cells is at t = (1024 k − x_U)/dx, that with y = k cells at (1024 k − y_U)/dy, and all are integers
-//! over the common denominator D = |dx|·|dy| (a factor that is 0 left out). Between two neighbors of the sorted list the
-//! cells around the link do not change, so its middle tells them: the one that holds it, or both beside a line that it
-//! runs along, of which the lower one counts. The ray is straight, so on that interval it comes as low as at its lower
-//! end, and it is inside the solid if and only if it is below the column there.
+//! The link runs from the UAV at t = 0 to the receiver at t = 1. With dx and dy its lengths along
+//! the axes, it crosses the line x = k cells at t = (1024 k − x_U)/dx. It crosses the line y = k
+//! cells at t = (1024 k − y_U)/dy. All t are integers over the common denominator D = |dx|·|dy|,
+//! without a factor that is 0.
 //!
-//! Numbers: with all positions within 2^21 steps of each other, D ≤ 2^42 and t·D too, the middle is over 2·D, and its
-//! position times that below 2^66; heights are below 2^27, so their products below 2^70. All of it is far inside i128.
+//! Between two neighbors of the sorted list the cells around the link do not change, so its middle
+//! identifies them. They are the one cell that holds the middle, or the two beside a line that the
+//! link runs along. Of two, the lower column counts. The ray is straight, so its lowest point on
+//! that interval is the lower end. It is inside the solid if and only if it is below the column
+//! there.
+//!
+//! Numbers: all positions are within 2^21 steps of each other, so D and t·D are at most 2^42. The
+//! middle is over 2·D, and its position times that is below 2^66. Heights are below 2^27, so their
+//! products are below 2^70. All of it is far inside i128.
 
 use super::scene::{Board, CELL};
 use crate::quantity::{LatticePoint, VOID};
 
-/// Farthest apart that positions along an axis may be \[1/1024 cell\].
+/// Largest distance of positions along an axis \[1/1024 cell\].
 pub(super) const MOST_STEPS: i64 = 1 << 21;
 
-/// Whether a link is LoS.
+/// Returns `true` if a link is LoS.
 pub(super) fn columns_truth(board: &Board, uav: LatticePoint, receiver: LatticePoint) -> bool {
     let d = [receiver.x - uav.x, receiver.y - uav.y].map(i128::from);
     let from = [uav.x, uav.y].map(i128::from);
@@ -42,8 +48,8 @@ pub(super) fn columns_truth(board: &Board, uav: LatticePoint, receiver: LatticeP
     })
 }
 
-/// The lowest of the columns whose closed squares hold `position / scale`; `None` where one of them is outside of the
-/// raster, void, or touches the receiver.
+/// Returns the lowest of the columns whose closed squares hold `position / scale`. `None` if one of
+/// them is outside of the raster, void, or touches the receiver.
 fn lowest_around(board: &Board, position: [i128; 2], scale: i128, receiver: LatticePoint) -> Option<i32> {
     let size = i128::from(CELL) * scale;
     let cells = position.map(|v| {

@@ -1,34 +1,39 @@
-//! The answer among footprints, from the definition and their rings alone: every crossing of the link with every edge,
-//! and the even-odd rule on both sides of the link between them.
+//! Truth among footprints, from the definition and their rings alone: every crossing of the link
+//! with every edge, and the even-odd rule on both sides of the link in between.
 //!
-//! The link runs from the UAV at t = 0 to the receiver at t = 1. Between two neighboring values of t at which it meets an
-//! edge or a corner, nothing around it changes. In the middle of such an interval each footprint either holds what is just
-//! left of the link or does not, and the same on its right; they differ only where the link runs along a wall. The higher
-//! of the roofs that hold a side is that side's height, and the lower of both sides is the height up to which the interval
-//! is inside the solid: a wall with nothing behind it blocks nothing, one that two buildings share up to the lower roof.
-//! The ray comes as low as at the lower end of the interval, so that is one comparison.
+//! The link runs from the UAV at t = 0 to the receiver at t = 1. Between two neighboring values of
+//! t at which it meets an edge or a corner, nothing around it changes. In the middle of such an
+//! interval each footprint is tested on the left and on the right of the link. Both tests differ
+//! only where the link runs along a wall.
 //!
-//! Which side a footprint holds is told by a ray from the middle m, at a right angle to the link: it crosses an odd number
-//! of edges. Edges through m run along the link, and stay behind the start of a ray that begins just beside it. A corner
-//! that is exactly on the ray counts as behind it, the same for both of its edges.
+//! The height of a side is that of its highest roof. The interval is inside the solid up to the
+//! lower of both heights. So a wall with nothing behind it blocks nothing, and one that two
+//! buildings share blocks up to the lower roof. The lowest point of the ray is the lower end of the
+//! interval, so one comparison decides it.
 //!
-//! Numbers: with all positions within 2^20 steps of each other (1024 m), t is a fraction of terms up to 2^41, the middle
-//! has a denominator up to 2^83 and coordinates up to 2^103 over it, and the cross product of these with an edge is below
-//! 2^125, inside i128. On a curved earth links are at most 2^16 steps long, and p is below 2^24: products are below 2^116.
+//! A side is inside a footprint if a ray from the middle m, at a right angle to the link, crosses
+//! an odd number of edges. Edges through m run along the link, and are behind the start of a ray
+//! that begins just beside it. A corner exactly on the ray counts as behind it, alike for both of
+//! its edges.
+//!
+//! Numbers: all positions are within 2^20 steps of each other (1024 m), and t is a fraction of
+//! terms up to 2^41. The middle has a denominator up to 2^83 and coordinates up to 2^103 over it.
+//! The cross product of these with an edge is below 2^125, inside i128. On a curved earth links are
+//! at most 2^16 steps long, and p is below 2^24: products are below 2^116.
 
 use super::scene::StressPrism;
 use crate::quantity::LatticePoint;
 
-/// Farthest apart that positions along an axis may be \[1/1024 m\].
+/// Largest distance of positions along an axis \[1/1024 m\].
 pub(super) const MOST_STEPS: i64 = 1 << 20;
 
-/// A vector or a position in the plane.
+/// Vector or position in the plane.
 type Plane = [i128; 2];
 
-/// A fraction with a positive denominator.
+/// Fraction with a positive denominator.
 type Fraction = (i128, i128);
 
-/// Whether a link is LoS; over an earth that falls away by d²/p at d steps, if it has a p.
+/// Returns `true` if a link is LoS. The earth falls away by d²/p at d steps if `earth` is p.
 pub(super) fn prisms_truth(
     prisms: &[StressPrism],
     earth: Option<i64>,
@@ -43,7 +48,7 @@ pub(super) fn prisms_truth(
     if let Some(p) = earth {
         let squared = [0, 1].map(|k| (r[k] - u[k]) * (r[k] - u[k])).into_iter().sum::<i128>();
         let sag = Sag { squared, p: i128::from(p), climb };
-        // The ground is solid, too.
+        // The ground blocks, too.
         return intervals(prisms, u, r).all(|of| sag.is_clear(low - i128::from(of.height.unwrap_or(0).max(0)), &of));
     }
     intervals(prisms, u, r).all(|interval| {
@@ -53,7 +58,7 @@ pub(super) fn prisms_truth(
     })
 }
 
-/// A link that sags by b t(1 − t) with b = squared/p, and climbs.
+/// Link that sags by b t(1 − t) with b = squared/p, and climbs.
 struct Sag {
     squared: i128,
     p: i128,
@@ -61,8 +66,8 @@ struct Sag {
 }
 
 impl Sag {
-    /// Whether a link that begins `above` a roof is nowhere below it on an interval: at neither end, and not at the lowest place
-    /// t* = (b − climb)/2b, if that is between.
+    /// Returns `true` if a link that begins `above` a roof is nowhere below it on an interval. It
+    /// checks both ends, and the lowest place t* = (b − climb)/2b if that is in between.
     fn is_clear(&self, above: i128, interval: &Interval) -> bool {
         let Sag { squared, p, climb } = *self;
         let is_above = |(n, d): Fraction| (above * d + climb * n) * d * p >= squared * n * (d - n);
@@ -73,8 +78,9 @@ impl Sag {
     }
 }
 
-/// The height up to which the vertical line at a position is inside the solid; `None` where it is not. Around the
-/// position are the sectors between the edges that meet there, and just beside each edge begin two of them.
+/// Returns the height up to which the vertical line at a position is inside the solid; `None` if it
+/// is not. Sectors around the position lie between the edges that meet there. Two sectors begin
+/// just beside each edge.
 fn height_at(prisms: &[StressPrism], p: Plane) -> Option<i32> {
     let through = edges(prisms).filter(|(a, b)| is_on(p, *a, *b));
     let mut towards: Vec<Plane> = through.flat_map(|(a, b)| [a, b]).filter(|q| *q != p).collect();
@@ -85,11 +91,11 @@ fn height_at(prisms: &[StressPrism], p: Plane) -> Option<i32> {
     towards.into_iter().map(|q| intervals(prisms, p, q).next().and_then(|first| first.height)).min().flatten()
 }
 
-/// A part of a link along which nothing around it changes.
+/// Part of a link along which nothing around it changes.
 struct Interval {
     from: Fraction,
     to: Fraction,
-    /// The height up to which it is inside the solid, if there is one.
+    /// Height up to which it is inside the solid, if any.
     height: Option<i32>,
 }
 
@@ -105,7 +111,7 @@ fn intervals(prisms: &[StressPrism], u: Plane, r: Plane) -> impl Iterator<Item =
     all.into_iter()
 }
 
-/// Where a link meets an edge: at one t, or for one that lies on its line at those of both ends.
+/// Returns each t at which a link meets an edge; those of both ends if the edge is on its line.
 fn meetings(u: Plane, d: Plane, a: Plane, b: Plane) -> Vec<Fraction> {
     let (edge, to_a) = ([b[0] - a[0], b[1] - a[1]], [a[0] - u[0], a[1] - u[1]]);
     let (turn, along) = (cross(d, edge), cross(to_a, d));
@@ -118,8 +124,8 @@ fn meetings(u: Plane, d: Plane, a: Plane, b: Plane) -> Vec<Fraction> {
     if along == 0 { vec![(dot(to_a, d), dot(d, d)), (dot(to_b, d), dot(d, d))] } else { Vec::new() }
 }
 
-/// The lower of the heights just left and just right of a link between two neighboring meetings; `None` if one side is
-/// open.
+/// Returns the lower of the heights just left and just right of a link between two neighboring
+/// meetings; `None` if one side is open.
 fn height_of(prisms: &[StressPrism], u: Plane, d: Plane, [from, to]: [Fraction; 2]) -> Option<i32> {
     let (n, scale) = (from.0 * to.1 + to.0 * from.1, 2 * from.1 * to.1);
     let middle = [u[0] * scale + d[0] * n, u[1] * scale + d[1] * n];
@@ -132,7 +138,7 @@ fn height_of(prisms: &[StressPrism], u: Plane, d: Plane, [from, to]: [Fraction; 
     Some(left.min(right))
 }
 
-/// How many edges of a ring the ray from beside `middle / scale` in direction `normal` crosses.
+/// Counts the edges of a ring that a ray from beside `middle / scale` along `normal` crosses.
 fn crossed(ring: &[[i32; 2]], middle: Plane, scale: i128, normal: Plane) -> usize {
     let from_middle = |v: Plane| [v[0] * scale - middle[0], v[1] * scale - middle[1]];
     let is_left = |v: Plane| cross(normal, from_middle(v)) >= 0;

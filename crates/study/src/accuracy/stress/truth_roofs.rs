@@ -1,30 +1,36 @@
-//! The answer among roofs that are planes, from the definition and their corners alone.
+//! Truth among roofs that are planes, from the definition and their corners alone.
 //!
-//! The link runs from the UAV at t = 0 to the receiver at t = 1. What stands left and right of it, which roof is the highest there, and whether the ray is
-//! below that can change only where the link meets the line of an edge or a corner of one, where the ray meets the plane of a roof, and
-//! where two planes are level. So each stretch between two such t is decided in its middle: it blocks if on both sides some roof that holds that side is
-//! above the ray.
+//! The link runs from the UAV at t = 0 to the receiver at t = 1. Three events can change the roofs
+//! to its left and right, the highest of them, or whether the ray is below that:
 //!
-//! Numbers: positions are divided by what they have in common, after which they are below 2^10, and heights are below 2^17. A height over a plane, times
-//! twice the area of its triangle, is below 2^40, t is a fraction of terms below 2^62, and all products are below 2^126, inside i128.
+//! * the link meets the line of an edge, or a corner of one;
+//! * the ray meets the plane of a roof;
+//! * two planes are level.
+//!
+//! So each stretch between two such t is decided in its middle. It blocks if on both sides some
+//! roof that holds that side is above the ray.
+//!
+//! Numbers: positions are divided by their common divisor and are then below 2^10; heights are
+//! below 2^17. A height over a plane, times twice the area of its triangle, is below 2^40. Each t
+//! is a fraction of terms below 2^62, and all products are below 2^126, inside i128.
 
 use crate::city::RoofTriangle;
 use crate::quantity::LatticePoint;
 
-/// Farthest apart that positions along an axis may be, in units of what they have in common, and heights \[1/1024 m\].
+/// Bounds of positions, in units of their common divisor, and of heights \[1/1024 m\].
 const MOST: (i128, i128) = (1 << 10, 1 << 17);
 
-/// A vector or a position in the plane.
+/// Vector or position in the plane.
 type Plane = [i128; 2];
 
-/// A roof triangle, and how far the ray is above its plane at both ends, times `area`.
+/// Roof triangle, and the height of the ray above its plane at both ends, times `area`.
 struct Roof {
     ring: [Plane; 3],
     ends: [i128; 2],
     area: i128,
 }
 
-/// Whether a link to a receiver on open ground is LoS; `None` if the numbers are too large.
+/// Returns `true` if a link to a receiver on open ground is LoS; `None` for numbers out of range.
 pub(super) fn roofs_truth(roofs: &[RoofTriangle], uav: LatticePoint, receiver: LatticePoint) -> Option<bool> {
     let corners = roofs.iter().flatten().map(|[x, y, _]| [i64::from(*x), i64::from(*y)]);
     let positions = || corners.clone().chain([[uav.x, uav.y], [receiver.x, receiver.y]]);
@@ -57,7 +63,7 @@ pub(super) fn roofs_truth(roofs: &[RoofTriangle], uav: LatticePoint, receiver: L
         })
         .collect();
     let mut meets: Vec<(i128, i128)> = vec![(0, 1), (1, 1)];
-    // Where a line is 0 that has two values at both ends.
+    // Adds the t at which a linear function of these values at both ends is 0.
     let mut zero = |from: i128, to: i128| {
         let (n, d) = if from > to { (from, from - to) } else { (-from, to - from) };
         if n > 0 && n < d {
@@ -82,7 +88,7 @@ pub(super) fn roofs_truth(roofs: &[RoofTriangle], uav: LatticePoint, receiver: L
     let is_empty = |pair: &[(i128, i128)]| pair[0].0 * pair[1].1 == pair[1].0 * pair[0].1;
     Some(meets.windows(2).filter(|pair| !is_empty(pair)).map(middle).all(|(n, d)| {
         let p = [0, 1].map(|k| u[k] * d + way[k] * n);
-        // The roofs above the ray that hold what is just beside the link.
+        // Roofs above the ray that hold the points just beside the link.
         let blocks = |beside: i128| {
             roofs.iter().any(|roof| {
                 let holds = edges(&roof.ring).into_iter().all(|(a, b)| {

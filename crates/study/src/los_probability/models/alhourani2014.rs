@@ -5,17 +5,19 @@
 //! a, b = Σⱼ₌₀..₃ Σᵢ₌₀..₃₋ⱼ Cᵢⱼ (αβ)^i γ^j                                       (6)
 //! ```
 //!
-//! It is a smooth fit to the product of [`itu`](super::itu), whose staircase depends less and less on the height as the
-//! height grows, for four cities.
+//! It is a smooth fit to the product of [`itu`](super::itu) for four cities. The staircase of that
+//! product depends less and less on the height as the height grows.
 //!
-//! Trap: the letter's tables of C label the columns i and the rows j, which together with (6) makes the columns powers
-//! of αβ. That gives b < 0 for all four cities of the fit. Read with the *rows* as powers of αβ and the columns as powers of γ, the
-//! tables give the pairs (4.88, 0.43), (9.61, 0.16), (12.08, 0.11), (27.23, 0.08) that everyone uses and that the letter
-//! does not print. Both are here: the polynomial, and the rounded pairs, which differ from it by up to 0.025 in P.
+//! Trap: the letter's tables of C label the columns i and the rows j, which together with (6) makes
+//! the columns powers of αβ. That gives b < 0 for all four cities of the fit. With the *rows* as
+//! powers of αβ and the columns as powers of γ, the tables give pairs in general use, which the
+//! letter does not print: (4.88, 0.43), (9.61, 0.16), (12.08, 0.11), (27.23, 0.08). Both are here:
+//! the polynomial, and the rounded pairs, which differ from it by up to 0.025 in P.
 //!
-//! The letter states no domain. a and b stay above 0 for αβ up to about 460 (γ = 8) or 275 (γ = 50); beyond, b < 0 and
-//! the curve falls with the elevation angle, so such cities are refused. The four cities of the fit have αβ from 75 to
-//! 150 and γ from 8 to 50. The sigmoid is not 0 at 0° and does not reach 1 at 90° (0.85 for high-rise).
+//! The letter states no domain. a and b stay above 0 for αβ up to about 460 (γ = 8) or 275
+//! (γ = 50). Beyond, b < 0 and the curve falls with the elevation angle, so such cities are
+//! refused. The four cities of the fit have αβ from 75 to 150 and γ from 8 to 50. The sigmoid is
+//! not 0 at 0° and does not reach 1 at 90° (0.85 for high-rise).
 
 use super::card::{
     Card, Environment, ModelLink, ModelValue, OutsideDomain, alpha_beta, off_the_street, outside, theta_within,
@@ -64,12 +66,13 @@ const FOR_B: [[f64; 4]; 4] = [
     [-2.00e-8, 0.0, 0.0, 0.0],
 ];
 
-/// αβ \[1/km²\] around the 75 to 150 of the fitted cities.
+/// Range of αβ \[1/km²\] around the 75 to 150 of the fitted cities.
 const FITTED_ALPHA_BETA: std::ops::RangeInclusive<f64> = 50.0..=300.0;
-/// γ of the fitted cities \[m\].
+/// Range of γ of the fitted cities \[m\].
 const FITTED_GAMMA: std::ops::RangeInclusive<f64> = 8.0..=50.0;
 
-/// The parameters (a, b) of the sigmoid by the polynomial of eq. (6), for a and b in degrees.
+/// Returns the parameters (a, b) of the sigmoid by the polynomial of eq. (6), for a and b in
+/// degrees.
 ///
 /// Outside of the model's domain one of them is not above 0.
 pub fn parameters(city: &BuiltUp) -> (f64, f64) {
@@ -106,7 +109,7 @@ fn table(link: &ModelLink) -> Result<ModelValue, OutsideDomain> {
     Ok(ModelValue::new(sigmoid(link, a, b)?, [off_the_street(link)]))
 }
 
-/// Eq. (5).
+/// Evaluates eq. (5).
 fn sigmoid(link: &ModelLink, a: f64, b: f64) -> Result<f64, OutsideDomain> {
     theta_within(link, 0.0, 90.0)?;
     Ok(1.0 / (1.0 + a * libm::exp(-b * (link.theta_deg - a))))

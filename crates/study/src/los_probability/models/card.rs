@@ -1,4 +1,4 @@
-//! What a model is asked and answers, its card, and the checks that several models share.
+//! Input and output of a model, its card, and the checks that several models share.
 
 use std::fmt;
 
@@ -6,8 +6,8 @@ use super::super::setting::{Reach, Setting};
 use crate::city::BuiltUp;
 use crate::quantity::tidy;
 
-/// One link as the models know it. Nothing is derived: the elevation angle, the distance and the heights are those of
-/// one link, and each model takes of them what its formula names.
+/// Link as the models know it. Nothing is derived: each model uses those of its angle, distance and
+/// heights that are in its formula.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModelLink {
     /// Built-up parameters of the city.
@@ -18,17 +18,17 @@ pub struct ModelLink {
     pub rx_height_m: f64,
     /// Elevation angle of the UAV seen from the receiver \[deg above the horizon\], −90 to 90.
     pub theta_deg: f64,
-    /// Ground distance between the two \[m\], ≥ 0.
+    /// Ground distance between UAV and receiver \[m\], ≥ 0.
     pub distance_m: f64,
     /// Azimuth \[deg\], 0 straight across the street; `None` for the mean over all azimuths.
     pub phi_deg: Option<f64>,
 }
 
 impl ModelLink {
-    /// The link of a setting.
+    /// Returns the link of a setting.
     ///
     /// # Errors
-    /// Why there is none: users over an area have no one angle and distance.
+    /// The reason why there is none: users over an area have no single angle and distance.
     pub fn of(setting: &Setting) -> Result<ModelLink, &'static str> {
         let Reach::Ring { distance_m, theta_deg } = setting.reach else {
             return Err("it is a function of one angle or distance, not of an area");
@@ -44,17 +44,17 @@ impl ModelLink {
     }
 }
 
-/// What a model says of a link.
+/// Value of a model for a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelValue {
     /// Probability of line of sight, 0 to 1.
     pub p_los: f64,
-    /// Why the value is to be taken with care: the link is not of the kind that the model was made for.
+    /// Reason to use the value with care: the model was not made for such a link.
     pub caution: Option<String>,
 }
 
 impl ModelValue {
-    /// A value and the reasons for care; what rounding put beyond 0 or 1 is brought back.
+    /// Makes a value with its reasons for care, and clamps rounding errors to 0 and 1.
     pub(super) fn new<const N: usize>(p_los: f64, cautions: [Option<String>; N]) -> Self {
         let cautions: Vec<String> = cautions.into_iter().flatten().collect();
         let caution = (!cautions.is_empty()).then(|| cautions.join("; "));
@@ -62,10 +62,10 @@ impl ModelValue {
     }
 }
 
-/// A model was asked outside of its domain.
+/// Refusal of a link outside of a model's domain.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OutsideDomain {
-    /// What was found, and what was wanted.
+    /// Value that was found, and the wanted one.
     pub reason: String,
 }
 
@@ -81,7 +81,7 @@ pub(super) fn outside<T>(reason: String) -> Result<T, OutsideDomain> {
     Err(OutsideDomain { reason })
 }
 
-/// What a family's file tells of one model.
+/// Description and function of one model.
 pub(super) struct Card {
     pub(super) id: &'static str,
     pub(super) name: &'static str,
@@ -91,7 +91,7 @@ pub(super) struct Card {
     pub(super) p_los: fn(&ModelLink) -> Result<ModelValue, OutsideDomain>,
 }
 
-/// What holds for every link of every model.
+/// Checks the conditions that hold for every model.
 pub(super) fn check(link: &ModelLink) -> Result<(), OutsideDomain> {
     for (name, v) in [("the UAV's height", link.uav_height_m), ("the receiver's height", link.rx_height_m)] {
         if !(v.is_finite() && v >= 0.0) {
@@ -120,7 +120,7 @@ pub(super) fn theta_within(link: &ModelLink, low: f64, high: f64) -> Result<(), 
     outside(format!("the elevation angle is {}°, wanted {low}° to {high}°", link.theta_deg))
 }
 
-/// Height of the UAV above the receiver \[m\], > 0.
+/// Returns the height of the UAV above the receiver \[m\], > 0.
 pub(super) fn height_above_receiver(link: &ModelLink) -> Result<f64, OutsideDomain> {
     let h = link.uav_height_m - link.rx_height_m;
     if h > 0.0 {
@@ -132,12 +132,12 @@ pub(super) fn height_above_receiver(link: &ModelLink) -> Result<f64, OutsideDoma
     ))
 }
 
-/// αβ \[1/km²\], of which the square root is the number of buildings per kilometer in [`super::itu`].
+/// Returns αβ \[1/km²\]; [`super::itu`] has √(αβ) buildings per kilometer.
 pub(super) fn alpha_beta(city: &BuiltUp) -> f64 {
     city.built_up_ratio * city.buildings_per_km2
 }
 
-/// One of the four environments that fits and tables are made for.
+/// Environment of published fits and tables, one of four.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Environment {
     Suburban,
@@ -154,7 +154,8 @@ impl Environment {
         (Environment::HighRise, "high-rise"),
     ];
 
-    /// The environment with exactly these built-up parameters: a fit says nothing of cities between two of them.
+    /// Returns the environment with exactly these built-up parameters. A fit does not cover cities
+    /// between two environments.
     pub(super) fn of(city: &BuiltUp) -> Result<Self, OutsideDomain> {
         let known = Self::ALL.into_iter().find(|(_, name)| BuiltUp::named(name).as_ref() == Some(city));
         let Some((environment, _)) = known else {
@@ -164,26 +165,27 @@ impl Environment {
     }
 }
 
-/// The highest receiver that stands on a street \[m\]: one story, by which h_UT = 3(n − 1) + 1.5 m rises from floor to
+/// Highest receiver on a street \[m\]: one story, the step of h_UT = 3(n − 1) + 1.5 m from floor to
 /// floor (3GPP TR 36.873, Table 6-1).
 const STREET_LEVEL_M: f64 = 3.0;
 
-/// For models of receivers on the street.
+/// Returns the caution of models of receivers on the street, if it applies.
 pub(super) fn off_the_street(link: &ModelLink) -> Option<String> {
     (link.rx_height_m > STREET_LEVEL_M)
         .then(|| format!("made for receivers at street level, the receiver is at {} m", tidy(link.rx_height_m)))
 }
 
-/// The lowest high-altitude platform \[m\] (3GPP TR 38.811, section 4.1: 8 km to 50 km).
+/// Lowest high-altitude platform \[m\] (3GPP TR 38.811, section 4.1: 8 km to 50 km).
 const LOWEST_PLATFORM_M: f64 = 8000.0;
 
-/// For models of high-altitude platforms.
+/// Returns the caution of models of high-altitude platforms, if it applies.
 pub(super) fn below_platforms(link: &ModelLink) -> Option<String> {
     (link.uav_height_m < LOWEST_PLATFORM_M)
         .then(|| format!("made for platforms from 8 km up, the UAV is at {} m", tidy(link.uav_height_m)))
 }
 
-/// For models of the UAV as the user of a base station of this height \[m\].
+/// Returns the caution of models with a base station of height `height_m` \[m\] whose user is the
+/// UAV, if it applies.
 pub(super) fn not_a_base_station(link: &ModelLink, height_m: f64) -> Option<String> {
     (link.rx_height_m <= STREET_LEVEL_M).then(|| {
         format!(

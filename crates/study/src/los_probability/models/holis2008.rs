@@ -4,9 +4,9 @@
 //! P(θ) = [ a − (a − b) / (1 + ((θ − c)/d)^e) ] / 100,   θ in degrees
 //! ```
 //!
-//! Five numbers for each of four environments, from a study at 2 to 6 GHz of platforms in the stratosphere and users at
-//! street level, for elevation angles from 1° to 89°. All four curves come to 0.9998 to 1.0000 at 90°, so 90° is allowed;
-//! below 1° is refused.
+//! The fit has five numbers for each of four environments. It comes from a study at 2 to 6 GHz of
+//! platforms in the stratosphere and users at street level, for elevation angles from 1° to 89°.
+//! All four curves reach 0.9998 to 1.0000 at 90°, so 90° is allowed; below 1° is refused.
 
 use super::card::{
     Card, Environment, ModelLink, ModelValue, OutsideDomain, below_platforms, off_the_street, theta_within,

@@ -1,16 +1,18 @@
 //! Recommendation ITU-R P.1410: a product over equally spaced buildings.
 //!
 //! ```text
-//! P = ∏ₙ₌₀..m [ 1 − exp( −(h_tx − (n + ½)(h_tx − h_rx)/(m + 1))² / (2γ²) ) ],   m = ⌊r√(αβ) − 1⌋,  r in km
+//! P = ∏ₙ₌₀..m [ 1 − exp( −(h_tx − (n + ½)(h_tx − h_rx)/(m + 1))² / (2γ²) ) ]
+//! m = ⌊r√(αβ) − 1⌋,   r in km
 //! ```
 //!
-//! m + 1 buildings stand between the two ends, each in the middle of its m + 1st of the way, and each is lower than the
-//! ray there with the probability of a Rayleigh height. For fixed heights P depends on r only through m: a staircase
-//! with steps at r = k/√(αβ) km, and 1 before the first step (the product is empty, m = −1), so at r = 0 too.
+//! m + 1 buildings stand between the two ends, in the middles of m + 1 equal parts of the way. Each
+//! is lower than the ray there with the probability of a Rayleigh height. For fixed heights P
+//! depends on r only through m. It is a staircase with steps at r = k/√(αβ) km. Before the first
+//! step the product is empty (m = −1) and P is 1, so at r = 0 too.
 //!
-//! Trap: the count √(αβ) per kilometer is that of a ray along the rows of the grid. A ray of random direction crosses
-//! 4/π times as many buildings, and a building is struck at its edge, not in the middle of a cell: the model gives too
-//! much line of sight at most elevation angles.
+//! Trap: the count √(αβ) per kilometer is that of a ray along the rows of the grid. A ray of random
+//! direction crosses 4/π times as many buildings. A building is struck at its edge, not in the
+//! middle of a cell. So the model gives too much line of sight at most elevation angles.
 
 use super::card::{Card, ModelLink, ModelValue, OutsideDomain, alpha_beta};
 use crate::city::BuiltUp;
@@ -26,8 +28,8 @@ pub(super) const CARD: Card = Card {
     p_los,
 };
 
-/// The index m of the last building between the two ends, −1 without one: ⌊r√(αβ) − 1⌋ with the ground distance r in
-/// kilometers and β in 1/km².
+/// Returns the index m of the last building between the two ends, −1 without one. m = ⌊r√(αβ) − 1⌋
+/// with the ground distance r in kilometers and β in 1/km².
 pub fn m(distance_m: f64, city: &BuiltUp) -> i64 {
     #[expect(clippy::cast_possible_truncation, reason = "saturates, far beyond any distance on Earth")]
     let m = (distance_m / 1000.0 * alpha_beta(city).sqrt() - 1.0).floor() as i64;

@@ -1,15 +1,17 @@
-//! Kang, Joung, Ahn and Kang 2019: the ITU product with its staircase smoothed away.
+//! Kang, Joung, Ahn and Kang 2019: the ITU product without its staircase.
 //!
 //! ```text
 //! P = exp( −√(παβ/2) · (rγ/h) · erf(h/(√2 γ)) ),   r in km
 //! ```
 //!
-//! The exponent is −√(αβ) ∫₀..r exp(−(hx/r)²/(2γ²)) dx: buildings come at random along the ray, √(αβ) per kilometer as in
-//! [`itu`](super::itu), and each blocks with the probability that a Rayleigh height reaches the ray. For h ≫ γ only the
-//! elevation angle matters: P = exp(−√(παβ/2)·γ·cot θ).
+//! The exponent is −√(αβ) ∫₀..r exp(−(hx/r)²/(2γ²)) dx. Buildings are placed at random along the
+//! ray, √(αβ) per kilometer as in [`itu`](super::itu). Each blocks with the probability that a
+//! Rayleigh height reaches the ray. For h ≫ γ only the elevation angle matters:
+//! P = exp(−√(παβ/2)·γ·cot θ).
 //!
-//! The formula was read in another implementation and derived again as above, not read in the letter. h is taken above
-//! the receiver, and building heights too, as if the receiver stood on the ground; at 90° P is 1.
+//! The formula was read in another implementation and derived again as above, not read in the
+//! letter. h is taken above the receiver. Building heights are, too, as if the receiver stood on
+//! the ground. At 90° P is 1.
 
 use std::f64::consts::{PI, SQRT_2};
 

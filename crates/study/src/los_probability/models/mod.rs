@@ -1,7 +1,8 @@
-//! Published models of the probability of line of sight (P_LoS), each with its source, domain and traps.
+//! Published models of the probability of line of sight (P_LoS): sources, domains and traps.
 //!
-//! They are here to be compared with, not to decide anything: a model knows a city by three numbers
-//! ([`crate::city::BuiltUp`]) or by a name, and a link by a few more ([`ModelLink`]). They do not all answer the same question:
+//! The models serve for comparison and decide nothing. A model knows a city by three numbers
+//! ([`crate::city::BuiltUp`]) or by a name, and a link by a few more ([`ModelLink`]). Values of
+//! models differ in meaning:
 //!
 //! | models | a function of | averaged over |
 //! |---|---|---|
@@ -12,13 +13,14 @@
 //! | [`holis2008`], [`tr38811`] | elevation angle, environment | receivers and azimuths |
 //! | [`tr36777`], [`tr38901`] | ground distance, UAV height | a cell of a network: the UAV is the user of a base station |
 //!
-//! A model that is asked outside of its domain refuses ([`OutsideDomain`]); where it still has a value but was not made
-//! for the link, the value carries a caution. All values are computed with the functions of the crate `libm`, so that
-//! they are the same on every machine.
+//! A model refuses links outside of its domain ([`OutsideDomain`]). If it has a value but was not
+//! made for the link, the value carries a caution. All values are computed with the functions of
+//! the crate `libm`, so that they are equal on every machine.
 //!
-//! One model is missing on purpose. The closed form of I. Mohammed, I. B. Collings and S. V. Hanly, "Line of sight
-//! probability prediction for UAV communication", IEEE ICC Workshops 2021, has no public formula that could be checked;
-//! a [`UserCurve`], read from a table of its values, takes its place, and [`mohammed2023`] is its authors' later model.
+//! One model is missing on purpose: the closed form of I. Mohammed, I. B. Collings and S. V. Hanly.
+//! Its paper, "Line of sight probability prediction for UAV communication", IEEE ICC Workshops
+//! 2021, has no public formula to check. A [`UserCurve`], read from a table of its values, can
+//! replace it, and [`mohammed2023`] is its authors' later model.
 //!
 //! # Examples
 //!
@@ -68,7 +70,7 @@ pub enum Model {
     Itu,
     /// Sigmoid with parameters from the letter's polynomial: [`alhourani2014`].
     AlHourani2014,
-    /// Sigmoid with the rounded parameters in use everywhere: [`alhourani2014`].
+    /// Sigmoid with the rounded parameters in general use: [`alhourani2014`].
     AlHourani2014Table,
     /// Elevation fit for high-altitude platforms: [`holis2008`].
     Holis2008,
@@ -136,39 +138,39 @@ impl Model {
         }
     }
 
-    /// The word for the model on the command line and in tables, for example `alhourani2014-table`.
+    /// Returns the id on the command line and in tables, for example `alhourani2014-table`.
     pub fn id(self) -> &'static str {
         self.card().id
     }
 
-    /// The model with this id; upper and lower case, `-` and `_` are the same.
+    /// Returns the model with this id; upper and lower case, `-` and `_` are equal.
     pub fn from_id(id: &str) -> Option<Self> {
         let plain = |id: &str| id.trim().to_lowercase().replace('_', "-");
         let wanted = plain(id);
         Model::ALL.into_iter().find(|model| plain(model.id()) == wanted)
     }
 
-    /// A short name for legends.
+    /// Returns a short name for legends.
     pub fn name(self) -> &'static str {
         self.card().name
     }
 
-    /// The publication, with equation or table where it is known.
+    /// Returns the publication, with equation or table if known.
     pub fn source(self) -> &'static str {
         self.card().source
     }
 
-    /// For which links the model has a value, and for which of them it was made; one sentence.
+    /// Returns the links that have a value, and those that the model was made for; one sentence.
     pub fn domain(self) -> &'static str {
         self.card().domain
     }
 
-    /// Of what the model is a function, and what its value is averaged over; one sentence.
+    /// Returns the variables of the model, and those that its value is averaged over; one sentence.
     pub fn about(self) -> &'static str {
         self.card().about
     }
 
-    /// The probability of line of sight of a link.
+    /// Returns the probability of line of sight of a link.
     pub fn p_los(self, link: &ModelLink) -> Result<ModelValue, OutsideDomain> {
         check(link)?;
         (self.card().p_los)(link)

@@ -1,7 +1,8 @@
 //! Mohammed, Gopalam, Collings and Hanly 2023: only the first building along the ray counts.
 //!
-//! The distance X from an outdoor receiver to the first building is taken as exponential with rate Λ₁, its height as
-//! Rayleigh, and P as the probability that the ray clears it. With the widths w of buildings and s of streets,
+//! The distance X from an outdoor receiver to the first building is taken as exponential with rate
+//! Λ₁, its height as Rayleigh. P is the probability that the ray clears it. With the widths w of
+//! buildings and s of streets,
 //!
 //! ```text
 //! Λ₁ = (1/s)·( 613/753 − (901/2116)(s/w) + (1258/8477)(s/w)² − (239/10712)(s/w)³ )
@@ -10,19 +11,23 @@
 //!    = 1 − Λ₁ √π/(2√ρ) · e^(Λ₁²/(4ρ)) · [ erf((2ρr + Λ₁)/(2√ρ)) − erf(Λ₁/(2√ρ)) ]
 //! ```
 //!
-//! Traps: the exponent's sign is plus, as the integral shows, though an implementation has it "corrected" to minus,
-//! which is wrong by up to 0.99. And at low elevation angles the two erf are both 1, the difference is lost and P comes
-//! out as 1. With x = Λ₁/(2√ρ), q = √ρ·r = h/(√2 γ) and the scaled function erfcx(x) = e^(x²)·erfc(x), what is computed is
+//! Trap: the exponent's sign is plus, as the integral shows. An implementation has it "corrected"
+//! to minus, which is wrong by up to 0.99.
+//!
+//! Trap: at low elevation angles the two erf are both 1, their difference is lost and P becomes 1.
+//! The code uses x = Λ₁/(2√ρ), q = √ρ·r = h/(√2 γ) and the scaled function
+//! erfcx(x) = e^(x²)·erfc(x), and computes
 //!
 //! ```text
-//! P = 1 − √π·x·[ erfcx(x) − e^(−Λ₁r − q²)·erfcx(x + q) ],
+//! P = 1 − √π·x·[ erfcx(x) − e^(−Λ₁r − q²)·erfcx(x + q) ]
 //! ```
 //!
-//! which neither overflows nor cancels. At r = 0, x is 0 and P is 1.
+//! This neither overflows nor cancels. At r = 0, x is 0 and P is 1.
 //!
-//! The model measures all heights from the receiver, so buildings too stand on its level: h_rx is taken as 0. Formula and
-//! coefficients were read in another implementation, which notes 0.25 ≤ s/w ≤ 2.5, and the form was derived again; Λ₁
-//! stays above 0 for s/w up to about 4.1, and other cities are refused.
+//! The model measures all heights from the receiver, so buildings too stand on its level: h_rx is
+//! taken as 0. Formula and coefficients were read in another implementation, which notes
+//! 0.25 ≤ s/w ≤ 2.5, and the form was derived again. Λ₁ stays above 0 for s/w up to about 4.1, and
+//! other cities are refused.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -43,10 +48,10 @@ pub(super) const CARD: Card = Card {
     p_los,
 };
 
-/// The range of s/w for which the polynomial of Λ₁ was fitted.
+/// Range of s/w for which the polynomial of Λ₁ was fitted.
 const FITTED_STREETS: std::ops::RangeInclusive<f64> = 0.25..=2.5;
 
-/// Rate Λ₁ of the distance to the first building \[1/m\].
+/// Returns the rate Λ₁ of the distance to the first building \[1/m\].
 fn first_building_rate(city: &BuiltUp) -> f64 {
     let (s, w) = (city.street_width(), city.building_width());
     let x = s / w;
@@ -71,13 +76,14 @@ fn p_los(link: &ModelLink) -> Result<ModelValue, OutsideDomain> {
     Ok(ModelValue::new(p, [extrapolated, off_the_street(link)]))
 }
 
-/// From here on the continued fraction is used, where 24 of its levels are exact to the last digits.
+/// Least x of the continued fraction, at which 24 of its levels are exact to the last digits.
 const FAR: f64 = 10.0;
 
-/// The scaled complementary error function e^(x²)·erfc(x), for x ≥ 0.
+/// Returns the scaled complementary error function e^(x²)·erfc(x), for x ≥ 0.
 ///
-/// e^(x²) overflows at x = 26.7; for large x the continued fraction of Laplace is used instead (Abramowitz & Stegun,
-/// Handbook of Mathematical Functions, eq. 7.1.14): √π·erfcx(x) = 1/(x + (1/2)/(x + (2/2)/(x + (3/2)/(x + …)))).
+/// e^(x²) overflows at x = 26.7, so large x use the continued fraction of Laplace:
+/// √π·erfcx(x) = 1/(x + (1/2)/(x + (2/2)/(x + (3/2)/(x + …)))) (Abramowitz & Stegun, Handbook of
+/// Mathematical Functions, eq. 7.1.14).
 fn erfcx(x: f64) -> f64 {
     if x < FAR {
         return libm::exp(x * x) * libm::erfc(x);

@@ -1,18 +1,20 @@
-//! Saboor, Vinogradov, Cui, Al-Hourani and Pollin 2024: rows of buildings across the street, azimuth 0.
+//! Saboor, Vinogradov, Cui, Al-Hourani and Pollin 2024: rows of buildings across a street, azimuth
+//! 0.
 //!
 //! ```text
 //! P = ∏ᵢ₌₁..n { 1 − γ√(π/2)/(s·tan θ) · [ erf(k₂ tan θ/(√2 γ)) − erf(k₁ tan θ/(√2 γ)) ] }
 //! k₁ = (i − 1)(s + w),   k₂ = k₁ + s,   n = ⌊h / ((s + w)·tan θ)⌋
 //! ```
 //!
-//! A receiver stands anywhere across a street of width s, with equal probability; the ray runs straight across, over one
-//! row of buildings after the other. Each factor is the mean, over the receiver's place, of the probability that row i is
-//! lower than the ray at its near edge. Only φ = 0 is here: the part of the model for other azimuths could not be checked.
+//! A receiver stands anywhere across a street of width s, with equal probability. The ray runs
+//! straight across, over one row of buildings after the other. Each factor is the mean, over the
+//! receiver's place, of the probability that row i is lower than the ray at its near edge. Only
+//! φ = 0 is here: the part of the model for other azimuths could not be checked.
 //!
-//! Traps: all factors grow with the distance of the receiver from the first row, so the mean of their product is larger
-//! than the product of their means (suburban, 10°: 0.0215 against 0.0170). And n leaves out the last row, so P is 1 where
-//! the UAV is nearer than one period s + w, at any height. Heights are taken above the receiver, who stands at street
-//! level.
+//! Traps: all factors grow with the distance of the receiver from the first row. So the mean of
+//! their product is larger than the product of their means (suburban, 10°: 0.0215 against 0.0170).
+//! And n leaves out the last row, so P is 1 if the UAV is nearer than one period s + w, at any
+//! height. Heights are taken above the receiver, who stands at street level.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -31,8 +33,8 @@ pub(super) const CARD: Card = Card {
     p_los,
 };
 
-/// By how much of itself r/(s + w) may fall short of a whole number that it is meant to be: some thousand times the
-/// rounding of the few operations that made it.
+/// Largest relative deficit with which r/(s + w) still counts as a whole number: some thousand
+/// times the rounding error of the few operations before.
 const ROUNDING: f64 = 1e-12;
 
 fn p_los(link: &ModelLink) -> Result<ModelValue, OutsideDomain> {
@@ -55,7 +57,7 @@ fn p_los(link: &ModelLink) -> Result<ModelValue, OutsideDomain> {
             let (near, far) = (row * period, row * period + s);
             let blocked = factor * (scaled(far) - scaled(near));
             p *= 1.0 - blocked;
-            // Rows farther on are lower still under the ray, or nothing is left to lose.
+            // Farther rows are lower still under the ray, or P is already 0.
             if blocked <= 0.0 || p <= 0.0 {
                 break;
             }
@@ -86,7 +88,7 @@ mod tests {
 
     #[test]
     fn a_factor_is_the_mean_over_the_street() {
-        // One row only: the mean over u of the probability that a Rayleigh height stays below u·tan θ.
+        // One row: the mean over u of the probability that a Rayleigh height is below u·tan θ.
         let link = across("urban", 60.0);
         let (s, gamma) = (link.built_up.street_width(), link.built_up.height_scale);
         let mean: f64 = (0..20_000)

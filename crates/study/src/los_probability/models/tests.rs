@@ -1,18 +1,18 @@
-//! What holds for all models, and the links that the tests of each share.
+//! Tests of all models, and the links that the tests of each share.
 
 use super::*;
 use crate::city::BuiltUp;
 
-/// The four named environments.
+/// Names of the four environments.
 pub(super) const NAMED: [&str; 4] = ["suburban", "urban", "dense", "high-rise"];
-/// And the center of Ghent, as in Saboor et al. 2023.
+/// Names of the environments, and the center of Ghent as in Saboor et al. 2023.
 pub(super) const CITIES: [&str; 5] = ["suburban", "urban", "dense", "high-rise", "ghent"];
 
 pub(super) fn city(name: &str) -> BuiltUp {
     BuiltUp::named(name).unwrap_or_else(|| BuiltUp::new(0.435, 4679.0, 8.8).unwrap())
 }
 
-/// A UAV at 100 m seen from the ground at an elevation angle.
+/// Returns the link to a UAV at 100 m from the ground at an elevation angle.
 pub(super) fn link(name: &str, theta_deg: f64) -> ModelLink {
     let distance_m = if theta_deg < 90.0 { 100.0 / theta_deg.to_radians().tan() } else { 0.0 };
     let distance_m = distance_m.clamp(0.0, 1e6);
@@ -105,7 +105,7 @@ fn models_of_the_elevation_angle_rise_with_it() {
     }
 }
 
-/// What each model says of links that it was not made for: a caution beside its value, or why it has none.
+/// Checks links that a model was not made for: a caution beside its value, or a refusal.
 #[test]
 fn what_a_model_was_not_made_for_is_told() {
     let at = |h: f64| ModelLink { uav_height_m: h, rx_height_m: 25.0, ..link("urban", 30.0) };

@@ -1,6 +1,7 @@
 //! 3GPP TR 36.777: aerial users of a mobile network.
 //!
-//! With the ground distance d and the UAV's height h in meters, P is 1 for d ≤ d₁ and d₁/d + exp(−d/p₁)(1 − d₁/d) beyond:
+//! With the ground distance d and the UAV's height h in meters, P is 1 for d ≤ d₁ and
+//! d₁/d + exp(−d/p₁)(1 − d₁/d) beyond:
 //!
 //! | scenario | h | p₁ | d₁ |
 //! |---|---|---|---|
@@ -10,11 +11,13 @@
 //! | | 100 < h ≤ 300 | P = 1 | |
 //! | UMi-AV | 22.5 < h ≤ 300 | 233.98·log₁₀h − 0.95 | max(294.05·log₁₀h − 432.94, 18) |
 //!
-//! From 1.5 m up to the first row of a scenario the value is that of [`tr38901`]. P jumps at the limits of the rows
-//! (UMa-AV at 1 km: 0.045 at 22.5 m, 0.616 just above), and UMi-AV has no height from which it is 1.
+//! From 1.5 m up to the first row of a scenario the value is that of [`tr38901`]. P jumps at the
+//! limits of the rows (UMa-AV at 1 km: 0.045 at 22.5 m, 0.616 just above). UMi-AV has no height
+//! from which it is 1.
 //!
-//! Trap: the ground end is a base station on a mast or roof (RMa 35 m, UMa 25 m, UMi 10 m), the UAV is its user. For a
-//! receiver on the street the value is an analogy and says so. The built-up parameters have no part in it.
+//! Trap: the ground end is a base station on a mast or roof (RMa 35 m, UMa 25 m, UMi 10 m), the UAV
+//! is its user. For a receiver on the street the value is an analogy and carries a caution. The
+//! built-up parameters have no effect.
 
 use super::card::{Card, ModelLink, ModelValue, OutsideDomain, not_a_base_station, outside};
 use super::tr38901::{self, street};

@@ -8,10 +8,11 @@
 //! | urban | 24.6 | 38.6 | 49.3 | 61.3 | 72.6 | 80.5 | 91.9 | 96.8 | 99.2 |
 //! | suburban and rural | 78.2 | 86.9 | 91.9 | 92.9 | 93.5 | 94.0 | 94.9 | 95.2 | 99.8 |
 //!
-//! Network simulators (ns-3, Simu5G) take the nearest of these angles: a staircase, with halves rounded up. Linear
-//! interpolation is an extension that others use. Below 10° both keep the value at 10° and say so; overhead P is
-//! not 1. There is no table for high-rise. It was made for platforms from 8 km up, so for a UAV it is an analogy. Oddity:
-//! at 10° the dense urban city has more line of sight than the urban one.
+//! Network simulators (ns-3, Simu5G) take the nearest of these angles: a staircase, with halves
+//! rounded up. Linear interpolation is an extension, also in use. Below 10° both keep the value at
+//! 10° and add a caution; overhead P is not 1. There is no table for high-rise. The table was made
+//! for platforms from 8 km up, so for a UAV it is an analogy. Oddity: at 10° the dense urban city
+//! has more line of sight than the urban one.
 
 use super::card::{
     Card, Environment, ModelLink, ModelValue, OutsideDomain, below_platforms, off_the_street, outside, theta_within,
@@ -50,12 +51,12 @@ pub(super) const LINEAR: Card = Card {
     },
 };
 
-/// The first elevation angle of the table \[deg\].
+/// First elevation angle of the table \[deg\].
 const LOWEST_DEG: f64 = 10.0;
-/// From one elevation angle of the table to the next \[deg\].
+/// Step between elevation angles of the table \[deg\].
 const STEP_DEG: f64 = 10.0;
 
-/// P in percent at 10°, 20°, …, 90°.
+/// Returns P in percent at 10°, 20°, …, 90°.
 fn row(link: &ModelLink) -> Result<[f64; 9], OutsideDomain> {
     theta_within(link, 0.0, 90.0)?;
     Ok(match Environment::of(&link.built_up)? {
@@ -68,7 +69,7 @@ fn row(link: &ModelLink) -> Result<[f64; 9], OutsideDomain> {
     })
 }
 
-/// The place in a row of an elevation angle from 10° to 90°, brought to a whole step.
+/// Returns the index in a row of an elevation angle from 10° to 90°, brought to a whole step.
 fn index(theta_deg: f64, whole: fn(f64) -> f64) -> usize {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 9 by the check in `row`")]
     let step = whole(theta_deg / STEP_DEG) as usize;

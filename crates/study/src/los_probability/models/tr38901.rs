@@ -9,10 +9,11 @@
 //!       C′ = 0 for h ≤ 13,  ((h − 13)/10)^1.5 for 13 < h ≤ 23
 //! ```
 //!
-//! Here the UAV is the user and the receiver on the ground has the place of the base station (RMa 35 m, UMa 25 m, UMi
-//! 10 m high): for a receiver on the street the value is an analogy and says so. The built-up parameters have no part.
-//! C′ is not defined above 23 m, so UMa is refused there. The other two name no height in Table 7.4.2-1; Table 7.4.1-1
-//! has them for users at 1 to 10 m (RMa) and 1.5 to 22.5 m (UMi), beyond which they carry a caution.
+//! Here the UAV is the user, and the receiver on the ground replaces the base station (RMa 35 m,
+//! UMa 25 m, UMi 10 m high). For a receiver on the street the value is an analogy and carries a
+//! caution. The built-up parameters have no effect. C′ is not defined above 23 m, so UMa is refused
+//! there. RMa and UMi have no height in Table 7.4.2-1. Table 7.4.1-1 has them for users at 1 to
+//! 10 m (RMa) and 1.5 to 22.5 m (UMi); beyond, values carry a caution.
 
 use super::card::{Card, ModelLink, ModelValue, not_a_base_station, outside};
 
@@ -56,7 +57,7 @@ pub(super) const UMI: Card = Card {
     },
 };
 
-/// The highest user for whom C′ is defined \[m\].
+/// Height of the highest user for whom C′ is defined \[m\].
 const UMA_HIGHEST_M: f64 = 23.0;
 
 fn users_at(link: &ModelLink, low: f64, high: f64) -> Option<String> {
@@ -64,12 +65,12 @@ fn users_at(link: &ModelLink, low: f64, high: f64) -> Option<String> {
     (!(low..=high).contains(&h)).then(|| format!("made for users at {low} to {high} m, the UAV is at {h} m"))
 }
 
-/// Rural macro; d in meters.
+/// Returns P for rural macro; d in meters.
 pub(super) fn rma(d: f64) -> f64 {
     if d <= 10.0 { 1.0 } else { libm::exp(-(d - 10.0) / 1000.0) }
 }
 
-/// Urban macro; d and h in meters, h ≤ 23.
+/// Returns P for urban macro; d and h in meters, h ≤ 23.
 pub(super) fn uma(d: f64, h: f64) -> f64 {
     let c = if h <= 13.0 {
         0.0
@@ -82,12 +83,12 @@ pub(super) fn uma(d: f64, h: f64) -> f64 {
     street(d, 18.0, 63.0) * if d <= 18.0 { 1.0 } else { higher }
 }
 
-/// Urban micro street canyon; d in meters.
+/// Returns P for an urban micro street canyon; d in meters.
 pub(super) fn umi(d: f64) -> f64 {
     street(d, 18.0, 36.0)
 }
 
-/// The form common to urban models: 1 up to d₁, then d₁/d + exp(−d/p₁)(1 − d₁/d).
+/// Returns the form common to urban models: 1 up to d₁, then d₁/d + exp(−d/p₁)(1 − d₁/d).
 pub(super) fn street(d: f64, d1: f64, p1: f64) -> f64 {
     if d <= d1 { 1.0 } else { d1 / d + libm::exp(-d / p1) * (1.0 - d1 / d) }
 }

@@ -1,10 +1,10 @@
-//! A curve of P_LoS given by its points: measurements, or a model whose formula is not public.
+//! Curve of P_LoS given by its points: measurements, or a model without a public formula.
 
 use std::ops::RangeInclusive;
 
 use super::card::{OutsideDomain, outside};
 
-/// What the values of a [`UserCurve`] are given over.
+/// Variable of a [`UserCurve`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CurveAxis {
     /// Elevation angle \[deg\], column `theta_deg`.
@@ -14,7 +14,7 @@ pub enum CurveAxis {
 }
 
 impl CurveAxis {
-    /// The name of its column.
+    /// Returns the name of its column.
     pub fn column(self) -> &'static str {
         match self {
             CurveAxis::Theta => "theta_deg",
@@ -22,7 +22,7 @@ impl CurveAxis {
         }
     }
 
-    /// What its values may be.
+    /// Returns the range of its values.
     pub fn range(self) -> RangeInclusive<f64> {
         match self {
             CurveAxis::Theta => 0.0..=90.0,
@@ -31,17 +31,18 @@ impl CurveAxis {
     }
 }
 
-/// P_LoS over the elevation angle or the ground distance; between its rows linear, beyond them refused.
+/// P_LoS over the elevation angle or the ground distance: linear between its rows, refused beyond.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UserCurve {
     name: String,
     axis: CurveAxis,
-    /// (angle or distance, P_LoS), ascending, at least two.
+    /// Rows (angle or distance, P_LoS), ascending, at least two.
     points: Vec<(f64, f64)>,
 }
 
 impl UserCurve {
-    /// A curve from its rows, in any order: elevation angle \[0 to 90 deg\] or ground distance \[m, ≥ 0\], and P_LoS.
+    /// Makes a curve from its rows, in any order: elevation angle \[0 to 90 deg\] or ground
+    /// distance \[m, ≥ 0\], and P_LoS.
     ///
     /// Returns `None` unless there are two rows or more, all in range, each angle or distance once.
     pub fn new(name: &str, axis: CurveAxis, mut points: Vec<(f64, f64)>) -> Option<Self> {
@@ -52,27 +53,27 @@ impl UserCurve {
         is_curve.then(|| UserCurve { name: name.to_string(), axis, points })
     }
 
-    /// What the curve is called.
+    /// Returns the name of the curve.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// What its values are given over.
+    /// Returns the variable of the curve.
     pub fn axis(&self) -> CurveAxis {
         self.axis
     }
 
-    /// Its rows: elevation angle \[deg\] or ground distance \[m\], ascending, and P_LoS.
+    /// Returns its rows: elevation angle \[deg\] or ground distance \[m\], ascending, and P_LoS.
     pub fn points(&self) -> &[(f64, f64)] {
         &self.points
     }
 
-    /// The first and last elevation angle \[deg\] or ground distance \[m\] of the curve.
+    /// Returns the first and last elevation angle \[deg\] or ground distance \[m\] of the curve.
     pub fn range(&self) -> (f64, f64) {
         (self.points[0].0, self.points[self.points.len() - 1].0)
     }
 
-    /// The value at an elevation angle \[deg\] or ground distance \[m\], whichever the curve is given over.
+    /// Returns the value at the elevation angle \[deg\] or ground distance \[m\], by its axis.
     pub fn p_los(&self, theta_deg: f64, distance_m: f64) -> std::result::Result<f64, OutsideDomain> {
         let (at, what, unit) = match self.axis {
             CurveAxis::Theta => (theta_deg, "elevation angle", "°"),
