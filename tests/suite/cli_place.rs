@@ -138,6 +138,27 @@ fn goals_without_an_answer_say_why() {
 }
 
 #[test]
+fn the_least_height_is_found_where_an_antenna_makes_shares_fall_with_height() {
+    let folder = city();
+    let mut n_falls = 0;
+    for antenna in ["--elevation -60,-20", "--elevation -30,0", "--beam 120", "--min-radius 5 --elevation -50,-10"] {
+        let share_at = |height: u32| {
+            let best = document(&folder, &format!("--height {height} {antenna}"));
+            best["winner"]["p_los"].as_f64().expect("a share")
+        };
+        let shares: Vec<(u32, f64)> = (5..=60).step_by(5).map(|height| (height, share_at(height))).collect();
+        n_falls += shares.windows(2).filter(|pair| pair[1].1 < pair[0].1).count();
+        for wanted in [0.1, 0.3, 0.5] {
+            let line = format!("--height 5:60:5 --goal p_los>={wanted} --minimize height {antenna}");
+            let found = document(&folder, &line)["winner"]["height_agl_m"].as_f64();
+            let least = shares.iter().find(|(_, share)| *share >= wanted).map(|(height, _)| f64::from(*height));
+            assert_eq!(found, least, "{line}: {shares:?}");
+        }
+    }
+    assert!(n_falls > 5, "{n_falls}");
+}
+
+#[test]
 fn what_makes_no_sense_of_a_search_is_refused() {
     let folder = city();
     check_refusals(

@@ -20,11 +20,12 @@ pub struct LeastHeight {
 }
 
 /// Finds for each place the lowest candidate that sees at least `share` (0 to 1) of the wanted
-/// receivers, by binary search. Places are in the order of their first candidates.
+/// receivers. Places are in the order of their first candidates. Shares are compared as doubles, as
+/// they are printed.
 ///
 /// A link never becomes NLoS by raising the UAV, and range is horizontal if no antenna limits
-/// elevations. Then the share over one place never falls with the height, and the outcome is that
-/// of trying every height. Shares are compared as doubles, as they are printed.
+/// elevations. Then the share over one place never falls with the height, and a binary search finds
+/// it. Over other places every height is tried, from the lowest on.
 pub fn least_heights(
     scorer: &Scorer<'_>,
     candidates: &[Candidate],
@@ -37,12 +38,23 @@ pub fn least_heights(
     of_place.iter_mut().for_each(|place| place.sort_by_key(|k| candidates[*k].uav.station.z));
     of_place.retain(|place| !place.is_empty());
     of_place.sort_by_key(|place| place.iter().min().copied());
-    let find = |place: &Vec<usize>| {
+    let find = |place: &Vec<usize>| -> Result<LeastHeight> {
         let at = |k: usize| {
             let score = scorer.score(&candidates[place[k]].uav);
             let reaches = score.share().is_some_and(|p| p >= share);
             LeastHeight { candidate: place[k], score, reaches }
         };
+        let limits_elevations = |k: &usize| candidates[*k].uav.antenna.elevations_deg().is_some();
+        if scorer.mapper.limits_elevations() || place.iter().any(limits_elevations) {
+            for k in 0..place.len() - 1 {
+                control.check()?;
+                let tried = at(k);
+                if tried.reaches {
+                    return Ok(tried);
+                }
+            }
+            return Ok(at(place.len() - 1));
+        }
         // Invariant: all before `low` are too low; `found` is the lowest known to reach the share,
         // or the highest of all.
         let (mut low, mut high) = (0, place.len() - 1);
@@ -57,8 +69,12 @@ pub fn least_heights(
                 low = middle + 1;
             }
         }
+        Ok(found)
+    };
+    let counted = |place: &Vec<usize>| {
+        let found = find(place)?;
         control.done.fetch_add(place.len() as u64, Ordering::Relaxed);
         Ok(found)
     };
-    of_place.par_iter().map(find).collect()
+    of_place.par_iter().map(counted).collect()
 }
