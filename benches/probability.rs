@@ -12,11 +12,12 @@
 use std::time::Instant;
 
 use skyshed_core::city::BuiltUp;
+use skyshed_request::{Placement, Users};
 use skyshed_study::los_probability::city::CitySimulator;
 use skyshed_study::los_probability::estimate::{Count, Estimate, clustered, wilson};
 use skyshed_study::los_probability::geometry::GeometrySimulator;
 use skyshed_study::los_probability::product::Product;
-use skyshed_study::los_probability::setting::{Placement, Setting, Users};
+use skyshed_study::los_probability::setting::Setting;
 
 const CITIES: [&str; 5] = ["suburban", "urban", "dense-urban", "high-rise", "ghent"];
 const RUNS: usize = 5;

@@ -6,7 +6,8 @@
 
 use std::path::Path;
 
-use skyshed::{Height, SaveOptions, Scene, Uav};
+use skyshed::SaveOptions;
+use skyshed::prelude::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -16,7 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     seen.warnings().iter().for_each(|warning| println!("{warning}"));
 
     std::fs::create_dir_all(root.join("out"))?;
-    let form = SaveOptions::default().overwrite().title("A UAV over the old town of Munich");
+    let form = SaveOptions::default().overwrite(true).title("A UAV over the old town of Munich");
     seen.save_with(root.join("out/munich_coverage.png"), &form)?;
     Ok(())
 }

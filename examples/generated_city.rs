@@ -4,7 +4,8 @@
 
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
-use skyshed::{Height, Result, Scene, Uav};
+use skyshed::Result;
+use skyshed::prelude::*;
 use skyshed_core::city::BuiltUp;
 
 fn main() -> Result<()> {
@@ -13,7 +14,7 @@ fn main() -> Result<()> {
     for name in ["suburban", "urban", "dense-urban", "high-rise"] {
         let built_up = BuiltUp::named(name).expect("a named environment");
         let crossroad = (500.0 / built_up.period()).floor() * built_up.period() + built_up.street_width() / 2.0;
-        let city = Scene::options().size_m(1000.0).seed(7).open(format!("itu:{name}"))?;
+        let city = Scene::options().size(1000.0).seed(7).open(format!("itu:{name}"))?;
         let seen = city.coverage(Uav::new(crossroad, crossroad, Height::agl(100.0))).run()?;
         let share = |p_los: Option<f64>| p_los.map_or("     –".to_string(), |p| format!("{p:>6.3}"));
         let of_band = |los: u64, receivers: u64| (receivers > 0).then(|| los as f64 / receivers as f64);

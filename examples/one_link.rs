@@ -4,11 +4,12 @@
 
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
-use skyshed::{Height, Result, Scene, Uav};
+use skyshed::Result;
+use skyshed::prelude::*;
 use skyshed_core::city::BuiltUp;
 
 fn main() -> Result<()> {
-    let city = Scene::options().size_m(500.0).open("itu:urban")?;
+    let city = Scene::options().size(500.0).open("itu:urban")?;
     // A UAV over a crossroad, and a receiver 1.5 m above the street, farther and farther to the east.
     let built_up = BuiltUp::named("urban").expect("a named environment");
     let crossroad = 5.0 * built_up.period() + built_up.street_width() / 2.0;

@@ -2,9 +2,10 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
+use skyshed_request::HeightErrors;
 
 use crate::coverage::{
-    HeightErrors, HoversOver, MapOptions, Mapper, OwnErrors, RedrawnCounts, RedrawnHeights, SiteCoverage, Uav,
+    self, HoversOver, MapOptions, Mapper, OwnErrors, RedrawnCounts, RedrawnHeights, SiteCoverage, Uav,
     check_height_error,
 };
 use crate::error::{Error, Result};
@@ -16,12 +17,14 @@ use crate::quantity::{meters, tidy};
 const DRAWS: u32 = 200;
 /// What they are drawn from.
 const SEED: u64 = 1;
+/// Standard deviations that the layer `sure` allows for, unless another number is set.
+const SIGMA: f64 = 2.0;
 /// How many of the redrawn maps an interval holds.
 const PART: f64 = 0.95;
 
 /// Standard deviations of errors of heights.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct AskedErrors {
+pub(crate) struct HeightErrorsPlan {
     /// Of each building alone \[m\].
     pub(crate) own_m: f64,
     /// Of what all share \[m\].
@@ -32,30 +35,27 @@ pub(crate) struct AskedErrors {
     pub(crate) by_building: bool,
 }
 
-impl Default for AskedErrors {
+impl Default for HeightErrorsPlan {
     /// None.
     fn default() -> Self {
-        AskedErrors { own_m: 0.0, shared_m: 0.0, sigma: 2.0, by_building: false }
+        HeightErrorsPlan { own_m: 0.0, shared_m: 0.0, sigma: SIGMA, by_building: false }
     }
 }
 
-impl AskedErrors {
-    /// Refuses what is no length.
+impl HeightErrorsPlan {
+    /// Checks errors of heights and a number of their standard deviations, and fills in the defaults.
     ///
     /// # Errors
-    /// E113.
-    pub(crate) fn checked(self) -> Result<Self> {
-        check_height_error("the error of heights", self.own_m)?;
-        check_height_error("the bias of heights", self.shared_m)?;
-        if !(0.0..=10.0).contains(&self.sigma) {
-            return Err(Error::number("the number of standard deviations", self.sigma, "0 to 10"));
+    /// E113 for a number that is no length.
+    pub(crate) fn of(errors: &HeightErrors, sigma: Option<f64>) -> Result<Self> {
+        let (own_m, shared_m) = (errors.height_error.unwrap_or(0.0), errors.height_bias.unwrap_or(0.0));
+        let sigma = sigma.unwrap_or(SIGMA);
+        check_height_error("the error of heights", own_m)?;
+        check_height_error("the bias of heights", shared_m)?;
+        if !(0.0..=10.0).contains(&sigma) {
+            return Err(Error::number("the number of standard deviations", sigma, "0 to 10"));
         }
-        Ok(self)
-    }
-
-    /// Whether another number of standard deviations than the default was asked for.
-    pub(crate) fn has_own_sigma(self) -> bool {
-        self.sigma.total_cmp(&AskedErrors::default().sigma).is_ne()
+        Ok(HeightErrorsPlan { own_m, shared_m, sigma, by_building: false })
     }
 
     /// Whether heights may be off at all.
@@ -66,7 +66,7 @@ impl AskedErrors {
     /// These, and those that buildings of a scene tell.
     #[must_use]
     pub(crate) fn over(self, field: &HeightField) -> Self {
-        AskedErrors { by_building: field.building_errors().is_some(), ..self }
+        HeightErrorsPlan { by_building: field.building_errors().is_some(), ..self }
     }
 
     /// The options of a map of a scene, with these errors.
@@ -76,12 +76,12 @@ impl AskedErrors {
     }
 
     /// Those of a scene; buildings that tell none have that which is told for all.
-    fn errors(self, field: &HeightField) -> HeightErrors {
+    fn errors(self, field: &HeightField) -> coverage::HeightErrors {
         let own = match field.building_errors().filter(|_| self.by_building) {
             Some(of) => OwnErrors::ByBuilding(of.iter().map(|steps| steps.map_or(self.own_m, meters)).collect()),
             None => OwnErrors::Same(self.own_m),
         };
-        HeightErrors { own, shared_m: self.shared_m }
+        coverage::HeightErrors { own, shared_m: self.shared_m }
     }
 
     /// What captions say of them; nothing without any.
@@ -130,7 +130,7 @@ impl AskedErrors {
 
     /// As documents tell them; nothing without any.
     pub(crate) fn document(self) -> Option<HeightErrorsDocument> {
-        let AskedErrors { own_m, shared_m, sigma, by_building } = self;
+        let HeightErrorsPlan { own_m, shared_m, sigma, by_building } = self;
         self.are_any().then_some(HeightErrorsDocument { own_m, by_building, shared_m, sigma, draws: DRAWS, part: PART })
     }
 }

@@ -5,10 +5,10 @@
 //! with [`Coverages`]. Each answer has its numbers, says what was odd, and saves itself by the extension of a file.
 //!
 //! ```
-//! use skyshed::{Height, Scene, Uav};
+//! use skyshed::prelude::*;
 //!
-//! let city = Scene::options().size_m(300.0).open("itu:urban")?;
-//! let seen = city.coverage(Uav::new(150.0, 150.0, Height::agl(120.0))).radius_m(100.0).run()?;
+//! let city = Scene::options().size(300.0).open("itu:urban")?;
+//! let seen = city.coverage(Uav::new(150.0, 150.0, Height::agl(120.0))).radius(100.0).run()?;
 //! println!("{:.4} of {} receivers", seen.p_los().unwrap_or(f64::NAN), seen.receivers());
 //!
 //! // Inside a building nothing can hover: the error says what is there and what to ask instead.
@@ -59,23 +59,34 @@ mod zone_files;
 
 pub use error::{Error, ErrorClass, Result, Warning};
 pub use link::{Link, LinkObstruction};
-pub use map::{Coverage, CoverageRequest, Coverages, PolygonClasses, SaveOptions, SiteFacts};
+pub use map::{Coverage, CoverageRequest, Coverages, SiteFacts};
 pub use placements::{Placements, PlacementsRequest};
 pub use plos::{PLos, PLosRequest, PLosValue};
 pub use progress::Progress;
-pub use scene::{Scene, SceneOptions};
-pub use sight::Receivers;
+pub use scene::{Scene, SceneReader};
 pub use skyshed_core::city::{Antenna, AntennaFault};
 pub use skyshed_core::coverage::class;
 pub use skyshed_core::los::MethodChoice;
 pub use skyshed_core::quantity::Height;
-pub use skyshed_io::export::Layer;
+pub use skyshed_request::{
+    BaseRule, DataAreaChoice, GroundChoice, HeightErrors, HeightUnit, Layer, MissingHeights, Parts, Placement,
+    PolygonClasses, Receivers, Roofs, SaveOptions, SceneOptions, Sight, TiffLayout, Users,
+};
 pub use uav::Uav;
 
 use skyshed_core::{city, coverage, height_field, los, quantity, raster, zones};
 use skyshed_io::{crs, digest, export, formats, read};
 use skyshed_render as render;
 use skyshed_study::{accuracy, city_statistics, los_probability, placement};
+
+/// Names that most programs need: types of questions, and the setters of their options.
+pub mod prelude {
+    pub use crate::{Antenna, Height, Layer, Progress, Receivers, Scene, Uav};
+    pub use skyshed_request::{
+        SetAntenna, SetCandidateOptions, SetEarth, SetGoalOptions, SetHeightErrors, SetMapForms, SetMapOptions,
+        SetPictureOptions, SetRange, SetReceiver, SetSceneOptions, SetWriting,
+    };
+}
 
 /// The README's code is tested like any other.
 #[cfg(doctest)]

@@ -21,10 +21,11 @@ use crate::quantity::{Height, counted, meters};
 use crate::raster::GeoRef;
 use crate::read::surface_grid;
 use crate::render;
-use crate::scene::{Scene, SceneOptions, built_up, is_raster_scene};
-use crate::sight::{AskedSight, Sight, SightFacts};
+use crate::scene::{Scene, SceneReader, built_up, is_raster_scene};
+use crate::sight::{SightFacts, SightPlan};
 use crate::uav::{Uav, UavsAsked, UavsFound};
 use crate::words::title_of;
+use skyshed_request::{SetSceneOptions, Sight};
 
 /// Formats of a page.
 pub(crate) const FORMATS: [Format; 3] = [Format::Html, Format::Json, Format::Stdout];
@@ -40,7 +41,7 @@ pub(crate) struct LivePlan {
     /// UAVs; without any there is one in the middle.
     pub(crate) uavs: UavsAsked,
     /// For whom.
-    pub(crate) sight: Sight,
+    pub(crate) sight: SightPlan,
     /// Words of the scene and how it is read, for a command line.
     pub(crate) scene_words: Vec<String>,
     /// The words of the command line.
@@ -56,19 +57,19 @@ pub(crate) struct LivePage {
     is_part: bool,
     packed: Vec<u8>,
     uavs: Vec<questions::Uav>,
-    sight: Sight,
+    sight: SightPlan,
     scene_words: Vec<String>,
 }
 
 impl Scene {
     /// One HTML page in which UAVs are dragged over the scene, and the exact coverage follows: engine and scene are inside, and
     /// no server is needed. Without a UAV there is one in the middle. `words` say how the scene is read, for the command line that
-    /// the page shows. Footprints need [`SceneOptions::keeps_footprints`].
+    /// the page shows. Footprints need [`SceneReader::keeps_footprints`].
     ///
     /// # Errors
     /// E2xx for UAVs that cannot be there; E505 for a scene that is too large.
     pub fn live_page(&self, uavs: &[Uav], words: Vec<String>) -> Result<String> {
-        let sight = AskedSight::default().checked()?;
+        let sight = SightPlan::of(&Sight::default())?;
         let page = LivePage::with_uavs(&mut self.clone(), UavsFound::of(uavs)?, sight, words)?;
         page.html(&Look::default())
     }
@@ -105,11 +106,11 @@ impl LivePage {
     ///
     /// # Errors
     /// Those of the scene and of its UAVs; E505 of what is too large for a page.
-    pub(crate) fn open(options: &SceneOptions, word: &OsStr, plan: LivePlan) -> Result<LivePage> {
+    pub(crate) fn open(options: &SceneReader, word: &OsStr, plan: LivePlan) -> Result<LivePage> {
         let start = Instant::now();
         let mut warnings = Vec::new();
         let part = part_in_range(options, word, &plan)?;
-        let options = &SceneOptions { around: part, keeps_solids: true, ..options.clone() };
+        let options = &SceneReader { around: part, keeps_solids: true, ..options.clone() };
         let city = options.read(word, &mut warnings)?;
         if !is_small_enough(&city.grid, &city.solids) {
             let n_footprints = match &city.solids {
@@ -125,7 +126,7 @@ impl LivePage {
     }
 
     /// The page of a scene with some UAVs, or one in the middle without any.
-    fn with_uavs(scene: &mut Scene, found: UavsFound, sight: Sight, scene_words: Vec<String>) -> Result<LivePage> {
+    fn with_uavs(scene: &mut Scene, found: UavsFound, sight: SightPlan, scene_words: Vec<String>) -> Result<LivePage> {
         scene.place(&found, None, &sight)?;
         if found.sites.len() > MOST_UAVS {
             return Err(LimitError::PageUavs { n: found.sites.len(), most: MOST_UAVS }.into());
@@ -141,12 +142,12 @@ impl LivePage {
     ///
     /// # Errors
     /// E902 if they were not; E113 for antennas that differ.
-    pub(crate) fn of(scene: &Scene, uavs: &[Site], sight: Sight, scene_words: Vec<String>) -> Result<LivePage> {
+    pub(crate) fn of(scene: &Scene, uavs: &[Site], sight: SightPlan, scene_words: Vec<String>) -> Result<LivePage> {
         let (grid, n_footprints) = (scene.grid(), scene.field.n_buildings());
         // Told before all of it is copied.
         if grid.n_cells() > MOST_CELLS || n_footprints > MOST_FOOTPRINTS {
             let edge_m = (grid.x_max() - grid.x_min()) * grid.meters_per_unit();
-            let options = SceneOptions::default().size_m(edge_m);
+            let options = SceneReader::default().size(edge_m);
             let is_of_cells = scene.field.prisms().is_none();
             return Err(too_large((&options, is_of_cells), OsStr::new(&scene.word), grid, n_footprints));
         }
@@ -244,7 +245,7 @@ impl Answer for LivePage {
 }
 
 /// How line of sight is asked for with the antenna of all UAVs: a page has one.
-fn one_antenna(uavs: &[Site], sight: Sight) -> Result<Sight> {
+fn one_antenna(uavs: &[Site], sight: SightPlan) -> Result<SightPlan> {
     let antenna = |uav: &Site| uav.antenna.or(sight.antenna());
     let first = uavs.first().map_or(sight.antenna(), antenna);
     match uavs.iter().find(|uav| antenna(uav) != first) {
@@ -274,9 +275,9 @@ fn in_the_middle(scene: &Scene) -> Site {
 ///
 /// # Errors
 /// E505 without UAVs or a range; those of the file and of the UAVs.
-fn part_in_range(options: &SceneOptions, word: &OsStr, plan: &LivePlan) -> Result<Option<[f64; 4]>> {
+fn part_in_range(options: &SceneReader, word: &OsStr, plan: &LivePlan) -> Result<Option<[f64; 4]>> {
     // What is brought into another system is read as a whole.
-    if !is_raster_scene(word) || options.project.is_some() {
+    if !is_raster_scene(word) || options.options.project.is_some() {
         return Ok(None);
     }
     let grid = surface_grid(Path::new(word), &options.of_raster()?)?;
@@ -298,7 +299,7 @@ fn part_in_range(options: &SceneOptions, word: &OsStr, plan: &LivePlan) -> Resul
 }
 
 /// E505: a city that a page cannot hold, with what would fit; whether it is one of cells, which has no other extent.
-fn too_large((options, is_of_cells): (&SceneOptions, bool), word: &OsStr, grid: &GeoRef, n_footprints: usize) -> Error {
+fn too_large((options, is_of_cells): (&SceneReader, bool), word: &OsStr, grid: &GeoRef, n_footprints: usize) -> Error {
     let (n, what, most) = match n_footprints {
         n if n > MOST_FOOTPRINTS => (n, "footprints", MOST_FOOTPRINTS),
         _ => (grid.n_cells(), "cells", MOST_CELLS),

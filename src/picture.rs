@@ -2,6 +2,9 @@
 
 use serde_json::Value;
 
+use skyshed_request::{PictureOptions, Writing};
+
+use crate::answer::Output;
 use crate::coverage::class;
 use crate::error::{Error, Result};
 use crate::export::Format;
@@ -26,6 +29,33 @@ pub(crate) struct Look {
 }
 
 impl Look {
+    /// Returns the look of files.
+    pub(crate) fn of(picture: &PictureOptions, writing: &Writing) -> Look {
+        Look {
+            title: picture.title.clone(),
+            attribution: picture.attribution.clone(),
+            width_px: picture.width,
+            dpi: picture.dpi,
+            csv_text: writing.csv_text,
+        }
+    }
+
+    /// Returns the look of some files. Where no picture is made, its words and its size would be lost in silence.
+    ///
+    /// # Errors
+    /// E116.
+    pub(crate) fn checked(picture: &PictureOptions, writing: &Writing, outputs: &[Output]) -> Result<Look> {
+        let has = |wanted: fn(Format) -> bool| outputs.iter().any(|(_, format)| wanted(*format));
+        let (has_picture, has_page) = (has(Format::is_picture), has(|format| format == Format::Html));
+        let words = [("title", picture.title.is_some()), ("attribution", picture.attribution.is_some())];
+        let sizes = [("width", picture.width.is_some()), ("dpi", picture.dpi.is_some())];
+        let lost_words = words.iter().filter(|_| !has_picture && !has_page);
+        match lost_words.chain(sizes.iter().filter(|_| !has_picture)).find(|(_, is_set)| *is_set) {
+            Some((option, _)) => Err(Error::idle(option, "without a .png, .svg or .pdf output")),
+            None => Ok(Look::of(picture, writing)),
+        }
+    }
+
     /// The title that was asked for, or another.
     pub(crate) fn title_or(&self, other: impl FnOnce() -> String) -> String {
         self.title.clone().unwrap_or_else(other)

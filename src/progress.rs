@@ -12,7 +12,7 @@ use crate::coverage::Control;
 ///
 /// use skyshed::{ErrorClass, Height, Progress, Scene, Uav};
 ///
-/// let city = Scene::options().size_m(100.0).open("itu:urban")?;
+/// let city = Scene::options().size(100.0).open("itu:urban")?;
 /// let progress = Arc::new(Progress::default());
 /// // Another thread may ask for `share()`, or stop the run; here it is stopped before it begins.
 /// progress.stop();

@@ -2,166 +2,29 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
+use skyshed_request::{Receivers, Sight};
 
 use crate::city::{Antenna, GivenSite};
 use crate::coverage::{self, CheckedNumbers, HoversOver, MapOptions, SightNumbers, Tally, Uav};
 use crate::error::{OddRun, RequestError, Result, Warning};
-use crate::height_field::{Curvature, HeightField};
+use crate::height_field::Curvature;
 use crate::los::{Method, MethodChoice};
 use crate::picture::{crs_words, program};
-use crate::quantity::{VOID, meters, tidy};
+use crate::quantity::tidy;
 use crate::raster::GeoRef;
 use crate::scene::Scene;
-use crate::zones::{Zone, ZoneMap};
+use crate::zones::ZoneMap;
 
-/// Which cells hold receivers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Receivers {
-    /// All cells of open ground
-    #[default]
-    Ground,
-    /// Open ground that is neither crossroad nor courtyard.
-    Street,
-    /// Where three or more streets meet.
-    Crossroad,
-    /// Open ground that buildings enclose.
-    Courtyard,
-    /// Building cells, standing on the roof.
-    Roof,
-    /// Ground and roofs.
-    All,
-    /// Over all ground, buildings that reach no higher included: places of a drone above the ground.
-    Air,
-}
-
-impl Receivers {
-    /// All of them.
-    pub const ALL: [Receivers; 7] = [
-        Receivers::Ground,
-        Receivers::Street,
-        Receivers::Crossroad,
-        Receivers::Courtyard,
-        Receivers::Roof,
-        Receivers::All,
-        Receivers::Air,
-    ];
-
-    /// The word in documents and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Receivers::Ground => "ground",
-            Receivers::Street => "street",
-            Receivers::Crossroad => "crossroad",
-            Receivers::Courtyard => "courtyard",
-            Receivers::Roof => "roof",
-            Receivers::All => "all",
-            Receivers::Air => "air",
-        }
+/// Refuses receivers on roofs and in zones of a surface model alone, of which no building is known.
+///
+/// # Errors
+/// E117.
+pub(crate) fn check_receivers(receivers: Receivers, is_surface_only: bool) -> Result<()> {
+    if is_surface_only && (receivers == Receivers::Roof || receivers.zone().is_some()) {
+        let what = if receivers == Receivers::Roof { "roof" } else { "zone" };
+        return Err(RequestError::NoReceivers { receivers: receivers.name(), what }.into());
     }
-
-    /// What whoever looks at them is called: a UAV, or an observer of places in the air.
-    pub(crate) fn looked_at_by(self) -> &'static str {
-        if self == Receivers::Air { "observer" } else { "UAV" }
-    }
-
-    /// One of those.
-    pub(crate) fn looked_at_by_one(self) -> &'static str {
-        if self == Receivers::Air { "an observer" } else { "a UAV" }
-    }
-
-    /// Whether whoever looks at them from a place and a height above the datum \[m\] is an observer on what is below, and no UAV in the
-    /// air. The live page draws the same line.
-    pub(crate) fn has_observer(self, field: &HeightField, (x, y): (f64, f64), height_amsl_m: f64) -> bool {
-        const OBSERVER_BELOW_M: f64 = 20.0;
-        let place = field.place(x, y);
-        let below = field.roof_at(&place).unwrap_or_else(|| field.ground_at(&place));
-        self == Receivers::Air && below != VOID && height_amsl_m - meters(below) < OBSERVER_BELOW_M
-    }
-
-    /// What they are counted as.
-    pub(crate) fn counted_as(self) -> &'static str {
-        if self == Receivers::Air { "places in the air" } else { "receivers" }
-    }
-
-    /// The zone that it restricts open ground to, if it does.
-    pub(crate) fn zone(self) -> Option<Zone> {
-        match self {
-            Receivers::Street => Some(Zone::Street),
-            Receivers::Crossroad => Some(Zone::Crossroad),
-            Receivers::Courtyard => Some(Zone::Courtyard),
-            Receivers::Ground | Receivers::Roof | Receivers::All | Receivers::Air => None,
-        }
-    }
-
-    /// Refuses roofs and zones of a surface model alone, of which no building is known.
-    ///
-    /// # Errors
-    /// E117.
-    pub(crate) fn check(self, is_surface_only: bool) -> Result<()> {
-        if is_surface_only && (self == Receivers::Roof || self.zone().is_some()) {
-            let what = if self == Receivers::Roof { "roof" } else { "zone" };
-            return Err(RequestError::NoReceivers { receivers: self.name(), what }.into());
-        }
-        Ok(())
-    }
-
-    /// What receivers, and the cells of a picture that hold none and have no class of their own there, are called in the plural.
-    pub(crate) fn cell_names(self, field: &HeightField) -> (&'static str, &'static str) {
-        match self {
-            _ if field.is_surface_only() => ("surface cells", "Nodata"),
-            Receivers::Ground => ("open-ground cells", "Buildings"),
-            Receivers::Street => ("street cells", "Buildings"),
-            Receivers::Crossroad => ("crossroad cells", "Buildings"),
-            Receivers::Courtyard => ("courtyard cells", "Buildings"),
-            Receivers::Roof => ("roof cells", "Open ground"),
-            Receivers::All => ("cells", "Nodata"),
-            Receivers::Air => ("places in the air", "Higher buildings"),
-        }
-    }
-}
-
-/// How line of sight is asked for, not yet checked.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct AskedSight {
-    /// Which cells hold receivers.
-    pub(crate) receivers: Receivers,
-    /// Their height above ground or roof \[m\].
-    pub(crate) rx_height_m: f64,
-    /// Range \[m\], if it is limited.
-    pub(crate) radius_m: Option<f64>,
-    /// What the antennas of UAVs serve that do not say so themselves.
-    pub(crate) antenna: Antenna,
-    /// K of a curved earth, if it is not taken as flat.
-    pub(crate) earth_k: Option<f64>,
-    /// The engine.
-    pub(crate) method: MethodChoice,
-}
-
-impl Default for AskedSight {
-    /// Receivers 1.5 m above open ground at any distance, by the fastest exact engine.
-    fn default() -> Self {
-        AskedSight {
-            receivers: Receivers::Ground,
-            rx_height_m: 1.5,
-            radius_m: None,
-            antenna: Antenna::default(),
-            earth_k: None,
-            method: MethodChoice::Auto,
-        }
-    }
-}
-
-impl AskedSight {
-    /// Refuses numbers out of range.
-    ///
-    /// # Errors
-    /// E113.
-    pub(crate) fn checked(self) -> Result<Sight> {
-        let AskedSight { receivers, rx_height_m, radius_m, antenna, earth_k, method } = self;
-        let numbers = SightNumbers { rx_height_m, radius_m, antenna, earth_k };
-        let CheckedNumbers { rx_height, antenna, curvature } = numbers.checked()?;
-        Ok(Sight { receivers, rx_height_m, rx_height, radius_m, antenna, curvature, method })
-    }
+    Ok(())
 }
 
 /// The receivers' height on the lattice.
@@ -172,9 +35,9 @@ pub(crate) fn receivers_height(height_m: f64) -> Result<i32> {
     Ok(coverage::receiver_height(height_m)?)
 }
 
-/// How line of sight is asked for, checked.
+/// Checked question of line of sight, with all defaults filled in.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Sight {
+pub(crate) struct SightPlan {
     receivers: Receivers,
     rx_height_m: f64,
     /// On the lattice \[1/1024 m\].
@@ -226,22 +89,36 @@ impl AntennaFacts {
     }
 }
 
-impl Sight {
-    /// Which cells hold receivers.
+impl SightPlan {
+    /// Checks a question and fills in its defaults.
+    ///
+    /// # Errors
+    /// E113 for numbers out of range; E116 for two spellings of one option.
+    pub(crate) fn of(sight: &Sight) -> Result<SightPlan> {
+        let Sight { receiver, range, antenna, earth } = sight;
+        earth.check()?;
+        let (rx_height_m, radius_m, antenna) = (receiver.rx_height_m(), range.radius, antenna.served());
+        let numbers = SightNumbers { rx_height_m, radius_m, antenna, earth_k: earth.k() };
+        let CheckedNumbers { rx_height, antenna, curvature } = numbers.checked()?;
+        let (receivers, method) = (range.receiver_cells(), range.engine());
+        Ok(SightPlan { receivers, rx_height_m, rx_height, radius_m, antenna, curvature, method })
+    }
+
+    /// Returns the cells that hold receivers.
     pub(crate) fn receivers(&self) -> Receivers {
         self.receivers
     }
 
-    /// For other receivers.
+    /// Returns the plan for other receivers.
     #[must_use]
-    pub(crate) fn of(self, receivers: Receivers) -> Sight {
-        Sight { receivers, ..self }
+    pub(crate) fn with_receivers(self, receivers: Receivers) -> SightPlan {
+        SightPlan { receivers, ..self }
     }
 
     /// With another antenna.
     #[must_use]
-    pub(crate) fn with_antenna(self, antenna: Antenna) -> Sight {
-        Sight { antenna, ..self }
+    pub(crate) fn with_antenna(self, antenna: Antenna) -> SightPlan {
+        SightPlan { antenna, ..self }
     }
 
     /// Height of the receivers above ground or roof \[m\].
@@ -296,12 +173,7 @@ impl Sight {
     pub(crate) fn options(&self, grid: &GeoRef, zones: Option<&ZoneMap>) -> MapOptions {
         MapOptions {
             rx_height: self.rx_height,
-            receivers: match self.receivers {
-                Receivers::Roof => coverage::Receivers::Roof,
-                Receivers::All => coverage::Receivers::All,
-                Receivers::Air => coverage::Receivers::Air,
-                _ => coverage::Receivers::Ground,
-            },
+            receivers: self.receivers.cells(),
             within: self.receivers.zone().and_then(|zone| zones.map(|zones| zones.cells(zone))),
             window: None,
             radius: self.radius_on(grid),

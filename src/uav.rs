@@ -3,6 +3,8 @@
 use std::collections::HashSet;
 use std::path::PathBuf;
 
+use skyshed_request::{Position, Shard, Uavs};
+
 use crate::city::{Antenna, GivenSite, Site, Source};
 use crate::error::{PlacesError, RequestError, Result, Warning, warned};
 use crate::quantity::Height;
@@ -116,28 +118,6 @@ impl UavsFound {
     }
 }
 
-/// One of several nearly equal parts of a list, in its order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Shard {
-    /// Which part, from 1.
-    pub(crate) k: usize,
-    /// How many there are.
-    pub(crate) of: usize,
-}
-
-impl Shard {
-    pub(crate) fn part<T>(self, mut all: Vec<T>) -> Vec<T> {
-        let range = self.range(all.len());
-        all.drain(range).collect()
-    }
-
-    /// The places of the part in a list of so many.
-    pub(crate) fn range(self, n: usize) -> std::ops::Range<usize> {
-        let until = |k: usize| k * n / self.of;
-        until(self.k - 1)..until(self.k)
-    }
-}
-
 /// Where the UAVs of a run are told.
 #[derive(Debug, Clone)]
 pub(crate) struct UavsAsked {
@@ -153,6 +133,27 @@ pub(crate) struct UavsAsked {
 }
 
 impl UavsAsked {
+    /// Returns the places where UAVs of a question are found; those that are listed are well-formed.
+    ///
+    /// # Errors
+    /// E102.
+    pub(crate) fn of(uavs: &Uavs, hash: bool) -> Result<UavsAsked> {
+        let typed = uavs.uav.iter().enumerate().map(|(k, text)| site_of(text, (k + 1).to_string()));
+        let table = uavs.uavs.clone().map(PathBuf::from);
+        Ok(UavsAsked { typed: typed.collect::<Result<_>>()?, table, skips_bad: uavs.skip_bad, hash, shard: None })
+    }
+
+    /// Returns the places where UAVs of a question are found, of which there must be some.
+    ///
+    /// # Errors
+    /// E102, E108.
+    pub(crate) fn some_of(uavs: &Uavs, hash: bool) -> Result<UavsAsked> {
+        match uavs.uav.is_empty() && uavs.uavs.is_none() {
+            true => Err(RequestError::NoUav.into()),
+            false => UavsAsked::of(uavs, hash),
+        }
+    }
+
     /// Typed ones, then those of the table; ids must differ.
     ///
     /// # Errors
@@ -173,6 +174,15 @@ impl UavsAsked {
         };
         Ok(UavsFound { sites, sources, warnings })
     }
+}
+
+/// Reads a UAV as it is typed: `X,Y,H`.
+///
+/// # Errors
+/// E102.
+pub(crate) fn site_of(text: &str, id: String) -> Result<Site> {
+    let Position { x, y, height } = text.parse().map_err(|found| RequestError::Uav { text: text.into(), found })?;
+    Ok(Site::new(id, (x, y), height))
 }
 
 /// What becomes of bad rows of a table.

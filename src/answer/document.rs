@@ -29,6 +29,8 @@ pub(crate) struct RunFacts {
     /// Seed, for generated cities.
     pub(crate) seed: Option<u64>,
     pub(crate) warnings: Vec<Warning>,
+    /// The question, of a map.
+    pub(crate) request: Option<Value>,
     /// A hash of all that the run depends on, if it may be asked for again and found done.
     pub(crate) unit: Option<String>,
 }
@@ -69,6 +71,7 @@ impl RunFacts {
             schema,
             version: version(),
             command: self.command.clone(),
+            request: self.request.clone(),
             method: self.method_name(),
             exact: self.method.map(Method::is_exact),
             scene,
@@ -91,6 +94,9 @@ pub(crate) struct Head {
     version: &'static str,
     /// Words of the command line after the program's name; empty for a call of the library.
     command: Vec<String>,
+    /// The question: every option that was set, by the name of its flag.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    request: Option<Value>,
     /// Engine that decided line of sight; `none` where no link was decided.
     method: String,
     /// Whether the answer is exact on the scene as it is.

@@ -25,7 +25,7 @@ use crate::export::{Batch, Format};
 use crate::picture::{Look, picture_provenance};
 use crate::progress::Progress;
 use crate::scene::Scene;
-use crate::sight::Sight;
+use crate::sight::SightPlan;
 use crate::threads::in_pool;
 
 /// Formats of a chart.
@@ -38,7 +38,7 @@ const LONGEST_S: f64 = 60.0;
 /// What is asked of a chart of a scene.
 #[derive(Debug)]
 pub(crate) struct ChartPlan {
-    pub(crate) sight: Sight,
+    pub(crate) sight: SightPlan,
     /// Whether other programs take part.
     pub(crate) peers: bool,
     /// Least time for each contestant \[s\].

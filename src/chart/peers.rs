@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use skyshed_request::TiffLayout;
+
 use super::measure::{median, peak_mb_of, user_time_of_children};
 use super::report::Cost;
 use crate::accuracy::chart::Truth;
 use crate::coverage::{Seen, Uav};
 use crate::error::io_words;
-use crate::formats::{Bands, GeoTiffImage, RasterFile, TiffLayout, encode_geotiff};
+use crate::formats::{Bands, GeoTiffImage, RasterFile, encode_geotiff};
 use crate::height_field::HeightField;
 use crate::progress::Progress;
 use crate::quantity::{BLOCKS_ALL, VOID, meters};

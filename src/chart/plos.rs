@@ -1,12 +1,14 @@
 //! The ways to P_LoS of a generated city, each with its cost and its error.
 
+use skyshed_request::{Placement, Users};
+
 use super::measure::measured;
 use super::plos_report::{PlosChartReport, PlosChartRow};
 use super::{Chart, Contest, in_turns};
 use crate::accuracy::plos_cost::{PlosWay, reference};
 use crate::city::BuiltUp;
 use crate::error::{OddRun, Result};
-use crate::los_probability::setting::{Placement, Setting, Users};
+use crate::los_probability::setting::Setting;
 use crate::progress::Progress;
 
 /// What is asked of P_LoS of a generated city.

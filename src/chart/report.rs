@@ -12,7 +12,7 @@ use crate::answer::{
 };
 use crate::coverage::Uav;
 use crate::digest::Sha256;
-use crate::sight::{Sight, SightFacts};
+use crate::sight::{SightFacts, SightPlan};
 
 /// The schema of charts.
 pub(super) const CHART_SCHEMA: &str = "skyshed/chart/1";
@@ -115,7 +115,7 @@ impl ChartRow {
 #[derive(Debug, Clone)]
 pub(super) struct ChartReport {
     pub(super) facts: RunFacts,
-    pub(super) sight: Sight,
+    pub(super) sight: SightPlan,
     /// The UAVs, each with longitude and latitude \[deg\] if it was given by these.
     pub(super) uavs: Vec<(Uav, Option<[f64; 2]>)>,
     /// The exact answer.

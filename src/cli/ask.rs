@@ -1,31 +1,33 @@
-//! Lets another program ask what the command line asks, over a scene that it holds. Options are words of the command line: so
-//! they mean the same, have the same defaults, and are refused for the same reasons.
+//! Lets another program ask what the command line asks, over a scene that it holds. Options are the same requests: so they have
+//! the same meanings and defaults, and are refused for the same reasons.
 
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::Instant;
 
 use clap::error::ErrorKind;
 use clap::{Args, Command, FromArgMatches};
 use serde_json::Value;
+use skyshed_request::{CoverageQuestion, MapOptions, SaveOptions, SceneOptions};
 
-use super::args::scene::ReadingArgs;
-use super::commands::MapArgs;
+use crate::answer::Output;
+use crate::export::Format;
+use crate::picture::Look;
+
 use super::failure::{Failure, Result, refusal, refusal_with};
 use super::program::Cli;
 use super::run::{Run, check_text, check_use};
-use super::typed::Typed;
 use super::{hints, refusal};
 use crate::answer::{Answer, Rows, Spent};
 use crate::coverage::Tally;
 use crate::error::{Error, ErrorClass, Warning};
-use crate::map::{Coverages, Held, MapPlan, PartOf, Prepared, SaveOptions};
+use crate::map::{Coverages, Held, MapPlan, PartOf, Prepared};
 use crate::memory;
 use crate::progress::Progress;
 use crate::raster::GeoRef;
 use crate::read::surface_grid;
-use crate::scene::{Scene, SceneOptions, is_raster_scene};
+use crate::scene::{Scene, SceneReader, is_raster_scene};
 use crate::uav::{Uav, UavsFound};
 
 /// Why a question has no answer.
@@ -119,26 +121,30 @@ pub fn hint_of(warning: &Warning) -> Option<String> {
     hints::of_warning(warning)
 }
 
-/// How a scene is read, from words such as `--height-field`, `levels`.
-///
-/// # Errors
-/// E101 for words that make no sense, and what the command line says of others.
-pub fn scene_options(words: &[OsString]) -> std::result::Result<SceneOptions, Refusal> {
-    let mut command = ReadingArgs::augment_args(Command::new("scene").no_binary_name(true)).disable_help_flag(true);
-    let read = command.try_get_matches_from_mut(words).and_then(|matches| ReadingArgs::from_arg_matches(&matches));
-    Ok(parsed(read)?.options()?)
+/// Reads a part of a request from words such as `--radius`, `500`. Words of other parts are refused.
+fn part_of<T: Args + FromArgMatches>(words: &[OsString]) -> Result<T> {
+    let mut command = T::augment_args(Command::new("options").no_binary_name(true)).disable_help_flag(true);
+    parsed(command.try_get_matches_from_mut(words).and_then(|matches| T::from_arg_matches(&matches)))
 }
 
-/// The grid of a scene of which a run reads no more than it needs: of a raster in its own system. `None` of any other.
+/// Returns a reader of scenes with options such as `--height-field`, `levels`.
 ///
 /// # Errors
-/// As [`scene_options`]; those of the file.
+/// E101 for options that cannot be.
+pub fn scene_reader(words: &[OsString]) -> std::result::Result<SceneReader, Refusal> {
+    Ok(part_of::<SceneOptions>(words)?.into())
+}
+
+/// Returns the grid of a raster that can be read in parts; `None` for other scenes.
+///
+/// # Errors
+/// As [`scene_reader`]; those of the file.
 pub fn raster_grid(word: &OsStr, words: &[OsString]) -> std::result::Result<Option<GeoRef>, Refusal> {
-    let (options, word) = (scene_options(words)?, &*skyshed_io::told(word));
-    if !is_raster_scene(word) || options.project.is_some() {
+    let (reader, word) = (scene_reader(words)?, &*skyshed_io::told(word));
+    if !is_raster_scene(word) || reader.options.project.is_some() {
         return Ok(None);
     }
-    Ok(Some(surface_grid(Path::new(word), &options.of_raster()?)?))
+    Ok(Some(surface_grid(Path::new(word), &reader.of_raster()?)?))
 }
 
 /// Refuses work of this process that would take it above so many bytes, before it begins; what takes more in the end is not ended.
@@ -146,62 +152,20 @@ pub fn limit_memory(bytes: u64) {
     memory::refuse_above(bytes);
 }
 
-/// In which form a map is written, from words such as `--bare`; `files` are those that will be written.
+/// Returns the options of files of a map, such as `--bare`; `files` are those that will be written.
 ///
 /// # Errors
-/// As [`scene_options`].
+/// E101 for options that cannot be; E116 for those that change nothing.
 pub fn save_options(words: &[OsString], files: &[PathBuf]) -> std::result::Result<SaveOptions, Refusal> {
-    let files = files.iter().flat_map(|file| [OsString::from("-o"), file.clone().into_os_string()]);
-    Ok(map_args(files.chain(words.iter().cloned()), &OF_FILES)?.save_options()?)
+    let options: SaveOptions = part_of(words)?;
+    let outputs = files.iter().filter_map(|path| Some((path.clone(), Format::of(path).ok()?)));
+    let is_bare = |format: Format| options.forms.bare && format == Format::Png;
+    let outputs: Vec<Output> = outputs.filter(|(_, format)| !is_bare(*format)).collect();
+    Look::checked(&options.picture, &options.writing, &outputs)?;
+    Ok(options)
 }
 
-/// What is said of a map.
-const OF_MAP: [&str; 17] = [
-    "scene",
-    "earth_k",
-    "curvature_coefficient",
-    "height_error",
-    "height_bias",
-    "sigma",
-    "rx_height",
-    "receivers",
-    "radius",
-    "min_radius",
-    "sector",
-    "elevation",
-    "beam",
-    "method",
-    "layers",
-    "tolerance",
-    "zones",
-];
-/// What is said of its files.
-const OF_FILES: [&str; 13] = [
-    "scene",
-    "output",
-    "overwrite",
-    "csv_text",
-    "bare",
-    "tif_layout",
-    "gdal_values",
-    "polygons",
-    "simplify",
-    "title",
-    "attribution",
-    "width",
-    "dpi",
-];
-
-/// What words such as `--radius`, `500` say of a map. What is not asked here is refused.
-fn map_args(words: impl Iterator<Item = OsString>, asked: &[&str]) -> Result<MapArgs> {
-    let mut command = MapArgs::augment_args(Command::new("map").no_binary_name(true)).disable_help_flag(true);
-    let matches = parsed(command.try_get_matches_from_mut(std::iter::once("SCENE".into()).chain(words)))?;
-    Typed::of(&matches)
-        .refuse_others(asked, "here: scenes have theirs where they are made, files where they are saved")?;
-    parsed(MapArgs::from_arg_matches(&matches))
-}
-
-/// Maps of what some UAVs see of a scene, asked for in words such as `--radius`, `500`; each mask is kept if that is asked for.
+/// Returns maps of what some UAVs see of a scene, with options such as `--radius`, `500`; each mask is kept if that is asked for.
 ///
 /// # Errors
 /// What the command line would say.
@@ -212,10 +176,10 @@ pub fn coverages(
     progress: &Progress,
 ) -> std::result::Result<Coverages, Refusal> {
     let held = Held { keeps_masks, ..Held::default() };
-    Ok(prepared(scene, uavs, words)?.run(held, progress, |_| {}, |_| {})?)
+    Ok(prepared(scene, uavs, part_of(words)?)?.run(held, progress, |_| {}, |_| {})?)
 }
 
-/// P_LoS of each UAV; `None` without a receiver in range, and over no data. No mask is made.
+/// Returns P_LoS of each UAV; `None` without a receiver in range, and over no data. No mask is made.
 ///
 /// # Errors
 /// As [`coverages`].
@@ -224,29 +188,26 @@ pub fn p_los(
     words: &[OsString],
     progress: &Progress,
 ) -> std::result::Result<Vec<Option<f64>>, Refusal> {
-    let is = |word: &OsString, flag: &str| word.to_string_lossy().split('=').next() == Some(flag);
-    let names = |flag: &str| words.iter().any(|word| is(word, flag));
-    if let Some(flag) = ["--height-error", "--height-bias", "--sigma"].into_iter().find(|flag| names(flag)) {
-        return Err(refusal(116, format!("`{flag}` has no meaning where P_LoS alone is counted")).into());
+    let CoverageQuestion { sight, heights, map } = part_of(words)?;
+    let of_maps = [
+        ("height_error", heights.height_error.is_some()),
+        ("height_bias", heights.height_bias.is_some()),
+        ("sigma", map.sigma.is_some()),
+        ("layers", !map.layers.is_empty()),
+        ("zones", map.zones),
+    ];
+    if let Some((option, _)) = of_maps.into_iter().find(|(_, is_set)| *is_set) {
+        return Err(Error::idle(option, "where P_LoS alone is counted").into());
     }
-    let counts = prepared(scene, uavs, words)?.count(progress)?;
+    let tolerance = map.tolerance;
+    let map = MapOptions { tolerance, ..MapOptions::default() };
+    let question = CoverageQuestion { sight, map, ..CoverageQuestion::default() };
+    let counts = prepared(scene, uavs, question)?.count(progress)?;
     Ok(counts.iter().map(Tally::p_los).collect())
 }
 
-fn prepared(scene: Scene, uavs: &[Uav], words: &[OsString]) -> Result<Prepared> {
-    /// PERF: what was asked last, which is mostly asked again; to parse words takes as long as a small map.
-    static LAST: Mutex<Option<(Vec<OsString>, MapPlan)>> = Mutex::new(None);
-    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
-    let plan = match &*last {
-        Some((asked, plan)) if asked == words => plan.clone(),
-        _ => {
-            let plan = map_args(words.iter().cloned(), &OF_MAP)?.plan()?;
-            *last = Some((words.to_vec(), plan.clone()));
-            plan
-        }
-    };
-    drop(last);
-    Ok(plan.prepare(scene, &UavsFound::of(uavs)?, PartOf::default())?)
+fn prepared(scene: Scene, uavs: &[Uav], question: CoverageQuestion) -> Result<Prepared> {
+    Ok(MapPlan::of(&question)?.prepare(scene, &UavsFound::of(uavs)?, PartOf::default())?)
 }
 
 /// What was parsed; help and versions are for people, and refused.

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::hints;
+use super::program::is_flag;
 use crate::error::{Error, ErrorClass, RequestError};
 
 /// Why a command fails.
@@ -81,48 +82,6 @@ impl From<skyshed_io::Error> for Failure {
     }
 }
 
-/// The options of a scene that the library names, as they are typed.
-const FLAGS: [(&str, &str); 38] = [
-    ("roofs", "--roofs"),
-    ("area", "--area"),
-    ("weights", "--weights"),
-    ("count", "--count"),
-    ("terrain", "--terrain"),
-    ("ground_m", "--ground"),
-    ("ground_of_buildings", "--ground buildings"),
-    ("building_threshold_m", "--building-threshold"),
-    ("height_field", "--height-field"),
-    ("top_field", "--top-field"),
-    ("height_unit", "--height-unit"),
-    ("base_field", "--base-field"),
-    ("levels_field", "--levels-field"),
-    ("height_error", "--height-error"),
-    ("height_bias", "--height-bias"),
-    ("sigma", "--sigma"),
-    ("height_error_field", "--height-error-field"),
-    ("layer", "--layer"),
-    ("missing", "--missing"),
-    ("parts", "--parts"),
-    ("missing levels", "--missing levels"),
-    ("base", "--base"),
-    ("data_area", "--data-area"),
-    ("extent", "--extent"),
-    ("cell_m", "--cell"),
-    ("crs", "--crs"),
-    ("project", "--project"),
-    ("size_m", "--size"),
-    ("nodata_as", "--nodata-as"),
-    ("band", "--band"),
-    ("bare", "--bare"),
-    ("layers", "--layers"),
-    ("tif_layout", "--tif-layout"),
-    ("gdal_values", "--gdal-values"),
-    ("polygons", "--polygons"),
-    ("simplify_m", "--simplify"),
-    ("resume", "--resume"),
-    ("strips", "--strips"),
-];
-
 /// Whether an error names an option of the library.
 fn names_option(error: &Error) -> bool {
     use RequestError as R;
@@ -130,7 +89,14 @@ fn names_option(error: &Error) -> bool {
         Error::Request(error) => {
             matches!(
                 error,
-                R::Idle { .. } | R::NothingToResume | R::Number { .. } | R::GdalValues { .. } | R::GoalNeeds { .. }
+                R::Uav { .. }
+                    | R::NoUav
+                    | R::Idle { .. }
+                    | R::NoSystem { .. }
+                    | R::NothingToResume
+                    | R::Number { .. }
+                    | R::GdalValues { .. }
+                    | R::GoalNeeds { .. }
             )
         }
         Error::Io(error) => matches!(error, skyshed_io::Error::Option(_)),
@@ -138,9 +104,18 @@ fn names_option(error: &Error) -> bool {
     }
 }
 
-/// What an error says, with the options that it names as they are typed.
+/// Returns the text of an error, with the options that it names as they are typed.
 fn with_flags(error: &Error) -> String {
-    FLAGS
-        .iter()
-        .fold(error.to_string(), |text, (option, flag)| text.replace(&format!("`{option}`"), &format!("`{flag}`")))
+    let text = error.to_string();
+    let is_flag = |name: &str| is_flag(&name.replace('-', "_"));
+    // Every other part stands between two marks.
+    let parts = text.split('`').enumerate().map(|(k, part)| {
+        let name = part.split(' ').next().unwrap_or_default();
+        if k % 2 == 1 && is_flag(name) {
+            format!("--{}{}", name.replace('_', "-"), &part[name.len()..])
+        } else {
+            part.into()
+        }
+    });
+    parts.collect::<Vec<String>>().join("`")
 }

@@ -23,12 +23,13 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::cli::args::scene::scene_files;
 use crate::cli::failure::Result;
 use crate::memory;
 use crate::threads::in_pool;
 pub use ask::{
     Found, Refusal, ask, coverages, height_curves, hint_of, limit_memory, p_los, raster_grid, save_options,
-    scene_options,
+    scene_reader,
 };
 use program::Cli;
 use run::{RepairsFile, Run, check_scenes, check_text, check_use};
@@ -66,12 +67,12 @@ fn execute(cli: &Cli, typed: Typed, command: Vec<String>) -> Result<()> {
     let progress = Arc::new(interrupt::progress(is_quiet));
     let run = Run { is_quiet, keeps: false, ..Run::asked(command, typed, Instant::now(), &progress) };
     let Some((scenes, reading, out)) = shared else { return cli.run(&run) };
-    memory::limit(out.max_memory, interrupt::give_up)?;
+    memory::limit(out.effort.max_memory, interrupt::give_up)?;
     check_scenes(&scenes)?;
     check_use(&scenes, out, cli.draws(), &run.typed)?;
     let repairs = RepairsFile::of(&scenes, (reading, out), &run.typed)?;
     check_text(out, repairs.as_ref())?;
-    let files: Vec<PathBuf> = scenes.iter().flat_map(|scene| reading.files(scene)).collect();
-    in_pool(out.threads, || say::with_progress(&run.progress, is_quiet, &files, || cli.run(&run)))??;
+    let files: Vec<PathBuf> = scenes.iter().flat_map(|scene| scene_files(scene, reading)).collect();
+    in_pool(out.effort.threads, || say::with_progress(&run.progress, is_quiet, &files, || cli.run(&run)))??;
     repairs.map_or(Ok(()), |repairs| repairs.write(&run))
 }

@@ -1,19 +1,23 @@
 //! The program and its commands, as they are typed.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use super::args::output::OutputArgs;
-use super::args::scene::ReadingArgs;
-use super::args::words::is_standard_input;
+use skyshed_request::words::with_defaults;
+use skyshed_request::{
+    CityRequest, CompareRequest, InfoRequest, LimitsRequest, LinkRequest, LiveRequest, MapRequest, OutputOptions,
+    PlaceRequest, Reading, SampleRequest, TrackRequest, ZonesRequest,
+};
+
 use super::commands::{
-    ChartArgs, CityArgs, CompareArgs, CompletionsArgs, InfoArgs, JobsArgs, LimitsArgs, LinkArgs, LiveArgs, MapArgs,
-    PlaceArgs, PlosArgs, SampleArgs, StressArgs, TrackArgs, ZonesArgs,
+    ChartArgs, CompletionsArgs, JobsArgs, PlosArgs, StressArgs, city, compare, info, limits, link, live, map, place,
+    sample, track, zones,
 };
 use super::run::Run;
-use super::typed::Typed;
+use super::typed::{Typed, paths_of};
+use crate::cli::args::words::is_standard_input;
 use crate::cli::failure::Result;
 
 /// Exact line-of-sight coverage maps: what a hovering UAV can see of a city.
@@ -41,29 +45,29 @@ pub(super) struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Coverage of one or many UAVs over every cell of a scene
-    Map(Box<MapArgs>),
+    Map(Box<MapRequest>),
     /// One link: line of sight, or the obstacle in its way
-    Link(Box<LinkArgs>),
+    Link(Box<LinkRequest>),
     /// Line of sight along a user's track, and how long the stretches without are
-    Track(Box<TrackArgs>),
+    Track(Box<TrackRequest>),
     /// Make or convert a city, and draw it
-    City(Box<CityArgs>),
+    City(Box<CityRequest>),
     /// What a file is: size, CRS, heights and faults of a scene; what UAVs or an output hold
-    Info(Box<InfoArgs>),
+    Info(Box<InfoRequest>),
     /// Streets, crossroads, courtyards and rooftops: counts, a map, polygons
-    Zones(Box<ZonesArgs>),
+    Zones(Box<ZonesRequest>),
     /// What limits the P_LoS of a map: cells, terrain, positions, heights
-    Limits(Box<LimitsArgs>),
+    Limits(Box<LimitsRequest>),
     /// Probability of line of sight: exact products, simulators, models, real cities
     Plos(Box<PlosArgs>),
     /// Where to hover: candidates ranked, refined, or chosen together
-    Place(Box<PlaceArgs>),
+    Place(Box<PlaceRequest>),
     /// P_LoS averaged over placements of each zone, with intervals
-    Sample(Box<SampleArgs>),
+    Sample(Box<SampleRequest>),
     /// Placements side by side: maps, differences, a page to swipe over
-    Compare(Box<CompareArgs>),
+    Compare(Box<CompareRequest>),
     /// One page in which a UAV is dragged over the city, and the exact coverage follows
-    Live(Box<LiveArgs>),
+    Live(Box<LiveRequest>),
     /// Speed against accuracy of every method on a scene
     Chart(Box<ChartArgs>),
     /// Where methods fail, on small scenes full of ties; what in a scene hangs by a step
@@ -77,19 +81,31 @@ enum Command {
 /// How many tables are to be read from standard input.
 fn standard_inputs(matches: &ArgMatches) -> usize {
     let tables = ["uavs", "candidates", "track"].into_iter();
-    let tables = tables.filter_map(|id| matches.try_get_one::<PathBuf>(id).ok().flatten());
-    let tables = tables.map(|path| path.clone().into_os_string());
+    let tables = tables.flat_map(|id| paths_of(matches, id)).map(PathBuf::into_os_string);
     let curves = matches.try_get_many::<OsString>("curve").ok().flatten().into_iter().flatten().cloned();
     tables.chain(curves).filter(is_standard_input).count()
 }
 
+/// Returns `true` if any command has a flag of this name.
+pub(super) fn is_flag(name: &str) -> bool {
+    Cli::command().get_subcommands().any(|command| command.get_arguments().any(|flag| flag.get_id() == name))
+}
+
 impl Cli {
-    /// Parses the words of a command line, the program's name first.
+    /// Returns the program with its commands, flags and defaults.
+    pub(super) fn program() -> clap::Command {
+        Cli::command().mut_subcommands(|command| {
+            let defaults = skyshed_request::defaults_of(command.get_name());
+            with_defaults(command, &defaults)
+        })
+    }
+
+    /// Parses the words of a command line, the program's name first. Addresses lose their secrets.
     pub(super) fn from_words(words: &[OsString]) -> std::result::Result<(Cli, Typed), clap::Error> {
-        // An address may hold what nobody else must read.
-        let words = words.iter().map(|word| skyshed_io::told(word));
-        let mut command = Cli::command();
-        let matches = command.try_get_matches_from_mut(words)?;
+        // PERF: defaults are needed in help texts alone.
+        let asks_help = words.iter().any(|word| word == "-h" || word == "--help" || word == "help");
+        let mut command = if asks_help { Cli::program() } else { Cli::command() };
+        let matches = command.try_get_matches_from_mut(words.iter().map(|word| skyshed_io::told(word)))?;
         let typed = matches.subcommand().map_or_else(Typed::default, |(_, matches)| Typed::of(matches));
         if matches.subcommand().is_some_and(|(_, matches)| standard_inputs(matches) > 1) {
             let text = "`-` is given for two tables, wanted one: standard input can be read once";
@@ -99,27 +115,27 @@ impl Cli {
     }
 
     /// What is asked of a map, if a map is asked for.
-    pub(super) fn map(&self) -> Option<&MapArgs> {
+    pub(super) fn map(&self) -> Option<&MapRequest> {
         if let Command::Map(args) = &self.command { Some(args) } else { None }
     }
 
     /// The scenes, how they are read, and where results go; nothing of a command that has none.
-    pub(super) fn shared(&self) -> Option<(Vec<&OsString>, &ReadingArgs, &OutputArgs)> {
+    pub(super) fn shared(&self) -> Option<(Vec<&OsStr>, &Reading, &OutputOptions)> {
         Some(match &self.command {
-            Command::Map(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
-            Command::Link(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
-            Command::Track(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
-            Command::City(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
-            Command::Info(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
-            Command::Zones(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
-            Command::Limits(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
-            Command::Plos(a) => (a.scenes.iter().collect(), &a.reading, &a.out),
-            Command::Place(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
-            Command::Sample(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
-            Command::Compare(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
-            Command::Live(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
-            Command::Chart(a) => (vec![&a.scene.scene], &a.scene.reading, &a.out),
-            Command::Stress(a) => (a.scene.iter().collect(), &a.reading, &a.out),
+            Command::Map(a) => (vec![a.scene.word()], &a.reading, &a.out),
+            Command::Link(a) => (vec![a.scene.word()], &a.reading, &a.out),
+            Command::Track(a) => (vec![a.scene.word()], &a.reading, &a.out),
+            Command::City(a) => (vec![a.scene.word()], &a.reading, &a.out),
+            Command::Info(a) => (vec![a.scene.word()], &a.reading, &a.out),
+            Command::Zones(a) => (vec![a.scene.word()], &a.reading, &a.out),
+            Command::Limits(a) => (vec![a.scene.word()], &a.reading, &a.out),
+            Command::Plos(a) => (a.scenes.iter().map(OsString::as_os_str).collect(), &a.reading, &a.out),
+            Command::Place(a) => (vec![a.scene.word()], &a.reading, &a.out),
+            Command::Sample(a) => (vec![a.scene.word()], &a.reading, &a.out),
+            Command::Compare(a) => (vec![a.scene.word()], &a.reading, &a.out),
+            Command::Live(a) => (vec![a.scene.word()], &a.reading, &a.out),
+            Command::Chart(a) => (vec![a.scene.scene.as_os_str()], &a.scene.reading, &a.out),
+            Command::Stress(a) => (a.scene.iter().map(OsString::as_os_str).collect(), &a.reading, &a.out),
             // What is read and asked is told by the words of the map.
             Command::Jobs(_) | Command::Completions(_) => return None,
         })
@@ -127,8 +143,8 @@ impl Cli {
 
     /// Whether nothing is said but errors.
     pub(super) fn is_quiet(&self) -> bool {
-        let jobs = matches!(&self.command, Command::Jobs(args) if args.out.quiet);
-        jobs || self.shared().is_some_and(|(.., out)| out.quiet)
+        let jobs = matches!(&self.command, Command::Jobs(args) if args.out.effort.quiet);
+        jobs || self.shared().is_some_and(|(.., out)| out.effort.quiet)
     }
 
     /// Whether something other than a city is drawn at random: links, blocks, scenes.
@@ -145,22 +161,22 @@ impl Cli {
             run.typed.refuse(&["height_error_field"], "but for `map`, `place` and `compare`")?;
         }
         match &self.command {
-            Command::Map(args) => args.run(run),
-            Command::Link(args) => args.run(run),
-            Command::Track(args) => args.run(run),
-            Command::City(args) => args.run(run),
-            Command::Info(args) => args.run(run),
-            Command::Zones(args) => args.run(run),
-            Command::Limits(args) => args.run(run),
+            Command::Map(request) => map::run(request, run),
+            Command::Link(request) => link::run(request, run),
+            Command::Track(request) => track::run(request, run),
+            Command::City(request) => city::run(request, run),
+            Command::Info(request) => info::run(request, run),
+            Command::Zones(request) => zones::run(request, run),
+            Command::Limits(request) => limits::run(request, run),
             Command::Plos(args) => args.run(run),
-            Command::Place(args) => args.run(run),
-            Command::Sample(args) => args.run(run),
-            Command::Compare(args) => args.run(run),
-            Command::Live(args) => args.run(run),
+            Command::Place(request) => place::run(request, run),
+            Command::Sample(request) => sample::run(request, run),
+            Command::Compare(request) => compare::run(request, run),
+            Command::Live(request) => live::run(request, run),
             Command::Chart(args) => args.run(run),
             Command::Stress(args) => args.run(run),
             Command::Jobs(args) => args.run(run),
-            Command::Completions(args) => args.run(Cli::command()),
+            Command::Completions(args) => args.run(Cli::program()),
         }
     }
 }

@@ -1,18 +1,21 @@
 //! A run of a command: what all have in common, from the typed words to the files and the last line that is said.
 
-use std::ffi::OsString;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use serde_json::Value;
 
-use super::args::output::OutputArgs;
-use super::args::scene::{ReadingArgs, SceneArgs};
+use skyshed_request::{OutputOptions, Reading};
+
 use super::ask::Found;
 use super::typed::Typed;
 use super::{interrupt, say};
 use crate::answer::{Answer, Output, Spent, add_outputs};
+use crate::cli::args::output::{is_told, plain_look};
+use crate::cli::args::scene::SceneArgs;
+use crate::cli::args::scene::{layer_of, scene_files};
 use crate::cli::failure::{Result, refusal, refusal_with};
 use crate::error::Warning;
 use crate::export::{Batch, Format, OutputRules, check_outputs};
@@ -21,7 +24,7 @@ use crate::picture::Look;
 use crate::progress::Progress;
 use crate::read::VectorFormat;
 use crate::repairs::{FORMATS as REPAIRS_FORMATS, Repairs};
-use crate::scene::{Scene, built_up};
+use crate::scene::{FoundRepairs, Scene, SceneReader, built_up};
 use crate::words::pretty;
 
 /// A run.
@@ -37,13 +40,25 @@ pub(super) struct Run {
     /// Whether the answer is kept for another program, instead of said.
     pub(super) keeps: bool,
     pub(super) found: OnceLock<Found>,
+    /// Everything that was mended or left out of footprints, once they are read for a list of that.
+    pub(super) found_repairs: Arc<OnceLock<FoundRepairs>>,
 }
 
 impl Run {
     /// A run whose answer is kept for who asks.
     pub(super) fn asked(command: Vec<String>, typed: Typed, start: Instant, progress: &Arc<Progress>) -> Run {
         let progress = Arc::clone(progress);
-        Run { command, typed, start, progress, is_quiet: true, given: None, keeps: true, found: OnceLock::new() }
+        Run {
+            command,
+            typed,
+            start,
+            progress,
+            is_quiet: true,
+            given: None,
+            keeps: true,
+            found: OnceLock::new(),
+            found_repairs: Arc::default(),
+        }
     }
 
     /// The scene of a command, made ready.
@@ -51,7 +66,26 @@ impl Run {
     /// # Errors
     /// Those of reading it.
     pub(super) fn open(&self, scene: &SceneArgs) -> Result<Scene> {
-        self.given.as_ref().map_or_else(|| scene.open(), |given| Ok(given.clone()))
+        self.open_word(&scene.scene, &scene.reading)
+    }
+
+    /// Returns the scene of a word, made ready.
+    ///
+    /// # Errors
+    /// Those of reading it.
+    pub(super) fn open_word(&self, word: &OsStr, reading: &Reading) -> Result<Scene> {
+        let read = || Ok(self.reader(reading).open(word)?);
+        self.given.as_ref().map_or_else(read, |given| Ok(given.clone()))
+    }
+
+    /// Returns a reader of scenes, which lists repairs where that was asked for.
+    pub(super) fn reader(&self, reading: &Reading) -> SceneReader {
+        SceneReader { repairs: self.list_for(reading), ..reading.options.clone().into() }
+    }
+
+    /// Returns the list of repairs, if it was asked for.
+    pub(super) fn list_for(&self, reading: &Reading) -> Option<Arc<OnceLock<FoundRepairs>>> {
+        reading.list.repairs.is_some().then(|| Arc::clone(&self.found_repairs))
     }
 
     /// The words of the command line, for a document.
@@ -82,12 +116,12 @@ impl Run {
         &self,
         answer: &dyn Answer,
         outputs: &[Output],
-        (out, look): (&OutputArgs, &Look),
+        (out, look): (&OutputOptions, &Look),
     ) -> Result<()> {
         let batch = match answer.interrupted() {
             // What was done by then is written.
-            Some(_) => Batch::new(out.overwrite),
-            None => Batch::new(out.overwrite).asking(interrupt::check),
+            Some(_) => Batch::new(out.writing.overwrite),
+            None => Batch::new(out.writing.overwrite).asking(interrupt::check),
         };
         let (written, spent) = self.write(answer, batch, outputs, look)?;
         if self.keeps {
@@ -96,7 +130,7 @@ impl Run {
         }
         self.tell(answer, spent);
         say::wrote(&written, self.is_quiet);
-        if out.is_told() {
+        if is_told(out) {
             say::answer(&pretty(&answer.document(Some(spent))))?;
         } else if outputs.is_empty() || answer.is_in_words() {
             say::answer(&answer.text(look)?)?;
@@ -136,12 +170,12 @@ impl Run {
 ///
 /// # Errors
 /// E116.
-pub(super) fn check_use(scenes: &[&OsString], out: &OutputArgs, draws: bool, typed: &Typed) -> Result<()> {
-    let is_generated = |scene: &&&OsString| built_up(scene).is_some();
+pub(super) fn check_use(scenes: &[&OsStr], out: &OutputOptions, draws: bool, typed: &Typed) -> Result<()> {
+    let is_generated = |scene: &&&OsStr| built_up(scene).is_some();
     if !draws && !scenes.iter().any(|scene| is_generated(&scene)) {
         typed.refuse(&["seed"], "for a city in a file: nothing is drawn")?;
     }
-    let reads_others = typed.files.iter().any(|file| !out.output.contains(file));
+    let reads_others = typed.files.iter().any(|file| out.files.output.iter().all(|path| path.0 != *file));
     if scenes.iter().all(|scene| is_generated(&scene)) && !reads_others {
         typed.refuse(&["hash"], "without a file that is read")?;
     }
@@ -152,7 +186,7 @@ pub(super) fn check_use(scenes: &[&OsString], out: &OutputArgs, draws: bool, typ
 ///
 /// # Errors
 /// E301.
-pub(super) fn check_scenes(scenes: &[&OsString]) -> Result<()> {
+pub(super) fn check_scenes(scenes: &[&OsStr]) -> Result<()> {
     for scene in scenes {
         let word = format!("itu:{}", scene.display());
         if matches!(built_up(word.as_ref()), Some(Ok(_))) && !Path::new(scene).exists() {
@@ -166,9 +200,9 @@ pub(super) fn check_scenes(scenes: &[&OsString]) -> Result<()> {
 /// The list of what was mended or left out while reading footprints, which any command that reads some can write. It is kept
 /// while the command runs and written when that has succeeded, so that a run that fails leaves nothing behind.
 pub(super) struct RepairsFile<'a> {
-    scene: &'a OsString,
-    reading: &'a ReadingArgs,
-    out: &'a OutputArgs,
+    scene: &'a OsStr,
+    reading: &'a Reading,
+    out: &'a OutputOptions,
     output: Output,
 }
 
@@ -179,12 +213,12 @@ impl<'a> RepairsFile<'a> {
     /// # Errors
     /// E116; E104–E106, as for every output.
     pub(super) fn of(
-        scenes: &[&'a OsString],
-        (reading, out): (&'a ReadingArgs, &'a OutputArgs),
+        scenes: &[&'a OsStr],
+        (reading, out): (&'a Reading, &'a OutputOptions),
         typed: &Typed,
     ) -> Result<Option<Self>> {
-        let Some(path) = &reading.repairs else { return Ok(None) };
-        let is_footprints = |scene: &&&OsString| {
+        let Some(path) = &reading.list.repairs else { return Ok(None) };
+        let is_footprints = |scene: &&&OsStr| {
             let extension = Path::new(scene).extension().unwrap_or_default().to_string_lossy().to_lowercase();
             VectorFormat::of_extension(&extension).is_some()
         };
@@ -193,11 +227,11 @@ impl<'a> RepairsFile<'a> {
         };
         let rules = OutputRules {
             allowed: &REPAIRS_FORMATS,
-            inputs: &reading.files(scene),
-            overwrite: out.overwrite,
+            inputs: &scene_files(scene, reading),
+            overwrite: out.writing.overwrite,
             bare: false,
         };
-        let output = check_outputs(std::slice::from_ref(path), rules)?.pop();
+        let output = check_outputs(std::slice::from_ref(&path.0), rules)?.pop();
         if let Some(other) = typed.files.iter().find(|other| is_same_file(path, other)) {
             let text = format!("cannot write {}: it is {}, which this run needs too", path.display(), other.display());
             return Err(refusal_with(105, text, "give the repairs a name of their own"));
@@ -210,12 +244,13 @@ impl<'a> RepairsFile<'a> {
     /// # Errors
     /// E116 if no footprints were read; E106, E401 if the file cannot be written.
     pub(super) fn write(&self, run: &Run) -> Result<()> {
-        let Some(found) = self.reading.found_repairs.get() else {
+        let Some(found) = run.found_repairs.get() else {
             return Err(refusal(116, "`--repairs` has no meaning here: no footprints were read"));
         };
-        let repairs = Repairs::of(found, self.reading.layer_of(self.scene), run.words());
+        let repairs = Repairs::of(found, layer_of(self.scene, self.reading), run.words());
         let outputs = [self.output.clone()];
-        let (written, spent) = run.write(&repairs, Batch::new(self.out.overwrite), &outputs, &self.out.look())?;
+        let (written, spent) =
+            run.write(&repairs, Batch::new(self.out.writing.overwrite), &outputs, &plain_look(self.out))?;
         run.tell(&repairs, spent);
         say::wrote(&written, run.is_quiet);
         Ok(())
@@ -235,11 +270,17 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
 ///
 /// # Errors
 /// E116.
-pub(super) fn check_text(out: &OutputArgs, repairs: Option<&RepairsFile<'_>>) -> Result<()> {
+pub(super) fn check_text(out: &OutputOptions, repairs: Option<&RepairsFile<'_>>) -> Result<()> {
     let is_table = |path: &Path| Format::of(path).is_ok_and(|format| format == Format::Csv);
-    let has_table = out.output.iter().chain(repairs.map(|file| &file.output.0)).any(|path| is_table(path));
+    let has_table = out
+        .files
+        .output
+        .iter()
+        .map(|path| &path.0)
+        .chain(repairs.map(|file| &file.output.0))
+        .any(|path| is_table(path));
     // Without files the answer may be a table.
-    if out.csv_text && !has_table && (out.json || !out.output.is_empty()) {
+    if out.writing.csv_text && !has_table && (out.files.json || !out.files.output.is_empty()) {
         return Err(refusal(116, "`--csv-text` has no meaning without a table"));
     }
     Ok(())

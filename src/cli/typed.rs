@@ -4,22 +4,16 @@ use std::path::PathBuf;
 
 use clap::ArgMatches;
 use clap::parser::ValueSource;
+use skyshed_request::FilePath;
 
 use super::failure::{Result, refusal};
 
-/// Arguments whose values are text, whatever they look like.
-const TEXTS: [&str; 10] = [
-    "title",
-    "attribution",
-    "layer",
-    "band",
-    "crs",
-    "height_field",
-    "top_field",
-    "base_field",
-    "levels_field",
-    "height_error_field",
-];
+/// Returns the paths that an argument names; none of an argument of another type.
+pub(super) fn paths_of(matches: &ArgMatches, id: &str) -> Vec<PathBuf> {
+    let of_requests = matches.try_get_many::<FilePath>(id).ok().flatten();
+    let of_requests = of_requests.into_iter().flatten().map(|path| path.0.clone());
+    of_requests.chain(matches.try_get_many::<PathBuf>(id).ok().flatten().into_iter().flatten().cloned()).collect()
+}
 
 /// What was typed, as opposed to left at its default.
 #[derive(Debug, Default)]
@@ -28,55 +22,24 @@ pub(super) struct Typed {
     names: Vec<String>,
     /// The files that they name, other than the scene and that of repairs.
     pub(super) files: Vec<PathBuf>,
-    /// The words of each, in the order of the names.
-    words: Vec<Vec<String>>,
 }
 
 impl Typed {
     pub(super) fn of(matches: &ArgMatches) -> Typed {
         let ids = || matches.ids().map(|id| id.as_str());
         let is_typed = |id: &&str| matches.value_source(id) == Some(ValueSource::CommandLine);
-        let files_of = |id| matches.try_get_many::<PathBuf>(id).ok().flatten();
-        let words_of = |id| {
-            let raw = matches.get_raw(id).into_iter().flatten();
-            raw.map(|word| word.to_string_lossy().into_owned()).collect()
-        };
         Typed {
             names: ids().filter(is_typed).map(str::to_string).collect(),
-            words: ids().filter(is_typed).map(words_of).collect(),
-            files: ids().filter(|id| *id != "repairs").filter_map(files_of).flatten().cloned().collect(),
+            files: ids()
+                .filter(|id| !["repairs", "scene", "scenes"].contains(id))
+                .flat_map(|id| paths_of(matches, id))
+                .collect(),
         }
     }
 
     /// Whether an argument was typed.
     pub(super) fn has(&self, name: &str) -> bool {
         self.names.iter().any(|typed| typed == name)
-    }
-
-    /// The flags of some names that were typed, with their words, as they may be typed again.
-    pub(super) fn flags(&self, names: &[String]) -> Vec<String> {
-        let typed = self.names.iter().zip(&self.words).filter(|(name, _)| names.contains(name));
-        let flag = |name: &str| format!("--{}", name.replace('_', "-"));
-        typed.flat_map(|(name, words)| std::iter::once(flag(name)).chain(words.iter().cloned())).collect()
-    }
-
-    /// The flags that were typed but some, each as one word or with its words joined by commas, as they may be typed again; in the
-    /// order of their names, whatever that of the words was, with numbers in one spelling.
-    pub(super) fn flags_but(&self, names: &[&str]) -> Vec<String> {
-        let is_flag = |name: &str| name.starts_with(char::is_lowercase) && !names.contains(&name);
-        let mut typed: Vec<(&String, &Vec<String>)> =
-            self.names.iter().zip(&self.words).filter(|(name, _)| is_flag(name)).collect();
-        typed.sort();
-        let flag = |(name, words): (&String, &Vec<String>)| {
-            // One number has many spellings, but a text has one.
-            let is_text = TEXTS.contains(&name.as_str());
-            let number = |word: &String| word.parse::<f64>().ok().filter(|_| !is_text);
-            let spelled = |word: &String| number(word).map_or_else(|| word.clone(), |number| number.to_string());
-            let words: Vec<String> = words.iter().map(spelled).collect();
-            let value = if words == ["true"] && !is_text { Vec::new() } else { vec![words.join(",")] };
-            std::iter::once(format!("--{}", name.replace('_', "-"))).chain(value).collect::<Vec<_>>()
-        };
-        typed.into_iter().flat_map(flag).collect()
     }
 
     /// Refuses those of some arguments that were typed.

@@ -10,7 +10,7 @@ use crate::error::{InputError, OddRun, Result, Warning, warned};
 use crate::formats::RasterFile;
 use crate::raster::{GeoRef, LargeVec};
 use crate::read::refuse_two_crs;
-use crate::sight::{AntennaFacts, Sight};
+use crate::sight::{AntennaFacts, SightPlan};
 use skyshed_io::error::Pair;
 
 /// A mask of an earlier run.
@@ -33,7 +33,7 @@ pub(super) struct Setting<'a> {
     pub(super) scene: &'a Path,
     /// Its grid.
     pub(super) grid: &'a GeoRef,
-    pub(super) sight: &'a Sight,
+    pub(super) sight: &'a SightPlan,
 }
 
 /// Reads the masks of a file: its only band, or of several those called `SITE.los`.

@@ -30,7 +30,7 @@ use crate::coverage::{
 };
 use crate::error::{Error, LimitError, PlacesError, RequestError, Result, Warning};
 use crate::export::{self, Batch, Format, add_comparison};
-use crate::height_errors::{AskedErrors, HeightsOfDifference};
+use crate::height_errors::{HeightErrorsPlan, HeightsOfDifference};
 use crate::los::Method;
 use crate::map::{MaskDigest, SiteFacts};
 use crate::memory::check_memory;
@@ -40,7 +40,7 @@ use crate::raster::{CellBlocks, LargeVec};
 use crate::read::source_of;
 use crate::render;
 use crate::scene::Scene;
-use crate::sight::{Sight, warn_of_no_p_los};
+use crate::sight::{SightPlan, warn_of_no_p_los};
 use crate::uav::UavsFound;
 use crate::words::p_los_words;
 use crate::zones::{NONE, ZoneMap};
@@ -64,9 +64,9 @@ const BYTES_PER_CELL: usize = 5 + 1 + 4;
 /// Placements to be compared.
 #[derive(Debug)]
 pub(crate) struct ComparisonPlan {
-    pub(crate) sight: Sight,
+    pub(crate) sight: SightPlan,
     /// How far heights of buildings may be off.
-    pub(crate) heights: AskedErrors,
+    pub(crate) heights: HeightErrorsPlan,
     /// Files with masks of earlier runs.
     pub(crate) masks: Vec<PathBuf>,
     /// Whether these are hashed whatever their size.
@@ -168,7 +168,7 @@ impl ComparisonPlan {
 
     fn report(
         &self,
-        (facts, heights): (RunFacts, AskedErrors),
+        (facts, heights): (RunFacts, HeightErrorsPlan),
         placed: &[Placed],
         blocks: &CellBlocks,
         zones: Option<&ZoneMap>,

@@ -13,9 +13,9 @@ use super::facts::{
 use crate::answer::{Rows, RunFacts, Timing, document_of, rows, warnings_of};
 use crate::city_statistics::bootstrap::{RESAMPLINGS, RatioEstimate};
 use crate::coverage::{GRAZING_M, Tally};
-use crate::height_errors::AskedErrors;
+use crate::height_errors::HeightErrorsPlan;
 use crate::quantity;
-use crate::sight::{Sight, antenna_words};
+use crate::sight::{SightPlan, antenna_words};
 
 /// Placements side by side, as reported.
 #[derive(Debug, Clone)]
@@ -23,7 +23,7 @@ pub(crate) struct CompareReport {
     /// The run.
     pub(crate) facts: RunFacts,
     /// For whom the maps are.
-    pub(crate) sight: Sight,
+    pub(crate) sight: SightPlan,
     /// How intervals were made.
     pub(crate) intervals: IntervalFacts,
     /// Whether the zones of the scene are known.
@@ -33,7 +33,7 @@ pub(crate) struct CompareReport {
     /// All pairs, the first always before the second.
     pub(crate) pairs: Vec<PairFacts>,
     /// How far heights of buildings may be off.
-    pub(crate) heights: AskedErrors,
+    pub(crate) heights: HeightErrorsPlan,
     /// All placements together.
     pub(crate) union: Tally,
     /// Receivers of any placement that 0, 1, 2 … of them see.

@@ -10,6 +10,8 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
+use skyshed_request::TiffLayout;
+
 use crate::answer::{Answer, Provenance, RunFacts, Spent, document_of};
 use crate::city::{Footprint, Solids};
 use crate::crs::wkt_of;
@@ -17,12 +19,12 @@ use crate::error::{RequestError, Result, Warning};
 use crate::export::{
     Batch, CityMesh, Format, MitsubaScene, add_mitsuba, city_mesh, encode_table, ns3_boxes, with_suffix,
 };
-use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
+use crate::formats::{Bands, GeoTiffImage, encode_geotiff, write_ascii_grid};
 use crate::height_field::{roof_triangles, wall_edges};
 use crate::picture::{Look, crs_words, picture_provenance, program, written};
 use crate::quantity::{Frame, VOID, meters, tidy};
 use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, grouped};
-use crate::scene::{Scene, SceneOptions};
+use crate::scene::{Scene, SceneReader};
 use crate::words::{pretty, title_of};
 
 /// Formats of a city.
@@ -55,8 +57,8 @@ impl Conversion {
     /// Reads a city.
     ///
     /// # Errors
-    /// As [`SceneOptions::open`].
-    pub(crate) fn open(options: &SceneOptions, word: &OsStr, command: Vec<String>) -> Result<Conversion> {
+    /// As [`SceneReader::open`].
+    pub(crate) fn open(options: &SceneReader, word: &OsStr, command: Vec<String>) -> Result<Conversion> {
         let (start, mut warnings) = (Instant::now(), Vec::new());
         let city = options.read(word, &mut warnings)?;
         let footprints = match &city.solids {

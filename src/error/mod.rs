@@ -19,6 +19,7 @@ pub use warning::{Caution, OddRun, Warning};
 
 use skyshed_core::coverage::NumberFault;
 use skyshed_core::quantity::OutOfRange;
+use skyshed_request::Fault;
 
 /// The error of every fallible function of this crate.
 ///
@@ -120,6 +121,20 @@ impl Error {
             Error::Fault(_) => 902,
         };
         format!("E{number}")
+    }
+}
+
+impl From<Fault> for Error {
+    fn from(fault: Fault) -> Self {
+        match fault {
+            Fault::Number(number) => number.into(),
+            Fault::Antenna(antenna) => RequestError::Antenna(antenna).into(),
+            Fault::Idle { option, why } => Error::idle(option, why),
+            Fault::ShareWanted(goal) => RequestError::ShareWanted(goal).into(),
+            Fault::MinimizeWanted(goal) => RequestError::MinimizeWanted(goal).into(),
+            Fault::MixedHeights => RequestError::MixedHeights.into(),
+            _ => Error::Fault("a request has a fault of an unknown kind"),
+        }
     }
 }
 

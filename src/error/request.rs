@@ -17,9 +17,15 @@ pub enum OfGenerated {
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
 pub enum RequestError {
-    /// E101: a text that is no goal, and what was found in it.
-    #[error("cannot read the goal `{text}`: {found}")]
-    Goal { text: String, found: String },
+    /// E101: a goal without the share that the least height is to reach.
+    #[error("the goal is `{0}`, wanted a share to reach with `minimize height`")]
+    ShareWanted(String),
+    /// E101: a goal with a share, and nothing to make small.
+    #[error("the goal `{0}` names a share, but not what to minimize")]
+    MinimizeWanted(String),
+    /// E102: a text that is no UAV, and what was found in it.
+    #[error("cannot read `uav {text}`: {found}")]
+    Uav { text: String, found: String },
     /// E105: an output that is not named after each UAV, beside others that are.
     #[error("cannot write {0}: other files of this run are named after each UAV")]
     NotNamedAfterUavs(String),
@@ -49,6 +55,9 @@ pub enum RequestError {
     /// E108: a goal without what it is about, an option.
     #[error("the goal `{goal}` needs `{option}`")]
     GoalNeeds { goal: String, option: &'static str },
+    /// E108: no UAV.
+    #[error("no UAV: wanted `uav X,Y,H` or `uavs FILE`")]
+    NoUav,
     /// E108: so few placements to compare.
     #[error("cannot compare: found {0} placements, wanted at least 2")]
     TooFewToCompare(usize),
@@ -81,9 +90,6 @@ pub enum RequestError {
     /// E113: a tolerance out of range.
     #[error("the tolerance is `{0}`, wanted a P_LoS above 0 and below 1")]
     Tolerance(f64),
-    /// E113: a text that is no list of heights, and why.
-    #[error("the heights are `{text}`: {found}")]
-    Heights { text: String, found: String },
     /// E113: heights of a curve \[m\], from, to, step, and what is wanted.
     #[error("the heights of the curve are `{}:{}:{}`, wanted {wanted}", .heights[0], .heights[1], .heights[2])]
     CurveHeights { heights: [f64; 3], wanted: &'static str },
@@ -91,8 +97,11 @@ pub enum RequestError {
     #[error("{0} is named twice, wanted each zone once")]
     ZoneTwice(&'static str),
     /// E113: heights above different things cannot be compared.
-    #[error("the least height is one of several that are tried: wanted all above the same")]
+    #[error("`minimize height` compares the heights of `height`: wanted all above the same")]
     MixedHeights,
+    /// E115: a text that is no reference system, and the option that holds it.
+    #[error("`{option}`: {error}")]
+    NoSystem { option: &'static str, error: Box<skyshed_io::Error> },
     /// E116: an option that changes nothing, and why.
     #[error("`{option}` has no meaning {why}")]
     Idle { option: &'static str, why: String },
@@ -167,17 +176,17 @@ impl RequestError {
     pub(super) fn code(&self) -> u16 {
         use RequestError as R;
         match self {
-            R::Goal { .. } => 101,
+            R::ShareWanted(_) | R::MinimizeWanted(_) => 101,
+            R::Uav { .. } => 102,
             R::NotNamedAfterUavs(_) | R::NotNamedAfterTiles(_) | R::FileOfUnit { .. } | R::Scratch(_) => 105,
             R::OfAnotherRun(_) | R::OfNobody(_) => 106,
             R::GdalValues { .. } | R::LayerOfTile { .. } => 107,
-            R::GoalNeeds { .. } | R::TooFewToCompare(_) => 108,
+            R::GoalNeeds { .. } | R::NoUav | R::TooFewToCompare(_) => 108,
             R::NoFootprints(_) | R::VerticalLink | R::NoGrid | R::NoTilesToJoin(_) | R::NoCrs(_) => 109,
             R::Number { .. }
             | R::Antenna(_)
             | R::PageAntennas { .. }
             | R::Tolerance(_)
-            | R::Heights { .. }
             | R::CurveHeights { .. }
             | R::MixedHeights
             | R::ZoneTwice(_) => 113,
@@ -191,6 +200,7 @@ impl RequestError {
             | R::NoUnits
             | R::PartOfUnits
             | R::ToleranceWithoutBound => 116,
+            R::NoSystem { .. } => 115,
             R::NoZones | R::NoTiles | R::NoReceivers { .. } => 117,
             R::Engine { .. } => 118,
             R::MapsOfGenerated(_) | R::UnknownMethod(_) => 121,

@@ -8,6 +8,8 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
+use skyshed_request::{Layer, TiffLayout};
+
 use super::Jobs;
 use super::stac::item;
 use crate::answer::{
@@ -16,8 +18,7 @@ use crate::answer::{
 use crate::city::GivenSite;
 use crate::coverage::Tally;
 use crate::error::{CheckError, RequestError, Result, Warning};
-use crate::export::{Batch, Format, Layer, MosaicTile, encode_parquet, vrt};
-use crate::formats::TiffLayout;
+use crate::export::{Batch, Format, MosaicTile, encode_parquet, vrt};
 use crate::map::{Part, style_of};
 use crate::picture::Look;
 use crate::quantity::{counted, share};
@@ -251,7 +252,7 @@ impl Jobs<'_> {
             tiles.rasters = self.units.parts.iter().filter_map(raster).collect();
         }
         let Sum { rows, tiles, last_written, .. } = sum;
-        let is_cog = self.job.save.tif_layout.unwrap_or_default() == TiffLayout::Cog;
+        let is_cog = self.job.save.forms.tif_layout.unwrap_or_default() == TiffLayout::Cog;
         let (n_units, layers) = (self.units.parts.len(), self.job.plan.layers.clone());
         Ok(Merged { facts: self.facts(command), layers, is_cog, rows, n_units, tiles, last_written })
     }

@@ -110,6 +110,7 @@ impl<'a> Jobs<'a> {
             sources: self.units.uavs.sources.clone(),
             seed: None,
             warnings: self.units.uavs.warnings.clone(),
+            request: None,
             unit: None,
         }
     }

@@ -5,9 +5,11 @@ use std::path::Path;
 use chrono::{DateTime, SecondsFormat};
 use serde_json::{Map, Value, json};
 
+use skyshed_request::Layer;
+
 use crate::crs::{Transformation, from_epsg};
 use crate::error::{RequestError, Result};
-use crate::export::{Layer, MosaicTile, Near};
+use crate::export::{MosaicTile, Near};
 use crate::raster::{Crs, GeoRef};
 
 /// The item at `path` over tiles of a grid, written at `seconds` since 1970, with the document of all.

@@ -23,10 +23,9 @@ use crate::height_field::HeightField;
 use crate::map::IdleDocument;
 use crate::picture::Look;
 use crate::quantity::{signed, tidy};
-use crate::read::MissingHeights;
 use crate::render::grouped;
-use crate::scene::{Scene, SceneOptions};
-use crate::sight::{Sight, warn_of_nodata};
+use crate::scene::{Scene, SceneReader};
+use crate::sight::{SightPlan, warn_of_nodata};
 use crate::uav::UavsAsked;
 use crate::words::idle_in_words;
 use crate::zones::ZoneMap;
@@ -35,6 +34,7 @@ use document::{
     roofs_in_words,
 };
 pub(crate) use document::{LimitRow, LimitsDocument};
+use skyshed_request::{MissingHeights, SetSceneOptions};
 
 /// Formats of what limits a map.
 pub(crate) const FORMATS: [Format; 3] = [Format::Csv, Format::Json, Format::Stdout];
@@ -42,7 +42,7 @@ pub(crate) const FORMATS: [Format; 3] = [Format::Csv, Format::Json, Format::Stdo
 /// Whose map is looked at, and what is not known exactly.
 #[derive(Debug)]
 pub(crate) struct LimitsPlan {
-    pub(crate) sight: Sight,
+    pub(crate) sight: SightPlan,
     /// How far UAVs may be from where they should be, sideways and in height \[m\].
     pub(crate) uav_error_m: f64,
     /// How far the heights of all buildings may be off \[m\].
@@ -55,7 +55,7 @@ pub(crate) struct LimitsPlan {
 #[derive(Debug)]
 pub(crate) struct Limits {
     facts: RunFacts,
-    sight: Sight,
+    sight: SightPlan,
     p_los: Option<f64>,
     receivers: u64,
     cell_m: f64,
@@ -78,10 +78,10 @@ impl LimitsPlan {
     /// Reads a scene, and makes the map of some UAVs in several ways.
     ///
     /// # Errors
-    /// As [`SceneOptions::open`]; E113 for numbers out of range; E2xx for UAVs that cannot be there.
+    /// As [`SceneReader::open`]; E113 for numbers out of range; E2xx for UAVs that cannot be there.
     pub(crate) fn find(
         &self,
-        (options, word): (&SceneOptions, &OsStr),
+        (options, word): (&SceneReader, &OsStr),
         asked: &UavsAsked,
         command: Vec<String>,
     ) -> Result<Limits> {
@@ -157,7 +157,7 @@ impl LimitsPlan {
     fn heights(
         &self,
         scene: &Scene,
-        options: &SceneOptions,
+        options: &SceneReader,
         own: &MapOptions,
         uavs: &[Uav],
     ) -> Result<HeightLimitsDocument> {
@@ -187,10 +187,10 @@ impl LimitsPlan {
     }
 
     /// Cities of the same kind by other seeds, for a generated scene.
-    fn other_cities(&self, options: &SceneOptions, scene: &Scene) -> Result<Vec<HeightField>> {
+    fn other_cities(&self, options: &SceneReader, scene: &Scene) -> Result<Vec<HeightField>> {
         let Some(built_up) = scene.built_up else { return Ok(Vec::new()) };
         let of = |k: u64| {
-            let other = SceneOptions { seed: Some(options.seed_of_all().wrapping_add(k)), ..options.clone() };
+            let other = options.clone().seed(options.options.seed_or_default().wrapping_add(k));
             let city = other.city(built_up).city()?;
             Ok(HeightField::build(&city.grid, city.solids).field)
         };
@@ -305,11 +305,11 @@ impl Answer for Limits {
 }
 
 /// How far heights of a scene are off, typically, by where they come from; nothing of a generated one.
-fn typical_errors(scene: &Scene, options: &SceneOptions) -> Option<&'static str> {
+fn typical_errors(scene: &Scene, options: &SceneReader) -> Option<&'static str> {
     match (scene.built_up, scene.field.prisms()) {
         (Some(_), _) => None,
         (None, None) => Some("0.3 to 1 m for a laser scan"),
-        (None, Some(_)) if options.missing.as_ref().is_some_and(MissingHeights::counts_storeys) => {
+        (None, Some(_)) if options.options.missing.as_ref().is_some_and(MissingHeights::counts_storeys) => {
             Some("2 m where heights are 3 m to a level, 0.3 to 1 m where they were measured")
         }
         (None, Some(_)) => Some("0.3 to 1 m where they were measured, 4 m for a global product"),

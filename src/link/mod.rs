@@ -32,9 +32,9 @@ impl Scene {
     /// system, at a height.
     ///
     /// ```
-    /// use skyshed::{Height, Scene, Uav};
+    /// use skyshed::prelude::*;
     ///
-    /// let city = Scene::options().size_m(200.0).open("itu:urban")?;
+    /// let city = Scene::options().size(200.0).open("itu:urban")?;
     /// let link = city.link(Uav::new(100.0, 100.0, Height::agl(60.0)), (10.0, 150.0), Height::agl(1.5))?;
     /// assert_eq!(link.los(), link.obstruction().is_none());
     /// # Ok::<(), skyshed::Error>(())

@@ -1,12 +1,14 @@
 //! What UAVs see: the answer of a map.
 
+use skyshed_request::Layer;
+
 use super::report::{MapReport, SiteFacts};
-use super::save_options::SaveOptions;
 use crate::coverage::{HeightLayers, MapOptions, Mapper, MarginSample, Overlay, SiteCoverage, Tally};
 use crate::error::{Result, Warning};
-use crate::export::{Format, Layer};
+use crate::export::Format;
 use crate::raster::GeoRef;
 use crate::scene::Scene;
+use skyshed_request::SaveOptions;
 
 /// What each of some UAVs sees of a scene, and all of them together.
 ///
@@ -115,7 +117,7 @@ impl Coverages {
                 layers.iter().any(|layer| !layer.is_of_all())
             }
             Format::Kmz | Format::FlatGeobuf => true,
-            Format::GeoJson => options.polygons.is_some(),
+            Format::GeoJson => options.forms.polygons.is_some(),
             _ => false,
         }
     }
@@ -124,9 +126,9 @@ impl Coverages {
 /// What one UAV sees of a scene.
 ///
 /// ```
-/// use skyshed::{Height, Layer, Scene, Uav};
+/// use skyshed::prelude::*;
 ///
-/// let city = Scene::options().size_m(150.0).open("itu:suburban")?;
+/// let city = Scene::options().size(150.0).open("itu:suburban")?;
 /// let uav = Uav::new(75.0, 75.0, Height::agl(60.0));
 /// let seen = city.coverage(uav).layers([Layer::Los, Layer::Margin]).run()?;
 /// // A margin is zero or more exactly where there is line of sight; zero means that the ray touches.

@@ -5,6 +5,8 @@ use std::time::Instant;
 
 use serde_json::Value;
 
+use skyshed_request::Receivers;
+
 use super::coverages::Coverages;
 use super::curve_report::{CurveFacts, HeightCurveReport};
 use crate::answer::{Answer, Output, Rows, Spent};
@@ -16,7 +18,6 @@ use crate::progress::Progress;
 use crate::quantity::{MAX_HEIGHT_M, height_steps, meters, tidy};
 use crate::render::{self, HeightCurveLine, HeightCurvePlot};
 use crate::scene::Scene;
-use crate::sight::Receivers;
 use crate::words::{capitalized, unbreakable};
 
 /// Formats of a curve.
@@ -230,7 +231,7 @@ impl Curves {
 
     /// What those are called who look.
     fn looked_at_by(&self) -> &'static str {
-        self.report.sight.receivers().looked_at_by()
+        self.report.sight.receivers().other_end()
     }
 
     /// One of those who look, or something of them, at the beginning of a line.
@@ -241,7 +242,7 @@ impl Curves {
     /// Whose height it is.
     fn whom(&self) -> String {
         match self.report.sites.len() {
-            1 => self.report.sight.receivers().looked_at_by_one().to_string(),
+            1 => self.report.sight.receivers().an_other_end().to_string(),
             _ => format!("{}s", self.looked_at_by()),
         }
     }
@@ -277,7 +278,7 @@ impl Curves {
             Receivers::Street => "the ground of streets",
             Receivers::Crossroad => "the ground of crossroads",
             Receivers::Courtyard => "the ground of courtyards",
-            Receivers::Ground => "ground",
+            _ => "ground",
         };
         let range = sight.range_in_words();
         let receivers = format!(

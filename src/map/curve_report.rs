@@ -9,7 +9,7 @@ use crate::answer::{Head, Rows, RunFacts, Share, WarningFacts, digest_words, doc
 use crate::coverage::HeightCurve;
 use crate::digest::Sha256;
 use crate::quantity::meters;
-use crate::sight::{Sight, SightFacts};
+use crate::sight::{SightFacts, SightPlan};
 
 /// Shares of receivers for which the document tells the least height \[%\].
 const QUANTILES: [u8; 9] = [5, 10, 25, 50, 75, 90, 95, 99, 100];
@@ -18,7 +18,7 @@ const QUANTILES: [u8; 9] = [5, 10, 25, 50, 75, 90, 95, 99, 100];
 #[derive(Debug, Clone)]
 pub(crate) struct HeightCurveReport {
     pub(crate) facts: RunFacts,
-    pub(crate) sight: Sight,
+    pub(crate) sight: SightPlan,
     pub(crate) sites: Vec<CurveFacts>,
     digest: String,
 }

@@ -1,5 +1,7 @@
 //! The picture of a map: layer, marks, title, caption.
 
+use skyshed_request::{Layer, Receivers};
+
 use super::classes::{ClassMap, MOST_COLORS, least_heights, nearest, seen_alone, what_is_sure, who_sees};
 use super::coverages::Coverages;
 use super::report::SiteFacts;
@@ -7,12 +9,11 @@ use super::tolerance::in_words as tolerance_in_words;
 use crate::city::Antenna;
 use crate::coverage::{Overlay, SiteCoverage, Stability, Tally, Uav};
 use crate::error::Result;
-use crate::export::{Format, Layer};
+use crate::export::Format;
 use crate::picture::{Look, crop, mark, shown_classes, window_of, written};
 use crate::quantity::tidy;
 use crate::raster::CellWindow;
 use crate::render::{self, MOST_MAP_PANELS, MOST_WITH_HEIGHTS, MapClass, MapPanel, MapPanels, MapPicture, Mark};
-use crate::sight::Receivers;
 use crate::words::{capitalized, unbreakable};
 
 /// A map to draw.
@@ -314,7 +315,6 @@ impl MapDrawing<'_> {
             Layer::Which if !union.is_empty() => {
                 Some(Shown::Classes(seen_alone(self.looked_at_by(), mask, count, union), union))
             }
-            Layer::Los | Layer::Count | Layer::Which | Layer::Union | Layer::BestServer => None,
             Layer::Margin => field(&site.margin, "Margin: receiver height less least visible height"),
             Layer::LeastReceiverHeight => field(&site.least_receiver_height, "Least receiver height, above the datum"),
             Layer::LeastHeight => site.least_height.as_deref().map(|least| {
@@ -328,6 +328,7 @@ impl MapDrawing<'_> {
             Layer::Stability => {
                 site.stability.as_ref().map(|s| Shown::Layer(render::Layer::Stability { turns: &s.turns, mask }))
             }
+            _ => None,
         };
         wanted.unwrap_or(Shown::Layer(render::Layer::Los(mask)))
     }

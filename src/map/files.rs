@@ -2,27 +2,32 @@
 
 use std::path::{Path, PathBuf};
 
+use skyshed_request::{Layer, TiffLayout};
+
 use super::coverages::Coverages;
 use super::drawing::MapDrawing;
 use super::kml::{KmlOverlay, kml};
 use super::raster_files::add_raster;
 use super::report::{MapReport, MaskDigest};
-use super::save_options::{PolygonClasses, SaveOptions, no_crs};
+use skyshed_request::PolygonClasses;
+
+use super::save_options::{mask_values, no_crs};
 use crate::answer::{Answer, Output, Rows, Spent};
 use crate::coverage::{CoveragePolygon, PolygonOptions, Tally, class, coverage_polygons};
 use crate::crs::wkt_of;
 use crate::error::{Error, Result, Warning};
 use crate::export::{
-    Batch, Format, Layer, MapResult, MaskStrips, MaskValues, PolygonFile, add_flatgeobuf, add_map, bare_name,
-    encode_kmz, with_suffix,
+    Batch, Format, MapResult, MaskStrips, MaskValues, PolygonFile, add_flatgeobuf, add_map, bare_name, encode_kmz,
+    with_suffix,
 };
-use crate::formats::{LonLatGrid, TiffLayout, world_file};
+use crate::formats::{LonLatGrid, world_file};
 use crate::picture::{Look, drawn, picture_provenance, program};
 use crate::progress::Progress;
 use crate::quantity::tidy;
 use crate::raster::GeoRef;
 use crate::render::{self, PictureForm};
 use crate::words::{p_los_words, pretty};
+use skyshed_request::SaveOptions;
 
 /// Everything that outputs are made from.
 pub(crate) struct Writer<'a> {
@@ -55,8 +60,8 @@ impl Answer for Writer<'_> {
                     overlay: self.of.overlay.as_ref(),
                     layers: &self.of.layers,
                     provenance: &provenance,
-                    tif_layout: self.options.tif_layout.unwrap_or_default(),
-                    mask_values: self.options.mask_values,
+                    tif_layout: self.options.forms.tif_layout.unwrap_or_default(),
+                    mask_values: mask_values(self.options),
                 };
                 // Tiles hang on the ground that they show alone; the style of a mosaic is written beside it.
                 match self.of.report.tile {
@@ -65,7 +70,7 @@ impl Answer for Writer<'_> {
                 }
             }
             Format::Kmz => batch.add(path, &self.kmz(path)?)?,
-            Format::GeoJson if self.options.polygons.is_some() => {
+            Format::GeoJson if self.options.forms.polygons.is_some() => {
                 batch.add(path, format!("{}\n", self.of.report.polygons(&self.polygons()?)).as_bytes())?;
             }
             Format::GeoJson => batch.add(path, pretty(&self.of.report.geojson()).as_bytes())?,
@@ -78,7 +83,7 @@ impl Answer for Writer<'_> {
                 };
                 add_flatgeobuf(batch, &file, path)?;
             }
-            Format::Png if self.options.bare => {
+            Format::Png if self.options.forms.bare => {
                 self.bare(path)?.iter().try_for_each(|(file, bytes)| batch.add(file, bytes))?
             }
             _ => {
@@ -137,18 +142,21 @@ impl Writer<'_> {
     /// The polygons that were asked for.
     fn polygons(&self) -> Result<Vec<CoveragePolygon>> {
         let grid = self.of.scene.field.grid();
-        let Some(classes) = self.options.polygons.map(PolygonClasses::classes) else {
+        let Some(classes) = self.options.forms.polygons.map(PolygonClasses::classes) else {
             return Err(Error::Fault("polygons were not asked for"));
         };
-        let options =
-            PolygonOptions { classes, simplify_m: self.options.simplify_m, meters_per_unit: grid.meters_per_unit() };
+        let options = PolygonOptions {
+            classes: classes.to_vec(),
+            simplify_m: self.options.forms.simplify,
+            meters_per_unit: grid.meters_per_unit(),
+        };
         Ok(coverage_polygons(&self.of.sites, grid, &options))
     }
 
     /// Overlays for globes: line of sight of each UAV, and for several also of any, which alone is visible at first.
     fn kmz(&self, path: &Path) -> Result<Vec<u8>> {
         let Some(degrees) = LonLatGrid::over(self.of.scene.field.grid())? else { return Err(no_crs(path)) };
-        let who = self.of.report.sight.receivers().looked_at_by();
+        let who = self.of.report.sight.receivers().other_end();
         let mut shown: Vec<(String, &[u8], Tally)> = Vec::new();
         let overlay = self.of.overlay.as_ref().filter(|_| self.of.sites.len() > 1);
         shown.extend(overlay.map(|o| (format!("Seen by at least one {who}"), o.union(), self.of.report.union)));
@@ -190,7 +198,7 @@ impl Writer<'_> {
 
 /// The only output, if that is a plain GeoTIFF of line of sight: one that can be written while the mask is made.
 pub(crate) fn written_at_once<'a>(outputs: &'a [Output], layers: &[Layer], options: &SaveOptions) -> Option<&'a Path> {
-    match (outputs, layers, options.tif_layout) {
+    match (outputs, layers, options.forms.tif_layout) {
         ([(path, Format::GeoTiff)], [Layer::Los], Some(TiffLayout::Plain)) => Some(path),
         _ => None,
     }

@@ -3,30 +3,42 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
+use serde_json::Value;
+use skyshed_request::{FilePath, Layer, MapRequest, Position, SaveOptions, TileIndex, Uavs, json};
+
 use super::curve::{CurvePlan, Curves};
 use super::plan::MapPlan;
 use super::report::MapReport;
-use super::save_options::SaveOptions;
-use super::tiles::{Tile, TilesAsked};
+use super::tiles::{ROW_AND_COL, Tile, TilesAsked};
 use super::tolerance::in_words as tolerance_in_words;
 use crate::answer::{Answer, Output, Rows, Spent, Timing};
-use crate::city::{GivenSite, Site};
-use crate::error::{Result, Warning};
-use crate::export::{Batch, Format, Layer};
+use crate::city::{Antenna, GivenSite, Site};
+use crate::error::{Error, Result, Warning};
+use crate::export::{Batch, Format};
 use crate::los::Method;
 use crate::picture::Look;
 use crate::raster::GeoRef;
 use crate::read::StreamedSurface;
-use crate::scene::{Scene, SceneOptions, is_raster_scene};
+use crate::scene::{Scene, SceneReader, is_raster_scene};
 use crate::uav::{UavsAsked, UavsFound};
 use crate::words::{capitalized, idle_in_words, p_los_words};
 
-/// What is asked of which scene, for which UAVs, into which files.
+/// Words of a unit of work: its UAV, or its tile.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct PartWords {
+    pub(super) uav: Option<Position>,
+    pub(super) tile: Option<TileIndex>,
+}
+
+/// A request of a map with all of its parts checked.
 #[derive(Debug, Clone)]
 pub(crate) struct MapJob {
+    /// The request as it was made.
+    pub(crate) request: MapRequest,
     /// The scene: a path, or the word for a generated city.
     pub(crate) word: OsString,
-    pub(crate) scene: SceneOptions,
+    /// The reader of the scene.
+    pub(crate) scene: SceneReader,
     /// The files that the scene is read from.
     pub(crate) inputs: Vec<PathBuf>,
     pub(crate) uavs: UavsAsked,
@@ -34,20 +46,10 @@ pub(crate) struct MapJob {
     pub(crate) save: SaveOptions,
     pub(crate) outputs: Vec<PathBuf>,
     pub(crate) curve: CurvePlan,
-    /// Whether counts are told beside the files.
-    pub(crate) is_told: bool,
-    /// Whether a raster is mapped strip by strip also where it fits in memory, and where its copy lies.
-    pub(crate) strips: bool,
-    pub(crate) scratch: Option<PathBuf>,
-    /// Whether what is there, made by an equal run, is left alone.
-    pub(crate) resume: bool,
-    /// Which tiles of the ground are units of work, where the names of files say that they are.
+    /// Tiles of the ground that are units of work, where the names of files say that they are.
     pub(crate) tiles: TilesAsked,
     /// The words of the command line, for documents.
     pub(crate) command: Vec<String>,
-    /// The words that ask this of one UAV, which is still to be added. Documents of a unit of work hold them, so that they name
-    /// no table and no batch.
-    pub(crate) unit_command: Vec<String>,
 }
 
 /// What a run is given that was read before.
@@ -121,7 +123,7 @@ impl Answer for Done {
         let dropped = report.idle.iter().filter(|idle| idle.dropped() > 0).map(idle_in_words);
         let mut notes: Vec<String> = dropped.chain(report.tolerance.iter().map(tolerance_in_words)).collect();
         let receivers = report.sight.receivers();
-        let (who, whom) = (capitalized(receivers.looked_at_by()), receivers.counted_as());
+        let (who, whom) = (capitalized(receivers.other_end()), receivers.noun());
         notes.extend(report.sites.iter().map(|site| {
             let share = p_los_words(site.tally.p_los());
             let interval = site.uncertain.and_then(|uncertain| uncertain.interval);
@@ -145,22 +147,122 @@ impl Answer for Done {
     }
 }
 
+/// Returns `true` if the name of a file holds the row or the column of a tile.
+pub(crate) fn names_tile(path: &Path) -> bool {
+    ROW_AND_COL.iter().any(|word| path.to_string_lossy().contains(word))
+}
+
 impl MapJob {
+    /// Checks the parts of a request.
+    ///
+    /// # Errors
+    /// E1xx for values that are wrong by themselves, and for options that change nothing.
+    pub(crate) fn of(request: MapRequest, command: Vec<String>) -> Result<MapJob> {
+        let word = PathBuf::from(request.scene.word());
+        let paths = |files: &[FilePath]| files.iter().map(|path| path.0.clone()).collect::<Vec<PathBuf>>();
+        let options = &request.reading.options;
+        let outputs = paths(&request.out.files.output);
+        let curve = CurvePlan {
+            outputs: paths(&request.curve.height_curve),
+            heights: request.curve.curve_heights.map(|range| range.0),
+        };
+        let uavs = UavsAsked { shard: request.units.shard, ..UavsAsked::some_of(&request.uavs, options.hash)? };
+        let plan = MapPlan::of(&request.coverage)?;
+        // Files of the curve are pictures, too. Names that are no files are refused later.
+        let is_bare = |path: &&PathBuf| request.forms.bare && Format::of(path).is_ok_and(|f| f == Format::Png);
+        let files = outputs.iter().filter(|path| !is_bare(path)).chain(&curve.outputs);
+        let files: Vec<Output> = files.filter_map(|path| Some((path.clone(), Format::of(path).ok()?))).collect();
+        Look::checked(&request.picture, &request.out.writing, &files)?;
+        let job = MapJob {
+            inputs: std::iter::once(word.clone()).chain(options.files().map(|path| path.0.clone())).collect(),
+            word: word.into_os_string(),
+            scene: options.clone().into(),
+            uavs,
+            plan,
+            save: request.save_options(),
+            outputs,
+            curve,
+            tiles: TilesAsked::of(request.units.tile_size, &request.units.tile),
+            command,
+            request,
+        };
+        job.check_units()?;
+        Ok(job)
+    }
+
+    /// Refuses options of strips and tiles without any.
+    fn check_units(&self) -> Result<()> {
+        let (memory, units) = (&self.request.memory, &self.request.units);
+        if !is_raster_scene(&self.word) || self.scene.options.project.is_some() {
+            const WHY: &str = "but for a raster in its own system";
+            if memory.strips {
+                return Err(Error::idle("strips", WHY));
+            }
+            if memory.scratch.is_some() {
+                return Err(Error::idle("scratch", WHY));
+            }
+        }
+        if units.tile_size.is_some() && units.tile.is_empty() && !self.outputs.iter().any(|path| names_tile(path)) {
+            return Err(Error::idle("tile_size", "without tiles"));
+        }
+        Ok(())
+    }
+
+    /// Returns `true` if counts are printed beside the files.
+    pub(super) fn is_told(&self) -> bool {
+        self.request.out.files.json || self.outputs.is_empty() && self.curve.outputs.is_empty()
+    }
+
+    /// Returns the question as documents record it.
+    pub(super) fn request_members(&self) -> Value {
+        Value::Object(json::set_members(&self.request.question()))
+    }
+
+    /// Returns this job of one UAV or of one tile, with files that have names of their own.
+    ///
+    /// Its request and its command name no table and no batch. The command has the flags of the question in the order of their
+    /// names, then the antenna, then the UAV or the tile.
+    pub(super) fn of_part(
+        &self,
+        files: impl Fn(&[PathBuf]) -> Vec<PathBuf>,
+        antenna: Antenna,
+        part: &PartWords,
+    ) -> MapJob {
+        let mut request = self.request.clone();
+        request.reading.options.hash = false;
+        request.uavs = Uavs { uav: part.uav.iter().map(ToString::to_string).collect(), ..Uavs::default() };
+        request.coverage.sight.antenna = antenna.into();
+        let mut flags = request.question();
+        flags.units.tile_size = request.units.tile_size;
+        (flags.scene, flags.uavs, flags.out) = Default::default();
+        flags.coverage.sight.antenna = Default::default();
+        let mut flags = json::set_members(&flags);
+        flags.sort_keys();
+        let antenna = json::set_members(&request.coverage.sight.antenna);
+        let uav = part.uav.map(|uav| ["--uav".into(), uav.to_string()]);
+        let tile = part.tile.map(|tile| ["--tile".into(), tile.to_string()]);
+        let scene = request.scene.word().display().to_string();
+        let words = ["map".into(), scene].into_iter().chain(json::words(&flags)).chain(json::words(&antenna));
+        let command = words.chain(uav.into_iter().chain(tile).flatten()).collect();
+        let curve = CurvePlan { outputs: files(&self.curve.outputs), ..self.curve.clone() };
+        MapJob { request, outputs: files(&self.outputs), curve, command, ..self.clone() }
+    }
+
     /// Whether no more of the scene is read than the part that is mapped: so it is of rasters in their own system, with a radius.
     pub(super) fn reads_range_alone(&self) -> bool {
         let is_limited = self.plan.sight.radius_m().is_some() && !self.plan.needs_zones();
-        is_limited && is_raster_scene(&self.word) && self.scene.project.is_none()
+        is_limited && is_raster_scene(&self.word) && self.scene.options.project.is_none()
     }
 
     /// This job over the part of a raster in range of some UAVs.
     pub(super) fn of_range(&self, sites: &[GivenSite], grid: &GeoRef) -> MapJob {
         let around = self.plan.sight.box_in_range(sites, grid);
-        MapJob { scene: SceneOptions { around, ..self.scene.clone() }, ..self.clone() }
+        MapJob { scene: SceneReader { around, ..self.scene.clone() }, ..self.clone() }
     }
 
     /// How the scene is read: of footprints with an extent and a radius those alone that a link can meet.
-    pub(super) fn scene_in_reach(&self) -> SceneOptions {
-        let (radius_m, extent) = (self.plan.sight.radius_m(), self.scene.extent);
+    pub(super) fn scene_in_reach(&self) -> SceneReader {
+        let (radius_m, extent) = (self.plan.sight.radius_m(), self.scene.options.extent);
         let is_near = |site: &Site, [west, south, east, north]: [f64; 4], reach: f64| {
             (west - reach..=east + reach).contains(&site.x) && (south - reach..=north + reach).contains(&site.y)
         };
@@ -169,7 +271,7 @@ impl MapJob {
         let reach_m = radius_m.zip(extent).filter(|(reach, extent)| {
             knows_uavs && !self.plan.needs_zones() && self.uavs.typed.iter().all(|site| is_near(site, *extent, *reach))
         });
-        SceneOptions { reach_m: reach_m.map(|(reach_m, _)| reach_m), ..self.scene.clone() }
+        SceneReader { reach_m: reach_m.map(|(reach_m, _)| reach_m), ..self.scene.clone() }
     }
 
     /// What a map of one UAV takes for each cell, beside what is read.

@@ -56,7 +56,7 @@ pub(super) fn kml(report: &MapReport, degrees: &LonLatGrid, overlays: &[KmlOverl
         text += &format!(
             "<Placemark>\n<name>{}</name>\n<description>{}</description>\n<Point>\n<extrude>1</extrude>\n\
              <altitudeMode>{mode}</altitudeMode>\n<coordinates>{lon},{lat},{height}</coordinates>\n</Point>\n</Placemark>\n",
-            xml_text(&capitalized(&format!("{} {}", report.sight.receivers().looked_at_by(), site.id))),
+            xml_text(&capitalized(&format!("{} {}", report.sight.receivers().other_end(), site.id))),
             xml_text(&words)
         );
     }

@@ -5,23 +5,23 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use skyshed_request::{CoverageQuestion, Layer};
+
 use super::coverages::Coverages;
 use super::report::{MapReport, MaskDigest, SiteFacts, zone_tallies};
 use super::tiles::Tile;
 use super::tolerance::{ToleranceFacts, check_tolerance, simplify};
-use super::units::tells_numbers;
 use crate::coverage::{
     HeightLayers, KeepMasks, ManyMaps, MapOptions, Mapper, SiteCoverage, Tally, Together, Uav, maps_at_once,
 };
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::expected::Expected;
-use crate::export::Layer;
-use crate::height_errors::{AskedErrors, UncertainFacts};
+use crate::height_errors::{HeightErrorsPlan, UncertainFacts};
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::progress::Progress;
 use crate::raster::GeoRef;
 use crate::scene::Scene;
-use crate::sight::{Sight, warn_of_no_p_los};
+use crate::sight::{SightPlan, warn_of_no_p_los};
 use crate::uav::UavsFound;
 use crate::zones::ZoneMap;
 
@@ -29,10 +29,10 @@ use crate::zones::ZoneMap;
 #[derive(Debug, Clone)]
 pub(crate) struct MapPlan {
     /// For whom it is.
-    pub(crate) sight: Sight,
+    pub(crate) sight: SightPlan,
     pub(crate) layers: Vec<Layer>,
     /// How far heights may be off.
-    pub(crate) heights: AskedErrors,
+    pub(crate) heights: HeightErrorsPlan,
     /// How far P_LoS may be off.
     pub(crate) tolerance: Option<f64>,
     /// Whether counts are told by zone.
@@ -60,6 +60,17 @@ pub(crate) struct Held {
 }
 
 impl MapPlan {
+    /// Checks a question and fills in its defaults.
+    ///
+    /// # Errors
+    /// E113, E116.
+    pub(crate) fn of(question: &CoverageQuestion) -> Result<MapPlan> {
+        let CoverageQuestion { sight, heights, map } = question;
+        map.check()?;
+        let (sight, heights) = (SightPlan::of(sight)?, HeightErrorsPlan::of(heights, map.sigma)?);
+        Ok(MapPlan { sight, heights, layers: map.wanted_layers(), tolerance: map.tolerance, tells_zones: map.zones })
+    }
+
     /// The layers that are made for each UAV beside its mask.
     pub(crate) fn height_layers(&self) -> HeightLayers {
         HeightLayers {
@@ -97,10 +108,6 @@ impl MapPlan {
     /// # Errors
     /// E113, E116.
     pub(crate) fn check(&self) -> Result<()> {
-        // Another number of standard deviations than that of none asked for changes nothing else.
-        if self.heights.has_own_sigma() && !self.layers.contains(&Layer::Sure) {
-            return Err(Error::idle("sigma", "without the layer `sure`"));
-        }
         check_tolerance(self.tolerance, self.sight.method())
     }
 
@@ -272,7 +279,7 @@ impl Prepared {
             },
             sites: facts,
             tolerance,
-            tile: tile.map(|(tile, _)| tile.facts(tells_numbers(&plan.layers))),
+            tile: tile.map(|(tile, _)| tile.facts(plan.layers.iter().any(|layer| layer.tells_numbers()))),
             idle: (idle.footprints > 0).then_some(idle),
             digest: digest.finish(),
         };

@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use skyshed_request::Layer;
+
 use crate::coverage::SiteCoverage;
 use crate::error::Result;
-use crate::export::{Batch, Format, Layer, MapResult, MaskValues, add_map, n_bands};
+use crate::export::{Batch, Format, MapResult, MaskValues, add_map, n_bands};
 use crate::render::{FirstBand, qgis_style};
 
 /// Adds a raster file of a map to a batch, and beside a GeoTIFF that is more than one band of classes a style for QGIS.
@@ -38,7 +40,7 @@ pub(crate) fn style_of(layers: &[Layer], n_uavs: usize, sites: &[SiteCoverage]) 
         Layer::LeastReceiverHeight => values(|site| site.least_receiver_height.as_deref()),
         Layer::LeastHeight => values(|site| site.least_height.as_deref()),
         Layer::PLos => values(|site| site.p_los.as_deref()),
-        Layer::Which => None,
+        _ => None,
     };
     band.map(qgis_style)
 }

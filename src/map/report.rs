@@ -14,9 +14,9 @@ use crate::answer::{
 use crate::city::Antenna;
 use crate::coverage::{CoveragePolygon, HoversOver, IdleFootprints, SiteCoverage, Tally};
 use crate::digest::Sha256;
-use crate::height_errors::{AskedErrors, HeightErrorsDocument, UncertainFacts};
+use crate::height_errors::{HeightErrorsDocument, HeightErrorsPlan, UncertainFacts};
 use crate::raster::GeoRef;
-use crate::sight::{AntennaFacts, Sight, SightFacts};
+use crate::sight::{AntennaFacts, SightFacts, SightPlan};
 use crate::zones::{N_CODES, Zone, ZoneMap};
 
 /// One UAV of a map: where it is, what it hovers over, and what it sees.
@@ -123,9 +123,9 @@ pub(crate) fn zone_tallies(zones: &ZoneMap, mask: &[u8]) -> [Tally; 4] {
 pub(crate) struct MapReport {
     pub(crate) facts: RunFacts,
     /// For whom the map is.
-    pub(crate) sight: Sight,
+    pub(crate) sight: SightPlan,
     /// How far heights may be off.
-    pub(crate) heights: AskedErrors,
+    pub(crate) heights: HeightErrorsPlan,
     /// The UAVs.
     pub(crate) sites: Vec<SiteFacts>,
     /// All UAVs together.

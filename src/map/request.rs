@@ -3,17 +3,14 @@
 use std::marker::PhantomData;
 use std::sync::Arc;
 
+use skyshed_request::{Antenna, CoverageQuestion, Earth, HeightErrors, MapOptions, Range, Receiver};
+
 use super::coverages::{Coverage, Coverages};
 use super::plan::{Held, MapPlan, PartOf, Prepared};
-use crate::city::Antenna;
 use crate::coverage::{SiteCoverage, Tally};
 use crate::error::Result;
-use crate::export::Layer;
-use crate::height_errors::AskedErrors;
-use crate::los::MethodChoice;
 use crate::progress::Progress;
 use crate::scene::Scene;
-use crate::sight::{AskedSight, Receivers};
 use crate::uav::{Uav, UavsFound};
 
 impl Scene {
@@ -25,11 +22,11 @@ impl Scene {
     /// Asks what each of some UAVs sees, and all of them together.
     ///
     /// ```
-    /// use skyshed::{Height, Scene, Uav};
+    /// use skyshed::prelude::*;
     ///
-    /// let city = Scene::options().size_m(200.0).open("itu:urban")?;
+    /// let city = Scene::options().size(200.0).open("itu:urban")?;
     /// let uavs = [40.0, 160.0].map(|x| Uav::new(x, 100.0, Height::agl(80.0)));
-    /// let seen = city.coverages(uavs).radius_m(150.0).run()?;
+    /// let seen = city.coverages(uavs).radius(150.0).run()?;
     /// let best = seen.sites().iter().map(|site| site.tally.los).max().unwrap_or(0);
     /// assert!(seen.union().los >= best);
     /// # Ok::<(), skyshed::Error>(())
@@ -45,97 +42,28 @@ impl Scene {
 pub struct CoverageRequest<Answer> {
     scene: Scene,
     uavs: Vec<Uav>,
-    asked: AskedSight,
-    heights: AskedErrors,
-    layers: Vec<Layer>,
-    tolerance: Option<f64>,
-    tells_zones: bool,
+    question: CoverageQuestion,
     keeps_masks: bool,
     progress: Arc<Progress>,
     answer: PhantomData<fn() -> Answer>,
 }
 
 impl<Answer> CoverageRequest<Answer> {
+    /// Replaces the whole question, as one that was read from JSON.
+    pub fn question(mut self, question: CoverageQuestion) -> Self {
+        self.question = question;
+        self
+    }
+
     fn new(scene: &Scene, uavs: Vec<Uav>) -> Self {
         CoverageRequest {
             scene: scene.clone(),
             uavs,
-            asked: AskedSight::default(),
-            heights: AskedErrors::default(),
-            layers: vec![Layer::Los],
-            tolerance: None,
-            tells_zones: false,
+            question: CoverageQuestion::default(),
             keeps_masks: false,
             progress: Arc::default(),
             answer: PhantomData,
         }
-    }
-
-    /// The largest horizontal distance from a UAV to a receiver \[m\]. Default: unlimited.
-    pub fn radius_m(mut self, radius_m: f64) -> Self {
-        self.asked.radius_m = Some(radius_m);
-        self
-    }
-
-    /// What the antennas of UAVs serve that have none of their own. Default: all.
-    pub fn antenna(mut self, antenna: Antenna) -> Self {
-        self.asked.antenna = antenna;
-        self
-    }
-
-    /// A curved earth of K times its radius: 4/3 for radio, 7/6 for light. Default: a flat one.
-    pub fn earth_k(mut self, k: f64) -> Self {
-        self.asked.earth_k = Some(k);
-        self
-    }
-
-    /// The height of the receivers above ground or roof \[m\]. Default: 1.5.
-    pub fn receiver_height_m(mut self, height_m: f64) -> Self {
-        self.asked.rx_height_m = height_m;
-        self
-    }
-
-    /// Which cells hold receivers. Default: open ground.
-    pub fn receivers(mut self, receivers: Receivers) -> Self {
-        self.asked.receivers = receivers;
-        self
-    }
-
-    /// The layers to make. Default: line of sight alone. Pictures show the first.
-    pub fn layers(mut self, layers: impl IntoIterator<Item = Layer>) -> Self {
-        self.layers = layers.into_iter().collect();
-        self
-    }
-
-    /// Standard deviations of the errors of heights \[m\]: of each building alone, and of what all share. Default: none. P_LoS has an interval then.
-    pub fn height_errors_m(mut self, own_m: f64, shared_m: f64) -> Self {
-        (self.heights.own_m, self.heights.shared_m) = (own_m, shared_m);
-        self
-    }
-
-    /// Of how many of these standard deviations the layer [`Layer::Sure`] is. Default: 2.
-    pub fn sigma(mut self, sigma: f64) -> Self {
-        self.heights.sigma = sigma;
-        self
-    }
-
-    /// The engine. Default: the fastest exact one for the scene.
-    pub fn method(mut self, method: MethodChoice) -> Self {
-        self.asked.method = method;
-        self
-    }
-
-    /// How far P_LoS of any UAV may be off, above 0 and below 1: the map is made on the coarsest cells for which that is so
-    /// with 99 % confidence.
-    pub fn tolerance(mut self, p_los: f64) -> Self {
-        self.tolerance = Some(p_los);
-        self
-    }
-
-    /// Counts by zone too, which cost as much as a map.
-    pub fn zones(mut self) -> Self {
-        self.tells_zones = true;
-        self
     }
 
     /// A token that tells how far the map is, and can stop it from another thread.
@@ -145,9 +73,7 @@ impl<Answer> CoverageRequest<Answer> {
     }
 
     fn prepared(self) -> Result<(Prepared, Arc<Progress>)> {
-        let CoverageRequest { asked, heights, layers, tolerance, tells_zones, .. } = self;
-        let (sight, heights) = (asked.checked()?, heights.checked()?);
-        let plan = MapPlan { sight, heights, layers, tolerance, tells_zones };
+        let plan = MapPlan::of(&self.question)?;
         Ok((plan.prepare(self.scene, &UavsFound::of(&self.uavs)?, PartOf::default())?, self.progress))
     }
 
@@ -156,6 +82,11 @@ impl<Answer> CoverageRequest<Answer> {
         let (prepared, progress) = self.prepared()?;
         prepared.run(held, &progress, |_| {}, each)
     }
+}
+
+skyshed_request::holds! {
+    CoverageRequest<Answer> where Answer: question.sight.receiver Receiver, question.sight.range Range,
+    question.sight.antenna Antenna, question.sight.earth Earth, question.heights HeightErrors, question.map MapOptions
 }
 
 impl CoverageRequest<Coverage> {
@@ -191,9 +122,9 @@ impl CoverageRequest<Coverages> {
     /// Counts what each UAV sees and makes no mask: receivers in range, and those of them in line of sight. The other counts of a tally stay 0.
     ///
     /// ```
-    /// use skyshed::{Height, Scene, Uav};
+    /// use skyshed::prelude::*;
     ///
-    /// let city = Scene::options().size_m(150.0).open("itu:urban")?;
+    /// let city = Scene::options().size(150.0).open("itu:urban")?;
     /// let uavs = [40.0, 110.0].map(|x| Uav::new(x, 75.0, Height::agl(60.0)));
     /// let counts = city.coverages(uavs.clone()).run_counts()?;
     /// let maps = city.coverages(uavs).run()?;

@@ -3,16 +3,19 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use skyshed_request::Layer;
+
 use super::coverages::Coverages;
 use super::drawing::draws_each;
 use super::files::{MaskFile, Writer, written_at_once};
 use super::job::{Done, Given, GivenScene, MapJob, encoding_bytes_per_cell};
 use super::plan::{Held, PartOf};
+use super::save_options::{check_formats, check_forms, check_values, look_of, mask_values};
 use super::strips::{StripsRun, reason_for_strips};
 use crate::answer::{Output, Spent, Timing, add_outputs};
 use crate::city::GivenSite;
 use crate::error::{Error, PlacesError, Result};
-use crate::export::{Batch, Format, Layer, OutputRules, bare_name, check_layers, check_outputs};
+use crate::export::{Batch, Format, OutputRules, bare_name, check_layers, check_outputs};
 use crate::progress::Progress;
 use crate::raster::GeoRef;
 use crate::read::surface_grid;
@@ -73,16 +76,16 @@ impl MapJob {
         };
         let held = Held {
             keeps_masks: n_sites == 1
-                || self.save.bare
+                || self.save.forms.bare
                 || self.curve.is_wanted()
                 || outputs.iter().any(|(_, f)| shows_masks(*f)),
             is_handed_over: direct.is_some(),
             bytes_per_cell: encoding_bytes_per_cell(&outputs, &self.plan.layers, n_sites)
-                .saturating_add(if self.save.polygons.is_some() { OUTLINE_BYTES_PER_CELL } else { 0 })
+                .saturating_add(if self.save.forms.polygons.is_some() { OUTLINE_BYTES_PER_CELL } else { 0 })
                 .saturating_add(self.curve.bytes_per_cell()),
         };
-        let mut batch = Batch::new(self.save.overwrite).asking(progress.check);
-        let mut file = direct.map(|path| MaskFile::new(path, self.save.mask_values));
+        let mut batch = Batch::new(self.save.writing.overwrite).asking(progress.check);
+        let mut file = direct.map(|path| MaskFile::new(path, mask_values(&self.save)));
         let grid = prepared.scene.grid().clone();
         let each_part = |cells: &[u8]| {
             if let Some(file) = &mut file {
@@ -93,10 +96,11 @@ impl MapJob {
         let file = file.map(MaskFile::written).transpose()?.flatten();
         let mut map = made?;
         (map.report.facts.command, map.report.facts.unit) = (self.command.clone(), unit);
+        map.report.facts.request = Some(self.request_members());
         let curves = self.curve.make(&map, progress)?;
         let before_write = Instant::now();
         // The time of writing is not known before the files are written.
-        let (look, spent) = (&self.save.look, Spent { write: 0.0, total: start.elapsed().as_secs_f64() });
+        let (look, spent) = (&look_of(&self.save), Spent { write: 0.0, total: start.elapsed().as_secs_f64() });
         (progress.begin_writing)();
         match file {
             Some(strips) => {
@@ -121,17 +125,17 @@ impl MapJob {
     /// The files of the map and those of its curves with their formats, checked before any work.
     fn checked_outputs(&self) -> Result<(Vec<Output>, Vec<Output>)> {
         let inputs: Vec<PathBuf> = self.inputs.iter().chain(&self.uavs.table).cloned().collect();
-        let (overwrite, bare) = (self.save.overwrite, self.save.bare);
+        let (overwrite, bare) = (self.save.writing.overwrite, self.save.forms.bare);
         let rules = OutputRules { allowed: &super::FORMATS, inputs: &inputs, overwrite, bare };
         let outputs = check_outputs(&self.outputs, rules)?;
         let curve_outputs = self.curve.checked(&self.outputs, rules)?;
-        self.save.check_formats(&outputs)?;
+        check_formats(&self.save, &outputs)?;
         let tells =
             |(_, format): &Output| matches!(format, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout);
         if self.plan.layers != [Layer::Los] && outputs.iter().all(tells) {
             return Err(Error::idle("layers", "without a raster or a picture"));
         }
-        if self.plan.tells_zones && !self.is_told && !outputs.iter().chain(&curve_outputs).any(tells) {
+        if self.plan.tells_zones && !self.is_told() && !outputs.iter().chain(&curve_outputs).any(tells) {
             return Err(Error::idle("zones", "without a table or a document"));
         }
         Ok((outputs, curve_outputs))
@@ -139,14 +143,14 @@ impl MapJob {
 
     /// Refuses what the files cannot be for these UAVs of this scene.
     fn check_of_sites(&self, scene: &Scene, (sites, n_uavs): (&[GivenSite], usize), outputs: &[Output]) -> Result<()> {
-        if self.save.bare {
-            check_bare_names(sites, outputs, self.save.overwrite)?;
+        if self.save.forms.bare {
+            check_bare_names(sites, outputs, self.save.writing.overwrite)?;
         }
         for (path, format) in outputs {
             check_layers(&self.plan.layers, n_uavs, path, *format)?;
         }
-        self.save.check(scene, outputs)?;
-        self.save.check_values(&self.plan.layers, sites.len())
+        check_forms(&self.save, scene, outputs)?;
+        check_values(&self.save, &self.plan.layers, sites.len())
     }
 }
 

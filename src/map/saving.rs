@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 
 use super::coverages::{Coverage, Coverages};
 use super::files::Writer;
-use super::save_options::SaveOptions;
+use super::save_options::{check_formats, check_forms, look_of};
 use crate::answer::{Spent, add_outputs};
 use crate::error::Result;
 use crate::export::{Batch, OutputRules, check_layers, check_outputs};
+use skyshed_request::SaveOptions;
 
 impl Coverages {
     /// Writes a file, whose extension says what: a picture (.png .svg .pdf), a raster (.tif .exr .asc .bil .npz), a
@@ -34,16 +35,20 @@ impl Coverages {
     /// # Errors
     /// As [`Coverages::save`].
     pub fn save_all(&self, paths: &[PathBuf], options: &SaveOptions) -> Result<()> {
-        let rules =
-            OutputRules { allowed: &super::FORMATS, inputs: &[], overwrite: options.overwrite, bare: options.bare };
+        let rules = OutputRules {
+            allowed: &super::FORMATS,
+            inputs: &[],
+            overwrite: options.writing.overwrite,
+            bare: options.forms.bare,
+        };
         let outputs = check_outputs(paths, rules)?;
-        options.check_formats(&outputs)?;
-        options.check(&self.scene, &outputs)?;
+        check_formats(options, &outputs)?;
+        check_forms(options, &self.scene, &outputs)?;
         for (path, format) in &outputs {
             check_layers(&self.layers, self.sites.len(), path, *format)?;
         }
-        let mut batch = Batch::new(options.overwrite);
-        add_outputs(&Writer { of: self, options }, &mut batch, &outputs, (&options.look, Spent::default()))?;
+        let mut batch = Batch::new(options.writing.overwrite);
+        add_outputs(&Writer { of: self, options }, &mut batch, &outputs, (&look_of(options), Spent::default()))?;
         Ok(batch.commit().map(|_| ())?)
     }
 }

@@ -3,18 +3,21 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use skyshed_request::{Layer, Receivers, TiffLayout};
+
 use super::coverages::Coverages;
 use super::drawing::MapDrawing;
 use super::job::{Done, MapJob, encoding_bytes_per_cell};
 use super::plan::LEAST_HEIGHTS_BYTES_PER_CELL;
 use super::raster_files::add_raster;
 use super::report::{MapReport, MaskDigest, SiteFacts};
+use super::save_options::{look_of, mask_values};
 use crate::answer::{Answer, Output, Rows, RunFacts, Spent, Timing, add_outputs};
 use crate::city::{GivenSite, WindowedBase, WindowedSolids};
 use crate::coverage::{MapOptions, SiteCoverage, StreamedMapper, Uav};
 use crate::error::{LimitError, RequestError, Result, Warning, warned};
-use crate::export::{Batch, Format, Layer, MapResult, add_mask_geotiff};
-use crate::formats::{ClassPyramid, RasterFile, TiffLayout};
+use crate::export::{Batch, Format, MapResult, add_mask_geotiff};
+use crate::formats::{ClassPyramid, RasterFile};
 use crate::height_field::HeightField;
 use crate::los::Method;
 use crate::memory::{ANY_WORK, cells_of, check_bytes, lacking, memory_words};
@@ -26,7 +29,7 @@ use crate::read::StreamedSurface;
 use crate::scene::Scene;
 use crate::scene::limits::warn_of_flat_earth;
 use crate::scene::placing::warn_of_uavs_outside;
-use crate::sight::{Receivers, warn_of_no_p_los};
+use crate::sight::{check_receivers, warn_of_no_p_los};
 use crate::uav::UavsFound;
 use crate::words::pretty;
 
@@ -34,7 +37,7 @@ use crate::words::pretty;
 /// `--max-memory` allows. `None` if it is.
 pub(crate) fn reason_for_strips(job: &MapJob) -> Option<String> {
     let (grid, bytes) = job.scene.size_of_raster(&job.word)?;
-    if job.strips {
+    if job.request.memory.strips {
         return Some("strips are asked for".into());
     }
     let with = |per_cell: u64| {
@@ -85,7 +88,7 @@ impl Shown {
 
 /// Copies a raster that does not fit in memory to tiles on the disk, and says so.
 pub(crate) fn on_disk(job: &MapJob, progress: &Progress, warnings: &mut Vec<Warning>) -> Result<StreamedSurface> {
-    let scratch = job.scratch.clone().unwrap_or_else(std::env::temp_dir);
+    let scratch = job.request.memory.scratch.clone().map_or_else(std::env::temp_dir, PathBuf::from);
     if !scratch.is_dir() {
         return Err(RequestError::Scratch(scratch.display().to_string()).into());
     }
@@ -102,8 +105,10 @@ pub(crate) fn on_disk(job: &MapJob, progress: &Progress, warnings: &mut Vec<Warn
 
 /// Refuses what cannot be mapped strip by strip, or does not fit in memory even so, before anything is copied.
 pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
-    let refuse =
-        |what| Err(LimitError::Strips { word: job.word.display().to_string(), what, are_asked: job.strips }.into());
+    let refuse = |what| {
+        Err(LimitError::Strips { word: job.word.display().to_string(), what, are_asked: job.request.memory.strips }
+            .into())
+    };
     let formats = job.outputs.iter().map(|path| Ok(Format::of(path)?)).collect::<Result<Vec<_>>>()?;
     for (path, format) in job.outputs.iter().zip(&formats) {
         let is_made = matches!(format, Format::GeoTiff | Format::Csv | Format::Json | Format::GeoJson | Format::Stdout)
@@ -124,9 +129,9 @@ pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
         ("intervals of errors of heights", job.plan.heights.are_any()),
         ("counts by zone", job.plan.tells_zones),
         ("a height curve", job.curve.is_wanted()),
-        ("polygons of coverage", job.save.polygons.is_some()),
-        ("a picture of cells alone", job.save.bare),
-        ("the plain layout of a GeoTIFF", job.save.tif_layout == Some(TiffLayout::Plain)),
+        ("polygons of coverage", job.save.forms.polygons.is_some()),
+        ("a picture of cells alone", job.save.forms.bare),
+        ("the plain layout of a GeoTIFF", job.save.forms.tif_layout == Some(TiffLayout::Plain)),
         ("receivers of one zone", job.plan.sight.receivers().zone().is_some()),
     ];
     if let Some((what, _)) = asked.iter().find(|(_, is_asked)| *is_asked) {
@@ -184,7 +189,7 @@ fn strip_memory(job: &MapJob) -> Result<u64> {
 
 /// The terrain, opened.
 fn terrain_file(job: &MapJob) -> Result<Option<RasterFile>> {
-    Ok(job.scene.terrain.as_deref().map(|path| RasterFile::open(path, &mut Vec::new())).transpose()?)
+    Ok(job.scene.options.terrain.as_deref().map(|path| RasterFile::open(path, &mut Vec::new())).transpose()?)
 }
 
 /// What was asked for, checked.
@@ -221,7 +226,7 @@ impl StripsRun<'_> {
         warnings.extend(found.warnings);
         warn_of_uavs_outside(&found.sites, grid, &mut warnings);
         let uav = self.uav(scene, &found.sites, radius)?;
-        plan.sight.receivers().check(scene.base() == WindowedBase::Surface)?;
+        check_receivers(plan.sight.receivers(), scene.base() == WindowedBase::Surface)?;
         warn_of_flat_earth(std::slice::from_ref(&uav), grid, &plan.sight, &mut warnings);
 
         let options = MapOptions { layers: plan.height_layers(), ..plan.sight.options(grid, None) };
@@ -231,7 +236,7 @@ impl StripsRun<'_> {
         let has_tif = self.outputs.iter().any(|(_, format)| *format == Format::GeoTiff);
         let mut beside_layers = Vec::new();
         let has_layers = plan.layers.iter().any(|layer| layer.is_measure());
-        let mask_values = self.job.save.mask_values;
+        let mask_values = mask_values(&self.job.save);
         let mut pyramid = ClassPyramid::new((grid.n_rows(), grid.n_cols()));
         let mut digest = MaskDigest::new(grid);
         let mut shown = self.has_picture().then(|| Shown::new(grid));
@@ -262,6 +267,7 @@ impl StripsRun<'_> {
                 sources: [scene.sources.clone(), found.sources].concat(),
                 seed: None,
                 warnings,
+                request: Some(self.job.request_members()),
                 unit: self.unit.clone(),
             },
             sight: plan.sight,
@@ -276,10 +282,10 @@ impl StripsRun<'_> {
         };
         let before_write = Instant::now();
         (progress.begin_writing)();
-        let mut batch = Batch::new(self.job.save.overwrite).asking(progress.check);
+        let mut batch = Batch::new(self.job.save.writing.overwrite).asking(progress.check);
         let spent = Spent { write: 0.0, total: self.start.elapsed().as_secs_f64() };
         let files = StripFiles { run: &self, scene, report: &report, timing, coverage: &coverage, pyramid, shown };
-        add_outputs(&files, &mut batch, self.outputs, (&self.job.save.look, spent))?;
+        add_outputs(&files, &mut batch, self.outputs, (&look_of(&self.job.save), spent))?;
         let written = batch.commit()?;
         timing.write = before_write.elapsed().as_secs_f64();
         timing.total = self.start.elapsed().as_secs_f64();
@@ -334,14 +340,14 @@ impl Answer for StripFiles<'_> {
                     layers: &self.run.job.plan.layers,
                     provenance: &provenance,
                     tif_layout: TiffLayout::default(),
-                    mask_values: self.run.job.save.mask_values,
+                    mask_values: mask_values(&self.run.job.save),
                 };
                 add_raster(batch, &result, path, format)
             }
             (Format::GeoTiff, _) => {
                 let provenance = self.provenance().to_string();
                 let of = (self.scene.grid(), self.coverage.uav.id.as_str(), provenance.as_str());
-                Ok(add_mask_geotiff(batch, path, &self.pyramid, of, self.run.job.save.mask_values)?)
+                Ok(add_mask_geotiff(batch, path, &self.pyramid, of, mask_values(&self.run.job.save))?)
             }
             (Format::GeoJson, _) => Ok(batch.add(path, pretty(&self.report.geojson()).as_bytes())?),
             (_, Some(shown)) if format.is_picture() => Ok(batch.add(path, &self.picture(shown, format, look)?)?),

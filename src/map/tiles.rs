@@ -8,14 +8,16 @@ use std::collections::{HashMap, HashSet};
 
 use serde::Serialize;
 
+use skyshed_request::{Layer, Shard, TileIndex};
+
 use super::job::MapJob;
 use crate::city::GivenSite;
 use crate::error::{Error, RequestError, Result};
-use crate::export::{Format, Layer, MaskValues};
+use crate::export::Format;
 use crate::los::MethodChoice;
 use crate::raster::{CellWindow, GeoRef};
-use crate::sight::Sight;
-use crate::uav::{Shard, UavsFound};
+use crate::sight::SightPlan;
+use crate::uav::UavsFound;
 
 /// What stands for the row of a tile in the name of a file, and what for its column.
 pub(crate) const ROW_AND_COL: [&str; 2] = ["{row}", "{col}"];
@@ -63,9 +65,10 @@ pub(crate) struct TileFacts {
 
 impl TilesAsked {
     /// All tiles, or some, each once whatever was typed.
-    pub(crate) fn of_words(cells_per_side: Option<usize>, only: &[(usize, usize)]) -> Self {
+    pub(crate) fn of(cells_per_side: Option<usize>, only: &[TileIndex]) -> Self {
         let mut seen = HashSet::new();
-        TilesAsked { cells_per_side, only: only.iter().filter(|tile| seen.insert(**tile)).copied().collect() }
+        let only = only.iter().map(|tile| (tile.row, tile.col)).filter(|tile| seen.insert(*tile)).collect();
+        TilesAsked { cells_per_side, only }
     }
 
     /// The tiles of a grid that are asked for, row by row from the north-west or as they were named, with the UAVs of each; of these
@@ -75,11 +78,11 @@ impl TilesAsked {
     ///
     /// # Errors
     /// E113 for a tile that the grid does not have.
-    pub(crate) fn of(
+    pub(crate) fn tiles(
         &self,
         (grid, shard): (&GeoRef, Option<Shard>),
         sites: &[GivenSite],
-        sight: &Sight,
+        sight: &SightPlan,
     ) -> Result<Vec<Tile>> {
         let side = self.cells_per_side.unwrap_or(CELLS_PER_SIDE);
         let (n_rows, n_cols) = (grid.n_rows().div_ceil(side), grid.n_cols().div_ceil(side));
@@ -142,12 +145,12 @@ pub(super) fn check_tiles(job: &MapJob) -> Result<()> {
         ("tolerance", job.plan.tolerance.is_some()),
         ("height_error", job.plan.heights.own_m > 0.0),
         ("height_bias", job.plan.heights.shared_m > 0.0),
-        ("height_error_field", job.scene.height_error_field.is_some()),
+        ("height_error_field", job.scene.options.height_error_field.is_some()),
         ("zones", job.plan.tells_zones),
         ("height_curve", job.curve.is_wanted()),
-        ("polygons", job.save.polygons.is_some()),
-        ("bare", job.save.bare),
-        ("gdal_values", job.save.mask_values == MaskValues::Gdal),
+        ("polygons", job.save.forms.polygons.is_some()),
+        ("bare", job.save.forms.bare),
+        ("gdal_values", job.save.forms.gdal_values),
     ];
     if let Some((option, _)) = asked.iter().find(|(_, is_asked)| *is_asked) {
         return Err(Error::idle(option, why));
@@ -206,30 +209,30 @@ mod tests {
     use super::*;
     use crate::city::Site;
     use crate::quantity::Height;
-    use crate::sight::AskedSight;
+    use skyshed_request::{SetRange, Sight};
 
     #[test]
     fn tiles_cover_the_grid_once_and_take_the_uavs_in_range() {
         let grid = GeoRef::new((0.0, 50.0), (1.0, 1.0), (50, 70), None).expect("a valid grid");
-        let sight = AskedSight { radius_m: Some(6.0), ..AskedSight::default() }.checked().expect("a radius");
+        let sight = SightPlan::of(&Sight::default().radius(6.0)).expect("a radius");
         let site = |x: f64, y: f64| -> GivenSite { Site::new(format!("{x} {y}"), (x, y), Height::agl(9.0)).into() };
         let sites = [site(10.0, 40.0), site(32.0, 18.0), site(200.0, 18.0)];
         let asked = TilesAsked { cells_per_side: Some(32), only: Vec::new() };
-        let tiles = asked.of((&grid, None), &sites, &sight).expect("tiles");
+        let tiles = asked.tiles((&grid, None), &sites, &sight).expect("tiles");
         let n_cells: usize = tiles.iter().map(|tile| tile.window.n_rows * tile.window.n_cols).sum();
         assert_eq!((tiles.len(), n_cells), (6, 50 * 70));
         // The second stands where four tiles meet.
         let uavs: Vec<&[usize]> = tiles.iter().map(|tile| tile.uavs.as_slice()).collect();
         assert_eq!(uavs[..3], [&[0, 1][..], &[1], &[]]);
         assert_eq!(uavs[3..5], [&[1][..], &[1]]);
-        let only = |only| TilesAsked { only, ..asked.clone() }.of((&grid, None), &sites, &sight);
+        let only = |only| TilesAsked { only, ..asked.clone() }.tiles((&grid, None), &sites, &sight);
         assert_eq!(only(vec![(1, 0), (0, 1)]).expect("two tiles"), [tiles[3].clone(), tiles[1].clone()]);
         assert!(only(vec![(2, 0)]).is_err());
-        let shard = |k| asked.of((&grid, Some(Shard { k, of: 4 })), &sites, &sight).expect("some tiles");
+        let shard = |k| asked.tiles((&grid, Some(Shard { k, of: 4 })), &sites, &sight).expect("some tiles");
         assert_eq!((1..=4).flat_map(shard).collect::<Vec<_>>(), tiles);
         // Without a radius all have all.
-        let everywhere = AskedSight::default().checked().expect("no radius");
-        let all = asked.of((&grid, None), &sites, &everywhere).expect("tiles");
+        let everywhere = SightPlan::of(&Sight::default()).expect("no radius");
+        let all = asked.tiles((&grid, None), &sites, &everywhere).expect("tiles");
         assert!(all.iter().all(|tile| tile.uavs == [0, 1, 2]));
     }
 }

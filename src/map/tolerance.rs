@@ -11,7 +11,7 @@ use crate::los::MethodChoice;
 use crate::quantity::tidy;
 use crate::render::grouped;
 use crate::scene::Scene;
-use crate::sight::Sight;
+use crate::sight::SightPlan;
 use crate::zones::ZoneMap;
 
 /// A share of P_LoS that may be wrong.
@@ -145,7 +145,7 @@ impl ToleranceFacts {
 pub(crate) fn simplify(
     scene: &mut Scene,
     uavs: &mut Vec<Uav>,
-    sight: &Sight,
+    sight: &SightPlan,
     tolerance: f64,
 ) -> Result<ToleranceFacts> {
     let (built_up, seed) = (scene.built_up, scene.seed);

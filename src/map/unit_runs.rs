@@ -22,7 +22,7 @@ use crate::progress::Progress;
 use crate::raster::{Crs, GeoRef};
 use crate::read::{StreamedSurface, surface_grid};
 use crate::scene::placing::warn_of_uavs_outside;
-use crate::scene::{Scene, SceneOptions, built_up, is_raster_scene};
+use crate::scene::{Scene, SceneReader, built_up, is_raster_scene};
 use crate::uav::{UavsAsked, UavsFound};
 use skyshed_io::error::WriteFault;
 
@@ -120,10 +120,10 @@ impl<'a> UnitRuns<'a> {
             (1.., _) => Kind::Site,
             _ => Kind::All,
         };
-        if kind == Kind::All && !job.resume {
+        if kind == Kind::All && !job.request.units.resume {
             return Ok(None);
         }
-        if files.is_empty() && (job.resume || kind != Kind::Tile) {
+        if files.is_empty() && (job.request.units.resume || kind != Kind::Tile) {
             return Err(RequestError::NothingToResume.into());
         }
         // Folders named after units are made with their files.
@@ -214,7 +214,7 @@ impl<'a> UnitRuns<'a> {
                 for path in &job.outputs {
                     check_layers(&job.plan.layers, uavs.sites.len(), path, Format::of(path)?)?;
                 }
-                let tiles = job.tiles.of((&grid, shard), &uavs.sites, &job.plan.sight)?;
+                let tiles = job.tiles.tiles((&grid, shard), &uavs.sites, &job.plan.sight)?;
                 tiles.into_iter().map(Part::Tile).collect()
             }
             _ => {
@@ -238,7 +238,7 @@ impl<'a> UnitRuns<'a> {
         let mut job = self.job.clone();
         match found(&job, &unit)? {
             Found::All => return each(Outcome::AllThere),
-            Found::Some | Found::Damaged(_) => job.save.overwrite = true,
+            Found::Some | Found::Damaged(_) => job.save.writing.overwrite = true,
             Found::Nothing => {}
         }
         let scene = self.given.clone().map_or(GivenScene::Asked, |scene| GivenScene::InMemory(Box::new(scene)));
@@ -264,7 +264,7 @@ impl<'a> UnitRuns<'a> {
         if let Some(scene) = &self.given {
             return Ok((Some(Scenes::Whole(Box::new(scene.clone()))), scene.grid().clone()));
         }
-        if is_raster_scene(&job.word) && job.scene.project.is_none() {
+        if is_raster_scene(&job.word) && job.scene.options.project.is_none() {
             return Ok((None, surface_grid(job.path(), &job.scene.of_raster()?)?));
         }
         let scene = job.scene.open(&job.word)?;
@@ -279,11 +279,11 @@ impl<'a> UnitRuns<'a> {
         let job = self.job;
         let mut warnings = Vec::new();
         if self.kind == Kind::Tile || job.reads_range_alone() {
-            if job.strips {
+            if job.request.memory.strips {
                 let why = "with a radius and a file for each UAV, and of tiles: only what is in range is read";
                 return Err(Error::idle("strips", why));
             }
-            let files = std::iter::once(job.path()).chain(job.scene.terrain.as_deref());
+            let files = std::iter::once(job.path()).chain(job.scene.options.terrain.as_deref());
             for file in files {
                 if !RasterFile::open(file, &mut Vec::new())?.reads_parts() {
                     let scene = on_disk(job, self.progress, &mut warnings)?;
@@ -303,11 +303,11 @@ impl<'a> UnitRuns<'a> {
     /// Runs one unit, unless its files are there.
     fn run_unit(&self, unit: Unit, scenes: &mut Option<Scenes>, units: &Units) -> Result<Option<Done>> {
         let Unit { part, hash, mut job } = unit;
-        if job.resume {
+        if job.request.units.resume {
             match found(&job, &hash)? {
                 Found::All => return Ok(None),
                 // A run that was killed between two files leaves the first; a disk may lose the end of one.
-                Found::Some | Found::Damaged(_) => job.save.overwrite = true,
+                Found::Some | Found::Damaged(_) => job.save.writing.overwrite = true,
                 Found::Nothing => {}
             }
         }
@@ -348,7 +348,7 @@ impl<'a> UnitRuns<'a> {
         match job.run(given, self.progress) {
             // Another process is faster.
             Err(Error::Io(skyshed_io::Error::Write(_, WriteFault::Exists | WriteFault::ExistsMeanwhile)))
-                if job.resume && is_made_by_another(&job, &hash)? =>
+                if job.request.units.resume && is_made_by_another(&job, &hash)? =>
             {
                 Ok(None)
             }
@@ -381,7 +381,7 @@ impl<'a> UnitRuns<'a> {
         let start = Instant::now();
         let job = self.job;
         let Some((stored, said)) = stored else {
-            return SceneOptions { around, ..job.scene.clone() }.open(&job.word);
+            return SceneReader { around, ..job.scene.clone() }.open(&job.word);
         };
         let window = grid.window_within(around.unwrap_or_default());
         check_memory(&job.word.display(), &grid.part(window), FIELD_BYTES_PER_CELL)?;

@@ -4,25 +4,25 @@
 //! says which unit made it.
 
 use std::ffi::OsStr;
-use std::fmt::Debug;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
-use super::curve::CurvePlan;
-use super::job::MapJob;
-use super::save_options::SaveOptions;
+use skyshed_request::{ANSWERS_VERSION, Position, SceneWord, TileIndex, Uavs, json};
+
+use super::job::{MapJob, PartWords};
 use super::tiles::{ROW_AND_COL, Tile};
 use crate::answer::digest_words;
-use crate::city::{Antenna, GivenSite};
+use crate::city::{GivenSite, Site};
 use crate::digest::Sha256;
 use crate::error::{Error, PlacesError, RequestError, Result};
-use crate::export::{Format, Layer, Left, left_of, sidecars, site_in_names, with_suffix};
+use crate::export::{Format, Left, left_of, sidecars, site_in_names, with_suffix};
 use crate::formats::{RasterFile, origin_of};
 use crate::os_words::split;
 use crate::read::source_of;
-use crate::scene::{SceneOptions, built_up};
+use crate::scene::built_up;
+use crate::uav::UavsAsked;
 use skyshed_io::error::WriteFault;
 use skyshed_io::{identity, is_remote};
 
@@ -84,15 +84,15 @@ impl Unit {
             };
             paths.iter().map(|path| named(path).into()).collect()
         };
-        let of_unit = match part {
-            Part::Site(site) => ["--uav".into(), format!("{},{},{}", site.x, site.y, site.height)],
-            Part::Tile(tile) => ["--tile".into(), format!("{},{}", tile.row, tile.col)],
-        };
         let run = whole.plan.sight.antenna();
-        let antenna = if let Part::Site(site) = part { site.antenna.or(run) } else { run };
-        let command = whole.unit_command.iter().cloned().chain(flags_of(antenna)).chain(of_unit).collect();
-        let curve = CurvePlan { outputs: own(&whole.curve.outputs), ..whole.curve.clone() };
-        let job = MapJob { outputs: own(&whole.outputs), curve, command, ..whole.clone() };
+        let (antenna, words) = match part {
+            Part::Site(site) => {
+                let uav = Some(Position { x: site.x, y: site.y, height: site.height });
+                (site.antenna.or(run), PartWords { uav, tile: None })
+            }
+            Part::Tile(tile) => (run, PartWords { uav: None, tile: Some(TileIndex { row: tile.row, col: tile.col }) }),
+        };
+        let job = whole.of_part(own, antenna, &words);
         Unit { part: part.clone(), hash, job }
     }
 
@@ -126,18 +126,6 @@ impl Unit {
     }
 }
 
-/// An antenna as flags say it.
-fn flags_of(antenna: Antenna) -> Vec<String> {
-    let pair = |[a, b]: [f64; 2]| format!("{a},{b}");
-    let flags = [
-        ("--min-radius", antenna.min_radius_m.map(|r| r.to_string())),
-        ("--sector", antenna.sector_deg.map(pair)),
-        ("--elevation", antenna.elevation_deg.map(pair)),
-        ("--beam", antenna.beam_deg.map(|b| b.to_string())),
-    ];
-    flags.into_iter().flat_map(|(flag, value)| value.map(|value| [flag.to_string(), value])).flatten().collect()
-}
-
 /// Refuses two UAVs of one name, as files have it.
 pub(super) fn check_names(sites: &[GivenSite]) -> Result<()> {
     let mut names = std::collections::HashMap::new();
@@ -151,40 +139,50 @@ pub(super) fn check_names(sites: &[GivenSite]) -> Result<()> {
     Ok(())
 }
 
-/// The unit of one UAV: a hash of everything that its files depend on.
+/// Returns the unit of one UAV: a hash of everything that its files depend on.
 pub(super) fn unit_of_site(job: &MapJob, site: &GivenSite, inputs: &str) -> String {
-    unit(job, &Some(site), inputs)
+    unit(job, &json!({ "uav": identity_of(site) }), inputs)
 }
 
-/// The unit of a tile, of the list of all UAVs.
+/// Returns the unit of a tile, of the list of all UAVs.
 pub(super) fn unit_of_tile(job: &MapJob, (tile, all): (&Tile, &[GivenSite]), inputs: &str) -> String {
-    let own: Vec<&GivenSite> = tile.uavs.iter().map(|k| &all[*k]).collect();
-    let numbers = tells_numbers(&job.plan.layers).then_some((&tile.uavs, all.len()));
-    unit(job, &(tile.row, tile.col, tile.cells_per_side, own, numbers), inputs)
+    let own: Vec<Value> = tile.uavs.iter().map(|k| identity_of(&all[*k])).collect();
+    let tells_numbers = job.plan.layers.iter().any(|layer| layer.tells_numbers());
+    let numbers = tells_numbers.then_some((&tile.uavs, all.len()));
+    let Tile { row, col, cells_per_side, .. } = tile;
+    unit(job, &json!({ "tile": [row, col, cells_per_side], "uavs": own, "numbers": numbers }), inputs)
 }
 
-/// Whether a layer tells of UAVs by their places in the list of all.
-pub(super) fn tells_numbers(layers: &[Layer]) -> bool {
-    layers.iter().any(|layer| matches!(layer, Layer::Which | Layer::BestServer))
-}
-
-/// The unit of all UAVs together.
+/// Returns the unit of all UAVs together.
 pub(super) fn unit_of_all(job: &MapJob, inputs: &str) -> String {
-    unit(job, &&job.uavs, inputs)
+    let UavsAsked { typed, skips_bad, shard, .. } = &job.uavs;
+    let uavs: Vec<Value> = typed.iter().map(|site| identity_of(&site.clone().into())).collect();
+    unit(job, &json!({ "uavs": uavs, "skip_bad": skips_bad, "shard": shard }), inputs)
 }
 
-/// The hash of a job, what is told apart within it, and its inputs.
-fn unit(job: &MapJob, what: &dyn Debug, inputs: &str) -> String {
-    let MapJob { word, scene, plan, save, curve, .. } = job;
-    // What changes no number.
-    let scene = SceneOptions { repairs: None, ..scene.clone() };
-    let save = SaveOptions { overwrite: false, ..save.clone() };
+/// Returns everything that a UAV changes in its files.
+fn identity_of(given: &GivenSite) -> Value {
+    let GivenSite { site: Site { id, x, y, height, antenna }, lonlat } = given;
+    let antenna = skyshed_request::Antenna::from(*antenna);
+    json!({ "id": id, "x": x, "y": y, "height": height.to_string(), "antenna": antenna, "lonlat": lonlat })
+}
+
+/// Returns the hash of the planned question of a job, of the part that it is asked of, and of its inputs.
+///
+/// Its text is canonical JSON: equal questions have equal hashes, whatever was typed and whatever this program calls its types.
+fn unit(job: &MapJob, part: &Value, inputs: &str) -> String {
+    let mut question = job.request.question();
+    question.uavs = Uavs::default();
     // Files have many names each; the inputs tell them by one.
-    let word = built_up(word).map(|_| word);
-    let scene = SceneOptions { terrain: None, ..scene };
-    let of_run = (word, scene, plan, save, curve.heights);
+    if built_up(&job.word).is_none() {
+        question.scene = SceneWord::default();
+    }
+    question.reading.options.terrain = None;
+    question.reading.options.hash = false;
+    let question = json::filled_members(&question);
+    let identity = json!({ "answers": ANSWERS_VERSION, "question": question, "of": part, "inputs": inputs });
     let mut hasher = Sha256::default();
-    hasher.update(format!("{} {of_run:?} {what:?} {inputs}", env!("CARGO_PKG_VERSION")));
+    hasher.update(json::canonical(&identity));
     digest_words(hasher)
 }
 
@@ -229,10 +227,10 @@ pub(super) fn found(job: &MapJob, unit: &str) -> Result<Found> {
             let fault = WriteFault::Folder;
             return Err(Error::Io(skyshed_io::Error::Write(file.display().to_string(), fault)));
         }
-        match maker_of(file, unit, job.save.bare) {
+        match maker_of(file, unit, job.save.forms.bare) {
             Maker::Unit => {}
             Maker::Damaged(part) => damaged = damaged.or(Some(part)),
-            Maker::AnotherRun | Maker::Nobody if job.save.overwrite => return Ok(Found::Nothing),
+            Maker::AnotherRun | Maker::Nobody if job.save.writing.overwrite => return Ok(Found::Nothing),
             Maker::AnotherRun => return Err(RequestError::OfAnotherRun(file.display().to_string()).into()),
             Maker::Nobody => return Err(RequestError::OfNobody(file.display().to_string()).into()),
         }
@@ -241,7 +239,7 @@ pub(super) fn found(job: &MapJob, unit: &str) -> Result<Found> {
         return Ok(Found::Damaged(part));
     }
     let is_left_alone = |file: &PathBuf| {
-        let beside = Format::of(file).map_or_else(|_| Vec::new(), |format| sidecars(file, format, job.save.bare));
+        let beside = Format::of(file).map_or_else(|_| Vec::new(), |format| sidecars(file, format, job.save.forms.bare));
         let is_own = |sidecar: &PathBuf| match sidecar.extension() {
             Some(extension) if extension == "json" => holds_in(sidecar, unit),
             // Files of one stem share what places them.

@@ -1,7 +1,8 @@
 //! The picture of a search: where to hover, as colors over the city.
 
+use skyshed_request::Whom;
+
 use super::Placements;
-use super::goal::Whom;
 use super::report::PlaceFacts;
 use super::words::in_words;
 use crate::answer::Answer;

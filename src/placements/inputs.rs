@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::goal::Whom;
+use skyshed_request::Whom;
+
 use super::plan::{CandidatesFrom, SearchPlan};
 use crate::city::{Area, GivenSite, Source};
 use crate::error::{InputError, LimitError, PlacesError, Result, Warning, warned};

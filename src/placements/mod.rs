@@ -1,7 +1,6 @@
 //! Where to hover: candidates ranked, refined, or chosen together, with a bound on what was missed.
 
 mod document;
-mod goal;
 mod heat_map;
 mod inputs;
 mod plan;
@@ -17,19 +16,21 @@ use std::time::Instant;
 use serde_json::Value;
 
 pub(crate) use document::{PlaceRow, SearchDocument};
-pub(crate) use goal::{Goal, Measure, Whom, have_one_reference, heights, one_unit};
 use inputs::Inputs;
-pub(crate) use plan::{CandidatesFrom, SearchPlan};
+use plan::CandidatesFrom;
+pub(crate) use plan::SearchPlan;
 use report::{PlaceFacts, PlaceReport, place_digest};
 pub use request::PlacementsRequest;
 use search::{Found, Search};
+
+use skyshed_request::{Measure, TiffLayout, Whom};
 
 use crate::answer::{Answer, Rows, RunFacts, Spent, encoded};
 use crate::coverage::{Control, KeepMasks, ManyMaps, MapOptions, Mapper, Receivers, Together, Uav, UavGrid};
 use crate::error::{RequestError, Result, Warning};
 use crate::expected::Expected;
 use crate::export::{Batch, Format};
-use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
+use crate::formats::{Bands, GeoTiffImage, encode_geotiff};
 use crate::height_errors::HeightsOfDifference;
 use crate::memory::check_memory;
 use crate::picture::Look;
@@ -37,6 +38,7 @@ use crate::placement::{Candidates, PlaceGrid, Weights};
 use crate::progress::Progress;
 use crate::scene::Scene;
 use crate::scene::limits::check_earth;
+use crate::sight::check_receivers;
 use crate::words::pretty;
 use crate::zones::{Zone, ZoneMap};
 
@@ -61,10 +63,10 @@ const CANDIDATE_BYTES: usize = 400;
 /// Places to hover, ranked: where a UAV sees most, and what that is.
 ///
 /// ```
-/// use skyshed::{Height, Scene};
+/// use skyshed::prelude::*;
 ///
-/// let city = Scene::options().size_m(200.0).open("itu:urban")?;
-/// let places = city.placements([Height::agl(60.0), Height::agl(100.0)]).step_m(40.0).run()?;
+/// let city = Scene::options().size(200.0).open("itu:urban")?;
+/// let places = city.placements([Height::agl(60.0), Height::agl(100.0)]).step(40.0).run()?;
 /// let best = places.best().expect("there are streets");
 /// assert!(places.share(best).is_some_and(|p_los| p_los > 0.3));
 /// # Ok::<(), skyshed::Error>(())
@@ -96,7 +98,7 @@ impl SearchPlan {
         if scene.field.is_surface_only() && needs_zones {
             return Err(RequestError::NoZones.into());
         }
-        asked.check(scene.field.is_surface_only())?;
+        check_receivers(asked, scene.field.is_surface_only())?;
         let zones = scene.zones();
         let mut warnings = Vec::new();
         let inputs = Inputs::read(self, &scene, &mut warnings)?;
@@ -151,7 +153,7 @@ impl SearchPlan {
         };
         let report = PlaceReport {
             facts: RunFacts { command, ..scene.facts(Some(mapper.method().0)) },
-            sight: self.sight.of(self.goal.receivers(asked)),
+            sight: self.sight.with_receivers(self.goal.receivers(asked)),
             goal: self.goal.clone(),
             height_errors: self.height_errors.over(&field),
             step_m: match self.from {

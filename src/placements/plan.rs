@@ -2,13 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::goal::{Goal, Measure, Whom, have_one_reference};
 use crate::error::{Error, RequestError, Result};
-use crate::height_errors::AskedErrors;
+use crate::height_errors::HeightErrorsPlan;
 use crate::quantity::{Height, height_steps};
-use crate::sight::Sight;
-use crate::uav::Shard;
+use crate::sight::SightPlan;
 use crate::zones::Zone;
+use skyshed_request::{FilePath, Goal, Measure, PlaceFiles, PlaceQuestion, Shard, Whom, filled, have_one_reference};
 
 /// Where candidates are from.
 #[derive(Debug, Clone)]
@@ -29,9 +28,9 @@ pub(crate) enum CandidatesFrom {
 /// What is looked for, and where.
 #[derive(Debug, Clone)]
 pub(crate) struct SearchPlan {
-    pub(crate) sight: Sight,
+    pub(crate) sight: SightPlan,
     /// How far heights of buildings may be off.
-    pub(crate) height_errors: AskedErrors,
+    pub(crate) height_errors: HeightErrorsPlan,
     pub(crate) goal: Goal,
     pub(crate) from: CandidatesFrom,
     /// Heights to try; empty where candidates have their own.
@@ -61,6 +60,43 @@ pub(crate) struct SearchPlan {
 }
 
 impl SearchPlan {
+    /// Checks a question and fills in its defaults; `files` are those of a run.
+    ///
+    /// # Errors
+    /// E1xx.
+    pub(crate) fn of(question: &PlaceQuestion, files: &PlaceFiles, hash: bool) -> Result<SearchPlan> {
+        question.check()?;
+        let PlaceQuestion { candidates, goal, sight, heights } = question;
+        let (defaults, path) = (PlaceQuestion::defaults(), |path: &Option<FilePath>| path.clone().map(PathBuf::from));
+        if candidates.shard.is_some() && files.map.is_some() {
+            return Err(Error::idle("shard", "with `map`, which looks at all candidates"));
+        }
+        let from = match &candidates.candidates {
+            Some(path) => CandidatesFrom::File { path: path.0.clone(), skips_bad: candidates.skip_bad },
+            None => CandidatesFrom::Grid { step_m: filled(candidates.step, defaults.candidates.step) },
+        };
+        let plan = SearchPlan {
+            sight: SightPlan::of(sight)?,
+            height_errors: HeightErrorsPlan::of(heights, None)?,
+            goal: question.goal(),
+            from,
+            heights: candidates.height.clone().unwrap_or_default().0,
+            over: candidates.over.clone(),
+            within: path(&candidates.within),
+            keep_out: path(&candidates.keep_out),
+            clearance_m: filled(candidates.clearance, defaults.candidates.clearance),
+            area: path(&goal.area),
+            weights: path(&goal.weights),
+            shard: candidates.shard,
+            count: filled(goal.count, defaults.goal.count).into(),
+            top: filled(files.top, Some(10)).into(),
+            hash,
+            map: path(&files.map),
+        };
+        plan.check()?;
+        Ok(plan)
+    }
+
     /// The files beside the scene.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
         let candidates = match &self.from {
@@ -110,15 +146,15 @@ impl SearchPlan {
     ///
     /// # Errors
     /// E116.
-    pub(super) fn check_heights(&self, errors: AskedErrors) -> Result<()> {
+    pub(super) fn check_heights(&self, errors: HeightErrorsPlan) -> Result<()> {
         let Goal { measure, at_least, whom, .. } = &self.goal;
         let compares = *measure == Measure::Share && at_least.is_none() && *whom != Whom::Weights;
         let compares = compares && self.count == 1 && self.top > 1 && self.shard.is_none();
         let option = match errors {
             _ if compares => return Ok(()),
-            AskedErrors { own_m, .. } if own_m > 0.0 => "height_error",
-            AskedErrors { shared_m, .. } if shared_m > 0.0 => "height_bias",
-            AskedErrors { by_building: true, .. } => "height_error_field",
+            HeightErrorsPlan { own_m, .. } if own_m > 0.0 => "height_error",
+            HeightErrorsPlan { shared_m, .. } if shared_m > 0.0 => "height_bias",
+            HeightErrorsPlan { by_building: true, .. } => "height_error_field",
             _ => return Ok(()),
         };
         Err(Error::idle(

@@ -2,17 +2,18 @@
 
 use serde_json::Value;
 
+use skyshed_request::Goal;
+
 use super::document::{
     CandidatesDocument, FoundDocument, PlaceDocument, PlaceRow, SearchDocument, SeveralDocument, SkippedDocument,
 };
-use super::goal::Goal;
 use crate::answer::{
     Position, Rows, RunFacts, Timing, digest_words, document_of, feature, feature_collection, rows, warnings_of,
 };
 use crate::digest::Sha256;
-use crate::height_errors::{AskedErrors, HeightsOfDifference};
+use crate::height_errors::{HeightErrorsPlan, HeightsOfDifference};
 use crate::placement::{Candidate, Cover, Score, Skipped, WorstMargin};
-use crate::sight::Sight;
+use crate::sight::SightPlan;
 
 /// What a place is worth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -184,10 +185,10 @@ impl SeveralDocument {
 pub(crate) struct PlaceReport {
     pub(crate) facts: RunFacts,
     /// Whose sight counts.
-    pub(crate) sight: Sight,
+    pub(crate) sight: SightPlan,
     pub(crate) goal: Goal,
     /// How far heights of buildings may be off.
-    pub(crate) height_errors: AskedErrors,
+    pub(crate) height_errors: HeightErrorsPlan,
     /// Distance of the candidate places \[m\], if they are on a grid.
     pub(crate) step_m: Option<f64>,
     /// The heights tried, lowest first; empty where each candidate has its own.

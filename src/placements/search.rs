@@ -1,6 +1,7 @@
 //! The search itself: what each candidate is worth, the best, a search around it, and several together.
 
-use super::goal::{Measure, Whom};
+use skyshed_request::{Measure, Whom};
+
 use super::plan::SearchPlan;
 use super::report::{NO_RECEIVER, PlaceFacts, PlaceValue, SeveralFacts};
 use crate::city::GivenSite;

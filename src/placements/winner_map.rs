@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
+use skyshed_request::{Layer, TiffLayout, Whom};
+
 use super::Placements;
-use super::goal::Whom;
 use crate::answer::Answer;
 use crate::coverage::{ManyMaps, Overlay, Tally};
 use crate::error::{PlacesError, Result};
-use crate::export::{Batch, Format, Layer, MapResult, MaskValues};
-use crate::formats::TiffLayout;
+use crate::export::{Batch, Format, MapResult, MaskValues};
 use crate::map::{SiteFacts, add_raster};
 use crate::picture::{Look, mark, picture_provenance, shown_classes, written};
 use crate::render::{self, MapPicture, Mark, grouped};

@@ -1,6 +1,7 @@
 //! What `skyshed place` prints: the best places, the bound, what was left out.
 
-use super::goal::Whom;
+use skyshed_request::Whom;
+
 use super::report::{PlaceFacts, PlaceReport, PlaceValue};
 use crate::quantity::tidy;
 

@@ -22,11 +22,13 @@ use serde_json::Value;
 pub(crate) use document::{PlosDocument, PlosTableRow};
 pub(crate) use methods::read_curves;
 use methods::{Way, Ways};
-pub(crate) use plan::{PlosPlan, PlotKind};
+pub(crate) use plan::PlosPlan;
 use real::Real;
 use report::{PlosReport, PlosRow, PlosValue};
 pub use request::{PLos, PLosRequest, PLosValue};
 pub(crate) use sweep::{Far, Sweeps};
+
+use skyshed_request::Placement;
 
 use crate::accuracy::CONFIDENCE;
 use crate::answer::{Answer, Rows, Spent};
@@ -37,7 +39,7 @@ use crate::formats::{NpyArray, write_npz};
 use crate::los_probability::estimate::student_quantile;
 use crate::los_probability::models::{ModelLink, UserCurve};
 use crate::los_probability::product::SHIFTS;
-use crate::los_probability::setting::{Placement, Reach, Setting};
+use crate::los_probability::setting::{Reach, Setting};
 use crate::los_probability::study::{Effort, Estimator, estimate_all};
 use crate::picture::Look;
 use crate::quantity::{counted, tidy};

@@ -6,31 +6,22 @@ use std::path::PathBuf;
 use skyshed_study::Error as StudyError;
 use skyshed_study::error::LosProbabilityError;
 
+use skyshed_request::PlotKind;
+
 use super::sweep::Sweeps;
 use crate::error::{RequestError, Result, Warning};
 use crate::los::MethodChoice;
 use crate::los_probability::models::UserCurve;
 use crate::los_probability::setting::Setting;
 use crate::map::check_tolerance;
-use crate::scene::SceneOptions;
-
-/// Kinds of plot.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum PlotKind {
-    /// A heat map for two-way sweeps of one city and method, else curves.
-    Auto,
-    /// Curves.
-    Curves,
-    /// Heat maps of two-way sweeps.
-    Heat,
-}
+use crate::scene::SceneReader;
 
 /// What is asked of P_LoS.
 #[derive(Debug, Clone)]
 pub(crate) struct PlosPlan {
     /// The cities, as they were asked for, and how those in files are read.
     pub(crate) scenes: Vec<OsString>,
-    pub(crate) options: SceneOptions,
+    pub(crate) options: SceneReader,
     /// What varies.
     pub(crate) sweeps: Sweeps,
     /// Words for the methods.

@@ -7,7 +7,9 @@ use super::plot_words::{
 };
 use super::report::{PlosReport, PlosRow};
 use super::sweep::Quantity;
-use super::{PlosStudy, PlotKind};
+use skyshed_request::PlotKind;
+
+use super::PlosStudy;
 use crate::city_statistics::fit::BuiltUpFit;
 use crate::error::{RequestError, Result};
 use crate::export::Format;

@@ -2,6 +2,8 @@
 
 use std::ffi::OsStr;
 
+use skyshed_request::{Placement, Users};
+
 use super::plan::PlosPlan;
 use super::report::{PlosRow, PlosValue};
 use super::sweep::{Far, Sweeps};
@@ -13,12 +15,11 @@ use crate::los::{MethodChoice, WrongMethod};
 use crate::los_probability::estimate::{Count, Estimate};
 use crate::los_probability::points::Points;
 use crate::los_probability::real_city::{Band, RealCity};
-use crate::los_probability::setting::{Placement, Users};
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::placement::{MOST_CUT, WholeDiscs};
 use crate::quantity::{VOID, height_steps};
 use crate::raster::BitGrid;
-use crate::scene::SceneOptions;
+use crate::scene::SceneReader;
 use crate::scene::limits::{limits_in_words, warn_of_drop_across};
 use crate::sight::receivers_height;
 use crate::zones::{Zone, ZoneMap};
@@ -83,7 +84,7 @@ pub(super) struct Real {
 impl Real {
     /// Reads the city of a file and fits α, β, γ to its buildings, if they are known one by one.
     pub(super) fn read(
-        options: &SceneOptions,
+        options: &SceneReader,
         word: &OsStr,
         sweeps: &Sweeps,
         warnings: &mut Vec<Warning>,

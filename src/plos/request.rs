@@ -5,14 +5,17 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use skyshed_request::{Placement, Users};
+
 use super::report::PlosRow;
-use super::{FORMATS, Far, PlosPlan, PlosStudy, PlotKind, Sweeps};
+use skyshed_request::PlotKind;
+
+use super::{FORMATS, Far, PlosPlan, PlosStudy, Sweeps};
 use crate::answer::{Answer, Spent, add_outputs};
 use crate::error::{Result, Warning};
 use crate::export::{Batch, OutputRules, check_outputs};
-use crate::los_probability::setting::{Placement, Users};
 use crate::picture::Look;
-use crate::scene::SceneOptions;
+use crate::scene::SceneReader;
 
 /// The probability of line of sight over a city, by some methods, at some heights and angles or distances.
 ///
@@ -60,7 +63,7 @@ impl PLos {
     pub fn of(city: impl Into<OsString>) -> PLosRequest {
         PLosRequest(PlosPlan {
             scenes: vec![city.into()],
-            options: SceneOptions::default(),
+            options: SceneReader::default(),
             sweeps: Sweeps {
                 placements: vec![Placement::Anywhere],
                 users: vec![Users::Outdoor],
@@ -171,7 +174,7 @@ impl PLosRequest {
     }
 
     /// How a city in a file is read.
-    pub fn scene_options(mut self, options: SceneOptions) -> Self {
+    pub fn scene_options(mut self, options: SceneReader) -> Self {
         self.0.options = options;
         self
     }

@@ -1,9 +1,11 @@
 //! The sweeps of a study: what varies as settings, in the order of the table.
 
+use skyshed_request::{Placement, Users};
+
 use super::report::PlosRow;
 use crate::city::BuiltUp;
 use crate::error::{LimitError, Result};
-use crate::los_probability::setting::{Placement, Reach, Setting, Users};
+use crate::los_probability::setting::{Reach, Setting};
 
 /// More values than this are refused.
 const MOST_VALUES: usize = 1_000_000;

@@ -13,6 +13,8 @@ use skyshed_core::error::UavError;
 pub(crate) use report::{SampleDocument, SampleRow};
 use report::{SampledReport, SampledRow};
 
+use skyshed_request::SetSceneOptions;
+
 use crate::answer::{Answer, Rows, RunFacts, Spent};
 use crate::city::Site;
 use crate::coverage::{Mapper, Uav, check_drop};
@@ -27,8 +29,8 @@ use crate::progress::Progress;
 use crate::quantity::{Height, counted, tidy};
 use crate::raster::CellBlocks;
 use crate::scene::limits::{across_m, warn_of_drop_across};
-use crate::scene::{Scene, SceneOptions};
-use crate::sight::Sight;
+use crate::scene::{Scene, SceneReader};
+use crate::sight::{SightPlan, check_receivers};
 use crate::zones::Zone;
 
 /// Formats of a sample.
@@ -42,10 +44,10 @@ pub(crate) struct SamplePlan {
     pub(crate) word: OsString,
     /// The scene, if it was read before.
     pub(crate) given: Option<Scene>,
-    pub(crate) scene: SceneOptions,
+    pub(crate) scene: SceneReader,
     /// Edge of the part of a generated city that placements are over \[m\].
     pub(crate) size_m: f64,
-    pub(crate) sight: Sight,
+    pub(crate) sight: SightPlan,
     /// Placements over each zone.
     pub(crate) zones: Vec<(Zone, usize)>,
     /// Heights of the UAVs above ground \[m\].
@@ -110,14 +112,14 @@ impl SamplePlan {
         // A generated city is made as large as whole discs around its places take. Were its walls at the same places of the cells in every
         // city, the share of cells would be off in all of them alike, and no interval would tell.
         let margin_m = self.sight.radius_m().unwrap_or(0.0);
-        let around = SceneOptions { margin_m, draws_cells: true, ..self.scene.clone() };
-        let open = |seed: u64| SceneOptions { seed: Some(seed), ..around.clone() }.open(&self.word);
+        let around = SceneReader { margin_m, draws_cells: true, ..self.scene.clone() };
+        let open = |seed: u64| around.clone().seed(seed).open(&self.word);
         let mut first = self.given.clone().map_or_else(|| open(self.seed), Ok)?;
         if first.built_up.is_none() && (self.n_cities > 1 || self.is_centered) {
             let what = if self.is_centered { "centers of zones" } else { "several cities" };
             return Err(RequestError::OneCity(what).into());
         }
-        self.sight.receivers().check(first.field.is_surface_only())?;
+        check_receivers(self.sight.receivers(), first.field.is_surface_only())?;
         let farthest_m = self.sight.radius_m().unwrap_or(f64::INFINITY);
         match self.sight.curvature() {
             None => warn_of_drop_across(first.field.grid(), farthest_m, true, &mut first.warnings),

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::answer::{Head, Rows, RunFacts, WarningFacts, document_of, rows, warnings_of};
 use crate::los_probability::estimate::{Estimate, FEWEST_CLUSTERS};
-use crate::sight::{Sight, SightFacts, antenna_words};
+use crate::sight::{SightFacts, SightPlan, antenna_words};
 use crate::zones::Zone;
 
 /// P_LoS of receivers in one zone from placements over another.
@@ -58,7 +58,7 @@ impl SampledRow {
 #[derive(Debug, Clone)]
 pub(crate) struct SampledReport {
     pub(crate) facts: RunFacts,
-    pub(crate) sight: Sight,
+    pub(crate) sight: SightPlan,
     /// Cities that were drawn; 1 for a city in a file.
     pub(crate) n_cities: u64,
     /// Whether placements are over the middles of the zones' parts.

@@ -5,17 +5,18 @@ use std::time::Instant;
 
 use skyshed_live::pack::{PackedCity, pack, unpack};
 
-use super::{Scene, SceneOptions};
+use super::{Scene, SceneReader};
 use crate::city::City;
 use crate::crs;
 use crate::error::{Error, Result, warned};
-use crate::read::{HeldBuilding, HeldHeights, MissingHeights, footprints_of, surface_of};
+use crate::read::{HeldBuilding, HeldHeights, footprints_of, surface_of};
+use skyshed_request::MissingHeights;
 
-impl SceneOptions {
+impl SceneReader {
     /// Makes a scene of heights in memory ready for rays: a surface model, and the terrain below it if that is held, too.
     ///
     /// ```
-    /// use skyshed::{Height, Scene, Uav};
+    /// use skyshed::prelude::*;
     /// use skyshed_core::raster::GeoRef;
     /// use skyshed_io::read::HeldHeights;
     ///
@@ -26,8 +27,8 @@ impl SceneOptions {
     ///     heights[30] = 9.0;
     ///     true
     /// })?;
-    /// let scene = Scene::options().ground_m(0.0).of_heights("a wall", heights, None)?;
-    /// let seen = scene.coverage(Uav::new(10.5, 25.5, Height::agl(5.0))).receiver_height_m(0.0).run()?;
+    /// let scene = Scene::options().ground(0.0).of_heights("a wall", heights, None)?;
+    /// let seen = scene.coverage(Uav::new(10.5, 25.5, Height::agl(5.0))).rx_height(0.0).run()?;
     /// // All before the wall is seen, and nothing behind it.
     /// assert!((seen.receivers(), seen.tally().los) == (50 * 59, 50 * 30));
     /// # Ok::<(), skyshed::Error>(())
@@ -36,8 +37,8 @@ impl SceneOptions {
     /// # Errors
     /// E1xx for options that have no meaning for it; E3xx for heights that cannot be used; E501.
     pub fn of_heights(&self, name: &str, surface: HeldHeights, terrain: Option<HeldHeights>) -> Result<Scene> {
-        self.refuse("heights in memory", &[("band", self.band.is_some())])?;
-        self.refuse("heights over a terrain", &[("ground_m", self.ground.is_some() && terrain.is_some())])?;
+        self.refuse("heights in memory", &[("band", self.options.band.is_some())])?;
+        self.refuse("heights over a terrain", &[("ground", self.options.ground.is_some() && terrain.is_some())])?;
         let (start, mut warnings) = (Instant::now(), Vec::new());
         let options = self.of_raster()?;
         let city = warned(&mut warnings, |odd| surface_of(surface, terrain, &options, odd))?;
@@ -51,13 +52,13 @@ impl SceneOptions {
     pub fn of_buildings(&self, name: &str, buildings: &[HeldBuilding<'_>]) -> Result<Scene> {
         // A building in memory has a height and no other property.
         let of_files = [
-            ("roofs", self.roofs.is_some()),
-            ("layer", self.layer.is_some()),
-            ("levels_field", self.levels_field.is_some()),
-            ("height_error_field", self.height_error_field.is_some()),
-            ("base_field", self.base_field.is_some()),
-            ("parts", self.parts.is_some()),
-            ("missing levels", self.missing.as_ref().is_some_and(MissingHeights::counts_storeys)),
+            ("roofs", self.options.roofs.is_some()),
+            ("layer", self.options.layer.is_some()),
+            ("levels_field", self.options.levels_field.is_some()),
+            ("height_error_field", self.options.height_error_field.is_some()),
+            ("base_field", self.options.base_field.is_some()),
+            ("parts", self.options.parts.is_some()),
+            ("missing levels", self.options.missing.as_ref().is_some_and(MissingHeights::counts_storeys)),
         ];
         self.refuse("buildings in memory", &of_files)?;
         let (start, mut warnings) = (Instant::now(), Vec::new());
@@ -93,7 +94,7 @@ impl Scene {
             attribution: None,
             heights: None,
         };
-        let options = SceneOptions::default().keeps_footprints();
+        let options = SceneReader::default().keeps_footprints();
         Scene::built(&options, (OsStr::new(name), city), Vec::new(), start)
     }
 }

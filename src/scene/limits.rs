@@ -7,7 +7,7 @@ use crate::height_field::{EARTH_RADIUS_M, HeightField};
 use crate::quantity::{counted, fixed, tidy};
 use crate::raster::GeoRef;
 use crate::render::percent;
-use crate::sight::Sight;
+use crate::sight::SightPlan;
 use skyshed_io::Warning as OddFiles;
 use skyshed_io::error::{OddFile, OddRaster, Oddity};
 
@@ -68,7 +68,7 @@ pub(crate) fn limits_in_words(
 }
 
 /// Warns where a flat earth matters: the horizon's drop d²/2R exceeds a meter.
-pub(crate) fn warn_of_flat_earth(uavs: &[Uav], grid: &GeoRef, sight: &Sight, warnings: &mut Vec<Warning>) {
+pub(crate) fn warn_of_flat_earth(uavs: &[Uav], grid: &GeoRef, sight: &SightPlan, warnings: &mut Vec<Warning>) {
     if sight.curvature().is_none() {
         warn_of_drop(farthest_m(uavs, grid, sight), warnings);
     }
@@ -78,14 +78,19 @@ pub(crate) fn warn_of_flat_earth(uavs: &[Uav], grid: &GeoRef, sight: &Sight, war
 ///
 /// # Errors
 /// E118.
-pub(crate) fn check_earth(uavs: &[Uav], field: &HeightField, sight: &Sight, warnings: &mut Vec<Warning>) -> Result<()> {
+pub(crate) fn check_earth(
+    uavs: &[Uav],
+    field: &HeightField,
+    sight: &SightPlan,
+    warnings: &mut Vec<Warning>,
+) -> Result<()> {
     warn_of_flat_earth(uavs, field.grid(), sight, warnings);
     let drop_m = sight.curvature().map_or(0.0, |of| of.drop_m(farthest_m(uavs, field.grid(), sight)));
     Ok(check_drop(drop_m, field.lowest_known())?)
 }
 
 /// How far away receivers of some UAVs may be \[m\].
-fn farthest_m(uavs: &[Uav], grid: &GeoRef, sight: &Sight) -> f64 {
+fn farthest_m(uavs: &[Uav], grid: &GeoRef, sight: &SightPlan) -> f64 {
     let of = |uav: &Uav| {
         let place = &uav.station.place;
         let dx = (grid.x_max() - place.x).abs().max((grid.x_min() - place.x).abs());

@@ -13,7 +13,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use crate::city::{BuiltUp, City, HeightSources, Solids, Source};
-pub use options::SceneOptions;
+pub use options::SceneReader;
 pub(crate) use reading::{FoundRepairs, built_up, is_raster, is_raster_scene};
 
 use crate::answer::{RunFacts, Timing};
@@ -32,9 +32,9 @@ use crate::zones::ZoneMap;
 /// file in degrees is refused (E310) unless it is brought into another system.
 ///
 /// ```
-/// use skyshed::{Height, Scene, Uav};
+/// use skyshed::prelude::*;
 ///
-/// let city = Scene::options().size_m(200.0).seed(7).open("itu:urban")?;
+/// let city = Scene::options().size(200.0).seed(7).open("itu:urban")?;
 /// let seen = city.coverage(Uav::new(100.0, 100.0, Height::agl(120.0))).run()?;
 /// assert!(seen.p_los().is_some_and(|p| p > 0.5));
 /// # Ok::<(), skyshed::Error>(())
@@ -62,7 +62,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Opens any scene that the program reads: see [`SceneOptions::open`].
+    /// Opens any scene that the program reads: see [`SceneReader::open`].
     ///
     /// # Errors
     /// As that.
@@ -70,14 +70,14 @@ impl Scene {
         Scene::options().open(word)
     }
 
-    /// How scenes are read, to be changed before one is opened.
-    pub fn options() -> SceneOptions {
-        SceneOptions::default()
+    /// Returns a reader of scenes with all options at their defaults.
+    pub fn options() -> SceneReader {
+        SceneReader::default()
     }
 
     /// A scene that was read since `start`, with its height field.
     pub(crate) fn built(
-        options: &SceneOptions,
+        options: &SceneReader,
         (word, scene): (&OsStr, City),
         mut warnings: Vec<Warning>,
         start: Instant,
@@ -104,7 +104,7 @@ impl Scene {
             attribution,
             heights,
             built_up,
-            seed: options.seed_of_all(),
+            seed: options.options.seed_or_default(),
             warnings,
             timing: Timing { read: read_s, build, ..Timing::default() },
         })
@@ -195,6 +195,7 @@ impl Scene {
             sources: self.sources.clone(),
             seed: self.built_up.map(|_| self.seed),
             warnings: self.warnings.clone(),
+            request: None,
             unit: None,
         }
     }

@@ -10,7 +10,7 @@ use crate::error::{OddRun, Result, Warning};
 use crate::height_field::HeightField;
 use crate::quantity::tidy;
 use crate::raster::GeoRef;
-use crate::sight::Sight;
+use crate::sight::{SightPlan, check_receivers};
 use crate::uav::UavsFound;
 
 impl Scene {
@@ -19,7 +19,7 @@ impl Scene {
     /// # Errors
     /// E2xx for a UAV that cannot be there; E117 for receivers that the scene does not tell apart; E118 for an earth that is curved where it
     /// cannot be.
-    pub(crate) fn place(&mut self, found: &UavsFound, whole: Option<&GeoRef>, sight: &Sight) -> Result<Vec<Uav>> {
+    pub(crate) fn place(&mut self, found: &UavsFound, whole: Option<&GeoRef>, sight: &SightPlan) -> Result<Vec<Uav>> {
         let whole = whole.unwrap_or(self.grid()).clone();
         self.warnings.extend(found.warnings.iter().cloned());
         warn_of_uavs_outside(&found.sites, &whole, &mut self.warnings);
@@ -30,12 +30,12 @@ impl Scene {
     ///
     /// # Errors
     /// As [`Scene::place`].
-    pub(crate) fn place_in_tile(&mut self, found: &UavsFound, whole: &GeoRef, sight: &Sight) -> Result<Vec<Uav>> {
+    pub(crate) fn place_in_tile(&mut self, found: &UavsFound, whole: &GeoRef, sight: &SightPlan) -> Result<Vec<Uav>> {
         self.sources.extend(found.sources.iter().cloned());
         let radius = sight.radius_on(whole);
         let place = |site| place_uav(site, &self.field, whole, radius);
         let uavs = found.sites.iter().map(|given| place(&given.site)).collect::<Result<Vec<Uav>>>()?;
-        sight.receivers().check(self.field.is_surface_only())?;
+        check_receivers(sight.receivers(), self.field.is_surface_only())?;
         check_earth(&uavs, &self.field, sight, &mut self.warnings)?;
         Ok(uavs)
     }

@@ -4,25 +4,27 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::time::Instant;
 
+use skyshed_request::{DataAreaChoice, GroundChoice, MissingHeights, SceneOptions};
+
 use super::results::results_in;
-use super::{Scene, SceneOptions};
+use super::{Scene, SceneReader};
 use crate::answer::RunFacts;
 use crate::city::{BuiltUp, BuiltUpCity};
-use crate::error::{Error, OddRun, Result, Warning, warned};
+use crate::crs;
+use crate::error::{Error, OddRun, RequestError, Result, Warning, warned};
 use crate::formats::RasterFile;
 use crate::los_probability::points::Points;
 use crate::memory::{ANY_WORK, cells_of, check_bytes};
-use crate::raster::GeoRef;
+use crate::raster::{Crs, GeoRef};
 use crate::read::{
-    FootprintOptions, GroundChoice, MeshOptions, MissingHeights, Repair, SurfaceOptions, SystemSaid, VectorFormat,
-    compare_vertical, read_footprints, read_footprints_and_repairs, read_mesh, read_mesh_buildings, read_surface,
-    vertical_of,
+    FootprintOptions, MeshOptions, Projection, Repair, SurfaceOptions, SystemSaid, VectorFormat, compare_vertical,
+    read_footprints, read_footprints_and_repairs, read_mesh, read_mesh_buildings, read_surface, vertical_of,
 };
 
 /// The name of an option, and whether it is set.
 type Set = (&'static str, bool);
 
-impl SceneOptions {
+impl SceneReader {
     /// Reads a scene and makes it ready for rays.
     ///
     /// `word` is the path of a file (raster, footprints or mesh, by its extension) or of a folder of raster tiles, or
@@ -60,13 +62,13 @@ impl SceneOptions {
         self.refuse(
             "a generated city",
             &[
-                ("terrain", self.terrain.is_some()),
-                ("extent", self.extent.is_some()),
-                ("crs", self.crs.is_some()),
-                ("project", self.project.is_some()),
-                ("building_threshold_m", self.building_threshold_m.is_some()),
-                ("nodata_as", self.nodata_as.is_some()),
-                ("band", self.band.is_some()),
+                ("terrain", self.options.terrain.is_some()),
+                ("extent", self.options.extent.is_some()),
+                ("crs", self.options.crs.is_some()),
+                ("project", self.options.project.is_some()),
+                ("building_threshold", self.options.building_threshold.is_some()),
+                ("nodata_as", self.options.nodata_as.is_some()),
+                ("band", self.options.band.is_some()),
             ],
         )?;
         if let Some(bytes) = city.memory() {
@@ -84,20 +86,33 @@ impl SceneOptions {
             built_up,
             size_m: self.city_edge_m(),
             margin_m: self.margin_m,
-            cell_m: self.cell_m.unwrap_or(1.0),
-            seed: self.seed_of_all(),
+            cell_m: self.options.cell.unwrap_or(1.0),
+            seed: self.options.seed_or_default(),
             ground_m: self.flat_ground_m().unwrap_or(0.0),
         }
     }
 
-    /// The edge of a generated city \[m\].
+    /// Returns the edge of a generated city \[m\].
     pub(crate) fn city_edge_m(&self) -> f64 {
-        self.size_m.unwrap_or(1000.0)
+        self.options.size.unwrap_or(SceneOptions::SIZE_M)
     }
 
-    /// The seed of everything random.
-    pub(crate) fn seed_of_all(&self) -> u64 {
-        self.seed.unwrap_or(1)
+    /// Returns the reference system that was set for the files.
+    ///
+    /// # Errors
+    /// E115 for a text that is no reference system.
+    pub(crate) fn crs(&self) -> Result<Option<Crs>> {
+        let parsed = self.options.crs.as_deref().map(crs::parse).transpose();
+        parsed.map_err(|error| RequestError::NoSystem { option: "crs", error: Box::new(error) }.into())
+    }
+
+    /// Returns the reference system to bring a scene into.
+    ///
+    /// # Errors
+    /// E115 for a text that is no reference system.
+    fn projection(&self) -> Result<Option<Projection>> {
+        let parsed = self.options.project.as_deref().map(Projection::parse).transpose();
+        parsed.map_err(|error| RequestError::NoSystem { option: "project", error: Box::new(error) }.into())
     }
 
     /// Reads the scene of a file.
@@ -107,27 +122,28 @@ impl SceneOptions {
             if is_raster(path) {
                 return Ok(read_surface(path, &self.of_raster()?, odd)?);
             }
-            if self.roofs.is_some() {
+            if self.options.roofs.is_some() {
                 let of_features = [
-                    ("layer", self.layer.is_some()),
-                    ("levels_field", self.levels_field.is_some()),
-                    ("missing", self.missing.is_some()),
-                    ("parts", self.parts.is_some()),
+                    ("layer", self.options.layer.is_some()),
+                    ("levels_field", self.options.levels_field.is_some()),
+                    ("missing", self.options.missing.is_some()),
+                    ("parts", self.options.parts.is_some()),
                 ];
                 self.refuse("a mesh", &of_features)?;
                 return Ok(read_mesh_buildings(path, &self.of_solids()?, odd)?);
             }
-            let others = [("size_m", self.size_m.is_some()), ("project", self.project.is_some())];
+            let others = [("size", self.options.size.is_some()), ("project", self.options.project.is_some())];
             self.refuse("a mesh", &others)?;
-            self.refuse("a mesh", &[("band", self.band.is_some())])?;
+            self.refuse("a mesh", &[("band", self.options.band.is_some())])?;
             self.refuse("a mesh", &self.of_footprints())?;
-            let options = MeshOptions { surface: self.of_surface()?, extent: self.extent, cell_m: self.cell_m };
+            let options =
+                MeshOptions { surface: self.of_surface()?, extent: self.options.extent, cell_m: self.options.cell };
             return Ok(read_mesh(path, &options, odd)?);
         };
         if format != VectorFormat::GeoPackage {
-            self.refuse("a file that is no GeoPackage", &[("layer", self.layer.is_some())])?;
+            self.refuse("a file that is no GeoPackage", &[("layer", self.options.layer.is_some())])?;
         }
-        let options = if self.roofs.is_some() { self.of_solids()? } else { self.of_vector()? };
+        let options = if self.options.roofs.is_some() { self.of_solids()? } else { self.of_vector()? };
         let Some(list) = &self.repairs else { return Ok(read_footprints(path, &options, odd)?) };
         let (scene, repairs) = read_footprints_and_repairs(path, &options, odd)?;
         // A scene that is read twice is the same.
@@ -143,8 +159,8 @@ impl SceneOptions {
         if let Some(schema) = results_in(path) {
             warnings.push(OddRun::Results { path: path.display().to_string(), schema }.into());
         }
-        let Some(terrain) = &self.terrain else { return Ok(()) };
-        let said = if self.crs.is_some() { SystemSaid::ByUser } else { SystemSaid::ByFiles };
+        let Some(terrain) = &self.options.terrain else { return Ok(()) };
+        let said = if self.options.crs.is_some() { SystemSaid::ByUser } else { SystemSaid::ByFiles };
         let [of_scene, of_terrain] = [path, terrain].map(vertical_of);
         let (a, b) = ((path.display(), of_scene.as_ref()), (terrain.display(), of_terrain.as_ref()));
         Ok(warned(warnings, |odd| compare_vertical(a, b, said, odd))?)
@@ -158,7 +174,7 @@ impl SceneOptions {
     /// tile.
     pub(crate) fn size_of_raster(&self, word: &OsStr) -> Option<(GeoRef, u64)> {
         // What is brought into another system is put together in memory.
-        if !is_raster_scene(word) || self.project.is_some() {
+        if !is_raster_scene(word) || self.options.project.is_some() {
             return None;
         }
         let file = RasterFile::open(Path::new(word), &mut Vec::new()).ok()?;
@@ -168,7 +184,7 @@ impl SceneOptions {
         let grid = self.grid_of(&file);
         let n_cells = grid.n_cells() as u64;
         // All of a terrain is read, and if it is on another grid brought to that of the surface.
-        let below = self.terrain.as_deref().and_then(|path| RasterFile::open(path, &mut Vec::new()).ok());
+        let below = self.options.terrain.as_deref().and_then(|path| RasterFile::open(path, &mut Vec::new()).ok());
         let of_terrain = below.map_or(0, |below| {
             let n_below = self.grid_of(&below).n_cells() as u64;
             let n_brought = if n_below == n_cells { 0 } else { n_cells };
@@ -186,14 +202,14 @@ impl SceneOptions {
 
     /// How a raster is read.
     pub(crate) fn of_raster(&self) -> Result<SurfaceOptions> {
-        self.refuse("a raster", &[("extent", self.extent.is_some()), ("size_m", self.size_m.is_some())])?;
+        self.refuse("a raster", &[("extent", self.options.extent.is_some()), ("size", self.options.size.is_some())])?;
         self.refuse("a raster", &self.of_footprints())?;
-        if self.project.is_none() {
-            self.refuse("a raster without `project`", &[("cell_m", self.cell_m.is_some())])?;
+        if self.options.project.is_none() {
+            self.refuse("a raster without `project`", &[("cell", self.options.cell.is_some())])?;
         }
         Ok(SurfaceOptions {
-            project: self.project.clone(),
-            cell_m: self.cell_m,
+            project: self.projection()?,
+            cell_m: self.options.cell,
             around: self.around,
             ..self.of_surface()?
         })
@@ -202,19 +218,19 @@ impl SceneOptions {
     /// How any surface is read.
     fn of_surface(&self) -> Result<SurfaceOptions> {
         let defaults = SurfaceOptions::default();
-        self.refuse("a surface", &[("ground_of_buildings", self.ground == Some(GroundChoice::Buildings))])?;
-        if self.terrain.is_none() && self.ground.is_none() {
-            let threshold = [("building_threshold_m", self.building_threshold_m.is_some())];
-            self.refuse("a surface without `terrain` or `ground_m`", &threshold)?;
+        self.refuse("a surface", &[("ground buildings", self.options.ground == Some(GroundChoice::Buildings))])?;
+        if self.options.terrain.is_none() && self.options.ground.is_none() {
+            let threshold = [("building_threshold", self.options.building_threshold.is_some())];
+            self.refuse("a surface without `terrain` or `ground`", &threshold)?;
         }
         Ok(SurfaceOptions {
-            terrain: self.terrain.clone().map(Into::into),
+            terrain: self.options.terrain.as_deref().map(Into::into),
             ground_m: self.flat_ground_m(),
-            building_threshold_m: self.building_threshold_m.unwrap_or(defaults.building_threshold_m),
-            nodata_as: self.nodata_as.unwrap_or_default(),
-            band: self.band.clone().unwrap_or_default(),
-            crs: self.crs.clone(),
-            always_hash: self.hash,
+            building_threshold_m: self.options.building_threshold.unwrap_or(defaults.building_threshold_m),
+            nodata_as: self.options.nodata_as.unwrap_or_default(),
+            band: self.options.band.clone().unwrap_or_default(),
+            crs: self.crs()?,
+            always_hash: self.options.hash,
             ..defaults
         })
     }
@@ -222,9 +238,9 @@ impl SceneOptions {
     /// How buildings are read whose heights are those of their surfaces.
     fn of_solids(&self) -> Result<FootprintOptions> {
         let of_properties = [
-            ("height_field", self.height_field.is_some()),
-            ("top_field", self.top_field.is_some()),
-            ("height_unit", self.height_unit.is_some()),
+            ("height_field", self.options.height_field.is_some()),
+            ("top_field", self.options.top_field.is_some()),
+            ("height_unit", self.options.height_unit.is_some()),
         ];
         self.refuse("roofs of surfaces", &of_properties)?;
         self.of_vector()
@@ -232,73 +248,68 @@ impl SceneOptions {
 
     /// How footprints are read.
     pub(super) fn of_vector(&self) -> Result<FootprintOptions> {
-        let threshold = ("building_threshold_m", self.building_threshold_m.is_some());
-        self.refuse("footprints", &[("size_m", self.size_m.is_some()), threshold, ("band", self.band.is_some())])?;
-        if self.terrain.is_none() {
-            let of_terrain = [("nodata_as", self.nodata_as.is_some()), ("base", self.base.is_some())];
+        let threshold = ("building_threshold", self.options.building_threshold.is_some());
+        self.refuse(
+            "footprints",
+            &[("size", self.options.size.is_some()), threshold, ("band", self.options.band.is_some())],
+        )?;
+        if self.options.terrain.is_none() {
+            let of_terrain = [("nodata_as", self.options.nodata_as.is_some()), ("base", self.options.base.is_some())];
             self.refuse("footprints without `terrain`", &of_terrain)?;
         }
-        let is_known = self.terrain.is_some() || self.flat_ground_m().is_some();
-        if is_known || !(self.top_field.is_some() || self.ground == Some(GroundChoice::Buildings)) {
-            let of_base = [("base_field", self.base_field.is_some())];
+        let is_known = self.options.terrain.is_some() || self.flat_ground_m().is_some();
+        if is_known || !(self.options.top_field.is_some() || self.options.ground == Some(GroundChoice::Buildings)) {
+            let of_base = [("base_field", self.options.base_field.is_some())];
             self.refuse("heights above a ground that is known otherwise", &of_base)?;
         }
-        if !self.missing.as_ref().is_some_and(MissingHeights::counts_storeys) {
-            let levels = [("levels_field", self.levels_field.is_some())];
+        if !self.options.missing.as_ref().is_some_and(MissingHeights::counts_storeys) {
+            let levels = [("levels_field", self.options.levels_field.is_some())];
             self.refuse("footprints without `missing levels`", &levels)?;
         }
-        let missing = self.missing.clone().unwrap_or_default();
+        let missing = self.options.missing.clone().unwrap_or_default();
         // What is only told of refuses nothing.
         let missing = if self.tells_faults { missing.with_rest_dropped() } else { missing };
         Ok(FootprintOptions {
-            height_field: self.height_field.clone(),
-            top_field: self.top_field.clone(),
-            height_unit: self.height_unit.unwrap_or_default(),
-            base_field: self.base_field.clone(),
-            levels_field: self.levels_field.clone(),
-            height_error_field: self.height_error_field.clone(),
-            roofs: self.roofs,
+            height_field: self.options.height_field.clone(),
+            top_field: self.options.top_field.clone(),
+            height_unit: self.options.height_unit.unwrap_or_default(),
+            base_field: self.options.base_field.clone(),
+            levels_field: self.options.levels_field.clone(),
+            height_error_field: self.options.height_error_field.clone(),
+            roofs: self.options.roofs,
             missing,
-            parts: self.parts.unwrap_or_default(),
-            layer: self.layer.clone(),
-            terrain: self.terrain.clone().map(Into::into),
-            ground: self.ground.unwrap_or_default(),
-            extent: self.extent,
+            parts: self.options.parts.unwrap_or_default(),
+            layer: self.options.layer.clone(),
+            terrain: self.options.terrain.as_deref().map(Into::into),
+            ground: self.options.ground,
+            extent: self.options.extent,
             reach_m: self.reach_m,
-            cell_m: self.cell_m,
-            crs: self.crs.clone(),
-            project: self.project.clone(),
-            nodata_as: self.nodata_as.unwrap_or_default(),
-            base: self.base.unwrap_or_default(),
-            data_area: self.data_area.clone().unwrap_or_default(),
-            always_hash: self.hash,
+            cell_m: self.options.cell,
+            crs: self.crs()?,
+            project: self.projection()?,
+            nodata_as: self.options.nodata_as.unwrap_or_default(),
+            base: self.options.base.unwrap_or_default(),
+            data_area: self.options.data_area.clone().unwrap_or(DataAreaChoice::Auto),
+            always_hash: self.options.hash,
         })
     }
 
     /// What only footprints can use.
     fn of_footprints(&self) -> [Set; 12] {
         [
-            ("roofs", self.roofs.is_some()),
-            ("height_field", self.height_field.is_some()),
-            ("top_field", self.top_field.is_some()),
-            ("height_unit", self.height_unit.is_some()),
-            ("base_field", self.base_field.is_some()),
-            ("levels_field", self.levels_field.is_some()),
-            ("height_error_field", self.height_error_field.is_some()),
-            ("missing", self.missing.is_some()),
-            ("parts", self.parts.is_some()),
-            ("layer", self.layer.is_some()),
-            ("base", self.base.is_some()),
-            ("data_area", self.data_area.is_some()),
+            ("roofs", self.options.roofs.is_some()),
+            ("height_field", self.options.height_field.is_some()),
+            ("top_field", self.options.top_field.is_some()),
+            ("height_unit", self.options.height_unit.is_some()),
+            ("base_field", self.options.base_field.is_some()),
+            ("levels_field", self.options.levels_field.is_some()),
+            ("height_error_field", self.options.height_error_field.is_some()),
+            ("missing", self.options.missing.is_some()),
+            ("parts", self.options.parts.is_some()),
+            ("layer", self.options.layer.is_some()),
+            ("base", self.options.base.is_some()),
+            ("data_area", self.options.data_area.is_some()),
         ]
-    }
-
-    /// The height of flat ground, if that is set \[m above the datum\].
-    pub(crate) fn flat_ground_m(&self) -> Option<f64> {
-        match self.ground {
-            Some(GroundChoice::Flat(m)) => Some(m),
-            _ => None,
-        }
     }
 
     /// An ignored input is an error, never silence.
@@ -327,6 +338,7 @@ fn facts_of(scene: &crate::city::City, odd: &[skyshed_io::Warning]) -> RunFacts 
         sources: scene.sources.clone(),
         seed: None,
         warnings: odd.iter().cloned().map(Warning::Io).collect(),
+        request: None,
         unit: None,
     }
 }

@@ -6,17 +6,19 @@ use std::time::Instant;
 
 use serde_json::Value;
 
+use skyshed_request::Layer;
+
 use super::report::{NEAR_M, StressSceneReport};
 use crate::answer::{Answer, Rows, Spent};
 use crate::error::{Result, Warning};
-use crate::export::{Batch, Format, Layer};
-use crate::height_errors::AskedErrors;
+use crate::export::{Batch, Format};
+use crate::height_errors::HeightErrorsPlan;
 use crate::map::{Coverages, Held, MapDrawing, MapPlan, MapReport, PartOf};
 use crate::picture::{Look, picture_provenance};
 use crate::progress::Progress;
 use crate::quantity::counted;
 use crate::scene::Scene;
-use crate::sight::Sight;
+use crate::sight::SightPlan;
 use crate::uav::UavsFound;
 
 /// Margins are taken of this many receivers at most: each costs a walk.
@@ -37,13 +39,13 @@ impl StressScene {
     pub(crate) fn run(
         scene: Scene,
         found: &UavsFound,
-        sight: Sight,
+        sight: SightPlan,
         command: Vec<String>,
         progress: &Progress,
     ) -> Result<StressScene> {
         let plan = MapPlan {
             sight,
-            heights: AskedErrors::default(),
+            heights: HeightErrorsPlan::default(),
             layers: vec![Layer::Stability],
             tolerance: None,
             tells_zones: false,

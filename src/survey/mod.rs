@@ -31,7 +31,7 @@ use crate::quantity::{Frame, VOID, meters, tidy};
 use crate::raster::Crs;
 use crate::read::vertical_of;
 use crate::render::{grouped, percent};
-use crate::scene::{Scene, SceneOptions, is_raster};
+use crate::scene::{Scene, SceneReader, is_raster};
 use crate::words::{capitalized, version};
 
 /// Formats of what a scene is; tiles have two more.
@@ -59,15 +59,15 @@ impl Survey {
     /// refused, where a scene can be made without it.
     ///
     /// # Errors
-    /// As [`SceneOptions::open`]; E113, E117 or E502 for tiles that cannot be.
+    /// As [`SceneReader::open`]; E113, E117 or E502 for tiles that cannot be.
     pub(crate) fn open(
-        options: &SceneOptions,
+        options: &SceneReader,
         word: &OsStr,
         tile_m: Option<f64>,
         command: Vec<String>,
     ) -> Result<Survey> {
         let (start, mut warnings) = (Instant::now(), Vec::new());
-        let city = SceneOptions { tells_faults: true, ..options.clone() }.read(word, &mut warnings)?;
+        let city = SceneReader { tells_faults: true, ..options.clone() }.read(word, &mut warnings)?;
         let size = tile_m.map(|edge| tiles::checked_size(edge, &city.grid, word)).transpose()?;
         let (heights, n_buildings) = (city.solids.building_heights(), city.solids.n_buildings());
         let (faults, footprints): (_, Option<(Vec<Footprint>, Frame)>) = match &city.solids {
@@ -86,7 +86,10 @@ impl Survey {
         let area_km2 = n_known * grid.cell_width() * grid.cell_height() * cell_m * cell_m / 1e6;
         let estimate = BuiltUp::estimated(n_built / n_known, &scene.field.heights_in_data(&heights), area_km2);
         let rasters = std::iter::once(PathBuf::from(word)).filter(|path| is_raster(path) && path.is_file());
-        let vertical = rasters.chain(options.terrain.clone()).map(|path| (path.clone(), vertical_of(&path))).collect();
+        let vertical = rasters
+            .chain(options.options.terrain.clone().map(Into::into))
+            .map(|path| (path.clone(), vertical_of(&path)))
+            .collect();
         let facts = RunFacts { command, ..scene.facts(None) };
         Ok(Survey { scene, facts, counts, faults, n_buildings, estimate, tiles, vertical })
     }

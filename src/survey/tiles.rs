@@ -7,12 +7,14 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
+use skyshed_request::TiffLayout;
+
 use crate::answer::{Rows, rows};
 use crate::city::Footprint;
 use crate::city_statistics::tiles::{BuiltUpTile, BuiltUpTiles, FEWEST_BUILDINGS, MOST_TILES, TileSize};
 use crate::error::{Error, LimitError, RequestError, Result};
 use crate::export::Batch;
-use crate::formats::{Bands, GeoTiffImage, TiffLayout, encode_geotiff};
+use crate::formats::{Bands, GeoTiffImage, encode_geotiff};
 use crate::height_field::HeightField;
 use crate::quantity::{Frame, tidy};
 use crate::raster::GeoRef;

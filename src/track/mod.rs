@@ -22,7 +22,7 @@ use crate::read::{read_track, source_of};
 use crate::scene::Scene;
 use crate::scene::limits::warn_of_drop;
 use crate::scene::placing::{place_uav, warn_of_uavs_outside};
-use crate::sight::Sight;
+use crate::sight::SightPlan;
 use crate::uav::bad_rows;
 use crate::words::p_los_words;
 
@@ -45,7 +45,7 @@ pub(crate) struct TrackPlan {
     /// Longest step between two decided places \[m\].
     pub(crate) every_m: f64,
     /// How high the user is.
-    pub(crate) sight: Sight,
+    pub(crate) sight: SightPlan,
 }
 
 impl TrackPlan {

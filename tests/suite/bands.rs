@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 use skyshed_core::raster::GeoRef;
-use skyshed_io::formats::{Bands, GeoTiffImage, TiffLayout, write_geotiff};
+use skyshed_io::formats::{Bands, GeoTiffImage, write_geotiff};
+use skyshed_request::TiffLayout;
 
 use crate::needs::{has_program, truth};
 use crate::program::Folder;

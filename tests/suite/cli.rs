@@ -51,6 +51,7 @@ pub(crate) fn plan(folder: &Folder, line: &str) -> Value {
     let mut document = folder.type_in(&format!("map {line} --json")).done().json();
     let object = document.as_object_mut().expect("an object");
     object.remove("command");
+    object.remove("request");
     object.remove("timing_s");
     document
 }
@@ -185,6 +186,10 @@ fn a_large_input_is_hashed_on_request() {
     };
     assert_eq!(hash(""), Value::Null);
     assert_eq!(hash("--hash").as_str().map(str::len), Some(64));
+    // A generated city is read from no file.
+    for line in ["map itu:urban --size 50 --uav 9,9,50 --hash", "place itu:urban --size 50 --height 50 --hash"] {
+        folder.refuses(line, "E116", &["`--hash`"]);
+    }
 }
 
 #[test]

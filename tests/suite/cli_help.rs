@@ -51,7 +51,7 @@ fn help_names_defaults_with_their_units() {
         ("--rx-height <M>", "[m]", "1.5"),
         ("--building-threshold <M>", "[m]", "0.25"),
         ("--size <M>", "[m]", "1000"),
-        ("--base <RULE>", "terrain", "lowest"),
+        ("--base <RULE>", "Terrain cell", "lowest"),
         ("--receivers <WHERE>", "receivers", "ground"),
         ("--nodata-as <WHAT>", "nodata", "clear"),
         ("--band <N|NAME>", "number from 1", "1"),

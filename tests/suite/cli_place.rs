@@ -166,9 +166,9 @@ fn what_makes_no_sense_of_a_search_is_refused() {
         PLACE,
         &[
             ("", "E101", "--height"),
-            ("--height x", "E113", "`x`"),
-            ("--height 9:1:1", "E113", "`9:1:1`"),
-            ("--height nan", "E113", "`nan`"),
+            ("--height x", "E101", "`x`"),
+            ("--height 9:1:1", "E101", "`9:1:1`"),
+            ("--height nan", "E101", "`nan`"),
             ("--height 9 --clearance -1", "E113", "`-1`"),
             ("--height 9 --goal sight", "E101", "found `sight`"),
             ("--height 9 --goal p_los(park)", "E101", "found `(park)`"),

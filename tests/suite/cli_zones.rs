@@ -57,7 +57,7 @@ fn a_map_counts_receivers_by_zone() {
     let without = folder.type_in(&format!("{base} -o without.csv --json")).done().json();
     assert_eq!((&without["sites"][0]["zones"], &without["sites"][0]["placement"]), (&Value::Null, &json!("ground")));
     assert_eq!((&without["digest"], folder.text("without.csv").lines().count()), (&document["digest"], 2));
-    folder.refuses(&format!("{base} --zones -o a.tif"), "E116", &["`zones`"]);
+    folder.refuses(&format!("{base} --zones -o a.tif"), "E116", &["`--zones`"]);
 
     // The same numbers with receivers in one zone alone, all other cells being none.
     let alone = folder.type_in(&format!("{base} --receivers crossroad -o crossroads.tif --json")).done().json();

@@ -2,7 +2,8 @@
 //! within a radius.
 
 use serde_json::{Value, json};
-use skyshed_study::los_probability::setting::{Placement, Setting};
+use skyshed_request::Placement;
+use skyshed_study::los_probability::setting::Setting;
 
 use crate::cli_map::{mask_of, tif};
 use crate::compare::{check_refusals, table_rows};

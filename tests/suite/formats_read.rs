@@ -4,7 +4,8 @@ use skyshed_core::quantity::{VOID, height_steps};
 use skyshed_core::raster::{CellWindow, GeoRef};
 use skyshed_io::Error;
 use skyshed_io::error::Cause;
-use skyshed_io::formats::{AsciiGrid, Bands, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff, write_ascii_grid};
+use skyshed_io::formats::{AsciiGrid, Bands, GeoTiff, GeoTiffImage, encode_geotiff, write_ascii_grid};
+use skyshed_request::TiffLayout;
 
 use crate::mosaic::{codes, read, same};
 use crate::needs::truth;

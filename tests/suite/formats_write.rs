@@ -10,9 +10,10 @@ use geotiff_reader::GeoTiffFile;
 use skyshed_core::raster::{Crs, GeoRef};
 use skyshed_io::crs;
 use skyshed_io::formats::{
-    Bands, ClassColor, ExrChannel, GeoTiffImage, NpyArray, TiffLayout, encode_geotiff, pam_sidecar, world_file,
-    write_exr, write_geotiff, write_npz,
+    Bands, ClassColor, ExrChannel, GeoTiffImage, NpyArray, encode_geotiff, pam_sidecar, world_file, write_exr,
+    write_geotiff, write_npz,
 };
+use skyshed_request::TiffLayout;
 
 use crate::mosaic::{codes, read, same};
 use crate::program::Folder;

@@ -1,6 +1,6 @@
 //! The library's front door answers what the program does.
 
-use skyshed::{Height, Layer, Scene, Uav};
+use skyshed::prelude::*;
 
 use crate::program::Folder;
 
@@ -17,7 +17,7 @@ fn digest(folder: &Folder, line: &str) -> String {
 fn the_first_program_of_a_stranger_runs() -> Result<(), skyshed::Error> {
     let folder = Folder::new();
     let city = Scene::open(format!("{MAPS}/munich.geojson"))?;
-    let seen = city.coverage(Uav::new(PLACE.0, PLACE.1, Height::agl(120.0))).radius_m(300.0).run()?;
+    let seen = city.coverage(Uav::new(PLACE.0, PLACE.1, Height::agl(120.0))).radius(300.0).run()?;
     assert!(seen.p_los().is_some_and(|p_los| p_los > 0.0) && seen.receivers() > 0);
     seen.save(folder.join("munich.png"))?;
     assert!(folder.read("munich.png").starts_with(b"\x89PNG"));
@@ -31,11 +31,11 @@ fn rasters_generated_cities_and_many_uavs_are_those_of_the_program() -> Result<(
     let folder = Folder::new();
     let terrain = format!("{MAPS}/munich_terrain.tif");
     let raster = Scene::options().terrain(&terrain).open(format!("{MAPS}/munich_dsm.tif"))?;
-    let seen = raster.coverage(Uav::new(PLACE.0, PLACE.1, Height::agl(60.0))).radius_m(200.0).run()?;
+    let seen = raster.coverage(Uav::new(PLACE.0, PLACE.1, Height::agl(60.0))).radius(200.0).run()?;
     let uav = format!("--uav {},{},60 --radius 200", PLACE.0, PLACE.1);
     assert_eq!(seen.digest(), digest(&folder, &format!("{MAPS}/munich_dsm.tif --terrain {terrain} {uav}")));
 
-    let city = Scene::options().size_m(200.0).seed(7).open("itu:urban")?;
+    let city = Scene::options().size(200.0).seed(7).open("itu:urban")?;
     let uavs = [30.0, 170.0].map(|x| Uav::new(x, 100.0, Height::agl(90.0)));
     let seen = city.coverages(uavs).layers([Layer::Los, Layer::Count]).run()?;
     let both = "--uav 30,100,90 --uav 170,100,90";

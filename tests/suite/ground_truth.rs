@@ -6,7 +6,8 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 use skyshed_core::city::Solids;
 use skyshed_core::quantity::meters;
-use skyshed_io::read::{DataAreaChoice, FootprintOptions, read_footprints};
+use skyshed_io::read::{FootprintOptions, read_footprints};
+use skyshed_request::DataAreaChoice;
 
 use crate::compare::check_refusals;
 use crate::program::Folder;

@@ -7,7 +7,7 @@ use std::process::Command;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use skyshed::{Height, Scene, Uav};
+use skyshed::prelude::*;
 
 use crate::hint_inputs::inputs;
 use crate::needs::has_program;
@@ -423,7 +423,7 @@ fn heights_that_hints_offer_are_short_and_work() {
     let folder = folder_for(&["town.geojson wall.asc hill.asc house.city.json"]);
     let scene = |name: &str, ground_m: Option<f64>| {
         let options = match ground_m {
-            Some(ground_m) => Scene::options().ground_m(ground_m),
+            Some(ground_m) => Scene::options().ground(ground_m),
             None => Scene::options(),
         };
         options.open(folder.join(name)).expect("a scene")
@@ -445,7 +445,7 @@ fn heights_that_hints_offer_are_short_and_work() {
                 1 => Height::roof(number),
                 _ => Height::amsl(number),
             };
-            let place = |height| scene.coverage(Uav::new(x, y, height)).radius_m(1.0).run();
+            let place = |height| scene.coverage(Uav::new(x, y, height)).radius(1.0).run();
             let Err(error) = place(height) else { continue };
             let refusal = skyshed::cli::Refusal::from(error);
             let hint = refusal.hint.unwrap_or_else(|| panic!("no hint: {}", refusal.text));

@@ -1,9 +1,10 @@
 //! Maps of rasters with a radius: they are of the box around what is in range, and what they say of it is what the map of all
 //! says.
 
-use skyshed::{Height, Scene, Uav};
+use skyshed::prelude::*;
 use skyshed_core::raster::GeoRef;
-use skyshed_io::formats::{Bands, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff};
+use skyshed_io::formats::{Bands, GeoTiff, GeoTiffImage, encode_geotiff};
+use skyshed_request::TiffLayout;
 
 use crate::program::Folder;
 use crate::support::class_of;
@@ -96,7 +97,7 @@ fn a_map_with_a_radius_is_of_what_is_in_range() {
             };
             let scene = options.open(folder.join("dsm.tif")).expect("a scene");
             let places = uavs.iter().map(|(x, y)| Uav::new(*x, *y, Height::agl(40.0)));
-            let seen = scene.coverages(places).radius_m(radius).run().expect("a map");
+            let seen = scene.coverages(places).radius(radius).run().expect("a map");
             assert_eq!(part["digest"], seen.digest(), "{line}");
             assert_eq!(seen.grid(), &on);
         }

@@ -12,7 +12,8 @@ use skyshed_core::height_field::{HeightField, Station};
 use skyshed_core::los::{PlanCrossings, link_los};
 use skyshed_core::quantity::Height;
 use skyshed_core::raster::GeoRef;
-use skyshed_io::read::{FootprintOptions, GroundChoice, Roofs, read_footprints};
+use skyshed_io::read::{FootprintOptions, read_footprints};
+use skyshed_request::{GroundChoice, Roofs};
 
 use crate::invariants::vector_field;
 use crate::program::Folder;
@@ -297,7 +298,7 @@ impl Surface {
 /// Old houses of Delft over flat ground at 0 m.
 fn delft(roofs: Roofs) -> HeightField {
     let ground = GroundChoice::Flat(0.0);
-    let options = FootprintOptions { roofs: Some(roofs), ground, ..FootprintOptions::default() };
+    let options = FootprintOptions { roofs: Some(roofs), ground: Some(ground), ..FootprintOptions::default() };
     let city = read_footprints(DELFT, &options, &mut Vec::new()).unwrap();
     HeightField::build(&city.grid, city.solids).field
 }

@@ -5,10 +5,11 @@ use std::collections::HashMap;
 
 use serde_json::Value;
 use skyshed_core::city::BuiltUp;
+use skyshed_request::{Placement, Users};
 use skyshed_study::los_probability::estimate::Estimate;
 use skyshed_study::los_probability::points::Points;
 use skyshed_study::los_probability::product::{Product, across_street, link_p_los, rayleigh_cdf};
-use skyshed_study::los_probability::setting::{Placement, Setting, Users};
+use skyshed_study::los_probability::setting::Setting;
 use skyshed_study::los_probability::street_grid::{Crossing, GridLink, GridZone, StreetGrid};
 
 use crate::needs::truth;

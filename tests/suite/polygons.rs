@@ -12,7 +12,8 @@ use rayon::prelude::*;
 use skyshed_core::city::{City, Solids};
 use skyshed_core::height_field::{Built, ConvexPieces, HeightField, Ring, convex_pieces};
 use skyshed_core::overlay::even_odd;
-use skyshed_io::read::{FootprintOptions, MissingHeights, WithoutHeight, read_footprints};
+use skyshed_io::read::{FootprintOptions, read_footprints};
+use skyshed_request::{MissingHeights, WithoutHeight};
 
 use crate::program::Folder;
 use crate::shapes::{doubled_area, rectangle, star, turn};

@@ -113,6 +113,42 @@ fn n_words(text: &str) -> usize {
     text.split_whitespace().count()
 }
 
+/// Longest sentence of a doc comment, in words; a formula or a piece of code is one word.
+const LONGEST_OF_COMMENTS: usize = 30;
+
+/// Sources whose doc comments are checked.
+fn checked_sources() -> Vec<PathBuf> {
+    /// Folders still to be rewritten.
+    const LEFT_OUT: [&str; 2] = ["crates/core/src/coverage", "crates/core/src/height_field"];
+    let crates = ["core", "io", "render", "request", "study"].map(|name| format!("crates/{name}/src"));
+    let is_checked = |path: &PathBuf| !LEFT_OUT.iter().any(|folder| path.to_string_lossy().contains(folder));
+    crates.iter().flat_map(|folder| files(folder, ".rs")).filter(is_checked).collect()
+}
+
+/// The paragraphs and list items of a doc comment, without code and tables.
+fn paragraphs(comment: &str) -> Vec<String> {
+    let mut paragraphs = vec![String::new()];
+    let mut is_code = false;
+    for line in comment.lines().map(str::trim) {
+        let is_fence = line.starts_with("```");
+        is_code ^= is_fence;
+        let is_left_out = is_fence || is_code || line.starts_with(['#', '|']);
+        let item = ["* ", "- "].iter().find_map(|mark| line.strip_prefix(mark));
+        let numbered = line.split_once(". ").filter(|(mark, _)| mark.parse::<u8>().is_ok()).map(|(_, rest)| rest);
+        match item.or(numbered) {
+            _ if is_left_out || line.is_empty() => paragraphs.push(String::new()),
+            Some(rest) => paragraphs.push(rest.to_string()),
+            None => {
+                if let Some(last) = paragraphs.last_mut() {
+                    *last += &format!(" {line}");
+                }
+            }
+        }
+    }
+    paragraphs.retain(|paragraph| !paragraph.trim().is_empty());
+    paragraphs
+}
+
 /// The doc comments of a source: each with the line where it begins.
 fn doc_comments(source: &str) -> Vec<(usize, String)> {
     let mut comments: Vec<(usize, String)> = Vec::new();
@@ -161,6 +197,37 @@ fn no_doc_comment_needs_the_item_above_it() {
                 .any(|banned| comment.starts_with(banned))
             {
                 found.push(format!("{}:{line}: {}", path.display(), comment.lines().next().unwrap_or_default()));
+            }
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn no_doc_comment_opens_with_a_riddle() {
+    const RIDDLES: [&str; 9] = ["What", "How", "Whether", "Where", "Which", "Those", "Whom", "Whose", "They"];
+    let mut found = Vec::new();
+    for path in checked_sources() {
+        for (line, comment) in doc_comments(&text_of(&path)) {
+            let first = comment.split(|c: char| !c.is_alphanumeric()).find(|word| !word.is_empty());
+            if first.is_some_and(|word| RIDDLES.contains(&word)) {
+                found.push(format!("{}:{line}: {}", path.display(), comment.lines().next().unwrap_or_default()));
+            }
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn no_sentence_of_a_doc_comment_is_long() {
+    let mut found = Vec::new();
+    for path in checked_sources() {
+        for (line, comment) in doc_comments(&text_of(&path)) {
+            let paragraphs = paragraphs(&comment);
+            for sentence in paragraphs.iter().flat_map(|paragraph| sentences(&plain(paragraph))) {
+                if n_words(&sentence) > LONGEST_OF_COMMENTS {
+                    found.push(format!("{}:{line}: {} words: {sentence}", path.display(), n_words(&sentence)));
+                }
             }
         }
     }

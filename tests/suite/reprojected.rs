@@ -8,8 +8,9 @@ use skyshed_core::raster::{Crs, GeoRef, Raster};
 use skyshed_io::Warning;
 use skyshed_io::crs;
 use skyshed_io::crs::Transformation;
-use skyshed_io::formats::{Bands, GeoTiffImage, RasterFile, TiffLayout, encode_geotiff};
+use skyshed_io::formats::{Bands, GeoTiffImage, RasterFile, encode_geotiff};
 use skyshed_io::read::{Projection, SurfaceOptions, read_surface};
+use skyshed_request::TiffLayout;
 
 use crate::formats_write::image_of;
 use crate::mosaic::gdal;

@@ -9,8 +9,9 @@ use skyshed_core::height_field::HeightField;
 use skyshed_core::quantity::Height;
 use skyshed_core::raster::CellBlocks;
 use skyshed_core::zones::{Zone, ZoneMap};
+use skyshed_request::Placement;
 use skyshed_study::los_probability::estimate::Estimate;
-use skyshed_study::los_probability::setting::{Placement, Setting};
+use skyshed_study::los_probability::setting::Setting;
 use skyshed_study::placement::{ReceiverParts, SampledCounts, middles_of, over_cities};
 
 use crate::cities::{built, generated};

@@ -21,7 +21,8 @@ use skyshed_core::los::{
 use skyshed_core::quantity::{LatticePoint, VOID};
 use skyshed_core::raster::BitGrid;
 use skyshed_core::simd::{SimdLevel, simd_levels};
-use skyshed_io::read::{FootprintOptions, GroundChoice, MissingHeights, WithoutHeight, read_footprints};
+use skyshed_io::read::{FootprintOptions, read_footprints};
+use skyshed_request::{GroundChoice, MissingHeights, WithoutHeight};
 
 use crate::oracle::Prism;
 use crate::referee::{Count, check_cells, over_seeds};
@@ -415,7 +416,7 @@ fn munich(terrain: bool) -> HeightField {
         top_field: Some("z_top".into()),
         missing: MissingHeights::only(WithoutHeight::Fail),
         terrain: terrain.then(|| maps.join("munich_terrain.tif").into()),
-        ground: if terrain { GroundChoice::Auto } else { GroundChoice::Flat(0.0) },
+        ground: (!terrain).then_some(GroundChoice::Flat(0.0)),
         ..FootprintOptions::default()
     };
     let scene = read_footprints(maps.join("munich.geojson"), &options, &mut Vec::new()).unwrap();

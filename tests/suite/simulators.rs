@@ -3,10 +3,11 @@
 use skyshed_core::city::BuiltUpCity;
 use skyshed_core::height_field::HeightField;
 use skyshed_core::los::prisms_los;
+use skyshed_request::{Placement, Users};
 use skyshed_study::los_probability::city::{CityDraw, CityLink, CitySimulator};
 use skyshed_study::los_probability::estimate::{clustered, wilson};
 use skyshed_study::los_probability::geometry::GeometrySimulator;
-use skyshed_study::los_probability::setting::{Placement, Setting, Users};
+use skyshed_study::los_probability::setting::Setting;
 
 use crate::cities::{built, generated};
 use crate::los_probability::{CITIES, at_height, built_up, product, setting};

@@ -7,7 +7,8 @@ use std::time::Instant;
 
 use serde_json::Value;
 use skyshed_core::raster::{CellWindow, GeoRef};
-use skyshed_io::formats::{Bands, GeoTiff, GeoTiffImage, TiffLayout, encode_geotiff};
+use skyshed_io::formats::{Bands, GeoTiff, GeoTiffImage, encode_geotiff};
+use skyshed_request::TiffLayout;
 
 use crate::needs::has_program;
 use crate::program::Folder;

@@ -97,7 +97,7 @@ fn heights_may_be_typed_in_feet() {
     assert_eq!(place["candidates"]["heights"], serde_json::json!(["30.48agl", "45.72agl", "60.96agl"]), "{place}");
     let plos = heights("plos itu:urban --theta 45 --height 200ft,100");
     assert!(plos.to_string().contains("60.96"), "{plos}");
-    folder.refuses("place city.geojson --height 100:400ft:50", "E113", &[]);
+    folder.refuses("place city.geojson --height 100:400ft:50", "E101", &[]);
 }
 
 #[test]

@@ -15,9 +15,8 @@ use skyshed_core::height_field::{HeightField, Station};
 use skyshed_core::los::{MethodChoice, link_los};
 use skyshed_core::quantity::{Height, LatticePoint, height_steps};
 use skyshed_io::formats::GeoTiff;
-use skyshed_io::read::{
-    DataAreaChoice, FootprintOptions, MissingHeights, SurfaceOptions, WithoutHeight, read_footprints, read_surface,
-};
+use skyshed_io::read::{FootprintOptions, SurfaceOptions, read_footprints, read_surface};
+use skyshed_request::{DataAreaChoice, MissingHeights, WithoutHeight};
 
 use crate::invariants::map;
 use crate::needs::truth;

@@ -90,7 +90,7 @@ fn rows_6_to_9_of_reference_systems() {
         assert!((found - corner).abs() < 0.21, "{projected}");
     }
     let west = extent[0];
-    folder.refuses("info city.geojson --project EPSG:999999", "E101", &[]);
+    folder.refuses("info city.geojson --project EPSG:999999", "E115", &["`--project`"]);
     // What names no system cannot be brought into another one.
     folder.refuses("map wall.asc --ground 0 --project auto --uav 1,1,30 --json", "E310", &[]);
     // 7: without a reference system meters are assumed, and that is said.

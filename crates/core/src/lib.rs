@@ -18,6 +18,7 @@ pub mod quadrature;
 pub mod quantity;
 pub mod raster;
 pub mod simd;
+pub mod words;
 pub mod city;
 pub mod zones;
 

@@ -7,7 +7,7 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use skyshed::cli;
-use skyshed::{Antenna, Height, SceneOptions, Uav};
+use skyshed::{Antenna, Height, SceneReader, Uav};
 use skyshed_core::raster::GeoRef;
 use skyshed_io::read::HeldBuilding;
 
@@ -85,8 +85,8 @@ fn uavs_of(asked: Vec<AskedUav>) -> Result<Vec<Uav>, Failure> {
     asked.into_iter().map(uav).collect()
 }
 
-fn kept(words: &[OsString]) -> Result<SceneOptions, Failure> {
-    Ok(cli::scene_options(words)?.keeps_footprints())
+fn kept(words: &[OsString]) -> Result<SceneReader, Failure> {
+    Ok(cli::scene_reader(words)?.keeps_footprints())
 }
 
 #[pymethods]

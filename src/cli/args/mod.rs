@@ -1,6 +1,5 @@
-//! What can be typed, as `--help` documents it: the words that commands share. Each command adds its own beside its code.
+//! Flags that commands share, beside the parts of requests: what the program makes of them.
 
-pub(super) mod height_errors;
 pub(super) mod output;
 pub(super) mod scene;
 pub(super) mod sight;

@@ -4,14 +4,19 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use skyshed_request::{OutputOptions, PictureOptions, Sight, Uavs};
+
 use crate::chart::{ChartPlan, FORMATS, PlosChartPlan};
-use crate::cli::args::output::{OutputArgs, PictureArgs};
+use crate::cli::args::output::checked_files;
 use crate::cli::args::scene::SceneArgs;
-use crate::cli::args::sight::{SightArgs, UavsArgs};
 use crate::cli::args::words::{length, number};
-use crate::cli::failure::{Result, refusal_with};
+use crate::cli::failure::{Failure, Result, refusal_with};
 use crate::cli::run::Run;
+use crate::error::{Error, RequestError};
+use crate::picture::Look;
 use crate::scene::built_up;
+use crate::sight::SightPlan;
+use crate::uav::UavsAsked;
 
 #[derive(Debug, Args)]
 #[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .csv .json; repeat for more").long_help("File to write, by extension: .png .svg .pdf (picture), .csv, .json, `-` for JSON on \
@@ -21,9 +26,9 @@ pub(in crate::cli) struct ChartArgs {
     #[command(flatten)]
     pub(in crate::cli) scene: SceneArgs,
     #[command(flatten, next_help_heading = "Contest")]
-    uavs: UavsArgs,
+    uavs: Uavs,
     #[command(flatten, next_help_heading = "Contest")]
-    sight: SightArgs,
+    sight: Sight,
     /// Other programs, too: `gdal_viewshed` if it is found on the PATH, with its own files read and written
     #[arg(long, help_heading = "Contest")]
     peers: bool,
@@ -43,12 +48,12 @@ pub(in crate::cli) struct ChartArgs {
           help_heading = "Contest", hide_short_help = true)]
     height: Option<f64>,
     #[command(flatten)]
-    pub(in crate::cli) out: OutputArgs,
+    pub(in crate::cli) out: OutputOptions,
     /// Write the table to this file
     #[arg(long, value_name = "FILE", help_heading = "Output", hide_short_help = true)]
     csv: Option<PathBuf>,
     #[command(flatten)]
-    picture: PictureArgs,
+    picture: PictureOptions,
 }
 
 /// What the P_LoS methods of a generated city can use.
@@ -75,20 +80,27 @@ const OF_P_LOS: [&str; 18] = [
 
 impl ChartArgs {
     pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
-        let inputs: Vec<PathBuf> = self.scene.files().into_iter().chain(self.uavs.uavs.clone()).collect();
-        let outputs = self.out.checked_with(self.csv.as_ref(), &FORMATS, &inputs)?;
-        let look = self.picture.look(&self.out, &outputs)?;
+        let inputs: Vec<PathBuf> =
+            self.scene.files().into_iter().chain(self.uavs.uavs.clone().map(Into::into)).collect();
+        let outputs = checked_files(&self.out, self.csv.as_ref(), (&FORMATS, &inputs))?;
+        let look = Look::checked(&self.picture, &self.out.writing, &outputs)?;
         // Timed with one thread, unless more are asked for.
-        let threads = self.out.threads.unwrap_or(1);
+        let threads = self.out.effort.threads.unwrap_or(1);
         let chart = match self.plos {
             true => self.plan_of_p_los(run, threads)?.run(run.words(), &run.progress)?,
             false => {
-                let (sight, peers, time_s) = (self.sight.checked()?, self.peers, self.time);
+                let (sight, peers, time_s) = (SightPlan::of(&self.sight)?, self.peers, self.time);
                 let plan = ChartPlan { sight, peers, time_s, threads };
                 plan.check()?;
                 let without = "`--plos` charts the P_LoS methods of a generated city without one";
-                let asked = self.uavs.some(self.scene.reading.hash, Some(without))?;
-                let scene = self.scene.open()?;
+                let asked =
+                    UavsAsked::some_of(&self.uavs, self.scene.reading.options.hash).map_err(|error| match error {
+                        Error::Request(RequestError::NoUav) => {
+                            refusal_with(108, Failure::from(error).to_string(), without)
+                        }
+                        error => error.into(),
+                    })?;
+                let scene = run.open(&self.scene)?;
                 let found = asked.read(scene.grid())?;
                 plan.run(scene, &found, run.words(), &run.progress)?
             }
@@ -109,8 +121,8 @@ impl ChartArgs {
             built_up: built_up?,
             theta_deg: self.theta.unwrap_or(45.0),
             height_m: self.height.unwrap_or(100.0),
-            rx_height_m: self.sight.rx_height_m(),
-            seed: self.scene.reading.seed,
+            rx_height_m: self.sight.receiver.rx_height_m(),
+            seed: self.scene.reading.options.seed_or_default(),
             time_s: self.time,
             threads,
         })

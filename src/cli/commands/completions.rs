@@ -2,43 +2,51 @@
 
 use clap::{Args, Command};
 
-use crate::cli::args::words::{Words, one_of};
+use crate::cli::args::words::one_of;
 use crate::cli::failure::{Result, refusal};
 use crate::cli::say;
 use clap_complete::Shell;
 
-/// What is written.
-#[derive(Debug, Clone, Copy)]
-enum Kind {
-    For(Shell),
-    Man,
+skyshed_core::words! {
+    /// Text to write.
+    enum Kind {
+        /// Words for bash
+        Bash = "bash",
+        /// Words for elvish
+        Elvish = "elvish",
+        /// Words for fish
+        Fish = "fish",
+        /// Words for PowerShell
+        PowerShell = "powershell",
+        /// Words for zsh
+        Zsh = "zsh",
+        /// The manual, for `man -l`
+        Man = "man",
+    }
 }
-
-const KINDS: Words<Kind> = &[
-    ("bash", "Words for bash", Kind::For(Shell::Bash)),
-    ("elvish", "Words for elvish", Kind::For(Shell::Elvish)),
-    ("fish", "Words for fish", Kind::For(Shell::Fish)),
-    ("powershell", "Words for PowerShell", Kind::For(Shell::PowerShell)),
-    ("zsh", "Words for zsh", Kind::For(Shell::Zsh)),
-    ("man", "The manual, for `man -l`", Kind::Man),
-];
 
 #[derive(Debug, Args)]
 #[command(after_help = "Example: skyshed completions bash > /etc/bash_completion.d/skyshed")]
 pub(in crate::cli) struct CompletionsArgs {
     /// The shell, or `man` for the manual
-    #[arg(value_name = "SHELL", value_parser = one_of(KINDS))]
+    #[arg(value_name = "SHELL", value_parser = one_of::<Kind>())]
     kind: Kind,
 }
 
 impl CompletionsArgs {
     pub(in crate::cli) fn run(&self, mut program: Command) -> Result<()> {
         let mut text = Vec::new();
-        match self.kind {
-            Kind::For(shell) => clap_complete::generate(shell, &mut program, "skyshed", &mut text),
-            Kind::Man => {
-                manual(program, &mut text).map_err(|e| refusal(402, format!("cannot write the manual: {e}")))?
-            }
+        let shell = match self.kind {
+            Kind::Bash => Some(Shell::Bash),
+            Kind::Elvish => Some(Shell::Elvish),
+            Kind::Fish => Some(Shell::Fish),
+            Kind::PowerShell => Some(Shell::PowerShell),
+            Kind::Zsh => Some(Shell::Zsh),
+            Kind::Man => None,
+        };
+        match shell {
+            Some(shell) => clap_complete::generate(shell, &mut program, "skyshed", &mut text),
+            None => manual(program, &mut text).map_err(|e| refusal(402, format!("cannot write the manual: {e}")))?,
         }
         say::plain_answer(&text)
     }

@@ -4,9 +4,12 @@ use std::ffi::OsString;
 
 use clap::Args;
 
+use skyshed_request::OutputOptions;
+
+use super::map::job_of;
 use crate::answer::Answer;
-use crate::cli::args::output::OutputArgs;
-use crate::cli::args::words::{Words, one_of};
+use crate::cli::args::output::{checked_files, plain_look};
+use crate::cli::args::words::one_of;
 use crate::cli::failure::{Result, refusal, refusal_with};
 use crate::cli::interrupt;
 use crate::cli::program::Cli;
@@ -17,28 +20,18 @@ use crate::jobs::Jobs;
 use crate::memory;
 use crate::threads::in_pool;
 
-/// What is asked of the units.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Asked {
-    Plan,
-    Status,
-    Merge,
+skyshed_core::words! {
+    /// Question about the units.
+    enum Asked {
+        /// A line of JSON for each unit: its name, its files, the word for `--shard` that runs it, time and memory
+        Plan = "plan",
+        /// Which units are done, missing and broken; exit code 6 unless all are done
+        Status = "status",
+        /// What all units come to: a table of the UAVs (.csv, .parquet), a document (.json), and of tiles a mosaic (.vrt) and a
+        /// STAC item (.geojson)
+        Merge = "merge",
+    }
 }
-
-const ASKED: Words<Asked> = &[
-    (
-        "plan",
-        "A line of JSON for each unit: its name, its files, the word for `--shard` that runs it, time and memory",
-        Asked::Plan,
-    ),
-    ("status", "Which units are done, missing and broken; exit code 6 unless all are done", Asked::Status),
-    (
-        "merge",
-        "What all units come to: a table of the UAVs (.csv, .parquet), a document (.json), and of tiles a mosaic (.vrt) and a \
-         STAC item (.geojson)",
-        Asked::Merge,
-    ),
-];
 
 /// Formats that all units are merged into.
 const FORMATS: [Format; 6] = [Format::Csv, Format::Parquet, Format::Json, Format::Vrt, Format::GeoJson, Format::Stdout];
@@ -51,10 +44,10 @@ to merge into, by extension: a table of the UAVs (.csv, .parquet), a document (.
 Example: skyshed jobs plan map maps/munich.geojson --uavs maps/sites.csv --radius 300 -o '{site}.tif'")]
 pub(in crate::cli) struct JobsArgs {
     /// What to tell of the units
-    #[arg(value_name = "WHAT", value_parser = one_of(ASKED))]
+    #[arg(value_name = "WHAT", value_parser = one_of::<Asked>())]
     asked: Asked,
     #[command(flatten)]
-    pub(in crate::cli) out: OutputArgs,
+    pub(in crate::cli) out: OutputOptions,
     /// `map` and the words behind it, as they are typed to run all units: names of files hold `{site}`, or `{row}` and `{col}`
     #[arg(value_name = "MAP", required = true, trailing_var_arg = true, allow_hyphen_values = true)]
     map: Vec<OsString>,
@@ -62,7 +55,7 @@ pub(in crate::cli) struct JobsArgs {
 
 impl JobsArgs {
     pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
-        memory::limit(self.out.max_memory, interrupt::give_up)?;
+        memory::limit(self.out.effort.max_memory, interrupt::give_up)?;
         match self.asked {
             Asked::Merge => {}
             Asked::Status => run.typed.refuse(&["output", "overwrite", "csv_text"], "for what is told of units")?,
@@ -70,12 +63,12 @@ impl JobsArgs {
                 run.typed.refuse(&["output", "overwrite", "csv_text", "json"], "for a plan, which is lines of JSON")?;
             }
         }
-        in_pool(self.out.threads, || self.answer(run))?
+        in_pool(self.out.effort.threads, || self.answer(run))?
     }
 
     fn answer(&self, run: &Run) -> Result<()> {
         let words: Vec<OsString> = std::iter::once("skyshed".into()).chain(self.map.iter().cloned()).collect();
-        let (cli, typed) = Cli::from_words(&words).map_err(|e| refusal(101, first_line(&e)))?;
+        let (cli, _) = Cli::from_words(&words).map_err(|e| refusal(101, first_line(&e)))?;
         let Some(map) = cli.map() else {
             let found = self.map.first().map_or_else(String::new, |word| word.display().to_string());
             return Err(refusal_with(
@@ -84,23 +77,23 @@ impl JobsArgs {
                 "jobs are those of a map: `skyshed jobs plan map SCENE --uavs FILE -o NAME-{site}.tif`",
             ));
         };
-        check_scenes(&[&map.scene.scene])?;
-        let job = map
-            .job(&typed, self.map.iter().map(|word| skyshed_io::told(word).to_string_lossy().into_owned()).collect())?;
+        check_scenes(&[map.scene.word()])?;
+        let command = self.map.iter().map(|word| skyshed_io::told(word).to_string_lossy().into_owned()).collect();
+        let job = job_of(map, run, command)?;
         let jobs = Jobs::of(&job, &run.progress)?;
         match self.asked {
             Asked::Plan => jobs.plan().try_for_each(|line| say::plain_answer(format!("{line}\n").as_bytes())),
             Asked::Status => {
                 let status = jobs.status(run.words());
-                run.emit(&status, &[], (&self.out, &self.out.look()))?;
+                run.emit(&status, &[], (&self.out, &plain_look(&self.out)))?;
                 Ok(status.check()?)
             }
             Asked::Merge => {
                 let inputs = [job.inputs.clone(), job.uavs.table.iter().cloned().collect()].concat();
-                let outputs = self.out.checked(&FORMATS, &inputs)?;
+                let outputs = checked_files(&self.out, None, (&FORMATS, &inputs))?;
                 jobs.refuse_own_files(&outputs)?;
                 let merged = jobs.merged(run.words())?;
-                run.emit(&merged as &dyn Answer, &outputs, (&self.out, &self.out.look()))
+                run.emit(&merged as &dyn Answer, &outputs, (&self.out, &plain_look(&self.out)))
             }
         }
     }

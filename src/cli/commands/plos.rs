@@ -3,9 +3,12 @@
 use std::path::PathBuf;
 
 use super::plos_args::PlosArgs;
+use crate::cli::args::output::checked_files;
+use crate::cli::args::scene::scene_files;
 use crate::cli::args::words::Numbers;
 use crate::cli::failure::{Result, refusal};
 use crate::cli::run::Run;
+use crate::picture::Look;
 use crate::plos::{FORMATS, Far, PlosPlan, Sweeps, read_curves};
 use crate::scene::built_up;
 
@@ -42,16 +45,19 @@ impl PlosArgs {
     pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
         let mut warnings = Vec::new();
         let curves = read_curves(&self.curve, self.skip_bad, &mut warnings)?;
-        let files =
-            self.scenes.iter().filter(|word| built_up(word).is_none()).flat_map(|word| self.reading.files(word));
+        let files = self
+            .scenes
+            .iter()
+            .filter(|word| built_up(word).is_none())
+            .flat_map(|word| scene_files(word, &self.reading));
         let inputs: Vec<PathBuf> = files.chain(curves.iter().map(|(_, path)| path.clone())).collect();
-        let outputs = self.out.checked_with(self.csv.as_ref(), &FORMATS, &inputs)?;
-        let look = self.picture.look(&self.out, &outputs)?;
+        let outputs = checked_files(&self.out, self.csv.as_ref(), (&FORMATS, &inputs))?;
+        let look = Look::checked(&self.picture, &self.out.writing, &outputs)?;
         let is_drawn = outputs.iter().any(|(_, format)| format.is_picture());
         self.refuse_idle(run, is_drawn)?;
         let plan = PlosPlan {
             scenes: self.scenes.clone(),
-            options: self.reading.options()?,
+            options: run.reader(&self.reading),
             sweeps: self.sweeps()?,
             methods: self.method.clone(),
             curves,
@@ -67,10 +73,10 @@ impl PlosArgs {
             n_positions: self.positions,
             theta_band_deg: self.theta_band,
             block_m: self.block,
-            seed: self.reading.seed,
+            seed: self.reading.options.seed_or_default(),
             plot: self.plot,
             is_drawn,
-            hash: self.reading.hash,
+            hash: self.reading.options.hash,
             command: run.words(),
         };
         plan.check()?;

@@ -5,33 +5,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::args::output::{OutputArgs, PictureArgs};
-use crate::cli::args::scene::ReadingArgs;
-use crate::cli::args::words::{Numbers, Words, length, lengths, number, numbers, one_of, plus_minus};
-use crate::los_probability::setting::{Placement, Users};
-use crate::plos::PlotKind;
+use skyshed_request::{OutputOptions, PictureOptions, Placement, PlotKind, Reading, Users};
 
-const USERS: Words<Users> = &[
-    ("outdoor", "All ground that is not building, uniformly", Users::Outdoor),
-    ("street", "Streets between crossroads", Users::Street),
-    ("crossroad", "Crossroads", Users::Crossroad),
-];
-
-const PLACEMENTS: Words<Placement> = &[
-    ("anywhere", "Anywhere over the city", Placement::Anywhere),
-    ("street", "Over a street", Placement::Street),
-    ("crossroad", "Over a crossroad", Placement::Crossroad),
-    ("rooftop", "Over a building", Placement::Rooftop),
-    ("street-center", "Over the middle of a street", Placement::StreetCenter),
-    ("crossroad-center", "Over the middle of a crossroad", Placement::CrossroadCenter),
-    ("rooftop-center", "Over the middle of a building", Placement::RooftopCenter),
-];
-
-const PLOTS: Words<PlotKind> = &[
-    ("auto", "A heat map for two-way sweeps of one city and method, else curves", PlotKind::Auto),
-    ("curves", "Curves", PlotKind::Curves),
-    ("heat", "Heat maps of two-way sweeps", PlotKind::Heat),
-];
+use crate::cli::args::words::{Numbers, length, lengths, number, numbers, one_of, plus_minus};
 
 #[derive(Debug, Args)]
 #[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .csv .json .npz; repeat for more").long_help("File to write, by extension: .png .svg .pdf (plot), .csv, .json, .npz, `-` for JSON on \
@@ -88,11 +64,11 @@ pub(in crate::cli) struct PlosArgs {
     /// Which users are counted: outdoor, street, crossroad
     ///
     /// Several are separated by commas.
-    #[arg(long, value_name = "WHO,…", value_parser = one_of(USERS), value_delimiter = ',', default_value = "outdoor",
+    #[arg(long, value_name = "WHO,…", value_parser = one_of::<Users>(), value_delimiter = ',', default_value = "outdoor",
           help_heading = "Sweep", hide_possible_values = true)]
     pub(super) users: Vec<Users>,
     /// Where the UAV hovers; several separated by commas
-    #[arg(long, value_name = "WHERE,…", value_parser = one_of(PLACEMENTS), value_delimiter = ',',
+    #[arg(long, value_name = "WHERE,…", value_parser = one_of::<Placement>(), value_delimiter = ',',
           default_value = "anywhere", help_heading = "Sweep", hide_short_help = true)]
     pub(super) placement: Vec<Placement>,
     /// Height of the receivers above ground [m]; the paper's figures have 0
@@ -141,16 +117,16 @@ pub(in crate::cli) struct PlosArgs {
           hide_short_help = true)]
     pub(super) block: Option<f64>,
     #[command(flatten)]
-    pub(in crate::cli) reading: ReadingArgs,
+    pub(in crate::cli) reading: Reading,
     #[command(flatten)]
-    pub(in crate::cli) out: OutputArgs,
+    pub(in crate::cli) out: OutputOptions,
     /// Write the table to this file
     #[arg(long, value_name = "FILE", help_heading = "Output", hide_short_help = true)]
     pub(super) csv: Option<PathBuf>,
     /// Kind of plot
-    #[arg(long, value_name = "KIND", value_parser = one_of(PLOTS), default_value = "auto", help_heading = "Picture",
+    #[arg(long, value_name = "KIND", value_parser = one_of::<PlotKind>(), default_value = "auto", help_heading = "Picture",
           hide_short_help = true)]
     pub(super) plot: PlotKind,
     #[command(flatten)]
-    pub(super) picture: PictureArgs,
+    pub(super) picture: PictureOptions,
 }

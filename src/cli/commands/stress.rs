@@ -4,14 +4,18 @@ use std::ffi::OsString;
 
 use clap::Args;
 
+use skyshed_request::{OutputOptions, PictureOptions, Reading, Sight};
+
 use crate::accuracy::stress::{FAMILIES, Family};
-use crate::cli::args::output::{OutputArgs, PictureArgs};
-use crate::cli::args::scene::ReadingArgs;
-use crate::cli::args::sight::{SightArgs, parse_uav};
+use crate::cli::args::output::checked_files;
+use crate::cli::args::scene::scene_files;
 use crate::cli::failure::Result;
 use crate::cli::run::Run;
+use crate::picture::Look;
+use crate::sight::SightPlan;
 use crate::stress::{FORMATS, Stress, StressScene};
 use crate::uav::UavsFound;
+use crate::uav::site_of;
 
 #[derive(Debug, Args)]
 #[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .csv .json; repeat for more").long_help("File to write, by extension: .png .svg .pdf (failure rates by family and method; of \
@@ -35,13 +39,13 @@ pub(in crate::cli) struct StressArgs {
     #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true, help_heading = "Map", requires = "scene")]
     uav: Option<String>,
     #[command(flatten, next_help_heading = "Map")]
-    sight: SightArgs,
+    sight: Sight,
     #[command(flatten)]
-    pub(in crate::cli) reading: ReadingArgs,
+    pub(in crate::cli) reading: Reading,
     #[command(flatten)]
-    pub(in crate::cli) out: OutputArgs,
+    pub(in crate::cli) out: OutputOptions,
     #[command(flatten)]
-    picture: PictureArgs,
+    picture: PictureOptions,
 }
 
 /// What families of scenes can use.
@@ -65,20 +69,20 @@ const OF_FAMILIES: [&str; 15] = [
 
 impl StressArgs {
     pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
-        let files = self.scene.as_ref().map_or_else(Vec::new, |scene| self.reading.files(scene));
-        let outputs = self.out.checked(&FORMATS, &files)?;
-        let look = self.picture.look(&self.out, &outputs)?;
+        let files = self.scene.as_ref().map_or_else(Vec::new, |scene| scene_files(scene, &self.reading));
+        let outputs = checked_files(&self.out, None, (&FORMATS, &files))?;
+        let look = Look::checked(&self.picture, &self.out.writing, &outputs)?;
         let (Some(word), Some(uav)) = (&self.scene, &self.uav) else {
             run.typed.refuse_others(&OF_FAMILIES, "without a scene")?;
-            let effort = (self.scenes, self.reading.seed);
-            let stress = Stress::run(&self.families, self.sight.method(), effort, run.words())?;
+            let effort = (self.scenes, self.reading.options.seed_or_default());
+            let stress = Stress::run(&self.families, self.sight.range.engine(), effort, run.words())?;
             run.emit(&stress, &outputs, (&self.out, &look))?;
             return Ok(stress.check()?);
         };
-        let sites = vec![parse_uav(uav, "1".into())?.into()];
+        let sites = vec![site_of(uav, "1".into())?.into()];
         let found = UavsFound { sites, ..UavsFound::default() };
-        let sight = self.sight.checked()?;
-        let scene = self.reading.options()?.open(word)?;
+        let sight = SightPlan::of(&self.sight)?;
+        let scene = run.reader(&self.reading).open(word)?;
         let stability = StressScene::run(scene, &found, sight, run.words(), &run.progress)?;
         run.emit(&stability, &outputs, (&self.out, &look))
     }

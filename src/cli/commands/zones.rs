@@ -1,31 +1,21 @@
 //! `skyshed zones`: streets, crossroads, courtyards and rooftops.
 
-use clap::Args;
+use skyshed_request::ZonesRequest;
 
-use crate::cli::args::output::{OutputArgs, PictureArgs};
-use crate::cli::args::scene::SceneArgs;
+use crate::cli::args::output::checked_files;
+use crate::cli::args::scene::scene_files;
 use crate::cli::failure::Result;
 use crate::cli::run::Run;
+use crate::picture::Look;
 use crate::zone_files::{FORMATS, ZoneFiles};
 
-#[derive(Debug, Args)]
-#[command(mut_arg("output", |a| a.help("File to write: .png .svg .pdf .tif .geojson .json; repeat for more").long_help("File to write, by extension: a map of the zones (.png .svg .pdf), a raster (.tif), \
-polygons (.geojson), their counts (.json), `-` for JSON on standard output; repeat for more")))]
-#[command(after_help = "Example: skyshed zones maps/munich.geojson -o zones.png")]
-pub(in crate::cli) struct ZonesArgs {
-    #[command(flatten)]
-    pub(in crate::cli) scene: SceneArgs,
-    #[command(flatten)]
-    pub(in crate::cli) out: OutputArgs,
-    #[command(flatten)]
-    picture: PictureArgs,
-}
-
-impl ZonesArgs {
-    pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
-        let outputs = self.out.checked(&FORMATS, &self.scene.files())?;
-        let look = self.picture.look(&self.out, &outputs)?;
-        let zones = ZoneFiles::of(self.scene.open()?, run.words())?;
-        run.emit(&zones, &outputs, (&self.out, &look))
-    }
+/// Answers a request.
+///
+/// # Errors
+/// Those of the request, the scene and the files.
+pub(in crate::cli) fn run(request: &ZonesRequest, run: &Run) -> Result<()> {
+    let outputs = checked_files(&request.out, None, (&FORMATS, &scene_files(request.scene.word(), &request.reading)))?;
+    let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;
+    let zones = ZoneFiles::of(run.open_word(request.scene.word(), &request.reading)?, run.words())?;
+    run.emit(&zones, &outputs, (&request.out, &look))
 }

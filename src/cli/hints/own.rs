@@ -9,9 +9,10 @@ use crate::scene::{built_up, is_raster_scene};
 pub(super) fn of_request(error: &RequestError) -> Option<String> {
     use RequestError as R;
     let hint = match error {
-        R::Goal { .. } => {
-            "wanted p_los or margin, alone or with (street), (crossroad), (courtyard), (rooftop), (area), or p_los(weights)"
-        }
+        R::NoSystem { error, .. } => return super::io::hint(error),
+        R::ShareWanted(_) => "for example `--goal p_los>=0.8 --minimize height`",
+        R::MinimizeWanted(_) => "add `--minimize height`",
+        R::Uav { .. } => "write X,Y,H, for example `500,500,100` or `691549.7,5334762.2,30roof`",
         R::NotNamedAfterTiles(_) => "write `{row}` and `{col}` into every name, and no `{site}`",
         R::LayerOfTile { .. } => "`--layers count|union|which|best-server`, or a map of each UAV: `-o NAME-{site}.tif`",
         R::NoUnits => "`-o NAME-{site}.tif` gives each UAV a file of its own, `-o NAME-{row}-{col}.tif` each tile",

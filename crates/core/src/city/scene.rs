@@ -110,12 +110,13 @@ pub enum Ground {
     Terrain(Raster<i32>),
 }
 
-/// The treatment of nodata cells of rasters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum NodataAs {
-    /// Nodata cells block nothing.
-    #[default]
-    Clear,
-    /// Nodata cells block everything.
-    Block,
+crate::words! {
+    /// Effect of nodata cells on links.
+    pub enum NodataAs {
+        /// Nodata cells block everything
+        Block = "block",
+        /// Nodata cells block nothing
+        Clear = "clear",
+    }
+    default Clear
 }

@@ -85,6 +85,18 @@ impl std::str::FromStr for MethodChoice {
     }
 }
 
+impl std::fmt::Display for MethodChoice {
+    /// Its word, from which it can be read.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.method() {
+            Some(method) => method.fmt(f),
+            None => f.write_str("auto"),
+        }
+    }
+}
+
+crate::text!(MethodChoice);
+
 impl std::fmt::Display for Method {
     /// Writes the method's name in documents.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

@@ -1,16 +1,17 @@
 //! The four zones, their words, codes and colors.
 
-/// The kind of a place in a city.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Zone {
-    /// Open ground that is neither crossroad nor courtyard.
-    Street,
-    /// Open ground at which three or more streets meet.
-    Crossroad,
-    /// Open ground that one block encloses.
-    Courtyard,
-    /// A building.
-    Rooftop,
+crate::words! {
+    /// Kind of place in a city, in the order of their codes.
+    pub enum Zone {
+        /// Open ground that is neither crossroad nor courtyard
+        Street = "street",
+        /// Open ground at which three or more streets meet
+        Crossroad = "crossroad",
+        /// Open ground that buildings enclose
+        Courtyard = "courtyard",
+        /// Buildings
+        Rooftop = "rooftop",
+    }
 }
 
 /// The code of a cell without a zone: nodata, or any cell of a surface model alone, which shows no
@@ -18,25 +19,7 @@ pub enum Zone {
 pub const NONE: u8 = 0;
 
 impl Zone {
-    /// All zones in the order of their codes.
-    pub const ALL: [Zone; 4] = [Zone::Street, Zone::Crossroad, Zone::Courtyard, Zone::Rooftop];
-
-    /// Returns its name in tables and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Zone::Street => "street",
-            Zone::Crossroad => "crossroad",
-            Zone::Courtyard => "courtyard",
-            Zone::Rooftop => "rooftop",
-        }
-    }
-
-    /// Returns the zone with a name.
-    pub fn named(name: &str) -> Option<Zone> {
-        Zone::ALL.into_iter().find(|zone| zone.name() == name)
-    }
-
-    /// Returns its number in rasters, from 1.
+    /// Its number in rasters, from 1.
     pub fn code(self) -> u8 {
         match self {
             Zone::Street => 1,

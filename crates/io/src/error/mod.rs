@@ -123,7 +123,7 @@ pub enum CrsError {
 #[non_exhaustive]
 pub enum OptionError {
     /// E112: a size of cells that is not above 0.
-    #[error("`cell_m` is `{0}`, wanted above 0 m")]
+    #[error("`cell` is `{0}`, wanted above 0 m")]
     Cell(f64),
     /// E113: a number out of range; its option, and what is wanted.
     #[error("`{0}` is `{1}`, wanted {2}")]
@@ -132,7 +132,7 @@ pub enum OptionError {
     #[error("`extent` is `{},{},{},{}`, wanted west < east and south < north", .0[0], .0[1], .0[2], .0[3])]
     Extent([f64; 4]),
     /// E116: a size of cells for a file that keeps its own.
-    #[error("`cell_m` has no meaning for {0}: it is in the wanted system and stays")]
+    #[error("`cell` has no meaning for {0}: it is in the wanted system and stays")]
     CellKept(String),
 }
 

@@ -2,7 +2,9 @@
 
 use thiserror::Error as Words;
 
-use crate::export::{Format, Layer};
+use skyshed_request::Layer;
+
+use crate::export::Format;
 
 /// Reason why a file cannot be written.
 #[derive(Debug, Clone, PartialEq, Words)]

@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
+use skyshed_request::TiffLayout;
+
 use super::Batch;
 use crate::coverage::{Overlay, class, difference_layer};
 use crate::error::Result;
-use crate::formats::{Bands, GeoTiffImage, TiffLayout, write_geotiff};
+use crate::formats::{Bands, GeoTiffImage, write_geotiff};
 use crate::raster::GeoRef;
 
 /// Placements side by side, ready for a file.

@@ -3,11 +3,13 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+use skyshed_request::Layer;
+
 use super::Batch;
 use super::files::with_suffix;
 use super::format::Format;
 use super::map_arrays::npz;
-use super::map_result::{Band, Layer, MapResult, MaskValues, NO_COUNT, NODATA, band_name, exact_f32, finite, n_bands};
+use super::map_result::{Band, MapResult, MaskValues, NO_COUNT, NODATA, band_name, exact_f32, finite, n_bands};
 use super::single_band::{ascii_grid, bil};
 use crate::coverage::class;
 use crate::error::{Error, Fault, Result, WriteFault};

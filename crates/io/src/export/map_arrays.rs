@@ -14,7 +14,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::map_result::{Band, Layer, MapResult};
+use skyshed_request::Layer;
+
+use super::map_result::{Band, MapResult, measure_of};
 use crate::crs::wkt_of;
 use crate::error::Result;
 use crate::formats::{NpyArray, write_npz};
@@ -40,7 +42,7 @@ pub(super) fn npz(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, V
         .iter()
         .filter(|layer| layer.is_measure())
         .map(|layer| {
-            let values = result.sites.iter().filter_map(|site| layer.measure_of(site));
+            let values = result.sites.iter().filter_map(|site| measure_of(*layer, site));
             (*layer, values.flatten().copied().collect())
         })
         .collect();

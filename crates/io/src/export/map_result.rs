@@ -2,8 +2,9 @@
 
 use std::borrow::Cow;
 
+use skyshed_request::{Layer, TiffLayout};
+
 use crate::coverage::{Overlay, SiteCoverage, class};
-use crate::formats::TiffLayout;
 use crate::raster::GeoRef;
 
 /// Nodata of float rasters in GeoTIFF and ASCII grids.
@@ -11,74 +12,16 @@ pub(super) const NODATA: f32 = -9999.0;
 /// Nodata of counts.
 pub(super) const NO_COUNT: u32 = u32::MAX;
 
-/// A layer of a map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Layer {
-    /// Mask of line of sight.
-    Los,
-    /// Receiver height minus the least visible height \[m\].
-    Margin,
-    /// Least receiver height \[m above the datum\].
-    LeastReceiverHeight,
-    /// Least UAV height \[m above the datum\].
-    LeastHeight,
-    /// Number of UAVs that see each cell.
-    Count,
-    /// Number of eight moves by one lattice step that turn the answer.
-    Stability,
-    /// Line of sight for all heights within their errors: 0 never, 1 surely, 2 possibly.
-    Sure,
-    /// Probability of line of sight with errors of heights.
-    PLos,
-    /// Set of UAVs that see each cell, one bit for each.
-    Which,
-    /// The mask of all UAVs together.
-    Union,
-    /// The nearest of all UAVs that see each cell, by its number.
-    BestServer,
-}
-
-impl Layer {
-    /// Returns the name of the layer on the command line and in band names.
-    pub fn name(self) -> &'static str {
-        match self {
-            Layer::Los => "los",
-            Layer::Margin => "margin",
-            Layer::LeastReceiverHeight => "least-receiver-height",
-            Layer::LeastHeight => "least-height",
-            Layer::Stability => "stability",
-            Layer::Sure => "sure",
-            Layer::PLos => "p-los",
-            Layer::Count => "count",
-            Layer::Which => "which",
-            Layer::Union => "union",
-            Layer::BestServer => "best-server",
-        }
-    }
-
-    /// Returns `true` for a layer of all UAVs together.
-    pub fn is_of_all(self) -> bool {
-        matches!(self, Layer::Count | Layer::Which | Layer::Union | Layer::BestServer)
-    }
-
-    /// Returns `true` for a layer of floats, one per receiver: meters, number of moves that turn
-    /// it, certainty, or probability.
-    pub fn is_measure(self) -> bool {
-        use Layer::{LeastHeight, LeastReceiverHeight, Margin, PLos, Stability, Sure};
-        matches!(self, Margin | LeastReceiverHeight | LeastHeight | Stability | Sure | PLos)
-    }
-
-    /// Returns the values of a layer that is a measure, if they were made.
-    pub(super) fn measure_of(self, site: &SiteCoverage) -> Option<&[f32]> {
-        match self {
-            Layer::Margin => site.margin.as_deref(),
-            Layer::LeastReceiverHeight => site.least_receiver_height.as_deref(),
-            Layer::LeastHeight => site.least_height.as_deref(),
-            Layer::Stability => site.stability.as_ref().map(|s| s.turns.as_slice()),
-            Layer::Sure => site.sure.as_deref(),
-            Layer::PLos => site.p_los.as_deref(),
-            _ => None,
-        }
+/// Returns the values of a layer that is a measure, if they were made.
+pub(super) fn measure_of(layer: Layer, site: &SiteCoverage) -> Option<&[f32]> {
+    match layer {
+        Layer::Margin => site.margin.as_deref(),
+        Layer::LeastReceiverHeight => site.least_receiver_height.as_deref(),
+        Layer::LeastHeight => site.least_height.as_deref(),
+        Layer::Stability => site.stability.as_ref().map(|s| s.turns.as_slice()),
+        Layer::Sure => site.sure.as_deref(),
+        Layer::PLos => site.p_los.as_deref(),
+        _ => None,
     }
 }
 
@@ -163,7 +106,7 @@ impl<'a> MapResult<'a> {
                 let name = band_name(&site.uav.id, layer);
                 let band = match layer {
                     Layer::Los => Some(Band::Class(&site.mask)),
-                    _ => layer.measure_of(site).map(Band::Measure),
+                    _ => measure_of(layer, site).map(Band::Measure),
                 };
                 bands.extend(band.map(|b| (name, b)));
             }

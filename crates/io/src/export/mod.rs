@@ -33,7 +33,7 @@ pub use files::{OutputRules, check_folder, check_outputs, sidecars, with_suffix}
 pub use format::Format;
 pub use kmz::encode_kmz;
 pub use map::{add_map, add_mask_geotiff, bare_name, check_layers, site_in_names};
-pub use map_result::{Layer, MapResult, MaskValues, n_bands};
+pub use map_result::{MapResult, MaskValues, n_bands};
 pub use mask_strips::MaskStrips;
 pub use mitsuba::{MitsubaScene, add_mitsuba};
 pub use ns3_boxes::ns3_boxes;

@@ -4,8 +4,10 @@
 use std::fmt::Write as _;
 use std::path::{Component, Path, PathBuf};
 
+use skyshed_request::Layer;
+
 use super::map::named_classes;
-use super::map_result::{Layer, NO_COUNT};
+use super::map_result::NO_COUNT;
 use crate::coverage::class;
 use crate::crs::wkt_of;
 use crate::error::{Error, Result, WriteFault};

@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use skyshed_request::TiffLayout;
+
 use super::{Batch, with_suffix};
 use crate::error::Result;
-use crate::formats::{Bands, ClassColor, GeoTiffImage, TiffLayout, pam_sidecar, write_geotiff};
+use crate::formats::{Bands, ClassColor, GeoTiffImage, pam_sidecar, write_geotiff};
 use crate::zones::{NONE, Zone, ZoneMap};
 
 /// Adds a GeoTIFF of [`Zone::code`]s, one byte a cell, with [`NONE`] as nodata, and the sidecar

@@ -7,7 +7,10 @@ use std::sync::atomic::AtomicUsize;
 
 use super::mosaic::{Content, Header, Nesting, Tile, TileNumbers};
 use super::oddity::warned;
-use super::{AsciiGrid, Band, GeoTiff, Mosaic};
+use skyshed_request::Band;
+
+use super::band::index_of_band;
+use super::{AsciiGrid, GeoTiff, Mosaic};
 use crate::crs::VerticalCrs;
 use crate::error::{Cause, Error, Oddity, Result, Warning};
 use crate::input::{Input, cannot_read};
@@ -58,7 +61,7 @@ impl RasterFile {
             Kind::Tiff => GeoTiff::open_told(input, nesting.band, odd).map(RasterFile::GeoTiff),
             Kind::AsciiGrid => {
                 // A grid of text has one band without a name.
-                nesting.band.unwrap_or(&Band::First).index(input, &[None])?;
+                index_of_band(nesting.band.unwrap_or(&Band::First), input, &[None])?;
                 AsciiGrid::open_told(input, odd).map(RasterFile::AsciiGrid)
             }
             Kind::VirtualRaster if input.is_held() => {

@@ -23,15 +23,14 @@ mod world_file;
 mod xml;
 
 pub use ascii_grid::{AsciiGrid, write_ascii_grid};
-pub use band::Band;
 pub use bil_file::{BilValues, bil_header};
 pub use cell_sources::{CellSources, bounds_through, half_diagonal_through, suggested_grid};
 pub use exr_file::{ExrChannel, write_exr};
 pub use file::RasterFile;
 pub use geotiff::xml_text;
 pub use geotiff::{
-    Bands, ClassColor, ClassImage, ClassPyramid, ClassStrips, GeoTiff, GeoTiffImage, TiffLayout, class_table,
-    encode_geotiff, pam_sidecar, write_geotiff,
+    Bands, ClassColor, ClassImage, ClassPyramid, ClassStrips, GeoTiff, GeoTiffImage, class_table, encode_geotiff,
+    pam_sidecar, write_geotiff,
 };
 pub use lonlat::LonLatGrid;
 pub use mosaic::Mosaic;

@@ -13,7 +13,9 @@
 
 use std::collections::HashMap;
 
-use super::footprint_options::{FootprintOptions, GroundChoice, HEIGHT, HeightUnit, Roofs};
+use skyshed_request::{GroundChoice, HeightUnit, Roofs};
+
+use super::footprint_options::{FootprintOptions, HEIGHT};
 use super::height_value::{FoundHeight, found_height, is_no_top};
 use super::not_there::Tagging;
 use super::repairs::{Culprit, FaultLog};
@@ -272,7 +274,7 @@ fn refuse_unknown_bases(input: &Input, areas: &[&Feature], reading: Reading<'_>)
     }
     let of_property = match (options.top_field.as_deref(), options.ground) {
         (Some(top), _) if options.needs_bases() => Some(top),
-        (None, GroundChoice::Buildings) if areas.iter().all(|feature| feature.heights.is_none()) => {
+        (None, Some(GroundChoice::Buildings)) if areas.iter().all(|feature| feature.heights.is_none()) => {
             Some(options.height_property())
         }
         _ => None,

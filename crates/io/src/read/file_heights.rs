@@ -7,9 +7,9 @@ use std::collections::{HashMap, HashSet};
 
 use super::building::RawFootprint;
 use super::height_value::FoundHeight;
-use super::missing_heights::{HeightRule, MissingHeights};
 use super::parts::Grouping;
 use crate::city::{HeightSource, HeightSources};
+use skyshed_request::{HeightRule, MissingHeights};
 
 /// Meters per storey where only the number of storeys is known (the default of OpenStreetMap
 /// renderers).

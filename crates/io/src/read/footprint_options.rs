@@ -1,68 +1,13 @@
 //! Options for reading footprints.
 
-use super::missing_heights::MissingHeights;
+use skyshed_request::{BaseRule, DataAreaChoice, GroundChoice, HeightUnit, MissingHeights, Parts, Roofs};
+
 use super::projection::Projection;
 use crate::city::NodataAs;
 use crate::input::Input;
 use crate::raster::Crs;
 
-/// Treatment of an outline whose building is drawn by parts as well.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Parts {
-    /// Parts replace the outline. Its rest beside them stays if that is more than a tenth of it.
-    #[default]
-    Replace,
-    /// Both stay, and the highest counts where they overlap.
-    Join,
-}
-
-/// Ground of footprints, where no terrain is given.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum GroundChoice {
-    /// A plane at 0 m. For tops above the datum, a plane in the median of the ground below
-    /// buildings, which the file must hold.
-    #[default]
-    Auto,
-    /// A plane at this height \[m above the datum\].
-    Flat(f64),
-    /// A terrain through the ground below buildings, which the file must hold.
-    Buildings,
-}
-
-/// Choice of a footprint's base among the terrain columns that its area overlaps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum BaseRule {
-    /// The lowest, as OpenStreetMap defines `height`.
-    #[default]
-    Lowest,
-    /// Their mean, each weighted by the overlapped area.
-    Mean,
-    /// The highest.
-    Highest,
-}
-
-/// Choice of the area in which the ground of a footprint scene is known.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub enum DataAreaChoice {
-    /// Near the footprints; everywhere if the extent was typed.
-    #[default]
-    Auto,
-    /// Everywhere.
-    All,
-    /// Within the polygons of a file.
-    Within(Input),
-}
-
-/// The shape of roofs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Roofs {
-    /// Each building as high as its highest point.
-    Flat,
-    /// As the surfaces of the file define them (level of detail 2).
-    Lod2,
-}
-
-/// Options for reading footprints.
+/// Reading of footprints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FootprintOptions {
     /// Property that holds the height above ground; `None` is `height`, or the own top of solids.
@@ -89,8 +34,9 @@ pub struct FootprintOptions {
     pub layer: Option<String>,
     /// Terrain model, in the same CRS unless `project` is given.
     pub terrain: Option<Input>,
-    /// Ground without a terrain.
-    pub ground: GroundChoice,
+    /// Ground without a terrain. `None` is a plane at 0 m. For tops above the datum it is a plane in
+    /// the median of the ground below buildings, which the file must hold.
+    pub ground: Option<GroundChoice>,
     /// Extent of the receivers' grid: west, south, east, north \[CRS units\].
     pub extent: Option<[f64; 4]>,
     /// Largest distance from the extent at which a building matters \[m\]; by default as far as
@@ -128,7 +74,7 @@ impl Default for FootprintOptions {
             parts: Parts::default(),
             layer: None,
             terrain: None,
-            ground: GroundChoice::default(),
+            ground: None,
             extent: None,
             reach_m: None,
             cell_m: None,
@@ -136,35 +82,13 @@ impl Default for FootprintOptions {
             project: None,
             nodata_as: NodataAs::default(),
             base: BaseRule::default(),
-            data_area: DataAreaChoice::default(),
+            data_area: DataAreaChoice::Auto,
             always_hash: false,
         }
     }
 }
 
-/// Unit of heights without one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum HeightUnit {
-    /// Meters.
-    #[default]
-    Meters,
-    /// International feet, 0.3048 m.
-    Feet,
-}
-
-impl HeightUnit {
-    /// Returns the length of the unit \[m\].
-    pub fn meters(self) -> f64 {
-        match self {
-            HeightUnit::Meters => 1.0,
-            HeightUnit::Feet => METERS_PER_FOOT,
-        }
-    }
-}
-
-pub(super) const METERS_PER_FOOT: f64 = 0.3048;
-
-/// Property of heights, unless one is named.
+/// The property of a height where none is named.
 pub(super) const HEIGHT: &str = "height";
 
 impl FootprintOptions {
@@ -175,6 +99,6 @@ impl FootprintOptions {
 
     /// Returns `true` when the scene may need the ground below buildings from the file.
     pub(super) fn needs_bases(&self) -> bool {
-        self.terrain.is_none() && !matches!(self.ground, GroundChoice::Flat(_))
+        self.terrain.is_none() && !matches!(self.ground, Some(GroundChoice::Flat(_)))
     }
 }

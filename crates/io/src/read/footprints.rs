@@ -9,7 +9,7 @@
 use super::area::read_area;
 use super::building::{Buildings, RawFootprint};
 use super::file_heights::FileHeights;
-use super::footprint_options::{DataAreaChoice, FootprintOptions, GroundChoice};
+use super::footprint_options::FootprintOptions;
 use super::ground_of_bases::terrain_through;
 use super::heights::{HeightFile, Heights, warn_of_units};
 use super::lattice_footprints::Making;
@@ -31,6 +31,7 @@ use crate::formats::reserve_cells;
 use crate::input::Input;
 use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, meters};
 use crate::raster::{Crs, GeoRef, Raster};
+use skyshed_request::{DataAreaChoice, GroundChoice};
 
 /// Reads footprints from GeoJSON, CityJSON, a shapefile, FlatGeobuf or a GeoPackage, chosen by the
 /// extension.
@@ -142,7 +143,7 @@ pub(super) fn scene_of(
     let frame = Frame { x_origin: grid.x_min().floor(), y_origin: grid.y_min().floor(), unit_x: 1.0, unit_y: 1.0 };
     let data_area = data_area(options, &grid, warnings)?;
     if let DataAreaChoice::Within(input) = &options.data_area {
-        sources.push(source_of(input, options.always_hash)?);
+        sources.push(source_of(&**input, options.always_hash)?);
     }
     if let (Some(extent), Some(_)) = (options.extent, &options.project) {
         raw.footprints.iter_mut().for_each(|footprint| footprint.is_asked = footprint.meets(extent));
@@ -152,12 +153,12 @@ pub(super) fn scene_of(
     let near = options.extent.zip(options.reach_m).map(|(extent, reach_m)| grown(extent, Some(reach_m)));
     let mut ground = match (terrain, options.ground, heights.bases) {
         (Some(terrain), ..) => Ground::Terrain(terrain),
-        (None, GroundChoice::Flat(m), _) => Ground::Flat(ground_steps(m)?),
-        (None, GroundChoice::Buildings, Some(_)) => {
+        (None, Some(GroundChoice::Flat(m)), _) => Ground::Flat(ground_steps(m)?),
+        (None, Some(GroundChoice::Buildings), Some(_)) => {
             let is_near = |footprint: &&RawFootprint| near.is_none_or(|near| footprint.meets(near));
             Ground::Terrain(terrain_through(input, raw.footprints.iter().filter(is_near), &grid)?)
         }
-        (None, GroundChoice::Auto, Some(bases)) if heights.has_tops => Ground::Flat(ground_steps(bases.middle)?),
+        (None, None, Some(bases)) if heights.has_tops => Ground::Flat(ground_steps(bases.middle)?),
         (None, ..) => Ground::Flat(ground_steps(0.0)?),
     };
     warn_of_the_ground(input, &heights, (options, &ground), warnings);
@@ -232,7 +233,7 @@ fn warn_of_flat_roofs(input: &Input, set: &FeatureSet, options: &FootprintOption
 fn data_area(options: &FootprintOptions, grid: &GeoRef, warnings: &mut Vec<Warning>) -> Result<DataArea> {
     match (&options.data_area, options.extent) {
         (DataAreaChoice::All, _) => Ok(DataArea::All),
-        (DataAreaChoice::Within(input), _) => read_area(input, grid).map(DataArea::Within),
+        (DataAreaChoice::Within(input), _) => read_area(Input::path(&**input), grid).map(DataArea::Within),
         (DataAreaChoice::Auto, None) => Ok(DataArea::NearFootprints),
         (DataAreaChoice::Auto, Some(_)) => {
             warnings.push(Warning::WholeExtent);
@@ -370,7 +371,7 @@ fn warn_of_the_ground(
     let (Ground::Flat(z), Some(bases), true) = (ground, heights.bases, heights.has_tops) else { return };
     let (ground_m, range_m) = (meters(*z), (bases.lowest, bases.highest));
     let odd = match options.ground {
-        GroundChoice::Auto => OddFile::GroundOfBases { ground_m, range_m },
+        None => OddFile::GroundOfBases { ground_m, range_m },
         _ if (bases.lowest..=bases.highest).contains(&ground_m) => return,
         _ => OddFile::OtherGround { ground_m, range_m, median_m: bases.middle },
     };

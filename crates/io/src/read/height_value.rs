@@ -1,7 +1,7 @@
 //! Height that a property holds: a number, or text with a unit.
 
-use super::footprint_options::{HeightUnit, METERS_PER_FOOT};
 use super::vector::Property;
+use skyshed_request::{HeightUnit, METERS_PER_FOOT};
 
 /// Content of a height property.
 #[derive(Debug, Clone, Copy, PartialEq)]

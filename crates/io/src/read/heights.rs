@@ -7,7 +7,9 @@ use super::systems::refuse_degrees;
 use super::terrain::no_terrain_below;
 use crate::city::Source;
 use crate::error::{Error, HeightOf, InputKind, OddFile, OddRaster, Oddity, ReadFault, Result, Warning};
-use crate::formats::{Band, RasterFile, TileStore, TileStoreWriter, with_true_lengths};
+use skyshed_request::Band;
+
+use crate::formats::{RasterFile, TileStore, TileStoreWriter, with_true_lengths};
 use crate::input::Input;
 use crate::quantity::{MAX_EXTENT_UNITS, VOID, height_steps};
 use crate::raster::{CellWindow, Crs, CrsKind, GeoRef, LargeVec, Raster};

@@ -8,9 +8,10 @@ use rayon::prelude::*;
 use super::building::{Buildings, RawFootprint};
 use super::faults::{Said, warn_of_faults};
 use super::file_heights::{FileHeights, Height};
-use super::footprint_options::{FootprintOptions, GroundChoice};
+use skyshed_request::{GroundChoice, WithoutHeight};
+
+use super::footprint_options::FootprintOptions;
 use super::height_value::FoundHeight;
-use super::missing_heights::WithoutHeight;
 use super::outline::{Shaped, polygon_area, shape};
 use super::parts::{Grouping, rest_of};
 use super::repairs::FaultLog;
@@ -107,8 +108,8 @@ impl Making<'_> {
     fn shapes(self, raw: Vec<RawFootprint>) -> Result<Vec<Shaped>> {
         let of_ground = (self.ground, self.options.base);
         let mut shaped: Vec<Shaped> = raw.into_par_iter().map(|f| shape(f, of_ground, self.frame)).collect();
-        if self.options.needs_bases() && self.options.ground == GroundChoice::Buildings {
-            // Corners of terrain cells may be lower or higher than the ground that the file holds.
+        if self.options.needs_bases() && self.options.ground == Some(GroundChoice::Buildings) {
+            // Corners of cells may be lower or higher than the ground that the file holds.
             shaped.iter_mut().for_each(|s| s.base = s.raw.base_m.and_then(height_steps).or(s.base));
         }
         if let Some((found, tangle)) = shaped.iter().find_map(|s| Some((s, s.tangle?))) {

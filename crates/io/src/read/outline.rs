@@ -1,13 +1,13 @@
 //! Outline of a building: onto the lattice, repaired, with the ground under it.
 
 use super::building::RawFootprint;
-use super::footprint_options::BaseRule;
 use super::roof::{LatticeRoof, RoofFault, lattice_roof};
 use crate::city::Ground;
 use crate::outlines::{covered_shares, overlapped_cells};
 use crate::overlay::{Polygon, Ring, Tangle, difference, doubled_area, even_odd, tangle};
 use crate::quantity::{Frame, VOID};
 use crate::raster::{CellLattice, Raster};
+use skyshed_request::BaseRule;
 
 /// A footprint after rounding and repair.
 pub(super) struct Shaped {

@@ -13,11 +13,11 @@ use std::collections::HashMap;
 
 use super::box_index::BoxIndex;
 use super::building::{PartOf, RawFootprint};
-use super::footprint_options::Parts;
 use super::outline::lattice_polygons;
 use super::vector::bounds;
 use crate::overlay::{Polygon, Ring, difference, doubled_area, intersection, union, wound};
 use crate::quantity::Frame;
+use skyshed_request::Parts;
 
 /// Groups of footprints that belong together, by their indices in a list.
 #[derive(Debug, Default)]

@@ -7,9 +7,10 @@ use super::projection::Projection;
 use super::reprojected::Reprojection;
 use super::source::name_of;
 use super::terrain::{Placed, terrain_on_grid, way_to_terrain};
+use skyshed_request::Band;
+
 use crate::city::{City, Ground, NodataAs, Solids, Source};
 use crate::error::{OddFile, OptionError, Result, Warning};
-use crate::formats::Band;
 use crate::input::Input;
 use crate::quantity::{BLOCKS_ALL, VOID, height_steps};
 use crate::raster::{BitGrid, Crs, GeoRef, Raster};
@@ -275,12 +276,12 @@ fn voids_of(cells: &[i32], (n_rows, n_cols): (usize, usize)) -> Option<BitGrid> 
 /// Returns the height above the ground beyond which a surface is a building \[1/1024 m\].
 pub(super) fn building_threshold(options: &SurfaceOptions) -> Result<i32> {
     let m = options.building_threshold_m;
-    let bad = OptionError::Number("building_threshold_m", m, "0 m or more");
+    let bad = OptionError::Number("building_threshold", m, "0 m or more");
     height_steps(m).filter(|t| *t >= 0).ok_or_else(|| bad.into())
 }
 
 /// Returns the ground height on the lattice.
 pub(super) fn ground_steps(ground_m: f64) -> Result<i32> {
-    let bad = OptionError::Number("ground_m", ground_m, "a height within ±32768 m");
+    let bad = OptionError::Number("ground", ground_m, "a height within ±32768 m");
     height_steps(ground_m).ok_or_else(|| bad.into())
 }

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use super::estimate::Count;
 use super::lattice_city::LatticeCity;
 use super::points::unit_interval;
-use super::setting::Setting;
+use super::setting::{Setting, position_of};
 use super::street_grid::GridZone;
 use crate::city::BuiltUp;
 use crate::error::{LosProbabilityError, Result};
@@ -117,7 +117,7 @@ impl CitySimulator {
         let grid = self.city.grid();
         // The UAV's period is in the middle of the city, whose south-west corner is the origin.
         let corner = f64::from(self.n_around) * grid.period();
-        let [x, y] = setting.placement.position(grid, draw.position).map(|v| corner + v);
+        let [x, y] = position_of(setting.placement, grid, draw.position).map(|v| corner + v);
         let uav = lattice_point([x, y], setting.uav_height_m);
         if setting.uav_clear_of_roof
             && self.city.zone(uav.x, uav.y) == GridZone::Building

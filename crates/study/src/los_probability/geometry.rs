@@ -18,7 +18,7 @@ use super::city::{CityLink, lattice_point};
 use super::estimate::Count;
 use super::lattice_city::LatticeCity;
 use super::points::unit_interval;
-use super::setting::Setting;
+use super::setting::{Setting, position_of};
 use super::street_grid::GridZone;
 use crate::city::BuildingHeights;
 use crate::quantity::LatticePoint;
@@ -47,7 +47,7 @@ impl GeometrySimulator {
         for _ in 0..MOST_TRIES {
             let city_seed = random.next_u64();
             let mut number = || unit_interval(random.next_u64());
-            let [x, y] = setting.placement.position(self.city.grid(), [number(), number()]);
+            let [x, y] = position_of(setting.placement, self.city.grid(), [number(), number()]);
             let (offset, street) = setting.offset(number(), number());
             let user = [x + offset[0], y + offset[1]];
             if !setting.counts(self.city.grid().zone(user[0], user[1]), street) {

@@ -1,7 +1,7 @@
 //! Points that fill the unit cube evenly: a randomly shifted lattice sequence.
 //!
-//! Point i of a shift Δ is (Δ + φ(i)·z) mod 1. φ(i) is the number with the bits of i mirrored at
-//! the binary point, and z a vector of integers. For any m, the first 2^m points, up to
+//! Point i of a shift Δ is `(Δ + φ(i)·z) mod 1`. Here φ(i) is the number with the bits of i mirrored
+//! at the binary point, and z a vector of integers. For any m, the first 2^m points, up to
 //! [`MOST_POINTS`], are a shifted lattice of rank 1. So points can be added until the error is
 //! small enough. The mean of a function over them is unbiased, because each single point is
 //! uniform. The means over independent shifts give its standard error. For integrands of bounded

@@ -18,9 +18,11 @@
 
 use rayon::prelude::*;
 
+use skyshed_request::{Placement, Users};
+
 use super::estimate::{Estimate, ratio_of_clusters};
 use super::points::Points;
-use super::setting::{Placement, Setting, Users};
+use super::setting::{Setting, position_of};
 use super::street_grid::{GridLink, GridZone, StreetGrid};
 use crate::quadrature::mean_over_unit;
 
@@ -115,7 +117,7 @@ fn sample(setting: &Setting, grid: &StreetGrid, [u, v, azimuth, radius]: [f64; 4
         let user = user_position(setting.users, grid, [u, v], street);
         (user, [user[0] - offset[0], user[1] - offset[1]])
     } else {
-        let uav = setting.placement.position(grid, [u, v]);
+        let uav = position_of(setting.placement, grid, [u, v]);
         let user = [uav[0] + offset[0], uav[1] + offset[1]];
         if !setting.counts(grid.zone(user[0], user[1]), street) {
             return None;

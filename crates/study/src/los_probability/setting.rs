@@ -1,93 +1,28 @@
-//! What is asked: a city, a UAV, and the users that it is to see.
+//! Settings of P_LoS: a city, a UAV, and the users that it is to see.
+
+use skyshed_request::{Placement, Users};
 
 use super::street_grid::{GridZone, StreetGrid};
 use crate::city::BuiltUp;
 use crate::error::{Error, LosProbabilityError, Result};
 use crate::quantity::{MAX_EXTENT_UNITS, MAX_HEIGHT_M};
 
-/// Which users are counted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Users {
-    /// Uniform over all ground that is not building; crossroads have a share of s / (2w + s) of it.
-    Outdoor,
-    /// In a street between two crossroads.
-    Street,
-    /// On a crossroad.
-    Crossroad,
-}
-
-impl Users {
-    /// The word of the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Users::Outdoor => "outdoor",
-            Users::Street => "street",
-            Users::Crossroad => "crossroad",
-        }
+/// Returns the position in the period \[0, T\]² that two numbers in \[0, 1) stand for, uniform over the zone of a placement.
+pub fn position_of(placement: Placement, grid: &StreetGrid, [u, v]: [f64; 2]) -> [f64; 2] {
+    let (s, t) = (grid.street(), grid.period());
+    let roof = |u: f64| s + (t - s) * u;
+    match placement {
+        Placement::Anywhere => [t * u, t * v],
+        Placement::Street => [s * u, roof(v)],
+        Placement::Crossroad => [s * u, s * v],
+        Placement::Rooftop => [roof(u), roof(v)],
+        Placement::StreetCenter => [0.5 * s, roof(0.5)],
+        Placement::CrossroadCenter => [0.5 * s, 0.5 * s],
+        Placement::RooftopCenter => [roof(0.5), roof(0.5)],
     }
 }
 
-/// Where the UAV hovers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Placement {
-    /// Anywhere over the city, uniformly.
-    Anywhere,
-    /// Over a street, uniformly.
-    Street,
-    /// Over a crossroad, uniformly.
-    Crossroad,
-    /// Over a building, uniformly.
-    Rooftop,
-    /// Over the middle of a street, half-way between two crossroads.
-    StreetCenter,
-    /// Over the middle of a crossroad.
-    CrossroadCenter,
-    /// Over the middle of a building.
-    RooftopCenter,
-}
-
-impl Placement {
-    /// All placements.
-    pub const ALL: [Placement; 7] = [
-        Placement::Anywhere,
-        Placement::Street,
-        Placement::Crossroad,
-        Placement::Rooftop,
-        Placement::StreetCenter,
-        Placement::CrossroadCenter,
-        Placement::RooftopCenter,
-    ];
-
-    /// The word of the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Placement::Anywhere => "anywhere",
-            Placement::Street => "street",
-            Placement::Crossroad => "crossroad",
-            Placement::Rooftop => "rooftop",
-            Placement::StreetCenter => "street-center",
-            Placement::CrossroadCenter => "crossroad-center",
-            Placement::RooftopCenter => "rooftop-center",
-        }
-    }
-
-    /// The position in the period \[0, T\]² that two numbers in \[0, 1) stand for, uniform over the placement's zone.
-    pub fn position(self, grid: &StreetGrid, [u, v]: [f64; 2]) -> [f64; 2] {
-        let (s, t) = (grid.street(), grid.period());
-        let roof = |u: f64| s + (t - s) * u;
-        match self {
-            Placement::Anywhere => [t * u, t * v],
-            Placement::Street => [s * u, roof(v)],
-            Placement::Crossroad => [s * u, s * v],
-            Placement::Rooftop => [roof(u), roof(v)],
-            Placement::StreetCenter => [0.5 * s, roof(0.5)],
-            Placement::CrossroadCenter => [0.5 * s, 0.5 * s],
-            Placement::RooftopCenter => [roof(0.5), roof(0.5)],
-        }
-    }
-}
-
-/// How far users are from the UAV, on the ground.
+/// Ground distance of the users from the UAV.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reach {
     /// All at one distance \[m\], seeing the UAV at one elevation angle \[deg\]: the circle of Saboor et al. 2023.
@@ -114,7 +49,7 @@ impl Reach {
     }
 }
 
-/// What P_LoS is asked for. Heights are above ground.
+/// Setting of one P_LoS. Heights are above ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
     /// The city.
@@ -123,17 +58,17 @@ pub struct Setting {
     pub uav_height_m: f64,
     /// Height of the users \[m\].
     pub rx_height_m: f64,
-    /// How far the users are.
+    /// Ground distance of the users.
     pub reach: Reach,
     /// Azimuth from user to UAV \[deg\], 0 across the user's street and 90 along it; `None`: averaged over all.
     ///
     /// For users on crossroads, and for all outdoor users together, it is the angle with one of the two axes.
     pub phi_deg: Option<f64>,
-    /// Which users are counted.
+    /// Users that count.
     pub users: Users,
-    /// Where the UAV is.
+    /// Placement of the UAV.
     pub placement: Placement,
-    /// Whether only UAVs outside buildings count; otherwise one inside a building is NLoS for all.
+    /// Counts only UAVs outside buildings; otherwise one inside a building is NLoS for all.
     pub uav_clear_of_roof: bool,
 }
 
@@ -220,7 +155,7 @@ impl Setting {
         }
     }
 
-    /// Whether a user in `zone` is counted, given the street that [`Setting::offset`] asked for.
+    /// Returns `true` if a user in `zone` counts, given the street that [`Setting::offset`] chose.
     pub fn counts(&self, zone: GridZone, street: Option<GridZone>) -> bool {
         let is_street = matches!(zone, GridZone::StreetAlongX | GridZone::StreetAlongY);
         match self.users {

@@ -4,12 +4,14 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
+use skyshed_request::{Placement, Users};
+
 use super::city::CitySimulator;
 use super::estimate::{Estimate, clustered, wilson};
 use super::geometry::GeometrySimulator;
 use super::points::MOST_POINTS;
 use super::product::{Product, across_street};
-use super::setting::{Placement, Setting, Users};
+use super::setting::Setting;
 use crate::error::Result;
 
 /// Method that estimates P_LoS.

@@ -6,7 +6,9 @@ use std::io::Write;
 
 use tiff_core::Predictor;
 
-use super::image::{ClassImage, TiffLayout};
+use skyshed_request::TiffLayout;
+
+use super::image::ClassImage;
 use super::levels::{Level, TILE, compressed_tiles, level_tags, n_overviews, write_levels};
 use super::overview::most_frequent;
 use crate::error::Result;

@@ -6,9 +6,11 @@ use super::metadata::Metadata;
 use super::placement::{Placement, meters_per_named_unit, read_placement};
 use super::sidecar::Sidecar;
 use super::tags::{Directory, TiffSource, tag};
+use skyshed_request::Band;
+
 use crate::crs::VerticalCrs;
 use crate::error::{OddRaster, Oddity, Result, Warning};
-use crate::formats::band::Band;
+use crate::formats::band::index_of_band;
 use crate::formats::oddity::warned;
 use crate::formats::sample::Sample;
 use crate::input::Input;
@@ -91,7 +93,7 @@ impl GeoTiff {
             is_picture,
         };
         if let Some(band) = band.filter(|band| band.is_named()) {
-            tiff.chosen = Some(band.index(input, &tiff.band_names())?);
+            tiff.chosen = Some(index_of_band(band, input, &tiff.band_names())?);
         }
         tiff.tell_of_encoding(odd);
         Ok(tiff)

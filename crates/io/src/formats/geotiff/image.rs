@@ -1,19 +1,9 @@
 //! Content of a GeoTIFF: bands, names and colors of classes, metadata, and the arrangement of the
 //! cells.
 
-use crate::raster::GeoRef;
+use skyshed_request::TiffLayout;
 
-/// Arrangement and compression of the cells of a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum TiffLayout {
-    /// Tiles of 256 × 256 cells, deflated, with overviews: a cloud optimized GeoTIFF.
-    #[default]
-    Cog,
-    /// Strips of whole rows, neither compressed nor reduced. The strips of a band follow each other
-    /// without gaps, north first, so a band is one stretch of little-endian numbers. The first
-    /// begins behind the header, at byte 8, or 16 in a BigTIFF.
-    Plain,
-}
+use crate::raster::GeoRef;
 
 /// Bands of an image: name and values row by row from the north-west cell, all of one type.
 #[derive(Debug, Clone)]

@@ -10,8 +10,10 @@ use tiff_writer::compress::{BlockEncodingOptions, compress_block};
 use tiff_writer::{TiffWriteSample, encoder};
 use zlib_rs::{DeflateConfig, ReturnCode, Strategy, compress_bound, compress_slice};
 
+use skyshed_request::TiffLayout;
+
 use super::geo_tags::place_tags;
-use super::image::{Bands, ClassColor, GeoTiffImage, TiffLayout};
+use super::image::{Bands, ClassColor, GeoTiffImage};
 use crate::error::{Error, Result};
 
 /// Rows and columns of a tile \[cells\], a multiple of 16 as TIFF demands.

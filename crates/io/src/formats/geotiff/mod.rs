@@ -43,7 +43,7 @@ mod write;
 pub use class_pyramid::ClassPyramid;
 pub use geo_tags::{class_table, pam_sidecar, xml_text};
 pub use geo_tiff::GeoTiff;
-pub use image::{Bands, ClassColor, ClassImage, GeoTiffImage, TiffLayout};
+pub use image::{Bands, ClassColor, ClassImage, GeoTiffImage};
 pub(super) use placement::meters_per_named_unit;
 pub use plain::ClassStrips;
 pub use write::{encode_geotiff, write_geotiff};

@@ -6,7 +6,9 @@ use std::io::{Cursor, Seek, SeekFrom, Write};
 use tiff_core::{ByteOrder, Predictor, Tag};
 use tiff_writer::encoder;
 
-use super::image::{ClassImage, TiffLayout};
+use skyshed_request::TiffLayout;
+
+use super::image::ClassImage;
 use super::levels::{Level, failed, level_tags, refused, rows_per_strip, tags_with_places};
 use crate::error::Result;
 

@@ -21,7 +21,9 @@ use tiff_core::{Compression, Predictor};
 use tiff_writer::TiffWriteSample;
 use tiff_writer::compress::{BlockEncodingOptions, compress_block};
 
-use super::image::{Bands, GeoTiffImage, TiffLayout};
+use skyshed_request::TiffLayout;
+
+use super::image::{Bands, GeoTiffImage};
 use super::levels::{
     Level, TILE_ENCODING, Tile, compressed_tiles, level_tags, n_overviews, refused, rows_per_strip, write_levels,
 };

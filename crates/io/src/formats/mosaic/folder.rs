@@ -6,9 +6,10 @@ use std::sync::atomic::AtomicUsize;
 use super::covered::{covered_area, n_covered_cells};
 use super::numbers::Rule;
 use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers};
+use skyshed_request::Band;
+
 use crate::crs::Turn;
 use crate::error::{Cause, Error, OddRaster, Oddity, Pair, ReadFault, Result, Wanted, two_crs};
-use crate::formats::band::Band;
 use crate::formats::oddity::{each_once, with_true_lengths};
 use crate::input::cannot_read;
 use crate::raster::{Crs, CrsKind, GeoRef};

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
 
 use rayon::prelude::*;
+use skyshed_request::Band;
 
 use super::numbers::{Rule, TileNumbers};
 use crate::crs::VerticalCrs;
 use crate::error::{Error, OddPair, OddRaster, Oddity, Result, Warning};
-use crate::formats::band::Band;
 use crate::formats::reserve::reserve_cells;
 use crate::formats::sample::Sample;
 use crate::formats::voids::{Stored, Voids, is_nodata};

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use roxmltree::{Document, Node, ParsingOptions};
+use skyshed_request::Band;
 
 use super::covered::n_covered_cells;
 use super::tiles::{Header, Kind, MAX_SIDE, Mosaic, Nesting, Piece, read_headers};
@@ -18,7 +19,7 @@ use super::vrt_xml::{Vrt, read_xml};
 use crate::crs;
 use crate::crs::contradicts;
 use crate::error::{Cause, Error, OddRaster, Oddity, Pair, ReadFault, Result, two_crs};
-use crate::formats::band::{Band, bands_in_words};
+use crate::formats::band::{bands_in_words, index_of_band};
 use crate::formats::geotiff::meters_per_named_unit;
 use crate::formats::oddity::{each_once, with_true_lengths};
 use crate::formats::sample::Sample;
@@ -175,7 +176,7 @@ fn describe(path: &Path, xml: &str, wanted: Option<&Band>, odd: &mut Vec<Oddity>
         names: bands_in_words(&names),
         can_choose: wanted.is_some(),
     });
-    let band = bands[wanted.unwrap_or(&Band::First).index(&path.into(), &names)?];
+    let band = bands[index_of_band(wanted.unwrap_or(&Band::First), &path.into(), &names)?];
     if let Some(kind) = attribute(band, "subClass").filter(|kind| !kind.eq_ignore_ascii_case("VRTSourcedRasterBand")) {
         return Err(vrt.unsupported(band, format!("its band is a `{kind}`")));
     }

@@ -1,11 +1,11 @@
-//! Treatment of footprints whose height is missing.
+//! Heights of footprints whose files hold none.
 
 use std::fmt;
 use std::str::FromStr;
 
-use crate::quantity::{parse_meters, tidy};
+use skyshed_core::quantity::{parse_meters, tidy};
 
-/// Source of a height that is missing.
+/// Rule that gives a footprint its missing height.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HeightRule {
     /// Three meters for each storey.
@@ -16,7 +16,7 @@ pub enum HeightRule {
     Meters(f64),
 }
 
-/// Treatment of a footprint without a height from any rule.
+/// Fate of a footprint that no rule gives a height.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum WithoutHeight {
     /// It is left out. The file is refused where such footprints cover more than 2 % of the area of
@@ -55,17 +55,17 @@ impl MissingHeights {
         &self.rules
     }
 
-    /// Returns the treatment of footprints without a height from any rule.
+    /// Returns the fate of footprints that no rule gives a height.
     pub fn rest(&self) -> WithoutHeight {
         self.rest
     }
 
-    /// Returns `true` when a rule uses storeys.
+    /// Returns `true` if storeys count.
     pub fn counts_storeys(&self) -> bool {
         self.rules.contains(&HeightRule::Levels)
     }
 
-    /// Returns `true` when a number gives every footprint a height.
+    /// Returns `true` if a number gives every footprint a height.
     pub fn gives_all(&self) -> bool {
         matches!(self.rules.last(), Some(HeightRule::Meters(_)))
     }
@@ -127,6 +127,8 @@ impl fmt::Display for MissingHeights {
         f.write_str(&words.join(","))
     }
 }
+
+skyshed_core::text!(MissingHeights);
 
 #[cfg(test)]
 mod tests {

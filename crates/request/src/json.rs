@@ -1,0 +1,130 @@
+//! Requests as JSON, as canonical JSON, and as words of a command line.
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
+
+/// A request that cannot be read from JSON: the member at fault, and the reason.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MemberFault {
+    /// Name of the member.
+    pub member: String,
+    /// Reason; `None` if there is no such member.
+    pub reason: Option<String>,
+}
+
+/// Returns the set fields of a request, in the order of their definition.
+pub fn set_members(request: &impl Serialize) -> Map<String, Value> {
+    let value = serde_json::to_value(request).unwrap_or_default();
+    let Value::Object(members) = value else { return Map::new() };
+    members.into_iter().filter(|(_, value)| !is_unset(value)).collect()
+}
+
+fn is_unset(value: &Value) -> bool {
+    match value {
+        Value::Null | Value::Bool(false) => true,
+        Value::Array(members) => members.is_empty(),
+        _ => false,
+    }
+}
+
+/// Reads a request.
+///
+/// # Errors
+/// The first member that does not exist, or has a value that cannot be.
+pub fn from_members<T: Serialize + DeserializeOwned>(members: Map<String, Value>) -> Result<T, MemberFault> {
+    let read = |members: Map<String, Value>| serde_json::from_value::<T>(Value::Object(members));
+    let alone = |(name, value): (&String, &Value)| [(name.clone(), value.clone())].into_iter().collect::<Map<_, _>>();
+    let request = read(members.clone()).map_err(|error| {
+        // A flattened struct does not say which member was wrong.
+        let culprit = members.iter().find_map(|member| Some((member.0, read(alone(member)).err()?)));
+        let (member, reason) =
+            culprit.map_or((String::new(), error.to_string()), |(name, e)| (name.clone(), e.to_string()));
+        MemberFault { member, reason: Some(reason) }
+    })?;
+    let known = set_members(&request);
+    match members.iter().find(|(name, value)| !is_unset(value) && !known.contains_key(*name)) {
+        Some((name, _)) => Err(MemberFault { member: name.clone(), reason: None }),
+        None => Ok(request),
+    }
+}
+
+/// Returns the canonical JSON of a planned question (RFC 8785): keys in order, shortest digits, no
+/// blanks. Equal questions have equal texts.
+pub fn canonical(question: &impl Serialize) -> String {
+    serde_json_canonicalizer::to_string(question).unwrap_or_default()
+}
+
+/// Returns the members of a question with the defaults of its fields: a default that was set and one that
+/// was not are equal.
+pub fn filled_members<T: Serialize + Default>(question: &T) -> Map<String, Value> {
+    let names = serde_json::to_value(T::default()).unwrap_or_default();
+    let mut members = set_members(question);
+    for (name, value) in crate::defaults() {
+        if names.get(&name).is_some() {
+            members.entry(name).or_insert(value);
+        }
+    }
+    members
+}
+
+/// Lists whose members may hold commas: their flags are repeated.
+const REPEATED: [&str; 5] = ["height_curve", "mask", "output", "tile", "uav"];
+
+/// Returns the flags that set members of a request, in their order.
+pub fn words(members: &Map<String, Value>) -> Vec<String> {
+    let mut words = Vec::new();
+    let mut push = |name: &str, value: String| {
+        let flag = format!("--{}", name.replace('_', "-"));
+        // A value may begin as a flag does.
+        match value.starts_with('-') {
+            true => words.push(format!("{flag}={value}")),
+            false => words.extend([flag, value]),
+        }
+    };
+    for (name, value) in members {
+        match value {
+            Value::Array(values) if REPEATED.contains(&name.as_str()) => {
+                values.iter().for_each(|value| push(name, text(value)));
+            }
+            value => push(name, text(value)),
+        }
+    }
+    words.into_iter().filter(|word| !word.is_empty()).collect()
+}
+
+/// Returns a value as it is typed; nothing for a switch.
+pub(crate) fn text(value: &Value) -> String {
+    match value {
+        Value::Bool(_) | Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        Value::Array(values) => values.iter().map(text).collect::<Vec<_>>().join(","),
+        Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), |number| number.to_string()),
+        value => value.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Range, Receivers};
+
+    #[test]
+    fn members_are_read_and_a_wrong_one_is_named() {
+        let of = |text: &str| from_members::<Range>(serde_json::from_str(text).expect("an object"));
+        let range = of(r#"{"receivers": "roof", "radius": 300, "method": null}"#).expect("a range");
+        assert_eq!(range, Range { receivers: Some(Receivers::Roof), radius: Some(300.0), method: None });
+        let fault = of(r#"{"receivers": "rof"}"#).expect_err("no such word");
+        assert_eq!(fault.member, "receivers");
+        assert!(fault.reason.is_some_and(|reason| reason.contains("wanted ground, street")));
+        assert_eq!(of(r#"{"x": 1}"#), Err(MemberFault { member: "x".into(), reason: None }));
+        assert_eq!(words(&set_members(&range)), ["--receivers", "roof", "--radius", "300"]);
+    }
+
+    #[test]
+    fn one_number_has_one_canonical_spelling() {
+        let of = |radius| canonical(&Range { radius: Some(radius), ..Range::default() });
+        assert_eq!(of(1e21), r#"{"method":null,"radius":1e+21,"receivers":null}"#);
+        assert_eq!(of(-0.0), of(0.0));
+    }
+}

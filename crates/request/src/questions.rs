@@ -1,0 +1,372 @@
+//! Requests of commands whose options are few: `link`, `track`, `city`, `info`, `zones`, `limits`, `compare`, `sample`,
+//! `live`.
+
+use crate::part::{group, part};
+use crate::{
+    Earth, FilePath, HeightErrors, Heights, OutputOptions, PictureOptions, Reading, Receiver, SceneWord, Sight, Table,
+    Uavs, ZoneCount,
+};
+
+part! {
+    /// Ends of a link.
+    pub struct LinkOptions, SetLinkOptions {
+        /// The UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl)
+        #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true, required = true)]
+        uav: Option<String>,
+        /// The receiver: x, y and height (1.5, 1.5roof, 30amsl); `--rx-height` above ground without one
+        #[arg(long, value_name = "X,Y[,H]", allow_hyphen_values = true, required = true)]
+        rx: Option<String>,
+        /// Refuse a receiver that is farther away [m]
+        #[arg(long, value_name = "M", value_parser = crate::words::number, allow_hyphen_values = true)]
+        radius: Option<f64>,
+    }
+}
+
+group! {
+    /// Request of one link.
+    #[command(
+        mut_arg("output", |a| a.help("File to write: .png .svg .pdf .json").long_help(
+            "Side view of the link (.png, .svg, .pdf) or its document (.json), `-` for JSON on standard output; repeat for more. \
+             Without any the answer goes to standard output")),
+        after_help = "Example: skyshed link itu:urban --uav 500,500,100 --rx 630,480"
+    )]
+    pub struct LinkRequest {
+        /// Scene.
+        scene: SceneWord,
+        /// Reading of the scene.
+        reading: Reading,
+        /// Ends.
+        #[heading = "Link"]
+        link: LinkOptions,
+        /// Height of the receiver.
+        #[heading = "Link"]
+        receiver: Receiver,
+        /// Curve of the earth.
+        #[heading = "Link"]
+        earth: Earth,
+        /// Files and effort.
+        out: OutputOptions,
+        /// Looks of pictures.
+        picture: PictureOptions,
+    }
+}
+
+part! {
+    /// Track of a user below a UAV.
+    pub struct TrackOptions, SetTrackOptions {
+        /// The UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl)
+        #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true, required = true)]
+        uav: Option<String>,
+        /// The user's places in order, from a table (.csv with x,y or lon,lat; `-` is standard input) or a line (.geojson)
+        #[arg(long, value_name = "FILE", required = true)]
+        track: Option<FilePath>,
+        /// Leave out rows of the track that cannot be read, with a warning that names them
+        #[arg(long)]
+        skip_bad: bool,
+        /// Longest step along the track between two decided places [m]; what begins and ends within a step is missed
+        #[arg(long, value_name = "M", value_parser = crate::words::number, allow_hyphen_values = true)]
+        every: Option<f64>,
+    }
+}
+
+group! {
+    /// Request of line of sight along a track.
+    #[command(
+        mut_arg("output", |a| a.help("File to write: .png .svg .pdf .csv .json; repeat for more").long_help(
+            "A strip of line of sight below the height that would be enough (.png, .svg, .pdf), the document (.json), a table \
+             (.csv), `-` for JSON on standard output; repeat for more")),
+        after_help = "Example: skyshed track itu:urban --uav 500,500,100 --track walk.csv -o walk.png"
+    )]
+    pub struct TrackRequest {
+        /// Scene.
+        scene: SceneWord,
+        /// Reading of the scene.
+        reading: Reading,
+        /// Track.
+        #[heading = "Track"]
+        track: TrackOptions,
+        /// Height of the receiver.
+        #[heading = "Track"]
+        receiver: Receiver,
+        /// Curve of the earth.
+        #[heading = "Track"]
+        earth: Earth,
+        /// Files and effort.
+        out: OutputOptions,
+        /// Looks of pictures.
+        picture: PictureOptions,
+    }
+}
+
+group! {
+    /// Request of a city, made or converted.
+    #[command(
+        mut_arg("output", |a| a.help("File to write: .png .svg .pdf .tif .asc .geojson .xml .csv .json; repeat for more").long_help(
+            "File to write, by extension: .png .svg .pdf (plan and 3-D view), .tif .asc (surface heights), .geojson (footprints), \
+             .xml (scene of Mitsuba and Sionna RT, with meshes), .csv (boxes of ns-3), .json (parameters); repeat for more. Without \
+             any what the city is goes to standard output")),
+        after_help = "Example: skyshed city itu:urban --size 400 -o city.png -o city.geojson"
+    )]
+    pub struct CityRequest {
+        /// Scene.
+        scene: SceneWord,
+        /// Reading of the scene.
+        reading: Reading,
+        /// Files and effort.
+        out: OutputOptions,
+        /// Looks of pictures.
+        picture: PictureOptions,
+    }
+}
+
+part! {
+    /// Statistics of a city by squares.
+    #[cfg_attr(feature = "words", command(next_help_heading = "Scene"))]
+    pub struct InfoOptions, SetInfoOptions {
+        /// Also α, β and γ of squares of this size, from the north-west corner [m]
+        ///
+        /// A raster (.tif) or a table (.csv); squares that the extent cuts have the values of what is left of them.
+        #[arg(long, value_name = "M", value_parser = crate::words::number, allow_hyphen_values = true)]
+        tile: Option<f64>,
+    }
+}
+
+group! {
+    /// Request of the facts of a file.
+    #[command(
+        mut_arg("scene", |a| a.help("A scene, as of any command; a file of UAVs or of a track (.csv, .geojson); or a file that this \
+                                     program wrote")),
+        mut_arg("output", |a| a.help("File to write: .json, with `--tile` also .tif .csv; repeat for more").long_help(
+            "File to write, by extension: .json; with `--tile` also a raster of α, β, γ (.tif) or their table (.csv); `-` for JSON \
+             on standard output; repeat for more")),
+        after_help = "Example: skyshed info maps/munich.geojson"
+    )]
+    pub struct InfoRequest {
+        /// Scene.
+        scene: SceneWord,
+        /// Reading of the scene.
+        reading: Reading,
+        /// Statistics by squares.
+        info: InfoOptions,
+        /// Files and effort.
+        out: OutputOptions,
+    }
+}
+
+group! {
+    /// Request of streets, crossroads, courtyards and rooftops.
+    #[command(
+        mut_arg("output", |a| a.help("File to write: .png .svg .pdf .tif .geojson .json; repeat for more").long_help(
+            "File to write, by extension: a map of the zones (.png .svg .pdf), a raster (.tif), polygons (.geojson), their counts \
+             (.json), `-` for JSON on standard output; repeat for more")),
+        after_help = "Example: skyshed zones maps/munich.geojson -o zones.png"
+    )]
+    pub struct ZonesRequest {
+        /// Scene.
+        scene: SceneWord,
+        /// Reading of the scene.
+        reading: Reading,
+        /// Files and effort.
+        out: OutputOptions,
+        /// Looks of pictures.
+        picture: PictureOptions,
+    }
+}
+
+part! {
+    /// Uncertainties of a map.
+    #[cfg_attr(feature = "words", command(next_help_heading = "Uncertainty"))]
+    pub struct LimitsOptions, SetLimitsOptions {
+        /// Distance of the UAV from where it should be, sideways and in height [m]
+        #[arg(long, value_name = "M", value_parser = crate::words::number, allow_hyphen_values = true)]
+        uav_error: Option<f64>,
+        /// Error of the heights of all buildings [m]
+        #[arg(long, value_name = "M", value_parser = crate::words::number, allow_hyphen_values = true)]
+        height_error: Option<f64>,
+        /// Other cities of a generated kind that tell how much one city of many matters
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=1000))]
+        cities: Option<u16>,
+    }
+}
+
+group! {
+    /// Request of the limits of a map.
+    #[command(
+        mut_arg("output", |a| a.help("File to write: .csv .json; repeat for more").long_help(
+            "File to write, by extension: .csv (what limits P_LoS), .json, `-` for JSON on standard output; repeat for more. \
+             Without any the answer goes to standard output")),
+        after_help = "Example: skyshed limits itu:urban --uav 500,500,100 --radius 300"
+    )]
+    pub struct LimitsRequest {
+        /// Scene.
+        scene: SceneWord,
+        /// Reading of the scene.
+        reading: Reading,
+        /// UAVs.
+        #[heading = "Map"]
+        uavs: Uavs,
+        /// Receivers, range, antennas and earth.
+        #[heading = "Map"]
+        sight: Sight,
+        /// Uncertainties.
+        limits: LimitsOptions,
+        /// Files and effort.
+        out: OutputOptions,
+    }
+}
+
+part! {
+    /// Placements to compare, beside UAVs.
+    #[cfg_attr(feature = "words", command(next_help_heading = "Placements"))]
+    pub struct CompareOptions, SetCompareOptions {
+        /// A saved map on the scene's grid (.tif or .asc with the classes of `skyshed map`), named after its file; repeat for
+        /// more
+        #[arg(long, value_name = "FILE")]
+        mask: Vec<FilePath>,
+        /// Edge of the blocks of ground that are resampled for intervals [m]
+        #[arg(long, value_name = "M", value_parser = crate::words::number, allow_hyphen_values = true)]
+        block: Option<f64>,
+    }
+}
+
+group! {
+    /// Request of placements side by side.
+    #[command(
+        mut_arg("output", |a| a.help("File to write: .html .png .svg .pdf .tif .csv .json; repeat for more").long_help(
+            "File to write, by extension: .html (a page to swipe over, in one file), .png .svg .pdf (all maps on one sheet), .tif \
+             (masks, differences, count), .csv, .json, `-` for JSON on standard output; repeat for more. Without any the table goes \
+             to standard output")),
+        after_help = "Example: skyshed compare itu:urban --uav 500,500,100 --uav 560,440,100 -o compare.html"
+    )]
+    pub struct CompareRequest {
+        /// Scene.
+        scene: SceneWord,
+        /// Reading of the scene.
+        reading: Reading,
+        /// UAVs.
+        #[heading = "Placements"]
+        uavs: Uavs,
+        /// Other placements.
+        compare: CompareOptions,
+        /// Receivers, range, antennas and earth.
+        #[heading = "Placements"]
+        sight: Sight,
+        /// Errors of building heights.
+        #[heading = "Placements"]
+        heights: HeightErrors,
+        /// Files and effort.
+        out: OutputOptions,
+        /// Table.
+        table: Table,
+        /// Looks of pictures.
+        picture: PictureOptions,
+    }
+}
+
+part! {
+    /// Samples of placements over each zone.
+    #[cfg_attr(feature = "words", command(next_help_heading = "Sample"))]
+    pub struct SampleOptions, SetSampleOptions {
+        /// Zones, and the number of placements over each: street:200,crossroad:200,rooftop:200
+        #[arg(long, value_name = "ZONE:N,…", value_delimiter = ',', required = true)]
+        zones: Vec<ZoneCount>,
+        /// Heights of the UAVs above ground [m]: a list such as 60,400ft, or A:B:S with both ends
+        #[arg(long, value_name = "H,…", allow_hyphen_values = true, required = true)]
+        height: Option<Heights>,
+        /// Placements stand over the middles of a generated city's crossroads, streets and buildings
+        #[arg(long)]
+        centers: bool,
+        /// Generated cities to sample, from `--seed` on; intervals are over cities
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000))]
+        cities: Option<u64>,
+        /// Confidence of the intervals
+        #[arg(long, value_name = "C", value_parser = crate::words::number, hide_short_help = true)]
+        ci: Option<f64>,
+        /// Edge of the blocks of ground that are resampled for the intervals over one city [m]; default: an eighth of the
+        /// city, at least 100 m
+        #[arg(long, value_name = "M", value_parser = crate::words::number, allow_hyphen_values = true, hide_short_help = true)]
+        block: Option<f64>,
+    }
+}
+
+group! {
+    /// Request of P_LoS averaged over placements of each zone.
+    #[command(
+        mut_arg("size", |a| a.help("Edge length of a generated city, or with a radius of the ground below placements [m]")),
+        mut_arg("output", |a| a.help("File to write: .png .svg .pdf .csv .json; repeat for more").long_help(
+            "File to write, by extension: .png .svg .pdf (bars with intervals), .csv, .json, `-` for JSON on standard output; \
+             repeat for more. Without any the table goes to standard output")),
+        after_help = "Example: skyshed sample itu:urban --zones street:50,crossroad:50,rooftop:50 --height 60,100 --radius 300"
+    )]
+    pub struct SampleRequest {
+        /// Scene.
+        scene: SceneWord,
+        /// Reading of the scene.
+        reading: Reading,
+        /// Samples.
+        sample: SampleOptions,
+        /// Receivers, range, antennas and earth.
+        #[heading = "Sample"]
+        sight: Sight,
+        /// Files and effort.
+        out: OutputOptions,
+        /// Table.
+        table: Table,
+        /// Looks of pictures.
+        picture: PictureOptions,
+    }
+}
+
+group! {
+    /// Request of a live page.
+    #[command(
+        mut_arg("output", |a| a.help("File to write: .html .json; without any the page is opened").long_help(
+            "Page to write (.html), what it holds (.json), `-` for JSON on standard output; repeat for more. Without any the page is \
+             written to the folder for temporary files, and opened")),
+        after_help = "Example: skyshed live maps/munich.geojson -o munich.html"
+    )]
+    pub struct LiveRequest {
+        /// Scene.
+        scene: SceneWord,
+        /// Reading of the scene.
+        reading: Reading,
+        /// UAVs.
+        #[heading = "Start"]
+        uavs: Uavs,
+        /// Receivers, range, antennas and earth.
+        #[heading = "Start"]
+        sight: Sight,
+        /// Files and effort.
+        out: OutputOptions,
+        /// Looks of pictures.
+        picture: PictureOptions,
+    }
+}
+
+impl TrackOptions {
+    /// Returns the defaults of the fields.
+    pub fn defaults() -> TrackOptions {
+        TrackOptions { every: Some(1.0), ..TrackOptions::default() }
+    }
+}
+
+impl LimitsOptions {
+    /// Returns the defaults of the fields.
+    pub fn defaults() -> LimitsOptions {
+        LimitsOptions { uav_error: Some(1.0), height_error: Some(1.0), cities: Some(10) }
+    }
+}
+
+impl CompareOptions {
+    /// Returns the defaults of the fields.
+    pub fn defaults() -> CompareOptions {
+        CompareOptions { block: Some(50.0), ..CompareOptions::default() }
+    }
+}
+
+impl SampleOptions {
+    /// Returns the defaults of the fields.
+    pub fn defaults() -> SampleOptions {
+        SampleOptions { cities: Some(1), ci: Some(0.95), ..SampleOptions::default() }
+    }
+}
