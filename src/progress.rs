@@ -10,7 +10,8 @@ use crate::coverage::Control;
 /// ```
 /// use std::sync::Arc;
 ///
-/// use skyshed::{ErrorClass, Height, Progress, Scene, Uav};
+/// use skyshed::ErrorClass;
+/// use skyshed::prelude::*;
 ///
 /// let city = Scene::options().size(100.0).open("itu:urban")?;
 /// let progress = Arc::new(Progress::default());
