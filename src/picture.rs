@@ -51,7 +51,7 @@ impl Look {
         let sizes = [("width", picture.width.is_some()), ("dpi", picture.dpi.is_some())];
         let lost_words = words.iter().filter(|_| !has_picture && !has_page);
         match lost_words.chain(sizes.iter().filter(|_| !has_picture)).find(|(_, is_set)| *is_set) {
-            Some((option, _)) => Err(Error::idle(option, "without a .png, .svg or .pdf output")),
+            Some((option, _)) => Err(Error::idle(*option, "without a .png, .svg or .pdf output")),
             None => Ok(Look::of(picture, writing)),
         }
     }

@@ -228,12 +228,12 @@ pub fn ask(
     progress: &Arc<Progress>,
 ) -> std::result::Result<Found, Refusal> {
     let words: Vec<OsString> = std::iter::once("skyshed".into()).chain(words).collect();
-    let (cli, typed) = parsed(Cli::from_words(&words))?;
+    let cli = parsed(Cli::from_words(&words))?;
     let command = words.iter().skip(1).map(|word| skyshed_io::told(word).to_string_lossy().into_owned()).collect();
-    let run = Run { given: scene, ..Run::asked(command, typed, Instant::now(), progress) };
-    if let Some((scenes, _, out)) = cli.shared() {
-        check_use(&scenes, out, cli.draws() || run.given.is_some(), &run.typed)?;
-        check_text(out, None)?;
+    let run = Run { given: scene, ..Run::asked(command, Instant::now(), progress) };
+    if let Some(shared) = cli.shared() {
+        check_use(&shared, cli.draws() || run.given.is_some())?;
+        check_text(shared.out, None)?;
     }
     cli.run(&run)?;
     Ok(run.found.into_inner().ok_or(Error::Fault("a command kept no answer"))?)

@@ -15,8 +15,6 @@ mod refusal;
 mod run;
 mod say;
 
-mod typed;
-
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -33,7 +31,6 @@ pub use ask::{
 };
 use program::Cli;
 use run::{RepairsFile, Run, check_scenes, check_text, check_use};
-use typed::Typed;
 
 /// Runs the program on the words of a command line and returns its exit code.
 pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -44,10 +41,10 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
 pub fn exit_code(words: impl IntoIterator<Item = OsString>) -> u8 {
     let words: Vec<OsString> = words.into_iter().collect();
     let done = match Cli::from_words(&words) {
-        Ok((cli, typed)) => {
+        Ok(cli) => {
             interrupt::listen();
             let command = words.iter().skip(1).map(|w| skyshed_io::told(w).to_string_lossy().into_owned()).collect();
-            execute(&cli, typed, command)
+            execute(&cli, command)
         }
         Err(refusal) => refusal::answer(&refusal),
     };
@@ -61,18 +58,19 @@ pub fn exit_code(words: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-fn execute(cli: &Cli, typed: Typed, command: Vec<String>) -> Result<()> {
+fn execute(cli: &Cli, command: Vec<String>) -> Result<()> {
     let shared = cli.shared();
     let is_quiet = cli.is_quiet();
     let progress = Arc::new(interrupt::progress(is_quiet));
-    let run = Run { is_quiet, keeps: false, ..Run::asked(command, typed, Instant::now(), &progress) };
-    let Some((scenes, reading, out)) = shared else { return cli.run(&run) };
+    let run = Run { is_quiet, keeps: false, ..Run::asked(command, Instant::now(), &progress) };
+    let Some(shared) = shared else { return cli.run(&run) };
+    let out = shared.out;
     memory::limit(out.effort.max_memory, interrupt::give_up)?;
-    check_scenes(&scenes)?;
-    check_use(&scenes, out, cli.draws(), &run.typed)?;
-    let repairs = RepairsFile::of(&scenes, (reading, out), &run.typed)?;
+    check_scenes(&shared.scenes)?;
+    check_use(&shared, cli.draws())?;
+    let repairs = RepairsFile::of(&shared)?;
     check_text(out, repairs.as_ref())?;
-    let files: Vec<PathBuf> = scenes.iter().flat_map(|scene| scene_files(scene, reading)).collect();
+    let files: Vec<PathBuf> = shared.scenes.iter().flat_map(|scene| scene_files(scene, shared.reading)).collect();
     in_pool(out.effort.threads, || say::with_progress(&run.progress, is_quiet, &files, || cli.run(&run)))??;
     repairs.map_or(Ok(()), |repairs| repairs.write(&run))
 }

@@ -1,24 +1,23 @@
 //! The program and its commands, as they are typed.
 
 use std::ffi::{OsStr, OsString};
-use std::path::PathBuf;
 
-use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
+use serde_json::{Map, Value};
 use skyshed_request::words::with_defaults;
 use skyshed_request::{
-    CityRequest, CompareRequest, InfoRequest, LimitsRequest, LinkRequest, LiveRequest, MapRequest, OutputOptions,
-    PlaceRequest, Reading, SampleRequest, TrackRequest, ZonesRequest,
+    ChartRequest, CityRequest, CompareRequest, FilePath, InfoRequest, LimitsRequest, LinkRequest, LiveRequest,
+    MapRequest, PlaceRequest, PlosRequest, SampleRequest, StressRequest, TrackRequest, ZonesRequest, json,
 };
 
 use super::commands::{
-    ChartArgs, CompletionsArgs, JobsArgs, PlosArgs, StressArgs, city, compare, info, limits, link, live, map, place,
-    sample, track, zones,
+    CompletionsArgs, JobsArgs, chart, city, compare, info, limits, link, live, map, place, plos, sample, stress, track,
+    zones,
 };
-use super::run::Run;
-use super::typed::{Typed, paths_of};
-use crate::cli::args::words::is_standard_input;
+use super::run::{Run, Shared};
 use crate::cli::failure::Result;
+use crate::error::Error;
 
 /// Exact line-of-sight coverage maps: what a hovering UAV can see of a city.
 #[derive(Debug, Parser)]
@@ -59,7 +58,7 @@ enum Command {
     /// What limits the P_LoS of a map: cells, terrain, positions, heights
     Limits(Box<LimitsRequest>),
     /// Probability of line of sight: exact products, simulators, models, real cities
-    Plos(Box<PlosArgs>),
+    Plos(Box<PlosRequest>),
     /// Where to hover: candidates ranked, refined, or chosen together
     Place(Box<PlaceRequest>),
     /// P_LoS averaged over placements of each zone, with intervals
@@ -69,20 +68,20 @@ enum Command {
     /// One page in which a UAV is dragged over the city, and the exact coverage follows
     Live(Box<LiveRequest>),
     /// Speed against accuracy of every method on a scene
-    Chart(Box<ChartArgs>),
+    Chart(Box<ChartRequest>),
     /// Where methods fail, on small scenes full of ties; what in a scene hangs by a step
-    Stress(Box<StressArgs>),
+    Stress(Box<StressRequest>),
     /// A map in units of work for schedulers: which there are, which are done, what all come to
     Jobs(Box<JobsArgs>),
     /// Words for a shell that completes what is typed, or a man page
     Completions(CompletionsArgs),
 }
 
-/// How many tables are to be read from standard input.
-fn standard_inputs(matches: &ArgMatches) -> usize {
-    let tables = ["uavs", "candidates", "track"].into_iter();
-    let tables = tables.flat_map(|id| paths_of(matches, id)).map(PathBuf::into_os_string);
-    let curves = matches.try_get_many::<OsString>("curve").ok().flatten().into_iter().flatten().cloned();
+/// Returns the number of tables to be read from standard input.
+fn standard_inputs(members: &Map<String, Value>) -> usize {
+    let is_standard_input = |path: &&Value| path.as_str().is_some_and(|path| path == "-" || path.ends_with("=-"));
+    let tables = ["uavs", "candidates", "track"].into_iter().filter_map(|name| members.get(name));
+    let curves = members.get("curve").and_then(Value::as_array).into_iter().flatten();
     tables.chain(curves).filter(is_standard_input).count()
 }
 
@@ -101,17 +100,17 @@ impl Cli {
     }
 
     /// Parses the words of a command line, the program's name first. Addresses lose their secrets.
-    pub(super) fn from_words(words: &[OsString]) -> std::result::Result<(Cli, Typed), clap::Error> {
+    pub(super) fn from_words(words: &[OsString]) -> std::result::Result<Cli, clap::Error> {
         // PERF: defaults are needed in help texts alone.
         let asks_help = words.iter().any(|word| word == "-h" || word == "--help" || word == "help");
         let mut command = if asks_help { Cli::program() } else { Cli::command() };
         let matches = command.try_get_matches_from_mut(words.iter().map(|word| skyshed_io::told(word)))?;
-        let typed = matches.subcommand().map_or_else(Typed::default, |(_, matches)| Typed::of(matches));
-        if matches.subcommand().is_some_and(|(_, matches)| standard_inputs(matches) > 1) {
+        let cli = Cli::from_arg_matches(&matches).map_err(|e| e.format(&mut command))?;
+        if cli.shared().is_some_and(|shared| standard_inputs(&shared.members) > 1) {
             let text = "`-` is given for two tables, wanted one: standard input can be read once";
             return Err(command.error(clap::error::ErrorKind::ArgumentConflict, text));
         }
-        Ok((Cli::from_arg_matches(&matches).map_err(|e| e.format(&mut command))?, typed))
+        Ok(cli)
     }
 
     /// What is asked of a map, if a map is asked for.
@@ -119,23 +118,36 @@ impl Cli {
         if let Command::Map(args) = &self.command { Some(args) } else { None }
     }
 
-    /// The scenes, how they are read, and where results go; nothing of a command that has none.
-    pub(super) fn shared(&self) -> Option<(Vec<&OsStr>, &Reading, &OutputOptions)> {
+    /// Returns the parts that requests share; nothing of a command that has none.
+    pub(super) fn shared(&self) -> Option<Shared<'_>> {
+        macro_rules! shared {
+            ($request:expr, $scenes:expr) => {
+                Shared {
+                    scenes: $scenes,
+                    reading: &$request.reading,
+                    out: &$request.out,
+                    members: json::set_members(&**$request),
+                }
+            };
+        }
+        fn words(paths: &[FilePath]) -> Vec<&OsStr> {
+            paths.iter().map(|path| path.as_os_str()).collect()
+        }
         Some(match &self.command {
-            Command::Map(a) => (vec![a.scene.word()], &a.reading, &a.out),
-            Command::Link(a) => (vec![a.scene.word()], &a.reading, &a.out),
-            Command::Track(a) => (vec![a.scene.word()], &a.reading, &a.out),
-            Command::City(a) => (vec![a.scene.word()], &a.reading, &a.out),
-            Command::Info(a) => (vec![a.scene.word()], &a.reading, &a.out),
-            Command::Zones(a) => (vec![a.scene.word()], &a.reading, &a.out),
-            Command::Limits(a) => (vec![a.scene.word()], &a.reading, &a.out),
-            Command::Plos(a) => (a.scenes.iter().map(OsString::as_os_str).collect(), &a.reading, &a.out),
-            Command::Place(a) => (vec![a.scene.word()], &a.reading, &a.out),
-            Command::Sample(a) => (vec![a.scene.word()], &a.reading, &a.out),
-            Command::Compare(a) => (vec![a.scene.word()], &a.reading, &a.out),
-            Command::Live(a) => (vec![a.scene.word()], &a.reading, &a.out),
-            Command::Chart(a) => (vec![a.scene.scene.as_os_str()], &a.scene.reading, &a.out),
-            Command::Stress(a) => (a.scene.iter().map(OsString::as_os_str).collect(), &a.reading, &a.out),
+            Command::Map(r) => shared!(r, vec![r.scene.word()]),
+            Command::Link(r) => shared!(r, vec![r.scene.word()]),
+            Command::Track(r) => shared!(r, vec![r.scene.word()]),
+            Command::City(r) => shared!(r, vec![r.scene.word()]),
+            Command::Info(r) => shared!(r, vec![r.scene.word()]),
+            Command::Zones(r) => shared!(r, vec![r.scene.word()]),
+            Command::Limits(r) => shared!(r, vec![r.scene.word()]),
+            Command::Plos(r) => shared!(r, words(&r.plos.scenes)),
+            Command::Place(r) => shared!(r, vec![r.scene.word()]),
+            Command::Sample(r) => shared!(r, vec![r.scene.word()]),
+            Command::Compare(r) => shared!(r, vec![r.scene.word()]),
+            Command::Live(r) => shared!(r, vec![r.scene.word()]),
+            Command::Chart(r) => shared!(r, vec![r.scene.word()]),
+            Command::Stress(r) => shared!(r, r.stress.scene.iter().map(|word| word.as_os_str()).collect()),
             // What is read and asked is told by the words of the map.
             Command::Jobs(_) | Command::Completions(_) => return None,
         })
@@ -144,7 +156,7 @@ impl Cli {
     /// Whether nothing is said but errors.
     pub(super) fn is_quiet(&self) -> bool {
         let jobs = matches!(&self.command, Command::Jobs(args) if args.out.effort.quiet);
-        jobs || self.shared().is_some_and(|(.., out)| out.effort.quiet)
+        jobs || self.shared().is_some_and(|shared| shared.out.effort.quiet)
     }
 
     /// Whether something other than a city is drawn at random: links, blocks, scenes.
@@ -157,8 +169,10 @@ impl Cli {
 
     /// Does what was asked for.
     pub(super) fn run(&self, run: &Run) -> Result<()> {
-        if !matches!(self.command, Command::Map(_) | Command::Place(_) | Command::Compare(_)) {
-            run.typed.refuse(&["height_error_field"], "but for `map`, `place` and `compare`")?;
+        if !matches!(self.command, Command::Map(_) | Command::Place(_) | Command::Compare(_))
+            && self.shared().is_some_and(|shared| shared.reading.options.height_error_field.is_some())
+        {
+            return Err(Error::idle("height_error_field", "but for `map`, `place` and `compare`").into());
         }
         match &self.command {
             Command::Map(request) => map::run(request, run),
@@ -168,13 +182,13 @@ impl Cli {
             Command::Info(request) => info::run(request, run),
             Command::Zones(request) => zones::run(request, run),
             Command::Limits(request) => limits::run(request, run),
-            Command::Plos(args) => args.run(run),
+            Command::Plos(request) => plos::run(request, run),
             Command::Place(request) => place::run(request, run),
             Command::Sample(request) => sample::run(request, run),
             Command::Compare(request) => compare::run(request, run),
             Command::Live(request) => live::run(request, run),
-            Command::Chart(args) => args.run(run),
-            Command::Stress(args) => args.run(run),
+            Command::Chart(request) => chart::run(request, run),
+            Command::Stress(request) => stress::run(request, run),
             Command::Jobs(args) => args.run(run),
             Command::Completions(args) => args.run(Cli::program()),
         }

@@ -5,19 +5,17 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use serde_json::Value;
+use serde_json::{Map, Value};
 
-use skyshed_request::{OutputOptions, Reading};
+use skyshed_request::{OutputOptions, Reading, json};
 
 use super::ask::Found;
-use super::typed::Typed;
 use super::{interrupt, say};
 use crate::answer::{Answer, Output, Spent, add_outputs};
 use crate::cli::args::output::{is_told, plain_look};
-use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::scene::{layer_of, scene_files};
 use crate::cli::failure::{Result, refusal, refusal_with};
-use crate::error::Warning;
+use crate::error::{Error, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::map::GivenScene;
 use crate::picture::Look;
@@ -31,7 +29,6 @@ use crate::words::pretty;
 pub(super) struct Run {
     /// The words of the command line after the program's name, for documents.
     pub(super) command: Vec<String>,
-    pub(super) typed: Typed,
     pub(super) start: Instant,
     pub(super) progress: Arc<Progress>,
     pub(super) is_quiet: bool,
@@ -46,11 +43,10 @@ pub(super) struct Run {
 
 impl Run {
     /// A run whose answer is kept for who asks.
-    pub(super) fn asked(command: Vec<String>, typed: Typed, start: Instant, progress: &Arc<Progress>) -> Run {
+    pub(super) fn asked(command: Vec<String>, start: Instant, progress: &Arc<Progress>) -> Run {
         let progress = Arc::clone(progress);
         Run {
             command,
-            typed,
             start,
             progress,
             is_quiet: true,
@@ -59,14 +55,6 @@ impl Run {
             found: OnceLock::new(),
             found_repairs: Arc::default(),
         }
-    }
-
-    /// The scene of a command, made ready.
-    ///
-    /// # Errors
-    /// Those of reading it.
-    pub(super) fn open(&self, scene: &SceneArgs) -> Result<Scene> {
-        self.open_word(&scene.scene, &scene.reading)
     }
 
     /// Returns the scene of a word, made ready.
@@ -170,16 +158,26 @@ impl Run {
 ///
 /// # Errors
 /// E116.
-pub(super) fn check_use(scenes: &[&OsStr], out: &OutputOptions, draws: bool, typed: &Typed) -> Result<()> {
-    let is_generated = |scene: &&&OsStr| built_up(scene).is_some();
-    if !draws && !scenes.iter().any(|scene| is_generated(&scene)) {
-        typed.refuse(&["seed"], "for a city in a file: nothing is drawn")?;
+pub(super) fn check_use(shared: &Shared<'_>, draws: bool) -> Result<()> {
+    let is_generated = |scene: &&OsStr| built_up(scene).is_some();
+    let options = &shared.reading.options;
+    if !draws && options.seed.is_some() && !shared.scenes.iter().any(is_generated) {
+        return Err(Error::idle("seed", "for a city in a file: nothing is drawn").into());
     }
-    let reads_others = typed.files.iter().any(|file| out.files.output.iter().all(|path| path.0 != *file));
-    if scenes.iter().all(|scene| is_generated(&scene)) && !reads_others {
-        typed.refuse(&["hash"], "without a file that is read")?;
+    if options.hash && shared.scenes.iter().all(is_generated) && json::files_read(&shared.members).is_empty() {
+        return Err(Error::idle("hash", "without a file that is read").into());
     }
     Ok(())
+}
+
+/// Parts that requests of all commands share.
+pub(super) struct Shared<'a> {
+    /// The scenes, as words.
+    pub(super) scenes: Vec<&'a OsStr>,
+    pub(super) reading: &'a Reading,
+    pub(super) out: &'a OutputOptions,
+    /// All options that were set.
+    pub(super) members: Map<String, Value>,
 }
 
 /// Refuses a scene that is no file but the name of a built-up environment, which stands behind `itu:`.
@@ -212,13 +210,10 @@ impl<'a> RepairsFile<'a> {
     ///
     /// # Errors
     /// E116; E104–E106, as for every output.
-    pub(super) fn of(
-        scenes: &[&'a OsStr],
-        (reading, out): (&'a Reading, &'a OutputOptions),
-        typed: &Typed,
-    ) -> Result<Option<Self>> {
+    pub(super) fn of(shared: &Shared<'a>) -> Result<Option<Self>> {
+        let Shared { scenes, reading, out, members } = shared;
         let Some(path) = &reading.list.repairs else { return Ok(None) };
-        let is_footprints = |scene: &&&OsStr| {
+        let is_footprints = |scene: &&&'a OsStr| {
             let extension = Path::new(scene).extension().unwrap_or_default().to_string_lossy().to_lowercase();
             VectorFormat::of_extension(&extension).is_some()
         };
@@ -232,8 +227,8 @@ impl<'a> RepairsFile<'a> {
             bare: false,
         };
         let output = check_outputs(std::slice::from_ref(&path.0), rules)?.pop();
-        if let Some(other) = typed.files.iter().find(|other| is_same_file(path, other)) {
-            let text = format!("cannot write {}: it is {}, which this run needs too", path.display(), other.display());
+        if let Some(other) = json::files(members).into_iter().find(|other| is_same_file(path, Path::new(other))) {
+            let text = format!("cannot write {}: it is {other}, which this run needs too", path.display());
             return Err(refusal_with(105, text, "give the repairs a name of their own"));
         }
         Ok(output.map(|output| RepairsFile { scene, reading, out, output }))

@@ -74,8 +74,8 @@ impl Error {
     }
 
     /// E116: an option that changes nothing.
-    pub(crate) fn idle(option: &'static str, why: impl Into<String>) -> Self {
-        RequestError::Idle { option, why: why.into() }.into()
+    pub(crate) fn idle(option: impl Into<std::borrow::Cow<'static, str>>, why: impl Into<String>) -> Self {
+        RequestError::Idle { option: option.into(), why: why.into() }.into()
     }
 
     /// E106: an output that is there.

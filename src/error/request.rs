@@ -1,5 +1,7 @@
 //! Requests that make no sense, alone or for their scene.
 
+use std::borrow::Cow;
+
 /// What only generated cities have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[expect(missing_docs, reason = "the texts say it")]
@@ -104,7 +106,7 @@ pub enum RequestError {
     NoSystem { option: &'static str, error: Box<skyshed_io::Error> },
     /// E116: an option that changes nothing, and why.
     #[error("`{option}` has no meaning {why}")]
-    Idle { option: &'static str, why: String },
+    Idle { option: Cow<'static, str>, why: String },
     /// E116: `resume` without files.
     #[error("`resume` has no meaning without files to leave alone")]
     NothingToResume,

@@ -153,7 +153,7 @@ pub(super) fn check_tiles(job: &MapJob) -> Result<()> {
         ("gdal_values", job.save.forms.gdal_values),
     ];
     if let Some((option, _)) = asked.iter().find(|(_, is_asked)| *is_asked) {
-        return Err(Error::idle(option, why));
+        return Err(Error::idle(*option, why));
     }
     if matches!(job.plan.sight.method(), MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2) {
         return Err(Error::idle(

@@ -84,6 +84,11 @@ fn unknown(word: &str) -> Error {
     RequestError::UnknownMethod(word.to_string()).into()
 }
 
+/// Returns the path of a curve's word `NAME=FILE`.
+pub(crate) fn curve_path(word: &OsStr) -> Option<PathBuf> {
+    named_file(word).map(|(_, path)| path)
+}
+
 /// The curves of the user's own, and the files that they are from.
 ///
 /// # Errors

@@ -20,13 +20,13 @@ use std::path::Path;
 use serde_json::Value;
 
 pub(crate) use document::{PlosDocument, PlosTableRow};
-pub(crate) use methods::read_curves;
 use methods::{Way, Ways};
+pub(crate) use methods::{curve_path, read_curves};
 pub(crate) use plan::PlosPlan;
 use real::Real;
 use report::{PlosReport, PlosRow, PlosValue};
 pub use request::{PLos, PLosRequest, PLosValue};
-pub(crate) use sweep::{Far, Sweeps};
+pub(crate) use sweep::Sweeps;
 
 use skyshed_request::Placement;
 

@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use skyshed_study::Error as StudyError;
 use skyshed_study::error::LosProbabilityError;
 
-use skyshed_request::PlotKind;
+use skyshed_request::{PlosRequest, PlotKind};
+
+use super::read_curves;
 
 use super::sweep::Sweeps;
 use crate::error::{RequestError, Result, Warning};
@@ -14,7 +16,7 @@ use crate::los::MethodChoice;
 use crate::los_probability::models::UserCurve;
 use crate::los_probability::setting::Setting;
 use crate::map::check_tolerance;
-use crate::scene::SceneReader;
+use crate::scene::{SceneReader, built_up};
 
 /// What is asked of P_LoS.
 #[derive(Debug, Clone)]
@@ -62,6 +64,46 @@ pub(crate) struct PlosPlan {
 }
 
 impl PlosPlan {
+    /// Checks a request, reads its curves and fills in its defaults.
+    ///
+    /// # Errors
+    /// E113, E116, E12x; those of the curves.
+    pub(crate) fn of(request: &PlosRequest, is_drawn: bool, command: Vec<String>) -> Result<PlosPlan> {
+        let PlosRequest { plos, sweep, receiver, effort, reading, plot, .. } = request;
+        let scenes: Vec<OsString> = plos.scenes.iter().map(|word| word.as_os_str().to_os_string()).collect();
+        request.check(scenes.iter().any(|word| built_up(word).is_none()), is_drawn)?;
+        let mut warnings = Vec::new();
+        let words: Vec<OsString> = plos.curve.iter().map(|word| word.as_os_str().to_os_string()).collect();
+        let curves = read_curves(&words, plos.skip_bad, &mut warnings)?;
+        let defaults = PlosRequest::defaults();
+        let plan = PlosPlan {
+            scenes,
+            options: reading.options.clone().into(),
+            sweeps: Sweeps::of(sweep, &defaults.sweep)?,
+            methods: request.methods(),
+            curves,
+            warnings,
+            rx_height_m: receiver.rx_height_m(),
+            uav_clear_of_roof: sweep.uav_clear_of_roof,
+            until: effort.until,
+            tolerance: effort.tolerance,
+            confidence: request.number(|effort| effort.ci),
+            n_cities: request.number(|effort| effort.cities),
+            n_users: request.number(|effort| effort.users_per_city),
+            n_links: request.number(|effort| effort.links),
+            n_positions: request.number(|effort| effort.positions),
+            theta_band_deg: request.number(|effort| effort.theta_band),
+            block_m: effort.block,
+            seed: reading.options.seed_or_default(),
+            plot: plot.plot.unwrap_or_default(),
+            is_drawn,
+            hash: reading.options.hash,
+            command,
+        };
+        plan.check()?;
+        Ok(plan)
+    }
+
     /// Checks what does not depend on a city, before any work.
     ///
     /// # Errors

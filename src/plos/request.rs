@@ -1,28 +1,27 @@
 //! What a caller of the library asks of P_LoS, setting by setting: it becomes a plan.
 
-use std::ffi::OsString;
 use std::path::Path;
 
 use serde_json::Value;
 
-use skyshed_request::{Placement, Users};
+use skyshed_request::{
+    FilePath, IntoValue, PlosEffort, PlosOptions, PlosRequest, Receiver, SceneOptions, SetPlosOptions, SweepOptions,
+};
 
 use super::report::PlosRow;
-use skyshed_request::PlotKind;
-
-use super::{FORMATS, Far, PlosPlan, PlosStudy, Sweeps};
+use super::{FORMATS, PlosPlan, PlosStudy};
 use crate::answer::{Answer, Spent, add_outputs};
 use crate::error::{Result, Warning};
 use crate::export::{Batch, OutputRules, check_outputs};
 use crate::picture::Look;
-use crate::scene::SceneReader;
 
 /// The probability of line of sight over a city, by some methods, at some heights and angles or distances.
 ///
 /// ```
 /// use skyshed::PLos;
+/// use skyshed::prelude::*;
 ///
-/// let p_los = PLos::of("itu:urban").heights_m([100.0]).theta_deg([30.0, 60.0]).run()?;
+/// let p_los = PLos::of("itu:urban").height([100.0]).theta([30.0, 60.0]).run()?;
 /// let values: Vec<f64> = p_los.values().filter_map(|value| value.p_los).collect();
 /// assert!(values.len() == 2 && values[0] < values[1]);
 /// # Ok::<(), skyshed::Error>(())
@@ -33,7 +32,9 @@ pub struct PLos(PlosStudy);
 /// What is asked of P_LoS: cities, methods, and what varies.
 #[derive(Debug, Clone)]
 #[must_use = "nothing is computed before `run`"]
-pub struct PLosRequest(PlosPlan);
+pub struct PLosRequest {
+    request: PlosRequest,
+}
 
 /// One value of P_LoS. Heights are above ground.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,40 +61,8 @@ pub struct PLosValue {
 
 impl PLos {
     /// Asks for P_LoS of a city: a generated one, such as `itu:urban` or `itu:0.3,500,15`, or one of a file.
-    pub fn of(city: impl Into<OsString>) -> PLosRequest {
-        PLosRequest(PlosPlan {
-            scenes: vec![city.into()],
-            options: SceneReader::default(),
-            sweeps: Sweeps {
-                placements: vec![Placement::Anywhere],
-                users: vec![Users::Outdoor],
-                alphas: None,
-                betas: None,
-                gammas: None,
-                heights: vec![100.0],
-                phis: vec![None],
-                far: Far::every_five_degrees(),
-            },
-            methods: vec!["auto".into()],
-            curves: Vec::new(),
-            warnings: Vec::new(),
-            rx_height_m: 1.5,
-            uav_clear_of_roof: false,
-            until: None,
-            tolerance: None,
-            confidence: 0.95,
-            n_cities: 500,
-            n_users: 360,
-            n_links: 20_000,
-            n_positions: 200,
-            theta_band_deg: 2.5,
-            block_m: None,
-            seed: 1,
-            plot: PlotKind::Auto,
-            is_drawn: true,
-            hash: false,
-            command: Vec::new(),
-        })
+    pub fn of(city: impl IntoValue<FilePath>) -> PLosRequest {
+        PLosRequest { request: PlosRequest::default().scenes(vec![city.into_value()]) }
     }
 
     /// The values, city by city and method by method; angles or distances run fastest.
@@ -135,62 +104,17 @@ impl PLos {
     }
 }
 
+skyshed_request::holds! {
+    PLosRequest: request.plos PlosOptions, request.sweep SweepOptions, request.receiver Receiver, request.effort PlosEffort,
+    request.reading.options SceneOptions
+}
+
 impl PLosRequest {
-    /// Methods: `product`, `city`, `geometry`, `maps` of a city in a file, published models by their ids, `models` for all
-    /// that apply; the product, and maps over a city in a file.
-    pub fn methods(mut self, methods: impl IntoIterator<Item = impl Into<String>>) -> Self {
-        self.0.methods = methods.into_iter().map(Into::into).collect();
-        self
-    }
-
-    /// Heights of the UAV above ground \[m\]. Default: 100.
-    pub fn heights_m(mut self, heights: impl IntoIterator<Item = f64>) -> Self {
-        self.0.sweeps.heights = heights.into_iter().collect();
-        self
-    }
-
-    /// Elevation angles \[deg\]. Default: every five from 5 to 90.
-    pub fn theta_deg(mut self, angles: impl IntoIterator<Item = f64>) -> Self {
-        self.0.sweeps.far = angles.into_iter().map(Far::Theta).collect();
-        self
-    }
-
-    /// Ground distances \[m\], instead of angles.
-    pub fn distances_m(mut self, distances: impl IntoIterator<Item = f64>) -> Self {
-        self.0.sweeps.far = distances.into_iter().map(Far::Distance).collect();
-        self
-    }
-
-    /// Radii \[m\]: users over the whole area within, instead of at an angle.
-    pub fn radii_m(mut self, radii: impl IntoIterator<Item = f64>) -> Self {
-        self.0.sweeps.far = radii.into_iter().map(Far::Radius).collect();
-        self
-    }
-
-    /// The height of the receivers above ground \[m\]. Default: 1.5.
-    pub fn receiver_height_m(mut self, height_m: f64) -> Self {
-        self.0.rx_height_m = height_m;
-        self
-    }
-
-    /// How a city in a file is read.
-    pub fn scene_options(mut self, options: SceneReader) -> Self {
-        self.0.options = options;
-        self
-    }
-
-    /// The seed of everything random. Default: 1.
-    pub fn seed(mut self, seed: u64) -> Self {
-        self.0.seed = seed;
-        self
-    }
-
     /// Computes.
     ///
     /// # Errors
     /// E113, E116, E118, E12x for what cannot be asked; those of reading a city; E2xx; E5xx for what takes too much.
-    pub fn run(mut self) -> Result<PLos> {
-        self.0.sweeps = self.0.sweeps.checked()?;
-        self.0.run().map(PLos)
+    pub fn run(self) -> Result<PLos> {
+        PlosPlan::of(&self.request, true, Vec::new())?.run().map(PLos)
     }
 }

@@ -1,6 +1,6 @@
 //! The sweeps of a study: what varies as settings, in the order of the table.
 
-use skyshed_request::{Placement, Users};
+use skyshed_request::{NumberList, Placement, SweepOptions, Users, filled};
 
 use super::report::PlosRow;
 use crate::city::BuiltUp;
@@ -59,6 +59,33 @@ impl Quantity {
 }
 
 impl Sweeps {
+    /// Returns the sweeps of a request, with its defaults.
+    ///
+    /// # Errors
+    /// E113 for values out of range; E502 for too many.
+    pub(crate) fn of(sweep: &SweepOptions, defaults: &SweepOptions) -> Result<Sweeps> {
+        let list = |numbers: &Option<NumberList>| numbers.as_ref().map(|n| n.0.clone());
+        let far = match (&sweep.distance, &sweep.radius, &sweep.theta) {
+            (Some(d), _, _) => d.0.iter().copied().map(Far::Distance).collect(),
+            (_, Some(r), _) => r.0.iter().copied().map(Far::Radius).collect(),
+            (_, _, Some(t)) => t.0.iter().copied().map(Far::Theta).collect(),
+            _ => Far::every_five_degrees(),
+        };
+        let users = if sweep.users.is_empty() { &defaults.users } else { &sweep.users };
+        let over = if sweep.placement.is_empty() { &defaults.placement } else { &sweep.placement };
+        let sweeps = Sweeps {
+            placements: over.clone(),
+            users: users.clone(),
+            alphas: list(&sweep.alpha),
+            betas: list(&sweep.beta),
+            gammas: list(&sweep.gamma),
+            heights: filled(sweep.height.clone(), defaults.height.clone()).0,
+            phis: list(&sweep.phi).map_or_else(|| vec![None], |phis| phis.into_iter().map(Some).collect()),
+            far,
+        };
+        sweeps.checked()
+    }
+
     /// How far away users are at most \[m\]: as asked for, or where the highest UAV is seen at the lowest angle.
     pub(super) fn farthest_m(&self) -> f64 {
         let highest = self.heights.iter().copied().fold(0.0, f64::max);

@@ -315,7 +315,7 @@ impl SceneReader {
     /// An ignored input is an error, never silence.
     pub(super) fn refuse(&self, what: &str, without_meaning: &[Set]) -> Result<()> {
         match without_meaning.iter().find(|(_, is_set)| *is_set) {
-            Some((name, _)) => Err(Error::idle(name, format!("for {what}"))),
+            Some((name, _)) => Err(Error::idle(*name, format!("for {what}"))),
             None => Ok(()),
         }
     }

@@ -1,5 +1,7 @@
 //! Faults of a request: values that are wrong by themselves, and options that change nothing.
 
+use std::borrow::Cow;
+
 use skyshed_core::city::AntennaFault;
 use skyshed_core::quantity::OutOfRange;
 
@@ -14,7 +16,7 @@ pub enum Fault {
     /// E116: an option that changes nothing.
     Idle {
         /// Name of the option.
-        option: &'static str,
+        option: Cow<'static, str>,
         /// Reason, as the end of a sentence: "without a raster".
         why: String,
     },
@@ -31,7 +33,7 @@ pub type Result<T, E = Fault> = std::result::Result<T, E>;
 
 impl Fault {
     /// Returns the fault of an option that changes nothing.
-    pub fn idle(option: &'static str, why: impl Into<String>) -> Fault {
-        Fault::Idle { option, why: why.into() }
+    pub fn idle(option: impl Into<Cow<'static, str>>, why: impl Into<String>) -> Fault {
+        Fault::Idle { option: option.into(), why: why.into() }
     }
 }

@@ -4,6 +4,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
+use crate::Fault;
+
 /// A request that cannot be read from JSON: the member at fault, and the reason.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MemberFault {
@@ -25,6 +27,28 @@ fn is_unset(value: &Value) -> bool {
         Value::Null | Value::Bool(false) => true,
         Value::Array(members) => members.is_empty(),
         _ => false,
+    }
+}
+
+/// Refuses the members of a list that are set.
+///
+/// # Errors
+/// E116, with the reason why they change nothing.
+pub fn refuse(members: &Map<String, Value>, names: &[&'static str], why: &str) -> crate::Result<()> {
+    match names.iter().find(|name| members.contains_key(**name)) {
+        Some(name) => Err(Fault::idle(*name, why)),
+        None => Ok(()),
+    }
+}
+
+/// Refuses all set members but those of a list.
+///
+/// # Errors
+/// E116, with the reason why they change nothing.
+pub fn refuse_others(members: &Map<String, Value>, names: &[&str], why: &str) -> crate::Result<()> {
+    match members.keys().find(|name| !names.contains(&name.as_str())) {
+        Some(name) => Err(Fault::idle(name.clone(), why)),
+        None => Ok(()),
     }
 }
 
@@ -68,8 +92,48 @@ pub fn filled_members<T: Serialize + Default>(question: &T) -> Map<String, Value
     members
 }
 
+/// Members that name files, beside the scene and its list of repairs.
+const FILES: [&str; 14] = [
+    "area",
+    "candidates",
+    "csv",
+    "data_area",
+    "height_curve",
+    "keep_out",
+    "map",
+    "mask",
+    "output",
+    "terrain",
+    "track",
+    "uavs",
+    "weights",
+    "within",
+];
+/// Files that are written.
+const WRITTEN: [&str; 4] = ["csv", "height_curve", "map", "output"];
+
+/// Returns the files that a request names, beside the scene and its list of repairs.
+pub fn files(members: &Map<String, Value>) -> Vec<&str> {
+    let named = members.iter().filter(|(name, _)| FILES.contains(&name.as_str()));
+    let paths = named.flat_map(|(name, value)| texts(value).into_iter().map(move |path| (name, path)));
+    paths.filter(|(name, path)| *name != "data_area" || !["auto", "all"].contains(path)).map(|(_, path)| path).collect()
+}
+
+/// Returns the files that a request reads, beside the scene.
+pub fn files_read(members: &Map<String, Value>) -> Vec<&str> {
+    let written: Vec<&str> = WRITTEN.iter().filter_map(|name| members.get(*name)).flat_map(texts).collect();
+    files(members).into_iter().filter(|path| !written.contains(path)).collect()
+}
+
+fn texts(value: &Value) -> Vec<&str> {
+    match value {
+        Value::Array(values) => values.iter().filter_map(Value::as_str).collect(),
+        value => value.as_str().into_iter().collect(),
+    }
+}
+
 /// Lists whose members may hold commas: their flags are repeated.
-const REPEATED: [&str; 5] = ["height_curve", "mask", "output", "tile", "uav"];
+const REPEATED: [&str; 6] = ["curve", "height_curve", "mask", "output", "tile", "uav"];
 
 /// Returns the flags that set members of a request, in their order.
 pub fn words(members: &Map<String, Value>) -> Vec<String> {

@@ -21,6 +21,7 @@ mod heights;
 pub mod json;
 mod layers;
 mod map;
+mod numbers;
 mod output;
 mod part;
 mod place;
@@ -46,6 +47,7 @@ pub use map::{
     CoverageQuestion, HeightCurve, MapForms, MapMemory, MapOptions, MapRequest, MapUnits, SaveOptions, SetHeightCurve,
     SetMapForms, SetMapMemory, SetMapOptions, SetMapUnits,
 };
+pub use numbers::{LengthList, NumberList};
 pub use output::{
     Effort, Files, OutputOptions, PictureOptions, SetEffort, SetFiles, SetPictureOptions, SetWriting, Writing,
 };
@@ -54,11 +56,15 @@ pub use place::{
     CandidateOptions, GoalOptions, Minimize, PlaceFiles, PlaceQuestion, PlaceRequest, SetCandidateOptions,
     SetGoalOptions, SetPlaceFiles, SetTable, Table,
 };
-pub use plos::{Placement, PlotKind, Users};
+pub use plos::{
+    Placement, PlosEffort, PlosOptions, PlosRequest, PlotKind, PlotOptions, SetPlosEffort, SetPlosOptions,
+    SetPlotOptions, SetSweepOptions, SweepOptions, Users,
+};
 pub use questions::{
-    CityRequest, CompareOptions, CompareRequest, InfoOptions, InfoRequest, LimitsOptions, LimitsRequest, LinkOptions,
-    LinkRequest, LiveRequest, SampleOptions, SampleRequest, SetCompareOptions, SetInfoOptions, SetLimitsOptions,
-    SetLinkOptions, SetSampleOptions, SetTrackOptions, TrackOptions, TrackRequest, ZonesRequest,
+    ChartOptions, ChartRequest, CityRequest, CompareOptions, CompareRequest, InfoOptions, InfoRequest, LimitsOptions,
+    LimitsRequest, LinkOptions, LinkRequest, LiveRequest, SampleOptions, SampleRequest, SetChartOptions,
+    SetCompareOptions, SetInfoOptions, SetLimitsOptions, SetLinkOptions, SetSampleOptions, SetStressOptions,
+    SetTrackOptions, StressOptions, StressRequest, TrackOptions, TrackRequest, ZonesRequest,
 };
 pub use scene::band::Band;
 pub use scene::missing_heights::{HeightRule, MissingHeights, WithoutHeight};
@@ -96,7 +102,10 @@ pub fn defaults_of(command: &str) -> serde_json::Map<String, serde_json::Value> 
     let own = match command {
         "compare" => json::set_members(&CompareOptions::defaults()),
         "limits" => json::set_members(&LimitsOptions::defaults()),
+        "chart" => json::set_members(&ChartOptions::defaults()),
+        "plos" => json::set_members(&PlosRequest::defaults()),
         "sample" => json::set_members(&SampleOptions::defaults()),
+        "stress" => json::set_members(&StressOptions::defaults()),
         "track" => json::set_members(&TrackOptions::defaults()),
         _ => serde_json::Map::new(),
     };

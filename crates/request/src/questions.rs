@@ -1,10 +1,10 @@
 //! Requests of commands whose options are few: `link`, `track`, `city`, `info`, `zones`, `limits`, `compare`, `sample`,
-//! `live`.
+//! `live`, `chart`, `stress`.
 
 use crate::part::{group, part};
 use crate::{
-    Earth, FilePath, HeightErrors, Heights, OutputOptions, PictureOptions, Reading, Receiver, SceneWord, Sight, Table,
-    Uavs, ZoneCount,
+    Earth, FilePath, HeightErrors, Heights, Meters, OutputOptions, PictureOptions, Reading, Receiver, SceneWord, Sight,
+    Table, Uavs, ZoneCount,
 };
 
 part! {
@@ -336,6 +336,115 @@ group! {
         /// Receivers, range, antennas and earth.
         #[heading = "Start"]
         sight: Sight,
+        /// Files and effort.
+        out: OutputOptions,
+        /// Looks of pictures.
+        picture: PictureOptions,
+    }
+}
+
+part! {
+    /// Contest of methods.
+    #[cfg_attr(feature = "words", command(next_help_heading = "Contest"))]
+    pub struct ChartOptions, SetChartOptions {
+        /// Other programs, too: `gdal_viewshed` if it is found on the PATH, with its own files read and written
+        #[arg(long)]
+        peers: bool,
+        /// Time each contestant for at least so long, and at least three times; those above half a second once [s]
+        #[arg(long, value_name = "S", value_parser = crate::words::number, allow_hyphen_values = true)]
+        time: Option<f64>,
+        /// The P_LoS methods of a generated city instead: standard error, or the bias of a model, against CPU time
+        #[arg(long)]
+        plos: bool,
+        /// With `--plos`: elevation angle of the UAV [deg]; at 45 no model is at an end of its range
+        #[arg(long, value_name = "DEG", value_parser = crate::words::number, allow_hyphen_values = true, requires = "plos", hide_short_help = true)]
+        theta: Option<f64>,
+        /// With `--plos`: height of the UAV above ground [m]
+        #[arg(long, value_name = "M", allow_hyphen_values = true, requires = "plos", hide_short_help = true)]
+        height: Option<Meters>,
+    }
+}
+
+group! {
+    /// Request of speed against accuracy.
+    #[command(
+        mut_arg("output", |a| a.help("File to write: .png .svg .pdf .csv .json; repeat for more").long_help(
+            "File to write, by extension: .png .svg .pdf (picture), .csv, .json, `-` for JSON on standard output; repeat for more. \
+             Without any the table goes to standard output")),
+        after_help = "Example: skyshed chart itu:urban --size 300 --uav 150,150,100 --time 0.05 -o chart.png"
+    )]
+    pub struct ChartRequest {
+        /// Scene.
+        scene: SceneWord,
+        /// Reading of the scene.
+        reading: Reading,
+        /// UAVs.
+        #[heading = "Contest"]
+        uavs: Uavs,
+        /// Receivers, range, antennas and earth.
+        #[heading = "Contest"]
+        sight: Sight,
+        /// Contest.
+        chart: ChartOptions,
+        /// Files and effort.
+        out: OutputOptions,
+        /// Table.
+        table: Table,
+        /// Looks of pictures.
+        picture: PictureOptions,
+    }
+}
+
+impl ChartOptions {
+    /// Returns the defaults of the fields.
+    pub fn defaults() -> ChartOptions {
+        ChartOptions { time: Some(0.2), theta: Some(45.0), height: Some(Meters(100.0)), ..ChartOptions::default() }
+    }
+}
+
+part! {
+    /// Families of small scenes, or a scene.
+    pub struct StressOptions, SetStressOptions {
+        /// A scene whose stability is asked for, with `--uav`: generated city, raster, footprints or mesh. Without one, all methods
+        /// are tried on families of small scenes where methods fail
+        #[arg(value_name = "SCENE", requires = "uav")]
+        scene: Option<FilePath>,
+        /// Only these families of scenes, separated by commas, such as cell-slits,prism-walls; default all
+        #[arg(long, value_name = "NAME,…", value_delimiter = ',', help_heading = "Families", conflicts_with = "scene")]
+        families: Vec<String>,
+        /// Scenes of each family
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = "Families",
+              conflicts_with = "scene")]
+        scenes: Option<u32>,
+        /// The UAV over SCENE: x, y in its CRS and height (120, 120agl, 30roof, 150amsl, 400ft)
+        #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true, help_heading = "Map", requires = "scene")]
+        uav: Option<String>,
+    }
+}
+
+impl StressOptions {
+    /// Returns the defaults of the fields.
+    pub fn defaults() -> StressOptions {
+        StressOptions { scenes: Some(128), ..StressOptions::default() }
+    }
+}
+
+group! {
+    /// Request of failures of methods.
+    #[command(
+        mut_arg("output", |a| a.help("File to write: .png .svg .pdf .csv .json; repeat for more").long_help(
+            "File to write, by extension: .png .svg .pdf (failure rates by family and method; of SCENE a map of what turns), .csv, \
+             .json, `-` for JSON on standard output; repeat for more. Without any the table goes to standard output")),
+        after_help = "Example: skyshed stress --scenes 4 -o failures.png"
+    )]
+    pub struct StressRequest {
+        /// Families, or a scene.
+        stress: StressOptions,
+        /// Receivers, range, antennas and earth.
+        #[heading = "Map"]
+        sight: Sight,
+        /// Reading of the scene.
+        reading: Reading,
         /// Files and effort.
         out: OutputOptions,
         /// Looks of pictures.

@@ -6,8 +6,8 @@ use serde::de::DeserializeOwned;
 
 use crate::json::{filled_members, from_members, set_members, words};
 use crate::{
-    CityRequest, CompareRequest, InfoRequest, LimitsRequest, LinkRequest, LiveRequest, MapRequest, PlaceRequest,
-    SampleRequest, TrackRequest, ZonesRequest,
+    ChartRequest, CityRequest, CompareRequest, InfoRequest, LimitsRequest, LinkRequest, LiveRequest, MapRequest,
+    PlaceRequest, PlosRequest, SampleRequest, StressRequest, TrackRequest, ZonesRequest,
 };
 
 /// Numbers from a seed (SplitMix64).
@@ -36,13 +36,20 @@ fn value_of(flag: &Arg, numbers: &mut Numbers) -> String {
         let is_list = flag.get_value_delimiter().is_some() && numbers.below(2) == 0;
         return if is_list { format!("{one},{}", numbers.one(&known)) } else { one };
     }
+    let value_name = flag.get_value_names().and_then(|names| names.first()).map_or("", |name| name.as_str());
     let of: &[&str] = match flag.get_id().as_str() {
+        "scenes" if flag.is_positional() => &["itu:urban", "maps/a b.tif"],
+        "method" if value_name == "LIST" => &["product", "product,itu", "all"],
+        _ if value_name == "LIST" && flag.get_id() != "missing" => &["5:90:5", "30, 60.5", "45", "0.1:0.7:0.1"],
+        "until" => &["±0.005", "0.01"],
+        "families" => &["cell-slits", "cell-slits,prism-walls"],
         "scene" => &["itu:urban", "itu:0.3,500,15", "maps/a b.tif", "Straße.geojson"],
         "uav" => &["500,500,100", "-1.5,2e3,30roof", "691549.7,5334762.2,400ft amsl"],
         "rx" => &["1,2", "-1,2.5,1.5roof"],
         "extent" => &["0,0,10.5,20", "-5,-5,-1,-1e-3"],
         "sector" | "elevation" => &["10,20.5", "-90,-30"],
         "curve_heights" => &["10:60:5", "-1:1:0.25"],
+        "height" if value_name == "M" => &["100", "400ft"],
         "height" => &["60,100", "20:200:10", "30roof", "100ft:200ft:50ft", "10:35amsl:10"],
         "zones" => &["street:20", "street:20,rooftop:3"],
         "missing" => &["levels,median", "9", "levels,9.5", "median,drop", "fail"],
@@ -111,8 +118,11 @@ where
         n_read += 1;
         let mut members = set_members(&request);
         assert_eq!(from_members::<T>(members.clone()).as_ref(), Ok(&request), "{typed:?}");
-        let scene = members.remove("scene").and_then(|scene| scene.as_str().map(String::from)).expect("a scene");
-        let again: Vec<String> = std::iter::once(scene).chain(words(&members)).collect();
+        let scene = members.remove("scene").and_then(|scene| scene.as_str().map(String::from));
+        let scenes = members.remove("scenes").filter(|scenes| scenes.is_array());
+        let scenes = scenes.into_iter().flat_map(|scenes| scenes.as_array().cloned().unwrap_or_default());
+        let scenes = scenes.filter_map(|scene| scene.as_str().map(String::from));
+        let again: Vec<String> = scene.into_iter().chain(scenes).chain(words(&members)).collect();
         assert_eq!(parsed(&again).expect("words of a request"), request, "{typed:?} {again:?}");
     }
 }
@@ -131,6 +141,9 @@ fn requests_are_equal_after_words_and_after_json() {
     check::<CompareRequest>(n);
     check::<SampleRequest>(n);
     check::<LiveRequest>(n);
+    check::<ChartRequest>(n);
+    check::<PlosRequest>(n);
+    check::<StressRequest>(n);
 }
 
 #[test]

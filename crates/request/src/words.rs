@@ -46,6 +46,19 @@ pub fn cells_per_side(text: &str) -> Result<usize, String> {
     text.trim().parse().ok().filter(is_wanted).ok_or_else(wrong)
 }
 
+/// Reads the half-width of an interval: `±0.005`, above 0 and below 0.5.
+///
+/// # Errors
+/// The text that was found, and the one that was wanted.
+pub fn plus_minus(text: &str) -> Result<f64, String> {
+    let digits = text.trim().trim_start_matches('±').trim_start_matches("+-").trim_start_matches("+/-");
+    match number(digits) {
+        Ok(p) if p > 0.0 && p < 0.5 => Ok(p),
+        Ok(p) => Err(format!("found `{p}`, wanted above 0 and below 0.5")),
+        Err(found) => Err(found),
+    }
+}
+
 /// Reads a number of bytes: `800M`, `4G`, `1.5GiB`, or bytes alone.
 ///
 /// # Errors
@@ -92,4 +105,15 @@ pub fn with_defaults(command: Command, defaults: &Map<String, Value>) -> Command
             }
         })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_widths_may_have_their_sign() {
+        assert_eq!((plus_minus("±0.005"), plus_minus("+-0.01")), (Ok(0.005), Ok(0.01)));
+        assert!(plus_minus("0").is_err() && plus_minus("nan").is_err());
+    }
 }

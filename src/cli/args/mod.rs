@@ -3,4 +3,3 @@
 pub(super) mod output;
 pub(super) mod scene;
 pub(super) mod sight;
-pub(super) mod words;

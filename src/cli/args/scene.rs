@@ -1,24 +1,10 @@
 //! The scene of a command.
 
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
 use serde_json::Value;
 use skyshed_request::{Reading, json};
-
-/// The scene and its reading.
-#[derive(Debug, Clone, Args)]
-pub(crate) struct SceneArgs {
-    /// Generated city (itu:urban), raster, footprints or mesh; `skyshed -h` has all kinds
-    ///
-    /// Generated city (itu:…), raster (.tif, .asc, .vrt, or a folder of tiles), footprints (.geojson, .shp, .fgb, .gpkg,
-    /// .city.json) or mesh (.obj, .ply).
-    #[arg(value_name = "SCENE")]
-    pub(crate) scene: OsString,
-    #[command(flatten)]
-    pub(crate) reading: Reading,
-}
 
 /// Returns a scene and the options that change it, as words of any command line.
 pub(crate) fn scene_words(scene: &OsStr, reading: &Reading) -> Vec<String> {
@@ -26,13 +12,6 @@ pub(crate) fn scene_words(scene: &OsStr, reading: &Reading) -> Vec<String> {
     let mut members = json::set_members(&reading.options);
     members.retain(|_, value| !matches!(value, Value::Bool(_)));
     std::iter::once(scene.display().to_string()).chain(json::words(&members)).collect()
-}
-
-impl SceneArgs {
-    /// Returns the files that it names.
-    pub(crate) fn files(&self) -> Vec<PathBuf> {
-        scene_files(&self.scene, &self.reading)
-    }
 }
 
 /// Returns the files that a scene names, for the refusal to overwrite them.

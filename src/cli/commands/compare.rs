@@ -2,13 +2,14 @@
 
 use std::path::PathBuf;
 
-use skyshed_request::{CompareOptions, CompareRequest, filled};
+use skyshed_request::{CompareOptions, CompareRequest, filled, json};
 
 use crate::cli::args::output::checked_files;
 use crate::cli::args::scene::{scene_files, scene_words};
 use crate::cli::failure::Result;
 use crate::cli::run::Run;
 use crate::comparison::{ComparisonPlan, FORMATS, check_number};
+use crate::error::Error;
 use crate::export::Format;
 use crate::height_errors::HeightErrorsPlan;
 use crate::picture::Look;
@@ -44,10 +45,12 @@ pub(in crate::cli) fn run(request: &CompareRequest, run: &Run) -> Result<()> {
     };
     plan.check()?;
     if request.uavs.uav.len() < 2 && request.uavs.uavs.is_none() {
-        run.typed.refuse(
+        json::refuse(
+            &json::set_members(request),
             &["height_error", "height_bias", "height_error_field"],
             "without two UAVs: saved maps are not made anew",
-        )?;
+        )
+        .map_err(Error::from)?;
     }
     let asked = UavsAsked::of(&request.uavs, reading.options.hash)?;
     if asked.table.is_none() && request.compare.mask.is_empty() {

@@ -2,10 +2,10 @@
 
 use clap::{Args, Command};
 
-use crate::cli::args::words::one_of;
 use crate::cli::failure::{Result, refusal};
 use crate::cli::say;
 use clap_complete::Shell;
+use skyshed_request::words::one_of;
 
 skyshed_core::words! {
     /// Text to write.

@@ -5,13 +5,14 @@
 
 use std::path::Path;
 
-use skyshed_request::InfoRequest;
+use skyshed_request::{InfoRequest, json};
 
 use crate::answer::Answer;
 use crate::cli::args::output::{checked_files, plain_look};
 use crate::cli::args::scene::scene_files;
 use crate::cli::failure::Result;
 use crate::cli::run::Run;
+use crate::error::Error;
 use crate::survey::{FORMATS, Output, Places, Survey, TILE_FORMATS};
 
 /// Answers a request.
@@ -37,7 +38,7 @@ fn tell(request: &InfoRequest, run: &Run, answer: &dyn Answer, used: &[&str]) ->
     let of_all = ["output", "json", "overwrite", "threads", "max_memory", "quiet"];
     let path = Path::new(request.scene.word());
     let why = format!("for {}, which is no scene", path.display());
-    run.typed.refuse_others(&[used, &of_all].concat(), &why)?;
+    json::refuse_others(&json::set_members(request), &[used, &of_all].concat(), &why).map_err(Error::from)?;
     let outputs = checked_files(&request.out, None, (&FORMATS, &[path.to_path_buf()]))?;
     run.emit(answer, &outputs, (&request.out, &plain_look(&request.out)))
 }

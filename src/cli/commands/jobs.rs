@@ -4,21 +4,22 @@ use std::ffi::OsString;
 
 use clap::Args;
 
-use skyshed_request::OutputOptions;
+use skyshed_request::{OutputOptions, json};
 
 use super::map::job_of;
 use crate::answer::Answer;
 use crate::cli::args::output::{checked_files, plain_look};
-use crate::cli::args::words::one_of;
 use crate::cli::failure::{Result, refusal, refusal_with};
 use crate::cli::interrupt;
 use crate::cli::program::Cli;
 use crate::cli::run::{Run, check_scenes};
 use crate::cli::say;
+use crate::error::Error;
 use crate::export::Format;
 use crate::jobs::Jobs;
 use crate::memory;
 use crate::threads::in_pool;
+use skyshed_request::words::one_of;
 
 skyshed_core::words! {
     /// Question about the units.
@@ -58,9 +59,19 @@ impl JobsArgs {
         memory::limit(self.out.effort.max_memory, interrupt::give_up)?;
         match self.asked {
             Asked::Merge => {}
-            Asked::Status => run.typed.refuse(&["output", "overwrite", "csv_text"], "for what is told of units")?,
+            Asked::Status => json::refuse(
+                &json::set_members(&self.out),
+                &["output", "overwrite", "csv_text"],
+                "for what is told of units",
+            )
+            .map_err(Error::from)?,
             Asked::Plan => {
-                run.typed.refuse(&["output", "overwrite", "csv_text", "json"], "for a plan, which is lines of JSON")?;
+                json::refuse(
+                    &json::set_members(&self.out),
+                    &["output", "overwrite", "csv_text", "json"],
+                    "for a plan, which is lines of JSON",
+                )
+                .map_err(Error::from)?;
             }
         }
         in_pool(self.out.effort.threads, || self.answer(run))?
@@ -68,7 +79,7 @@ impl JobsArgs {
 
     fn answer(&self, run: &Run) -> Result<()> {
         let words: Vec<OsString> = std::iter::once("skyshed".into()).chain(self.map.iter().cloned()).collect();
-        let (cli, _) = Cli::from_words(&words).map_err(|e| refusal(101, first_line(&e)))?;
+        let cli = Cli::from_words(&words).map_err(|e| refusal(101, first_line(&e)))?;
         let Some(map) = cli.map() else {
             let found = self.map.first().map_or_else(String::new, |word| word.display().to_string());
             return Err(refusal_with(

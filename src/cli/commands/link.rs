@@ -1,6 +1,6 @@
 //! `skyshed link`: one link, decided and explained.
 
-use skyshed_request::{LinkRequest, Range, Sight};
+use skyshed_request::{LinkRequest, Range, Sight, json};
 
 use crate::answer::Answer;
 use crate::cli::args::output::checked_files;
@@ -8,6 +8,7 @@ use crate::cli::args::scene::scene_files;
 use crate::cli::args::sight::parse_receiver;
 use crate::cli::failure::{Result, refusal};
 use crate::cli::run::Run;
+use crate::error::Error;
 use crate::link::FORMATS;
 use crate::picture::Look;
 use crate::quantity::tidy;
@@ -19,7 +20,8 @@ use crate::uav::{Uav, site_of};
 /// # Errors
 /// Those of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &LinkRequest, run: &Run) -> Result<()> {
-    run.typed.refuse(&["data_area"], "for a link: its ends are where they are put")?;
+    json::refuse(&json::set_members(request), &["data_area"], "for a link: its ends are where they are put")
+        .map_err(Error::from)?;
     let site = site_of(request.link.uav.as_deref().unwrap_or_default(), "1".into())?;
     let range = Range { radius: request.link.radius, ..Range::default() };
     let sight = SightPlan::of(&Sight {

@@ -3,13 +3,14 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use skyshed_request::LiveRequest;
+use skyshed_request::{LiveRequest, json};
 
 use crate::cli::args::output::checked_files;
 use crate::cli::args::scene::{scene_files, scene_words};
 use crate::cli::failure::{Result, refusal};
 use crate::cli::run::Run;
 use crate::cli::say;
+use crate::error::Error;
 use crate::export::Format;
 use crate::live::{FORMATS, LivePage, LivePlan};
 use crate::picture::Look;
@@ -21,8 +22,10 @@ use crate::uav::UavsAsked;
 /// # Errors
 /// Those of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &LiveRequest, run: &Run) -> Result<()> {
-    run.typed.refuse(&["method"], "for a page: it uses the fastest exact engine")?;
-    run.typed.refuse(&["width", "dpi"], "for a page, which is as wide as its window")?;
+    json::refuse(&json::set_members(request), &["method"], "for a page: it uses the fastest exact engine")
+        .map_err(Error::from)?;
+    json::refuse(&json::set_members(request), &["width", "dpi"], "for a page, which is as wide as its window")
+        .map_err(Error::from)?;
     let mut outputs =
         checked_files(&request.out, None, (&FORMATS, &scene_files(request.scene.word(), &request.reading)))?;
     let opens = outputs.is_empty() && !request.out.files.json;

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use skyshed_request::{SampleOptions, SampleRequest, filled};
+use skyshed_request::{SampleOptions, SampleRequest, filled, json};
 
 use crate::cli::args::output::checked_files;
 use crate::cli::args::scene::scene_files;
 use crate::cli::failure::{Result, refusal};
 use crate::cli::run::Run;
+use crate::error::Error;
 use crate::picture::Look;
 use crate::quantity::Height;
 use crate::sample::{FORMATS, SamplePlan};
@@ -22,7 +23,8 @@ pub(in crate::cli) fn run(request: &SampleRequest, run: &Run) -> Result<()> {
     let (defaults, heights) = (SampleOptions::defaults(), request.sample.height.clone().unwrap_or_default());
     let csv = request.table.csv.clone().map(PathBuf::from);
     if built_up(request.scene.word()).is_some() {
-        run.typed.refuse(&["ground"], "for heights above the ground of a generated city")?;
+        json::refuse(&json::set_members(request), &["ground"], "for heights above the ground of a generated city")
+            .map_err(Error::from)?;
     }
     let above_ground = |height: Height| match height {
         Height::AboveGround(h) => Ok(h),

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use skyshed_request::{Sight, TrackOptions, TrackRequest, filled};
+use skyshed_request::{Sight, TrackOptions, TrackRequest, filled, json};
 
 use crate::cli::args::output::checked_files;
 use crate::cli::args::scene::scene_files;
 use crate::cli::failure::Result;
 use crate::cli::run::Run;
+use crate::error::Error;
 use crate::picture::Look;
 use crate::sight::SightPlan;
 use crate::track::{FORMATS, TrackPlan};
@@ -18,7 +19,8 @@ use crate::uav::site_of;
 /// # Errors
 /// Those of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &TrackRequest, run: &Run) -> Result<()> {
-    run.typed.refuse(&["data_area"], "for a link: its ends are where they are put")?;
+    json::refuse(&json::set_members(request), &["data_area"], "for a link: its ends are where they are put")
+        .map_err(Error::from)?;
     let file = request.track.track.clone().map(PathBuf::from).unwrap_or_default();
     let plan = TrackPlan {
         uav: site_of(request.track.uav.as_deref().unwrap_or_default(), "1".into())?,
