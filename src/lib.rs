@@ -70,7 +70,7 @@ pub use skyshed_core::los::MethodChoice;
 pub use skyshed_core::quantity::Height;
 pub use skyshed_request::{
     BaseRule, DataAreaChoice, GroundChoice, HeightErrors, HeightUnit, Layer, MissingHeights, Parts, Placement,
-    PolygonClasses, Receivers, Roofs, SaveOptions, SceneOptions, Sight, TiffLayout, Users,
+    PolygonClasses, Receivers, Roofs, SaveOptions, SceneOptions, Sight, Source, TiffLayout, Users,
 };
 pub use uav::Uav;
 

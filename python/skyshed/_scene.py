@@ -14,7 +14,7 @@ from skyshed._answers import Answer, Coverage, Coverages, Grid, Link
 from skyshed._arrays import Held, crs_text, held, is_xarray, placed
 from skyshed._errors import tell, wrong
 from skyshed._live import LivePage
-from skyshed._words import PathLike, Uav, as_files, files_of, uav_of, uavs_of, watch_of, words_of
+from skyshed._words import HeldInput, PathLike, Uav, files_of, inputs_of, uav_of, uavs_of, watch_of, words_of
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -326,9 +326,9 @@ class Scene(Grid):
         ['height_agl_m', 'height_amsl_m', 'los']
         """
         given = {"candidates": candidates, "within": within, "keep_out": keep_out, "area": area, "weights": weights}
-        with as_files(given, self.crs, height) as files:
-            words = [*words_of({"height": height, **files}), *_of_question(options)]
-            return self._asked(Answer, "place", [*words, *files_of(output)], progress)
+        files, held = inputs_of(given, self.crs, height)
+        words = [*words_of({"height": height, **files}), *_of_question(options)]
+        return self._asked(Answer, "place", [*words, *files_of(output)], progress, held=held)
 
     def sample(
         self,
@@ -371,7 +371,13 @@ class Scene(Grid):
         self._asked(Answer, "city", [*_of_question(options), *files_of(list(paths))])
 
     def _asked(
-        self, kind: type[_Kind], command: str, words: list[str], progress: object = None, is_opened: bool = False
+        self,
+        kind: type[_Kind],
+        command: str,
+        words: list[str],
+        progress: object = None,
+        is_opened: bool = False,
+        held: Sequence[HeldInput] = (),
     ) -> _Kind:
         """Asks a command of the program over this scene, or over one that it opens itself."""
         # What a scene in memory is called is no word of a command line.
@@ -379,7 +385,7 @@ class Scene(Grid):
         if is_opened and self._origin:
             line = [command, self._origin.word, *self._origin.words, *words]
         watch = watch_of(progress)
-        found = _skyshed.ask(line, watch) if is_opened else self._scene.ask(line, watch)
+        found = _skyshed.ask(line, watch) if is_opened else self._scene.ask(line, watch, list(held))
         tell(found.warnings, self._scene.warnings, stacklevel=4)
         return kind(found)
 

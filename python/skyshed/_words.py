@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import os
-import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, TextIO, Union
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 
@@ -206,30 +205,34 @@ def watch_of(progress: object) -> Callable[[float], object] | None:
     raise TypeError(f"progress: found {type(progress).__name__}, wanted a callable or a bar of tqdm")
 
 
-@contextmanager
-def as_files(given: Mapping[str, Any], crs: str | None, height: Any) -> Iterator[dict[str, object]]:
-    """Options that name files, with what is no path written to temporary ones: candidates as a table, areas as GeoJSON."""
-    with tempfile.TemporaryDirectory(prefix="skyshed-") as folder:
-        named: dict[str, object] = {}
-        for name, value in given.items():
-            named[name] = value
-            if value is None or isinstance(value, (str, os.PathLike)):
-                continue
-            path = os.path.join(folder, f"{name}.csv" if name == "candidates" else f"{name}.geojson")
-            named[name] = path
-            with open(path, "w", encoding="utf-8") as file:
-                if name == "candidates":
-                    # Heights of the search stand for those that places have not.
-                    _write_table(file, uavs_of(value, crs, None if height is None else 0.0))
-                else:
-                    json.dump(_collection(name, located(name, value, crs), crs), file)
-        yield named
+#: An option, the name of its input, and the bytes of that.
+HeldInput = tuple[str, str, bytes]
 
 
-def _write_table(file: TextIO, rows: Sequence[AskedUav]) -> None:
+def inputs_of(given: Mapping[str, Any], crs: str | None, height: Any) -> tuple[dict[str, object], list[HeldInput]]:
+    """Options that name files, and what is no path as inputs in memory: candidates as a table, areas as GeoJSON."""
+    named: dict[str, object] = {}
+    held: list[HeldInput] = []
+    for name, value in given.items():
+        named[name] = value
+        if value is None or isinstance(value, (str, os.PathLike)):
+            continue
+        if name == "candidates":
+            # Heights of the search stand for those that places have not.
+            text = _table_text(uavs_of(value, crs, None if height is None else 0.0))
+        else:
+            text = json.dumps(_collection(name, located(name, value, crs), crs))
+        named[name] = f"{name}.csv" if name == "candidates" else f"{name}.geojson"
+        held.append((name, str(named[name]), text.encode()))
+    return named, held
+
+
+def _table_text(rows: Sequence[AskedUav]) -> str:
     if not rows:
         raise wrong("candidates", "none", "at least one", "E209")
-    csv.writer(file, lineterminator="\n").writerows(table_of(rows))
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(table_of(rows))
+    return text.getvalue()
 
 
 def _collection(name: str, area: Any, crs: str | None) -> Mapping[str, Any]:

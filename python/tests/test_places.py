@@ -95,3 +95,14 @@ def test_scenes_are_written(tmp_path: Path) -> None:
     uav = (*XY[0], 120)
     assert Scene.open(tmp_path / "city.geojson", extent=munich.bounds).map(uav).receivers > 0
     assert (tmp_path / "city.xml").exists() and Scene.open(tmp_path / "city.tif").shape == munich.shape
+
+
+def test_candidates_and_areas_in_memory_leave_no_path_in_the_document() -> None:
+    munich = skyshed.Scene.open(MUNICH)
+    x, y = XY[0]
+    area = {"type": "Polygon", "coordinates": [[(x - 90, y - 90), (x + 90, y - 90), (x + 90, y + 90), (x - 90, y - 90)]]}
+    ask = {"candidates": [(x, y, 100) for x, y in XY], "area": area, "goal": "p_los(area)"}
+    first, second = (munich.place(**ask, radius=300) for _ in range(2))
+    assert [first[key] for key in ("command", "scene", "digest")] == [second[key] for key in ("command", "scene", "digest")]
+    assert {"candidates.csv", "area.geojson"} <= {source["path"] for source in first["scene"]["sources"]}
+    assert all(len(source["sha256"]) == 64 for source in first["scene"]["sources"])

@@ -9,7 +9,7 @@ use std::time::Instant;
 use clap::error::ErrorKind;
 use clap::{Args, Command, FromArgMatches};
 use serde_json::Value;
-use skyshed_request::{CoverageQuestion, MapOptions, SaveOptions, SceneOptions};
+use skyshed_request::{CoverageQuestion, MapOptions, SaveOptions, SceneOptions, Source};
 
 use crate::answer::Output;
 use crate::export::Format;
@@ -218,17 +218,19 @@ fn parsed<T>(read: std::result::Result<T, clap::Error>) -> Result<T> {
     })
 }
 
-/// Asks a command, such as `place SCENE --step 50`; `scene` is asked instead of the one that the words name.
+/// Asks a command, such as `place SCENE --step 50`; `scene` is asked instead of the one that the words name, and `held` are inputs in
+/// memory by the names of their options.
 ///
 /// # Errors
 /// What the command line would say.
 pub fn ask(
     words: Vec<OsString>,
-    scene: Option<Scene>,
+    (scene, held): (Option<Scene>, Vec<(String, Source)>),
     progress: &Arc<Progress>,
 ) -> std::result::Result<Found, Refusal> {
     let words: Vec<OsString> = std::iter::once("skyshed".into()).chain(words).collect();
-    let cli = parsed(Cli::from_words(&words))?;
+    let mut cli = parsed(Cli::from_words(&words))?;
+    held.into_iter().for_each(|(option, source)| cli.hold(&option, source));
     let command = words.iter().skip(1).map(|word| skyshed_io::told(word).to_string_lossy().into_owned()).collect();
     let run = Run { given: scene, ..Run::asked(command, Instant::now(), progress) };
     if let Some(shared) = cli.shared() {

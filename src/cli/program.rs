@@ -8,7 +8,8 @@ use serde_json::{Map, Value};
 use skyshed_request::words::with_defaults;
 use skyshed_request::{
     ChartRequest, CityRequest, CompareRequest, FilePath, InfoRequest, LimitsRequest, LinkRequest, LiveRequest,
-    MapRequest, PlaceRequest, PlosRequest, SampleRequest, StressRequest, TrackRequest, ZonesRequest, json,
+    MapRequest, PlaceQuestion, PlaceRequest, PlosRequest, SampleRequest, Source, StressRequest, TrackRequest,
+    ZonesRequest, json,
 };
 
 use super::commands::{
@@ -111,6 +112,19 @@ impl Cli {
             return Err(command.error(clap::error::ErrorKind::ArgumentConflict, text));
         }
         Ok(cli)
+    }
+
+    /// Sets an input in memory, which no word can name.
+    pub(super) fn hold(&mut self, option: &str, source: Source) {
+        let Command::Place(place) = &mut self.command else { return };
+        let PlaceQuestion { candidates, goal, .. } = &mut place.question;
+        match option {
+            "candidates" => candidates.candidates = Some(source),
+            "within" => candidates.within = Some(source),
+            "keep_out" => candidates.keep_out = Some(source),
+            "area" => goal.area = Some(source),
+            _ => {}
+        }
     }
 
     /// What is asked of a map, if a map is asked for.

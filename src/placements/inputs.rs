@@ -1,6 +1,6 @@
 //! The areas, weights and candidates of a search, read and checked.
 
-use std::path::PathBuf;
+use skyshed_io::Input;
 
 use skyshed_request::Whom;
 
@@ -42,12 +42,12 @@ pub(super) struct Inputs {
 impl Inputs {
     pub(super) fn read(plan: &SearchPlan, scene: &Scene, warnings: &mut Vec<Warning>) -> Result<Inputs> {
         let (grid, heights) = (scene.grid(), plan.heights.clone());
-        let area = |path: &Option<PathBuf>| path.as_deref().map(|path| read_area(path, grid)).transpose();
+        let area = |input: &Option<Input>| input.as_ref().map(|input| read_area(input, grid)).transpose();
         let refuse_many = |n: usize| LimitError::Candidates { n, most: MOST_CANDIDATES };
         let mut sites: Vec<GivenSite> = Vec::new();
         let (places, spots) = match &plan.from {
-            CandidatesFrom::File { path, skips_bad } => {
-                sites = warned(warnings, |odd| read_sites(path, grid, 1, bad_rows(*skips_bad, odd)))?;
+            CandidatesFrom::File { input, skips_bad } => {
+                sites = warned(warnings, |odd| read_sites(input, grid, 1, bad_rows(*skips_bad, odd)))?;
                 let at = |place: usize, level: usize, height: Height| Spot {
                     place,
                     level,
@@ -87,7 +87,7 @@ impl Inputs {
             heights,
             area: area(&plan.area)?,
             weights: read_weights.map(|path| warned(warnings, |odd| weights(path, grid, odd))).transpose()?,
-            sources: plan.files().map(|path| Ok(source_of(path, plan.hash)?)).collect::<Result<_>>()?,
+            sources: plan.inputs().map(|input| Ok(source_of(&input, plan.hash)?)).collect::<Result<_>>()?,
             spots,
             within: area(&plan.within)?,
             keep_out: area(&plan.keep_out)?,

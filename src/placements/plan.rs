@@ -1,13 +1,17 @@
 //! What the program asks of a search with all defaults filled in, and what belongs together in it.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+
+use skyshed_io::Input;
 
 use crate::error::{Error, RequestError, Result};
 use crate::height_errors::HeightErrorsPlan;
 use crate::quantity::{Height, height_steps};
 use crate::sight::SightPlan;
 use crate::zones::Zone;
-use skyshed_request::{FilePath, Goal, Measure, PlaceFiles, PlaceQuestion, Shard, Whom, filled, have_one_reference};
+use skyshed_request::{
+    FilePath, Goal, Measure, PlaceFiles, PlaceQuestion, Shard, Source, Whom, filled, have_one_reference,
+};
 
 /// Where candidates are from.
 #[derive(Debug, Clone)]
@@ -19,7 +23,7 @@ pub(crate) enum CandidatesFrom {
     },
     /// A table or points.
     File {
-        path: PathBuf,
+        input: Input,
         /// Whether rows that cannot be read are left out.
         skips_bad: bool,
     },
@@ -38,13 +42,13 @@ pub(crate) struct SearchPlan {
     /// Only candidates over these zones, if there are any.
     pub(crate) over: Vec<Zone>,
     /// Only candidates inside of these polygons.
-    pub(crate) within: Option<PathBuf>,
+    pub(crate) within: Option<Input>,
     /// No candidates inside of these.
-    pub(crate) keep_out: Option<PathBuf>,
+    pub(crate) keep_out: Option<Input>,
     /// Least height above roof or ground directly below \[m\].
     pub(crate) clearance_m: f64,
     /// Polygons whose receivers count.
-    pub(crate) area: Option<PathBuf>,
+    pub(crate) area: Option<Input>,
     /// A raster of what each receiver counts.
     pub(crate) weights: Option<PathBuf>,
     /// Which part of the candidates is meant, which is not refined; all without one.
@@ -68,11 +72,12 @@ impl SearchPlan {
         question.check()?;
         let PlaceQuestion { candidates, goal, sight, heights } = question;
         let (defaults, path) = (PlaceQuestion::defaults(), |path: &Option<FilePath>| path.clone().map(PathBuf::from));
+        let input = |source: &Option<Source>| source.as_ref().map(Input::of);
         if candidates.shard.is_some() && files.map.is_some() {
             return Err(Error::idle("shard", "with `map`, which looks at all candidates"));
         }
         let from = match &candidates.candidates {
-            Some(path) => CandidatesFrom::File { path: path.0.clone(), skips_bad: candidates.skip_bad },
+            Some(source) => CandidatesFrom::File { input: Input::of(source), skips_bad: candidates.skip_bad },
             None => CandidatesFrom::Grid { step_m: filled(candidates.step, defaults.candidates.step) },
         };
         let plan = SearchPlan {
@@ -82,10 +87,10 @@ impl SearchPlan {
             from,
             heights: candidates.height.clone().unwrap_or_default().0,
             over: candidates.over.clone(),
-            within: path(&candidates.within),
-            keep_out: path(&candidates.keep_out),
+            within: input(&candidates.within),
+            keep_out: input(&candidates.keep_out),
             clearance_m: filled(candidates.clearance, defaults.candidates.clearance),
-            area: path(&goal.area),
+            area: input(&goal.area),
             weights: path(&goal.weights),
             shard: candidates.shard,
             count: filled(goal.count, defaults.goal.count).into(),
@@ -97,14 +102,14 @@ impl SearchPlan {
         Ok(plan)
     }
 
-    /// The files beside the scene.
-    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+    /// Returns the inputs beside the scene.
+    pub(crate) fn inputs(&self) -> impl Iterator<Item = Input> {
         let candidates = match &self.from {
-            CandidatesFrom::File { path, .. } => Some(path.as_path()),
+            CandidatesFrom::File { input, .. } => Some(input.clone()),
             CandidatesFrom::Grid { .. } => None,
         };
-        let others = [&self.within, &self.keep_out, &self.area, &self.weights];
-        candidates.into_iter().chain(others.into_iter().flatten().map(PathBuf::as_path))
+        let areas = [&self.within, &self.keep_out, &self.area].into_iter().flatten().cloned();
+        candidates.into_iter().chain(areas).chain(self.weights.as_deref().map(Input::path))
     }
 
     /// Checks what belongs together, and the numbers, before any work.

@@ -8,6 +8,8 @@ use std::io::{Cursor, ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
+use skyshed_request::Source;
+
 use crate::error::{Error, ReadFault, Result, io_words};
 use crate::remote::is_remote;
 
@@ -61,7 +63,7 @@ impl Input {
     }
 
     /// Returns `true` for held bytes, which have no path of a file.
-    pub(crate) fn is_held(&self) -> bool {
+    pub fn is_held(&self) -> bool {
         self.held.is_some()
     }
 
@@ -188,6 +190,16 @@ impl fmt::Display for Input {
 impl<P: Into<PathBuf>> From<P> for Input {
     fn from(path: P) -> Input {
         Input::path(path)
+    }
+}
+
+impl Input {
+    /// Returns the input that a source of a request names.
+    pub fn of(source: &Source) -> Input {
+        match source.bytes() {
+            Some(bytes) => Input::bytes(source.path(), Arc::clone(bytes)),
+            None => Input::path(source.path()),
+        }
     }
 }
 

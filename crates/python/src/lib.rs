@@ -26,7 +26,8 @@ mod _skyshed {
 #[pyfunction]
 #[pyo3(signature = (words, watch=None))]
 fn ask(py: Python<'_>, words: Vec<OsString>, watch: Option<Py<PyAny>>) -> PyResult<answers::Found> {
-    pool::watched(py, watch, move |progress| Ok(skyshed::cli::ask(words, None, progress)?)).map(answers::Found::from)
+    pool::watched(py, watch, move |progress| Ok(skyshed::cli::ask(words, (None, Vec::new()), progress)?))
+        .map(answers::Found::from)
 }
 
 /// Where the cells lie of a scene of which a run reads no more than it needs; ``None`` of any other.

@@ -7,7 +7,7 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use skyshed::cli;
-use skyshed::{Antenna, Height, SceneReader, Uav};
+use skyshed::{Antenna, Height, SceneReader, Source, Uav};
 use skyshed_core::raster::GeoRef;
 use skyshed_io::read::HeldBuilding;
 
@@ -191,10 +191,19 @@ impl Scene {
     }
 
     /// Asks a command of the program over this scene.
-    #[pyo3(signature = (words, watch=None))]
-    fn ask(&self, py: Python<'_>, words: Vec<OsString>, watch: Option<Py<PyAny>>) -> PyResult<Found> {
+    ///
+    /// `held` are inputs in memory: the option, the name, the bytes.
+    #[pyo3(signature = (words, watch=None, held=Vec::new()))]
+    fn ask(
+        &self,
+        py: Python<'_>,
+        words: Vec<OsString>,
+        watch: Option<Py<PyAny>>,
+        held: Vec<(String, String, Vec<u8>)>,
+    ) -> PyResult<Found> {
         let scene = self.0.clone();
-        watched(py, watch, move |progress| Ok(cli::ask(words, Some(scene), progress)?)).map(Found::from)
+        let held = held.into_iter().map(|(option, name, bytes)| (option, Source::held(name, bytes))).collect();
+        watched(py, watch, move |progress| Ok(cli::ask(words, (Some(scene), held), progress)?)).map(Found::from)
     }
 
     /// The live page.

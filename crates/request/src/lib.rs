@@ -29,6 +29,7 @@ mod plos;
 mod questions;
 mod scene;
 mod sight;
+mod source;
 mod uavs;
 mod units;
 mod values;
@@ -73,6 +74,7 @@ pub use scene::{
     SceneWord, SetRepairs, SetSceneOptions, SetSceneWord,
 };
 pub use sight::{Earth, Range, Receiver, Receivers, SetEarth, SetRange, SetReceiver, Sight};
+pub use source::Source;
 pub use uavs::{Position, SetUavs, Uavs};
 pub use units::{Shard, TileIndex, ZoneCount};
 pub use values::{EarthFactor, FilePath, HeightRange, Meters};

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use skyshed_core::quantity::Height;
 
-use crate::{EarthFactor, FilePath, GroundChoice, Heights, Meters};
+use crate::{EarthFactor, FilePath, GroundChoice, Heights, Meters, Source};
 
 /// A field that may be unset.
 pub trait Field {
@@ -99,6 +99,7 @@ takes! {
     GroundChoice: f64;
     Heights: Height, Vec<Height>;
     FilePath: &str, String, &String, PathBuf, &PathBuf, &Path;
+    Source: &str, String, &String, PathBuf, &PathBuf, &Path;
 }
 
 /// Returns the value that was set, or the default of the table.

@@ -6,7 +6,7 @@ use skyshed_core::zones::Zone;
 use crate::part::{group, part};
 use crate::{
     Antenna, Earth, Fault, FilePath, Goal, HeightErrors, Heights, OutputOptions, PictureOptions, Range, Reading,
-    Receiver, SceneOptions, SceneWord, Shard, Sight, Whom, have_one_reference,
+    Receiver, SceneOptions, SceneWord, Shard, Sight, Source, Whom, have_one_reference,
 };
 
 part! {
@@ -26,16 +26,16 @@ part! {
         over: Vec<Zone>,
         /// Only candidates inside of these polygons (.geojson)
         #[arg(long, value_name = "FILE", hide_short_help = true)]
-        within: Option<FilePath>,
+        within: Option<Source>,
         /// No candidates inside of these polygons (.geojson)
         #[arg(long, value_name = "FILE", hide_short_help = true)]
-        keep_out: Option<FilePath>,
+        keep_out: Option<Source>,
         /// Candidates from a table (.csv) or points (.geojson) instead of a grid
         ///
         /// Columns are x,y,h or lon,lat,h; `-` is standard input. They go by their names (a column id). Their own heights count if
         /// `--height` is not given.
         #[arg(long, value_name = "FILE", conflicts_with = "step")]
-        candidates: Option<FilePath>,
+        candidates: Option<Source>,
         /// Leave out rows of the candidates that cannot be read, with a warning that names them
         #[arg(long, requires = "candidates", hide_short_help = true)]
         skip_bad: bool,
@@ -71,7 +71,7 @@ part! {
         goal: Option<Goal>,
         /// Polygons (.geojson) whose receivers count for the goals p_los(area) and margin(area)
         #[arg(long, value_name = "FILE", hide_short_help = true)]
-        area: Option<FilePath>,
+        area: Option<Source>,
         /// Raster of scores for the goal p_los(weights): each receiver counts the whole value of the cell that holds it
         ///
         /// It does not hold persons per cell, which many receivers would share.

@@ -7,7 +7,7 @@ use skyshed_core::quantity::read_numbers;
 pub use skyshed_core::quantity::{read_angles as pair, read_number as number};
 use skyshed_core::words::Word;
 
-use crate::FilePath;
+use crate::{FilePath, Source};
 
 /// Takes one of some words; old spellings are hidden.
 pub fn one_of<T: Word + Send + Sync>() -> impl TypedValueParser<Value = T> {
@@ -24,6 +24,14 @@ impl ValueParserFactory for FilePath {
 
     fn value_parser() -> Self::Parser {
         clap::builder::PathBufValueParser::new().map(FilePath)
+    }
+}
+
+impl ValueParserFactory for Source {
+    type Parser = clap::builder::MapValueParser<clap::builder::PathBufValueParser, fn(std::path::PathBuf) -> Source>;
+
+    fn value_parser() -> Self::Parser {
+        clap::builder::PathBufValueParser::new().map(Source::from)
     }
 }
 
