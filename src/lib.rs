@@ -23,8 +23,14 @@
 //! The crates below hold what only experts need: `skyshed_core` the engines, `skyshed_study` P_LoS, placement and accuracy,
 //! `skyshed_io` formats and readers, `skyshed_render` pictures. Types of options that are not found here stand there.
 
+#![cfg_attr(
+    not(feature = "cli"),
+    allow(dead_code, unused_imports, reason = "some questions are asked by the program alone")
+)]
+
 mod answer;
 mod chart;
+#[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
 mod comparison;
