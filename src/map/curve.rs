@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::coverages::Coverages;
 use super::curve_report::{CurveFacts, HeightCurveReport};
 use crate::answer::{Answer, Output, Rows, Spent};
-use crate::coverage::{CurvedScene, HeightCurve, SiteCoverage};
+use crate::coverage::{HeightCurve, SceneView, SiteCoverage};
 use crate::error::{Error, OddRun, RequestError, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::picture::{Look, crs_words, picture_provenance, program, written};
@@ -83,9 +83,8 @@ impl Coverages {
         let receivers = (report.sight.options(field.grid(), None).receivers, report.sight.rx_height());
         progress.begin(field.grid().n_cells() as u64 * self.sites.len() as u64);
         let of = |site: &SiteCoverage| {
-            let curved = CurvedScene::of(field, &site.uav.station.place, report.sight.curvature())?;
-            let field = curved.as_ref().map_or(&**field, |curved| curved.field());
-            HeightCurve::of(field, site, receivers, progress.control())
+            let view = SceneView::of(field, &site.uav, report.sight.curvature())?;
+            HeightCurve::of(&view, site, receivers, progress.control())
         };
         let curves: Vec<HeightCurve> = self.sites.iter().map(of).collect::<std::result::Result<_, _>>()?;
         progress.end();

@@ -76,7 +76,7 @@ fn compare(field: &HeightField, uav: &Uav, earth: (i128, i128), receivers: Recei
     let columns = oracle::Columns { n_cols, n_rows, heights };
     let found = map(field, uav, &options);
     let mapper = Mapper::new(field, &options).unwrap();
-    assert_eq!(mapper.count(uav), (found.tally.receivers, found.tally.los));
+    assert_eq!(mapper.seen_from(uav).unwrap().count(), (found.tally.receivers, found.tally.los));
     for method in [MethodChoice::Ray, MethodChoice::Sweep] {
         assert_eq!(map(field, uav, &MapOptions { method, ..options.clone() }).mask, found.mask, "{method:?}");
     }

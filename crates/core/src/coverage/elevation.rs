@@ -12,7 +12,7 @@ use crate::dispatch;
 
 use crate::los::GridReceivers;
 use crate::quantity::STEPS_PER_UNIT;
-use crate::raster::bits_between;
+use crate::raster::{GeoRef, bits_between};
 
 /// Bands from −90° to 90°.
 pub(super) const N_BANDS: usize = 18;
@@ -45,6 +45,14 @@ pub(super) struct RowElevations<'a> {
     /// The receivers, and the index of the row's first cell among them.
     pub(super) receivers: &'a GridReceivers<'a>,
     pub(super) first_cell: usize,
+}
+
+/// Returns the world x of the columns of a grid, padded to whole words of them \[CRS units\].
+pub(super) fn padded_xs(grid: &GeoRef) -> Vec<f64> {
+    let n_cols = grid.n_cols();
+    let mut xs: Vec<f64> = (0..n_cols).map(|col| grid.world_from_cell(0, col).0).collect();
+    xs.resize(n_cols.div_ceil(64) * 64, 0.0);
+    xs
 }
 
 impl RowElevations<'_> {

@@ -12,11 +12,11 @@ use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
-use super::cell_heights::surface_under;
+use super::view::SceneView;
 use super::{Control, HoversOver, Receivers, SiteCoverage, Uav, class};
 use crate::error::Result;
-use crate::height_field::{CellKind, GridPositions, HeightField, Station};
-use crate::los::{GridLos, Method, link_least_step};
+use crate::height_field::{CellKind, GridPositions, Station};
+use crate::los::{GridLos, Method};
 use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, VOID, share};
 use crate::raster::{BitGrid, set_bits};
 
@@ -43,8 +43,13 @@ impl HeightCurve {
     /// The curve over the place of a map's UAV, for the receivers of that map.
     ///
     /// `receivers` are those of the options of the map, and how high they are above what they stand on \[1/1024 m\].
-    pub fn of(field: &HeightField, map: &SiteCoverage, receivers: (Receivers, i32), control: &Control) -> Result<Self> {
-        let mut least = LeastHeights::of(field, &map.uav, receivers);
+    pub fn of(
+        view: &SceneView<'_>,
+        map: &SiteCoverage,
+        receivers: (Receivers, i32),
+        control: &Control,
+    ) -> Result<Self> {
+        let mut least = LeastHeights::of(view, receivers);
         least.add(&map.mask, 0, control);
         control.check()?;
         Ok(least.curve())
@@ -121,27 +126,26 @@ impl HeightCurve {
 /// The least UAV heights of the receivers of a map, found some rows at a time: what a curve is counted from.
 #[derive(Debug)]
 pub struct LeastHeights<'a> {
-    field: &'a HeightField,
-    uav: Uav,
+    view: &'a SceneView<'a>,
     rx_height: i32,
     /// Whether receivers over buildings are above the ground, not the roof.
     are_in_air: bool,
     /// What finds those of many receivers at once, past footprints.
     at_once: Option<GridLos<'a>>,
     positions: GridPositions,
+    /// Lowest height that the UAV may have at its place \[1/1024 m\].
     lowest: i32,
     found: Vec<i32>,
 }
 
 impl<'a> LeastHeights<'a> {
     /// None yet, over the place of a UAV; with the receivers' height above what they stand on \[1/1024 m\].
-    pub fn of(field: &'a HeightField, uav: &Uav, (receivers, rx_height): (Receivers, i32)) -> Self {
+    pub fn of(view: &'a SceneView<'a>, (receivers, rx_height): (Receivers, i32)) -> Self {
         let are_in_air = receivers == Receivers::Air;
-        let lowest = lowest_uav_height(field, uav);
-        let (shadow, on_terrain) = (Method::Shadow, Method::ShadowRay);
-        let at_once = GridLos::new(field, if field.columns().is_some() { on_terrain } else { shadow }).ok();
-        let positions = field.positions();
-        LeastHeights { field, uav: uav.clone(), rx_height, are_in_air, at_once, positions, lowest, found: Vec::new() }
+        let surface = view.below_uav().surface;
+        let lowest = if surface == VOID { -MAX_STEP } else { surface };
+        let (at_once, positions) = (view.shadows(), view.field().positions());
+        LeastHeights { view, rx_height, are_in_air, at_once, positions, lowest, found: Vec::new() }
     }
 
     /// These after heights that were found before, of other rows of the same map.
@@ -157,7 +161,7 @@ impl<'a> LeastHeights<'a> {
 
     /// Adds the receivers of rows of a mask from `first_row` on; fewer if it is stopped.
     pub fn add(&mut self, mask: &[u8], first_row: usize, control: &Control) {
-        let (n_rows, n_cols) = (self.field.grid().n_rows(), self.field.grid().n_cols());
+        let (n_rows, n_cols) = (self.view.field().grid().n_rows(), self.view.field().grid().n_cols());
         let mut receivers = BitGrid::new(n_rows, n_cols);
         for (row, mask) in (first_row..).zip(mask.chunks(n_cols)) {
             let is_receiver = |(_, class): &(usize, &u8)| matches!(**class, class::LOS | class::NLOS);
@@ -167,7 +171,7 @@ impl<'a> LeastHeights<'a> {
         let lowest = i64::from(self.lowest);
         let at_once = self.at_once.as_ref();
         let at_once =
-            at_once.and_then(|engine| engine.least_uav_heights(&self.uav.station, &receivers, lowest, &height));
+            at_once.and_then(|engine| engine.least_uav_heights(&self.view.uav().station, &receivers, lowest, &height));
         let of_row = |row: usize| {
             let mut least: Vec<i32> = Vec::new();
             if control.stop.load(Ordering::Relaxed) {
@@ -187,10 +191,10 @@ impl<'a> LeastHeights<'a> {
 
     /// Height of the receiver of a cell \[1/1024 m above the datum\].
     fn height_of(&self, row: usize, col: usize) -> i32 {
-        let cell = row * self.field.grid().n_cols() + col;
+        let cell = row * self.view.field().grid().n_cols() + col;
         let place = self.positions.center(row, col);
-        match self.field.cell_kind(cell, &place) {
-            CellKind::Building(_) if self.are_in_air => self.field.ground_at(&place) + self.rx_height,
+        match self.view.field().cell_kind(cell, &place) {
+            CellKind::Building(_) if self.are_in_air => self.view.field().ground_at(&place) + self.rx_height,
             CellKind::Open(stands_on) | CellKind::Building(stands_on) => stands_on + self.rx_height,
             _ => self.rx_height,
         }
@@ -199,7 +203,7 @@ impl<'a> LeastHeights<'a> {
     /// The least lattice height of the UAV from which on it sees a receiver, not below the lowest; [`NEVER`] if there is none.
     fn least_step(&self, (row, col): (usize, usize)) -> i32 {
         let receiver = Station { place: self.positions.center(row, col), z: i64::from(self.height_of(row, col)) };
-        let step = link_least_step(self.field, &self.uav.station, &receiver, i64::from(self.lowest));
+        let step = self.view.least_step(&receiver, i64::from(self.lowest));
         step.and_then(|z| i32::try_from(z).ok()).filter(|z| *z <= MAX_STEP).unwrap_or(NEVER)
     }
 
@@ -228,13 +232,7 @@ impl<'a> LeastHeights<'a> {
                 _ => steps.push((z, in_sight)),
             }
         }
-        let ground = Some(self.field.below_uav(&self.uav.station.place).ground).filter(|z| *z != VOID);
-        HeightCurve { uav: self.uav, ground, lowest: self.lowest, receivers, method, steps }
+        let ground = Some(self.view.below_uav().ground).filter(|z| *z != VOID);
+        HeightCurve { uav: self.view.uav().clone(), ground, lowest: self.lowest, receivers, method, steps }
     }
-}
-
-/// The lowest height that a UAV may have at its place \[1/1024 m\]: what [`Uav::place`] lets pass.
-fn lowest_uav_height(field: &HeightField, uav: &Uav) -> i32 {
-    let surface = surface_under(field, &uav.station.place);
-    if surface == VOID { -MAX_STEP } else { surface }
 }

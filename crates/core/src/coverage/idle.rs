@@ -5,8 +5,8 @@
 //! left may still hide nobody, which only its shadows tell.
 
 use super::Uav;
-use super::map::Mapper;
-use crate::height_field::{Caster, Drops, Prisms, Station};
+use super::view::Mapper;
+use crate::height_field::{Caster, Prisms, Station};
 use crate::overlay::bounds_of;
 
 /// Footprints of a scene, by what they can do to a run.
@@ -59,11 +59,11 @@ impl Mapper<'_> {
     ///
     /// Cost: a look at each piece of a footprint.
     pub fn drop_idle(&mut self, uavs: &[Uav]) -> IdleFootprints {
-        let Some(prisms) = self.field.prisms() else { return IdleFootprints::default() };
+        let Some(prisms) = self.field().prisms() else { return IdleFootprints::default() };
         let links = self.links_of(uavs);
         let kept = prisms.casters().kept(|c: &Caster| !links.is_too_low(c.top) && !links.is_beyond(c.bounds));
         self.cast_only(kept);
-        count(prisms, self.field.n_buildings(), &links)
+        count(prisms, self.field().n_buildings(), &links)
     }
 
     fn links_of(&self, uavs: &[Uav]) -> LinkBox {
@@ -73,23 +73,23 @@ impl Mapper<'_> {
             let place = uav.station.on_prisms();
             links.add(place.x, place.y);
             links.lowest = links.lowest.min(uav.station.z);
-            let window = self.range_of(uav).window();
+            // A UAV without a view has no map either.
+            let Ok(view) = self.seen_from(uav) else { continue };
+            let window = view.window();
             if window.n_rows == 0 || window.n_cols == 0 {
                 continue;
             }
-            if let Some(curvature) = self.options.curvature {
-                let drops =
-                    Drops::new(self.engine.positions(), &uav.station.place, curvature, self.options.meters_per_unit);
+            if view.scene().curvature().is_some() {
                 // A link sags by a quarter of what its end drops by.
-                sag = sag.max(drops.most(window) / 4 + 1);
+                sag = sag.max(view.most_drop() / 4 + 1);
             }
             let last = (window.row + window.n_rows - 1, window.col + window.n_cols - 1);
             for (row, col) in [(window.row, window.col), last] {
-                let corner = Station { place: self.engine.positions().center(row, col), z: 0 }.on_prisms();
+                let corner = Station { place: self.positions().center(row, col), z: 0 }.on_prisms();
                 links.add(corner.x, corner.y);
             }
         }
-        let lowest = self.receivers.iter().filter_map(|receivers| receivers.lowest()).min();
+        let lowest = self.receivers().iter().filter_map(|receivers| receivers.lowest()).min();
         // A lattice step to spare: how stable answers are is found by moving the UAV by one.
         let [west, south, east, north] = links.bounds;
         LinkBox {

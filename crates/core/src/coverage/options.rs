@@ -1,12 +1,12 @@
 //! How a map is made, and how it is watched and stopped.
 
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use super::HeightErrors;
 use crate::city::Antenna;
 use crate::error::{Error, Result};
-use crate::height_field::Curvature;
-use crate::los::MethodChoice;
+use crate::height_field::{Curvature, HeightField, StandsOn};
+use crate::los::{HeightErrors, MethodChoice};
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::{BitGrid, CellWindow};
 
@@ -22,6 +22,46 @@ pub enum Receivers {
     All,
     /// Over all ground, also where a building is that reaches no higher: places of a drone at a height above the ground.
     Air,
+}
+
+impl Receivers {
+    /// Lists the kinds of receivers by what they stand on.
+    pub(super) fn stands(self) -> &'static [Stand] {
+        match self {
+            Receivers::Ground => &[Stand::Ground],
+            Receivers::Roof => &[Stand::Roof],
+            Receivers::All => &[Stand::Ground, Stand::Roof],
+            Receivers::Air => &[Stand::Air],
+        }
+    }
+}
+
+/// Kind of receivers by what they stand on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stand {
+    Ground,
+    Roof,
+    /// Over all ground that is free at their height.
+    Air,
+}
+
+impl Stand {
+    /// Returns the cells that hold receivers at a height above what they stand on \[1/1024 m\].
+    pub(super) fn cells(self, field: &HeightField, rx_height: i32) -> Cow<'_, BitGrid> {
+        match self {
+            Stand::Ground => Cow::Borrowed(&field.cells().open),
+            Stand::Roof => Cow::Borrowed(&field.cells().building),
+            Stand::Air => Cow::Owned(field.free_above_ground(rx_height)),
+        }
+    }
+
+    /// Returns the heights that they stand on.
+    pub(super) fn heights(self, field: &HeightField) -> StandsOn<'_> {
+        match self {
+            Stand::Ground | Stand::Air => field.ground_of_cells(),
+            Stand::Roof => field.roof_of_cells(),
+        }
+    }
 }
 
 /// How a map is made.
@@ -114,8 +154,13 @@ pub struct Control {
 }
 
 impl Control {
+    /// Tells whether the work is to stop.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
     /// Fails if the work is to stop.
     pub fn check(&self) -> Result<()> {
-        if self.stop.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) }
+        if self.is_stopped() { Err(Error::Interrupted) } else { Ok(()) }
     }
 }

@@ -1,12 +1,12 @@
-//! The rows of a map's outputs, filled in bands of which each is handed over while the next is filled.
+//! Rows of a map's outputs, filled in bands of which each is handed over while the next is filled.
 
 use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::Tally;
+use super::{HeightLayers, Tally};
 
-/// One row of every output; rows of layers that are not wanted are empty.
+/// Row of every output; rows of layers that are not wanted are empty.
 pub(super) struct Row<'a> {
     pub(super) mask: &'a mut [u8],
     pub(super) margin: &'a mut [f32],
@@ -14,7 +14,12 @@ pub(super) struct Row<'a> {
     pub(super) least_height: &'a mut [f32],
 }
 
-impl Row<'_> {
+impl<'a> Row<'a> {
+    /// Returns the row of a mask without layers.
+    pub(super) fn of_mask(mask: &'a mut [u8]) -> Self {
+        Row { mask, margin: &mut [], least_receiver_height: &mut [], least_height: &mut [] }
+    }
+
     /// Sets the least receiver height and the margin of a cell \[m\], as far as these are wanted.
     #[inline]
     pub(super) fn set_heights(&mut self, col: usize, (least, margin): (f32, f32)) {
@@ -24,6 +29,52 @@ impl Row<'_> {
         if let Some(v) = self.margin.get_mut(col) {
             *v = margin;
         }
+    }
+}
+
+/// Layers of heights of some rows; those that are not wanted are empty.
+#[derive(Debug)]
+pub(super) struct HeightRows {
+    n_cols: usize,
+    margin: Vec<f32>,
+    least_receiver_height: Vec<f32>,
+    least_height: Vec<f32>,
+}
+
+impl HeightRows {
+    /// Returns layers without a height.
+    pub(super) fn new(layers: HeightLayers, n_rows: usize, n_cols: usize) -> Self {
+        let layer = |is_wanted: bool| if is_wanted { vec![f32::NAN; n_rows * n_cols] } else { Vec::new() };
+        HeightRows {
+            n_cols,
+            margin: layer(layers.margin),
+            least_receiver_height: layer(layers.least_receiver_height),
+            least_height: layer(layers.least_height),
+        }
+    }
+
+    /// Splits some rows, and the mask of these.
+    pub(super) fn rows<'r>(&'r mut self, rows: Range<usize>, mask: &'r mut [u8]) -> impl Iterator<Item = Row<'r>> {
+        let n_cols = self.n_cols;
+        let split = |layer: &'r mut [f32]| {
+            let n = if layer.is_empty() { 0 } else { n_cols };
+            let rows = layer[rows.start * n..rows.end * n].chunks_mut(n_cols);
+            rows.chain(std::iter::repeat_with(Default::default))
+        };
+        let heights = split(&mut self.margin).zip(split(&mut self.least_receiver_height));
+        let rows = mask.chunks_mut(n_cols).zip(heights).zip(split(&mut self.least_height));
+        rows.map(|((mask, (margin, least_receiver_height)), least_height)| Row {
+            mask,
+            margin,
+            least_receiver_height,
+            least_height,
+        })
+    }
+
+    /// Returns margins, least receiver heights and least heights of the UAV, as far as they are wanted.
+    pub(super) fn into_layers(self) -> [Option<Vec<f32>>; 3] {
+        [self.margin, self.least_receiver_height, self.least_height]
+            .map(|layer| Some(layer).filter(|of| !of.is_empty()))
     }
 }
 
@@ -94,17 +145,6 @@ pub(super) fn in_buffers(
     tally
 }
 
-/// The rows of a layer, or as many empty rows.
-pub(super) fn split<T>(cells: &mut [T], n_rows: usize, n_cols: usize) -> impl Iterator<Item = &mut [T]> {
-    let width = if cells.is_empty() { 0 } else { n_cols };
-    let mut rest = cells;
-    (0..n_rows).map(move |_| {
-        let (row, tail) = std::mem::take(&mut rest).split_at_mut(width);
-        rest = tail;
-        row
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,12 +154,7 @@ mod tests {
         for n_rows in [0, 1, 2, 7, 64] {
             for n_at_once in [1, 2, 5, 63, 64, 65] {
                 let mut mask = vec![0_u8; 3 * n_rows];
-                let rows = mask.chunks_mut(3).map(|mask| Row {
-                    mask,
-                    margin: &mut [],
-                    least_receiver_height: &mut [],
-                    least_height: &mut [],
-                });
+                let rows = mask.chunks_mut(3).map(Row::of_mask);
                 let fill = |row: usize, out: &mut Row<'_>| {
                     out.mask.fill(u8::try_from(row).expect("few rows") + 1);
                     Tally::of_mask(&[0])

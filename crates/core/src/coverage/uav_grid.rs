@@ -10,7 +10,8 @@ use rayon::prelude::*;
 
 use super::place_sums::PlaceSums;
 use super::range::Range;
-use super::{Control, Mapper, Uav};
+use super::view::Mapper;
+use super::{Control, Uav};
 use crate::error::Result;
 use crate::height_field::{GridPositions, Station};
 use crate::los::{GridReceivers, InView, ReceiverTile, ShadowGrid, UavPositions};
@@ -46,11 +47,11 @@ impl Mapper<'_> {
     /// UAVs over the centers of cells of `grid`, each with the number of its cell, row by row; `None` without any, or if
     /// they are not all at one height where the grid puts them, or the earth is curved.
     pub fn uav_grid<'a>(&self, grid: &GeoRef, uavs: impl IntoIterator<Item = (usize, &'a Uav)>) -> Option<UavGrid> {
-        let field = self.field;
         // Over a curved earth each UAV sees heights of its own.
-        if self.options.curvature.is_some() {
+        if self.options().curvature.is_some() {
             return None;
         }
+        let field = self.field();
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
         let positions = field.positions_on(grid);
         let has_prisms = field.prisms().is_some();
@@ -59,7 +60,7 @@ impl Mapper<'_> {
         let mut z = None;
         for (place, uav) in uavs {
             let (row, col) = (place / n_cols, place % n_cols);
-            let at = self.engine.on_shadows(&uav.station);
+            let at = self.on_shadows(&uav.station);
             if row >= n_rows || (at.x, at.y) != (xs[col], ys[row]) || *z.get_or_insert(at.z) != at.z {
                 return None;
             }
@@ -80,7 +81,7 @@ impl Mapper<'_> {
         #[expect(clippy::cast_precision_loss, reason = "an estimate")]
         let n_uavs = uavs.places.count() as f64;
         let one_by_one = self.counting_one_us().map_or(f64::INFINITY, |one| n_uavs * one);
-        let Some(positions) = self.engine.uav_positions(&uavs.shadows, uavs.z, &self.receivers) else {
+        let Some(positions) = self.uav_positions(&uavs.shadows, uavs.z) else {
             return [f64::INFINITY, one_by_one];
         };
         // PERF: fitted to the itu cities and Munich on cells of 2 and 5 m with 500 to 40 000 UAVs. Of 65 trials it takes the slower
@@ -90,12 +91,12 @@ impl Mapper<'_> {
         let [rows, words, receivers] = [
             uavs.grid.n_rows() as u64,
             uavs.places.words().len() as u64,
-            self.receivers.iter().map(|r| r.cells.count()).sum(),
+            self.receivers().iter().map(|r| r.cells.count()).sum(),
         ]
         .map(|n| n as f64);
         let casters = self.in_range(positions.casters.all().len());
-        let rows = self.options.radius.map_or(rows, |radius| rows.min(2.0 * radius / uavs.grid.cell_height()));
-        let of_range = if self.options.radius.is_some() { 2.0 } else { 1.0 };
+        let rows = self.options().radius.map_or(rows, |radius| rows.min(2.0 * radius / uavs.grid.cell_height()));
+        let of_range = if self.options().radius.is_some() { 2.0 } else { 1.0 };
         let one_receiver = (5.0 + 0.005 * casters) * (0.4 + 0.006 * rows) * of_range + 0.0025 * words;
         [receivers * one_receiver, one_by_one]
     }
@@ -103,15 +104,15 @@ impl Mapper<'_> {
     /// About how long one thread takes for [`Mapper::count`] \[µs\]; `None` unless the engine is `shadow` over a flat earth.
     pub fn counting_one_us(&self) -> Option<f64> {
         // On a raster of plateaus one UAV takes twice as long.
-        let of_raster = if self.field.prisms().is_none() { 2.0 } else { 1.0 };
-        Some((40.0 + 0.2 * self.in_range(self.engine.n_casters()?)) * of_raster)
+        let of_raster = if self.field().prisms().is_none() { 2.0 } else { 1.0 };
+        Some((40.0 + 0.2 * self.in_range(self.n_casters()?)) * of_raster)
     }
 
     /// How many of some casters are in range of a UAV, if they stand everywhere alike.
     #[expect(clippy::cast_precision_loss, reason = "an estimate")]
     fn in_range(&self, n_casters: usize) -> f64 {
-        let share = self.options.radius.map_or(1.0, |radius| {
-            let grid = self.field.grid();
+        let share = self.options().radius.map_or(1.0, |radius| {
+            let grid = self.field().grid();
             let area = (grid.x_max() - grid.x_min()) * (grid.y_max() - grid.y_min());
             (std::f64::consts::PI * radius * radius / area).min(1.0)
         });
@@ -128,14 +129,14 @@ impl Mapper<'_> {
         weight: &(dyn Fn(usize) -> u128 + Sync),
         control: &Control,
     ) -> Result<Option<Vec<u128>>> {
-        let Some(positions) = self.engine.uav_positions(&uavs.shadows, uavs.z, &self.receivers) else {
+        let Some(positions) = self.uav_positions(&uavs.shadows, uavs.z) else {
             return Ok(None);
         };
         let whole = positions.anywhere(&uavs.places);
-        let (n_rows, n_cols) = (self.field.grid().n_rows(), self.field.grid().n_cols());
+        let (n_rows, n_cols) = (self.field().grid().n_rows(), self.field().grid().n_cols());
         let tiles_per_row = n_cols.div_ceil(SIDES[0]);
         let n_tiles = n_rows.div_ceil(SIDES[0]) * tiles_per_row;
-        let (n_uavs, n_steps) = (u128::from(uavs.places.count()), (n_tiles * self.receivers.len()).max(1) as u128);
+        let (n_uavs, n_steps) = (u128::from(uavs.places.count()), (n_tiles * self.receivers().len()).max(1) as u128);
         let n_done = AtomicU64::new(0);
         let tile_is_done = || {
             let up_to = |k: u64| n_uavs * u128::from(k) / n_steps;
@@ -160,7 +161,7 @@ impl Mapper<'_> {
             let workers = (0..rayon::current_num_threads()).into_par_iter().with_max_len(1);
             workers.map(|_| of_worker(receivers, &next)).reduce_with(|a, b| a.plus(&b))
         };
-        let seen = self.receivers.iter().filter_map(of_kind).reduce(|a, b| a.plus(&b));
+        let seen = self.receivers().iter().filter_map(of_kind).reduce(|a, b| a.plus(&b));
         control.check()?;
         // Bits beyond the last column are no places.
         let (width, n_cols) = (uavs.places.words_per_row() * 64, uavs.grid.n_cols());
@@ -215,8 +216,8 @@ impl<'a> Counting<'a> {
 
     /// The rows and columns of places out of which all is out of range of some cells, if range is limited.
     fn near(&self, cells: &[(usize, usize)]) -> Option<(Span, Span)> {
-        let radius = self.mapper.options.radius?;
-        let (grid, places) = (self.mapper.field.grid(), &self.uavs.grid);
+        let radius = self.mapper.options().radius?;
+        let (grid, places) = (self.mapper.field().grid(), &self.uavs.grid);
         let (first, last) = (cells.first()?, cells.last()?);
         let cols = || cells.iter().map(|(_, col)| *col);
         let (west, north) = grid.world_from_cell(first.0, cols().min()?);
@@ -246,13 +247,13 @@ impl<'a> Counting<'a> {
 
     fn station(&self, (row, col): (usize, usize)) -> Station {
         let z = self.receivers.height(row * self.receivers.cells.n_cols() + col);
-        Station { place: self.mapper.engine.positions().center(row, col), z }
+        Station { place: self.mapper.positions().center(row, col), z }
     }
 
     /// The box around the receivers of some cells.
     fn bounds(&self, cells: &[(usize, usize)]) -> Option<ReceiverTile> {
         let of_one = |cell: &(usize, usize)| {
-            let LatticePoint { x, y, z } = self.mapper.engine.on_shadows(&self.station(*cell));
+            let LatticePoint { x, y, z } = self.mapper.on_shadows(&self.station(*cell));
             ReceiverTile { bounds: [x, y, x, y], heights: (z, z) }
         };
         cells.iter().map(of_one).reduce(|a, b| {
@@ -268,9 +269,9 @@ impl<'a> Counting<'a> {
         let weight = (self.weight)(row * self.receivers.cells.n_cols() + col);
         let station = self.station((row, col));
         // The steps from a cell to a place are those from the place to the cell.
-        let range = Range::of_uavs(&self.uavs.positions, &station, self.uavs.z, &self.mapper.options);
+        let range = Range::of_uavs(&self.uavs.positions, &station, self.uavs.z, self.mapper.options());
         let mut asked = range.cut(&in_view.positions);
-        self.positions.los(in_view, self.mapper.engine.on_shadows(&station), &mut asked);
+        self.positions.los(in_view, self.mapper.on_shadows(&station), &mut asked);
         self.seen.add(&asked, weight);
     }
 }

@@ -41,7 +41,6 @@ impl HeightField {
                     without_data: voids.map(Arc::new),
                     cells: no_cells,
                     bent_terrain: None,
-                    below_uav: None,
                 }
             }
             Solids::Vector { footprints, frame, ground, data_area, .. } => {
@@ -78,14 +77,8 @@ impl HeightField {
                     building_errors,
                 };
                 let solid = Solid::Vector(solid);
-                let mut field = HeightField {
-                    grid: grid.clone(),
-                    solid,
-                    without_data: None,
-                    cells: no_cells,
-                    bent_terrain: None,
-                    below_uav: None,
-                };
+                let mut field =
+                    HeightField { grid: grid.clone(), solid, without_data: None, cells: no_cells, bent_terrain: None };
                 field.find_roofs();
                 field.find_cells_without_data();
                 if is_auto && field.knows_all_as_little_is_open() {

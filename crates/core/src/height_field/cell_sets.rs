@@ -137,6 +137,11 @@ impl HeightField {
         free
     }
 
+    /// The cells of a raster that are buildings; all of a surface model alone, where buildings are not known.
+    pub(crate) fn cells_of_buildings(&self) -> &BitGrid {
+        if self.is_surface_only() { &self.cells.open } else { &self.cells.building }
+    }
+
     /// The one height of the ground under all open cells, if it is flat.
     pub(super) fn flat_ground(&self) -> Option<i32> {
         match &self.solid {

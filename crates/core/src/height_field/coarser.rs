@@ -2,9 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::HeightField;
-use super::solid::RasterSolid;
+use std::sync::Arc;
+
+use super::field::{CellSets, HeightField};
+use super::prisms::Prisms;
+use super::solid::{RasterSolid, Solid};
 use crate::city::{Ground, Solids};
+use crate::overlay::Ring;
 use crate::quantity::{BLOCKS_ALL, VOID};
 use crate::raster::{BitGrid, GeoRef, Raster};
 
@@ -58,7 +62,7 @@ impl HeightField {
     /// receivers is decided exactly. `None` for a raster scene, or where the coarse grid is not one.
     pub fn with_coarser_receivers(&self, factor: usize) -> Option<HeightField> {
         self.prisms()?;
-        Some(self.with_receivers_on(&coarser_grid(self.grid(), factor)?))
+        Some(self.with_receivers_on(coarser_grid(self.grid(), factor)?))
     }
 
     /// A vector scene with receivers on cells a `factor`th as large; its solids stay what they are. `None` for a raster scene,
@@ -69,14 +73,28 @@ impl HeightField {
         let shape = (grid.n_rows().checked_mul(factor)?, grid.n_cols().checked_mul(factor)?);
         #[expect(clippy::cast_precision_loss, reason = "a small factor")]
         let fine = with_cells(grid, |side| side / factor as f64, shape)?;
-        Some(self.with_receivers_on(&fine))
+        Some(self.with_receivers_on(fine))
+    }
+
+    /// The solids of the scene under receivers on another grid.
+    fn with_receivers_on(&self, grid: GeoRef) -> HeightField {
+        let mut field = HeightField { grid, ..self.clone() };
+        field.find_cells_without_data();
+        field.with_cells_found()
+    }
+
+    /// The scene with its cells sorted into open ground and roofs anew.
+    fn with_cells_found(mut self) -> HeightField {
+        self.find_roofs();
+        self.cells = Arc::new(CellSets::of(&self));
+        self
     }
 
     /// The terrain of a scene without its buildings: every cell is open ground. `None` where the ground is flat, or not known
     /// apart from the surface.
     pub fn terrain_alone(&self) -> Option<HeightField> {
         if self.prisms().is_some() {
-            return self.columns().is_some().then(|| self.without_prisms());
+            return self.columns().is_some().then(|| self.without_buildings());
         }
         let RasterSolid { ground, building_threshold, .. } = self.solid.raster()?;
         let Ground::Terrain(terrain) = &**ground else { return None };
@@ -87,6 +105,39 @@ impl HeightField {
             voids: self.without_data.as_deref().cloned(),
         };
         Some(HeightField::build(self.grid(), solids).field)
+    }
+
+    /// The ground of a vector scene without a building.
+    fn without_buildings(&self) -> HeightField {
+        let mut field = self.with_prisms(Prisms::new(Vec::<(Ring, i32, u32)>::new()));
+        if let Solid::Vector(vector) = &mut field.solid {
+            vector.building_ids = [].into();
+            vector.building_errors = None;
+        }
+        field.with_cells_found()
+    }
+
+    /// The scene with a flat roof on every building, as high as its own is highest; `None` where all are that.
+    pub fn with_flat_roofs(&self) -> Option<HeightField> {
+        let prisms = self.prisms()?;
+        if self.n_buildings_with_shaped_roofs() == 0 {
+            return None;
+        }
+        let tops = self.building_tops();
+        let flat = prisms.pieces().iter().map(|p| (prisms.ring(p), tops[p.building as usize], p.building));
+        Some(self.with_prisms(Prisms::new(flat)).with_cells_found())
+    }
+
+    /// How many buildings have a roof that is not flat.
+    pub fn n_buildings_with_shaped_roofs(&self) -> usize {
+        let tops = self.building_tops();
+        let Some(prisms) = self.prisms() else { return 0 };
+        let mut is_shaped = vec![false; tops.len()];
+        for piece in prisms.pieces() {
+            let building = piece.building as usize;
+            is_shaped[building] |= prisms.heights(piece).is_some() || piece.top != tops[building];
+        }
+        is_shaped.into_iter().filter(|is_shaped| *is_shaped).count()
     }
 
     /// A vector scene as the raster of its receivers' grid: each cell as high as the roof over its center, or as the ground

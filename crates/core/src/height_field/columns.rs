@@ -3,8 +3,8 @@
 use std::sync::{Arc, OnceLock};
 
 use super::plateaus::Plateaus;
+use super::seen_heights::{Drops, HeightsOf, SeenHeights};
 use super::tile_maxima::TileMaxima;
-use super::{Drops, HeightsOf, SeenHeights};
 use crate::quantity::{BLOCKS_ALL, STEPS_PER_UNIT, VOID};
 use crate::raster::{CellWindow, LargeVec};
 
@@ -100,6 +100,11 @@ impl Columns {
         }
     }
 
+    /// All cells.
+    pub(super) fn window(&self) -> CellWindow {
+        CellWindow { row: 0, col: 0, n_rows: self.n_rows, n_cols: self.n_cols }
+    }
+
     /// Width and height of a cell \[lattice steps\].
     #[inline]
     pub fn steps(&self) -> [i64; 2] {
@@ -174,16 +179,6 @@ impl Columns {
     /// By how much tops are seen lower over a curved earth.
     pub(crate) fn drops(&self) -> Option<&Drops> {
         self.bent.as_ref().map(|bent| &*bent.drops)
-    }
-
-    /// These columns with other tops over a flat earth, seen as much lower.
-    pub(super) fn with_flat_tops(&self, tops: Vec<i32>) -> Columns {
-        let columns = Columns::new(self.n_rows, self.n_cols, tops).with_cells_of(self.steps);
-        let whole = CellWindow { row: 0, col: 0, n_rows: self.n_rows, n_cols: self.n_cols };
-        match &self.bent {
-            None => columns,
-            Some(bent) => columns.lowered(Arc::clone(&bent.drops), whole),
-        }
     }
 
     /// The highest tops of tiles of cells; of a raster of plateaus found when it is first asked for.

@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::positions::RangeLattice;
-use super::solid::{RasterSolid, Solid, VectorGround};
-use super::{BentTerrain, Columns, GridPositions, Place, Plateaus, Prisms, Station, cell_frame};
+use super::columns::Columns;
+use super::plateaus::Plateaus;
+use super::positions::{GridPositions, Place, RangeLattice, Station, cell_frame};
+use super::prisms::Prisms;
+use super::solid::{BentTerrain, RasterSolid, Solid, VectorGround};
 use crate::city::Ground;
 use crate::quantity::{BLOCKS_ALL, Frame, LatticePoint, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::{BitGrid, CellLattice, GeoRef};
@@ -24,8 +26,6 @@ pub struct HeightField {
     pub(super) cells: Arc<CellSets>,
     /// The terrain below footprints as a UAV sees it over a curved earth, where that is not as it is.
     pub(super) bent_terrain: Option<Arc<BentTerrain>>,
-    /// Ground and surface below the UAV that the scene is bent for, over a flat earth; `None` where it is not bent.
-    pub(super) below_uav: Option<BelowUav>,
 }
 
 /// Heights at the place of a UAV \[1/1024 m above the datum\]; [`VOID`] where none is known.
@@ -251,16 +251,11 @@ impl HeightField {
         }
     }
 
-    /// Heights below a UAV at a place. In a scene that is bent for a UAV they are those of the scene before: below the UAV itself the earth does
-    /// not fall away, but the middle of its cell is lower, and so is all ground that is known without a cell.
+    /// Returns the heights below a UAV at a place.
     pub fn below_uav(&self, place: &Place) -> BelowUav {
-        self.below_uav.unwrap_or_else(|| {
-            let ground = self.ground_at(place);
-            BelowUav {
-                ground,
-                surface: ground.max(self.inside_prisms_below(place)).max(self.inside_columns_below(place)),
-            }
-        })
+        let ground = self.ground_at(place);
+        let surface = ground.max(self.inside_prisms_below(place)).max(self.inside_columns_below(place));
+        BelowUav { ground, surface }
     }
 
     /// The height below which the vertical line at a place is inside the prisms; [`VOID`] if it is not.

@@ -4,7 +4,6 @@
 //! vector scene. A [`HeightField`] is either or both, each on its own lattice, together with what receivers stand on.
 //! Nothing here decides who sees whom; that is [`crate::los`].
 
-mod bent;
 mod build;
 mod casters;
 mod cell_sets;
@@ -25,12 +24,11 @@ mod rings;
 mod roof_plane;
 mod roof_shape;
 mod roofs;
+mod seen_heights;
 mod solid;
 mod tile_maxima;
 mod triangulate;
 
-pub(crate) use bent::BentTerrain;
-pub use bent::{Drops, HeightsOf, SeenHeights};
 pub use build::Built;
 pub use casters::{Caster, CasterBlock, Casters};
 pub use cell_sets::StandsOn;
@@ -44,6 +42,7 @@ pub use positions::{GridPositions, Place, Station};
 pub use prisms::{Buckets, CurvedGround, Piece, Prisms, Top};
 pub use roof_plane::{MAX_ROOF_STEPS, RoofPlane};
 pub use roof_shape::{roof_triangles, wall_edges};
+pub use seen_heights::{Drops, HeightsOf, SeenHeights};
 pub use tile_maxima::{TILE, TILE_BITS, TileMaxima};
 pub use triangulate::{ConvexPieces, convex_pieces, triangles};
 

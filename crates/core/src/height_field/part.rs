@@ -35,7 +35,7 @@ impl HeightField {
         let cells =
             Arc::new(CellSets { open: self.cells.open.part(window), building: self.cells.building.part(window) });
         let without_data = self.without_data.as_ref().map(|whole| Arc::new(whole.part(window)));
-        HeightField { grid: self.grid.part(window), solid, without_data, cells, bent_terrain: None, below_uav: None }
+        HeightField { grid: self.grid.part(window), solid, without_data, cells, bent_terrain: None }
     }
 
     /// What a raster scene was built from, over some of its cells; `None` of a vector scene.

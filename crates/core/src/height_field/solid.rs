@@ -2,10 +2,14 @@
 
 use std::sync::Arc;
 
+use super::columns::Columns;
 use super::known_ground::KnownGround;
-use super::{Columns, Drops, HeightsOf, Prisms, SeenHeights};
+use super::positions::Place;
+use super::prisms::Prisms;
+use super::seen_heights::{Drops, HeightsOf, SeenHeights};
 use crate::city::Ground;
 use crate::quantity::Frame;
+use crate::raster::GeoRef;
 
 /// The solids of a scene, of one kind or the other.
 #[derive(Debug, Clone)]
@@ -52,6 +56,28 @@ pub(super) enum VectorGround {
     Flat(i32),
     /// A terrain on a grid of its own.
     Terrain { columns: Columns, frame: Frame },
+}
+
+/// The terrain below footprints as a UAV sees it over a curved earth.
+#[derive(Debug)]
+pub(crate) struct BentTerrain {
+    pub(super) columns: Columns,
+    /// Drops of its cells.
+    pub(super) drops: Arc<Drops>,
+    /// Drops of receivers on the cells of the grid, against the terrain.
+    pub(crate) receiver_drops: Arc<Drops>,
+}
+
+impl BentTerrain {
+    /// Returns how much lower against the terrain a receiver at a place is \[1/1024 m\].
+    pub(crate) fn receiver_drop(&self, grid: &GeoRef, place: &Place) -> i64 {
+        i64::from(self.receiver_drops.at_place(grid, place))
+    }
+
+    /// Returns how much lower a cell of it is \[1/1024 m\].
+    pub(crate) fn drop_of(&self, (row, col): (usize, usize)) -> i32 {
+        self.drops.at(row, col)
+    }
 }
 
 impl RasterSolid {

@@ -38,17 +38,17 @@ pub fn least_heights(
     of_place.sort_by_key(|place| place.iter().min().copied());
     let find = |place: &Vec<usize>| {
         let at = |k: usize| {
-            let score = scorer.score(&candidates[place[k]].uav);
+            let score = scorer.score(&candidates[place[k]].uav)?;
             let reaches = score.share().is_some_and(|p| p >= share);
-            LeastHeight { candidate: place[k], score, reaches }
+            Result::Ok(LeastHeight { candidate: place[k], score, reaches })
         };
         // Invariant: all before `low` are too low, and `found` is the highest not yet ruled out.
         let (mut low, mut high) = (0, place.len() - 1);
-        let mut found = at(high);
+        let mut found = at(high)?;
         while found.reaches && low < high {
             control.check()?;
             let middle = low + (high - low) / 2;
-            let tried = at(middle);
+            let tried = at(middle)?;
             if tried.reaches {
                 (high, found) = (middle, tried);
             } else {

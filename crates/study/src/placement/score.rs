@@ -173,11 +173,15 @@ impl<'a> Scorer<'a> {
     }
 
     /// The score of one UAV.
-    pub fn score(&self, uav: &Uav) -> Score {
-        match self.weights {
-            None => Score { wanted: self.wanted, seen: self.mapper.count(uav).1.into() },
-            Some(_) => self.score_of(&self.mapper.seen(uav)),
-        }
+    ///
+    /// # Errors
+    /// As [`Mapper::seen_from`].
+    pub fn score(&self, uav: &Uav) -> Result<Score> {
+        let view = self.mapper.seen_from(uav)?;
+        Ok(match self.weights {
+            None => Score { wanted: self.wanted, seen: view.count().1.into() },
+            Some(_) => self.score_of(&view.seen()),
+        })
     }
 
     /// The score of what a UAV sees.
@@ -191,7 +195,7 @@ impl<'a> Scorer<'a> {
 pub fn scores(scorer: &Scorer<'_>, uavs: &[&Uav], control: &Control) -> Result<Vec<Score>> {
     let score = |uav: &&Uav| {
         control.check()?;
-        let score = scorer.score(uav);
+        let score = scorer.score(uav)?;
         control.done.fetch_add(1, atomic::Ordering::Relaxed);
         Ok(score)
     };

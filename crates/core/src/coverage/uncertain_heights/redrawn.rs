@@ -5,16 +5,19 @@
 //! numbers at the nodes of a square grid of that length, bilinear between them, with the same standard deviation everywhere. Who is in range does not
 //! change. A receiver on a roof moves with it, and on a surface model alone each with its cell.
 
+use std::borrow::Cow;
+
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use super::super::curved::CurvedScene;
-use crate::coverage::{Control, HeightErrors, Mapper, OwnErrors, Uav};
+use crate::coverage::view::{Mapper, MovedRoofs, Threads, View};
+use crate::coverage::{Control, Uav};
 use crate::disjoint_sets::DisjointSets;
 use crate::error::{MapError, Result};
 use crate::height_field::HeightField;
+use crate::los::{HeightErrors, OwnErrors};
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::{BitGrid, set_bits};
 
@@ -113,14 +116,16 @@ impl RedrawnHeights {
         }
     }
 
-    /// The scene with the errors of a draw, and these; `None` if a roof would leave ±32 768 m.
-    fn redrawn(&self, field: &HeightField, draw: u32) -> Option<(HeightField, Vec<i32>)> {
+    /// Returns the scene with the errors of a draw, receivers on roofs of footprints moved with the
+    /// building below each; `None` if a roof would leave ±32 768 m.
+    fn redrawn(&self, field: &HeightField, draw: u32, buildings: Option<&[(usize, u32)]>) -> Option<MovedRoofs> {
         let errors = self.errors(draw);
-        let redrawn = match &self.share {
-            Share::Buildings(_) => field.with_roofs_raised_by(|building| errors[building as usize]),
-            _ => field.with_cells_raised_by(|cell| errors[cell]),
-        };
-        Some((redrawn?, errors))
+        let Share::Buildings(_) = &self.share else { return MovedRoofs::by_cell(field, |cell| errors[cell]) };
+        let moved = MovedRoofs::by_building(field, |building| errors[building as usize])?;
+        let Some(buildings) = buildings else { return Some(moved) };
+        let mut roofs = field.roofs_of_cells().to_vec();
+        buildings.iter().for_each(|(cell, building)| roofs[*cell] += errors[*building as usize]);
+        Some(moved.with_receivers_on(roofs))
     }
 }
 
@@ -278,54 +283,43 @@ fn interval_of(mut shares: Vec<f64>, part: f64) -> (f64, f64) {
 }
 
 impl Mapper<'_> {
-    /// How many receivers each of some UAVs sees in each of `n` draws of the heights of the same scene, from the first draw on.
+    /// Counts the receivers that each of some UAVs sees in each of `n` draws of the heights of the same
+    /// scene, from the first draw on.
     ///
-    /// Cost: for each draw the prisms sorted into buckets, or a copy of the raster, and the line of sight of a map for each UAV; draws are shared by all threads of the
-    /// current pool.
+    /// Cost: for each draw the prisms sorted into buckets, or a copy of the raster, and the line of sight
+    /// of a map for each UAV. Draws are shared by all threads of the current pool.
     ///
     /// # Errors
-    /// E118 if a roof would leave ±32 768 m, and for an earth so curved that heights would leave the lattice.
+    /// E118 if a roof would leave ±32 768 m, and those of [`Mapper::seen_from`].
     pub fn redrawn(&self, uavs: &[Uav], heights: &RedrawnHeights, n: u32, control: &Control) -> Result<RedrawnCounts> {
-        let in_range: Vec<Vec<BitGrid>> = uavs
-            .iter()
-            .map(|uav| {
-                Ok(match CurvedScene::checked_around(self, uav)? {
-                    Some(curved) => curved.mapper(self).in_range_by_kind(uav),
-                    None => self.in_range_by_kind(uav),
-                })
-            })
-            .collect::<Result<_>>()?;
+        let views = uavs.iter().map(|uav| self.seen_from(uav)).collect::<Result<Vec<View<'_>>>>()?;
+        let in_range: Vec<Vec<Cow<'_, BitGrid>>> =
+            views.iter().map(|view| view.receivers().map(|of_kind| of_kind.in_range()).collect()).collect();
         let buildings = self.buildings_of_roofs();
-        let moves_receivers = (0..self.receivers.len()).any(|kind| self.is_on_roofs(kind));
         let of_draw = |draw: u32| {
             control.check()?;
-            let (field, errors) = heights.redrawn(self.field, draw).ok_or(MapError::HeightErrors)?;
-            let roofs = match field.prisms() {
-                Some(_) => buildings.as_ref().map(|cells| self.roofs_moved(cells, &errors)),
-                None => moves_receivers.then(|| field.roofs_of_cells().to_vec()),
+            let moved = heights.redrawn(self.field(), draw, buildings.as_deref()).ok_or(MapError::HeightErrors)?;
+            let count = |(view, in_range): (&View<'_>, &Vec<Cow<'_, BitGrid>>)| {
+                let redrawn = view.with_roofs(&moved)?;
+                let kinds = redrawn.receivers().zip(in_range);
+                let los = kinds.map(|(of_kind, in_range)| of_kind.los(in_range, Threads::All));
+                Ok(los.reduce(|all, of_kind| all.or(&of_kind)).map_or(0, |los| los.count()))
             };
-            let mapper = self.with_redrawn(&field, roofs.as_deref())?;
-            Ok(uavs.iter().zip(&in_range).map(|(uav, in_range)| mapper.los_of(uav, in_range).count()).collect())
+            views.iter().zip(&in_range).map(count).collect()
         };
         let los = (0..n).into_par_iter().map(of_draw).collect::<Result<Vec<Vec<u64>>>>()?;
-        let receivers = in_range.iter().map(|kinds| kinds.iter().map(BitGrid::count).sum()).collect();
+        let receivers = in_range.iter().map(|kinds| kinds.iter().map(|cells| cells.count()).sum()).collect();
         Ok(RedrawnCounts { receivers, los })
     }
 
-    /// The building below each receiver on a roof, one by one as their cells follow; `None` without such receivers.
+    /// Returns the building below each receiver on a roof of footprints, with its cell; `None` without
+    /// such receivers.
     fn buildings_of_roofs(&self) -> Option<Vec<(usize, u32)>> {
-        let kind = (0..self.receivers.len()).find(|kind| self.is_on_roofs(*kind))?;
-        let (positions, n_cols) = (self.engine.positions(), self.field.grid().n_cols());
+        let kind = (0..self.receivers().len()).find(|kind| self.stands_on_roofs(*kind))?;
+        let (positions, n_cols) = (self.positions(), self.field().grid().n_cols());
         let building = |(row, col): (usize, usize)| {
-            Some((row * n_cols + col, self.field.building_at(&positions.center(row, col))?))
+            Some((row * n_cols + col, self.field().building_at(&positions.center(row, col))?))
         };
-        Some(self.receivers[kind].cells.cells().filter_map(building).collect())
-    }
-
-    /// Roofs of cells with the errors of their buildings \[1/1024 m above the datum\].
-    fn roofs_moved(&self, cells: &[(usize, u32)], errors: &[i32]) -> Vec<i32> {
-        let mut roofs = self.field.roofs_of_cells().to_vec();
-        cells.iter().for_each(|(cell, building)| roofs[*cell] += errors[*building as usize]);
-        roofs
+        Some(self.receivers()[kind].cells.cells().filter_map(building).collect())
     }
 }
