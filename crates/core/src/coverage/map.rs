@@ -2,9 +2,11 @@
 
 use std::sync::atomic::Ordering;
 
+use rayon::prelude::*;
+
 use super::cell_classes::{RowSets, write_classes};
 use super::cell_heights::{CellHeights, FoundHeights};
-use super::row_bands::{BAND_CELLS, EachPart, HeightRows, Row, in_bands, in_buffers};
+use super::row_bands::{BAND_CELLS, EachPart, HeightRows, Row, in_turns, summed};
 use super::stability::stability;
 use super::view::{Decided, Mapper, SeenReceivers, Threads, View};
 use super::{Control, HeightLayers, MapOptions, Stability, Tally, Uav};
@@ -128,15 +130,24 @@ impl View<'_> {
             _ => {}
         };
         if !keep {
-            let fill = |row: usize, mask: &mut [u8]| map.fill(row, &mut Row::of_mask(mask));
-            let tally = in_buffers(rows, n_cols, n_at_once, fill, &mut hand_over);
+            let masks = rows.clone().step_by(n_at_once);
+            let masks = masks.map(|first| (first, vec![0; n_at_once.min(rows.end - first) * n_cols]));
+            let fill = |(first, mask): &mut (usize, Vec<u8>)| {
+                let rows = mask.par_chunks_mut(n_cols).enumerate();
+                summed(rows.map(|(k, mask)| map.fill(*first + k, &mut Row::of_mask(mask))))
+            };
+            let tally = in_turns(masks, fill, |(_, mask)| hand_over(mask));
             control.check()?;
             return Ok(SiteCoverage::of_tally(self.uav(), tally));
         }
         let mut mask = LargeVec::<u8>::zeroed(rows.len() * n_cols);
         let mut heights = HeightRows::new(layers, rows.len(), n_cols);
-        let out = heights.rows(0..rows.len(), &mut mask).enumerate();
-        let tally = in_bands(out, n_at_once, |row, out| map.fill(rows.start + row, out), &mut hand_over);
+        let mut out = rows.clone().zip(heights.rows(0..rows.len(), &mut mask));
+        let bands = std::iter::from_fn(move || {
+            Some(out.by_ref().take(n_at_once).collect()).filter(|band: &Vec<_>| !band.is_empty())
+        });
+        let fill = |band: &mut Vec<(usize, Row<'_>)>| summed(band.par_iter_mut().map(|(row, out)| map.fill(*row, out)));
+        let tally = in_turns(bands, fill, |band| band.iter().for_each(|(_, row)| hand_over(row.mask)));
         control.check()?;
         let mut coverage = SiteCoverage::of_mask(self.uav(), mask, tally);
         let [margin, mut least_receiver_height, least_height] = heights.into_layers();

@@ -10,7 +10,7 @@ use super::cell_heights::with_margin;
 use super::elevation::{RowElevations, padded_xs};
 use super::options::Stand;
 use super::range::{Heights, Range};
-use super::row_bands::{HeightRows, Row};
+use super::row_bands::{HeightRows, Row, summed};
 use super::view::WindowedView;
 use super::{Control, MapOptions, SiteCoverage, Tally, Uav};
 use crate::city::{Ground, Solids, WindowedBase, WindowedSolids, row_bands};
@@ -188,8 +188,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
             mask.resize(window.n_rows * grid.n_cols(), 0);
             let rows = window.row..window.row + window.n_rows;
             let mut out: Vec<Row<'_>> = heights.rows(rows.clone(), &mut mask).collect();
-            let tallies = out.par_iter_mut().enumerate().map(|(k, row)| self.fill(&band, k, row));
-            total = total.plus(&tallies.reduce(Tally::default, |a, b| a.plus(&b)));
+            total = total.plus(&summed(out.par_iter_mut().enumerate().map(|(k, row)| self.fill(&band, k, row))));
             drop(out);
             visit(rows, &mask)?;
         }

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use skyshed_core::coverage::{
     self, CheckedNumbers, HeightBounds, HoversOver, MapOptions, Mapper, Seen as SeenCells, Sure, Tally, check_drop,
-    check_height_error, class, receiver_height, surface_under,
+    check_height_error, class, surface_under,
 };
 use skyshed_core::error::Error;
 use skyshed_core::height_field::{CellSets, HeightField};
@@ -434,10 +434,6 @@ fn p_los_of((receivers, los): (u64, u64), is_over_nodata: bool) -> (Option<f64>,
     let mut tally = Tally::of_receivers(receivers, los);
     tally.is_over_nodata = is_over_nodata;
     (tally.p_los(), is_over_nodata.then(|| tally.reason()))
-}
-
-fn rx_height(sight: &Sight) -> Result<i32, String> {
-    receiver_height(sight.rx_height_m).map_err(|e| e.to_string())
 }
 
 /// What makes maps for some receivers.

@@ -1,10 +1,10 @@
 //! What takes longer than a map: P_LoS against height, the best place near, sets of UAVs side by side.
 
-use skyshed_core::coverage::{self, Control, HoversOver, LeastHeights, SceneView, Uav, check_radius};
+use skyshed_core::coverage::{self, Control, HoversOver, LeastHeights, Uav, check_radius};
 use skyshed_core::quantity::meters;
 use skyshed_core::raster::BitGrid;
 
-use super::{Engine, mapper, p_los_of, receivers_of, rx_height};
+use super::{Engine, mapper, p_los_of};
 use crate::answers::{ComparedFacts, CurveFacts, False, True};
 use crate::best_place::Search;
 use crate::questions::Kept;
@@ -15,7 +15,6 @@ pub(super) struct Curve {
     uav: Uav,
     /// The heights of the rows before the next one.
     found: Vec<i32>,
-    mask: Vec<u8>,
     next_row: usize,
 }
 
@@ -39,22 +38,17 @@ impl Engine {
         }
         let found = self.found(which)?;
         let uav = found.uav.clone();
-        SceneView::of(self.field, &uav, self.sight.curvature()).map_err(|e| e.to_string())?;
-        let mut mask = Vec::new();
-        self.cells.mask(&mut mask, &found.seen.los, found.in_range.as_ref());
-        self.curve = Some(Curve { uav, found: Vec::new(), mask, next_row: 0 });
+        self.curve = Some(Curve { uav, found: Vec::new(), next_row: 0 });
         Ok(())
     }
 
     pub(super) fn curve_rows(&mut self, rows: usize) -> Result<CurveFacts, String> {
-        let (n_cols, n_rows) = self.shape();
-        let receivers = (receivers_of(&self.sight), rx_height(&self.sight)?);
+        let n_rows = self.shape().1;
         let curve = self.curve.as_mut().ok_or("no curve was begun")?;
-        let view = SceneView::of(self.field, &curve.uav, self.sight.curvature()).map_err(|e| e.to_string())?;
-        let mut least = LeastHeights::of(&view, receivers).after(std::mem::take(&mut curve.found));
+        let view = self.mapper.seen_from(&curve.uav).map_err(|e| e.to_string())?;
+        let mut least = LeastHeights::of(&view).after(std::mem::take(&mut curve.found));
         let end = n_rows.min(curve.next_row + rows.max(1));
-        let cells = curve.next_row * n_cols..end * n_cols;
-        least.add(&curve.mask[cells], curve.next_row, &Control::default());
+        least.add(curve.next_row..end, &Control::default());
         curve.next_row = end;
         if end < n_rows {
             curve.found = least.into_found();

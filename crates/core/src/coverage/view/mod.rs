@@ -297,8 +297,13 @@ impl<'k> SeenReceivers<'k> {
     /// Returns least heights of the UAV from `lowest` \[1/1024 m above the datum\] that see some
     /// receivers in range; `None` where a walk along each link is needed.
     pub(super) fn least_uav_heights(&self, wanted: &BitGrid, lowest: i64) -> Option<GridHeights> {
-        let height = height_by_cell(self.receivers);
+        let height = self.height_by_cell();
         self.view.engine(Threads::All).least_uav_heights(&self.view.uav().station, wanted, lowest, &height)
+    }
+
+    /// Heights of receivers by row and column \[1/1024 m\].
+    pub(super) fn height_by_cell(&self) -> impl Fn(usize, usize) -> i32 + Sync + use<'_> {
+        height_by_cell(self.receivers)
     }
 
     /// Returns probabilities of line of sight of receivers in some cells; `None` where a walk along each

@@ -3,9 +3,8 @@
 use super::TIE;
 use super::cells::Cells;
 use super::free::{End, Free};
-use super::rim::{Arc, Side};
-use super::shell::{Edge, Shell, holds_near, steps};
-use super::vectors::{Place, cross, direction, dot, minus, plus, turn};
+use super::shell::{Shell, holds_near, steps};
+use super::vectors::{Edge, Place, cross, direction, dot, minus, plus, turn};
 use crate::raster::BitGrid;
 
 /// Rings of cells around a point or an edge that are looked through first: they cover most of those that do not bound E.
@@ -17,6 +16,32 @@ pub(super) struct Finder<'a> {
     pub(super) cells: &'a Cells,
     /// Cells that may hold points of E.
     pub(super) may_be_center: &'a BitGrid,
+}
+
+/// Centers of discs that touch a corner of a footprint: counter-clockwise between two directions; all where they are none.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Arc {
+    pub(super) around: Place,
+    pub(super) between: Option<[Place; 2]>,
+}
+
+/// Centers of discs that touch an edge on its left.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Side {
+    pub(super) edge: [Place; 3],
+    pub(super) from: f64,
+    pub(super) to: f64,
+}
+
+impl Arc {
+    pub(super) fn has(&self, toward: Place) -> bool {
+        let Some([first, last]) = self.between else { return true };
+        let is_less_than_half = cross(first, last) > 0.0 || (cross(first, last) == 0.0 && dot(first, last) > 0.0);
+        match is_less_than_half {
+            true => cross(first, toward) >= 0.0 && cross(toward, last) >= 0.0,
+            false => !(cross(last, toward) > 0.0 && cross(toward, first) > 0.0),
+        }
+    }
 }
 
 impl Finder<'_> {

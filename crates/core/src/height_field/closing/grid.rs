@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use super::shell::Edge;
-use super::vectors::{Place, minus};
+use super::vectors::{Edge, Place, minus};
 
 /// Square cells over some points and edges: about one point in each, and no edge passes many.
 struct Squares {

@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use super::TIE;
 use super::cells::Cells;
-use super::finder::Finder;
+use super::finder::{Arc, Finder, Side};
 use super::grid::whole;
 use super::shell::{Shell, index_of};
-use super::vectors::{Place, cross, dot, length, minus, plus};
+use super::vectors::{Place, dot, length, minus, plus};
 use crate::raster::BitGrid;
 
 /// Squares along the radius, by which pieces of the border are found.
@@ -33,32 +33,6 @@ pub(super) enum Piece {
     Arc(u32),
     Side(u32),
     Corner(u32),
-}
-
-/// Centers of discs that touch a corner of a footprint: counter-clockwise between two directions; all where they are none.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Arc {
-    pub(super) around: Place,
-    pub(super) between: Option<[Place; 2]>,
-}
-
-/// Centers of discs that touch an edge on its left.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Side {
-    pub(super) edge: [Place; 3],
-    pub(super) from: f64,
-    pub(super) to: f64,
-}
-
-impl Arc {
-    pub(super) fn has(&self, toward: Place) -> bool {
-        let Some([first, last]) = self.between else { return true };
-        let is_less_than_half = cross(first, last) > 0.0 || (cross(first, last) == 0.0 && dot(first, last) > 0.0);
-        match is_less_than_half {
-            true => cross(first, toward) >= 0.0 && cross(toward, last) >= 0.0,
-            false => !(cross(last, toward) > 0.0 && cross(toward, first) > 0.0),
-        }
-    }
 }
 
 impl Rim {

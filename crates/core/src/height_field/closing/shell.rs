@@ -2,42 +2,9 @@
 
 use super::cells::Cells;
 use super::grid::Grid;
-use super::vectors::{Place, dot, length, minus, plus};
+use super::vectors::{Edge, Place, length, minus, plus};
 use crate::city::Footprint;
 use crate::raster::BitGrid;
-
-/// An edge: an end, its direction, a normal of length 1, its length.
-#[derive(Clone, Copy)]
-pub(super) struct Edge {
-    pub(super) from: Place,
-    pub(super) along: Place,
-    pub(super) normal: Place,
-    pub(super) length: f64,
-}
-
-impl Edge {
-    pub(super) fn between(from: Place, to: Place) -> Edge {
-        let d = minus(to, from);
-        let length = length(d);
-        let along = [d[0] / length, d[1] / length];
-        Edge { from, along, normal: [-along[1], along[0]], length }
-    }
-
-    pub(super) fn ends(&self) -> [Place; 2] {
-        [self.from, self.place(self.length, 0.0)]
-    }
-
-    /// A place along the edge and to its left.
-    pub(super) fn seen(&self, place: Place) -> (f64, f64) {
-        let d = minus(place, self.from);
-        (dot(d, self.along), dot(d, self.normal))
-    }
-
-    /// The place so far along the edge and so far to its left.
-    pub(super) fn place(&self, t: f64, h: f64) -> Place {
-        plus(plus(self.from, t, self.along), h, self.normal)
-    }
-}
 
 /// The corners and edges of footprints that may bound E.
 pub(super) struct Shell {

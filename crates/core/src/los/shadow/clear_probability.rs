@@ -23,8 +23,9 @@ use super::super::height_errors::{
     CERTAIN, HeightErrors, MOST_BUILDINGS, MOST_VALUES, SHARED_CERTAIN, TABLE_STEPS, TIE,
 };
 use super::geometry::{as_f64, cross, sub};
-use super::outline::{LANES, Outline, Reach};
+use super::outline::Outline;
 use super::plane::Plane;
+use super::reach::{LANES, Reach};
 use super::scene::{Receivers, ShadowScene, cells_at_uav};
 use super::spans::{Lanes, as_column, doubtful, maybe_spans, spans};
 use super::words::{bits_outside, for_each_bit};

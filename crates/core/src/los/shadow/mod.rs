@@ -73,6 +73,7 @@ mod outline;
 mod plane;
 mod plateaus;
 mod positions;
+mod reach;
 mod scene;
 mod sloped;
 mod spans;

@@ -1,9 +1,8 @@
 //! The plane of receivers as one UAV sees it: rows and columns around it, and how far shadows reach there.
 
-use super::curve::{self, CurvedReach};
 use super::geometry::as_f64;
 use super::grid::ShadowGrid;
-use super::outline::{LANES, Reach};
+use super::reach::{LANES, Reach};
 use crate::quantity::LatticePoint;
 
 /// The plane as seen from one UAV, and the part of it that holds wanted cells.
@@ -56,19 +55,6 @@ impl Plane {
             rows_per_step: 1.0 / grid.steps.1,
             curve: 0.0,
             unevenness: grid.unevenness,
-        }
-    }
-
-    /// How far the shadow of a roof within `bounds` reaches on receivers at `z`; `None` if it hides none of them.
-    #[inline(always)]
-    pub(super) fn reach(&self, bounds: [i32; 4], top: i32, z: i64) -> Option<Reach> {
-        if self.curve == 0.0 {
-            return Reach::new(self.uav.z, top, z);
-        }
-        match curve::reach(self, bounds, top, z) {
-            CurvedReach::Nowhere => None,
-            CurvedReach::Endless => Some(Reach::ENDLESS),
-            CurvedReach::UpTo(far, bend) => Some(Reach::bent(far, bend)),
         }
     }
 

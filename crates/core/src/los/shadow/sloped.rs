@@ -23,8 +23,9 @@
 
 use super::ceiling::{Ceiling, Slope};
 use super::geometry::{as_f64, cross, sub};
-use super::outline::{Magnitude, Outline, ROUNDING, Reach};
+use super::outline::{Magnitude, Outline, ROUNDING};
 use super::plane::Plane;
+use super::reach::Reach;
 use crate::height_field::{Caster, Casters, RoofPlane};
 use crate::quantity::LatticePoint;
 
@@ -114,7 +115,7 @@ impl Outline {
             // EXACT: Z has no rounding, the factor of a flat roof has one, so that the bound on its offset holds here as well.
             let offset = as_f64(below_uav) * as_f64(k);
             if is_facing {
-                self.add(plane, edge, reach.near() * as_f64(k), &mut magnitude);
+                self.add(plane, edge, reach.near * as_f64(k), &mut magnitude);
                 if above < 0 {
                     self.add_upper(plane, [-upper[0], -upper[1]], -offset, &mut magnitude);
                 }

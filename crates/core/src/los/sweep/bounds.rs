@@ -8,18 +8,13 @@ use std::ops::Range;
 
 use fearless_simd::prelude::*;
 
-use super::frame::{CELL_BITS, as_i64};
+use super::frame::{CELL_BITS, PAD, PAD_I64, as_i64};
 use super::simd::{lane_numbers, permuted};
 use super::undecided::{Passed, Recall, RowBounds};
 
 /// A top that blocks nothing, above the UAV \[1/1024 m\]. Heights differ by 2^26 at most, so over the same distance its slope is
 /// below that of every receiver and top, and over a shorter one below that of every receiver farther out: it can hide none.
 pub(super) const NOTHING: i32 = -(1 << 30);
-
-/// Room that vectors may read or write before and after the part of a buffer that is in use.
-pub(super) const PAD: usize = 128;
-/// [`PAD`] among bins and cells, which are counted with a sign.
-pub(super) const PAD_I64: i64 = 128;
 
 /// Relative width of the doubt around a bound: both slopes of a comparison are off by less than 2^-21 of themselves.
 const DOUBT: f32 = 1.0 / (1 << 19) as f32;
