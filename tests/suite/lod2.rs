@@ -434,7 +434,7 @@ fn an_error_of_height_moves_a_whole_roof() {
             for (row, col) in field.cells().open.cells() {
                 let place = positions.center(row, col);
                 let receiver = Station { place, z: receivers_above.into() };
-                let is_los = link_los(moved.field(), &uav.station, &receiver);
+                let is_los = link_los(&moved.field, &uav.station, &receiver);
                 assert_eq!(is_los, link_los(&built, &uav.station, &receiver), "seed {seed}, {k}");
                 let (may, does) = (sure.possibly.contains(row, col), sure.surely.contains(row, col));
                 let is_within = if is_los { may } else { !does };

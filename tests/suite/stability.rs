@@ -154,7 +154,7 @@ fn the_layer_counts_the_maps_that_differ() {
                         CellKind::Void => panic!("no receiver is there"),
                     };
                     let receiver = Station { place, z: i64::from(base) + i64::from(options.rx_height) };
-                    link_los(shifted.field(), &uav.station, &receiver)
+                    link_los(&shifted.field, &uav.station, &receiver)
                 };
                 assert_eq!(turned.1, Ok(turned_by(&is_los)), "roofs by {step}");
             }

@@ -19,8 +19,8 @@ pub(super) struct FoundHeights {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CellHeights {
     layers: HeightLayers,
-    /// Lowest height that a UAV may have at its place \[1/1024 m\]; [`VOID`], below all others, if none
-    /// is known.
+    /// Lowest height that a UAV may have at its place \[1/1024 m\]; [`VOID`], below all others, if
+    /// none is known.
     lowest_uav_height: i32,
 }
 
@@ -29,8 +29,8 @@ impl CellHeights {
         CellHeights { layers, lowest_uav_height: view.scene().below_uav().surface }
     }
 
-    /// Returns heights of receivers in range that the engine finds at once, and which of them are in
-    /// line of sight if it finds both together.
+    /// Returns heights of receivers in range that the engine finds at once, and which of them are
+    /// in line of sight if it finds both together.
     pub(super) fn found(&self, receivers: &SeenReceivers<'_>, in_range: &BitGrid) -> (FoundHeights, Option<BitGrid>) {
         let lowest = i64::from(self.lowest_uav_height);
         let of_uav = self.layers.least_height.then(|| receivers.least_uav_heights(in_range, lowest)).flatten();
@@ -80,9 +80,9 @@ impl CellHeights {
 }
 
 impl SeenReceivers<'_> {
-    /// Returns the least visible height over a receiver's cell \[m\], not below what the receiver stands
-    /// on, and its margin \[m\], whose sign is exact. Taken from heights that were found at once, if they
-    /// settle it; else one walk finds it.
+    /// Returns the least visible height over a receiver's cell \[m\], not below what the receiver
+    /// stands on, and its margin \[m\], whose sign is exact. Taken from heights that were found at
+    /// once, if they settle it; else one walk finds it.
     pub(super) fn least_height_and_margin(
         &self,
         cell: (usize, usize),
@@ -96,21 +96,21 @@ impl SeenReceivers<'_> {
 
     /// Returns what [`SeenReceivers::least_height_and_margin`] does, by one walk.
     pub(super) fn walked_height_and_margin(&self, cell: (usize, usize)) -> (f32, f32) {
-        let (receiver, scene) = (self.station(cell), self.view().scene());
+        let (receiver, scene) = (self.station(cell), self.view.scene());
         let least = link_least_receiver_heights(scene.field(), &scene.uav().station, &receiver);
         with_margin(least.height_steps(), receiver.z, self.base(cell), least.is_los)
     }
 
-    /// Returns the least height of the UAV, not below `lowest`, that sees a receiver \[1/1024 m\], by one
-    /// walk.
+    /// Returns the least height of the UAV, not below `lowest`, that sees a receiver \[1/1024 m\],
+    /// by one walk.
     fn least_uav_height(&self, cell: (usize, usize), lowest: i64) -> f64 {
-        let scene = self.view().scene();
+        let scene = self.view.scene();
         link_least_height(scene.field(), &scene.uav().station, &self.station(cell), lowest)
     }
 }
 
-/// Returns a least visible height \[m\] and the margin \[m\] of a receiver at height `z` on `base`, in line
-/// of sight or not, from a least height \[1/1024 m\].
+/// Returns a least visible height \[m\] and the margin \[m\] of a receiver at height `z` on `base`,
+/// in line of sight or not, from a least height \[1/1024 m\].
 pub(super) fn with_margin(least: f64, z: i64, base: i32, is_los: bool) -> (f32, f32) {
     let least = least.max(f64::from(base)) / f64::from(STEPS_PER_UNIT);
     #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
@@ -120,8 +120,8 @@ pub(super) fn with_margin(least: f64, z: i64, base: i32, is_los: bool) -> (f32, 
     (narrow(least), if is_los { margin.max(0.0) + 0.0 } else { margin.min(-f32::MIN_POSITIVE) })
 }
 
-/// Returns the surface that a UAV at a place must not be below \[1/1024 m\]: the ground, or the roof or
-/// surface there; [`VOID`] if none is known.
+/// Returns the surface that a UAV at a place must not be below \[1/1024 m\]: the ground, or the
+/// roof or surface there; [`VOID`] if none is known.
 pub fn surface_under(field: &HeightField, place: &Place) -> i32 {
     field.below_uav(place).surface
 }

@@ -1,4 +1,5 @@
-//! One link, decided and explained: its margin, what stands in its way, and what lies below it from the side.
+//! One link, decided and explained: its margin, what stands in its way, and what lies below it from
+//! the side.
 
 use super::height_over;
 use super::view::SceneView;
@@ -9,25 +10,26 @@ use crate::los::{
 };
 use crate::quantity::{BLOCKS_ALL, Height, STEPS_PER_UNIT, VOID, meters};
 
-/// What was found of a link.
+/// Decision about a link, and what stands in its way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExplainedLink {
-    /// Whether it is in line of sight; exact.
+    /// Line of sight; exact.
     pub los: bool,
-    /// Receiver height less the least height in line of sight \[m\]; `None` if no receiver height is enough.
+    /// Receiver height less the least height in line of sight \[m\]; `None` if no receiver height
+    /// is enough.
     pub margin_m: Option<f64>,
     /// Horizontal distance \[m\].
     pub distance_m: f64,
     /// Elevation angle of the UAV from the receiver \[deg\].
     pub elevation_deg: f64,
-    /// What stands in the way; `None` in line of sight.
+    /// Obstacle; `None` in line of sight.
     pub obstruction: Option<LinkObstacle>,
 }
 
-/// What stands in the way of a link: the obstacle that asks for the highest receiver.
+/// Obstacle of a link that asks for the highest receiver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinkObstacle {
-    /// What it is.
+    /// Kind of the obstacle.
     pub kind: ObstacleKind,
     /// Obstructing point, east \[CRS units\].
     pub x: f64,
@@ -35,11 +37,12 @@ pub struct LinkObstacle {
     pub y: f64,
     /// Height of the ray there \[m above the datum\].
     pub ray_height_m: f64,
-    /// Height of the obstacle there \[m above the datum\]; `None` for nodata that blocks everything.
+    /// Height of the obstacle there \[m above the datum\]; `None` for nodata that blocks
+    /// everything.
     pub top_m: Option<f64>,
 }
 
-/// What an obstacle is.
+/// Kind of an obstacle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ObstacleKind {
     /// A building, by its number (see [`HeightField::building_id`]).
@@ -63,11 +66,11 @@ pub struct ProfileStep {
     pub to_m: f64,
     /// Height where it starts and where it ends \[m\].
     pub heights_m: [f64; 2],
-    /// What it is.
+    /// Kind of the step.
     pub kind: StepKind,
 }
 
-/// What a step of a profile is.
+/// Kind of a step of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepKind {
     /// Ground.
@@ -76,10 +79,11 @@ pub enum StepKind {
     Building,
 }
 
-/// A receiver's end of a link, at a position \[CRS units\].
+/// Returns a receiver's end of a link, at a position \[CRS units\].
 ///
 /// # Errors
-/// If there is no ground or roof for its height to be above, or it would be inside a building or below the ground.
+/// If there is no ground or roof for its height to be above, or it would be inside a building or
+/// below the ground.
 pub fn place_receiver(field: &HeightField, (x, y): (f64, f64), height: Height) -> Result<Station, UavError> {
     let place = field.place(x, y);
     let (ground, inside) = (field.ground_at(&place), indoors_below(field, &place));
@@ -95,15 +99,16 @@ pub fn place_receiver(field: &HeightField, (x, y): (f64, f64), height: Height) -
 
 /// Returns the height below which a place is inside a building; [`VOID`] if it is not.
 pub(super) fn indoors_below(field: &HeightField, place: &Place) -> i32 {
-    // Over footprints a point on a free wall is outdoors, although the roof to its north-east is its roof.
+    // Over footprints a point on a free wall is outdoors, although the roof to its north-east is
+    // its roof.
     match field.prisms() {
         Some(_) => field.inside_prisms_below(place),
         None => field.roof_at(place).unwrap_or(VOID),
     }
 }
 
-/// Returns the margin \[m\] of a receiver at height `z`, with the least visible height not below `floor`
-/// \[1/1024 m\]; `None` if no receiver height is enough.
+/// Returns the margin \[m\] of a receiver at height `z`, with the least visible height not below
+/// `floor` \[1/1024 m\]; `None` if no receiver height is enough.
 pub(super) fn margin_m(least: &LeastHeights, z: i64, floor: f64) -> Option<f64> {
     #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
     let margin = (z as f64 - least.height_steps().max(floor)) / f64::from(STEPS_PER_UNIT);
@@ -113,7 +118,8 @@ pub(super) fn margin_m(least: &LeastHeights, z: i64, floor: f64) -> Option<f64> 
 }
 
 impl SceneView<'_> {
-    /// Decides the link to a receiver, and finds what stands in its way. All heights are above the datum.
+    /// Decides the link to a receiver, and finds what stands in its way. All heights are above the
+    /// datum.
     pub fn link(&self, receiver: &Station) -> ExplainedLink {
         let (uav, from) = (self.uav().station, self.lowered(receiver));
         let field = self.field();
@@ -128,7 +134,8 @@ impl SceneView<'_> {
             (None, VOID) => f64::NEG_INFINITY,
             (None, ground) => f64::from(ground),
         };
-        // From the receiver's horizontal the UAV is as much lower as the receiver is from the UAV's.
+        // From the receiver's horizontal the UAV is as much lower as the receiver is from the
+        // UAV's.
         let rise = uav.z - receiver.z - i64::from(self.drop_at(&receiver.place));
         #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
         let rise_m = rise as f64 / f64::from(STEPS_PER_UNIT);
@@ -141,7 +148,8 @@ impl SceneView<'_> {
         }
     }
 
-    /// Finds the obstacle that asks for the highest receiver, of a link whose receiver is as it is seen.
+    /// Finds the obstacle that asks for the highest receiver, of a link whose receiver is as it is
+    /// seen.
     fn obstacle(&self, receiver: &Station, least: &LeastHeights, distance_m: f64) -> Option<LinkObstacle> {
         let LeastHeights { prisms, columns, .. } = least;
         let (highest, of_prisms) = match (prisms, columns) {
@@ -176,8 +184,8 @@ impl SceneView<'_> {
         })
     }
 
-    /// Returns the height above the datum \[m\] of a ray at a position, from that of the straight line
-    /// between the ends of a link of some length.
+    /// Returns the height above the datum \[m\] of a ray at a position, from that of the straight
+    /// line between the ends of a link of some length.
     fn ray_above_datum_m(&self, line_m: f64, (x, y): (f64, f64), receiver: &Station, distance_m: f64) -> f64 {
         let Some(curvature) = self.curvature() else { return line_m };
         if self.field().prisms().is_none() {
@@ -208,8 +216,9 @@ fn kind_of(field: &HeightField, obstruction: &Obstruction, of_prisms: bool) -> O
 }
 
 impl SceneView<'_> {
-    /// Returns ground and roofs below the link to a receiver, of some length \[m\], as the UAV sees them: for
-    /// its side view, terrain first, each kind from the UAV on.
+    /// Returns ground and roofs below the link to a receiver, for a side view of some length \[m\].
+    ///
+    /// Heights are those that the UAV sees. Terrain comes first, each kind from the UAV on.
     pub fn profile(&self, receiver: &Station, distance_m: f64) -> Vec<ProfileStep> {
         let (field, uav, receiver) = (self.field(), &self.uav().station, self.lowered(receiver));
         // Fractions count from the receiver, the picture's distances from the UAV.

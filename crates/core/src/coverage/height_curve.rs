@@ -1,13 +1,13 @@
 //! P_LoS as a function of the UAV's height over one place, exact at every lattice height.
 //!
-//! A link never becomes NLoS by raising the UAV, and whether a cell holds a receiver in range does not
-//! depend on the UAV's height (range is horizontal). So each receiver has a least lattice height of the UAV
-//! from which on it is LoS, and P_LoS(h) is the share of receivers whose least height is at most h: a step
-//! function, held here as a counted table. Its steps are integers, so the curve at h counts exactly the
-//! receivers that a map made at h counts.
+//! A link never becomes NLoS by raising the UAV. A cell that holds a receiver in range does so at
+//! every height of the UAV, because range is horizontal. So each receiver has a least lattice
+//! height of the UAV from which on it is LoS. P_LoS(h) is the share of receivers whose least height
+//! is at most h: a step function, held here as a counted table. Its steps are integers, so the
+//! curve at h counts exactly the receivers that a map made at h counts.
 //!
-//! Cost: past footprints that of casting them all ([`GridLos::least_uav_heights`]), past a raster a walk
-//! along each link up to where nothing can bind more.
+//! Cost: past footprints that of casting them all ([`GridLos::least_uav_heights`]), past a raster a
+//! walk along each link up to where nothing can bind more.
 
 use std::ops::Range;
 use std::sync::atomic::Ordering;
@@ -25,7 +25,8 @@ use crate::raster::{BitGrid, set_bits};
 #[expect(clippy::cast_possible_truncation, reason = "2^15 · 2^10")]
 const MAX_STEP: i32 = MAX_HEIGHT_M as i32 * STEPS_PER_UNIT;
 
-/// The least height of a receiver that no UAV height within ±32 768 m sees: above every lattice height.
+/// The least height of a receiver that no UAV height within ±32 768 m sees: above every lattice
+/// height.
 const NEVER: i32 = i32::MAX;
 
 /// P_LoS of one UAV place as a function of the UAV's height.
@@ -36,49 +37,51 @@ pub struct HeightCurve {
     lowest: i32,
     receivers: u64,
     method: Method,
-    /// Heights at which receivers come into sight, ascending, with the number of receivers in sight from there up.
+    /// Heights at which receivers come into sight, ascending, with the number of receivers in sight
+    /// from there up.
     steps: Vec<(i32, u64)>,
 }
 
 impl HeightCurve {
-    /// The UAV at the height of its view.
+    /// Returns the UAV at the height of its view.
     pub fn uav(&self) -> &Uav {
         &self.uav
     }
 
-    /// Ground below the UAV \[1/1024 m above the datum\], if one is known there.
+    /// Returns the ground below the UAV \[1/1024 m above the datum\], if one is known there.
     pub fn ground(&self) -> Option<i32> {
         self.ground
     }
 
-    /// The lowest height that the UAV may have at its place: the ground, or the roof or surface there \[1/1024 m above the
-    /// datum\]. The curve begins here.
+    /// Returns the lowest height that the UAV may have at its place: the ground, or the roof or
+    /// surface there \[1/1024 m above the datum\]. The curve begins here.
     pub fn lowest_height(&self) -> i32 {
         self.lowest
     }
 
-    /// The engine that found the heights, exactly.
+    /// Returns the engine that found the heights, exactly.
     pub fn method(&self) -> Method {
         self.method
     }
 
-    /// Number of receivers, at any height.
+    /// Returns the number of receivers, at any height.
     pub fn receivers(&self) -> u64 {
         self.receivers
     }
 
-    /// Number of receivers that no UAV height within ±32 768 m sees.
+    /// Returns the number of receivers that no UAV height within ±32 768 m sees.
     pub fn never_los(&self) -> u64 {
         self.receivers - self.steps.last().map_or(0, |s| s.1)
     }
 
-    /// Heights \[1/1024 m above the datum\] at which receivers come into sight, ascending, each with the number of
-    /// receivers in sight from there up.
+    /// Returns heights \[1/1024 m above the datum\] at which receivers come into sight, ascending,
+    /// each with the number of receivers in sight from there up.
     pub fn steps(&self) -> &[(i32, u64)] {
         &self.steps
     }
 
-    /// Number of receivers in sight of a UAV at `height` \[1/1024 m above the datum\]; 0 below the lowest height.
+    /// Returns the number of receivers in sight of a UAV at `height` \[1/1024 m above the datum\];
+    /// 0 below the lowest height.
     pub fn los_at(&self, height: i32) -> u64 {
         let above = self.steps.partition_point(|s| s.0 <= height);
         above.checked_sub(1).map_or(0, |last| self.steps[last].1)
@@ -88,13 +91,15 @@ impl HeightCurve {
         self.uav.placement == HoversOver::Nodata
     }
 
-    /// P_LoS of a UAV at `height` \[1/1024 m above the datum\]; `None` without a receiver, and below the lowest height,
-    /// where the UAV cannot be.
+    /// Returns P_LoS of a UAV at `height` \[1/1024 m above the datum\]; `None` without a receiver,
+    /// and below the lowest height, where the UAV cannot be.
     pub fn p_los_at(&self, height: i32) -> Option<f64> {
         share(self.los_at(height), self.receivers).filter(|_| height >= self.lowest && !self.is_over_nodata())
     }
 
-    /// The least height \[1/1024 m above the datum\] from which at least `percent` \[%\] of the receivers are in sight;
+    /// Returns the least height \[1/1024 m above the datum\] that has at least `percent` \[%\] of
+    /// the receivers in sight.
+    ///
     /// `None` where no height within ±32 768 m is enough, without a receiver, and over no data.
     pub fn least_height_reaching(&self, percent: u8) -> Option<i32> {
         // Shares are compared as products: u64 holds 100 times any count of cells.
@@ -188,8 +193,8 @@ impl<'v> LeastHeights<'v> {
         rows.into_iter().for_each(|row| self.found.extend(row));
     }
 
-    /// Returns the least lattice height of the UAV from which on it sees a receiver, not below the lowest;
-    /// [`NEVER`] if there is none.
+    /// Returns the least lattice height of the UAV from which on it sees a receiver, not below the
+    /// lowest; [`NEVER`] if there is none.
     fn least_step(&self, receivers: &SeenReceivers<'_>, cell: (usize, usize)) -> i32 {
         let step = self.view.scene().least_step(&receivers.station(cell), i64::from(self.lowest));
         step.and_then(|z| i32::try_from(z).ok()).filter(|z| *z <= MAX_STEP).unwrap_or(NEVER)
@@ -207,7 +212,7 @@ impl<'v> LeastHeights<'v> {
         }
     }
 
-    /// The curve of the receivers that were added.
+    /// Returns the curve of the receivers that were added.
     pub fn curve(mut self) -> HeightCurve {
         self.found.par_sort_unstable();
         let receivers = self.found.len() as u64;

@@ -1,8 +1,10 @@
-//! Footprints that cannot hide any receiver of a run from any of its UAVs: dropped before work starts, and counted.
+//! Footprints that cannot hide any receiver of a run from any of its UAVs: dropped before work
+//! starts, and counted.
 //!
-//! Every link lies in the box around the UAVs and the receivers in range, and nowhere below the lowest of them, but for what it sags
-//! by over a curved earth. So a prism that is not higher than that blocks none, nor does one whose bounding box lies outside. What is
-//! left may still hide nobody, which only its shadows tell.
+//! Every link lies in the box around the UAVs and the receivers in range. It is nowhere below the
+//! lowest of them, but for what it sags by over a curved earth. So a prism that is no higher blocks
+//! none, nor does one whose bounding box lies outside. Those that remain may still hide nobody,
+//! which only their shadows show.
 
 use super::Uav;
 use super::view::Mapper;
@@ -21,7 +23,7 @@ pub struct IdleFootprints {
 }
 
 impl IdleFootprints {
-    /// Those that are dropped.
+    /// Returns the number of those that are dropped.
     pub fn dropped(&self) -> u64 {
         self.too_low + self.out_of_reach
     }
@@ -46,7 +48,8 @@ impl LinkBox {
         i64::from(top) <= self.lowest
     }
 
-    /// Whether a bounding box, west, south, east and north, lies outside; one that touches does not.
+    /// Returns whether a bounding box, west, south, east and north, lies outside; one that touches
+    /// does not.
     fn is_beyond(&self, bounds: [i32; 4]) -> bool {
         let [west, south, east, north] = bounds.map(i64::from);
         east < self.bounds[0] || west > self.bounds[2] || north < self.bounds[1] || south > self.bounds[3]
@@ -54,8 +57,8 @@ impl LinkBox {
 }
 
 impl Mapper<'_> {
-    /// Drops what cannot hide a receiver from these UAVs; from then on the mapper is for them alone. Counts footprints, of
-    /// which none is there in a raster scene.
+    /// Drops footprints that cannot hide a receiver from these UAVs; from then on the mapper is for
+    /// them alone. Counts footprints, of which a raster scene has none.
     ///
     /// Cost: a look at each piece of a footprint.
     pub fn drop_idle(&mut self, uavs: &[Uav]) -> IdleFootprints {
@@ -75,7 +78,7 @@ impl Mapper<'_> {
             links.lowest = links.lowest.min(uav.station.z);
             // A UAV without a view has no map either.
             let Ok(view) = self.seen_from(uav) else { continue };
-            let window = view.window();
+            let window = view.window;
             if window.n_rows == 0 || window.n_cols == 0 {
                 continue;
             }
@@ -89,7 +92,7 @@ impl Mapper<'_> {
                 links.add(corner.x, corner.y);
             }
         }
-        let lowest = self.receivers().iter().filter_map(|receivers| receivers.lowest()).min();
+        let lowest = self.receivers.iter().filter_map(|receivers| receivers.lowest()).min();
         // A lattice step to spare: how stable answers are is found by moving the UAV by one.
         let [west, south, east, north] = links.bounds;
         LinkBox {

@@ -8,16 +8,16 @@ use crate::error::Result;
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::CellWindow;
 
-/// How long the masks and layers of maps are kept.
+/// Time for which the masks and layers of maps are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KeepMasks {
     /// With the maps.
     Always,
-    /// Until all has been told of a map, so that memory does not grow with the number of UAVs: at most [`maps_at_once`]
-    /// are held.
+    /// Until all has been told of a map, so that memory does not grow with the number of UAVs: at
+    /// most [`maps_at_once`] are held.
     UntilTold,
-    /// The mask of the only UAV is handed over part by part and never held, and layers of heights are not made; of several
-    /// UAVs as `UntilTold`.
+    /// The mask of the only UAV is handed over part by part and never held, and layers of heights
+    /// are not made; of several UAVs as `UntilTold`.
     Never,
 }
 
@@ -26,13 +26,15 @@ pub enum KeepMasks {
 pub struct ManyMaps {
     /// The maps; without masks and layers where they were not to be kept.
     pub sites: Vec<SiteCoverage>,
-    /// All masks laid over each other, for more than one UAV and for none, and where it is asked for.
+    /// All masks laid over each other, for more than one UAV and for none, and where it is asked
+    /// for.
     pub overlay: Option<Overlay>,
 }
 
 impl Mapper<'_> {
-    /// Maps what each of some UAVs sees. Calls `each_part` with one part of the masks after another, in
-    /// the order of the UAVs and from the north, and `each` with every map once its mask is complete.
+    /// Maps what each of some UAVs sees. Calls `each_part` with one part of the masks after
+    /// another, in the order of the UAVs and from the north, and `each` with every map once its
+    /// mask is complete.
     ///
     /// The outcome does not depend on the number of threads.
     pub fn map_many(
@@ -43,8 +45,8 @@ impl Mapper<'_> {
         mut each_part: impl FnMut(&[u8]) + Send,
         mut each: impl FnMut(&SiteCoverage),
     ) -> Result<ManyMaps> {
-        let is_windowed = self.options().window.is_some();
-        let window = self.options().window.unwrap_or_else(|| self.field().grid().window());
+        let is_windowed = self.options.window.is_some();
+        let window = self.options.window.unwrap_or_else(|| self.field().grid().window());
         let mut sites: Vec<SiteCoverage> = Vec::with_capacity(uavs.len());
         let n_list = together.of_list.as_ref().map_or(uavs.len(), |(_, n)| *n);
         let mut overlay = (uavs.len() != 1 || together.even_of_one)
@@ -84,18 +86,18 @@ impl Mapper<'_> {
             .map(|(row, col)| cells.open.contains(row, col) || cells.building.contains(row, col))
     }
 
-    /// Returns the squared distance from a UAV to the receiver of each cell of a window \[m²\], from whole
-    /// lattice steps: equal distances are equal numbers.
+    /// Returns the squared distance from a UAV to the receiver of each cell of a window \[m²\],
+    /// from whole lattice steps: equal distances are equal numbers.
     #[expect(clippy::cast_precision_loss, reason = "steps in reach are below 2^53")]
     fn squared_distances_m2(&self, uav: &Uav, window: CellWindow) -> impl Fn((usize, usize)) -> f64 + Sync {
-        let (positions, unit) = (self.positions(), self.options().meters_per_unit);
+        let (positions, unit) = (self.positions(), self.options.meters_per_unit);
         let (step_x, step_y) = positions.step_lengths();
         let at = positions.on_range(&uav.station.place);
         let z = uav.station.z;
         move |(row, col)| {
             let (row, col) = (window.row + row, window.col + col);
             let (dx, dy) = positions.steps(at, (row, col));
-            let of_cell = self.receivers().iter().find(|of_kind| of_kind.cells.contains(row, col));
+            let of_cell = self.receivers.iter().find(|of_kind| of_kind.cells.contains(row, col));
             let receiver = of_cell.map_or(z, |of_kind| of_kind.height(row * of_kind.cells.n_cols() + col));
             let (x, y) = (dx as f64 * step_x * unit, dy as f64 * step_y * unit);
             let height = (receiver - z) as f64 / f64::from(STEPS_PER_UNIT);
@@ -104,7 +106,7 @@ impl Mapper<'_> {
     }
 }
 
-/// How many maps are made at once: enough to keep every thread busy where maps are small.
+/// Returns the number of maps made at once: enough to keep every thread busy where maps are small.
 pub fn maps_at_once() -> usize {
     2 * rayon::current_num_threads()
 }

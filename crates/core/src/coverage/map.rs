@@ -21,14 +21,14 @@ pub struct SiteCoverage {
     pub uav: Uav,
     /// Classes of [`super::class`].
     pub mask: LargeVec<u8>,
-    /// Receiver height less the least visible height \[m\]; ≥ 0 exactly where LoS, NaN where there is no
-    /// receiver.
+    /// Receiver height less the least visible height \[m\]; ≥ 0 exactly where LoS, NaN where there
+    /// is no receiver.
     pub margin: Option<Vec<f32>>,
-    /// Least receiver height in line of sight \[m above the datum\], never below what the receiver stands
-    /// on.
+    /// Least receiver height in line of sight \[m above the datum\], never below what the receiver
+    /// stands on.
     pub least_receiver_height: Option<Vec<f32>>,
-    /// Least UAV height over its place that sees the receiver \[m above the datum\], never below the
-    /// surface there; +∞ where none within ±32 768 m does.
+    /// Least UAV height over its place that sees the receiver \[m above the datum\], never below
+    /// the surface there; +∞ where none within ±32 768 m does.
     pub least_height: Option<Vec<f32>>,
     /// Answers that a step of the lattice turns.
     pub stability: Option<Stability>,
@@ -62,8 +62,8 @@ impl SiteCoverage {
         }
     }
 
-    /// Returns a window of a map: of a mask and heights in the rows of the window, and of layers of all
-    /// rows.
+    /// Returns a window of a map: of a mask and heights in the rows of the window, and of layers of
+    /// all rows.
     fn cropped(self, window: CellWindow, n_cols: usize) -> Self {
         fn part<T: Copy>(cells: &[T], window: CellWindow, n_cols: usize) -> Vec<T> {
             let rows = cells.chunks(n_cols);
@@ -95,20 +95,20 @@ pub fn map_site(field: &HeightField, uav: &Uav, options: &MapOptions, control: &
 impl View<'_> {
     /// Maps what the UAV sees.
     ///
-    /// Cost: that of the engine (see [`crate::los`]), plus a walk per receiver and solid for layers of
-    /// heights, of which the sweep finds margins and ceilings without one. Shared by all threads of the
-    /// current pool.
+    /// Cost: that of the engine (see [`crate::los`]), plus a walk per receiver and solid for layers
+    /// of heights, of which the sweep finds margins and ceilings without one. Shared by all threads
+    /// of the current pool.
     pub fn map(&self, control: &Control) -> Result<SiteCoverage> {
         let map = self.map_in_parts(control, None, true)?;
-        Ok(match self.options().window {
+        Ok(match self.mapper.options.window {
             Some(window) => map.cropped(window, self.field().grid().n_cols()),
             None => map,
         })
     }
 
-    /// Maps what the UAV sees in the rows of the window, and calls `each_part` with one part of the mask
-    /// after another, from the north, while others are made. Unless `keep`, that is all there is of the
-    /// mask, and there are no layers.
+    /// Maps what the UAV sees in the rows of the window, and calls `each_part` with one part of the
+    /// mask after another, from the north, while others are made. Unless `keep`, that is all there
+    /// is of the mask, and there are no layers.
     pub(super) fn map_in_parts(
         &self,
         control: &Control,
@@ -116,9 +116,9 @@ impl View<'_> {
         keep: bool,
     ) -> Result<SiteCoverage> {
         let (n_rows, n_cols) = (self.field().grid().n_rows(), self.field().grid().n_cols());
-        let window = self.options().window.unwrap_or_else(|| self.field().grid().window());
+        let window = self.mapper.options.window.unwrap_or_else(|| self.field().grid().window());
         let rows = window.row..window.row + window.n_rows;
-        let layers = if keep { self.options().layers } else { HeightLayers::default() };
+        let layers = if keep { self.mapper.options.layers } else { HeightLayers::default() };
         let map = OneMap::new(self, layers, control);
         // Rows enough for every thread, also of wide grids; all of them where nobody takes parts.
         let n_at_once = match &each_part {
@@ -155,7 +155,7 @@ impl View<'_> {
             self.raise(heights, rows.start);
         }
         coverage = SiteCoverage { margin, least_receiver_height, least_height, ..coverage };
-        let scenes = self.layers();
+        let scenes = &self.mapper.layers;
         let decided: Vec<Decided<'_>> = map.receivers.into_iter().map(|of_kind| of_kind.decided).collect();
         coverage.stability =
             scenes.by_one_step.as_ref().map(|roofs| stability(self, &decided, roofs, control)).transpose()?;
@@ -203,10 +203,10 @@ impl<'m> OneMap<'m> {
         if self.control.is_stopped() {
             return tally;
         }
-        let mut sets = RowSets::new(self.view.field().cells(), row, (self.view.range(), row));
+        let mut sets = RowSets::new(self.view.field().cells(), row, (&self.view.range, row));
         for DecidedReceivers { seen, decided: Decided { in_range, los }, found } in &self.receivers {
             let (in_range, los): (&[u64], &[u64]) = (in_range.row(row), los.row(row));
-            sets.add(seen.cells().row(row), in_range, los);
+            sets.add(seen.receivers.cells.row(row), in_range, los);
             tally.add_receivers(&seen.elevations(row), in_range, los);
             self.heights.fill(out, seen, row, (in_range, los), found);
         }
@@ -254,20 +254,20 @@ impl View<'_> {
     /// Returns the cells in range, with receivers or without; `None` if all are. A cell without a
     /// receiver has no elevation, so only distance and azimuth leave it out.
     pub fn cells_in_range(&self) -> Option<BitGrid> {
-        let range = self.range();
+        let range = &self.range;
         if range.is_everywhere() {
             return None;
         }
         let mut cells = range.cut(&self.no_cells().complement());
         for receivers in self.receivers().filter(|_| range.limits_elevations()) {
-            let beyond = receivers.cells().clone().xor(&receivers.in_range());
+            let beyond = (*receivers.receivers.cells).clone().xor(&receivers.in_range());
             cells = cells.and(&beyond.complement());
         }
         Some(cells)
     }
 
-    /// Tells whether the receiver of a row and column is in line of sight, in range or not, by one exact
-    /// ray; `None` without a receiver there.
+    /// Returns whether the receiver of a row and column is in line of sight, in range or not, by
+    /// one exact ray; `None` without a receiver there.
     pub fn is_los(&self, cell: (usize, usize)) -> Option<bool> {
         let receiver = self.receivers_at(cell).next()?.station(cell);
         Some(self.scene().is_los(&receiver))

@@ -1,9 +1,10 @@
-//! Margins of receivers: how far they are from turning; the worst of a UAV, and those of a map in numbers.
+//! Margins of receivers: how far they are from turning; the worst of a UAV, and those of a map in
+//! numbers.
 //!
-//! Some engines find least heights at once, which gives every margin. Elsewhere each needs a walk along
-//! its link, a hundred times what a cell of a map costs. The margins of a map are then those of a
-//! systematic sample: every n-th receiver in row order. Each is that of the layer `margin`, its sign
-//! decided exactly.
+//! Some engines find least heights at once, which gives every margin. Elsewhere each needs a walk
+//! along its link, a hundred times what a cell of a map costs. The margins of a map are then those
+//! of a systematic sample: every n-th receiver in row order. Each is that of the layer `margin`,
+//! its sign decided exactly.
 
 use std::borrow::Cow;
 
@@ -31,14 +32,15 @@ pub const GRAZING_M: f32 = 1.0;
 pub struct MarginStats {
     /// Receivers behind them.
     pub receivers: u64,
-    /// Those within ±[`GRAZING_M`] of grazing.
+    /// Receivers within ±[`GRAZING_M`] of grazing.
     pub grazing: u64,
-    /// Margins that 5 %, 50 % and 95 % of the receivers do not exceed \[m\]; −∞ where no receiver height is enough.
+    /// Margins that 5 %, 50 % and 95 % of the receivers do not exceed \[m\]; −∞ where no receiver
+    /// height is enough.
     pub quantiles: [f32; 3],
 }
 
 impl MarginStats {
-    /// The statistics of some margins; `None` of none.
+    /// Returns the statistics of some margins; `None` of none.
     pub fn of(mut margins: Vec<f32>) -> Option<Self> {
         if margins.is_empty() {
             return None;
@@ -55,7 +57,7 @@ impl MarginStats {
 }
 
 impl MarginSample {
-    /// How many receivers of the sample are within ± some distance of grazing \[m\].
+    /// Counts receivers of the sample within ± some distance of grazing \[m\].
     pub fn near(&self, reach_m: f32) -> u64 {
         self.margins.iter().filter(|(_, margin)| margin.abs() <= reach_m).count() as u64
     }
@@ -74,7 +76,8 @@ pub struct WorstReceiver {
 struct Margins<'v> {
     seen: SeenReceivers<'v>,
     in_range: Cow<'v, BitGrid>,
-    /// Receivers in line of sight, and least heights; `None` if the engine does not find them at once.
+    /// Receivers in line of sight, and least heights; `None` if the engine does not find them at
+    /// once.
     found: Option<(BitGrid, GridHeights)>,
 }
 
@@ -119,7 +122,8 @@ impl View<'_> {
         worst
     }
 
-    /// Returns the least margin of the receivers of some cells that are in range \[m\]; `None` if none is.
+    /// Returns the least margin of the receivers of some cells that are in range \[m\]; `None` if
+    /// none is.
     ///
     /// Cost: a walk for each.
     pub fn least_margin_among(&self, cells: &[(usize, usize)]) -> Option<f32> {
@@ -130,8 +134,8 @@ impl View<'_> {
         margins.min_by(f32::total_cmp)
     }
 
-    /// Returns margins of some `most` receivers of a map of this view; of all, if they are fewer, or
-    /// found at once.
+    /// Returns margins of some `most` receivers of a map of this view; of all, if they are fewer,
+    /// or found at once.
     pub fn margin_sample(&self, map: &SiteCoverage, most: usize) -> MarginSample {
         let n_receivers = usize::try_from(map.tally.receivers).unwrap_or(usize::MAX);
         let kinds = Margins::by_kind(self, Threads::All);
@@ -144,7 +148,7 @@ impl View<'_> {
         let n_cols = self.field().grid().n_cols();
         let margin = |cell: usize| {
             let at = (cell / n_cols, cell % n_cols);
-            let kind = kinds.iter().find(|kind| kind.seen.cells().contains(at.0, at.1));
+            let kind = kinds.iter().find(|kind| kind.seen.receivers.cells.contains(at.0, at.1));
             (cell, kind.map_or(f32::NAN, |kind| kind.at(at)))
         };
         MarginSample { every, margins: cells.into_par_iter().map(margin).collect() }

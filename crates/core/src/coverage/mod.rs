@@ -1,7 +1,8 @@
 //! Coverage maps: for every cell of a grid, what one UAV sees of the receiver there.
 //!
-//! The result of a map is a mask of [`class`]es, a tally of them and, on request, layers of heights. Results do not
-//! depend on the number of threads: every cell is decided alone and all sums are integer counts.
+//! The result of a map is a mask of [`class`]es, a tally of them and, on request, layers of
+//! heights. Results do not depend on the number of threads: every cell is decided alone and all
+//! sums are integer counts.
 
 mod bearings;
 mod cell_classes;

@@ -20,7 +20,8 @@ impl<'a> Row<'a> {
         Row { mask, margin: &mut [], least_receiver_height: &mut [], least_height: &mut [] }
     }
 
-    /// Sets the least receiver height and the margin of a cell \[m\], as far as these are wanted.
+    /// Returns sets the least receiver height and the margin of a cell \[m\], as far as these are
+    /// wanted.
     #[inline]
     pub(super) fn set_heights(&mut self, col: usize, (least, margin): (f32, f32)) {
         if let Some(v) = self.least_receiver_height.get_mut(col) {
@@ -71,21 +72,22 @@ impl HeightRows {
         })
     }
 
-    /// Returns margins, least receiver heights and least heights of the UAV, as far as they are wanted.
+    /// Returns margins, least receiver heights and least heights of the UAV, as far as they are
+    /// wanted.
     pub(super) fn into_layers(self) -> [Option<Vec<f32>>; 3] {
         [self.margin, self.least_receiver_height, self.least_height]
             .map(|layer| Some(layer).filter(|of| !of.is_empty()))
     }
 }
 
-/// What takes one part of a mask after another.
+/// Taker of one part of a mask after another.
 pub(super) type EachPart<'a> = &'a mut (dyn FnMut(&[u8]) + Send);
 
 /// Cells of a band of rows that is handed over at once.
 pub(super) const BAND_CELLS: usize = 1 << 20;
 
-/// Fills bands one after another, and hands each over while the next one is filled; returns the sum of
-/// what `fill` counts.
+/// Fills bands one after another, and hands each over while the next one is filled; returns the sum
+/// of what `fill` counts.
 pub(super) fn in_turns<B: Send + Sync>(
     mut bands: impl Iterator<Item = B>,
     fill: impl Fn(&mut B) -> Tally + Sync,

@@ -1,10 +1,11 @@
-//! Stability of a map's answers: receivers that turn when the UAV, or every roof, moves by one lattice step.
+//! Stability of a map's answers: receivers that turn when the UAV, or every roof, moves by one
+//! lattice step.
 //!
 //! Answers are exact for the numbers that were given, but those are known no better than they were
-//! measured. A receiver that grazes a roof turns with the last digit of a height; one in the middle of a
-//! shadow does not. Eight maps with one thing moved by one step each tell the two apart. The receivers
-//! and the ground they stand on stay. Roofs are the tops of prisms or of building cells; of a surface
-//! model alone, where buildings are not known, all columns move.
+//! measured. A receiver that grazes a roof turns with the last digit of a height; one in the middle
+//! of a shadow does not. Eight maps with one thing moved by one step each tell the two apart. The
+//! receivers and the ground they stand on stay. Roofs are the tops of prisms or of building cells;
+//! of a surface model alone, where buildings are not known, all columns move.
 
 use super::view::{Decided, MovedRoofs, Threads, View};
 use super::{Control, Uav};
@@ -37,7 +38,7 @@ impl Move {
     pub const ALL: [Move; 8] =
         [Move::East, Move::West, Move::North, Move::South, Move::Up, Move::Down, Move::RoofsUp, Move::RoofsDown];
 
-    /// The word for it in documents, and the steps of the UAV east, north and up.
+    /// Returns the word for it in documents, and the steps of the UAV east, north and up.
     fn told(self) -> (&'static str, [i64; 3]) {
         match self {
             Move::East => ("uav_east", [1, 0, 0]),
@@ -51,7 +52,7 @@ impl Move {
         }
     }
 
-    /// The word for it in documents.
+    /// Returns the word for it in documents.
     pub fn name(self) -> &'static str {
         self.told().0
     }
@@ -66,15 +67,16 @@ pub struct Turned {
     pub lost: u64,
 }
 
-/// How stable the answers of one UAV are.
+/// Stability of the answers about one UAV.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stability {
-    /// What each move turns, in the order of [`Move::ALL`]; or why it cannot be made, as where the UAV would be inside a
-    /// building.
+    /// Receivers that each move turns, in the order of [`Move::ALL`]; or why it cannot be made, as
+    /// where the UAV would be inside a building.
     pub moves: Vec<(Move, std::result::Result<Turned, String>)>,
     /// Receivers that at least one move turns.
     pub unstable: u64,
-    /// How many moves turn each receiver, 0 to 8; NaN where there is none. Shape `[n_rows, n_cols]`, row 0 north.
+    /// Number of moves that turn each receiver, 0 to 8; NaN where there is none. Shape `[n_rows,
+    /// n_cols]`, row 0 north.
     pub turns: Vec<f32>,
 }
 
@@ -128,7 +130,8 @@ fn after(
     let roofs = roofs.map(|roofs| roofs.as_ref().ok_or_else(beyond)).transpose()?;
     let over = roofs.map(|roofs| view.with_roofs(roofs)).transpose().map_err(|e| e.to_string())?;
     let over = over.as_ref().unwrap_or(view);
-    let uav: Uav = view.uav().moved(over.field(), which.told().1, view.options().radius).map_err(|e| e.to_string())?;
+    let uav: Uav =
+        view.uav().moved(over.field(), which.told().1, view.mapper.options.radius).map_err(|e| e.to_string())?;
     // Nobody comes into range by a move, or leaves it: the turn of an answer is what counts.
     let after = over.with_uav(&uav);
     let los = after.receivers().zip(decided).map(|(of_kind, decided)| of_kind.los(&decided.in_range, Threads::All));

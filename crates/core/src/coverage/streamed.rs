@@ -1,4 +1,5 @@
-//! Maps of scenes that are read window by window: the same as [`super::Mapper`] makes of scenes in memory.
+//! Maps of scenes that are read window by window: the same as [`super::Mapper`] makes of scenes in
+//! memory.
 
 use std::ops::Range as Rows;
 use std::sync::atomic::Ordering;
@@ -25,8 +26,8 @@ use crate::simd::SimdLevel;
 
 /// Scene that is read window by window, and options, made ready for any number of UAVs.
 ///
-/// Memory is two bits for each cell and kind of receiver, and a strip of the scene. Layers of heights
-/// take 8 bytes more for each cell and kind, and 4 for each layer.
+/// Memory is two bits for each cell and kind of receiver, and a strip of the scene. Layers of
+/// heights take 8 bytes more for each cell and kind, and 4 for each layer.
 #[derive(Debug)]
 pub struct StreamedMapper<'a, S> {
     scene: &'a S,
@@ -57,7 +58,8 @@ struct Decided {
     /// `None` if all are in range.
     wanted: Option<BitGrid>,
     los: BitGrid,
-    /// Least height over each cell of a receiver in line of sight \[1/1024 m\], if layers are asked for.
+    /// Least height over each cell of a receiver in line of sight \[1/1024 m\], if layers are asked
+    /// for.
     least_heights: Option<Vec<f64>>,
 }
 
@@ -108,9 +110,9 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
     /// Makes ready what does not depend on the UAV: reads the scene once.
     ///
     /// # Errors
-    /// E118 if the options ask for another engine than `sweep`, or for layers other than margins and
-    /// least receiver heights; E502 for more cells a side than a
-    /// lattice has; those of the scene; and that of [`super::Mapper::map`] when `control.stop` was set.
+    /// E118 if the options ask for another engine than `sweep`, or for layers other than margins
+    /// and least receiver heights; E502 for more cells a side than a lattice has; those of the
+    /// scene; and that of [`super::Mapper::map`] when `control.stop` was set.
     pub fn new(scene: &'a S, options: &'a MapOptions, control: &Control) -> Result<Self> {
         if !matches!(options.method, MethodChoice::Auto | MethodChoice::Sweep) {
             return Err(MapError::StreamedMethod.into());
@@ -152,11 +154,12 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         Ok(StreamedMapper { scene, options, receivers, max_top, lowest_known, xs, positions, limits })
     }
 
-    /// Maps what a UAV sees, and hands the mask to `visit`, a few whole rows at a time from the north; the coverage that is
-    /// returned holds the layers of heights, but no mask.
+    /// Maps what a UAV sees, and hands the mask to `visit`, a few whole rows at a time from the
+    /// north. The coverage that is returned holds the layers of heights, but no mask.
     ///
     /// # Errors
-    /// Those of the scene and of `visit`, and that of [`super::Mapper::map`] when `control.stop` was set.
+    /// Those of the scene and of `visit`, E118 for an earth so curved that heights would leave the
+    /// lattice, and that of [`super::View::map`] when `control.stop` was set.
     pub fn map(
         &self,
         uav: &Uav,
@@ -251,13 +254,13 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         Ok(view.rows(field, window.row..window.row + window.n_rows))
     }
 
-    /// The grid of receivers.
+    /// Returns the grid of receivers.
     pub fn grid(&self) -> &GeoRef {
         self.scene.grid()
     }
 
-    /// Returns the receivers of one kind in range, those in line of sight, and least heights over their
-    /// cells.
+    /// Returns the receivers of one kind in range, those in line of sight, and least heights over
+    /// their cells.
     fn decide(
         &self,
         view: &WindowedView<'_>,

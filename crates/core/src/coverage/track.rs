@@ -1,9 +1,9 @@
 //! Line of sight along a user's track.
 //!
-//! The track is walked in steps of at most a given length, and every step's end is decided as any link is. Where two
-//! neighbors differ, the change between them is found by halving down to a lattice step, so that the ends of a stretch
-//! without line of sight are exact to 1/1024 unit; what begins and ends between two neighbors is missed, and only the
-//! length of a step bounds it.
+//! The track is walked in steps of at most a given length, and every step's end is decided as any
+//! link is. Where two neighbors differ, the change between them is found by halving down to a
+//! lattice step. So the ends of a stretch without line of sight are exact to 1/1024 unit. A stretch
+//! that begins and ends between two neighbors is missed; only the length of a step bounds it.
 
 use super::explained_link::{indoors_below, margin_m};
 use super::view::SceneView;
@@ -20,16 +20,16 @@ pub struct TrackPoint {
     pub position: [f64; 2],
     /// Height of the user above the datum \[1/1024 m\]; `None` where no ground is known.
     pub z: Option<i64>,
-    /// What the user has there.
+    /// State of the user there.
     pub state: TrackState,
-    /// Height of the user less the least height in line of sight \[m\]; `None` inside buildings, where no ground is known, and
-    /// where no height is enough.
+    /// Height of the user less the least height in line of sight \[m\]; `None` inside buildings,
+    /// where no ground is known, and where no height is enough.
     pub margin_m: Option<f64>,
-    /// Whether it is a place of the track itself, and not one between.
+    /// A place of the track itself, and not one between.
     pub is_vertex: bool,
 }
 
-/// What a user has at a place.
+/// State of a user at a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TrackState {
     /// Line of sight.
@@ -59,15 +59,15 @@ pub struct Track {
 }
 
 impl Track {
-    /// Length of the track in a state \[CRS units\].
+    /// Returns the length of the track in a state \[CRS units\].
     pub fn length(&self, state: TrackState) -> f64 {
         self.stretches.iter().filter(|s| s.state == state).map(|s| s.along[1] - s.along[0]).sum()
     }
 }
 
 impl SceneView<'_> {
-    /// Walks a track below the UAV: users `rx_height` \[1/1024 m\] above ground, decided at least every
-    /// `step` \[CRS units\].
+    /// Walks a track below the UAV: users `rx_height` \[1/1024 m\] above ground, decided at least
+    /// every `step` \[CRS units\].
     ///
     /// # Panics
     /// With fewer than two places, or a step that is not above 0.
@@ -144,7 +144,8 @@ impl Walker<'_> {
         TrackPoint { along, position, z, state, margin_m, is_vertex }
     }
 
-    /// Finds where the state of the first point ends between two neighbors, by halving, to a lattice step.
+    /// Finds where the state of the first point ends between two neighbors, by halving, to a
+    /// lattice step.
     fn change(&self, a: &TrackPoint, b: &TrackPoint) -> f64 {
         let (mut low, mut high) = (0.0, 1.0);
         let length = b.along - a.along;

@@ -1,11 +1,12 @@
-//! Constructors of views: a scene with its heights lowered by a curved earth, or with its roofs moved.
+//! Constructors of views: a scene with its heights lowered by a curved earth, or with its roofs
+//! moved.
 //!
-//! A ray that is straight over a curved earth stays a straight line when heights count from the plane
-//! that touches the earth below the UAV. There a point at distance d is lower by d²/2KR: K times the
-//! radius R of the earth stands for refraction, which bends rays (ITU-R P.834: K = 4/3 for radio in a
-//! standard atmosphere). Columns are lowered as a whole, by the drops of their centers, rounded to the
-//! lattice, so every engine decides over a curved earth as over a flat one. Prisms are not lowered:
-//! engines reckon with the curve of their roofs.
+//! A ray that is straight over a curved earth stays a straight line when heights count from the
+//! plane that touches the earth below the UAV. There a point at distance d is lower by d²/2KR: K
+//! times the radius R of the earth stands for refraction, which bends rays (ITU-R P.834: K = 4/3
+//! for radio in a standard atmosphere). Columns are lowered as a whole, by the drops of their
+//! centers, rounded to the lattice, so every engine decides over a curved earth as over a flat one.
+//! Prisms are not lowered: engines reckon with the curve of their roofs.
 
 use std::sync::Arc;
 
@@ -20,12 +21,13 @@ use crate::quantity::{Frame, MAX_HEIGHT_M, STEPS_PER_UNIT, height_steps};
 use crate::raster::CellWindow;
 
 impl HeightField {
-    /// Returns the scene over a curved earth as it is seen from a place, with the drops of its cells.
+    /// Returns the scene over a curved earth as it is seen from a place, with the drops of its
+    /// cells.
     ///
     /// All heights of a raster are lowered; only those within `window` matter. Open ground and
     /// buildings stay what they are. A vector scene keeps its heights above the datum: its prisms
-    /// know the earth ([`Prisms::earth`]). Its terrain is lowered, for receivers that are lowered as
-    /// well ([`HeightField::seen_on_columns`]).
+    /// know the earth ([`Prisms::earth`]). Its terrain is lowered, for receivers that are lowered
+    /// as well ([`HeightField::seen_on_columns`]).
     pub(crate) fn bent(
         &self,
         place: &Place,
@@ -60,12 +62,12 @@ impl HeightField {
         HeightField { grid: self.grid.clone(), solid, without_data, cells, bent_terrain }
     }
 
-    /// Returns the scene with roofs higher by `steps(building)` \[1/1024 m\]; `None` if a roof would
-    /// leave the proven range.
+    /// Returns the scene with roofs higher by `steps(building)` \[1/1024 m\]; `None` if a roof
+    /// would leave the proven range.
     ///
-    /// Moves the tops of prisms, or of the columns that are buildings; of a surface model alone, all
-    /// columns. A raster does not tell buildings apart: `steps` is called once there, for 0. Open
-    /// ground and buildings stay what they are, so rays are what the result is for.
+    /// Moves the tops of prisms, or of the columns that are buildings; of a surface model alone,
+    /// all columns. A raster does not tell buildings apart: `steps` is called once there, for 0.
+    /// Open ground and buildings stay what they are, so rays are what the result is for.
     ///
     /// Cost: that of a copy; prisms are sorted into buckets again.
     pub(crate) fn with_roofs_raised_by(&self, steps: impl Fn(u32) -> i32) -> Option<HeightField> {
@@ -85,8 +87,8 @@ impl HeightField {
         Some(self.with_prisms(Prisms::with_tops(pieces)))
     }
 
-    /// Returns a raster scene with the columns that are buildings higher by `steps(cell)` \[1/1024 m\];
-    /// `None` of a vector scene, and if a roof would leave the proven range.
+    /// Returns a raster scene with the columns that are buildings higher by `steps(cell)` \[1/1024
+    /// m\]; `None` of a vector scene, and if a roof would leave the proven range.
     pub(crate) fn with_cells_raised_by(&self, steps: impl Fn(usize) -> i32) -> Option<HeightField> {
         let mut field = self.clone();
         let Solid::Raster(RasterSolid { columns, .. }) = &mut field.solid else { return None };

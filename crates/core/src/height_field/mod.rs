@@ -1,8 +1,10 @@
-//! What a ray can hit: columns over cells, and prisms over footprints, on the integer lattice.
+//! Solids that a ray can hit: columns over cells, and prisms over footprints, on the integer
+//! lattice.
 //!
-//! [`Columns`] is the closed union T of all columns of a raster, [`Prisms`] the closed union B of all prisms of a
-//! vector scene. A [`HeightField`] is either or both, each on its own lattice, together with what receivers stand on.
-//! Nothing here decides who sees whom; that is [`crate::los`].
+//! [`Columns`] is the closed union T of all columns of a raster, [`Prisms`] the closed union B of
+//! all prisms of a vector scene. A [`HeightField`] is either or both, each on its own lattice,
+//! together with what receivers stand on. Nothing here decides who sees whom; that is
+//! [`crate::los`].
 
 mod build;
 mod casters;

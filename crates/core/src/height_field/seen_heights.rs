@@ -61,16 +61,12 @@ impl<'a> SeenHeights<'a> {
 
     /// Copies heights of one row, from cell `first` on.
     pub(crate) fn copy(&self, first: usize, out: &mut [i32]) {
-        let by_cell = self.drops.map(|drops| (&drops.by_col[first % self.n_cols..], drops.by_row[first / self.n_cols]));
-        match (self.heights, by_cell) {
-            (HeightsOf::One(z), None) => out.fill(z),
-            (HeightsOf::One(z), Some((by_col, of_row))) => lower_one(z, by_col, of_row, out),
-            (HeightsOf::Cells(cells), by_cell) => {
-                out.copy_from_slice(&cells[first..first + out.len()]);
-                if let Some((by_col, of_row)) = by_cell {
-                    lower(out, by_col, of_row);
-                }
-            }
+        match self.heights {
+            HeightsOf::One(z) => out.fill(z),
+            HeightsOf::Cells(cells) => out.copy_from_slice(&cells[first..first + out.len()]),
+        }
+        if let Some(drops) = self.drops {
+            drops.lower_row((first / self.n_cols, first % self.n_cols), out);
         }
     }
 
@@ -91,7 +87,7 @@ impl<'a> SeenHeights<'a> {
         }
     }
 
-    /// Tells whether both are the same heights in memory, lowered by the same drops.
+    /// Returns whether both are the same heights in memory, lowered by the same drops.
     pub(crate) fn is(&self, other: &SeenHeights<'_>) -> bool {
         let is_same = |a: Option<&Drops>, b: Option<&Drops>| a.map(std::ptr::from_ref) == b.map(std::ptr::from_ref);
         match (self.heights, other.heights) {
@@ -184,11 +180,6 @@ impl Drops {
         lower(cells, &self.by_row[first..], self.by_col[col]);
     }
 
-    /// Lowers one height over cells of a column, from a row on.
-    pub(crate) fn lower_one_by_col(&self, z: i32, (first, col): (usize, usize), out: &mut [i32]) {
-        lower_one(z, &self.by_row[first..], self.by_col[col], out);
-    }
-
     /// Returns all cells lowered by their drops. Threads of the current pool share the work.
     pub(super) fn lowered_all(&self, heights: HeightsOf<'_>) -> LargeVec<i32> {
         let n_cols = self.by_col.len();
@@ -216,11 +207,8 @@ fn lower(cells: &mut [i32], by_cell: &[f64], of_line: f64) {
     dispatch!(Level::new(), simd => lower_with(simd, cells, by_cell, of_line));
 }
 
-/// Lowers one height over all cells of a line.
-fn lower_one(z: i32, by_cell: &[f64], of_line: f64, out: &mut [i32]) {
-    dispatch!(Level::new(), simd => lower_one_with(simd, z, by_cell, of_line, out));
-}
-
+/// Lowers known heights of a line.
+///
 /// PERF: compiled for the instructions of this machine, so that the compiler makes vectors of it.
 #[inline(always)]
 fn lower_with<S: Simd>(simd: S, cells: &mut [i32], by_cell: &[f64], of_line: f64) {
@@ -229,19 +217,6 @@ fn lower_with<S: Simd>(simd: S, cells: &mut [i32], by_cell: &[f64], of_line: f64
         || {
             for (z, of_cell) in cells.iter_mut().zip(by_cell) {
                 *z = lower_known(*z, rounded(*of_cell, of_line));
-            }
-        },
-    );
-}
-
-/// PERF: as above.
-#[inline(always)]
-fn lower_one_with<S: Simd>(simd: S, z: i32, by_cell: &[f64], of_line: f64, out: &mut [i32]) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            for (out, of_cell) in out.iter_mut().zip(by_cell) {
-                *out = z.wrapping_sub(rounded(*of_cell, of_line));
             }
         },
     );

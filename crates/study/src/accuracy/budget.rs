@@ -192,7 +192,7 @@ fn change_with(
 fn roof_line(setup: &Setup<'_>, p_los: f64, uncertain: &Uncertain) -> BudgetLine {
     let steps = height_steps(uncertain.roofs_m).unwrap_or(0);
     let raised = |by: i32| match MovedRoofs::by_building(setup.field, |_| by) {
-        Some(moved) => change_of(setup.p_los_of(moved.field()), p_los),
+        Some(moved) => change_of(setup.p_los_of(&moved.field), p_los),
         None => Err("a roof would leave the proven range".into()),
     };
     BudgetLine {

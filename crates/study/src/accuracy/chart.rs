@@ -206,7 +206,7 @@ impl Contestant {
             Ground::HigherRoofs(m) => {
                 let steps = i32::from(m) * STEPS_PER_UNIT;
                 let moved = MovedRoofs::by_building(field, |_| steps).ok_or("a roof would be too high")?;
-                Cow::Owned(moved.into_field())
+                Cow::Owned(moved.field)
             }
         };
         let uavs = match self.ground {

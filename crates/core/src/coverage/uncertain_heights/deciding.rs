@@ -1,4 +1,4 @@
-//! Which buildings decide about receivers, by their heights.
+//! Buildings whose heights decide about receivers.
 
 use rayon::prelude::*;
 
@@ -9,28 +9,29 @@ use crate::los::{HeightLimits, PlanCrossings, Wall};
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::set_bits;
 
-/// What hangs on heights of buildings that are off by at most so much.
+/// Answers that depend on heights of buildings that are off by at most so much.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Deciding {
     /// Receivers in range.
     pub receivers: u64,
-    /// Those that are in line of sight for some heights and not for others.
+    /// Receivers in line of sight for some heights and not for others.
     pub possibly: u64,
-    /// For each building of a scene of footprints, by its number, the receivers whose answer its height alone turns, all others as they are known.
+    /// For each building of a scene of footprints, by its number, the receivers whose answer its
+    /// height alone turns, all others as they are known.
     pub by_building: Vec<u64>,
 }
 
 impl View<'_> {
-    /// Finds the answers that depend on heights of buildings that are off by at most `error_m`, and the
-    /// buildings that they depend on.
+    /// Finds the answers that depend on heights of buildings that are off by at most `error_m`, and
+    /// the buildings that they depend on.
     ///
-    /// Cost: twice the line of sight of a map, and past footprints a walk for each receiver on a roof, and
-    /// for each that depends on the heights.
+    /// Cost: twice the line of sight of a map, and past footprints a walk for each receiver on a
+    /// roof, and for each that depends on the heights.
     ///
     /// # Errors
     /// E118 if the error is no length, or makes a roof leave ±32 768 m.
     pub fn deciding(&self, error_m: f64, control: &Control) -> Result<Deciding> {
-        let scene = self.mapper().field();
+        let scene = self.mapper.field;
         let bounds = HeightBounds::of(scene, error_m).ok_or(MapError::HeightErrors)?;
         let sure = self.sure(&bounds)?;
         let mut deciding = Deciding {
@@ -66,8 +67,8 @@ impl View<'_> {
     }
 }
 
-/// The buildings each of which alone turns the answer for a receiver if it is higher or lower by so much: on the roof of one of them, or on the
-/// ground.
+/// Returns the buildings each of which alone turns the answer for a receiver if it is higher or
+/// lower by `error`. The receiver is on the roof of `own`, or on the ground.
 fn turned_by(error: i64, own: Option<u32>, link: &PlanCrossings<'_>) -> Vec<u32> {
     let with_own = |by: i64| match own {
         Some(building) => link.limits(by)?.with_error_of(building, by),
@@ -93,7 +94,7 @@ fn turned_by(error: i64, own: Option<u32>, link: &PlanCrossings<'_>) -> Vec<u32>
     turned
 }
 
-/// Whether a link is clear, with one building higher by so much.
+/// Returns whether a link is clear, with one building higher by so much.
 fn is_clear(limits: &HeightLimits, moved: Option<(u32, i64)>) -> bool {
     let has_room = |of: u32, room: i64| moved.map_or(0, |(building, by)| if building == of { by } else { 0 }) <= room;
     let is_low = |wall: &Wall| (0..2).any(|k| has_room(wall.buildings[k], wall.rooms[k]));

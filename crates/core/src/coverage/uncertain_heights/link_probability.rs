@@ -1,15 +1,16 @@
 //! Probability that one link is clear, where heights of buildings are off.
 //!
-//! **One link.** Building i has room for an error of l_i at most ([`HeightLimits`]). With a known shared
-//! error t, the link is clear with the product of Φ((l_i − t)/σ_i) over the buildings crossed, Φ the
-//! distribution of the normal one. Over t it is integrated: in equal steps of 3/4 of the least σ_i or τ;
-//! or by Gauss–Legendre of five nodes in parts that end at breaks, because a building without an error of
-//! its own hides the receiver all of a sudden. [`HeightErrors`] has all tolerances.
+//! **One link.** Building i has room for an error of l_i at most ([`HeightLimits`]). With a known
+//! shared error t, the link is clear with the product of Φ((l_i − t)/σ_i) over the buildings
+//! crossed, Φ the distribution of the normal one. Over t the product is integrated in equal steps
+//! of 3/4 of the least σ_i or τ. A building without an error of its own hides the receiver all of a
+//! sudden. Parts end there, with Gauss–Legendre of five nodes in each. [`HeightErrors`] has all
+//! tolerances.
 //!
-//! **A receiver on a roof** moves with its building, by b = e_i + t. Its link is clear of the ground and of
-//! its own roof for one interval of b ([`PlanCrossings`]), to which the mean is cut. Rooms of other
-//! buildings are the least of straight lines in b, so parts end where one gives way to another. Given b,
-//! t is normal with mean b·τ²/(σ_i² + τ²) and deviation τσ_i/√(σ_i² + τ²).
+//! **A receiver on a roof** moves with its building, by b = e_i + t. Its link is clear of the
+//! ground and of its own roof for one interval of b ([`PlanCrossings`]), to which the mean is cut.
+//! Rooms of other buildings are the least of straight lines in b, so parts end where one gives way
+//! to another. Given b, t is normal with mean b·τ²/(σ_i² + τ²) and deviation τσ_i/√(σ_i² + τ²).
 
 use crate::los::{CERTAIN, HeightErrors, HeightLimits, MOST_AT_STEP, PART, PlanCrossings, STEP, TINY};
 use crate::quadrature::mean_over_unit;
@@ -18,7 +19,8 @@ use crate::quadrature::mean_over_unit;
 type Slack = (u32, f64);
 
 impl HeightErrors {
-    /// The probability that the link of a receiver whose height is known is clear, on the roof of a building or on the ground.
+    /// Returns the probability that the link of a receiver whose height is known is clear, on the
+    /// roof of a building or on the ground.
     pub(super) fn probability(&self, on_roof_of: Option<u32>, link: &PlanCrossings<'_>) -> f64 {
         if link.coincides_at() == Some(0) {
             return 1.0;
@@ -44,7 +46,8 @@ impl HeightErrors {
         rooms.map_or(0.0, |rooms| self.given(&rooms, 0.0, self.shared_steps()))
     }
 
-    /// That of the link of a receiver on the roof of a building, as far as [`CERTAIN`] deviations of its error reach.
+    /// Returns the probability that the link of a receiver on the roof of a building is clear, as
+    /// far as [`CERTAIN`] deviations of its error reach.
     pub(super) fn probability_on_roof(&self, building: u32, link: &PlanCrossings<'_>) -> f64 {
         let (shared, own) = (self.shared_steps(), self.own_steps(building));
         let of_roof = shared.hypot(own);
@@ -74,7 +77,8 @@ impl HeightErrors {
         if near.is_empty() {
             return (below(to, of_roof) - below(from, of_roof)).max(0.0);
         }
-        // Over what is left of the shared error, another building hides the receiver little by little.
+        // Over what is left of the shared error, another building hides the receiver little by
+        // little.
         let tiny = TINY * of_roof;
         let smooth = |of: u32| self.own_steps(of).hypot(left);
         let mut breaks = link.kinks((from, to), is_near);
@@ -100,7 +104,8 @@ impl HeightErrors {
         mean(of_roof, (from, to), shortest, breaks, given).clamp(0.0, 1.0)
     }
 
-    /// Between which errors of the roof below a receiver neither ground nor that roof blocks its link \[1/1024 m\].
+    /// Returns the errors of the roof below a receiver between which neither ground nor that roof
+    /// blocks its link \[1/1024 m\].
     fn clear_of_ground_and_roof(&self, building: u32, link: &PlanCrossings<'_>) -> Option<(f64, f64)> {
         let most = CERTAIN * self.shared_steps().hypot(self.own_steps(building));
         let to = link.most_on_roof(building).min(most);
@@ -120,7 +125,8 @@ impl HeightErrors {
         (from <= to).then_some((from, to))
     }
 
-    /// The probability given the mean and the standard deviation of the shared error \[1/1024 m\].
+    /// Returns the probability given the mean and the standard deviation of the shared error
+    /// \[1/1024 m\].
     fn given(&self, limits: &HeightLimits<f64>, mean_error: f64, shared: f64) -> f64 {
         let slack = |room: f64| room - mean_error;
         if limits.walls.is_empty() {
@@ -135,7 +141,7 @@ impl HeightErrors {
         self.over_shared(&all.collect::<Vec<Slack>>(), shared, at)
     }
 
-    /// The probability that no building is higher than it may be.
+    /// Returns the probability that no building is higher than it may be.
     fn of_slacks(&self, mut slacks: Vec<Slack>, shared: f64) -> f64 {
         let reach = |of: u32| CERTAIN * (self.own_steps(of) + shared);
         if slacks.iter().any(|(of, slack)| *slack < -reach(*of)) {
@@ -153,7 +159,7 @@ impl HeightErrors {
         }
     }
 
-    /// The mean over the shared error.
+    /// Returns the mean over the shared error.
     fn over_shared(&self, slacks: &[Slack], shared: f64, at: impl Fn(f64) -> f64) -> f64 {
         let is_sudden = |of: u32| self.own_steps(of) <= TINY * shared;
         let own = slacks.iter().filter(|(of, _)| !is_sudden(*of)).map(|(of, _)| self.own_steps(*of));
@@ -165,14 +171,15 @@ impl HeightErrors {
     }
 }
 
-/// The mean of a function of a normal error between two, as a part of that between all: of one that is smooth over `shortest` but for some
-/// breaks.
+/// Returns the mean of a function of a normal error between two, as a part of that between all: of
+/// one that is smooth over `shortest` but for some breaks.
 fn mean(deviation: f64, (from, to): (f64, f64), shortest: f64, mut breaks: Vec<f64>, at: impl Fn(f64) -> f64) -> f64 {
     let density = |t: f64| libm::exp(-0.5 * (t / deviation) * (t / deviation));
     breaks.retain(|v| *v > from && *v < to);
     let is_whole = to - from >= 2.0 * CERTAIN * deviation;
     let sum = if breaks.is_empty() && is_whole {
-        // At both ends there is nothing, so equal steps are best: they are off by e to the −2π²/STEP².
+        // At both ends there is nothing, so equal steps are best: they are off by e to the
+        // −2π²/STEP².
         let n = ((to - from) / (STEP * shortest)).ceil();
         let step = (to - from) / n;
         let mut sum = 0.0;
@@ -202,7 +209,7 @@ fn mean(deviation: f64, (from, to): (f64, f64), shortest: f64, mut breaks: Vec<f
     sum / (deviation * std::f64::consts::TAU.sqrt())
 }
 
-/// The probability that a normal error of some standard deviation is at most `slack`.
+/// Returns the probability that a normal error of some standard deviation is at most `slack`.
 #[inline]
 fn below(slack: f64, deviation: f64) -> f64 {
     if deviation > 0.0 {
@@ -228,7 +235,8 @@ mod tests {
     use super::*;
     use crate::los::OwnErrors;
 
-    /// By the midpoint rule, finely: the means over the shared error, and over each building's own one for the link to be clear.
+    /// Returns by the midpoint rule, finely: the means over the shared error, and over each
+    /// building's own one for the link to be clear.
     fn by_many_parts(limits: &HeightLimits<f64>, errors: &HeightErrors) -> f64 {
         let n = 200_000;
         let mut sum = 0.0;

@@ -1,8 +1,10 @@
 //! Answers that depend on heights of buildings, where these may be off.
 //!
-//! [`link_probability`] finds how likely a link is clear where heights have errors. Of one UAV's view, [`sure`] finds answers that hold whatever heights are within bounds, [`p_los`] the probability of
-//! each receiver, and [`deciding`] the buildings that decide the most. [`redrawn`] finds how much P_LoS
-//! varies.
+//! * [`link_probability`]: how likely a link is clear.
+//! * [`sure`]: receivers in line of sight whatever heights are within bounds.
+//! * [`p_los`]: the probability of each receiver.
+//! * [`deciding`]: the buildings that decide the most.
+//! * [`redrawn`]: how much P_LoS varies.
 
 mod deciding;
 mod link_probability;

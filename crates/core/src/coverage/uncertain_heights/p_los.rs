@@ -1,10 +1,11 @@
-//! Probability that a receiver is in line of sight, where heights of buildings are off by normal errors.
+//! Probability that a receiver is in line of sight, where heights of buildings are off by normal
+//! errors.
 //!
-//! Two exact maps decide most receivers on the ground: with all buildings as low, and as high, as six
-//! standard deviations make them ([`super::sure`]). The shadows of higher buildings settle the others
-//! ([`crate::los::shadow_clear_probabilities`]), where no terrain is below them. Elsewhere, and for each
-//! receiver on a roof, one walk finds how much higher each building may be so that its link is clear, and
-//! [`super::link_probability`] the probability of that.
+//! Two exact maps decide most receivers on the ground: with all buildings as low, and as high, as
+//! six standard deviations make them ([`super::sure`]). The shadows of higher buildings settle the
+//! others ([`crate::los::shadow_clear_probabilities`]), where no terrain is below them. Elsewhere,
+//! and for each receiver on a roof, one walk finds how much higher each building may be so that its
+//! link is clear, and [`super::link_probability`] the probability of that.
 
 use std::borrow::Cow;
 
@@ -18,9 +19,10 @@ use crate::los::{ClearProbabilities, PlanCrossings};
 use crate::raster::{BitGrid, set_bits};
 
 impl View<'_> {
-    /// Returns the probability that each receiver is in line of sight, with errors of the heights of the
-    /// same scene; NaN where there is no receiver in range. Shape `[n_rows, n_cols]`, row 0 north.
-    /// Without errors it is the mask: 0 or 1. A receiver on a roof is as much higher or lower as that.
+    /// Returns the probability that each receiver is in line of sight, with errors of the heights
+    /// of the same scene; NaN where there is no receiver in range. Shape `[n_rows, n_cols]`, row 0
+    /// north. Without errors it is the mask: 0 or 1. A receiver on a roof is as much higher or
+    /// lower as that.
     ///
     /// Cost, besides two maps:
     ///
@@ -95,7 +97,7 @@ impl<'a> OfKind<'a> {
 
     /// Returns the probability of the receiver of a cell, by a walk along its link.
     fn walked(&self, cell: (usize, usize)) -> f64 {
-        let view = self.receivers.view();
+        let view = self.receivers.view;
         let (field, receiver) = (view.field(), self.receivers.station(cell));
         let UncertainHeights { errors, bounds, reach } = self.heights;
         let link = |fall: i32| PlanCrossings::new(field, &view.uav().station, &receiver, fall, *reach);

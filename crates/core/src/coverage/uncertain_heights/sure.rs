@@ -1,10 +1,11 @@
 //! Answers that are sure where heights of buildings are known to within an error.
 //!
-//! The lower all buildings are, the more receivers on the ground a UAV sees. So two exact maps bound all
-//! others: with every building as low, and with every building as high as its error lets it be. How
-//! likely errors are, and whether buildings share them, does not matter. A receiver on a roof moves with
-//! it. On footprints each link says what is sure of it ([`super::on_roofs`]). On a raster, where buildings
-//! are not known, [`HeightBounds`] bounds such receivers too, but few are surely in line of sight then.
+//! The lower all buildings are, the more receivers on the ground a UAV sees. So two exact maps
+//! bound all others: with every building as low, and with every building as high as its error lets
+//! it be. How likely errors are, and whether buildings share them, does not matter. A receiver on a
+//! roof moves with it. On footprints each link says what is sure of it ([`super::on_roofs`]). On a
+//! raster, where buildings are not known, [`HeightBounds`] bounds such receivers too, but few are
+//! surely in line of sight then.
 
 use std::borrow::Cow;
 
@@ -27,8 +28,8 @@ pub struct Sure {
 }
 
 impl Sure {
-    /// Returns a layer of 0 for receivers that are never in line of sight, 1 for those that surely are
-    /// and 2 for those that may be; NaN elsewhere.
+    /// Returns a layer of 0 for receivers that are never in line of sight, 1 for those that surely
+    /// are and 2 for those that may be; NaN elsewhere.
     pub(in crate::coverage) fn layer(&self) -> Vec<f32> {
         let n_cols = self.receivers.n_cols();
         let mut values = vec![f32::NAN; self.receivers.n_rows() * n_cols];
@@ -40,12 +41,12 @@ impl Sure {
 }
 
 impl View<'_> {
-    /// Finds what is sure of the receivers, whatever heights buildings have within some bounds of the
-    /// same scene. Who is in range does not change. A UAV inside a building as high as it may be surely
-    /// sees none.
+    /// Finds what is sure of the receivers, whatever heights buildings have within some bounds of
+    /// the same scene. Who is in range does not change. A UAV inside a building as high as it may
+    /// be surely sees none.
     ///
-    /// Cost: twice the line of sight of a map, by the same engine; a walk for each receiver on a roof of
-    /// footprints.
+    /// Cost: twice the line of sight of a map, by the same engine; a walk for each receiver on a
+    /// roof of footprints.
     ///
     /// # Errors
     /// Those of [`Mapper::seen_from`](crate::coverage::Mapper::seen_from).
@@ -66,7 +67,7 @@ impl View<'_> {
                 kinds.fold(self.no_cells(), |all, (of_kind, wanted)| all.or(&of_kind.los(wanted, Threads::All)))
             };
             sure.possibly = los_of(&self.with_roofs(&bounds.low)?);
-            let is_inside = self.uav().moved(bounds.high.field(), [0; 3], self.options().radius).is_err();
+            let is_inside = self.uav().moved(&bounds.high.field, [0; 3], self.mapper.options.radius).is_err();
             if !is_inside {
                 sure.surely = los_of(&self.with_roofs(&bounds.high)?);
             }
@@ -80,10 +81,10 @@ impl View<'_> {
     }
 }
 
-/// Returns the receivers on roofs of footprints that surely are in line of sight, and those that may be,
-/// where each building is off by at most so much \[1/1024 m\].
+/// Returns the receivers on roofs of footprints that surely are in line of sight, and those that
+/// may be. Each building is off by at most `most` \[1/1024 m\].
 fn sure_on_roofs(receivers: SeenReceivers<'_>, wanted: &BitGrid, most: &[i32]) -> (BitGrid, BitGrid) {
-    let view = receivers.view();
+    let view = receivers.view;
     let (mut surely, mut possibly) = (view.no_cells(), view.no_cells());
     let per_row = wanted.words_per_row().max(1);
     let rows = surely.words_mut().par_chunks_mut(per_row).zip(possibly.words_mut().par_chunks_mut(per_row));

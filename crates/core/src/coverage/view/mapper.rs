@@ -19,25 +19,25 @@ use crate::raster::BitGrid;
 /// Nothing else can reach the engines.
 #[derive(Debug)]
 pub struct Mapper<'a> {
-    pub(super) field: &'a HeightField,
-    pub(super) options: MapOptions,
+    pub(in crate::coverage) field: &'a HeightField,
+    pub(in crate::coverage) options: MapOptions,
     /// Engine whose work all threads share.
     pub(super) engine: GridLos<'a>,
     /// Engine for many UAVs, each of which has a thread of its own.
     pub(super) alone: GridLos<'a>,
     why: &'static str,
     /// Receivers, kind by kind, as [`super::Receivers::stands`] lists them.
-    pub(super) receivers: Vec<GridReceivers<'a>>,
+    pub(in crate::coverage) receivers: Vec<GridReceivers<'a>>,
     /// World x of the columns of cells, whole words of them \[CRS units\].
     pub(super) xs: Vec<f64>,
-    pub(super) layers: LayerScenes,
+    pub(in crate::coverage) layers: LayerScenes,
 }
 
 /// Scenes with moved roofs that layers of maps ask for.
 #[derive(Debug, Default)]
 pub(in crate::coverage) struct LayerScenes {
-    /// Roofs a step higher and a step lower, each `None` if one would leave ±32 768 m; for the layer
-    /// of stability.
+    /// Roofs a step higher and a step lower, each `None` if one would leave ±32 768 m; for the
+    /// layer of stability.
     pub(in crate::coverage) by_one_step: Option<[Option<MovedRoofs>; 2]>,
     /// Bounds on heights for the layer `sure`.
     pub(in crate::coverage) sure: Option<HeightBounds>,
@@ -93,14 +93,9 @@ impl<'a> Mapper<'a> {
         Ok(self)
     }
 
-    /// The scene.
+    /// Returns the scene.
     pub fn field(&self) -> &'a HeightField {
         self.field
-    }
-
-    /// Options of the maps.
-    pub(in crate::coverage) fn options(&self) -> &MapOptions {
-        &self.options
     }
 
     /// Returns the engine that decides, and why it was chosen.
@@ -108,7 +103,7 @@ impl<'a> Mapper<'a> {
         (self.engine.method(), self.why)
     }
 
-    /// Tells whether the antenna of the run serves some elevations alone.
+    /// Returns whether the antenna of the run serves some elevations alone.
     pub fn limits_elevations(&self) -> bool {
         self.options.antenna.elevations_deg().is_some()
     }
@@ -120,12 +115,7 @@ impl<'a> Mapper<'a> {
         self.receivers.iter().fold(none, |all, receivers| all.or(&receivers.cells))
     }
 
-    /// Receivers over a flat earth, kind by kind.
-    pub(in crate::coverage) fn receivers(&self) -> &[GridReceivers<'a>] {
-        &self.receivers
-    }
-
-    /// Positions of the receivers.
+    /// Returns positions of the receivers.
     pub(in crate::coverage) fn positions(&self) -> &GridPositions {
         self.engine.positions()
     }
@@ -139,8 +129,10 @@ impl<'a> Mapper<'a> {
     }
 
     /// Returns positions of UAVs over a grid, all at height `z` \[1/1024 m above the datum\], as
-    /// receivers see them; `None` over a curved earth, where each UAV sees heights of its own, and
-    /// unless the engine is `shadow` and knows these receivers.
+    /// receivers see them.
+    ///
+    /// `None` over a curved earth, where each UAV sees heights of its own, and unless the engine is
+    /// `shadow` and knows these receivers.
     pub(in crate::coverage) fn uav_positions<'g>(&'g self, grid: &'g ShadowGrid, z: i64) -> Option<UavPositions<'g>> {
         let is_flat = self.options.curvature.is_none();
         is_flat.then(|| self.engine.uav_positions(grid, z, &self.receivers)).flatten()

@@ -1,11 +1,14 @@
 //! One place where a scene becomes what a UAV sees.
 //!
-//! [`Mapper`] makes a scene ready once. [`Mapper::seen_from`] returns the [`View`] of one UAV: heights
-//! lowered by the curve of the earth, receivers, engine, and range. [`View::with_roofs`] shows the same
-//! UAV a scene whose roofs are moved ([`MovedRoofs`]), and [`View::with_uav`] moves the UAV.
-//! [`SceneView`] holds the heights alone, for questions about single links, and [`WindowedView`] is the
-//! view of a scene that is read window by window. Nothing outside of this folder bends or moves a
-//! scene.
+//! * [`Mapper`] makes a scene ready once.
+//! * [`Mapper::seen_from`] returns the [`View`] of one UAV: heights lowered by the curve of the
+//!   earth, receivers, engine, and range.
+//! * [`View::with_roofs`] shows the same UAV a scene whose roofs are moved ([`MovedRoofs`]), and
+//!   [`View::with_uav`] moves the UAV.
+//! * [`SceneView`] holds the heights alone, for questions about single links.
+//! * [`WindowedView`] is the view of a scene that is read window by window.
+//!
+//! Nothing outside of this folder bends or moves a scene.
 
 mod mapper;
 mod moved_roofs;
@@ -20,35 +23,35 @@ pub use moved_roofs::{HeightBounds, MovedRoofs, UncertainHeights};
 pub use scene::{SceneView, check_drop};
 pub(super) use windowed::WindowedView;
 
+use super::Uav;
 use super::elevation::RowElevations;
 use super::options::Stand;
 use super::range::{Heights, Range};
-use super::{MapOptions, Uav};
 use crate::error::Result;
 use crate::height_field::{Bulge, Drops, GridPositions, HeightField, Station};
 use crate::los::{ClearProbabilities, GridHeights, GridLos, GridReceivers, HeightErrors, height_by_cell};
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::{BitGrid, CellWindow};
-use mapper::{LayerScenes, refused};
+use mapper::refused;
 
 /// One UAV's view of the scene of a [`Mapper`]: what questions about the UAV are asked of.
 #[derive(Debug)]
 pub struct View<'v> {
-    mapper: &'v Mapper<'v>,
+    pub(super) mapper: &'v Mapper<'v>,
     scene: SceneView<'v>,
     /// Engine over moved roofs; `None` where roofs are those of the mapper's scene.
     moved: Option<GridLos<'v>>,
     /// Receivers as they are seen, kind by kind.
     receivers: Vec<GridReceivers<'v>>,
-    range: Arc<Range<'v>>,
+    pub(super) range: Arc<Range<'v>>,
     /// Window that holds all cells in range, and all cells between them and the UAV.
-    window: CellWindow,
+    pub(super) window: CellWindow,
 }
 
 /// Receivers of one kind as a UAV sees them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SeenReceivers<'k> {
-    view: &'k View<'k>,
+    pub(super) view: &'k View<'k>,
     kind: usize,
     pub(super) receivers: &'k GridReceivers<'k>,
 }
@@ -106,7 +109,7 @@ fn heights_of(receivers: &[GridReceivers<'_>]) -> Heights {
 }
 
 impl SceneView<'_> {
-    /// Tells whether receivers are lowered with the ground: in rasters they are.
+    /// Returns whether receivers are lowered with the ground: in rasters they are.
     fn lowers_receivers(&self) -> bool {
         self.curve.is_some() && self.scene.prisms().is_none()
     }
@@ -121,11 +124,11 @@ impl SceneView<'_> {
 }
 
 impl<'v> View<'v> {
-    /// Returns the same UAV's view of a scene with its roofs moved. Nobody comes into range by that,
-    /// or leaves it.
+    /// Returns the same UAV's view of a scene with its roofs moved. Nobody comes into range by
+    /// that, or leaves it.
     pub(super) fn with_roofs<'x>(&'x self, roofs: &'x MovedRoofs) -> Result<View<'x>> {
-        let engine = GridLos::new(roofs.field(), self.mapper.engine.method()).map_err(refused)?;
-        let scene = self.scene.over(roofs.field());
+        let engine = GridLos::new(&roofs.field, self.mapper.engine.method()).map_err(refused)?;
+        let scene = self.scene.over(&roofs.field);
         let moved = |(kind, receivers): (usize, &'x GridReceivers<'_>)| {
             let is_on_roofs = self.mapper.stands_on_roofs(kind);
             scene.lower(if is_on_roofs { roofs.moved(receivers) } else { receivers.borrowed() })
@@ -135,10 +138,10 @@ impl<'v> View<'v> {
         Ok(View { mapper: self.mapper, scene, moved: Some(engine), receivers, range, window })
     }
 
-    /// Returns the view after a small move of the UAV, over heights as they are seen from before. Nobody
-    /// comes into range by that, or leaves it.
+    /// Returns the view after a small move of the UAV, over heights as they are seen from before.
+    /// Nobody comes into range by that, or leaves it.
     pub(super) fn with_uav<'x>(&'x self, uav: &'x Uav) -> View<'x> {
-        let range = Range::of(self.positions(), uav, self.options(), heights_of(&self.receivers));
+        let range = Range::of(self.positions(), uav, &self.mapper.options, heights_of(&self.receivers));
         View {
             mapper: self.mapper,
             scene: SceneView { uav, ..self.scene.clone() },
@@ -149,12 +152,12 @@ impl<'v> View<'v> {
         }
     }
 
-    /// The UAV.
+    /// Returns the UAV.
     pub fn uav(&self) -> &'v Uav {
         self.scene.uav
     }
 
-    /// Heights as the UAV sees them, for questions about single links.
+    /// Returns heights as the UAV sees them, for questions about single links.
     pub fn scene(&self) -> &SceneView<'v> {
         &self.scene
     }
@@ -163,29 +166,8 @@ impl<'v> View<'v> {
         self.scene.field()
     }
 
-    pub(super) fn mapper(&self) -> &Mapper<'v> {
-        self.mapper
-    }
-
-    pub(super) fn options(&self) -> &MapOptions {
-        &self.mapper.options
-    }
-
-    pub(super) fn layers(&self) -> &LayerScenes {
-        &self.mapper.layers
-    }
-
     pub(super) fn positions(&self) -> &GridPositions {
         self.mapper.positions()
-    }
-
-    pub(super) fn range(&self) -> &Range<'v> {
-        &self.range
-    }
-
-    /// A window that holds all cells in range, and all cells between them and the UAV.
-    pub(super) fn window(&self) -> CellWindow {
-        self.window
     }
 
     /// Returns the largest drop in the window \[1/1024 m\]; 0 over a flat earth.
@@ -199,18 +181,19 @@ impl<'v> View<'v> {
         BitGrid::new(grid.n_rows(), grid.n_cols())
     }
 
-    /// Receivers, kind by kind.
+    /// Returns receivers, kind by kind.
     pub(super) fn receivers(&self) -> impl Iterator<Item = SeenReceivers<'_>> + Clone {
         let of = |(kind, receivers)| SeenReceivers { view: self, kind, receivers };
         self.receivers.iter().enumerate().map(of)
     }
 
-    /// Receivers of a cell: on the ground, on the roof, or none.
+    /// Returns receivers of a cell: on the ground, on the roof, or none.
     pub(super) fn receivers_at(&self, (row, col): (usize, usize)) -> impl Iterator<Item = SeenReceivers<'_>> {
         self.receivers().filter(move |of_kind| of_kind.receivers.cells.contains(row, col))
     }
 
-    /// Returns a layer of heights of receivers \[m\] as heights above the datum, in rows from `first` on.
+    /// Returns a layer of heights of receivers \[m\] as heights above the datum, in rows from
+    /// `first` on.
     pub(super) fn raise(&self, heights: &mut [f32], first: usize) {
         let Some(curve) = self.scene.curve.as_ref().filter(|_| self.scene.lowers_receivers()) else { return };
         let n_cols = self.mapper.field.grid().n_cols();
@@ -228,39 +211,29 @@ impl<'v> View<'v> {
         let Some(curve) = &self.scene.curve else { return Cow::Borrowed(engine) };
         // As many meters to the steps of both axes, or none.
         let (step_x, step_y) = self.positions().step_lengths();
-        let unit_m = step_x * f64::from(STEPS_PER_UNIT) * self.options().meters_per_unit;
+        let unit_m = step_x * f64::from(STEPS_PER_UNIT) * self.mapper.options.meters_per_unit;
         let bulge = step_x.total_cmp(&step_y).is_eq().then(|| Bulge::new(curve.curvature, unit_m));
         Cow::Owned(engine.over(&curve.field, bulge.flatten()))
     }
 }
 
 impl Mapper<'_> {
-    /// Tells whether receivers of a kind stand on what moves with roofs: on roofs, or on a surface model
-    /// alone.
+    /// Returns whether receivers of a kind stand on what moves with roofs: on roofs, or on a
+    /// surface model alone.
     pub(super) fn stands_on_roofs(&self, kind: usize) -> bool {
         self.field.is_surface_only() || self.options.receivers.stands()[kind] == Stand::Roof
     }
 }
 
 impl<'k> SeenReceivers<'k> {
-    /// The view that they are part of.
-    pub(super) fn view(&self) -> &'k View<'k> {
-        self.view
-    }
-
-    /// Tells whether they move with roofs.
+    /// Returns whether they move with roofs.
     pub(super) fn are_on_roofs(&self) -> bool {
         self.view.mapper.stands_on_roofs(self.kind)
     }
 
-    /// Tells whether each moves with the building below it.
+    /// Returns whether each moves with the building below it.
     pub(super) fn are_on_footprints(&self) -> bool {
         self.are_on_roofs() && self.view.field().prisms().is_some()
-    }
-
-    /// The cells that hold one, in range or not.
-    pub(super) fn cells(&self) -> &'k BitGrid {
-        &self.receivers.cells
     }
 
     /// Returns the cells of those in range.
@@ -271,7 +244,7 @@ impl<'k> SeenReceivers<'k> {
         }
     }
 
-    /// Tells whether the receiver of a cell is in range.
+    /// Returns whether the receiver of a cell is in range.
     pub(super) fn is_in_range(&self, cell: (usize, usize)) -> bool {
         self.view.range.contains(self.receivers, cell)
     }
@@ -287,8 +260,8 @@ impl<'k> SeenReceivers<'k> {
         self.view.engine(threads).los(&self.view.uav().station, self.receivers, wanted, self.view.window)
     }
 
-    /// Returns those of some receivers in range that are in line of sight, and least heights over their
-    /// cells; `None` where a walk along each link is needed.
+    /// Returns those of some receivers in range that are in line of sight, and least heights over
+    /// their cells; `None` where a walk along each link is needed.
     pub(super) fn los_and_least_heights(&self, wanted: &BitGrid, threads: Threads) -> Option<(BitGrid, GridHeights)> {
         let View { window, .. } = *self.view;
         self.view.engine(threads).los_and_least_heights(&self.view.uav().station, self.receivers, wanted, window)
@@ -301,13 +274,13 @@ impl<'k> SeenReceivers<'k> {
         self.view.engine(Threads::All).least_uav_heights(&self.view.uav().station, wanted, lowest, &height)
     }
 
-    /// Heights of receivers by row and column \[1/1024 m\].
+    /// Returns heights of receivers by row and column \[1/1024 m\].
     pub(super) fn height_by_cell(&self) -> impl Fn(usize, usize) -> i32 + Sync + use<'_> {
         height_by_cell(self.receivers)
     }
 
-    /// Returns probabilities of line of sight of receivers in some cells; `None` where a walk along each
-    /// link is needed.
+    /// Returns probabilities of line of sight of receivers in some cells; `None` where a walk along
+    /// each link is needed.
     pub(super) fn clear_probabilities(&self, cells: &BitGrid, errors: &HeightErrors) -> Option<ClearProbabilities> {
         self.view.engine(Threads::All).clear_probabilities(&self.view.uav().station, self.receivers, cells, errors)
     }

@@ -4,10 +4,12 @@ use crate::height_field::HeightField;
 use crate::los::{CERTAIN, GridReceivers, HeightErrors, OwnErrors};
 use crate::quantity::STEPS_PER_UNIT;
 
-/// Scene with its roofs moved: what [`View`](super::View) can show a UAV instead of the scene itself.
+/// Scene with its roofs moved: what [`View`](super::View) can show a UAV instead of the scene
+/// itself.
 #[derive(Debug, Clone)]
 pub struct MovedRoofs {
-    field: HeightField,
+    /// Scene with its roofs moved.
+    pub field: HeightField,
     receivers: OnRoofs,
 }
 
@@ -25,19 +27,19 @@ enum OnRoofs {
 }
 
 impl MovedRoofs {
-    /// Raises every roof by `steps(building)` \[1/1024 m\], receivers left where they are; `None` if a
-    /// roof would leave ±32 768 m.
+    /// Raises every roof by `steps(building)` \[1/1024 m\], receivers left where they are; `None`
+    /// if a roof would leave ±32 768 m.
     ///
-    /// Moves the tops of all prisms, or of the columns that are buildings; of a surface model alone,
-    /// all columns. Where buildings have no numbers `steps` is called once, for 0.
+    /// Moves the tops of all prisms, or of the columns that are buildings; of a surface model
+    /// alone, all columns. Where buildings have no numbers `steps` is called once, for 0.
     ///
     /// Cost: that of a copy; prisms are sorted into buckets again.
     pub fn by_building(field: &HeightField, steps: impl Fn(u32) -> i32) -> Option<Self> {
         Some(MovedRoofs { field: field.with_roofs_raised_by(steps)?, receivers: OnRoofs::Stay })
     }
 
-    /// Raises the buildings of a raster by `steps(cell)` \[1/1024 m\], and receivers on them; `None` as
-    /// of [`MovedRoofs::by_building`], and of footprints.
+    /// Raises the buildings of a raster by `steps(cell)` \[1/1024 m\], and receivers on them;
+    /// `None` as of [`MovedRoofs::by_building`], and of footprints.
     pub(in crate::coverage) fn by_cell(field: &HeightField, steps: impl Fn(usize) -> i32) -> Option<Self> {
         Some(MovedRoofs { field: field.with_cells_raised_by(steps)?, receivers: OnRoofs::OnMoved })
     }
@@ -52,16 +54,6 @@ impl MovedRoofs {
         MovedRoofs { receivers: OnRoofs::On(heights), ..self }
     }
 
-    /// The scene with its roofs moved.
-    pub fn field(&self) -> &HeightField {
-        &self.field
-    }
-
-    /// The scene with its roofs moved, to be kept.
-    pub fn into_field(self) -> HeightField {
-        self.field
-    }
-
     /// Returns receivers on roofs as they move.
     pub(super) fn moved<'r>(&'r self, receivers: &'r GridReceivers<'_>) -> GridReceivers<'r> {
         match &self.receivers {
@@ -73,11 +65,11 @@ impl MovedRoofs {
     }
 }
 
-/// Scene with all buildings as low, and as high, as errors of their heights let them be. Of a surface
-/// model alone, where buildings are not known, all columns are lower and higher.
+/// Scene with all buildings as low, and as high, as errors of their heights let them be. Of a
+/// surface model alone, where buildings are not known, all columns are lower and higher.
 ///
-/// A receiver on a roof of a raster is taken as high where roofs are low, and as low where they are
-/// high: that bounds what is sure of it, whatever its own roof is.
+/// A receiver on a roof of a raster is as high as it may be where roofs are low, and as low where
+/// they are high. That bounds what is sure of it, whatever its own roof is.
 #[derive(Debug)]
 pub struct HeightBounds {
     pub(in crate::coverage) low: MovedRoofs,
@@ -87,7 +79,8 @@ pub struct HeightBounds {
 }
 
 impl HeightBounds {
-    /// Returns the scene with heights that are off by at most `error_m`, rounded up to 1/1024 m;
+    /// Returns the scene with heights that are off by at most `error_m`, rounded up to 1/1024 m.
+    ///
     /// `None` if that is no length, or a roof would leave ±32 768 m.
     pub fn of(field: &HeightField, error_m: f64) -> Option<Self> {
         HeightBounds::by_building(field, |_| error_m)
@@ -128,8 +121,8 @@ pub struct UncertainHeights {
 }
 
 impl UncertainHeights {
-    /// Makes ready; `None` if an error is no length, or makes a roof leave ±32 768 m, or if there is not
-    /// one for each building.
+    /// Makes ready; `None` if an error is no length, or makes a roof leave ±32 768 m, or if there
+    /// is not one for each building.
     pub fn of(field: &HeightField, errors: &HeightErrors) -> Option<Self> {
         let bounds = HeightBounds::within(field, errors, CERTAIN)?;
         // The sum of two errors is no more than √2 of what both together are.

@@ -67,28 +67,28 @@ impl<'v> SceneView<'v> {
         Arc::new(Curve { field, curvature, drops, window })
     }
 
-    /// The UAV.
+    /// Returns the UAV.
     pub fn uav(&self) -> &'v Uav {
         self.uav
     }
 
-    /// The scene with its heights as they are seen.
+    /// Returns the scene with its heights as they are seen.
     pub fn field(&self) -> &HeightField {
         self.curve.as_ref().map_or(self.scene, |curve| &curve.field)
     }
 
-    /// Heights below the UAV, over which the earth does not fall away.
+    /// Returns heights below the UAV, over which the earth does not fall away.
     pub fn below_uav(&self) -> BelowUav {
         self.scene.below_uav(&self.uav.station.place)
     }
 
-    /// Tells whether a receiver of [`SceneView::field`] is in line of sight, by one exact ray.
+    /// Returns whether a receiver of [`SceneView::field`] is in line of sight, by one exact ray.
     pub(in crate::coverage) fn is_los(&self, receiver: &Station) -> bool {
         link_los(self.field(), &self.uav.station, receiver)
     }
 
-    /// Returns the least lattice height of the UAV over its place, not below `lowest`, that sees a receiver
-    /// \[1/1024 m\]; `None` where no height does.
+    /// Returns the least lattice height of the UAV over its place, not below `lowest`, that sees a
+    /// receiver \[1/1024 m\]; `None` where no height does.
     pub(in crate::coverage) fn least_step(&self, receiver: &Station, lowest: i64) -> Option<i64> {
         link_least_step(self.field(), &self.uav.station, receiver, lowest)
     }
@@ -99,13 +99,13 @@ impl<'v> SceneView<'v> {
         GridLos::new(self.field(), if has_terrain { Method::ShadowRay } else { Method::Shadow }).ok()
     }
 
-    /// The curve of the earth; `None` over a flat one.
+    /// Returns the curve of the earth; `None` over a flat one.
     pub fn curvature(&self) -> Option<Curvature> {
         self.curve.as_ref().map(|curve| curve.curvature)
     }
 
-    /// Returns the fall of the earth at a place \[1/1024 m\]: in a raster that of the cell that holds
-    /// it, the nearest one outside.
+    /// Returns the fall of the earth at a place \[1/1024 m\]: in a raster that of the cell that
+    /// holds it, the nearest one outside.
     pub fn drop_at(&self, place: &Place) -> i32 {
         let Some(curve) = &self.curve else { return 0 };
         let grid = self.scene.grid();

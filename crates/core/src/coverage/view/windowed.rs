@@ -50,12 +50,12 @@ impl<'v> WindowedView<'v> {
         Ok(view)
     }
 
-    /// The UAV.
+    /// Returns the UAV.
     pub(in crate::coverage) fn uav(&self) -> &'v Uav {
         self.uav
     }
 
-    /// Tells whether the earth is curved.
+    /// Returns whether the earth is curved.
     pub(in crate::coverage) fn is_curved(&self) -> bool {
         self.curve.is_some()
     }

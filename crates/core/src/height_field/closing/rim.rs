@@ -24,7 +24,7 @@ pub(super) struct Rim {
     /// Columns and rows of squares, and their side.
     squares: [usize; 2],
     side: f64,
-    /// Those whose discs may hold places of each square.
+    /// Pieces whose discs may hold places of each square.
     in_square: Vec<Vec<Piece>>,
 }
 
@@ -59,7 +59,8 @@ impl Rim {
         let r = rim.radius;
         for k in 0..rim.arcs.len() {
             let arc = rim.arcs[k];
-            // Sectors of twice the radius: the box around their ends, and around what they have due east, north, west and south.
+            // Sectors of twice the radius: the box around their ends, and around what they have due
+            // east, north, west and south.
             let ends = arc.between.into_iter().flatten();
             let due = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]].into_iter().filter(|u| arc.has(*u));
             let far = ends.chain(due).map(|u| plus(arc.around, 2.0 * r, u));
@@ -92,14 +93,15 @@ impl Rim {
         }
     }
 
-    /// The column and row of the square that is nearest to a place.
+    /// Returns the column and row of the square that is nearest to a place.
     fn square_at(&self, place: Place) -> [usize; 2] {
         [0, 1].map(|k| whole(place[k] / self.side).min(self.squares[k] - 1))
     }
 
-    /// The center of a disc that holds a place, on the border of E; `None` if no disc does.
+    /// Returns the center of a disc that holds a place, on the border of E; `None` if no disc does.
     ///
-    /// A place outside of E that a disc holds is also held by the disc around the nearest place of E, which is one of these.
+    /// A place outside of E that a disc holds is also held by the disc around the nearest place of
+    /// E, which is one of these.
     pub(super) fn disc_over(&self, place: Place) -> Option<Place> {
         let [col, row] = self.square_at(place);
         let most = self.radius - TIE;

@@ -1,4 +1,5 @@
-//! What may bound the centers of discs: corners and edges of footprints near the border of the closing.
+//! Corners and edges of footprints near the border of the closing, which may bound the centers of
+//! discs.
 
 use super::cells::Cells;
 use super::grid::Grid;
@@ -15,7 +16,7 @@ pub(super) struct Shell {
 }
 
 impl Shell {
-    /// Edges that pass cells of `near`, their ends, and other corners in these cells.
+    /// Returns edges that pass cells of `near`, their ends, and other corners in these cells.
     pub(super) fn of(footprints: &[Footprint], cells: &Cells, near: &BitGrid, radius: f64) -> Shell {
         let place = |p: &[i32; 2]| cells.place(p.map(i64::from));
         let (mut points, mut edges) = (Vec::new(), Vec::new());
@@ -40,13 +41,14 @@ pub(super) fn index_of(k: usize) -> u32 {
     u32::try_from(k).unwrap_or(u32::MAX)
 }
 
-/// Whether an edge passes a cell of a set, or comes near one: by the cells around places at most a side apart.
+/// Returns whether an edge passes a cell of a set, or comes near one: by the cells around places at
+/// most a side apart.
 fn passes(cells: &Cells, set: &BitGrid, from: Place, to: Place) -> bool {
     let d = minus(to, from);
     steps(cells, length(d)).any(|t| holds_near(cells, set, plus(from, t, d)))
 }
 
-/// Shares of a length, at most a side of a cell apart, with both ends.
+/// Returns shares of a length, at most a side of a cell apart, with both ends.
 pub(super) fn steps(cells: &Cells, length: f64) -> impl Iterator<Item = f64> + use<> {
     #[expect(clippy::cast_precision_loss, reason = "a side is below 2^26")]
     let side = cells.side as f64;
@@ -55,7 +57,7 @@ pub(super) fn steps(cells: &Cells, length: f64) -> impl Iterator<Item = f64> + u
     (0..=n).map(move |k| f64::from(k) / f64::from(n))
 }
 
-/// Whether the cell of a place or one of its eight neighbors is in a set.
+/// Returns whether the cell of a place or one of its eight neighbors is in a set.
 pub(super) fn holds_near(cells: &Cells, set: &BitGrid, place: Place) -> bool {
     let Some((row, col)) = cells.at(place) else { return false };
     let rows = row.saturating_sub(1)..(row + 2).min(cells.n_rows);

@@ -247,7 +247,7 @@ impl StressScene {
         }
         if !self.moved.is_empty() {
             let moved = MovedRoofs::by_building(&field, |building| self.moved_by(building as usize));
-            field = moved.ok_or_else(|| fault("a roof is out of range"))?.into_field();
+            field = moved.ok_or_else(|| fault("a roof is out of range"))?.field;
         }
         #[expect(clippy::cast_precision_loss, reason = "lattice positions of small scenes")]
         let (x, y) = self.world.world_from_lattice(self.uav.x as f64, self.uav.y as f64);
