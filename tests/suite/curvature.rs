@@ -382,3 +382,19 @@ fn walls_of_nodata_and_low_ground_stand_on_a_curved_earth() {
     assert_eq!(folder.type_in(&of("walls.asc")).done().json()["earth_k"], 0.001);
     folder.refuses(&of("low.asc"), "E118", &["12"]);
 }
+
+/// Counts and sets bent heights out of the lattice in silence, where maps refused.
+#[test]
+fn an_earth_that_bends_heights_off_the_lattice_has_no_view() {
+    let grid = GeoRef::new((0.0, 1.0), (1.0, 1.0), (1, 40), None).unwrap();
+    let field = raster_field(Raster::new(grid, vec![0; 40]), Ground::Flat(0));
+    let uav = uav_at(&field, 0.5, 0.5, 30 * 1024);
+    let seen = |earth_k: f64| {
+        let curvature = Curvature::of_earth_k(earth_k);
+        let mapper = Mapper::new(&field, &MapOptions { curvature, ..MapOptions::default() }).unwrap();
+        mapper.seen_from(&uav).map(|view| view.count()).map_err(|error| error.code())
+    };
+    // At 39 m the earth falls by 119 m, and by 119 km.
+    assert!(seen(1e-6).is_ok_and(|(receivers, los)| receivers == 40 && los < 40));
+    assert_eq!(seen(1e-9), Err("E118".into()));
+}

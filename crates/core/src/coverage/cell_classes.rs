@@ -32,8 +32,8 @@ pub(super) struct WordSets {
 }
 
 impl<'a> RowSets<'a> {
-    /// Returns row `row` of some cells, which is number `row_of_range` of the whole grid, without
-    /// receivers.
+    /// Returns row `row` of some cells without receivers; it is number `row_of_range` of the whole
+    /// grid.
     pub(super) fn new(cells: &'a CellSets, row: usize, (range, row_of_range): (&Range<'_>, usize)) -> Self {
         let n_words = cells.open.words_per_row();
         let mut in_range = Vec::new();

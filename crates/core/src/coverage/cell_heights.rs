@@ -94,7 +94,7 @@ impl SeenReceivers<'_> {
         settled.unwrap_or_else(|| self.walked_height_and_margin(cell))
     }
 
-    /// Returns what [`SeenReceivers::least_height_and_margin`] does, by one walk.
+    /// Returns the same as [`SeenReceivers::least_height_and_margin`], by one walk.
     pub(super) fn walked_height_and_margin(&self, cell: (usize, usize)) -> (f32, f32) {
         let (receiver, scene) = (self.station(cell), self.view.scene());
         let least = link_least_receiver_heights(scene.field(), &scene.uav().station, &receiver);

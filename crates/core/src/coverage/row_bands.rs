@@ -20,8 +20,7 @@ impl<'a> Row<'a> {
         Row { mask, margin: &mut [], least_receiver_height: &mut [], least_height: &mut [] }
     }
 
-    /// Returns sets the least receiver height and the margin of a cell \[m\], as far as these are
-    /// wanted.
+    /// Sets the least receiver height and the margin of a cell \[m\], as far as these are wanted.
     #[inline]
     pub(super) fn set_heights(&mut self, col: usize, (least, margin): (f32, f32)) {
         if let Some(v) = self.least_receiver_height.get_mut(col) {

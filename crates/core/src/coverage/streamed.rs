@@ -112,7 +112,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
     /// # Errors
     /// E118 if the options ask for another engine than `sweep`, or for layers other than margins
     /// and least receiver heights; E502 for more cells a side than a lattice has; those of the
-    /// scene; and that of [`super::Mapper::map`] when `control.stop` was set.
+    /// scene; and that of [`super::View::map`] when `control.stop` was set.
     pub fn new(scene: &'a S, options: &'a MapOptions, control: &Control) -> Result<Self> {
         if !matches!(options.method, MethodChoice::Auto | MethodChoice::Sweep) {
             return Err(MapError::StreamedMethod.into());

@@ -93,7 +93,7 @@ impl HeightField {
         Built { field, warnings }
     }
 
-    /// Returns cells of a vector scene below which no terrain is known, if there are any.
+    /// Warns of cells of a vector scene below which no terrain is known, if there are any.
     fn unknown_ground(&self) -> Option<Warning> {
         let is_on_terrain = self.prisms().is_some() && self.columns().is_some();
         let of_data = self.grid.n_cells() as u64 - self.without_data.as_deref().map_or(0, BitGrid::count);

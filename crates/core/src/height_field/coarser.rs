@@ -263,8 +263,8 @@ mod tests {
         assert!(field.coarser(0, Pooling::Mean).is_none() && field.rasterized().is_none());
     }
 
-    /// Returns a cell without data blocks by the ground that is known there, but is no part of a
-    /// mean beside cells with data.
+    /// A cell without data blocks by the ground that is known there, but is no part of a mean
+    /// beside cells with data.
     #[test]
     fn a_mean_leaves_out_cells_without_data_unless_all_are() {
         let grid = GeoRef::new((0.0, 2.0), (1.0, 1.0), (2, 4), None).expect("a valid grid");

@@ -182,7 +182,7 @@ impl Columns {
         &self.tops
     }
 
-    /// Returns by how much tops are seen lower over a curved earth.
+    /// Returns the drops of tops over a curved earth.
     pub(crate) fn drops(&self) -> Option<&Drops> {
         self.bent.as_ref().map(|bent| &*bent.drops)
     }
@@ -259,7 +259,7 @@ impl Columns {
         self.index(x.div_euclid(width), y.div_euclid(height))
     }
 
-    /// Returns lattice position of the center of a cell.
+    /// Returns the lattice position of the center of a cell.
     #[inline]
     pub fn center(&self, row: usize, col: usize) -> (i64, i64) {
         #[expect(clippy::cast_possible_wrap, reason = "a raster in memory has far fewer than 2^63 cells")]

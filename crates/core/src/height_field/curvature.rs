@@ -17,7 +17,7 @@ impl Curvature {
         (earth_k.is_finite() && earth_k > 0.0).then_some(Curvature { earth_k })
     }
 
-    /// Returns k, by which the radius of the earth is multiplied.
+    /// Returns K, by which the radius of the earth is multiplied.
     pub fn earth_k(self) -> f64 {
         self.earth_k
     }

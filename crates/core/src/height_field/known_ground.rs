@@ -142,8 +142,7 @@ mod tests {
         assert!((area / (620.0 * 620.0) - 1.0).abs() < 0.02, "{area}");
     }
 
-    /// Returns the answer for a position hangs on the footprints alone, wherever the lattice
-    /// begins.
+    /// The answer for a position depends on the footprints alone, wherever the lattice begins.
     #[test]
     fn known_ground_does_not_depend_on_where_the_lattice_begins() {
         let receivers = GeoRef::new((0.0, 500.0), (1.0, 1.0), (500, 500), None).expect("a valid grid");
@@ -158,8 +157,7 @@ mod tests {
         assert!([[-7, 3], [70, 41]].iter().all(|origin| around(*origin) == from_zero));
     }
 
-    /// Returns 100 m are 328 feet: between walls 300 feet apart no such disc fits, one of 100 feet
-    /// would.
+    /// 100 m are 328 feet: between walls 300 feet apart no such disc fits, one of 100 feet would.
     #[test]
     fn a_scene_in_feet_is_closed_by_a_hundred_meters() {
         let between = |meters_per_unit: f64| {

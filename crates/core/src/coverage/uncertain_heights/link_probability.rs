@@ -235,7 +235,7 @@ mod tests {
     use super::*;
     use crate::los::OwnErrors;
 
-    /// Returns by the midpoint rule, finely: the means over the shared error, and over each
+    /// Integrates by the midpoint rule, finely: the means over the shared error, and over each
     /// building's own one for the link to be clear.
     fn by_many_parts(limits: &HeightLimits<f64>, errors: &HeightErrors) -> f64 {
         let n = 200_000;

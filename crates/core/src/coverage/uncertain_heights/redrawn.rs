@@ -141,11 +141,11 @@ impl RedrawnHeights {
     }
 }
 
-/// Returns the blocks of a raster, each of all building cells of one height that touch; `None` of a
-/// surface that was measured, most of whose cells differ from their neighbors.
+/// Returns the blocks of a raster, each of all building cells of one height that touch.
 ///
-/// For each cell the number of its block, from 1. For each block a number that follows from where
-/// it begins in the whole that the raster was cut from.
+/// `None` of a surface that was measured, most of whose cells differ from their neighbors. For each
+/// cell the number of its block, from 1. For each block a number that follows from where it begins
+/// in the whole that the raster was cut from.
 fn block_model(field: &HeightField) -> Option<(Vec<u32>, Vec<u64>)> {
     const CELLS_PER_BLOCK: u64 = 8;
     let (buildings, n_cols) = (field.cells_of_buildings(), field.grid().n_cols());

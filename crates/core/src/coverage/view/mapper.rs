@@ -26,7 +26,7 @@ pub struct Mapper<'a> {
     /// Engine for many UAVs, each of which has a thread of its own.
     pub(super) alone: GridLos<'a>,
     why: &'static str,
-    /// Receivers, kind by kind, as [`super::Receivers::stands`] lists them.
+    /// Receivers, kind by kind, as [`Receivers::stands`](crate::coverage::Receivers) lists them.
     pub(in crate::coverage) receivers: Vec<GridReceivers<'a>>,
     /// World x of the columns of cells, whole words of them \[CRS units\].
     pub(super) xs: Vec<f64>,

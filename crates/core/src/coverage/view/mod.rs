@@ -192,7 +192,7 @@ impl<'v> View<'v> {
         self.receivers().filter(move |of_kind| of_kind.receivers.cells.contains(row, col))
     }
 
-    /// Returns a layer of heights of receivers \[m\] as heights above the datum, in rows from
+    /// Turns a layer of heights of receivers \[m\] into heights above the datum, in rows from
     /// `first` on.
     pub(super) fn raise(&self, heights: &mut [f32], first: usize) {
         let Some(curve) = self.scene.curve.as_ref().filter(|_| self.scene.lowers_receivers()) else { return };
