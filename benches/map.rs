@@ -245,7 +245,9 @@ impl Rows {
                 black_box(sum(heights));
                 floor.push(Floor { read: timed(|| sum(heights)), write: timed(|| fill(&mut mask)) });
                 of_bits.push(bits(&los, uav, &receivers));
-                of_mask.push(timed(|| mapper.map(uav, &Control::default()).map(|map| map.tally)));
+                of_mask.push(timed(|| {
+                    mapper.seen_from(uav).expect("a view").map(&Control::default()).map(|map| map.tally)
+                }));
             });
         }
         self.floor = floor;
@@ -309,7 +311,7 @@ impl Rows {
 
     /// Compares a map with `ray`: every receiver, or a sample. Returns their number.
     fn compare(&self, mapper: &Mapper<'_>, field: &HeightField, uav: &Uav) -> usize {
-        let map = mapper.map(uav, &Control::default()).expect("nobody interrupts");
+        let map = mapper.seen_from(uav).expect("a view").map(&Control::default()).expect("nobody interrupts");
         let n_cells = self.n * self.n;
         let step = if self.n <= COMPARED_WHOLE { 1 } else { sample_step(field) };
         let compared: Vec<(usize, Station)> = sample(field, step).collect();
@@ -324,7 +326,11 @@ impl Rows {
         let los = GridLos::new(field, mapper.method().0).expect("a method for the scene");
         let receivers = receivers(field);
         let bits = los.los(&uav.station, &receivers, &receivers.cells, field.grid().window());
-        assert_eq!((bits.count(), mapper.count(uav).1), (map.tally.los, map.tally.los), "bits and mask differ");
+        assert_eq!(
+            (bits.count(), mapper.seen_from(uav).expect("a view").count().1),
+            (map.tally.los, map.tally.los),
+            "bits and mask differ"
+        );
         compared.len()
     }
 }

@@ -68,7 +68,7 @@ fn p_los_of_1000_placements(bencher: Bencher<'_, '_>, Case(city, height_m): Case
     let mapper = Mapper::new(&field, &options).expect("`auto` decides any scene");
     compare_with_rays(&field, &mapper, &uavs[..COMPARED]);
     let p_los = |uav: &Uav| {
-        let (receivers, los) = mapper.count(uav);
+        let (receivers, los) = mapper.seen_from(uav).expect("a view").count();
         los as f64 / receivers as f64
     };
     bencher.counter(ItemsCount::new(PLACEMENTS)).bench(|| uavs.par_iter().map(p_los).collect::<Vec<f64>>());
@@ -135,10 +135,17 @@ fn placements(field: &HeightField, height_m: f64) -> Vec<Uav> {
 fn compare_with_rays(field: &HeightField, mapper: &Mapper<'_>, uavs: &[Uav]) {
     let by_rays = MapOptions { method: MethodChoice::Ray, ..MapOptions::default() };
     let by_rays = Mapper::new(field, &by_rays).expect("`ray` decides any scene");
-    let map = |mapper: &Mapper<'_>, uav: &Uav| mapper.map(uav, &Control::default()).expect("nobody interrupts");
+    let map = |mapper: &Mapper<'_>, uav: &Uav| {
+        mapper.seen_from(uav).expect("a view").map(&Control::default()).expect("nobody interrupts")
+    };
     for uav in uavs {
         let (found, wanted) = (map(mapper, uav), map(&by_rays, uav));
         assert!(found.mask == wanted.mask, "UAV {}: the engine and `ray` differ", uav.id);
-        assert_eq!(mapper.count(uav), (wanted.tally.receivers, wanted.tally.los), "UAV {}: the counts differ", uav.id);
+        assert_eq!(
+            mapper.seen_from(uav).expect("a view").count(),
+            (wanted.tally.receivers, wanted.tally.los),
+            "UAV {}: the counts differ",
+            uav.id
+        );
     }
 }

@@ -59,7 +59,7 @@ fn of_city(city: &BuiltUpCity) -> skyshed::Result<Vec<Vec<Count>>> {
         let uavs: Vec<Uav> =
             places.into_iter().filter_map(|place| Uav::place(&site(place), &field, None).ok()).collect();
         // The first part is all receivers.
-        SampledCounts::of(&mapper, &uavs, &parts, &blocks).totals()[..1].to_vec()
+        Ok(SampledCounts::of(&mapper, &uavs, &parts, &blocks)?.totals()[..1].to_vec())
     };
-    Ok(ZONES.iter().map(of_zone).collect())
+    ZONES.iter().map(of_zone).collect()
 }

@@ -31,7 +31,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let options = MapOptions { within: Some(within(field.grid(), MIDDLE, SIDE)), ..MapOptions::default() };
     let mapper = Mapper::new(&field, &options)?;
     let mut sets = SeenSets::over(&mapper.receiver_cells(), None);
-    let seen: Vec<BitGrid> = candidates.kept.iter().map(|candidate| mapper.seen(&candidate.uav).los).collect();
+    let seen = candidates.kept.iter().map(|candidate| Ok(mapper.seen_from(&candidate.uav)?.seen().los));
+    let seen: Vec<BitGrid> = seen.collect::<skyshed_core::Result<_>>()?;
     sets.extend(&seen);
     let found = cover(&sets, 2, &Control::default())?;
 

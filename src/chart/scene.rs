@@ -129,6 +129,7 @@ impl Arena<'_> {
         let prepared = contestant.prepare(&self.scene.field, self.uavs, self.options).map_err(|e| e.to_string())?;
         let mapper = prepared.mapper().map_err(|e| e.to_string())?;
         let (answer, cost) = measured(self.plan.time_s, self.progress, || prepared.answer(&mapper));
+        let answer = answer.map_err(|e| e.to_string())?;
         Ok((mapper.method().0, cost, self.truth.compare(&answer, contestant.ground.factor())))
     }
 

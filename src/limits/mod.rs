@@ -115,8 +115,11 @@ impl LimitsPlan {
         let mut mapper = Mapper::new(&field, &own)?;
         let (method, why) = mapper.method();
         let idle = mapper.drop_idle(&uavs);
-        let (receivers, los) =
-            uavs.iter().map(|uav| mapper.count(uav)).fold((0, 0), |sum, c| (sum.0 + c.0, sum.1 + c.1));
+        let (mut receivers, mut los) = (0, 0);
+        for uav in &uavs {
+            let of = mapper.seen_from(uav)?.count();
+            (receivers, los) = (receivers + of.0, los + of.1);
+        }
         drop(mapper);
         #[expect(clippy::cast_precision_loss, reason = "counts of cells")]
         let (in_range, share) = (receivers as f64, (receivers > 0).then(|| los as f64 / receivers as f64));
@@ -166,7 +169,7 @@ impl LimitsPlan {
         let (mut receivers, mut possibly) = (0, 0);
         let mut by_building = vec![0_u64; field.n_buildings()];
         for uav in uavs {
-            let of = mapper.deciding(uav, self.height_error_m, &Control::default())?;
+            let of = mapper.seen_from(uav)?.deciding(self.height_error_m, &Control::default())?;
             receivers += of.receivers;
             possibly += of.possibly;
             by_building.iter_mut().zip(&of.by_building).for_each(|(sum, n)| *sum += n);

@@ -3,7 +3,6 @@
 mod profile;
 
 use std::path::Path;
-use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -11,7 +10,7 @@ use serde_json::Value;
 
 use crate::answer::{Answer, Head, RunFacts, Spent, WarningFacts, add_outputs, document_of, warnings_of};
 use crate::city::Site;
-use crate::coverage::{self, CurvedScene, ExplainedLink, LinkObstacle, ObstacleKind, explain_link};
+use crate::coverage::{self, ExplainedLink, LinkObstacle, ObstacleKind, SceneView};
 use crate::error::{PlacesError, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::height_field::{Curvature, Station};
@@ -78,8 +77,7 @@ pub struct Link {
     scene: Scene,
     uav: coverage::Uav,
     receiver: Station,
-    /// The scene as the UAV sees it over a curved earth.
-    curved: Option<Arc<CurvedScene>>,
+    curvature: Option<Curvature>,
     pub(crate) facts: RunFacts,
     found: LinkFacts,
 }
@@ -264,11 +262,8 @@ fn place_receiver(scene: &Scene, at: (f64, f64), height: Height) -> Result<Stati
 
 /// Decides a link, and finds what stands in its way.
 fn explain(scene: Scene, uav: coverage::Uav, receiver: Station, curvature: Option<Curvature>) -> Result<Link> {
-    let curved = CurvedScene::of(&scene.field, &uav.station.place, curvature)?;
-    let ExplainedLink { los, margin_m, distance_m, elevation_deg, obstruction } = match &curved {
-        Some(curved) => curved.raised(&uav, &receiver, explain_link(curved.field(), &uav, &curved.lowered(&receiver))),
-        None => explain_link(&scene.field, &uav, &receiver),
-    };
+    let view = SceneView::of(&scene.field, &uav, curvature)?;
+    let ExplainedLink { los, margin_m, distance_m, elevation_deg, obstruction } = view.link(&receiver);
     let end = |at: &Station| {
         let height_amsl_m = i32::try_from(at.z).map_or(f64::NAN, meters);
         EndFacts { x: at.place.x, y: at.place.y, height_amsl_m }
@@ -283,7 +278,7 @@ fn explain(scene: Scene, uav: coverage::Uav, receiver: Station, curvature: Optio
         obstruction: obstruction.map(|obstacle| LinkObstruction::of(&scene, obstacle)),
         earth_k: curvature.map(Curvature::earth_k),
     };
-    Ok(Link { facts: scene.facts(Some(Method::Ray)), scene, uav, receiver, curved: curved.map(Arc::new), found })
+    Ok(Link { facts: scene.facts(Some(Method::Ray)), scene, uav, receiver, curvature, found })
 }
 
 impl LinkObstruction {

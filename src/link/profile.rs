@@ -2,7 +2,7 @@
 
 use super::Link;
 use crate::answer::Answer;
-use crate::coverage::link_profile;
+use crate::coverage::SceneView;
 use crate::error::{RequestError, Result};
 use crate::export::Format;
 use crate::picture::{Look, picture_provenance, written};
@@ -20,15 +20,10 @@ pub(super) fn draw(link: &Link, format: Format, look: &Look) -> Result<Vec<u8>> 
         return Err(RequestError::VerticalLink.into());
     }
     // Over a curved earth all is drawn as the UAV sees it: the ray is straight and the ground falls away.
-    let (steps, receiver) = match &link.curved {
-        Some(curved) => {
-            let steps = link_profile(curved.field(), &link.uav, &curved.lowered(&link.receiver), found.distance_m);
-            (curved.seen_steps(steps, found.distance_m), curved.seen(&link.receiver))
-        }
-        None => (link_profile(&scene.field, &link.uav, &link.receiver, found.distance_m), link.receiver),
-    };
+    let view = SceneView::of(&scene.field, &link.uav, link.curvature)?;
+    let (steps, receiver) = (view.profile(&link.receiver, found.distance_m), view.seen(&link.receiver));
     let (uav_m, receiver_m) = (found.uav.height_amsl_m, i32::try_from(receiver.z).map_or(f64::NAN, meters));
-    let fall_m = |x: f64, y: f64| link.curved.as_ref().map_or(0.0, |of| meters(of.drop_at(&scene.field.place(x, y))));
+    let fall_m = |x: f64, y: f64| meters(view.drop_at(&scene.field.place(x, y)));
     let obstruction = found.obstruction.as_ref().map(|o| render::Obstruction {
         distance_m: (o.x - found.uav.x).hypot(o.y - found.uav.y) * scene.grid().meters_per_unit(),
         ray_height_m: o.ray_height_m - fall_m(o.x, o.y),
@@ -38,7 +33,7 @@ pub(super) fn draw(link: &Link, format: Format, look: &Look) -> Result<Vec<u8>> 
     let verdict = if found.los { "line of sight" } else { "no line of sight" };
     let title = look.title_or(|| title_of(&format!("{}: {verdict}", scene.name)));
     let mut caption: Vec<String> = link.text(look)?.lines().map(str::to_string).collect();
-    if link.curved.is_some() {
+    if link.curvature.is_some() {
         let fall_m = tidy(found.receiver.height_amsl_m - receiver_m);
         caption.push(format!("As the UAV sees it: the earth falls away, by {fall_m} m at the receiver"));
     }
@@ -46,7 +41,7 @@ pub(super) fn draw(link: &Link, format: Format, look: &Look) -> Result<Vec<u8>> 
     let profile = LinkProfile {
         title: &title,
         caption: &caption,
-        heights: match link.curved {
+        heights: match link.curvature {
             Some(_) => "Height above the datum, less the fall of the earth [m]",
             None => "Height above the datum [m]",
         },

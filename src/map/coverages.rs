@@ -107,7 +107,8 @@ impl Coverages {
     /// E118.
     pub(crate) fn margin_sample(&self, most: usize) -> Result<MarginSample> {
         let options = MapOptions { layers: HeightLayers::default(), ..self.options.clone() };
-        Ok(Mapper::new(&self.scene.field, &options)?.margin_sample(&self.sites[0], most))
+        let (mapper, site) = (Mapper::new(&self.scene.field, &options)?, &self.sites[0]);
+        Ok(mapper.seen_from(&site.uav)?.margin_sample(site, most))
     }
 
     /// Whether a file of a format tells of each UAV cell by cell.

@@ -10,7 +10,7 @@ use skyshed_request::Receivers;
 use super::coverages::Coverages;
 use super::curve_report::{CurveFacts, HeightCurveReport};
 use crate::answer::{Answer, Output, Rows, Spent};
-use crate::coverage::{CurvedScene, HeightCurve, SiteCoverage};
+use crate::coverage::{HeightCurve, HeightLayers, MapOptions, Mapper, SiteCoverage};
 use crate::error::{Error, OddRun, RequestError, Result, Warning};
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::picture::{Look, crs_words, picture_provenance, program, written};
@@ -81,13 +81,10 @@ impl Coverages {
         }
         let start = Instant::now();
         let (field, report) = (&self.scene.field, &self.report);
-        let receivers = (report.sight.options(field.grid(), None).receivers, report.sight.rx_height());
+        let options = MapOptions { layers: HeightLayers::default(), ..self.options.clone() };
+        let mapper = Mapper::new(field, &options)?;
         progress.begin(field.grid().n_cells() as u64 * self.sites.len() as u64);
-        let of = |site: &SiteCoverage| {
-            let curved = CurvedScene::of(field, &site.uav.station.place, report.sight.curvature())?;
-            let field = curved.as_ref().map_or(&**field, |curved| curved.field());
-            HeightCurve::of(field, site, receivers, progress.control())
-        };
+        let of = |site: &SiteCoverage| mapper.seen_from(&site.uav)?.height_curve(progress.control());
         let curves: Vec<HeightCurve> = self.sites.iter().map(of).collect::<std::result::Result<_, _>>()?;
         progress.end();
         let range = asked.unwrap_or_else(|| default_range(&curves, field.max_top()));

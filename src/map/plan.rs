@@ -189,7 +189,7 @@ impl Prepared {
         progress.begin(self.uavs.len() as u64);
         let count = |uav: &Uav| {
             progress.control().check()?;
-            let (receivers, los) = mapper.count(uav);
+            let (receivers, los) = mapper.seen_from(uav)?.count();
             progress.advance();
             Ok(Tally::of_receivers(receivers, los).of_uav(uav))
         };

@@ -143,22 +143,24 @@ impl Search<'_> {
     fn refined(&self, from: &Candidate, score: Score) -> Result<Option<(PlaceFacts, u64)>> {
         let Some(steps) = self.steps() else { return Ok(None) };
         let scorer = self.scorer();
-        let better = |uav: &Uav, best: &Score| Some(scorer.score(uav)).filter(|score| score.compare(best).is_gt());
+        let better = |uav: &Uav, best: &Score| scorer.score(uav).ok().filter(|score| score.compare(best).is_gt());
         let found = refined(self.field, self.rules, (from, score), steps, better)?;
         Ok(Some((PlaceFacts::of(0, &found.candidate, self.value(found.score)), found.tried)))
     }
 
     fn refined_margin(&self, from: &Candidate) -> Result<Option<(PlaceFacts, u64)>> {
-        let (Some(steps), Some(worst)) = (self.steps(), self.mapper.worst_margin(&from.uav, &[])) else {
+        let worst = self.mapper.seen_from(&from.uav)?.worst_margin(&[]);
+        let (Some(steps), Some(worst)) = (self.steps(), worst) else {
             return Ok(None);
         };
         // The receiver that is the worst here mostly shows at once that another place is no better.
         let better = |uav: &Uav, best: &WorstReceiver| {
-            let at_most = self.mapper.least_margin_among(uav, &[best.cell]);
+            let view = self.mapper.seen_from(uav).ok()?;
+            let at_most = view.least_margin_among(&[best.cell]);
             if at_most.is_some_and(|margin| margin <= best.margin_m) {
                 return None;
             }
-            self.mapper.worst_margin(uav, &[best.cell]).filter(|worst| worst.margin_m > best.margin_m)
+            view.worst_margin(&[best.cell]).filter(|worst| worst.margin_m > best.margin_m)
         };
         let found = refined(self.field, self.rules, (from, worst), steps, better)?;
         let margin = WorstMargin { margin_m: found.score.margin_m, exact: true };

@@ -209,7 +209,7 @@ impl SamplePlan {
                 }
                 n_inside.push(places.len() - uavs.len() - n_without_ground);
                 n_cut.push(cut + n_without_ground);
-                let counts = SampledCounts::of(&mapper, &uavs, &parts, &blocks);
+                let counts = SampledCounts::of(&mapper, &uavs, &parts, &blocks)?;
                 // Of one among many cities only the totals are asked for.
                 of.push(if self.n_cities > 1 { counts.summed() } else { counts });
                 (progress.check)()?;

@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use crate::answer::{Answer, Head, Rows, RunFacts, Spent, WarningFacts, document_of, rows, warnings_of};
 use crate::city::Site;
-use crate::coverage::{CurvedScene, Stretch, Track, TrackPoint, TrackState, along_track};
+use crate::coverage::{SceneView, Stretch, Track, TrackPoint, TrackState};
 use crate::error::{Error, LimitError, OddRun, Result, Warning, warned};
 use crate::export::{Batch, Format};
 use crate::height_field::Curvature;
@@ -88,13 +88,8 @@ impl TrackPlan {
         if curvature.is_none() {
             warn_of_drop(farthest * unit, &mut scene.warnings);
         }
-        let curved = CurvedScene::of(&scene.field, &uav.station.place, curvature)?;
-        let field = curved.as_ref().map_or(&*scene.field, |curved| curved.field());
-        let mut track = along_track(field, &uav, &places, self.sight.rx_height(), self.every_m / unit);
-        if let Some(curved) = &curved {
-            let drop = |[x, y]: [f64; 2]| i64::from(curved.lowered_by(&scene.field.place(x, y)));
-            track.points.iter_mut().for_each(|point| point.z = point.z.map(|z| z + drop(point.position)));
-        }
+        let view = SceneView::of(&scene.field, &uav, curvature)?;
+        let track = view.along_track(&places, self.sight.rx_height(), self.every_m / unit);
         let n_outside = track.points.iter().filter(|p| p.state == TrackState::NoReceiver).count();
         if n_outside > 0 {
             let odd = OddRun::OffGround { n: n_outside as u64, of: track.points.len() };

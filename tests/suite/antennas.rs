@@ -221,8 +221,8 @@ fn masks_and_tallies_are_those_of_the_definition() {
         let of = |t: &Tally| [t.receivers, t.los, t.not_receivers, t.out_of_range, t.nodata];
         assert_eq!(of(&found.tally), of(&counted), "case {n}");
         let mapper = Mapper::new(&field, &options).unwrap();
-        assert_eq!(mapper.count(&uav), (counted.receivers, counted.los), "case {n}");
-        assert_eq!(mapper.receivers_in_range(&uav).count(), counted.receivers, "case {n}");
+        assert_eq!(mapper.seen_from(&uav).unwrap().count(), (counted.receivers, counted.los), "case {n}");
+        assert_eq!(mapper.seen_from(&uav).unwrap().receivers_in_range().count(), counted.receivers, "case {n}");
         // That of the run serves where a UAV has none.
         let of_run = MapOptions { antenna: case.antenna, ..options };
         assert_eq!(map(&field, &uav_at(&field, x, y, z), &of_run).mask, found.mask, "case {n}");

@@ -192,7 +192,7 @@ fn r2_takes_the_answer_of_the_nearest_ray() {
 
 fn seen(field: &HeightField, uav: &Uav, method: MethodChoice) -> Seen {
     let options = MapOptions { method, ..MapOptions::default() };
-    Mapper::new(field, &options).unwrap().seen(uav)
+    Mapper::new(field, &options).unwrap().seen_from(uav).unwrap().seen()
 }
 
 /// False LoS and false NLoS \[% of receivers\] of a method against `ray`.

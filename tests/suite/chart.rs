@@ -211,7 +211,7 @@ fn exact_engines_have_no_wrong_receivers_because_they_were_compared() {
     assert_eq!(exact.iter().map(|c| c.method.to_string()).collect::<Vec<_>>(), ["ray", "sweep"]);
     for contestant in exact {
         let prepared = contestant.prepare(&field, &uavs, &options).unwrap();
-        let answer = prepared.answer(&prepared.mapper().unwrap());
+        let answer = prepared.answer(&prepared.mapper().unwrap()).unwrap();
         assert_eq!(truth.compare(&answer, 1).wrong(), 0, "{contestant:?}");
         let against_other = other.compare(&answer, 1);
         assert_eq!((against_other.false_los, against_other.false_nlos), (1, 0), "{contestant:?}");

@@ -76,7 +76,7 @@ fn compare(field: &HeightField, uav: &Uav, earth: (i128, i128), receivers: Recei
     let columns = oracle::Columns { n_cols, n_rows, heights };
     let found = map(field, uav, &options);
     let mapper = Mapper::new(field, &options).unwrap();
-    assert_eq!(mapper.count(uav), (found.tally.receivers, found.tally.los));
+    assert_eq!(mapper.seen_from(uav).unwrap().count(), (found.tally.receivers, found.tally.los));
     for method in [MethodChoice::Ray, MethodChoice::Sweep] {
         assert_eq!(map(field, uav, &MapOptions { method, ..options.clone() }).mask, found.mask, "{method:?}");
     }
@@ -381,4 +381,20 @@ fn walls_of_nodata_and_low_ground_stand_on_a_curved_earth() {
     let of = |name: &str| format!("map {name} --uav 9000,9000,30 --earth-k 0.001 --json");
     assert_eq!(folder.type_in(&of("walls.asc")).done().json()["earth_k"], 0.001);
     folder.refuses(&of("low.asc"), "E118", &["12"]);
+}
+
+/// Counts and sets bent heights out of the lattice in silence, where maps refused.
+#[test]
+fn an_earth_that_bends_heights_off_the_lattice_has_no_view() {
+    let grid = GeoRef::new((0.0, 1.0), (1.0, 1.0), (1, 40), None).unwrap();
+    let field = raster_field(Raster::new(grid, vec![0; 40]), Ground::Flat(0));
+    let uav = uav_at(&field, 0.5, 0.5, 30 * 1024);
+    let seen = |earth_k: f64| {
+        let curvature = Curvature::of_earth_k(earth_k);
+        let mapper = Mapper::new(&field, &MapOptions { curvature, ..MapOptions::default() }).unwrap();
+        mapper.seen_from(&uav).map(|view| view.count()).map_err(|error| error.code())
+    };
+    // At 39 m the earth falls by 119 m, and by 119 km.
+    assert!(seen(1e-6).is_ok_and(|(receivers, los)| receivers == 40 && los < 40));
+    assert_eq!(seen(1e-9), Err("E118".into()));
 }

@@ -39,10 +39,10 @@ fn footprints_that_can_hide_nobody_are_dropped_and_counted() {
     let options = MapOptions { radius: Some(20.0), ..MapOptions::default() };
     let mut mapper = Mapper::new(&field, &options).unwrap();
     let uav = uav(&field, at, Some(20.0));
-    let all = mapper.seen(&uav);
+    let all = mapper.seen_from(&uav).unwrap().seen();
     let found = mapper.drop_idle(std::slice::from_ref(&uav));
     assert_eq!(found, IdleFootprints { footprints: 6, too_low: 2, out_of_reach: 2 });
-    assert_eq!(mapper.seen(&uav), all);
+    assert_eq!(mapper.seen_from(&uav).unwrap().seen(), all);
     // Receivers on roofs are higher: nothing is too low for the UAV's height alone.
     let options = MapOptions { receivers: skyshed_core::coverage::Receivers::Roof, ..MapOptions::default() };
     let mut mapper = Mapper::new(&field, &options).unwrap();
@@ -65,9 +65,13 @@ fn maps_are_the_same_without_what_was_dropped() {
         };
         let options = MapOptions { radius: Some(radius), ..MapOptions::default() };
         let mut mapper = Mapper::new(&field, &options).unwrap();
-        let all = mapper.map(&uav, &Control::default()).unwrap();
+        let all = mapper.seen_from(&uav).unwrap().map(&Control::default()).unwrap();
         let idle = mapper.drop_idle(std::slice::from_ref(&uav));
-        assert_eq!(mapper.map(&uav, &Control::default()).unwrap().mask, all.mask, "{name}, seed {seed}, {radius} m");
+        assert_eq!(
+            mapper.seen_from(&uav).unwrap().map(&Control::default()).unwrap().mask,
+            all.mask,
+            "{name}, seed {seed}, {radius} m"
+        );
         n_dropped += idle.dropped();
         n_left += idle.footprints - idle.dropped();
     }

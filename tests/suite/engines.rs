@@ -45,7 +45,7 @@ fn compare(field: &HeightField, uav: &Uav, receivers: Receivers, radius: Option<
     assert_eq!(found.tally, expected.tally, "{what}");
     let mapper_options = MapOptions { receivers, radius, ..MapOptions::default() };
     let (links, los) = (found.tally.receivers, found.tally.los);
-    assert_eq!(Mapper::new(field, &mapper_options).unwrap().count(uav), (links, los));
+    assert_eq!(Mapper::new(field, &mapper_options).unwrap().seen_from(uav).unwrap().count(), (links, los));
     Count { links, los, ..Count::default() }
 }
 

@@ -65,7 +65,7 @@ fn what_is_sure_on_roofs_is_so_for_every_height() {
         let asked = on_roofs(random);
         let most = i32::try_from(random.within(1, 20)).unwrap();
         let bounds = HeightBounds::of(&field, f64::from(most) / 1024.0).unwrap();
-        let sure = Mapper::new(&field, &asked).unwrap().sure(&uav, &bounds).unwrap();
+        let sure = Mapper::new(&field, &asked).unwrap().seen_from(&uav).unwrap().sure(&bounds).unwrap();
         let n_receivers = sure.receivers.count();
         let own_of: Vec<Option<usize>> = (0..N * N).map(|cell| house_at(&houses, cell)).collect();
         let (mut surely, mut possibly) = (vec![true; N * N], vec![false; N * N]);
@@ -203,9 +203,10 @@ fn a_uav_a_deviation_above_a_roof_is_seen_with_the_probability_of_one_deviation(
     assert!(found.iter().filter(|p| !p.is_nan()).all(is_right) && found.iter().any(is_right));
     let bounds = |m: f64| HeightBounds::of(&field, m).unwrap();
     let mapper = Mapper::new(&field, &asked).unwrap();
-    let high = mapper.sure(&uav_at(&field, 8.5, 9.5, 60 * 1024), &bounds(4.0)).unwrap();
+    let sure = |uav: &Uav| mapper.seen_from(uav).unwrap().sure(&bounds(4.0)).unwrap();
+    let high = sure(&uav_at(&field, 8.5, 9.5, 60 * 1024));
     assert!(high.surely.count() == 90 && high.surely == high.receivers);
-    let near = mapper.sure(&uav_at(&field, 8.5, 9.5, 13 * 1024), &bounds(4.0)).unwrap();
+    let near = sure(&uav_at(&field, 8.5, 9.5, 13 * 1024));
     assert!(near.surely.count() == 0 && near.possibly.count() == 90);
 }
 

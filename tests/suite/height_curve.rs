@@ -2,7 +2,9 @@
 
 use serde_json::{Value, json};
 use skyshed_core::city::Ground;
-use skyshed_core::coverage::{Control, HeightCurve, HeightLayers, MapOptions, Receivers, SiteCoverage, Uav, map_site};
+use skyshed_core::coverage::{
+    Control, HeightCurve, HeightLayers, MapOptions, Mapper, Receivers, SiteCoverage, Uav, map_site,
+};
 use skyshed_core::height_field::{HeightField, Station};
 use skyshed_core::los::{columns_least_height, columns_least_step, prisms_least_height, prisms_least_step};
 use skyshed_core::quantity::{BLOCKS_ALL, VOID};
@@ -26,7 +28,8 @@ fn map_at(field: &HeightField, uav: &Uav, options: &MapOptions, z: i32) -> SiteC
 }
 
 fn curve_of(field: &HeightField, map: &SiteCoverage, options: &MapOptions) -> HeightCurve {
-    HeightCurve::of(field, map, (options.receivers, options.rx_height), &Control::default()).unwrap()
+    let mapper = Mapper::new(field, options).unwrap();
+    mapper.seen_from(&map.uav).unwrap().height_curve(&Control::default()).unwrap()
 }
 
 /// Compares a curve with maps at its lowest height, at heights among its steps, and at one step below each of those.

@@ -53,7 +53,7 @@ pub(crate) fn options(random: &mut Random, uav: &Uav) -> MapOptions {
 }
 
 pub(crate) fn seen(field: &HeightField, uav: &Uav, options: &MapOptions) -> skyshed_core::coverage::Seen {
-    Mapper::new(field, options).unwrap().seen(uav)
+    Mapper::new(field, options).unwrap().seen_from(uav).unwrap().seen()
 }
 
 /// Holds redrawn scenes against what is sure of one. Counts the receivers that are surely seen, and those that never are.
@@ -64,17 +64,17 @@ fn check(
     what: &str,
 ) -> (u64, u64) {
     let mapper = Mapper::new(field, options).unwrap();
-    let known = mapper.seen(uav);
+    let known = mapper.seen_from(uav).unwrap().seen();
     // Inside a building nothing hovers.
     if i64::from(surface_under(field, &uav.station.place)) > uav.station.z {
         return (0, 0);
     }
-    let exactly = mapper.sure(uav, &HeightBounds::of(field, 0.0).unwrap()).unwrap();
+    let exactly = mapper.seen_from(uav).unwrap().sure(&HeightBounds::of(field, 0.0).unwrap()).unwrap();
     assert!(exactly.receivers == known.receivers && exactly.surely == known.los, "{what}");
     assert!(exactly.possibly == known.los, "{what}");
     assert!(HeightBounds::of(field, f64::NAN).is_none() && HeightBounds::of(field, -0.1).is_none());
     let bounds = HeightBounds::of(field, most as f64 / 1024.0).unwrap();
-    let sure = mapper.sure(uav, &bounds).unwrap();
+    let sure = mapper.seen_from(uav).unwrap().sure(&bounds).unwrap();
     assert!(sure.receivers == known.receivers && sure.surely.clone().and(&known.los) == sure.surely, "{what}");
     for _ in 0..if is_long() { 40 } else { 6 } {
         let found = seen(&redrawn(), uav, options);
@@ -192,7 +192,7 @@ fn the_probability_of_a_link_is_that_of_all_combinations_of_heights() {
 
 pub(crate) fn p_los(field: &HeightField, uav: &Uav, options: &MapOptions, errors: &HeightErrors) -> Vec<f32> {
     let heights = UncertainHeights::of(field, errors).unwrap();
-    Mapper::new(field, options).unwrap().p_los(uav, &heights, &Control::default()).unwrap()
+    Mapper::new(field, options).unwrap().seen_from(uav).unwrap().p_los(&heights, &Control::default()).unwrap()
 }
 
 #[test]
@@ -338,7 +338,11 @@ fn buildings_that_decide_are_those_whose_heights_turn_answers() {
         let uav = uav_at(&field, x, y, random.choose(&[22, 26, 40]) * 1024);
         let asked = options(random, &uav);
         let most = random.choose(&[300, 1024, 2500]);
-        let found = Mapper::new(&field, &asked).unwrap().deciding(&uav, f64::from(most) / 1024.0, &Control::default());
+        let found = Mapper::new(&field, &asked)
+            .unwrap()
+            .seen_from(&uav)
+            .unwrap()
+            .deciding(f64::from(most) / 1024.0, &Control::default());
         let found = found.unwrap();
         let known = seen(&field, &uav, &asked);
         assert_eq!(found.receivers, known.receivers.count());

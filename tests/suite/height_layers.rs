@@ -38,7 +38,8 @@ fn compare(field: &HeightField, receivers: Receivers, radius: Option<f64>) -> us
         let (x, y) = (grid.x_min() + x * width, grid.y_min() + y * height);
         let site = Site::new("1", (x, y), Height::AboveGround(up));
         let Ok(uav) = Uav::place(&site, field, None) else { continue };
-        let [found, wanted] = [&fast, &ray].map(|mapper| mapper.map(&uav, &Control::default()).unwrap());
+        let [found, wanted] =
+            [&fast, &ray].map(|mapper| mapper.seen_from(&uav).unwrap().map(&Control::default()).unwrap());
         assert_eq!(found.mask, wanted.mask);
         let layers = |map: &skyshed_core::coverage::SiteCoverage| {
             [map.margin.clone(), map.least_receiver_height.clone(), map.least_height.clone()]

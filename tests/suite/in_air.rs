@@ -18,7 +18,10 @@ fn check(field: &HeightField, above: i32, what: &str) {
     let found = map(field, &uav, &options);
     let by_rays = map(field, &uav, &MapOptions { method: MethodChoice::Ray, ..options.clone() });
     assert!(found.mask == by_rays.mask, "{what}");
-    assert_eq!(Mapper::new(field, &options).unwrap().count(&uav), (found.tally.receivers, found.tally.los));
+    assert_eq!(
+        Mapper::new(field, &options).unwrap().seen_from(&uav).unwrap().count(),
+        (found.tally.receivers, found.tally.los)
+    );
     let (positions, n_cols) = (field.positions(), field.grid().n_cols());
     let (mut n_over, mut n_high) = (0, 0);
     for cell in 0..field.grid().n_cells() {

@@ -6,7 +6,8 @@
 use serde_json::{Value, json};
 use skyshed_core::city::{Footprint, Ground, Site};
 use skyshed_core::coverage::{
-    Control, HeightBounds, HeightErrors, MapOptions, Mapper, Receivers, RedrawnHeights, Uav, UncertainHeights,
+    Control, HeightBounds, HeightErrors, MapOptions, Mapper, MovedRoofs, Receivers, RedrawnHeights, Uav,
+    UncertainHeights,
 };
 use skyshed_core::height_field::{HeightField, Station};
 use skyshed_core::los::{PlanCrossings, link_los};
@@ -321,7 +322,7 @@ fn delft_is_seen_as_a_tracer_of_its_surfaces_sees_it() {
     ] {
         let site = Site::new("1", (x, y), Height::agl(height));
         let uav = Uav::place(&site, &field, None).unwrap();
-        let seen = mapper.seen(&uav);
+        let seen = mapper.seen_from(&uav).unwrap().seen();
         let grid = field.grid();
         for (row, col) in seen.receivers.cells() {
             let (cx, cy) = grid.world_from_cell(row, col);
@@ -417,24 +418,24 @@ fn an_error_of_height_moves_a_whole_roof() {
         // Without errors the mask; and no redrawn map leaves what is sure.
         let options = MapOptions { receivers: Receivers::All, ..MapOptions::default() };
         let mapper = Mapper::new(&field, &options).unwrap();
-        let known = mapper.seen(&uav);
+        let known = mapper.seen_from(&uav).unwrap().seen();
         let none = UncertainHeights::of(&field, &HeightErrors::same(0.0, 0.0)).unwrap();
-        let p_los = mapper.p_los(&uav, &none, &Control::default()).unwrap();
+        let p_los = mapper.seen_from(&uav).unwrap().p_los(&none, &Control::default()).unwrap();
         for (cell, p) in p_los.iter().enumerate().filter(|(_, p)| !p.is_nan()) {
             let is_los = known.los.contains(cell / N, cell % N);
             assert_eq!(p.to_bits(), f32::from(u8::from(is_los)).to_bits(), "seed {seed}, cell {cell}: {p}");
         }
         let bounds = HeightBounds::of(&field, 1.0).unwrap();
-        let sure = mapper.sure(&uav, &bounds).unwrap();
+        let sure = mapper.seen_from(&uav).unwrap().sure(&bounds).unwrap();
         let receivers_above = options.rx_height;
         for k in 0..8 {
             let by: Vec<i32> = houses.iter().map(|_| i32::try_from(random.within(-1024, 1024)).unwrap()).collect();
-            let moved = field.with_roofs_raised_by(|building| by[building as usize]).unwrap();
+            let moved = MovedRoofs::by_building(&field, |building| by[building as usize]).unwrap();
             let built = vector_field(raised(&houses, &by), Ground::Flat(0), N);
             for (row, col) in field.cells().open.cells() {
                 let place = positions.center(row, col);
                 let receiver = Station { place, z: receivers_above.into() };
-                let is_los = link_los(&moved, &uav.station, &receiver);
+                let is_los = link_los(&moved.field, &uav.station, &receiver);
                 assert_eq!(is_los, link_los(&built, &uav.station, &receiver), "seed {seed}, {k}");
                 let (may, does) = (sure.possibly.contains(row, col), sure.surely.contains(row, col));
                 let is_within = if is_los { may } else { !does };
@@ -456,7 +457,7 @@ fn redrawn_roofs_of_delft_give_an_interval_around_what_is_known() {
     let redrawn = RedrawnHeights::of(&field, &errors, None, 1).unwrap();
     let counts = mapper.redrawn(std::slice::from_ref(&uav), &redrawn, 60, &Control::default()).unwrap();
     let (low, high) = counts.interval(0, 0.95);
-    let (receivers, los) = mapper.count(&uav);
+    let (receivers, los) = mapper.seen_from(&uav).unwrap().count();
     let p_los = los as f64 / receivers as f64;
     assert!(low < p_los && p_los < high && high - low < 0.1, "{low} {p_los} {high}");
 }

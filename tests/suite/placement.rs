@@ -28,7 +28,8 @@ fn by_rays(field: &HeightField, candidate: &Candidate, options: &MapOptions, wei
     let options = MapOptions { method: MethodChoice::Ray, ..options.clone() };
     let sum = |radius: Option<f64>, wanted: &[u8]| {
         let options = MapOptions { radius, ..options.clone() };
-        let map = Mapper::new(field, &options).unwrap().map(&candidate.uav, &Control::default()).unwrap();
+        let map =
+            Mapper::new(field, &options).unwrap().seen_from(&candidate.uav).unwrap().map(&Control::default()).unwrap();
         map.mask.iter().zip(weight).filter(|(c, _)| wanted.contains(c)).map(|(_, w)| w).sum()
     };
     (sum(options.radius, &[class::LOS]), sum(None, &[class::LOS, class::NLOS]))
@@ -91,7 +92,7 @@ fn the_least_height_is_that_of_a_linear_search() {
             for found in &found {
                 let place = kept[found.candidate].spot.place;
                 let mut linear = (0..kept.len()).filter(|k| kept[*k].spot.place == place);
-                let reaches = |k: &usize| scorer.score(&kept[*k].uav).share().unwrap() >= share;
+                let reaches = |k: &usize| scorer.score(&kept[*k].uav).unwrap().share().unwrap() >= share;
                 assert_eq!(linear.find(reaches), found.reaches.then_some(found.candidate));
                 n_reached += usize::from(found.reaches);
             }
@@ -110,7 +111,7 @@ fn the_worst_margin_is_the_least_of_the_layer() {
             let options = MapOptions { layers, radius, receivers: Receivers::All, ..MapOptions::default() };
             let mapper = Mapper::new(&field, &options).unwrap();
             let least = |c: &Candidate| {
-                let map = mapper.map(&c.uav, &Control::default()).unwrap();
+                let map = mapper.seen_from(&c.uav).unwrap().map(&Control::default()).unwrap();
                 map.margin.unwrap().into_iter().filter(|m| !m.is_nan()).min_by(f32::total_cmp)
             };
             let wanted: Vec<Option<f32>> = kept.iter().map(least).collect();
@@ -221,7 +222,7 @@ fn several_uavs_of_a_small_scene_are_within_the_guarantee() {
         let kept = candidates(&field, 7.0);
         let options = MapOptions { radius: Some(8.0), ..MapOptions::default() };
         let mapper = Mapper::new(&field, &options).unwrap();
-        let seen: Vec<BitGrid> = kept.iter().map(|c| mapper.seen(&c.uav).los).collect();
+        let seen: Vec<BitGrid> = kept.iter().map(|c| mapper.seen_from(&c.uav).unwrap().seen().los).collect();
         let mut sets = SeenSets::over(&mapper.receiver_cells(), None);
         sets.extend(&seen);
         let found = cover(&sets, 2, &Control::default()).unwrap();

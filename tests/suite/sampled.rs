@@ -65,7 +65,7 @@ fn from_maps(name: &str, n_cities: u64) -> Vec<Vec<Estimate>> {
             let mapper = Mapper::new(&field, &options).unwrap();
             for (of_placement, (zone, _)) in PLACEMENTS.iter().enumerate() {
                 let uavs = uavs(&field, &middles_of(&built_up, size_m, *zone), size_m);
-                let counts = SampledCounts::of(&mapper, &uavs, &parts, &blocks);
+                let counts = SampledCounts::of(&mapper, &uavs, &parts, &blocks).unwrap();
                 totals[of_placement][of_radius].push(counts.totals());
             }
         }

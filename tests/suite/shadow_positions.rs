@@ -136,9 +136,9 @@ pub(crate) fn compare_counts(field: &HeightField, places: &PlaceGrid, height: He
     let every = uavs.len().div_ceil(150);
     let mut all = vec![0; places.grid.n_cells()];
     for (k, (place, uav)) in uavs.iter().enumerate() {
-        all[*place] = u128::from(mapper.count(uav).1);
+        all[*place] = u128::from(mapper.seen_from(uav).unwrap().count().1);
         if k % every == 0 {
-            let seen = by_rays.seen(uav).los;
+            let seen = by_rays.seen_from(uav).unwrap().seen().los;
             let expected = (seen.count().into(), sum(&seen));
             assert_eq!((alone[*place], weighed[*place]), expected, "place {place}, {height:?}, {options:?}");
         }

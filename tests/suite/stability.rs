@@ -4,7 +4,7 @@
 use serde_json::Value;
 use skyshed_core::city::{Ground, Site};
 use skyshed_core::coverage::{
-    Control, HeightLayers, MapOptions, Mapper, Move, Receivers, SiteCoverage, Stability, Turned, Uav, class,
+    Control, HeightLayers, MapOptions, Mapper, Move, MovedRoofs, Receivers, SiteCoverage, Stability, Turned, Uav, class,
 };
 use skyshed_core::height_field::{CellKind, HeightField, Station};
 use skyshed_core::los::{MethodChoice, link_los};
@@ -26,7 +26,7 @@ const STABILITY: HeightLayers = HeightLayers {
 };
 
 fn map(field: &HeightField, uav: &Uav, options: &MapOptions) -> SiteCoverage {
-    Mapper::new(field, options).unwrap().map(uav, &Control::default()).unwrap()
+    Mapper::new(field, options).unwrap().seen_from(uav).unwrap().map(&Control::default()).unwrap()
 }
 
 fn stability(field: &HeightField, uav: &Uav, options: &MapOptions) -> Stability {
@@ -145,7 +145,7 @@ fn the_layer_counts_the_maps_that_differ() {
                 assert_eq!(turned, &Ok(turned_by(&|cell| after.mask[cell] == class::LOS)), "{which:?}");
             }
             for (step, turned) in [1, -1].into_iter().zip(&found.moves[6..]) {
-                let shifted = field.with_roofs_raised(step).unwrap();
+                let shifted = MovedRoofs::by_building(&field, |_| step).unwrap();
                 let (positions, n_cols) = (field.positions(), field.grid().n_cols());
                 let is_los = |cell: usize| {
                     let place = positions.center(cell / n_cols, cell % n_cols);
@@ -154,7 +154,7 @@ fn the_layer_counts_the_maps_that_differ() {
                         CellKind::Void => panic!("no receiver is there"),
                     };
                     let receiver = Station { place, z: i64::from(base) + i64::from(options.rx_height) };
-                    link_los(&shifted, &uav.station, &receiver)
+                    link_los(&shifted.field, &uav.station, &receiver)
                 };
                 assert_eq!(turned.1, Ok(turned_by(&is_los)), "roofs by {step}");
             }

@@ -185,7 +185,8 @@ fn a_scene_is_a_function_of_its_seed_and_number() {
 /// The answers of a scene by the engine that its kind calls for, cell by cell, with the heights of the receivers.
 fn seen(scene: &StressScene, ready: &Ready) -> Vec<Option<(i64, bool)>> {
     let options = scene.options();
-    let seen = skyshed_core::coverage::Mapper::new(&ready.field, &options).unwrap().seen(&ready.uav);
+    let seen =
+        skyshed_core::coverage::Mapper::new(&ready.field, &options).unwrap().seen_from(&ready.uav).unwrap().seen();
     let mut answers = vec![None; scene.n_rows * scene.n_cols];
     for (cell, receiver) in &ready.receivers {
         answers[*cell] = Some((receiver.z, seen.los.contains(cell / scene.n_cols, cell % scene.n_cols)));

@@ -81,7 +81,7 @@ fn random_uav(field: &HeightField, random: &mut Random) -> Uav {
 
 fn p_los(field: &HeightField, uav: &Uav) -> Option<f64> {
     let options = MapOptions::default();
-    let (receivers, los) = Mapper::new(field, &options).unwrap().count(uav);
+    let (receivers, los) = Mapper::new(field, &options).unwrap().seen_from(uav).unwrap().count();
     (receivers > 0).then(|| los as f64 / receivers as f64)
 }
 

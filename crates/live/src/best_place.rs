@@ -43,8 +43,10 @@ impl Search {
             let is_place = |uav: &coverage::Uav| is_over_grid && uav.placement != HoversOver::Nodata;
             if let Some(uav) = coverage::Uav::place(&site, field, radius).ok().filter(is_place) {
                 self.tried += 1;
-                let (receivers, los) = mapper.count(&uav);
-                if self.best.is_none_or(|best| los > best.los) {
+                // An earth that is too curved has no view.
+                if let Ok((receivers, los)) = mapper.seen_from(&uav).map(|view| view.count())
+                    && self.best.is_none_or(|best| los > best.los)
+                {
                     self.best = Some(BestPlace { x, y, los, receivers });
                 }
             }

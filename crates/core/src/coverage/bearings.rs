@@ -1,7 +1,8 @@
-//! Directions in whole numbers: sectors of azimuths and elevations, into which receivers fall exactly.
+//! Directions in whole numbers: sectors of azimuths and elevations, into which receivers fall
+//! exactly.
 //!
-//! The direction of an angle is rounded once, to 30 bits. Steps of the lattice may differ in length along x and y, and from the steps of
-//! heights: that is in the rounded direction. What falls into it is a comparison of integers from there on.
+//! The direction of an angle is rounded once, to 30 bits; it knows that steps along x, y and
+//! heights differ in length. From there on receivers are compared with it in integers.
 
 use std::cmp::Ordering;
 
@@ -16,15 +17,16 @@ pub(super) type Steps = (i64, i64);
 pub(super) struct Sector {
     pub(super) from: Steps,
     pub(super) to: Steps,
-    /// Whether it is at most half a turn: then it is the half turn from its begin without that from its end; or else all but the half turn
-    /// from its end without that from its begin.
+    /// At most half a turn: the half turn from its begin without that from its end. Otherwise all
+    /// but the half turn from its end without that from its begin.
     pub(super) is_narrow: bool,
-    /// Which way a receiver at the place itself is.
+    /// Direction in which a receiver at the place itself counts.
     at_place: Steps,
 }
 
 impl Sector {
-    /// From one azimuth to another \[deg clockwise from north\], on a lattice with steps of these lengths; `None` for whole turns.
+    /// Returns the sector from one azimuth to another \[deg clockwise from north\], on a lattice
+    /// with steps of these lengths; `None` for whole turns.
     pub(super) fn new([from, to]: [f64; 2], step_lengths: (f64, f64)) -> Option<Self> {
         let width = (to - from).rem_euclid(360.0);
         let toward = |azimuth: f64| direction(azimuth, step_lengths);
@@ -36,13 +38,14 @@ impl Sector {
         })
     }
 
-    /// What it is seen from the other end: where a place must be for a receiver at this one to be in the sector.
+    /// Returns the sector seen from its other end: the directions of places that have a receiver at
+    /// this one in the sector.
     pub(super) fn reversed(self) -> Self {
         let back = |(x, y): Steps| (-x, -y);
         Sector { from: back(self.from), to: back(self.to), at_place: back(self.at_place), ..self }
     }
 
-    /// Whether steps lead from a direction, clockwise, to before the opposite one.
+    /// Returns whether steps lead from a direction, clockwise, to before the opposite one.
     pub(super) fn is_in_half_turn(&self, start: Steps, steps: Steps) -> bool {
         let (x, y) = if steps == (0, 0) { self.at_place } else { steps };
         // EXACT: steps are at most 2^28, directions 2^30.
@@ -51,7 +54,8 @@ impl Sector {
     }
 }
 
-/// The direction of an azimuth in steps, scaled up. Opposite azimuths, and those mirrored at an axis, have such directions.
+/// Returns the direction of an azimuth in steps, scaled up. Opposite azimuths, and those mirrored
+/// at an axis, have such directions.
 fn direction(azimuth: f64, (step_x, step_y): (f64, f64)) -> Steps {
     let turn = azimuth.rem_euclid(360.0);
     // Within the first quarter.
@@ -90,7 +94,8 @@ struct Slope {
 }
 
 impl Elevations {
-    /// Between two angles \[deg above the horizontal\]; a step along x is so many steps of height long.
+    /// Returns elevations between two angles \[deg above the horizontal\], where a step along x is
+    /// `step` steps of height long.
     pub(super) fn new([low, high]: [f64; 2], step: f64) -> Self {
         let slope = |angle: f64| {
             let (sin, cos) = match angle {
@@ -106,7 +111,8 @@ impl Elevations {
         Elevations { low: slope(low), high: slope(high) }
     }
 
-    /// Whether what is `rise` \[1/1024 m\] above, at a distance of which this is the square, is below them, among them or above.
+    /// Compares a point `rise` \[1/1024 m\] above, at a distance of this square, with the
+    /// elevations: below, among or above them.
     pub(super) fn compare(&self, rise: i64, squared: i128) -> Ordering {
         if self.low.compare(rise, squared) == Ordering::Less {
             Ordering::Less
@@ -119,14 +125,15 @@ impl Elevations {
 }
 
 impl Slope {
-    /// How the elevation of something compares to this one.
+    /// Compares the elevation of a point with this one.
     fn compare(&self, rise: i64, squared: i128) -> Ordering {
         if squared == 0 && rise != 0 {
             // Straight above or below, at ±90°.
             let is_same = self.along == 0 && (self.up > 0) == (rise > 0);
             return if is_same { Ordering::Equal } else { rise.cmp(&0) };
         }
-        // EXACT: rises are below 2^28, squared distances at most 2^56, so all products are at most 2^116.
+        // EXACT: rises are below 2^28, squared distances at most 2^56, so all products are at most
+        // 2^116.
         let (a, b) = (i128::from(rise) * i128::from(self.along), i128::from(self.up));
         let (a_squared, b_squared) = (a * a * a.signum(), b * b * b.signum() * squared);
         a_squared.cmp(&b_squared)

@@ -10,12 +10,13 @@ use super::range::Range;
 use crate::height_field::CellSets;
 use crate::raster::bits_between;
 
-/// What is known of the cells of one row, a bit each.
+/// Cells of one row by what is known of them, a bit each.
 #[derive(Debug)]
 pub(super) struct RowSets<'a> {
     open: &'a [u64],
     building: &'a [u64],
-    /// Cells in range; of receivers that elevations leave out, see [`RowSets::add`]. Not filled if all are.
+    /// Cells in range; of receivers that elevations leave out, see [`RowSets::add`]. Not filled if
+    /// all are.
     in_range: Vec<u64>,
     receivers: Vec<u64>,
     los: Vec<u64>,
@@ -31,7 +32,8 @@ pub(super) struct WordSets {
 }
 
 impl<'a> RowSets<'a> {
-    /// Row `row` of some cells, which is number `row_of_range` of the whole grid, without receivers.
+    /// Returns row `row` of some cells without receivers; it is number `row_of_range` of the whole
+    /// grid.
     pub(super) fn new(cells: &'a CellSets, row: usize, (range, row_of_range): (&Range<'_>, usize)) -> Self {
         let n_words = cells.open.words_per_row();
         let mut in_range = Vec::new();
@@ -61,8 +63,8 @@ impl<'a> RowSets<'a> {
     pub(super) fn words(&self) -> impl Iterator<Item = WordSets> {
         (0..self.receivers.len()).map(move |k| {
             let receivers = self.receivers[k];
-            // PERF: where all are receivers the other sets are not read: a set without cells is memory that nobody touched, and the
-            // kernel need not provide it.
+            // PERF: where all are receivers the other sets are not read: a set without cells is
+            // memory that nobody touched, and the kernel need not provide it.
             let known = if receivers == u64::MAX { u64::MAX } else { self.open[k] | self.building[k] };
             let in_range = self.in_range.get(k).copied().unwrap_or(u64::MAX);
             WordSets {

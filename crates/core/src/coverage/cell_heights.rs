@@ -1,44 +1,50 @@
-//! The layers of heights, cell by cell: least receiver height, margin, and the least height of the UAV.
+//! Layers of heights, cell by cell: least receiver height, margin, and least height of the UAV.
 
+use super::HeightLayers;
 use super::row_bands::Row;
-use super::{HeightLayers, Uav};
-use crate::height_field::{GridPositions, HeightField, Place, Station};
-use crate::los::{GridHeights, GridReceivers, link_least_height, link_least_receiver_heights};
+use super::view::{SeenReceivers, Threads, View};
+use crate::height_field::{HeightField, Place};
+use crate::los::{GridHeights, link_least_height, link_least_receiver_heights};
 use crate::quantity::{MAX_HEIGHT_M, STEPS_PER_UNIT, VOID, meters};
-use crate::raster::set_bits;
+use crate::raster::{BitGrid, set_bits};
 
-/// The least heights of the links of receivers of one kind, as far as they are asked for and the engine finds them at once.
+/// Least heights of the links of receivers of one kind, as far as an engine finds them at once.
 #[derive(Debug, Default)]
 pub(super) struct FoundHeights {
-    pub(super) of_receivers: Option<GridHeights>,
-    pub(super) of_uav: Option<GridHeights>,
+    of_receivers: Option<GridHeights>,
+    of_uav: Option<GridHeights>,
 }
 
-/// The layers of heights, cell by cell.
-pub(super) struct CellHeights<'a> {
-    field: &'a HeightField,
-    uav: &'a Uav,
+/// Layers of heights of one UAV's map.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CellHeights {
     layers: HeightLayers,
-    /// Lowest height that a UAV may have at its place \[1/1024 m\].
-    surface_under_uav: i32,
+    /// Lowest height that a UAV may have at its place \[1/1024 m\]; [`VOID`], below all others, if
+    /// none is known.
+    lowest_uav_height: i32,
 }
 
-impl<'a> CellHeights<'a> {
-    pub(super) fn new(field: &'a HeightField, uav: &'a Uav, layers: HeightLayers) -> Self {
-        CellHeights { field, uav, layers, surface_under_uav: surface_under(field, &uav.station.place) }
+impl CellHeights {
+    pub(super) fn new(view: &View<'_>, layers: HeightLayers) -> Self {
+        CellHeights { layers, lowest_uav_height: view.scene().below_uav().surface }
     }
 
-    /// The lowest height that the UAV may have \[1/1024 m\]: [`VOID`], below all others, if none is known.
-    pub(super) fn lowest_uav_height(&self) -> i32 {
-        self.surface_under_uav
+    /// Returns heights of receivers in range that the engine finds at once, and which of them are
+    /// in line of sight if it finds both together.
+    pub(super) fn found(&self, receivers: &SeenReceivers<'_>, in_range: &BitGrid) -> (FoundHeights, Option<BitGrid>) {
+        let lowest = i64::from(self.lowest_uav_height);
+        let of_uav = self.layers.least_height.then(|| receivers.least_uav_heights(in_range, lowest)).flatten();
+        let of_receivers = self.layers.margin || self.layers.least_receiver_height;
+        let found = of_receivers.then(|| receivers.los_and_least_heights(in_range, Threads::All)).flatten();
+        let (los, of_receivers) = found.unzip();
+        (FoundHeights { of_receivers, of_uav }, los)
     }
 
     /// Fills the layers of a row for some receivers, of which those in `los` are in line of sight.
     pub(super) fn fill(
         &self,
         out: &mut Row<'_>,
-        positions: &GridPositions,
-        receivers: &GridReceivers<'_>,
+        receivers: &SeenReceivers<'_>,
         row: usize,
         (wanted, los): (&[u64], &[u64]),
         found: &FoundHeights,
@@ -46,35 +52,26 @@ impl<'a> CellHeights<'a> {
         if !self.layers.has_heights() {
             return;
         }
-        let first = row * self.field.grid().n_cols();
         for col in set_bits(wanted) {
-            let z = receivers.height(first + col);
-            let receiver = || Station { place: positions.center(row, col), z };
-            let is_los = los[col / 64] >> (col % 64) & 1 == 1;
+            let cell = (row, col);
             if self.layers.margin || self.layers.least_receiver_height {
-                let base = receivers.base(first + col);
-                let of = |height: f64| with_margin(height, z, base, is_los);
-                let found = found.of_receivers.as_ref().and_then(|heights| heights.settled((row, col), of));
-                let (least, margin) =
-                    found.unwrap_or_else(|| least_height_and_margin(self.field, self.uav, &receiver(), base));
+                let is_los = los[col / 64] >> (col % 64) & 1 == 1;
+                let (least, margin) = receivers.least_height_and_margin(cell, is_los, found.of_receivers.as_ref());
                 debug_assert_eq!(is_los, margin >= 0.0);
                 out.set_heights(col, (least, margin));
             }
             if let Some(v) = out.least_height.get_mut(col) {
                 let of = |height: f64| self.least_uav_height(height);
-                let found = found.of_uav.as_ref().and_then(|heights| heights.settled((row, col), of));
-                *v = found.unwrap_or_else(|| {
-                    let lowest = i64::from(self.surface_under_uav);
-                    of(link_least_height(self.field, &self.uav.station, &receiver(), lowest))
-                });
+                let found = found.of_uav.as_ref().and_then(|heights| heights.settled(cell, of));
+                *v = found.unwrap_or_else(|| of(receivers.least_uav_height(cell, self.lowest_uav_height.into())));
             }
         }
     }
 
-    /// The least height of the UAV \[m\] from one that must not be below the surface \[1/1024 m\]; infinite where no height that it
-    /// can have is enough.
+    /// Returns the least height of the UAV \[m\] from one that must not be below the surface
+    /// \[1/1024 m\]; infinite where no height that it can have is enough.
     fn least_uav_height(&self, least: f64) -> f32 {
-        match least.max(floor_of(self.surface_under_uav)) / f64::from(STEPS_PER_UNIT) {
+        match least.max(floor_of(self.lowest_uav_height)) / f64::from(STEPS_PER_UNIT) {
             least if least > MAX_HEIGHT_M => f32::INFINITY,
             least if least < -MAX_HEIGHT_M => f32::NEG_INFINITY,
             least => narrow(least),
@@ -82,13 +79,38 @@ impl<'a> CellHeights<'a> {
     }
 }
 
-/// The least visible height of a receiver \[m above the datum\], not below what it stands on, and its margin \[m\], whose sign is exact.
-pub(super) fn least_height_and_margin(field: &HeightField, uav: &Uav, receiver: &Station, base: i32) -> (f32, f32) {
-    let least = link_least_receiver_heights(field, &uav.station, receiver);
-    with_margin(least.height_steps(), receiver.z, base, least.is_los)
+impl SeenReceivers<'_> {
+    /// Returns the least visible height over a receiver's cell \[m\], not below what the receiver
+    /// stands on, and its margin \[m\], whose sign is exact. Taken from heights that were found at
+    /// once, if they settle it; else one walk finds it.
+    pub(super) fn least_height_and_margin(
+        &self,
+        cell: (usize, usize),
+        is_los: bool,
+        found: Option<&GridHeights>,
+    ) -> (f32, f32) {
+        let (z, base) = (self.height(cell), self.base(cell));
+        let settled = found.and_then(|heights| heights.settled(cell, |height| with_margin(height, z, base, is_los)));
+        settled.unwrap_or_else(|| self.walked_height_and_margin(cell))
+    }
+
+    /// Returns the same as [`SeenReceivers::least_height_and_margin`], by one walk.
+    pub(super) fn walked_height_and_margin(&self, cell: (usize, usize)) -> (f32, f32) {
+        let (receiver, scene) = (self.station(cell), self.view.scene());
+        let least = link_least_receiver_heights(scene.field(), &scene.uav().station, &receiver);
+        with_margin(least.height_steps(), receiver.z, self.base(cell), least.is_los)
+    }
+
+    /// Returns the least height of the UAV, not below `lowest`, that sees a receiver \[1/1024 m\],
+    /// by one walk.
+    fn least_uav_height(&self, cell: (usize, usize), lowest: i64) -> f64 {
+        let scene = self.view.scene();
+        link_least_height(scene.field(), &scene.uav().station, &self.station(cell), lowest)
+    }
 }
 
-/// A least visible height \[m\] and the margin of a receiver at height `z` on `base`, in line of sight or not, from a least height \[1/1024 m\].
+/// Returns a least visible height \[m\] and the margin \[m\] of a receiver at height `z` on `base`,
+/// in line of sight or not, from a least height \[1/1024 m\].
 pub(super) fn with_margin(least: f64, z: i64, base: i32, is_los: bool) -> (f32, f32) {
     let least = least.max(f64::from(base)) / f64::from(STEPS_PER_UNIT);
     #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
@@ -98,13 +120,13 @@ pub(super) fn with_margin(least: f64, z: i64, base: i32, is_los: bool) -> (f32, 
     (narrow(least), if is_los { margin.max(0.0) + 0.0 } else { margin.min(-f32::MIN_POSITIVE) })
 }
 
-/// The surface that a UAV at a place must not be below \[1/1024 m\]: the ground, or the roof or surface there; [`VOID`] if
-/// none is known.
+/// Returns the surface that a UAV at a place must not be below \[1/1024 m\]: the ground, or the
+/// roof or surface there; [`VOID`] if none is known.
 pub fn surface_under(field: &HeightField, place: &Place) -> i32 {
     field.below_uav(place).surface
 }
 
-/// A surface as the least height over it \[1/1024 m\]; nothing known bounds nothing.
+/// Returns a surface as the least height over it \[1/1024 m\]; nothing known bounds nothing.
 fn floor_of(surface: i32) -> f64 {
     if surface == VOID { f64::NEG_INFINITY } else { meters(surface) * f64::from(STEPS_PER_UNIT) }
 }

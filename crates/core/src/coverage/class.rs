@@ -11,7 +11,8 @@ pub const OUT_OF_RANGE: u8 = 3;
 /// No height is known.
 pub const NODATA: u8 = 255;
 
-/// The color of a class as red, green, blue, opacity: blue and orange of Okabe & Ito 2008, gray for what is neither.
+/// Returns the color of a class as red, green, blue, opacity: blue and orange of Okabe & Ito 2008,
+/// gray for what is neither.
 pub fn color(value: u8) -> [u8; 4] {
     match value {
         NLOS => [0xE6, 0x9F, 0x00, 0xFF],

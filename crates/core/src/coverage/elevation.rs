@@ -1,9 +1,8 @@
 //! Elevation angles of the UAV as receivers see it, in bands of ten degrees.
 //!
-//! A receiver is in a band if the tangent of its angle is, and both sides of that comparison are squared, so that no root
-//! is taken: `rise² ≥ tan² · distance²`. Where all receivers are at one height the cells above an angle are a disc,
-//! found row by row by its two ends; elsewhere 64 cells are compared at a time, from the flattest angle up, until none is
-//! as steep.
+//! A receiver is in a band if the tangent of its angle is. Both sides of that comparison are
+//! squared, so that no root is taken: `rise² ≥ tan² · distance²`. 64 cells are compared at a time,
+//! from the flattest angle up, until none is as steep.
 
 use fearless_simd::Level;
 use fearless_simd::prelude::*;
@@ -12,7 +11,7 @@ use crate::dispatch;
 
 use crate::los::GridReceivers;
 use crate::quantity::STEPS_PER_UNIT;
-use crate::raster::bits_between;
+use crate::raster::GeoRef;
 
 /// Bands from −90° to 90°.
 pub(super) const N_BANDS: usize = 18;
@@ -29,7 +28,7 @@ const SQUARED_TANGENTS: [f64; 8] = [
     32.163_437_477_526_36,
 ];
 
-/// Where the receivers of a row see the UAV.
+/// Receivers of a row, and the UAV that they see.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RowElevations<'a> {
     /// World x of the columns, ascending, whole words of them \[CRS units\].
@@ -47,110 +46,29 @@ pub(super) struct RowElevations<'a> {
     pub(super) first_cell: usize,
 }
 
+/// Returns the world x of the columns of a grid, padded to whole words of them \[CRS units\].
+pub(super) fn padded_xs(grid: &GeoRef) -> Vec<f64> {
+    let n_cols = grid.n_cols();
+    let mut xs: Vec<f64> = (0..n_cols).map(|col| grid.world_from_cell(0, col).0).collect();
+    xs.resize(n_cols.div_ceil(64) * 64, 0.0);
+    xs
+}
+
 impl RowElevations<'_> {
     /// Calls `add(band, receivers, los)` with counts of each band that holds a receiver.
     pub(super) fn count(&self, receivers: &[u64], los: &[u64], add: &mut impl FnMut(usize, u64, u64)) {
-        match self.receivers.level() {
-            Some(z) => self.count_level(self.uav.2 - z, receivers, los, add),
-            None => dispatch!(Level::new(), simd => self.count_relief(simd, receivers, los, add)),
-        }
+        dispatch!(Level::new(), simd => self.count_with(simd, receivers, los, add));
     }
 
-    /// The square of the distance of a column \[m²\].
+    /// Returns the square of the distance of a column \[m²\].
     #[inline(always)]
     fn squared_distance(&self, x: f64) -> f64 {
         let (dx, dy) = (self.uav.0 - x, self.uav.1 - self.y);
         (dx * dx + dy * dy) * (self.meters_per_unit * self.meters_per_unit)
     }
 
-    /// All receivers `rise` \[1/1024 m\] below the UAV.
-    fn count_level(&self, rise: i64, receivers: &[u64], los: &[u64], add: &mut impl FnMut(usize, u64, u64)) {
-        let rise_m = in_meters(rise);
-        let squared = rise_m * rise_m;
-        let sums = |words: &[u64]| {
-            let mut sum = 0_u64;
-            let mut sums = Vec::with_capacity(words.len());
-            for word in words {
-                sums.push(sum);
-                sum += u64::from(word.count_ones());
-            }
-            (sums, sum)
-        };
-        let (receivers_before, n_receivers) = sums(receivers);
-        let (los_before, n_los) = sums(los);
-        let below = |words: &[u64], before: &[u64], total: u64, col: usize| match words.get(col / 64) {
-            Some(word) => before[col / 64] + u64::from((word & bits_between(0, col, col / 64)).count_ones()),
-            None => total,
-        };
-        let mut outer = (n_receivers, n_los);
-        for (k, tangent) in SQUARED_TANGENTS.iter().enumerate() {
-            let (from, to) = self.columns_within(
-                |distance| {
-                    if rise >= 0 { squared >= tangent * distance } else { squared > tangent * distance }
-                },
-                squared / tangent,
-            );
-            let of = |words: &[u64], before: &[u64], total: u64| {
-                below(words, before, total, to) - below(words, before, total, from)
-            };
-            let inner = if from < to {
-                (of(receivers, &receivers_before, n_receivers), of(los, &los_before, n_los))
-            } else {
-                (0, 0)
-            };
-            add(band(rise < 0, k), outer.0 - inner.0, outer.1 - inner.1);
-            outer = inner;
-            if inner.0 == 0 {
-                return;
-            }
-        }
-        add(band(rise < 0, SQUARED_TANGENTS.len()), outer.0, outer.1);
-    }
-
-    /// The columns for whose squared distance `holds`; it holds up to about `limit` \[m²\] and not beyond.
-    fn columns_within(&self, holds: impl Fn(f64) -> bool, limit: f64) -> (usize, usize) {
-        let xs = &self.xs[..self.n_cols];
-        let is_in = |col: usize| holds(self.squared_distance(xs[col]));
-        let first = xs[0];
-        let pitch = if xs.len() > 1 { (xs[xs.len() - 1] - first) / (xs.len() - 1) as f64 } else { 1.0 };
-        // The column nearest to the UAV, by the same differences that the distances are made of.
-        let at = |x: f64| {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the columns")]
-            let col = ((x - first) / pitch).round().clamp(0.0, (xs.len() - 1) as f64) as usize;
-            col
-        };
-        let mut nearest = at(self.uav.0);
-        let offset = |col: usize| (self.uav.0 - xs[col]).abs();
-        while nearest > 0 && offset(nearest - 1) < offset(nearest) {
-            nearest -= 1;
-        }
-        while nearest + 1 < xs.len() && offset(nearest + 1) < offset(nearest) {
-            nearest += 1;
-        }
-        if !is_in(nearest) {
-            return (0, 0);
-        }
-        // Guessed by a root, put right by the comparison itself.
-        let dy = self.uav.1 - self.y;
-        let half = (limit / (self.meters_per_unit * self.meters_per_unit) - dy * dy).max(0.0).sqrt();
-        let (mut from, mut last) = (at(self.uav.0 - half).min(nearest), at(self.uav.0 + half).max(nearest));
-        while from > 0 && is_in(from - 1) {
-            from -= 1;
-        }
-        while !is_in(from) {
-            from += 1;
-        }
-        while last + 1 < xs.len() && is_in(last + 1) {
-            last += 1;
-        }
-        while !is_in(last) {
-            last -= 1;
-        }
-        (from, last + 1)
-    }
-
     #[inline(always)]
-    fn count_relief<S: Simd>(&self, simd: S, receivers: &[u64], los: &[u64], add: &mut impl FnMut(usize, u64, u64)) {
+    fn count_with<S: Simd>(&self, simd: S, receivers: &[u64], los: &[u64], add: &mut impl FnMut(usize, u64, u64)) {
         let n = S::f64s::LEN;
         let (uav_x, uav_dy) = (S::f64s::splat(simd, self.uav.0), self.uav.1 - self.y);
         let squared_dy = S::f64s::splat(simd, uav_dy * uav_dy);
@@ -161,8 +79,9 @@ impl RowElevations<'_> {
         let rise_over = |base: i32| in_meters(i64::from(uav_above) - i64::from(base));
         let (least, most) = (rise_over(highest), rise_over(lowest));
         let none_above_uav = least >= 0.0;
-        // PERF: far from the UAV all receivers, whatever their heights, see it less than 10° above or below the horizon. Each
-        // operation here rounds as below, and none of them turns an order around.
+        // PERF: far from the UAV all receivers, whatever their heights, see it less than 10° above
+        // or below the horizon. Each operation here rounds as below, and none of them turns an
+        // order around.
         let steepest = (least * least).max(most * most);
         let is_flat = |first: usize, end: usize| {
             let nearest = self.uav.0.clamp(self.xs[first], self.xs[end - 1]);
@@ -187,7 +106,8 @@ impl RowElevations<'_> {
                 count(false, 0, !0);
                 continue;
             }
-            // How far the UAV is above the receivers \[1/1024 m\]; cells without a receiver may hold anything.
+            // How far the UAV is above the receivers \[1/1024 m\]; cells without a receiver may
+            // hold anything.
             let mut rises = [0; 64];
             self.receivers.copy_bases(first, &mut rises[..n_here]);
             let mut below = 0_u64;
@@ -213,28 +133,41 @@ impl RowElevations<'_> {
                 ((dx * dx + squared_dy) * unit).store_slice(&mut distances[i..i + n]);
             }
             for (is_below, side) in [(false, receivers & !below), (true, receivers & below)] {
-                let mut outer = side;
-                let mut steps = 0;
-                while outer != 0 && steps < SQUARED_TANGENTS.len() {
-                    let tangent = S::f64s::splat(simd, SQUARED_TANGENTS[steps]);
-                    let mut steep = 0_u64;
-                    for i in (0..64).step_by(n) {
-                        let squared = S::f64s::from_slice(simd, &squared[i..i + n]);
-                        let limit = tangent * S::f64s::from_slice(simd, &distances[i..i + n]);
-                        let is_steep = if is_below { squared.simd_gt(limit) } else { squared.simd_ge(limit) };
-                        steep |= is_steep.to_bitmask() << i;
-                    }
-                    count(is_below, steps, outer & !steep);
-                    outer &= steep;
-                    steps += 1;
-                }
-                count(is_below, steps, outer);
+                count_steps(simd, (&squared, &distances), (is_below, side), |steps, set| count(is_below, steps, set));
             }
         }
         for (band, (receivers, los)) in counts.into_iter().enumerate().filter(|(_, c)| c.0 > 0) {
             add(band, receivers, los);
         }
     }
+}
+
+/// Calls `count(steps, cells)` with the cells of a word that are at least as steep as so many
+/// tangents and less steep than the next, by squared rises and distances \[m²\].
+#[inline(always)]
+fn count_steps<S: Simd>(
+    simd: S,
+    (squared, distances): (&[f64; 64], &[f64; 64]),
+    (is_below, cells): (bool, u64),
+    mut count: impl FnMut(usize, u64),
+) {
+    let mut outer = cells;
+    for (steps, tangent) in SQUARED_TANGENTS.iter().enumerate() {
+        if outer == 0 {
+            return;
+        }
+        let tangent = S::f64s::splat(simd, *tangent);
+        let mut steep = 0_u64;
+        for i in (0..64).step_by(S::f64s::LEN) {
+            let squared = S::f64s::from_slice(simd, &squared[i..i + S::f64s::LEN]);
+            let limit = tangent * S::f64s::from_slice(simd, &distances[i..i + S::f64s::LEN]);
+            let is_steep = if is_below { squared.simd_gt(limit) } else { squared.simd_ge(limit) };
+            steep |= is_steep.to_bitmask() << i;
+        }
+        count(steps, outer & !steep);
+        outer &= steep;
+    }
+    count(SQUARED_TANGENTS.len(), outer);
 }
 
 #[inline(always)]
@@ -244,8 +177,8 @@ fn in_meters(steps: i64) -> f64 {
     meters
 }
 
-/// The band of an angle that is at least as steep as so many of the tangents; below the horizon a band's lower end is
-/// included: −10° belongs to −10…0.
+/// Returns the band of an angle that is at least as steep as so many of the tangents. Below the
+/// horizon a band's lower end is included: −10° belongs to −10…0.
 #[inline(always)]
 fn band(is_below: bool, steps: usize) -> usize {
     if is_below { 8 - steps } else { 9 + steps }
@@ -330,8 +263,9 @@ mod tests {
         for receivers_on in &all {
             for z in [-60 * 1024, 2 * 1024, 30 * 1024, 70 * 1024, 100 * 1024, 150 * 1024, 3000 * 1024_i64] {
                 let near = [(1100.3, 7.1), (1000.0, 140.0), (900.0, 0.33), (1117.07, 5.0)];
-                // From the first two some words of receivers are less than 10° from the horizon, with all of them below a UAV at
-                // 150 m, and on both sides of one at 70 m; from the last whole rows are.
+                // From the first two some words of receivers are less than 10° from the horizon,
+                // with all of them below a UAV at 150 m, and on both sides of one at 70 m; from the
+                // last whole rows are.
                 let far = [(150.0, 5.0), (650.0, 5.0), (-900.0, 5.0)];
                 for (x, y) in near.into_iter().chain(far) {
                     let row = RowElevations {

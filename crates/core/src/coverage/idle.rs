@@ -1,12 +1,14 @@
-//! Footprints that cannot hide any receiver of a run from any of its UAVs: dropped before work starts, and counted.
+//! Footprints that cannot hide any receiver of a run from any of its UAVs: dropped before work
+//! starts, and counted.
 //!
-//! Every link lies in the box around the UAVs and the receivers in range, and nowhere below the lowest of them, but for what it sags
-//! by over a curved earth. So a prism that is not higher than that blocks none, nor does one whose bounding box lies outside. What is
-//! left may still hide nobody, which only its shadows tell.
+//! Every link lies in the box around the UAVs and the receivers in range. It is nowhere below the
+//! lowest of them, but for what it sags by over a curved earth. So a prism that is no higher blocks
+//! none, nor does one whose bounding box lies outside. Those that remain may still hide nobody,
+//! which only their shadows show.
 
 use super::Uav;
-use super::map::Mapper;
-use crate::height_field::{Caster, Drops, Prisms, Station};
+use super::view::Mapper;
+use crate::height_field::{Caster, Prisms, Station};
 use crate::overlay::bounds_of;
 
 /// Footprints of a scene, by what they can do to a run.
@@ -21,7 +23,7 @@ pub struct IdleFootprints {
 }
 
 impl IdleFootprints {
-    /// Those that are dropped.
+    /// Returns the number of those that are dropped.
     pub fn dropped(&self) -> u64 {
         self.too_low + self.out_of_reach
     }
@@ -46,7 +48,8 @@ impl LinkBox {
         i64::from(top) <= self.lowest
     }
 
-    /// Whether a bounding box, west, south, east and north, lies outside; one that touches does not.
+    /// Returns whether a bounding box, west, south, east and north, lies outside; one that touches
+    /// does not.
     fn is_beyond(&self, bounds: [i32; 4]) -> bool {
         let [west, south, east, north] = bounds.map(i64::from);
         east < self.bounds[0] || west > self.bounds[2] || north < self.bounds[1] || south > self.bounds[3]
@@ -54,16 +57,16 @@ impl LinkBox {
 }
 
 impl Mapper<'_> {
-    /// Drops what cannot hide a receiver from these UAVs; from then on the mapper is for them alone. Counts footprints, of
-    /// which none is there in a raster scene.
+    /// Drops footprints that cannot hide a receiver from these UAVs; from then on the mapper is for
+    /// them alone. Counts footprints, of which a raster scene has none.
     ///
     /// Cost: a look at each piece of a footprint.
     pub fn drop_idle(&mut self, uavs: &[Uav]) -> IdleFootprints {
-        let Some(prisms) = self.field.prisms() else { return IdleFootprints::default() };
+        let Some(prisms) = self.field().prisms() else { return IdleFootprints::default() };
         let links = self.links_of(uavs);
         let kept = prisms.casters().kept(|c: &Caster| !links.is_too_low(c.top) && !links.is_beyond(c.bounds));
         self.cast_only(kept);
-        count(prisms, self.field.n_buildings(), &links)
+        count(prisms, self.field().n_buildings(), &links)
     }
 
     fn links_of(&self, uavs: &[Uav]) -> LinkBox {
@@ -73,19 +76,19 @@ impl Mapper<'_> {
             let place = uav.station.on_prisms();
             links.add(place.x, place.y);
             links.lowest = links.lowest.min(uav.station.z);
-            let window = self.range_of(uav).window();
+            // A UAV without a view has no map either.
+            let Ok(view) = self.seen_from(uav) else { continue };
+            let window = view.window;
             if window.n_rows == 0 || window.n_cols == 0 {
                 continue;
             }
-            if let Some(curvature) = self.options.curvature {
-                let drops =
-                    Drops::new(self.engine.positions(), &uav.station.place, curvature, self.options.meters_per_unit);
+            if view.scene().curvature().is_some() {
                 // A link sags by a quarter of what its end drops by.
-                sag = sag.max(drops.most(window) / 4 + 1);
+                sag = sag.max(view.most_drop() / 4 + 1);
             }
             let last = (window.row + window.n_rows - 1, window.col + window.n_cols - 1);
             for (row, col) in [(window.row, window.col), last] {
-                let corner = Station { place: self.engine.positions().center(row, col), z: 0 }.on_prisms();
+                let corner = Station { place: self.positions().center(row, col), z: 0 }.on_prisms();
                 links.add(corner.x, corner.y);
             }
         }

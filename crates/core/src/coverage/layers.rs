@@ -4,17 +4,17 @@ use rayon::prelude::*;
 
 use super::class;
 
-/// What is made of many masks beside how many UAVs see a cell and whether any does.
+/// Layers of many masks beside the count of UAVs that see a cell and the union.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Together {
-    /// Whether to tell which UAVs see a cell.
+    /// Numbers of the UAVs that see a cell.
     pub which: bool,
-    /// Whether to tell the nearest UAV that sees a cell.
+    /// Nearest UAV that sees a cell.
     pub best_server: bool,
-    /// Whether to lay the mask of a single UAV over nothing, too.
+    /// Layers even of the mask of a single UAV.
     pub even_of_one: bool,
-    /// The place of each UAV in a list of all of them, of which some are mapped here, and the length of that; as they come and
-    /// their number without one.
+    /// Place of each UAV in a list of all of them, of which some are mapped here, and its length.
+    /// Without one, UAVs are numbered as they come.
     pub of_list: Option<(Vec<usize>, usize)>,
 }
 
@@ -40,7 +40,7 @@ struct BestServer {
 }
 
 impl Overlay {
-    /// Nothing seen by anyone.
+    /// Returns an overlay without a cell that anyone sees.
     pub fn new(n_cells: usize) -> Self {
         Overlay {
             union: vec![class::NODATA; n_cells],
@@ -51,7 +51,7 @@ impl Overlay {
         }
     }
 
-    /// Cells out of range of anyone, but those that are not known; of a list of so many UAVs.
+    /// Returns known cells as out of range of anyone, for a list of so many UAVs.
     pub(super) fn of_cells(known: impl Iterator<Item = bool>, together: &Together, n_uavs: usize) -> Self {
         let union: Vec<u8> = known.map(|is| if is { class::OUT_OF_RANGE } else { class::NODATA }).collect();
         let n_cells = union.len();
@@ -81,7 +81,8 @@ impl Overlay {
         });
     }
 
-    /// Adds the mask of the `k`-th UAV of a list, in rows of `n_cols`, with its squared distances \[m²\] by row and column.
+    /// Adds the mask of the `k`-th UAV of a list, in rows of `n_cols`, with its squared distances
+    /// \[m²\] by row and column.
     pub(super) fn add_one_of(
         &mut self,
         k: usize,
@@ -107,34 +108,38 @@ impl Overlay {
         });
     }
 
-    /// How many UAVs there are in the list of all; 0 if that was not told.
+    /// Returns the number of UAVs in the list of all; 0 if it is not known.
     pub fn n_uavs(&self) -> usize {
         self.n_uavs
     }
 
-    /// Which UAVs see each cell, if that was asked for: one word per 32 UAVs, bit k of word w for UAV 32·w + k.
+    /// Returns the UAVs that see each cell, if wanted: one word per 32 UAVs, bit k of word w for
+    /// UAV 32·w + k.
     pub fn which(&self) -> &[Vec<u32>] {
         &self.which
     }
 
-    /// The nearest UAV that sees each cell by its number in the list, from 1, at equal distances the first; 0 for none. `None` if
-    /// that was not asked for.
+    /// Returns the nearest UAV that sees each cell by its number in the list, from 1, at equal
+    /// distances the first; 0 for none. `None` if not wanted.
     pub fn best_server(&self) -> Option<&[u32]> {
         self.best.as_ref().map(|best| best.number.as_slice())
     }
 
-    /// The mask of all UAVs together: LoS if any sees the cell, NLoS if it is a receiver of one, not a receiver if it is in
+    /// Returns the mask of all UAVs together.
+    ///
+    /// LoS if any sees the cell, else NLoS if it is a receiver of one. Not a receiver if it is in
     /// range of one, out of range if it has a height, else nodata.
     pub fn union(&self) -> &[u8] {
         &self.union
     }
 
-    /// Number of UAVs that see each cell.
+    /// Returns the number of UAVs that see each cell.
     pub fn count(&self) -> &[u32] {
         &self.count
     }
 
-    /// Number of receivers that exactly 0, 1, 2, … UAVs see, up to all `n_uavs` that were added.
+    /// Returns the number of receivers that exactly 0, 1, 2, … UAVs see, up to all `n_uavs` that
+    /// were added.
     pub fn seen_by(&self, n_uavs: usize) -> Vec<u64> {
         let mut counts = vec![0; n_uavs + 1];
         for (class, count) in self.union.iter().zip(&self.count) {
@@ -146,7 +151,7 @@ impl Overlay {
     }
 }
 
-/// Which class of a cell wins, the lowest first.
+/// Returns the rank of a class: of several the lowest wins.
 fn rank(class: u8) -> u8 {
     match class {
         class::LOS => 0,

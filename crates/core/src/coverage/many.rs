@@ -2,21 +2,22 @@
 
 use rayon::prelude::*;
 
-use super::{Control, Mapper, Overlay, SiteCoverage, Together, Uav};
+use super::view::Mapper;
+use super::{Control, Overlay, SiteCoverage, Together, Uav};
 use crate::error::Result;
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::CellWindow;
 
-/// How long the masks and layers of maps are kept.
+/// Time for which the masks and layers of maps are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KeepMasks {
     /// With the maps.
     Always,
-    /// Until all has been told of a map, so that memory does not grow with the number of UAVs: at most [`maps_at_once`]
-    /// are held.
+    /// Until all has been told of a map, so that memory does not grow with the number of UAVs: at
+    /// most [`maps_at_once`] are held.
     UntilTold,
-    /// The mask of the only UAV is handed over part by part and never held, and layers of heights are not made; of several
-    /// UAVs as `UntilTold`.
+    /// The mask of the only UAV is handed over part by part and never held, and layers of heights
+    /// are not made; of several UAVs as `UntilTold`.
     Never,
 }
 
@@ -25,13 +26,15 @@ pub enum KeepMasks {
 pub struct ManyMaps {
     /// The maps; without masks and layers where they were not to be kept.
     pub sites: Vec<SiteCoverage>,
-    /// All masks laid over each other, for more than one UAV and for none, and where it is asked for.
+    /// All masks laid over each other, for more than one UAV and for none, and where it is asked
+    /// for.
     pub overlay: Option<Overlay>,
 }
 
 impl Mapper<'_> {
-    /// Maps what each of some UAVs sees. Calls `each_part` with one part of the masks after another, in the order of the UAVs
-    /// and from the north, and `each` with every map once its mask is complete.
+    /// Maps what each of some UAVs sees. Calls `each_part` with one part of the masks after
+    /// another, in the order of the UAVs and from the north, and `each` with every map once its
+    /// mask is complete.
     ///
     /// The outcome does not depend on the number of threads.
     pub fn map_many(
@@ -42,31 +45,29 @@ impl Mapper<'_> {
         mut each_part: impl FnMut(&[u8]) + Send,
         mut each: impl FnMut(&SiteCoverage),
     ) -> Result<ManyMaps> {
+        let is_windowed = self.options.window.is_some();
+        let window = self.options.window.unwrap_or_else(|| self.field().grid().window());
         let mut sites: Vec<SiteCoverage> = Vec::with_capacity(uavs.len());
         let n_list = together.of_list.as_ref().map_or(uavs.len(), |(_, n)| *n);
-        let mut overlay =
-            (uavs.len() != 1 || together.even_of_one).then(|| Overlay::of_cells(self.known_cells(), together, n_list));
-        let window = self.window();
+        let mut overlay = (uavs.len() != 1 || together.even_of_one)
+            .then(|| Overlay::of_cells(self.known_cells(window), together, n_list));
         for chunk in uavs.chunks(maps_at_once()) {
             let maps: Vec<SiteCoverage> = match chunk {
-                [one] if self.options.window.is_none() => {
+                [one] if !is_windowed => {
                     let is_held = overlay.is_some() || keep != KeepMasks::Never;
-                    let mut map = self.map_in_parts(one, control, Some(&mut each_part), is_held)?;
-                    if is_held {
-                        self.add_uncertain(&mut map, control)?;
-                    }
-                    vec![map]
+                    vec![self.seen_from(one)?.map_in_parts(control, Some(&mut each_part), is_held)?]
                 }
-                _ => chunk.par_iter().map(|uav| self.map(uav, control)).collect::<Result<_>>()?,
+                _ => chunk.par_iter().map(|uav| self.seen_from(uav)?.map(control)).collect::<Result<_>>()?,
             };
             for mut site in maps {
-                if chunk.len() > 1 || self.options.window.is_some() {
+                if chunk.len() > 1 || is_windowed {
                     each_part(&site.mask);
                 }
                 each(&site);
                 if let Some(overlay) = &mut overlay {
                     let k = together.of_list.as_ref().map_or(sites.len(), |(places, _)| places[sites.len()]);
-                    overlay.add_one_of(k, (&site.mask, window.n_cols), self.squared_distances_m2(&site.uav));
+                    let squared_m2 = self.squared_distances_m2(&site.uav, window);
+                    overlay.add_one_of(k, (&site.mask, window.n_cols), squared_m2);
                 }
                 if keep != KeepMasks::Always {
                     site = SiteCoverage::of_tally(&site.uav, site.tally);
@@ -77,32 +78,27 @@ impl Mapper<'_> {
         Ok(ManyMaps { sites, overlay })
     }
 
-    /// The cells that are told of.
-    fn window(&self) -> CellWindow {
-        self.options.window.unwrap_or_else(|| self.field.grid().window())
-    }
-
-    /// Whether something is known of the cells that are told of, row by row.
-    fn known_cells(&self) -> impl Iterator<Item = bool> {
-        let (window, cells) = (self.window(), self.field.cells());
+    /// Tells for each cell of a window, row by row, whether a height is known there.
+    fn known_cells(&self, window: CellWindow) -> impl Iterator<Item = bool> {
+        let cells = self.field().cells();
         let rows = window.row..window.row + window.n_rows;
         rows.flat_map(move |row| (window.col..window.col + window.n_cols).map(move |col| (row, col)))
             .map(|(row, col)| cells.open.contains(row, col) || cells.building.contains(row, col))
     }
 
-    /// The squared distance from a UAV to the receiver of each cell that is told of \[m²\], from whole lattice steps: that of two
-    /// UAVs at one distance is one number.
+    /// Returns the squared distance from a UAV to the receiver of each cell of a window \[m²\],
+    /// from whole lattice steps: equal distances are equal numbers.
     #[expect(clippy::cast_precision_loss, reason = "steps in reach are below 2^53")]
-    fn squared_distances_m2(&self, uav: &Uav) -> impl Fn((usize, usize)) -> f64 + Sync {
-        let (window, n_cols) = (self.window(), self.field.grid().n_cols());
-        let (positions, unit) = (self.engine.positions(), self.options.meters_per_unit);
+    fn squared_distances_m2(&self, uav: &Uav, window: CellWindow) -> impl Fn((usize, usize)) -> f64 + Sync {
+        let (positions, unit) = (self.positions(), self.options.meters_per_unit);
         let (step_x, step_y) = positions.step_lengths();
         let at = positions.on_range(&uav.station.place);
         let z = uav.station.z;
         move |(row, col)| {
-            let cell = (window.row + row, window.col + col);
-            let (dx, dy) = positions.steps(at, cell);
-            let receiver = self.receivers_at(cell).next().map_or(z, |(kind, _)| kind.height(cell.0 * n_cols + cell.1));
+            let (row, col) = (window.row + row, window.col + col);
+            let (dx, dy) = positions.steps(at, (row, col));
+            let of_cell = self.receivers.iter().find(|of_kind| of_kind.cells.contains(row, col));
+            let receiver = of_cell.map_or(z, |of_kind| of_kind.height(row * of_kind.cells.n_cols() + col));
             let (x, y) = (dx as f64 * step_x * unit, dy as f64 * step_y * unit);
             let height = (receiver - z) as f64 / f64::from(STEPS_PER_UNIT);
             x * x + y * y + height * height
@@ -110,7 +106,7 @@ impl Mapper<'_> {
     }
 }
 
-/// How many maps are made at once: enough to keep every thread busy where maps are small.
+/// Returns the number of maps made at once: enough to keep every thread busy where maps are small.
 pub fn maps_at_once() -> usize {
     2 * rayon::current_num_threads()
 }

@@ -1,20 +1,18 @@
-//! How clear or how hidden receivers are: the worst margin of a UAV, and the margins of a map in numbers.
+//! Margins of receivers: how far they are from turning; the worst of a UAV, and those of a map in
+//! numbers.
 //!
-//! Where the engine finds least heights at once ([`GridLos::los_and_least_heights`]) that is every margin; elsewhere each needs a walk along
-//! its link, a hundred times what a cell of a map costs, and the margins of a map are those of a systematic sample: every n-th
-//! receiver in row order. Each is that of the layer `margin`, its sign decided exactly.
+//! Some engines find least heights at once, which gives every margin. Elsewhere each needs a walk
+//! along its link, a hundred times what a cell of a map costs. The margins of a map are then those
+//! of a systematic sample: every n-th receiver in row order. Each is that of the layer `margin`,
+//! its sign decided exactly.
 
 use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use super::cell_heights::{least_height_and_margin, with_margin};
-use super::curved::CurvedScene;
-use super::map::Mapper;
-use super::range::Range;
-use super::{SiteCoverage, Uav, class};
-use crate::height_field::Station;
-use crate::los::{GridHeights, GridLos, GridReceivers};
+use super::view::{SeenReceivers, Threads, View};
+use super::{SiteCoverage, class};
+use crate::los::GridHeights;
 use crate::raster::BitGrid;
 
 /// Margins of some receivers of a map.
@@ -34,14 +32,15 @@ pub const GRAZING_M: f32 = 1.0;
 pub struct MarginStats {
     /// Receivers behind them.
     pub receivers: u64,
-    /// Those within ±[`GRAZING_M`] of grazing.
+    /// Receivers within ±[`GRAZING_M`] of grazing.
     pub grazing: u64,
-    /// Margins that 5 %, 50 % and 95 % of the receivers do not exceed \[m\]; −∞ where no receiver height is enough.
+    /// Margins that 5 %, 50 % and 95 % of the receivers do not exceed \[m\]; −∞ where no receiver
+    /// height is enough.
     pub quantiles: [f32; 3],
 }
 
 impl MarginStats {
-    /// The statistics of some margins; `None` of none.
+    /// Returns the statistics of some margins; `None` of none.
     pub fn of(mut margins: Vec<f32>) -> Option<Self> {
         if margins.is_empty() {
             return None;
@@ -58,7 +57,7 @@ impl MarginStats {
 }
 
 impl MarginSample {
-    /// How many receivers of the sample are within ± some distance of grazing \[m\].
+    /// Counts receivers of the sample within ± some distance of grazing \[m\].
     pub fn near(&self, reach_m: f32) -> u64 {
         self.margins.iter().filter(|(_, margin)| margin.abs() <= reach_m).count() as u64
     }
@@ -73,55 +72,41 @@ pub struct WorstReceiver {
     pub cell: (usize, usize),
 }
 
-/// The margins of the receivers of one kind in range of a UAV, as far as they are found at once.
-struct Margins<'m, 'a> {
-    mapper: &'m Mapper<'a>,
-    uav: &'m Uav,
-    receivers: &'m GridReceivers<'a>,
-    in_range: Cow<'m, BitGrid>,
-    /// Who is in line of sight, and the least heights.
+/// Margins of the receivers of one kind in range of a UAV.
+struct Margins<'v> {
+    seen: SeenReceivers<'v>,
+    in_range: Cow<'v, BitGrid>,
+    /// Receivers in line of sight, and least heights; `None` if the engine does not find them at
+    /// once.
     found: Option<(BitGrid, GridHeights)>,
 }
 
-impl<'m, 'a> Margins<'m, 'a> {
-    fn of(
-        mapper: &'m Mapper<'a>,
-        engine: &GridLos<'_>,
-        (uav, range): (&'m Uav, &Range<'_>),
-        receivers: &'m GridReceivers<'a>,
-    ) -> Self {
-        let in_range = match range.is_everywhere() {
-            true => Cow::Borrowed(&*receivers.cells),
-            false => Cow::Owned(range.cut_receivers(receivers)),
+impl<'v> Margins<'v> {
+    /// Returns the margins of the receivers of each kind.
+    fn by_kind(view: &'v View<'v>, threads: Threads) -> Vec<Self> {
+        let of_kind = |seen: SeenReceivers<'v>| {
+            let in_range = seen.in_range();
+            let found = seen.los_and_least_heights(&in_range, threads);
+            Margins { seen, in_range, found }
         };
-        let found = engine.los_and_least_heights(&uav.station, receivers, &in_range, range.window());
-        Margins { mapper, uav, receivers, in_range, found }
+        view.receivers().map(of_kind).collect()
     }
 
-    /// The margin of the receiver of a cell.
-    fn at(&self, (row, col): (usize, usize)) -> f32 {
-        let cell = row * self.mapper.field.grid().n_cols() + col;
-        let (z, base) = (self.receivers.height(cell), self.receivers.base(cell));
-        let found = self.found.as_ref().and_then(|(los, heights)| {
-            let is_los = los.contains(row, col);
-            heights.settled((row, col), |height| with_margin(height, z, base, is_los).1)
-        });
-        found.unwrap_or_else(|| self.mapper.margin_at(self.uav, self.receivers, (row, col)))
+    /// Returns the margin of the receiver of a cell.
+    fn at(&self, cell: (usize, usize)) -> f32 {
+        let (los, heights) = self.found.as_ref().map(|(los, heights)| (los, heights)).unzip();
+        let is_los = los.is_some_and(|los| los.contains(cell.0, cell.1));
+        self.seen.least_height_and_margin(cell, is_los, heights).1
     }
 }
 
-impl Mapper<'_> {
-    /// The receiver in range with the least margin, the first of equal ones among those of `first` and then row by row;
-    /// `None` without any.
+impl View<'_> {
+    /// Returns the receiver in range with the least margin, the first of equal ones among those of
+    /// `first` and then row by row; `None` without any.
     ///
     /// Cost: that of a map with margins, on the calling thread.
-    pub fn worst_margin(&self, uav: &Uav, first: &[(usize, usize)]) -> Option<WorstReceiver> {
-        if let Some(curved) = CurvedScene::around(self, uav) {
-            return curved.mapper(self).worst_margin(uav, first);
-        }
-        let range = self.range_of(uav);
-        let kinds: Vec<Margins<'_, '_>> =
-            self.receivers.iter().map(|kind| Margins::of(self, &self.alone, (uav, &range), kind)).collect();
+    pub fn worst_margin(&self, first: &[(usize, usize)]) -> Option<WorstReceiver> {
+        let kinds = Margins::by_kind(self, Threads::One);
         let of_first = |cell: &(usize, usize)| {
             let cell = *cell;
             kinds.iter().filter(move |kind| kind.in_range.contains(cell.0, cell.1)).map(move |kind| (kind, cell))
@@ -137,49 +122,36 @@ impl Mapper<'_> {
         worst
     }
 
-    /// The least margin of the receivers of some cells that are in range \[m\]; `None` if none is.
+    /// Returns the least margin of the receivers of some cells that are in range \[m\]; `None` if
+    /// none is.
     ///
     /// Cost: a walk for each.
-    pub fn least_margin_among(&self, uav: &Uav, cells: &[(usize, usize)]) -> Option<f32> {
-        if let Some(curved) = CurvedScene::around(self, uav) {
-            return curved.mapper(self).least_margin_among(uav, cells);
-        }
-        let range = self.range_of(uav);
-        let receivers = cells.iter().flat_map(|cell| self.receivers_at(*cell));
-        let in_range = receivers.filter(|(receivers, cell)| range.contains(receivers, *cell));
-        in_range.map(|(receivers, cell)| self.margin_at(uav, receivers, cell)).min_by(f32::total_cmp)
+    pub fn least_margin_among(&self, cells: &[(usize, usize)]) -> Option<f32> {
+        let margins = cells.iter().flat_map(|cell| {
+            let in_range = self.receivers_at(*cell).filter(|of_kind| of_kind.is_in_range(*cell));
+            in_range.map(|of_kind| of_kind.walked_height_and_margin(*cell).1)
+        });
+        margins.min_by(f32::total_cmp)
     }
 
-    /// Margins of some `most` receivers of a map that this mapper made; of all, if they are fewer, or found at once.
+    /// Returns margins of some `most` receivers of a map of this view; of all, if they are fewer,
+    /// or found at once.
     pub fn margin_sample(&self, map: &SiteCoverage, most: usize) -> MarginSample {
-        if let Some(curved) = CurvedScene::around(self, &map.uav) {
-            return curved.mapper(self).margin_sample(map, most);
-        }
         let n_receivers = usize::try_from(map.tally.receivers).unwrap_or(usize::MAX);
-        let range = self.range_of(&map.uav);
-        let of_kind = |kind| Margins::of(self, &self.engine, (&map.uav, &range), kind);
-        let kinds: Vec<Margins<'_, '_>> = self.receivers.iter().map(of_kind).collect();
+        let kinds = Margins::by_kind(self, Threads::All);
         let are_all_found = kinds.iter().all(|kind| kind.found.is_some());
         // An odd step does not fall into the rhythm of rows of even length.
         let every = if n_receivers <= most || are_all_found { 1 } else { n_receivers.div_ceil(most) | 1 };
         let is_receiver = |(_, class): &(usize, &u8)| matches!(**class, class::NLOS | class::LOS);
         let cells: Vec<usize> =
             map.mask.iter().enumerate().filter(is_receiver).step_by(every).map(|(cell, _)| cell).collect();
-        let n_cols = self.field.grid().n_cols();
+        let n_cols = self.field().grid().n_cols();
         let margin = |cell: usize| {
             let at = (cell / n_cols, cell % n_cols);
-            let kind = kinds.iter().find(|kind| kind.receivers.cells.contains(at.0, at.1));
-            let margin = kind.map_or(f32::NAN, |kind| kind.at(at));
-            debug_assert!(!self.method().0.is_exact() || (map.mask[cell] == class::LOS) == (margin >= 0.0));
-            (cell, margin)
+            let kind = kinds.iter().find(|kind| kind.seen.receivers.cells.contains(at.0, at.1));
+            (cell, kind.map_or(f32::NAN, |kind| kind.at(at)))
         };
         MarginSample { every, margins: cells.into_par_iter().map(margin).collect() }
-    }
-
-    fn margin_at(&self, uav: &Uav, receivers: &GridReceivers<'_>, (row, col): (usize, usize)) -> f32 {
-        let cell = row * self.field.grid().n_cols() + col;
-        let receiver = Station { place: self.engine.positions().center(row, col), z: receivers.height(cell) };
-        least_height_and_margin(self.field, uav, &receiver, receivers.base(cell)).1
     }
 }
 

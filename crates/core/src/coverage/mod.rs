@@ -1,13 +1,13 @@
 //! Coverage maps: for every cell of a grid, what one UAV sees of the receiver there.
 //!
-//! The result of a map is a mask of [`class`]es, a tally of them and, on request, layers of heights. Results do not
-//! depend on the number of threads: every cell is decided alone and all sums are integer counts.
+//! The result of a map is a mask of [`class`]es, a tally of them and, on request, layers of
+//! heights. Results do not depend on the number of threads: every cell is decided alone and all
+//! sums are integer counts.
 
 mod bearings;
 mod cell_classes;
 mod cell_heights;
 pub mod class;
-mod curved;
 mod elevation;
 mod explained_link;
 mod height_curve;
@@ -30,17 +30,16 @@ mod track;
 mod uav;
 mod uav_grid;
 mod uncertain_heights;
+mod view;
 
+pub use crate::los::{HeightErrors, OwnErrors};
 pub use cell_heights::surface_under;
-pub use curved::{CurvedScene, check_drop};
-pub use explained_link::{
-    ExplainedLink, LinkObstacle, ObstacleKind, ProfileStep, StepKind, explain_link, link_profile, place_receiver,
-};
+pub use explained_link::{ExplainedLink, LinkObstacle, ObstacleKind, ProfileStep, StepKind, place_receiver};
 pub use height_curve::{HeightCurve, LeastHeights};
 pub use idle::IdleFootprints;
 pub use layers::{Overlay, Together};
 pub use many::{KeepMasks, ManyMaps, maps_at_once};
-pub use map::{Mapper, Seen, SiteCoverage, map_site};
+pub use map::{Seen, SiteCoverage, map_site};
 pub use margins::{GRAZING_M, MarginSample, MarginStats, WorstReceiver};
 pub use options::{Control, HeightLayers, MapOptions, Receivers};
 pub use pairs::{CellGroups, MOST_SETS, PairCounts, count_pairs, count_sets, difference_layer};
@@ -50,10 +49,8 @@ pub use sight_numbers::{CheckedNumbers, NumberFault, SightNumbers, check_height_
 pub use stability::{Move, Stability, Turned};
 pub use streamed::StreamedMapper;
 pub use tally::{BAND_DEGREES, ElevationBand, Tally};
-pub use track::{Stretch, Track, TrackPoint, TrackState, along_track};
+pub use track::{Stretch, Track, TrackPoint, TrackState};
 pub use uav::{HoversOver, Uav, height_over, is_nodata_below};
 pub use uav_grid::UavGrid;
-pub use uncertain_heights::{
-    CORRELATION_M, Deciding, HeightBounds, HeightErrors, OwnErrors, RedrawnCounts, RedrawnHeights, Sure,
-    UncertainHeights,
-};
+pub use uncertain_heights::{CORRELATION_M, Deciding, RedrawnCounts, RedrawnHeights, Sure};
+pub use view::{HeightBounds, Mapper, MovedRoofs, SceneView, UncertainHeights, View, check_drop};

@@ -1,16 +1,16 @@
-//! How a map is made, and how it is watched and stopped.
+//! Options of maps, and how running work is watched and stopped.
 
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use super::HeightErrors;
 use crate::city::Antenna;
 use crate::error::{Error, Result};
-use crate::height_field::Curvature;
-use crate::los::MethodChoice;
+use crate::height_field::{Curvature, HeightField, StandsOn};
+use crate::los::{HeightErrors, MethodChoice};
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::{BitGrid, CellWindow};
 
-/// Which cells hold receivers.
+/// Cells that hold receivers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Receivers {
     /// All cells of open ground.
@@ -20,42 +20,84 @@ pub enum Receivers {
     Roof,
     /// Both.
     All,
-    /// Over all ground, also where a building is that reaches no higher: places of a drone at a height above the ground.
+    /// Over all ground, also where a building is that reaches no higher: places of a drone at a
+    /// height above the ground.
     Air,
 }
 
-/// How a map is made.
+impl Receivers {
+    /// Lists the kinds of receivers by what they stand on.
+    pub(super) fn stands(self) -> &'static [Stand] {
+        match self {
+            Receivers::Ground => &[Stand::Ground],
+            Receivers::Roof => &[Stand::Roof],
+            Receivers::All => &[Stand::Ground, Stand::Roof],
+            Receivers::Air => &[Stand::Air],
+        }
+    }
+}
+
+/// Kind of receivers by what they stand on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stand {
+    Ground,
+    Roof,
+    /// Over all ground that is free at their height.
+    Air,
+}
+
+impl Stand {
+    /// Returns the cells that hold receivers at a height above what they stand on \[1/1024 m\].
+    pub(super) fn cells(self, field: &HeightField, rx_height: i32) -> Cow<'_, BitGrid> {
+        match self {
+            Stand::Ground => Cow::Borrowed(&field.cells().open),
+            Stand::Roof => Cow::Borrowed(&field.cells().building),
+            Stand::Air => Cow::Owned(field.free_above_ground(rx_height)),
+        }
+    }
+
+    /// Returns the heights that they stand on.
+    pub(super) fn heights(self, field: &HeightField) -> StandsOn<'_> {
+        match self {
+            Stand::Ground | Stand::Air => field.ground_of_cells(),
+            Stand::Roof => field.roof_of_cells(),
+        }
+    }
+}
+
+/// Options of a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapOptions {
     /// Height of the receivers above what they stand on \[1/1024 m\].
     pub rx_height: i32,
-    /// Which cells hold receivers.
+    /// Cells that hold receivers.
     pub receivers: Receivers,
     /// Only cells of this set hold receivers, if there is one: those of a zone or an area.
     pub within: Option<BitGrid>,
-    /// The window of cells that is told of, all others only stand in the way; all cells without one. Masks, layers and counts
-    /// are those of the window.
+    /// The window of cells that is told of, all others only stand in the way; all cells without
+    /// one. Masks, layers and counts are those of the window.
     pub window: Option<CellWindow>,
     /// Largest horizontal distance from the UAV to a cell center \[CRS units\].
     pub radius: Option<f64>,
-    /// What the antennas of UAVs serve that do not say so themselves.
+    /// Antenna of UAVs that have none of their own.
     pub antenna: Antenna,
     /// The curve of the earth, if it is not taken as flat.
     pub curvature: Option<Curvature>,
     /// Length of a CRS unit \[m\], for elevation angles and antennas.
     pub meters_per_unit: f64,
-    /// How far heights of buildings may be off, for layers that tell what hangs on them.
+    /// Errors of heights of buildings, for the layers that depend on them.
     pub height_errors: HeightErrors,
-    /// Of how many standard deviations of these the layer `sure` is.
+    /// Standard deviations of these that bound the layer `sure`.
     pub sigma: f64,
-    /// Which layers of heights to make.
+    /// Layers to make.
     pub layers: HeightLayers,
-    /// Which engine decides; all are exact but those that say they are not.
+    /// Engine that decides.
     pub method: MethodChoice,
 }
 
 impl Default for MapOptions {
-    /// Receivers 1.5 m above open ground, at any distance, in a CRS in meters; the mask alone.
+    /// Returns receivers 1.5 m above open ground, at any distance, in a CRS in meters; the mask
+    /// alone.
     fn default() -> Self {
         MapOptions {
             rx_height: 3 * STEPS_PER_UNIT / 2,
@@ -83,7 +125,7 @@ pub struct HeightLayers {
     pub least_receiver_height: bool,
     /// Least UAV height, over its place, that sees the receiver.
     pub least_height: bool,
-    /// How many of eight moves by one lattice step turn the answer, see [`super::Stability`].
+    /// Number of eight moves by one lattice step that turn the answer, see [`super::Stability`].
     pub stability: bool,
     /// Who is in line of sight whatever heights are within their errors, and who may be.
     pub sure: bool,
@@ -92,19 +134,19 @@ pub struct HeightLayers {
 }
 
 impl HeightLayers {
-    /// Whether any of them needs the whole scene in memory.
+    /// Returns whether any of them needs the whole scene in memory.
     pub(super) fn need_all_in_memory(self) -> bool {
         self.least_height || self.stability || self.sure || self.p_los
     }
 
-    /// Whether a link must be walked for any of them.
+    /// Returns whether a link must be walked for any of them.
     pub(super) fn has_heights(self) -> bool {
         self.margin || self.least_receiver_height || self.least_height
     }
 }
 
-/// Progress out of, and the wish to stop into, running work: whatever takes one fails with [`Error::Interrupted`] once `stop`
-/// was set.
+/// Progress out of, and the wish to stop into, running work: whatever takes one fails with
+/// [`Error::Interrupted`] once `stop` was set.
 #[derive(Debug, Default)]
 pub struct Control {
     /// Cells decided so far.
@@ -114,8 +156,13 @@ pub struct Control {
 }
 
 impl Control {
+    /// Returns whether the work is to stop.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
     /// Fails if the work is to stop.
     pub fn check(&self) -> Result<()> {
-        if self.stop.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) }
+        if self.is_stopped() { Err(Error::Interrupted) } else { Ok(()) }
     }
 }

@@ -1,7 +1,8 @@
-//! Two maps of one scene, cell by cell: what both see, what is lost and what is gained from the first to the second.
+//! Two maps of one scene, cell by cell: what both see, what is lost and what is gained from the
+//! first to the second.
 //!
-//! Only cells that hold a receiver in range of both are compared; those that are a receiver of one alone are counted apart,
-//! so that no change of range passes for a change of line of sight.
+//! Only cells that hold a receiver in range of both are compared. Receivers of one map alone are
+//! counted apart, so that no change of range passes for a change of line of sight.
 
 use rayon::prelude::*;
 
@@ -13,11 +14,11 @@ use crate::raster::CellBlocks;
 pub struct PairCounts {
     /// Receivers of both that both see.
     pub both: u64,
-    /// That only the first sees.
+    /// Receivers of both that only the first sees.
     pub only_first: u64,
-    /// That only the second sees.
+    /// Receivers of both that only the second sees.
     pub only_second: u64,
-    /// That neither sees.
+    /// Receivers of both that neither sees.
     pub neither: u64,
     /// Cells that are a receiver of the first alone.
     pub receivers_of_first: u64,
@@ -26,18 +27,18 @@ pub struct PairCounts {
 }
 
 impl PairCounts {
-    /// Receivers of both.
+    /// Returns receivers of both.
     pub fn compared(&self) -> u64 {
         self.both + self.only_first + self.only_second + self.neither
     }
 
-    /// Receivers gained from the first to the second, less those lost.
+    /// Returns receivers gained from the first to the second, less those lost.
     #[expect(clippy::cast_possible_wrap, reason = "counts of cells are far below 2^63")]
     pub fn gain(&self) -> i64 {
         self.only_second as i64 - self.only_first as i64
     }
 
-    /// The sum of the counts of disjoint cells.
+    /// Returns the sum of the counts of disjoint cells.
     #[must_use]
     pub fn plus(&self, other: &PairCounts) -> PairCounts {
         PairCounts {
@@ -51,7 +52,7 @@ impl PairCounts {
     }
 }
 
-/// Which cells are counted together: blocks of ground, and in each of them groups such as zones.
+/// Cells that are counted together: blocks of ground, and in each of them groups such as zones.
 #[derive(Debug, Clone, Copy)]
 pub struct CellGroups<'a> {
     /// Blocks of ground.
@@ -62,7 +63,8 @@ pub struct CellGroups<'a> {
     pub n_cols: usize,
 }
 
-/// Counts two masks by block and group, `[block][group]`; a mask with itself counts its receivers (`both` and `neither`).
+/// Counts two masks by block and group, `[block][group]`; a mask with itself counts its receivers
+/// (`both` and `neither`).
 ///
 /// Cost: one pass over the cells.
 pub fn count_pairs<const N: usize>(first: &[u8], second: &[u8], cells: &CellGroups<'_>) -> Vec<[PairCounts; N]> {
@@ -94,9 +96,11 @@ pub fn count_pairs<const N: usize>(first: &[u8], second: &[u8], cells: &CellGrou
     counts.into_iter().map(|groups| groups.map(named)).collect()
 }
 
-/// The difference of two masks, cell by cell: 0 where neither sees the receiver, 1 where only the first does (it is lost on
-/// the way to the second), 2 where only the second does (it is gained), 3 where both do, 255 where the cell is not a receiver
-/// of both.
+/// Returns the difference of two masks, cell by cell.
+///
+/// 0 where neither sees the receiver, 1 where only the first does (lost on the way to the second),
+/// 2 where only the second does (gained), 3 where both do. 255 where the cell is not a receiver of
+/// both.
 pub fn difference_layer(first: &[u8], second: &[u8]) -> Vec<u8> {
     let of = |(first, second): (&u8, &u8)| match (*first, *second) {
         (first @ ..=class::LOS, second @ ..=class::LOS) => first + 2 * second,
@@ -108,8 +112,8 @@ pub fn difference_layer(first: &[u8], second: &[u8]) -> Vec<u8> {
 /// Most placements whose sets of cells are counted.
 pub const MOST_SETS: usize = 8;
 
-/// Number of receivers that exactly the placements of each set see, bit k for mask k, `[2^masks]`; a cell counts that is a
-/// receiver of any. `None` for more than [`MOST_SETS`] masks.
+/// Returns the number of receivers that exactly the placements of each set see, bit k for mask k,
+/// `[2^masks]`. A receiver of any mask counts. `None` for more than [`MOST_SETS`] masks.
 pub fn count_sets(masks: &[&[u8]]) -> Option<Vec<u64>> {
     if masks.is_empty() || masks.len() > MOST_SETS {
         return None;

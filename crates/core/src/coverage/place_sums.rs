@@ -1,12 +1,14 @@
-//! Sums over a set of places: what is added to each is the same number for all places of a set of bits.
+//! Sums over a set of places: what is added to each is the same number for all places of a set of
+//! bits.
 
 use crate::raster::BitGrid;
 
-/// A sum for each place of a grid.
+/// Sum for each place of a grid.
 ///
-/// PERF: the sums stand on edge: plane k holds bit k of all of them, 64 places to the word, and adding a set to a plane is an
-/// exclusive or whose carries go to the next. A carry out of plane k is needed once in 2^k times, so adding 1 to the places
-/// of a set costs a few passes over its words, however many places it has.
+/// PERF: the sums stand on edge: plane k holds bit k of all of them, 64 places to the word. Adding
+/// a set to a plane is an exclusive or whose carries go to the next. A carry out of plane k is
+/// needed once in 2^k times. So adding 1 to the places of a set costs a few passes over its words,
+/// however many places it has.
 #[derive(Debug, Clone)]
 pub(super) struct PlaceSums {
     n_words: usize,
@@ -63,7 +65,7 @@ impl PlaceSums {
         self
     }
 
-    /// The sums, 64 for each word.
+    /// Returns the sums, 64 for each word.
     pub(super) fn totals(&self) -> Vec<u128> {
         let mut totals = vec![0; self.n_words * 64];
         for (k, plane) in self.planes.iter().enumerate() {

@@ -4,12 +4,12 @@ use super::{SiteCoverage, class};
 use crate::outlines::{CellPart, cell_parts, doubled_cells, simpler_rings};
 use crate::raster::{BitGrid, GeoRef};
 
-/// What is outlined, and how closely.
+/// Classes that are outlined, and how closely.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolygonOptions {
     /// The classes of the mask, in order.
     pub classes: Vec<u8>,
-    /// How far an outline may be from the cell edges \[m\]; along them if `None`.
+    /// Largest distance of an outline from the cell edges \[m\]; along them if `None`.
     pub simplify_m: Option<f64>,
     /// Length of a unit of the CRS \[m\].
     pub meters_per_unit: f64,
@@ -30,10 +30,11 @@ pub struct CoveragePolygon {
     pub rings: Vec<Vec<[f64; 2]>>,
 }
 
-/// The polygons of some UAVs, by UAV, class and place, those that begin farther south first.
+/// Returns the polygons of some UAVs, by UAV, class and place, those that begin farther south
+/// first.
 ///
-/// A polygon per part and not one of all parts of a class: so a spatial index finds them, and small ones can be selected by
-/// area, as in what GIS make of a raster.
+/// Each part has a polygon of its own, as in what GIS make of a raster: a spatial index finds it,
+/// and small ones can be selected by area.
 pub fn coverage_polygons(sites: &[SiteCoverage], grid: &GeoRef, options: &PolygonOptions) -> Vec<CoveragePolygon> {
     let each = |site| options.classes.iter().map(move |class| (site, *class));
     sites.iter().flat_map(each).flat_map(|(site, class)| polygons_of(site, class, grid, options)).collect()
@@ -64,7 +65,7 @@ fn polygons_of(site: &SiteCoverage, class: u8, grid: &GeoRef, options: &PolygonO
 }
 
 impl CoveragePolygon {
-    /// The name of its class.
+    /// Returns the name of its class.
     pub fn class_name(&self) -> &'static str {
         class::NAMES.iter().find(|(value, _)| *value == self.class).map_or("", |(_, name)| name)
     }

@@ -1,7 +1,9 @@
-//! The cells in range of a place, mostly that of a UAV, row by row: a disc, or what an antenna leaves of it.
+//! Cells in range of a place, mostly that of a UAV, row by row: a disc, or the part of it that an
+//! antenna serves.
 //!
-//! Distances are told in whole lattice steps, and a direction is rounded once ([`super::bearings`]), so that all comparisons after that are
-//! of integers: a scene and its mirror image agree. What is at just the radius, the least radius or the end of the elevations is in.
+//! Distances are whole lattice steps, and a direction is rounded once ([`super::bearings`]), so all
+//! comparisons after that are of integers: a scene and its mirror image agree. A receiver at just
+//! the radius, the least radius or the end of the elevations is in range.
 
 use std::cmp::Ordering;
 
@@ -18,19 +20,19 @@ use crate::raster::{BitGrid, CellWindow, bits_between, set_bits};
 /// The first of some columns and the one after the last.
 pub(super) type Span = (usize, usize);
 
-/// Which cells are in range of a place.
+/// Cells in range of a place.
 #[derive(Debug)]
 pub(super) struct Range<'a> {
     around: Around<'a>,
     limits: Limits,
-    /// The cells that distance and azimuth leave in range, and where all receivers stand on flat ground their elevations too; `None` if
-    /// all are.
+    /// Cells that distance and azimuth leave in range, and where all receivers stand on flat ground
+    /// their elevations too; `None` if all are.
     cells: Option<Spans>,
-    /// Where elevations are limited.
+    /// Limits of elevations, if there are any.
     elevations: Option<Elevated>,
 }
 
-/// What elevations leave in range.
+/// Cells that elevations leave in range.
 #[derive(Debug)]
 struct Elevated {
     elevations: Elevations,
@@ -52,7 +54,7 @@ struct Around<'a> {
     nearest: (usize, usize),
 }
 
-/// What distance and azimuth limit; distances in steps along x.
+/// Limits of distance and azimuth; distances in steps along x.
 #[derive(Debug, Clone, Copy, Default)]
 struct Limits {
     radius: Option<f64>,
@@ -65,21 +67,21 @@ struct Limits {
 struct Spans {
     first_row: usize,
     all: Vec<Span>,
-    /// Where those of each row end.
+    /// Ends of the columns of each row.
     ends: Vec<usize>,
 }
 
-/// How high receivers are \[1/1024 m above the datum\].
+/// Heights of receivers \[1/1024 m above the datum\].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Heights {
     pub(super) lowest: i64,
     pub(super) highest: i64,
-    /// Whether all of them stand on flat ground, as any would in a cell that holds none.
+    /// All of them stand on flat ground, as any would in a cell that holds none.
     pub(super) are_flat: bool,
 }
 
 impl Heights {
-    /// Those of receivers of several kinds.
+    /// Returns the heights of receivers of several kinds.
     pub(super) fn of_all(kinds: impl Iterator<Item = Heights>) -> Heights {
         let both = |a: Heights, b: Heights| Heights {
             lowest: a.lowest.min(b.lowest),
@@ -91,20 +93,22 @@ impl Heights {
 }
 
 impl<'a> Range<'a> {
-    /// The cells whose centers are at most `radius` \[CRS units\] from a place.
+    /// Returns the cells whose centers are at most `radius` \[CRS units\] from a place.
     pub(super) fn disc(positions: &'a GridPositions, place: &Place, radius: f64) -> Self {
         let limits = Limits { radius: Some(in_steps(positions, radius)), ..Limits::default() };
         Range::new(positions, place, limits, None)
     }
 
-    /// The cells in range of a UAV: in the radius, and where its antenna, or else that of the run, serves.
+    /// Returns the cells in range of a UAV: in the radius, and where its antenna, or else that of
+    /// the run, serves.
     pub(super) fn of(positions: &'a GridPositions, uav: &Uav, options: &MapOptions, heights: Heights) -> Self {
         let (limits, elevations) = asked(positions, uav.antenna.or(options.antenna), options);
         let elevations = elevations.map(|elevations| (elevations, uav.station.z, heights));
         Range::new(positions, &uav.station.place, limits, elevations)
     }
 
-    /// The places of UAVs at height `z` \[1/1024 m\] that have a receiver in range, with the antenna of the run.
+    /// Returns the places of UAVs at height `z` \[1/1024 m\] that have a receiver in range, with
+    /// the antenna of the run.
     pub(super) fn of_uavs(positions: &'a GridPositions, receiver: &Station, z: i64, options: &MapOptions) -> Self {
         let (mut limits, elevations) = asked(positions, options.antenna, options);
         // As seen from there the azimuths are turned around.
@@ -130,17 +134,18 @@ impl<'a> Range<'a> {
         Range { around, limits, cells, elevations: Some(Elevated { elevations, from, cells: of_elevations }) }
     }
 
-    /// Whether no cell is out of range.
+    /// Returns whether no cell is out of range.
     pub(super) fn is_everywhere(&self) -> bool {
         self.cells.is_none() && self.elevations.is_none()
     }
 
-    /// Whether receivers may be out of range for their elevation.
+    /// Returns whether receivers may be out of range for their elevation.
     pub(super) fn limits_elevations(&self) -> bool {
         self.elevations.is_some()
     }
 
-    /// The columns of a row that hold the cells in range, but that receivers not on flat ground may be beyond the elevations.
+    /// Returns the columns of a row that hold the cells in range, but that receivers not on flat
+    /// ground may be beyond the elevations.
     pub(super) fn cols(&self, row: usize) -> impl Iterator<Item = Span> + Clone + use<'_> {
         let whole = (0, self.around.positions.shape().1);
         let (one, several) = match &self.cells {
@@ -150,7 +155,7 @@ impl<'a> Range<'a> {
         one.into_iter().chain(several.iter().copied())
     }
 
-    /// Whether the receiver of a cell is in range.
+    /// Returns whether the receiver of a cell is in range.
     pub(super) fn contains(&self, receivers: &GridReceivers<'_>, (row, col): (usize, usize)) -> bool {
         let z = || receivers.height(row * receivers.cells.n_cols() + col);
         self.cols(row).any(|(first, end)| (first..end).contains(&col))
@@ -159,7 +164,7 @@ impl<'a> Range<'a> {
             })
     }
 
-    /// A window that holds all cells in range, and all cells between them and the place.
+    /// Returns a window that holds all cells in range, and all cells between them and the place.
     pub(super) fn window(&self) -> CellWindow {
         let (n_rows, n_cols) = self.around.positions.shape();
         let cells = self.elevations.as_ref().map_or(&self.cells, |elevated| &elevated.cells);
@@ -177,7 +182,7 @@ impl<'a> Range<'a> {
         CellWindow { row: north, col: west, n_rows: south - north, n_cols: east - west }
     }
 
-    /// The smallest window that holds those of two ranges.
+    /// Returns the smallest window that holds those of two ranges.
     pub(super) fn window_with(&self, other: &Range<'_>) -> CellWindow {
         let (a, b) = (self.window(), other.window());
         let (row, col) = (a.row.min(b.row), a.col.min(b.col));
@@ -185,7 +190,8 @@ impl<'a> Range<'a> {
         CellWindow { row, col, n_rows: end_row - row, n_cols: end_col - col }
     }
 
-    /// The cells of a set that are in range, but that receivers not on flat ground may be beyond the elevations.
+    /// Returns the cells of a set that are in range, but that receivers not on flat ground may be
+    /// beyond the elevations.
     pub(super) fn cut(&self, cells: &BitGrid) -> BitGrid {
         match &self.cells {
             None => cells.clone(),
@@ -197,7 +203,7 @@ impl<'a> Range<'a> {
         }
     }
 
-    /// The cells of receivers that are in range.
+    /// Returns the cells of receivers that are in range.
     pub(super) fn cut_receivers(&self, receivers: &GridReceivers<'_>) -> BitGrid {
         let mut kept = self.cut_between(&receivers.cells, receivers.heights_range());
         if receivers.level().is_none() {
@@ -206,7 +212,8 @@ impl<'a> Range<'a> {
         kept
     }
 
-    /// The cells of a set where a receiver between two heights \[1/1024 m above the datum\] may be in range.
+    /// Returns the cells of a set where a receiver between two heights \[1/1024 m above the datum\]
+    /// may be in range.
     pub(super) fn cut_between(&self, cells: &BitGrid, (lowest, highest): (i64, i64)) -> BitGrid {
         let Some(Elevated { elevations, from, .. }) = &self.elevations else { return self.cut(cells) };
         let mut kept = BitGrid::new(cells.n_rows(), cells.n_cols());
@@ -216,8 +223,8 @@ impl<'a> Range<'a> {
         kept
     }
 
-    /// Drops cells from a set whose receivers are below or above the elevations in range; receivers are those of the rows from
-    /// `first_row` on.
+    /// Drops cells from a set whose receivers are below or above the elevations in range.
+    /// `receivers` are those of the rows from `first_row` on.
     pub(super) fn drop_beyond(&self, receivers: &GridReceivers<'_>, first_row: usize, cells: &mut BitGrid) {
         let Some(Elevated { elevations, from, .. }) = &self.elevations else { return };
         let (per_row, n_cols) = (cells.words_per_row(), cells.n_cols());
@@ -238,7 +245,8 @@ impl<'a> Range<'a> {
     }
 }
 
-/// What an antenna and the radius of some options limit, on the lattice of some positions.
+/// Returns the limits of an antenna and of the radius of some options, on the lattice of some
+/// positions.
 fn asked(positions: &GridPositions, antenna: Antenna, options: &MapOptions) -> (Limits, Option<Elevations>) {
     let step_lengths = positions.step_lengths();
     let limits = Limits {
@@ -250,7 +258,8 @@ fn asked(positions: &GridPositions, antenna: Antenna, options: &MapOptions) -> (
     (limits, antenna.elevations_deg().map(|of| Elevations::new(of, step)))
 }
 
-/// A length in CRS units in steps along x: whole where it is a whole number of them but for rounding.
+/// Returns a length in CRS units in steps along x: whole where it is a whole number of them but for
+/// rounding.
 fn in_steps(positions: &GridPositions, length: f64) -> f64 {
     whole(length / positions.step_lengths().0)
 }
@@ -274,14 +283,15 @@ impl<'a> Around<'a> {
         self.positions.steps(self.at, (row, col))
     }
 
-    /// The squared distance of a cell, in steps along x.
+    /// Returns the squared distance of a cell, in steps along x.
     fn squared(&self, row: usize, col: usize) -> f64 {
         let (dx, dy) = self.steps(row, col);
         let (dx, dy) = (dx as f64, dy as f64 * self.ratio);
         dx * dx + dy * dy
     }
 
-    /// The squared distance of a cell as a whole number: exact where steps along both axes are equally long.
+    /// Returns the squared distance of a cell as a whole number: exact where steps along both axes
+    /// are equally long.
     fn whole_squared(&self, row: usize, col: usize) -> i128 {
         #[expect(clippy::cast_possible_truncation, reason = "at most 2^56")]
         let squared = self.squared(row, col).round() as i64;
@@ -290,14 +300,16 @@ impl<'a> Around<'a> {
 }
 
 impl Limits {
-    /// The cells of a grid within the limits; `None` where nothing is limited. With elevations, those where some receiver may be in range
-    /// that is between two heights above the place \[1/1024 m\].
+    /// Returns the cells of a grid within the limits; `None` where nothing is limited. With
+    /// elevations, cells where some receiver may be in range that is between two heights above the
+    /// place \[1/1024 m\].
     fn cells(&self, around: &Around<'_>, elevations: Option<(&Elevations, (i64, i64))>) -> Option<Spans> {
         let Limits { radius, min_radius, sector } = *self;
         if radius.is_none() && min_radius.is_none() && sector.is_none() && elevations.is_none() {
             return None;
         }
-        // Of receivers below the place elevations rise with the distance, of those above it they fall.
+        // Of receivers below the place elevations rise with the distance, of those above it they
+        // fall.
         let is_beyond = |row: usize, col: usize, far: bool| {
             elevations.is_some_and(|(elevations, (lowest, highest))| {
                 let squared = around.whole_squared(row, col);
@@ -404,7 +416,7 @@ fn remove(spans: &mut Vec<Span>, (from, to): Span) {
     spans.retain(|(first, end)| first < end);
 }
 
-/// Whether a set holds a cell whose center is at most `radius` \[CRS units\] from a place.
+/// Returns whether a set holds a cell whose center is at most `radius` \[CRS units\] from a place.
 pub fn any_in_range(positions: &GridPositions, place: &Place, radius: f64, cells: &BitGrid) -> bool {
     let range = Range::disc(positions, place, radius);
     let CellWindow { row, n_rows, .. } = range.window();
@@ -415,7 +427,8 @@ pub fn any_in_range(positions: &GridPositions, place: &Place, radius: f64, cells
     })
 }
 
-/// The first index of a range for which `holds` is false; it holds for all before and for none after.
+/// Returns the first index of a range for which `holds` is false; it holds for all before and for
+/// none after.
 fn partition(range: std::ops::Range<usize>, holds: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (range.start, range.end);
     while low < high {

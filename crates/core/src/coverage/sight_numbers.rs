@@ -68,7 +68,7 @@ impl SightNumbers {
     }
 }
 
-/// The height of receivers on the lattice \[1/1024 m\].
+/// Returns the height of receivers on the lattice \[1/1024 m\].
 ///
 /// # Errors
 /// A height out of range.
@@ -86,7 +86,8 @@ pub fn check_radius(radius_m: f64) -> Result<(), OutOfRange> {
     if radius_m > 0.0 { Ok(()) } else { Err(out_of_range("the radius", radius_m, "above 0 m")) }
 }
 
-/// Refuses an error of heights \[m\] that is no length, or larger than any city has. `what` names it.
+/// Refuses an error of heights \[m\] that is no length, or larger than any city has. `what` names
+/// it.
 ///
 /// # Errors
 /// An error of heights out of range.

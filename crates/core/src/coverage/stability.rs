@@ -1,16 +1,15 @@
-//! How stable the answers of a map are: which of them turn when the UAV, or every roof, moves by one lattice step.
+//! Stability of a map's answers: receivers that turn when the UAV, or every roof, moves by one
+//! lattice step.
 //!
-//! Answers are exact for the numbers that were given, but those are known no better than they were measured. A receiver
-//! that grazes a roof turns with the last digit of a height; one in the middle of a shadow does not. Eight maps with one
-//! thing moved by one step each tell the two apart: the UAV east, west, north, south, up and down, and all roofs up and
-//! down. The receivers and the ground they stand on stay. Roofs are the tops of prisms or of building cells; of a
-//! surface model alone, where buildings are not known, all columns move.
+//! Answers are exact for the numbers that were given, but those are known no better than they were
+//! measured. A receiver that grazes a roof turns with the last digit of a height; one in the middle
+//! of a shadow does not. Eight maps with one thing moved by one step each tell the two apart. The
+//! receivers and the ground they stand on stay. Roofs are the tops of prisms or of building cells;
+//! of a surface model alone, where buildings are not known, all columns move.
 
-use super::range::{Heights, Range};
-use super::{Control, MapOptions, Uav};
+use super::view::{Decided, MovedRoofs, Threads, View};
+use super::{Control, Uav};
 use crate::error::Result;
-use crate::height_field::HeightField;
-use crate::los::{GridLos, GridReceivers};
 use crate::raster::BitGrid;
 
 /// One thing moved by one step of the lattice: 1/1024 m, of a raster horizontally 1/1024 of a cell.
@@ -39,7 +38,7 @@ impl Move {
     pub const ALL: [Move; 8] =
         [Move::East, Move::West, Move::North, Move::South, Move::Up, Move::Down, Move::RoofsUp, Move::RoofsDown];
 
-    /// The word for it in documents, and the steps of the UAV east, north and up.
+    /// Returns the word for it in documents, and the steps of the UAV east, north and up.
     fn told(self) -> (&'static str, [i64; 3]) {
         match self {
             Move::East => ("uav_east", [1, 0, 0]),
@@ -53,7 +52,7 @@ impl Move {
         }
     }
 
-    /// The word for it in documents.
+    /// Returns the word for it in documents.
     pub fn name(self) -> &'static str {
         self.told().0
     }
@@ -68,100 +67,73 @@ pub struct Turned {
     pub lost: u64,
 }
 
-/// How stable the answers of one UAV are.
+/// Stability of the answers about one UAV.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stability {
-    /// What each move turns, in the order of [`Move::ALL`]; or why it cannot be made, as where the UAV would be inside a
-    /// building.
+    /// Receivers that each move turns, in the order of [`Move::ALL`]; or why it cannot be made, as
+    /// where the UAV would be inside a building.
     pub moves: Vec<(Move, std::result::Result<Turned, String>)>,
     /// Receivers that at least one move turns.
     pub unstable: u64,
-    /// How many moves turn each receiver, 0 to 8; NaN where there is none. Shape `[n_rows, n_cols]`, row 0 north.
+    /// Number of moves that turn each receiver, 0 to 8; NaN where there is none. Shape `[n_rows,
+    /// n_cols]`, row 0 north.
     pub turns: Vec<f32>,
 }
 
-/// A scene with its roofs a step higher and a step lower; `None` where they would leave the proven range.
-#[derive(Debug, Clone)]
-pub(super) struct ShiftedRoofs {
-    up: Option<HeightField>,
-    down: Option<HeightField>,
-}
-
-impl ShiftedRoofs {
-    pub(super) fn of(field: &HeightField) -> Self {
-        ShiftedRoofs { up: field.with_roofs_raised(1), down: field.with_roofs_raised(-1) }
+/// Finds how stable the answers of a view are, with roofs a step higher and a step lower.
+///
+/// Cost: eight times the line of sight of the map, by the same engine.
+pub(super) fn stability(
+    view: &View<'_>,
+    decided: &[Decided<'_>],
+    roofs: &[Option<MovedRoofs>; 2],
+    control: &Control,
+) -> Result<Stability> {
+    let n_cols = view.field().grid().n_cols();
+    let mut turns = vec![f32::NAN; view.field().grid().n_cells()];
+    for Decided { in_range, .. } in decided {
+        in_range.cells().for_each(|(row, col)| turns[row * n_cols + col] = 0.0);
     }
-
-    /// The scene after a move of its roofs.
-    fn after(&self, which: Move) -> std::result::Result<&HeightField, String> {
-        let field = if which == Move::RoofsUp { &self.up } else { &self.down };
-        field.as_ref().ok_or_else(|| "a roof would be beyond ±32768 m of the datum".to_string())
-    }
-}
-
-/// The receivers of one kind that are in range, where not all are, and those in line of sight.
-pub(super) type Decided = (Option<BitGrid>, BitGrid);
-
-/// What a UAV sees of a scene, and how that was decided.
-pub(super) struct Answers<'a> {
-    pub(super) field: &'a HeightField,
-    pub(super) engine: &'a GridLos<'a>,
-    /// Receivers on the ground, on roofs, or both; `decided` for each.
-    pub(super) receivers: &'a [GridReceivers<'a>],
-    pub(super) decided: &'a [Decided],
-    pub(super) options: &'a MapOptions,
-    /// How high receivers are.
-    pub(super) heights: Heights,
-    pub(super) uav: &'a Uav,
-    pub(super) range: &'a Range<'a>,
-}
-
-impl Answers<'_> {
-    /// How stable the answers are.
-    ///
-    /// Cost: eight times the line of sight of the map, by the same engine.
-    pub(super) fn stability(&self, roofs: &ShiftedRoofs, control: &Control) -> Result<Stability> {
-        let n_cols = self.field.grid().n_cols();
-        let mut turns = vec![f32::NAN; self.field.grid().n_cells()];
-        for (receivers, (wanted, _)) in self.receivers.iter().zip(self.decided) {
-            let cells = wanted.as_ref().unwrap_or(&receivers.cells).cells();
-            cells.for_each(|(row, col)| turns[row * n_cols + col] = 0.0);
-        }
-        let mut moves = Vec::with_capacity(Move::ALL.len());
-        for which in Move::ALL {
-            control.check()?;
-            let turned = self.after(which, roofs).map(|after| {
-                let mut turned = Turned::default();
-                for ((_, before), after) in self.decided.iter().zip(&after) {
-                    let both = before.count_in(after);
-                    turned.gained += after.count() - both;
-                    turned.lost += before.count() - both;
-                    before.clone().xor(after).cells().for_each(|(row, col)| turns[row * n_cols + col] += 1.0);
-                }
-                turned
-            });
-            moves.push((which, turned));
-        }
-        let unstable = turns.iter().filter(|n| **n > 0.0).count() as u64;
-        Ok(Stability { moves, unstable, turns })
-    }
-
-    /// The receivers in line of sight after a move, kind by kind; or why it cannot be made.
-    fn after(&self, which: Move, roofs: &ShiftedRoofs) -> std::result::Result<Vec<BitGrid>, String> {
-        let (field, engine) = match which {
-            Move::RoofsUp | Move::RoofsDown => {
-                let field = roofs.after(which)?;
-                (field, &GridLos::new(field, self.engine.method()).map_err(|wrong| wrong.why.to_string())?)
+    let mut moves = Vec::with_capacity(Move::ALL.len());
+    for which in Move::ALL {
+        control.check()?;
+        let turned = after(view, which, decided, roofs).map(|after| {
+            let mut turned = Turned::default();
+            for (Decided { los: before, .. }, after) in decided.iter().zip(&after) {
+                let both = before.count_in(after);
+                turned.gained += after.count() - both;
+                turned.lost += before.count() - both;
+                before.clone().xor(after).cells().for_each(|(row, col)| turns[row * n_cols + col] += 1.0);
             }
-            _ => (self.field, self.engine),
-        };
-        // Who is in range does not change: what turns is an answer.
-        let moved = self.uav.moved(field, which.told().1, self.options.radius).map_err(|e| e.to_string())?;
-        let range = Range::of(engine.positions(), &moved, self.options, self.heights);
-        let window = self.range.window_with(&range);
-        let los = |(receivers, (wanted, _)): (&GridReceivers<'_>, &Decided)| {
-            engine.los(&moved.station, receivers, wanted.as_ref().unwrap_or(&receivers.cells), window)
-        };
-        Ok(self.receivers.iter().zip(self.decided).map(los).collect())
+            turned
+        });
+        moves.push((which, turned));
     }
+    let unstable = turns.iter().filter(|n| **n > 0.0).count() as u64;
+    Ok(Stability { moves, unstable, turns })
+}
+
+/// Returns the receivers in line of sight after a move, kind by kind; or why it cannot be made.
+fn after(
+    view: &View<'_>,
+    which: Move,
+    decided: &[Decided<'_>],
+    roofs: &[Option<MovedRoofs>; 2],
+) -> std::result::Result<Vec<BitGrid>, String> {
+    let [up, down] = roofs;
+    let roofs = match which {
+        Move::RoofsUp => Some(up),
+        Move::RoofsDown => Some(down),
+        _ => None,
+    };
+    let beyond = || "a roof would be beyond ±32768 m of the datum".to_string();
+    let roofs = roofs.map(|roofs| roofs.as_ref().ok_or_else(beyond)).transpose()?;
+    let over = roofs.map(|roofs| view.with_roofs(roofs)).transpose().map_err(|e| e.to_string())?;
+    let over = over.as_ref().unwrap_or(view);
+    let uav: Uav =
+        view.uav().moved(over.field(), which.told().1, view.mapper.options.radius).map_err(|e| e.to_string())?;
+    // Nobody comes into range by a move, or leaves it: the turn of an answer is what counts.
+    let after = over.with_uav(&uav);
+    let los = after.receivers().zip(decided).map(|(of_kind, decided)| of_kind.los(&decided.in_range, Threads::All));
+    Ok(los.collect())
 }

@@ -9,7 +9,8 @@ use crate::quantity::share;
 /// Width of an elevation band \[deg\].
 pub const BAND_DEGREES: i32 = 10;
 
-/// Receivers whose elevation angle to the UAV lies in `from_deg ≤ θ < to_deg` (90° in the last band).
+/// Receivers whose elevation angle to the UAV lies in `from_deg ≤ θ < to_deg` (90° in the last
+/// band).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ElevationBand {
     /// Lower end \[deg\].
@@ -73,7 +74,7 @@ impl Tally {
         Tally { receivers, los, ..Tally::default() }
     }
 
-    /// These counts, of a UAV that may be over no data.
+    /// Returns these counts, of a UAV that may be over no data.
     #[must_use]
     pub fn of_uav(self, uav: &Uav) -> Self {
         Tally { is_over_nodata: self.is_over_nodata || uav.placement == HoversOver::Nodata, ..self }
@@ -86,7 +87,7 @@ impl Tally {
         Tally::of_counts(&counts)
     }
 
-    /// These receivers, with the other cells of a mask.
+    /// Returns these receivers, with the other cells of a mask.
     pub(super) fn with_others_of(self, mask: &[u8]) -> Self {
         let Tally { receivers, los, bands, is_over_nodata, .. } = self;
         Tally { receivers, los, bands, is_over_nodata, ..Tally::of_mask(mask) }
@@ -104,14 +105,15 @@ impl Tally {
         }
     }
 
-    /// Counts a mask by group: the cells whose entry in `groups` is k count in tally k. Without elevation bands.
+    /// Counts a mask by group: the cells whose entry in `groups` is k count in tally k. Without
+    /// elevation bands.
     pub fn by_group<const N: usize>(mask: &[u8], groups: &[u8]) -> [Tally; N] {
         let mut counts = [[0_u64; 256]; N];
         mask.iter().zip(groups).for_each(|(class, group)| counts[usize::from(*group)][usize::from(*class)] += 1);
         counts.map(|counts| Tally::of_counts(&counts))
     }
 
-    /// The sum of two tallies of disjoint cells.
+    /// Returns the sum of two tallies of disjoint cells.
     #[must_use]
     pub fn plus(mut self, other: &Tally) -> Self {
         self.receivers += other.receivers;
@@ -127,12 +129,13 @@ impl Tally {
         self
     }
 
-    /// P_LoS: the share of receivers in line of sight, `None` without a receiver and of a UAV over no data.
+    /// Returns P_LoS: the share of receivers in line of sight, `None` without a receiver and of a
+    /// UAV over no data.
     pub fn p_los(&self) -> Option<f64> {
         share(self.los, self.receivers).filter(|_| !self.is_over_nodata)
     }
 
-    /// Why there is no P_LoS.
+    /// Returns why there is no P_LoS.
     pub fn reason(&self) -> &'static str {
         if self.receivers > 0 {
             "the UAV is over no data"
@@ -145,7 +148,8 @@ impl Tally {
         }
     }
 
-    /// The bands from the lowest that holds a receiver, or from 0° where that is lower, up to 90°; empty ones too.
+    /// Returns the bands from the lowest that holds a receiver, or from 0° where that is lower, up
+    /// to 90°; empty ones too.
     pub fn elevation_bands(&self) -> Vec<ElevationBand> {
         let horizon = N_BANDS / 2;
         let lowest = self.bands.iter().position(|(receivers, _)| *receivers > 0).unwrap_or(horizon);

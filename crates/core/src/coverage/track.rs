@@ -1,15 +1,15 @@
 //! Line of sight along a user's track.
 //!
-//! The track is walked in steps of at most a given length, and every step's end is decided as any link is. Where two
-//! neighbors differ, the change between them is found by halving down to a lattice step, so that the ends of a stretch
-//! without line of sight are exact to 1/1024 unit; what begins and ends between two neighbors is missed, and only the
-//! length of a step bounds it.
+//! The track is walked in steps of at most a given length, and every step's end is decided as any
+//! link is. Where two neighbors differ, the change between them is found by halving down to a
+//! lattice step. So the ends of a stretch without line of sight are exact to 1/1024 unit. A stretch
+//! that begins and ends between two neighbors is missed; only the length of a step bounds it.
 
-use crate::height_field::{HeightField, Station};
-use crate::los::{link_least_receiver_heights, link_los};
+use super::explained_link::{indoors_below, margin_m};
+use super::view::SceneView;
+use crate::height_field::Station;
+use crate::los::link_least_receiver_heights;
 use crate::quantity::{STEPS_PER_UNIT, VOID};
-
-use super::Uav;
 
 /// Line of sight at a place of a track.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,16 +20,16 @@ pub struct TrackPoint {
     pub position: [f64; 2],
     /// Height of the user above the datum \[1/1024 m\]; `None` where no ground is known.
     pub z: Option<i64>,
-    /// What the user has there.
+    /// State of the user there.
     pub state: TrackState,
-    /// Height of the user less the least height in line of sight \[m\]; `None` inside buildings, where no ground is known, and
-    /// where no height is enough.
+    /// Height of the user less the least height in line of sight \[m\]; `None` inside buildings,
+    /// where no ground is known, and where no height is enough.
     pub margin_m: Option<f64>,
-    /// Whether it is a place of the track itself, and not one between.
+    /// A place of the track itself, and not one between.
     pub is_vertex: bool,
 }
 
-/// What a user has at a place.
+/// State of a user at a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TrackState {
     /// Line of sight.
@@ -59,101 +59,93 @@ pub struct Track {
 }
 
 impl Track {
-    /// Length of the track in a state \[CRS units\].
+    /// Returns the length of the track in a state \[CRS units\].
     pub fn length(&self, state: TrackState) -> f64 {
         self.stretches.iter().filter(|s| s.state == state).map(|s| s.along[1] - s.along[0]).sum()
     }
 }
 
-/// Walks a track below a UAV: users `rx_height` \[1/1024 m\] above ground, decided at least every `step` \[CRS units\].
-///
-/// # Panics
-/// With fewer than two places, or a step that is not above 0.
-pub fn along_track(field: &HeightField, uav: &Uav, places: &[[f64; 2]], rx_height: i32, step: f64) -> Track {
-    assert!(places.len() >= 2 && step > 0.0, "a track has two places and is walked in steps");
-    let walker = Walker { field, uav, rx_height };
-    let mut points = vec![walker.point(0.0, places[0], true)];
-    let mut start = 0.0;
-    for ends in places.windows(2) {
-        let [from, to] = [ends[0], ends[1]];
-        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "positive, and bounded by the caller"
-        )]
-        let n = (length / step).ceil().max(1.0) as u32;
-        for k in 1..=n {
-            let t = f64::from(k) / f64::from(n);
-            let position = [from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])];
-            points.push(walker.point(start + t * length, position, k == n));
-        }
-        start += length;
-    }
-    let mut stretches = vec![Stretch { along: [0.0, 0.0], state: points[0].state }];
-    for pair in points.windows(2) {
-        if pair[0].state != pair[1].state {
-            let change = walker.change(&pair[0], &pair[1]);
-            if let Some(last) = stretches.last_mut() {
-                last.along[1] = change;
+impl SceneView<'_> {
+    /// Walks a track below the UAV: users `rx_height` \[1/1024 m\] above ground, decided at least
+    /// every `step` \[CRS units\].
+    ///
+    /// # Panics
+    /// With fewer than two places, or a step that is not above 0.
+    pub fn along_track(&self, places: &[[f64; 2]], rx_height: i32, step: f64) -> Track {
+        assert!(places.len() >= 2 && step > 0.0, "a track has two places and is walked in steps");
+        let walker = Walker { view: self, rx_height };
+        let mut points = vec![walker.point(0.0, places[0], true)];
+        let mut start = 0.0;
+        for ends in places.windows(2) {
+            let [from, to] = [ends[0], ends[1]];
+            let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "positive, and bounded by the caller"
+            )]
+            let n = (length / step).ceil().max(1.0) as u32;
+            for k in 1..=n {
+                let t = f64::from(k) / f64::from(n);
+                let position = [from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])];
+                points.push(walker.point(start + t * length, position, k == n));
             }
-            stretches.push(Stretch { along: [change, change], state: pair[1].state });
+            start += length;
         }
+        let mut stretches = vec![Stretch { along: [0.0, 0.0], state: points[0].state }];
+        for pair in points.windows(2) {
+            if pair[0].state != pair[1].state {
+                let change = walker.change(&pair[0], &pair[1]);
+                if let Some(last) = stretches.last_mut() {
+                    last.along[1] = change;
+                }
+                stretches.push(Stretch { along: [change, change], state: pair[1].state });
+            }
+        }
+        if let Some(last) = stretches.last_mut() {
+            last.along[1] = start;
+        }
+        Track { points, stretches }
     }
-    if let Some(last) = stretches.last_mut() {
-        last.along[1] = start;
-    }
-    Track { points, stretches }
 }
 
 struct Walker<'a> {
-    field: &'a HeightField,
-    uav: &'a Uav,
+    view: &'a SceneView<'a>,
     rx_height: i32,
 }
 
 impl Walker<'_> {
-    /// The user at a position, if there can be one.
+    /// Returns the user at a position, at the height as it is seen, if there can be one.
     fn receiver(&self, [x, y]: [f64; 2]) -> Option<Station> {
-        let place = self.field.place(x, y);
-        let ground = self.field.ground_at(&place);
-        if ground == VOID {
-            return None;
-        }
+        let field = self.view.field();
+        let place = field.place(x, y);
+        let ground = field.ground_at(&place);
         let z = i64::from(ground) + i64::from(self.rx_height);
-        let inside = if self.field.prisms().is_some() {
-            self.field.inside_prisms_below(&place)
-        } else {
-            self.field.roof_at(&place).unwrap_or(VOID)
-        };
-        (z >= i64::from(inside)).then_some(Station { place, z })
+        (ground != VOID && z >= i64::from(indoors_below(field, &place))).then_some(Station { place, z })
     }
 
     fn state(&self, position: [f64; 2]) -> TrackState {
         match self.receiver(position) {
             None => TrackState::NoReceiver,
-            Some(receiver) if link_los(self.field, &self.uav.station, &receiver) => TrackState::Los,
+            Some(receiver) if self.view.is_los(&receiver) => TrackState::Los,
             Some(_) => TrackState::Nlos,
         }
     }
 
     fn point(&self, along: f64, position: [f64; 2], is_vertex: bool) -> TrackPoint {
-        let receiver = self.receiver(position);
-        let state = self.state(position);
-        let margin_m = receiver.and_then(|receiver| {
-            let least = link_least_receiver_heights(self.field, &self.uav.station, &receiver);
-            let ground = i64::from(self.field.ground_at(&receiver.place));
-            #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^27 steps")]
-            let (z, ground) = (receiver.z as f64, ground as f64);
-            let margin = (z - least.height_steps().max(ground)) / f64::from(STEPS_PER_UNIT);
-            // The sign is decided exactly; rounding must not turn it.
-            let margin = if state == TrackState::Los { margin.max(0.0) } else { margin.min(-f64::MIN_POSITIVE) };
-            margin.is_finite().then_some(margin)
-        });
-        TrackPoint { along, position, z: receiver.map(|r| r.z), state, margin_m, is_vertex }
+        let Some(receiver) = self.receiver(position) else {
+            return TrackPoint { along, position, z: None, state: TrackState::NoReceiver, margin_m: None, is_vertex };
+        };
+        let field = self.view.field();
+        let least = link_least_receiver_heights(field, &self.view.uav().station, &receiver);
+        let state = if least.is_los { TrackState::Los } else { TrackState::Nlos };
+        let margin_m = margin_m(&least, receiver.z, f64::from(field.ground_at(&receiver.place)));
+        let z = Some(receiver.z + i64::from(self.view.lowered_by(&receiver.place)));
+        TrackPoint { along, position, z, state, margin_m, is_vertex }
     }
 
-    /// Where the state of the first point ends between two neighbors: found by halving, to a lattice step.
+    /// Finds where the state of the first point ends between two neighbors, by halving, to a
+    /// lattice step.
     fn change(&self, a: &TrackPoint, b: &TrackPoint) -> f64 {
         let (mut low, mut high) = (0.0, 1.0);
         let length = b.along - a.along;

@@ -1,4 +1,5 @@
-//! A UAV placed in a scene: a checked position with its height above the datum and above the ground.
+//! A UAV placed in a scene: a checked position with its height above the datum and above the
+//! ground.
 
 use crate::city::{Antenna, Site, WindowedSolids};
 use crate::error::{Error, UavAttempt, UavError};
@@ -11,30 +12,30 @@ use crate::raster::{CellWindow, GeoRef};
 pub struct Uav {
     /// Name of its site.
     pub id: String,
-    /// Where it is.
+    /// Place and height.
     pub station: Station,
     /// Height above the ground below it \[m\], if a ground is known there.
     pub height_agl_m: Option<f64>,
-    /// What it hovers over.
+    /// Surface that it hovers over.
     pub placement: HoversOver,
     /// Its own antenna.
     pub antenna: Antenna,
 }
 
-/// What lies below a UAV.
+/// Surface below a UAV.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HoversOver {
     /// Open ground, or what is outside the grid of a raster.
     Ground,
     /// A building.
     Rooftop,
-    /// A cell without data, or what is outside the data area of a scene of footprints. What stands around such a UAV is not known, so it has no
-    /// P_LoS.
+    /// A cell without data, or what is outside the data area of a scene of footprints. What stands
+    /// around such a UAV is not known, so it has no P_LoS.
     Nodata,
 }
 
 impl HoversOver {
-    /// The word for it in tables.
+    /// Returns the word for it in tables.
     pub fn name(self) -> &'static str {
         match self {
             HoversOver::Ground => "ground",
@@ -47,20 +48,20 @@ impl HoversOver {
 impl Uav {
     /// Places a site in a scene.
     ///
-    /// `radius` is the range in CRS units, if it is limited: with the cells in range it bounds the box that must fit
-    /// the lattice.
+    /// `radius` is the range in CRS units, if it is limited: with the cells in range it bounds the
+    /// box that must fit the lattice.
     ///
     /// # Errors
-    /// Site errors: inside a building (E201), below the ground (E202), outside the lattice (E203), a height above a
-    /// ground or roof that is not there (E204), a height beyond ±32 768 m (E205).
+    /// Site errors: inside a building (E201), below the ground (E202), outside the lattice (E203),
+    /// above a ground or roof that is not there (E204), beyond ±32 768 m (E205).
     pub fn place(site: &Site, field: &HeightField, radius: Option<f64>) -> Result<Uav, Error> {
         let units = [field.prisms_frame(), field.columns_frame()];
         check_extent((site.x, site.y), (field.grid(), &units), radius).map_err(|why| refused(site, why))?;
         Uav::over(site, (field, field.grid()), field.place(site.x, site.y))
     }
 
-    /// Places a site in a part of a raster scene just where it is in the whole, whose lattice rounds it; in other scenes as
-    /// [`Uav::place`] does.
+    /// Places a site in a part of a raster scene just where it is in the whole, whose lattice
+    /// rounds it; in other scenes as [`Uav::place`] does.
     ///
     /// # Errors
     /// As [`Uav::place`].
@@ -77,7 +78,8 @@ impl Uav {
         Uav::over(site, (field, whole), field.place(x, y).told_as(site.x, site.y))
     }
 
-    /// Places a site in a scene that is read window by window, as [`Uav::place`] does in one that is in memory.
+    /// Places a site in a scene that is read window by window, as [`Uav::place`] does in one that
+    /// is in memory.
     ///
     /// # Errors
     /// As [`Uav::place`], and those of the scene.
@@ -85,7 +87,8 @@ impl Uav {
         let grid = scene.grid();
         let frame = cell_frame(grid);
         check_extent((site.x, site.y), (grid, &[Some(frame), None]), radius).map_err(|why| refused(site, why))?;
-        // What is below it is decided by the cells that it touches, and where it is by the lattice of the whole grid.
+        // What is below it is decided by the cells that it touches, and where it is by the lattice
+        // of the whole grid.
         let (x, y) = frame.lattice_from_world(site.x, site.y);
         let steps = i64::from(STEPS_PER_UNIT);
         let around = |cell: i64, n: usize| {
@@ -103,14 +106,15 @@ impl Uav {
         Ok(uav)
     }
 
-    /// A site over a place of a scene, or of a part of one with the grid of the whole.
+    /// Returns a site over a place of a scene, or of a part of one with the grid of the whole.
     fn over(site: &Site, (field, whole): (&HeightField, &GeoRef), place: Place) -> Result<Uav, Error> {
         height_over(field, &place, site.height)
             .and_then(|z| Uav::hovering((&site.id, site.antenna), (field, whole), (place, z)))
             .map_err(|why| refused(site, why))
     }
 
-    /// The UAV moved by some lattice steps east, north and up: those of [`HeightField::neighbor`], and 1/1024 m.
+    /// Returns the UAV moved by some lattice steps east, north and up: those of
+    /// [`HeightField::neighbor`], and 1/1024 m.
     pub fn moved(&self, field: &HeightField, [east, north, up]: [i64; 3], radius: Option<f64>) -> Result<Uav, Error> {
         let place = field.neighbor(&self.station.place, (east, north));
         let z = i32::try_from(self.station.z + up).ok().filter(|z| height_steps(meters(*z)).is_some());
@@ -127,7 +131,7 @@ impl Uav {
             })
     }
 
-    /// A UAV at a place and a height, if it is in the clear there.
+    /// Returns a UAV at a place and a height, if it is in the clear there.
     fn hovering(
         (id, antenna): (&str, Antenna),
         (field, whole): (&HeightField, &GeoRef),
@@ -164,14 +168,17 @@ impl Uav {
         })
     }
 
-    /// Height above the datum \[m\].
+    /// Returns the height above the datum \[m\].
     pub fn height_amsl_m(&self) -> f64 {
         i32::try_from(self.station.z).map_or(f64::NAN, meters)
     }
 }
 
-/// Whether a place of a scene, or of a part of one with the grid of the whole, is over no data: outside of the data area of footprints, or over a cell
-/// without a height. Outside of the grid of a raster it is not.
+/// Returns whether a place of a scene, or of a part of one with the grid of the whole, is over no
+/// data.
+///
+/// That is outside of the data area of footprints, or over a cell without a height, but not outside
+/// of the grid of a raster.
 pub fn is_nodata_below(place: &Place, field: &HeightField, whole: &GeoRef) -> bool {
     let is_void = || {
         field.roof_at(place).is_none() && field.ground_at(place) == VOID && field.inside_columns_below(place) == VOID
@@ -179,7 +186,7 @@ pub fn is_nodata_below(place: &Place, field: &HeightField, whole: &GeoRef) -> bo
     !field.is_known_at(place.x, place.y) || (whole.cell_at(place.x, place.y).is_some() && is_void())
 }
 
-/// The height of an end of a link over a place, above the datum \[1/1024 m\].
+/// Returns the height of an end of a link over a place, above the datum \[1/1024 m\].
 ///
 /// # Errors
 /// If the ground or roof that it is above is not there, or it is beyond ±32 768 m.
@@ -202,7 +209,7 @@ fn refused(site: &Site, why: UavError) -> Error {
     Error::Uav { attempt: UavAttempt::Place { id, x, y, height }, why }
 }
 
-/// The box of the UAV and the cells in its range must fit the lattice.
+/// Checks that the box of the UAV and the cells in its range fits the lattice.
 fn check_extent(
     (x, y): (f64, f64),
     (grid, units): (&GeoRef, &[Option<Frame>; 2]),

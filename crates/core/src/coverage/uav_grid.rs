@@ -1,8 +1,9 @@
-//! What each UAV over a grid of places sees, counted receiver by receiver.
+//! UAVs over a grid of places, counted receiver by receiver.
 //!
-//! Thousands of UAVs at one height over a grid of places are counted sooner the other way around: for each receiver the
-//! UAVs that it sees, by the exact engine of [`UavPositions`], in tiles of receivers that see much the same. The counts are
-//! those of [`Mapper::count`], one by one.
+//! Thousands of UAVs at one height over a grid of places are counted sooner the other way around.
+//! For each receiver the exact engine of [`UavPositions`] finds the UAVs that it sees, in tiles of
+//! receivers that see much the same. The counts are those of [`View::count`](super::View::count),
+//! one by one.
 
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
@@ -10,7 +11,8 @@ use rayon::prelude::*;
 
 use super::place_sums::PlaceSums;
 use super::range::Range;
-use super::{Control, Mapper, Uav};
+use super::view::Mapper;
+use super::{Control, Uav};
 use crate::error::Result;
 use crate::height_field::{GridPositions, Station};
 use crate::los::{GridReceivers, InView, ReceiverTile, ShadowGrid, UavPositions};
@@ -19,8 +21,8 @@ use crate::raster::{BitGrid, GeoRef};
 
 /// Cells along the side of a tile of receivers, from the largest to the smallest tiles.
 ///
-/// PERF: measured for 10 000 UAVs over Munich and an urban city on cells of 2 m; 8 or 32 cells in between, or 2 at the end, cost
-/// more than they save.
+/// PERF: measured for 10 000 UAVs over Munich and an urban city on cells of 2 m; 8 or 32 cells in
+/// between, or 2 at the end, cost more than they save.
 const SIDES: [usize; 3] = [64, 16, 4];
 
 /// UAVs at one height over places of a grid.
@@ -36,21 +38,26 @@ pub struct UavGrid {
 }
 
 impl UavGrid {
-    /// What counting takes beside the counts, for each place and thread \[bytes\]: a sum of up to 45 bits.
+    /// Memory that counting takes beside the counts, for each place and thread \[bytes\]: a sum of
+    /// up to 45 bits.
     pub const BYTES_PER_PLACE_AND_THREAD: usize = 6;
-    /// What counting takes for each place and thread where receivers have weights \[bytes\]: a sum of up to 120 bits.
+    /// Memory that counting takes for each place and thread where receivers have weights \[bytes\]:
+    /// a sum of up to 120 bits.
     pub const BYTES_PER_WEIGHED_PLACE_AND_THREAD: usize = 15;
 }
 
 impl Mapper<'_> {
-    /// UAVs over the centers of cells of `grid`, each with the number of its cell, row by row; `None` without any, or if
-    /// they are not all at one height where the grid puts them, or the earth is curved.
+    /// Returns UAVs over the centers of cells of `grid`, each with the number of its cell, row by
+    /// row.
+    ///
+    /// `None` without any, if they are not all at one height where the grid puts them, or if the
+    /// earth is curved.
     pub fn uav_grid<'a>(&self, grid: &GeoRef, uavs: impl IntoIterator<Item = (usize, &'a Uav)>) -> Option<UavGrid> {
-        let field = self.field;
         // Over a curved earth each UAV sees heights of its own.
         if self.options.curvature.is_some() {
             return None;
         }
+        let field = self.field();
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
         let positions = field.positions_on(grid);
         let has_prisms = field.prisms().is_some();
@@ -59,7 +66,7 @@ impl Mapper<'_> {
         let mut z = None;
         for (place, uav) in uavs {
             let (row, col) = (place / n_cols, place % n_cols);
-            let at = self.engine.on_shadows(&uav.station);
+            let at = self.on_shadows(&uav.station);
             if row >= n_rows || (at.x, at.y) != (xs[col], ys[row]) || *z.get_or_insert(at.z) != at.z {
                 return None;
             }
@@ -68,24 +75,26 @@ impl Mapper<'_> {
         Some(UavGrid { grid: grid.clone(), places, positions, shadows: ShadowGrid::new(xs, ys), z: z? })
     }
 
-    /// Whether [`Mapper::count_grid`] can count these UAVs and should take less time than [`Mapper::count`] for each.
+    /// Returns whether [`Mapper::count_grid`] can count these UAVs and should take less time than a
+    /// count of each.
     pub fn is_counted_sooner(&self, uavs: &UavGrid) -> bool {
         let [together, one_by_one] = self.counting_us(uavs);
         together < one_by_one
     }
 
-    /// About how long one thread counts what UAVs see over a grid \[µs\]: by [`Mapper::count_grid`], infinite if that cannot, and by
-    /// [`Mapper::count`] for each.
+    /// Estimates how long one thread counts what UAVs see over a grid \[µs\]: by
+    /// [`Mapper::count_grid`], infinite if that cannot, and one by one.
     pub fn counting_us(&self, uavs: &UavGrid) -> [f64; 2] {
         #[expect(clippy::cast_precision_loss, reason = "an estimate")]
         let n_uavs = uavs.places.count() as f64;
         let one_by_one = self.counting_one_us().map_or(f64::INFINITY, |one| n_uavs * one);
-        let Some(positions) = self.engine.uav_positions(&uavs.shadows, uavs.z, &self.receivers) else {
+        let Some(positions) = self.uav_positions(&uavs.shadows, uavs.z) else {
             return [f64::INFINITY, one_by_one];
         };
-        // PERF: fitted to the itu cities and Munich on cells of 2 and 5 m with 500 to 40 000 UAVs. Of 65 trials it takes the slower
-        // way in 6: three ties, and at most 1.9 times the time where UAVs are so high (200 m) that counting them together takes half as
-        // long. The passes over words matter for millions of places.
+        // PERF: fitted to the itu cities and Munich on cells of 2 and 5 m with 500 to 40 000 UAVs.
+        // Of 65 trials it takes the slower way in 6: three ties, and at most 1.9 times the time
+        // where UAVs are so high (200 m) that counting them together takes half as long. The passes
+        // over words matter for millions of places.
         #[expect(clippy::cast_precision_loss, reason = "an estimate")]
         let [rows, words, receivers] = [
             uavs.grid.n_rows() as u64,
@@ -100,39 +109,42 @@ impl Mapper<'_> {
         [receivers * one_receiver, one_by_one]
     }
 
-    /// About how long one thread takes for [`Mapper::count`] \[µs\]; `None` unless the engine is `shadow` over a flat earth.
+    /// Estimates how long one thread counts what one UAV sees \[µs\]; `None` unless the engine is
+    /// `shadow` over a flat earth.
     pub fn counting_one_us(&self) -> Option<f64> {
         // On a raster of plateaus one UAV takes twice as long.
-        let of_raster = if self.field.prisms().is_none() { 2.0 } else { 1.0 };
-        Some((40.0 + 0.2 * self.in_range(self.engine.n_casters()?)) * of_raster)
+        let of_raster = if self.field().prisms().is_none() { 2.0 } else { 1.0 };
+        Some((40.0 + 0.2 * self.in_range(self.n_casters()?)) * of_raster)
     }
 
-    /// How many of some casters are in range of a UAV, if they stand everywhere alike.
+    /// Estimates how many of some casters are in range of a UAV, if they stand everywhere alike.
     #[expect(clippy::cast_precision_loss, reason = "an estimate")]
     fn in_range(&self, n_casters: usize) -> f64 {
         let share = self.options.radius.map_or(1.0, |radius| {
-            let grid = self.field.grid();
+            let grid = self.field().grid();
             let area = (grid.x_max() - grid.x_min()) * (grid.y_max() - grid.y_min());
             (std::f64::consts::PI * radius * radius / area).min(1.0)
         });
         n_casters as f64 * share
     }
 
-    /// What each UAV of a grid sees, place by place, 0 for those without a UAV: for each receiver of a cell `weight(cell)`,
-    /// cells row by row. `None` unless the engine is `shadow` over prisms alone, or over a raster of plateaus with receivers beside them.
+    /// Counts what each UAV of a grid sees, place by place, 0 for those without a UAV: for each
+    /// receiver of a cell `weight(cell)`, cells row by row.
     ///
-    /// Shared by all threads of the current pool. Adds the number of UAVs to `control.done`, tile by tile of receivers.
+    /// `None` unless the engine is `shadow` over prisms alone, or over a raster of plateaus with
+    /// receivers beside them. Shared by all threads of the current pool. Adds the number of UAVs to
+    /// `control.done`, tile by tile of receivers.
     pub fn count_grid(
         &self,
         uavs: &UavGrid,
         weight: &(dyn Fn(usize) -> u128 + Sync),
         control: &Control,
     ) -> Result<Option<Vec<u128>>> {
-        let Some(positions) = self.engine.uav_positions(&uavs.shadows, uavs.z, &self.receivers) else {
+        let Some(positions) = self.uav_positions(&uavs.shadows, uavs.z) else {
             return Ok(None);
         };
         let whole = positions.anywhere(&uavs.places);
-        let (n_rows, n_cols) = (self.field.grid().n_rows(), self.field.grid().n_cols());
+        let (n_rows, n_cols) = (self.field().grid().n_rows(), self.field().grid().n_cols());
         let tiles_per_row = n_cols.div_ceil(SIDES[0]);
         let n_tiles = n_rows.div_ceil(SIDES[0]) * tiles_per_row;
         let (n_uavs, n_steps) = (u128::from(uavs.places.count()), (n_tiles * self.receivers.len()).max(1) as u128);
@@ -175,7 +187,7 @@ struct Counting<'a> {
     positions: UavPositions<'a>,
     receivers: &'a GridReceivers<'a>,
     weight: &'a (dyn Fn(usize) -> u128 + Sync),
-    /// What was counted, place by place.
+    /// Counts, place by place.
     seen: PlaceSums,
 }
 
@@ -190,7 +202,8 @@ impl<'a> Counting<'a> {
         Counting { mapper, uavs, positions, receivers, weight, seen }
     }
 
-    /// Counts for the receivers of a square of cells, `sides[0]` wide, whose north-western one is `(row, col)`.
+    /// Counts for the receivers of a square of cells, `sides[0]` wide, whose north-western one is
+    /// `(row, col)`.
     fn tile(&mut self, (row, col): (usize, usize), sides: &[usize], whole: &InView, control: &Control) {
         let (Some(side), false) = (sides.first(), control.stop.load(Ordering::Relaxed)) else { return };
         let cells = self.cells((row, col), *side);
@@ -213,10 +226,11 @@ impl<'a> Counting<'a> {
         }
     }
 
-    /// The rows and columns of places out of which all is out of range of some cells, if range is limited.
+    /// Returns the rows and columns of places out of which all is out of range of some cells, if
+    /// range is limited.
     fn near(&self, cells: &[(usize, usize)]) -> Option<(Span, Span)> {
         let radius = self.mapper.options.radius?;
-        let (grid, places) = (self.mapper.field.grid(), &self.uavs.grid);
+        let (grid, places) = (self.mapper.field().grid(), &self.uavs.grid);
         let (first, last) = (cells.first()?, cells.last()?);
         let cols = || cells.iter().map(|(_, col)| *col);
         let (west, north) = grid.world_from_cell(first.0, cols().min()?);
@@ -233,7 +247,7 @@ impl<'a> Counting<'a> {
         Some((rows, cols))
     }
 
-    /// The cells of a square whose receivers count anything.
+    /// Returns the cells of a square whose receivers count anything.
     fn cells(&self, (row, col): (usize, usize), side: usize) -> Vec<(usize, usize)> {
         let all = &self.receivers.cells;
         let end = (col + side).min(all.n_cols());
@@ -246,13 +260,13 @@ impl<'a> Counting<'a> {
 
     fn station(&self, (row, col): (usize, usize)) -> Station {
         let z = self.receivers.height(row * self.receivers.cells.n_cols() + col);
-        Station { place: self.mapper.engine.positions().center(row, col), z }
+        Station { place: self.mapper.positions().center(row, col), z }
     }
 
-    /// The box around the receivers of some cells.
+    /// Returns the box around the receivers of some cells.
     fn bounds(&self, cells: &[(usize, usize)]) -> Option<ReceiverTile> {
         let of_one = |cell: &(usize, usize)| {
-            let LatticePoint { x, y, z } = self.mapper.engine.on_shadows(&self.station(*cell));
+            let LatticePoint { x, y, z } = self.mapper.on_shadows(&self.station(*cell));
             ReceiverTile { bounds: [x, y, x, y], heights: (z, z) }
         };
         cells.iter().map(of_one).reduce(|a, b| {
@@ -270,7 +284,7 @@ impl<'a> Counting<'a> {
         // The steps from a cell to a place are those from the place to the cell.
         let range = Range::of_uavs(&self.uavs.positions, &station, self.uavs.z, &self.mapper.options);
         let mut asked = range.cut(&in_view.positions);
-        self.positions.los(in_view, self.mapper.engine.on_shadows(&station), &mut asked);
+        self.positions.los(in_view, self.mapper.on_shadows(&station), &mut asked);
         self.seen.add(&asked, weight);
     }
 }

@@ -1,4 +1,5 @@
-//! From a scene to its height field: footprints become prisms, and each cell of the receivers' grid ground, roof or nothing.
+//! From a scene to its height field: footprints become prisms, and each cell of the receivers' grid
+//! ground, roof or nothing.
 
 use std::sync::Arc;
 
@@ -18,7 +19,7 @@ use crate::raster::{BitGrid, CellLattice, GeoRef};
 pub struct Built {
     /// The obstacles and what receivers stand on.
     pub field: HeightField,
-    /// What was odd.
+    /// Oddities of the scene.
     pub warnings: Vec<Warning>,
 }
 
@@ -41,7 +42,6 @@ impl HeightField {
                     without_data: voids.map(Arc::new),
                     cells: no_cells,
                     bent_terrain: None,
-                    below_uav: None,
                 }
             }
             Solids::Vector { footprints, frame, ground, data_area, .. } => {
@@ -78,14 +78,8 @@ impl HeightField {
                     building_errors,
                 };
                 let solid = Solid::Vector(solid);
-                let mut field = HeightField {
-                    grid: grid.clone(),
-                    solid,
-                    without_data: None,
-                    cells: no_cells,
-                    bent_terrain: None,
-                    below_uav: None,
-                };
+                let mut field =
+                    HeightField { grid: grid.clone(), solid, without_data: None, cells: no_cells, bent_terrain: None };
                 field.find_roofs();
                 field.find_cells_without_data();
                 if is_auto && field.knows_all_as_little_is_open() {
@@ -99,7 +93,7 @@ impl HeightField {
         Built { field, warnings }
     }
 
-    /// Cells of a vector scene below which no terrain is known, if there are any.
+    /// Warns of cells of a vector scene below which no terrain is known, if there are any.
     fn unknown_ground(&self) -> Option<Warning> {
         let is_on_terrain = self.prisms().is_some() && self.columns().is_some();
         let of_data = self.grid.n_cells() as u64 - self.without_data.as_deref().map_or(0, BitGrid::count);
@@ -109,7 +103,8 @@ impl HeightField {
     }
 }
 
-/// Convex pieces of all footprints, in the order of the footprints: the triangles of roofs as they are, and polygons cut up below flat ones.
+/// Returns convex pieces of all footprints, in the order of the footprints: the triangles of roofs
+/// as they are, and polygons cut up below flat ones.
 fn prisms_of(footprints: &[Footprint], warnings: &mut Vec<Warning>) -> Prisms {
     let cut: Vec<(Vec<Ring>, bool)> = footprints
         .par_iter()

@@ -1,8 +1,9 @@
-//! What casts shadows: the prisms joined across buildings of equal height, in blocks of neighbors.
+//! Casters of shadows: the prisms joined across buildings of equal height, in blocks of neighbors.
 //!
-//! A shadow does not ask whose it is, so pieces of equal top that share a wall are joined even across buildings: there
-//! are fewer shadows then, and fewer walls on whose lines a shadow ends and the next begins. Sloped ones are joined within their plane. Neighbors stand next to each
-//! other in the list, so that far blocks can be handled as one.
+//! A shadow is the same whosever it is, so pieces of equal top that share a wall are joined even
+//! across buildings. There are fewer shadows then, and fewer walls on whose lines a shadow ends and
+//! the next begins. Sloped ones are joined within their plane. Neighbors stand next to each other
+//! in the list, so that far blocks can be handled as one.
 
 use std::cmp::Reverse;
 
@@ -18,7 +19,7 @@ const BLOCK: i32 = 64 * 1024;
 pub struct Caster {
     first: u32,
     len: u32,
-    /// Where the heights of its corners begin, if it is sloped.
+    /// Begin of the heights of its corners, if it is sloped.
     heights: Option<u32>,
     /// Top \[1/1024 m above the datum\], of a sloped roof the highest.
     pub top: i32,
@@ -38,7 +39,7 @@ pub struct CasterBlock {
 }
 
 impl CasterBlock {
-    /// Numbers of its casters among all.
+    /// Returns numbers of its casters among all.
     pub fn numbers(&self) -> std::ops::Range<u32> {
         self.first..self.first + self.len
     }
@@ -53,7 +54,8 @@ pub struct Casters {
     blocks: Vec<CasterBlock>,
 }
 
-/// A convex roof as it is told: its highest top, its ring, and the heights of its corners if it is sloped.
+/// A convex roof as it is told: its highest top, its ring, and the heights of its corners if it is
+/// sloped.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CasterRoof<'a> {
     top: i32,
@@ -68,7 +70,7 @@ impl<'a> From<(i32, &'a [[i32; 2]], Option<&'a [i32]>)> for CasterRoof<'a> {
 }
 
 impl CasterRoof<'_> {
-    /// What roofs have in common that can be one.
+    /// Returns a key that roofs share which can be one.
     fn key(&self) -> [i128; 4] {
         let plane = self.heights.map(|heights| RoofPlane::through(self.ring, heights));
         plane.map_or([0, 0, i128::from(self.top), 0], |plane| plane.key())
@@ -76,7 +78,7 @@ impl CasterRoof<'_> {
 }
 
 impl Casters {
-    /// Casters of convex counterclockwise rings with their tops.
+    /// Returns casters of convex counterclockwise rings with their tops.
     pub(super) fn new<'a>(roofs: impl Iterator<Item = CasterRoof<'a>>) -> Self {
         let roofs = roofs.filter(|roof| roof.ring.len() >= 3).enumerate();
         let mut roofs: Vec<([i128; 4], usize, CasterRoof<'_>)> = roofs.map(|(k, roof)| (roof.key(), k, roof)).collect();
@@ -115,7 +117,7 @@ impl Casters {
         all
     }
 
-    /// Some of the casters, in the same blocks.
+    /// Returns some of the casters, in the same blocks.
     pub fn kept(&self, keep: impl Fn(&Caster) -> bool) -> Casters {
         let mut kept = Casters::default();
         for block in &self.blocks {
@@ -152,35 +154,36 @@ impl Casters {
         self.casters.push(caster);
     }
 
-    /// The blocks, row by row from the south-west.
+    /// Returns the blocks, row by row from the south-west.
     pub fn blocks(&self) -> &[CasterBlock] {
         &self.blocks
     }
 
-    /// The casters of a block, highest first.
+    /// Returns the casters of a block, highest first.
     #[inline]
     pub fn of_block(&self, block: &CasterBlock) -> &[Caster] {
         &self.casters[block.first as usize..(block.first + block.len) as usize]
     }
 
-    /// All casters, block by block.
+    /// Returns all casters, block by block.
     pub fn all(&self) -> &[Caster] {
         &self.casters
     }
 
-    /// The convex counterclockwise ring of a caster, without vertices on straight edges.
+    /// Returns the convex counterclockwise ring of a caster, without vertices on straight edges.
     #[inline]
     pub fn ring(&self, caster: &Caster) -> &[[i32; 2]] {
         &self.vertices[caster.first as usize..(caster.first + caster.len) as usize]
     }
 
-    /// The heights of the corners of a caster \[1/1024 m above the datum\]; `None` of one with a flat top.
+    /// Returns the heights of the corners of a caster \[1/1024 m above the datum\]; `None` of one
+    /// with a flat top.
     #[inline]
     pub fn heights(&self, caster: &Caster) -> Option<&[i32]> {
         caster.heights.map(|first| &self.heights[first as usize..(first + caster.len) as usize])
     }
 
-    /// The lowest and the highest of a caster's top \[1/1024 m above the datum\].
+    /// Returns the lowest and the highest of a caster's top \[1/1024 m above the datum\].
     #[inline]
     pub fn range(&self, caster: &Caster) -> (i32, i32) {
         let lowest = self.heights(caster).and_then(|heights| heights.iter().min());

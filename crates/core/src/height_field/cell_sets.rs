@@ -1,4 +1,4 @@
-//! What the cells of the receivers' grid are, as sets, and what receivers stand on there.
+//! Cells of the receivers' grid as sets, and what receivers stand on there.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -25,7 +25,8 @@ impl CellSets {
         cells
     }
 
-    /// The sets of a field, cells without data included, by asking for each cell what it is.
+    /// Returns the sets of a field, cells without data included, by asking for each cell what it
+    /// is.
     fn with_all_data(field: &HeightField) -> Self {
         let grid = field.grid();
         let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
@@ -103,14 +104,15 @@ impl RasterSolid {
 pub enum StandsOn<'a> {
     /// One height for all cells.
     Flat(i32),
-    /// A height for each cell, row by row from the north-west; only those of the cells in question mean anything.
+    /// A height for each cell, row by row from the north-west; only those of the cells in question
+    /// mean anything.
     Cells(Cow<'a, [i32]>),
     /// The tops of columns of which none is void.
     Tops(&'a Columns),
 }
 
 impl StandsOn<'_> {
-    /// That of a cell.
+    /// Returns the height of a cell.
     #[inline]
     pub(crate) fn at(&self, cell: usize) -> i32 {
         match self {
@@ -122,7 +124,8 @@ impl StandsOn<'_> {
 }
 
 impl HeightField {
-    /// The cells that are free at a height above the ground \[1/1024 m\]: open ground, and buildings that reach no higher.
+    /// Returns the cells that are free at a height above the ground \[1/1024 m\]: open ground, and
+    /// buildings that reach no higher.
     pub(crate) fn free_above_ground(&self, above: i32) -> BitGrid {
         let (ground, roofs) = (self.ground_of_cells(), self.roof_of_cells());
         let n_cols = self.grid.n_cols();
@@ -137,7 +140,13 @@ impl HeightField {
         free
     }
 
-    /// The one height of the ground under all open cells, if it is flat.
+    /// Returns the cells of a raster that are buildings; all of a surface model alone, where
+    /// buildings are not known.
+    pub(crate) fn cells_of_buildings(&self) -> &BitGrid {
+        if self.is_surface_only() { &self.cells.open } else { &self.cells.building }
+    }
+
+    /// Returns the one height of the ground under all open cells, if it is flat.
     pub(super) fn flat_ground(&self) -> Option<i32> {
         match &self.solid {
             Solid::Raster(RasterSolid { ground, drops: None, .. }) => match **ground {
@@ -152,7 +161,7 @@ impl HeightField {
         }
     }
 
-    /// The ground of each open cell where it is stored cell by cell on the receivers' grid.
+    /// Returns the ground of each open cell where it is stored cell by cell on the receivers' grid.
     fn ground_on_grid(&self) -> Option<Cow<'_, [i32]>> {
         match &self.solid {
             Solid::Raster(raster) => match raster.ground() {
@@ -170,7 +179,7 @@ impl HeightField {
         }
     }
 
-    /// The ground under the open cells.
+    /// Returns the ground under the open cells.
     pub fn ground_of_cells(&self) -> StandsOn<'_> {
         if let Some(z) = self.flat_ground() {
             return StandsOn::Flat(z);
@@ -197,12 +206,12 @@ impl HeightField {
         StandsOn::Cells(Cow::Owned(ground))
     }
 
-    /// The roofs of the building cells.
+    /// Returns the roofs of the building cells.
     pub(crate) fn roof_of_cells(&self) -> StandsOn<'_> {
         StandsOn::Cells(Cow::Borrowed(self.roofs_of_cells()))
     }
 
-    /// The roof of each cell that is a building \[1/1024 m above the datum\].
+    /// Returns the roof of each cell that is a building \[1/1024 m above the datum\].
     pub(crate) fn roofs_of_cells(&self) -> &[i32] {
         match &self.solid {
             Solid::Raster(raster) => raster.columns.tops(),

@@ -1,24 +1,31 @@
-//! A scene with less detail: cells several times as large, or footprints as a raster. Approximate by intent.
+//! A scene with less detail: cells several times as large, or footprints as a raster. Approximate
+//! by intent.
 
 use rayon::prelude::*;
 
-use super::HeightField;
-use super::solid::RasterSolid;
+use std::sync::Arc;
+
+use super::field::{CellSets, HeightField};
+use super::prisms::Prisms;
+use super::solid::{RasterSolid, Solid};
 use crate::city::{Ground, Solids};
+use crate::overlay::Ring;
 use crate::quantity::{BLOCKS_ALL, VOID};
 use crate::raster::{BitGrid, GeoRef, Raster};
 
-/// How one cell is made of several. Cells without a height count for nothing, unless all are.
+/// Rule by which one cell is made of several. Cells without a height count for nothing, unless all
+/// are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Pooling {
     /// The highest: nothing that blocks is lost, and streets narrow.
     Maximum,
-    /// The mean, to the nearest lattice step: roofs sink and streets fill up where a cell holds both.
+    /// The mean, to the nearest lattice step: roofs sink and streets fill up where a cell holds
+    /// both.
     Mean,
 }
 
 impl Pooling {
-    /// The word for it.
+    /// Returns the word for it.
     pub fn name(self) -> &'static str {
         match self {
             Pooling::Maximum => "maximum",
@@ -28,12 +35,12 @@ impl Pooling {
 }
 
 impl HeightField {
-    /// A raster scene on cells `factor` times as wide and as high, counted from the north-west corner: *approximate*. Its
-    /// surface and its terrain are pooled alike. `None` for a vector scene, for `factor` 0, or where the coarse grid is not
-    /// one.
+    /// Returns a raster scene on cells `factor` times as wide and as high, counted from the
+    /// north-west corner: *approximate*. Its surface and its terrain are pooled alike. `None` for a
+    /// vector scene, for `factor` 0, or where the coarse grid is not one.
     ///
-    /// Row r and column c of the fine grid lie in row r / `factor` and column c / `factor` of the coarse one. The last row and
-    /// column may reach beyond the fine grid and pool what there is.
+    /// Row r and column c of the fine grid lie in row r / `factor` and column c / `factor` of the
+    /// coarse one. The last row and column may reach beyond the fine grid and pool what there is.
     pub fn coarser(&self, factor: usize, pooling: Pooling) -> Option<HeightField> {
         let raster = self.solid.raster()?;
         let grid = coarser_grid(self.grid(), factor)?;
@@ -54,29 +61,44 @@ impl HeightField {
         Some(HeightField::build(&grid, solids).field)
     }
 
-    /// A vector scene with receivers on cells `factor` times as large; its solids stay what they are, so each of the fewer
-    /// receivers is decided exactly. `None` for a raster scene, or where the coarse grid is not one.
+    /// Returns a vector scene with receivers on cells `factor` times as large. Its solids stay what
+    /// they are, so each of the fewer receivers is decided exactly. `None` for a raster scene, or
+    /// where the coarse grid is not one.
     pub fn with_coarser_receivers(&self, factor: usize) -> Option<HeightField> {
         self.prisms()?;
-        Some(self.with_receivers_on(&coarser_grid(self.grid(), factor)?))
+        Some(self.with_receivers_on(coarser_grid(self.grid(), factor)?))
     }
 
-    /// A vector scene with receivers on cells a `factor`th as large; its solids stay what they are. `None` for a raster scene,
-    /// for `factor` 0, or where the fine grid is not one.
+    /// Returns a vector scene with receivers on cells a `factor`th as large. Its solids stay what
+    /// they are. `None` for a raster scene, for `factor` 0, or where the fine grid is not one.
     pub fn with_finer_receivers(&self, factor: usize) -> Option<HeightField> {
         self.prisms()?;
         let grid = self.grid();
         let shape = (grid.n_rows().checked_mul(factor)?, grid.n_cols().checked_mul(factor)?);
         #[expect(clippy::cast_precision_loss, reason = "a small factor")]
         let fine = with_cells(grid, |side| side / factor as f64, shape)?;
-        Some(self.with_receivers_on(&fine))
+        Some(self.with_receivers_on(fine))
     }
 
-    /// The terrain of a scene without its buildings: every cell is open ground. `None` where the ground is flat, or not known
-    /// apart from the surface.
+    /// Returns the solids of the scene under receivers on another grid.
+    fn with_receivers_on(&self, grid: GeoRef) -> HeightField {
+        let mut field = HeightField { grid, ..self.clone() };
+        field.find_cells_without_data();
+        field.with_cells_found()
+    }
+
+    /// Returns the scene with its cells sorted into open ground and roofs anew.
+    fn with_cells_found(mut self) -> HeightField {
+        self.find_roofs();
+        self.cells = Arc::new(CellSets::of(&self));
+        self
+    }
+
+    /// Returns the terrain of a scene without its buildings: every cell is open ground. `None`
+    /// where the ground is flat, or not known apart from the surface.
     pub fn terrain_alone(&self) -> Option<HeightField> {
         if self.prisms().is_some() {
-            return self.columns().is_some().then(|| self.without_prisms());
+            return self.columns().is_some().then(|| self.without_buildings());
         }
         let RasterSolid { ground, building_threshold, .. } = self.solid.raster()?;
         let Ground::Terrain(terrain) = &**ground else { return None };
@@ -89,8 +111,42 @@ impl HeightField {
         Some(HeightField::build(self.grid(), solids).field)
     }
 
-    /// A vector scene as the raster of its receivers' grid: each cell as high as the roof over its center, or as the ground
-    /// there: *approximate*. `None` for a raster scene.
+    /// Returns the ground of a vector scene without a building.
+    fn without_buildings(&self) -> HeightField {
+        let mut field = self.with_prisms(Prisms::new(Vec::<(Ring, i32, u32)>::new()));
+        if let Solid::Vector(vector) = &mut field.solid {
+            vector.building_ids = [].into();
+            vector.building_errors = None;
+        }
+        field.with_cells_found()
+    }
+
+    /// Returns the scene with a flat roof on every building, as high as its own is highest; `None`
+    /// where all are that.
+    pub fn with_flat_roofs(&self) -> Option<HeightField> {
+        let prisms = self.prisms()?;
+        if self.n_buildings_with_shaped_roofs() == 0 {
+            return None;
+        }
+        let tops = self.building_tops();
+        let flat = prisms.pieces().iter().map(|p| (prisms.ring(p), tops[p.building as usize], p.building));
+        Some(self.with_prisms(Prisms::new(flat)).with_cells_found())
+    }
+
+    /// Counts buildings whose roof is not flat.
+    pub fn n_buildings_with_shaped_roofs(&self) -> usize {
+        let tops = self.building_tops();
+        let Some(prisms) = self.prisms() else { return 0 };
+        let mut is_shaped = vec![false; tops.len()];
+        for piece in prisms.pieces() {
+            let building = piece.building as usize;
+            is_shaped[building] |= prisms.heights(piece).is_some() || piece.top != tops[building];
+        }
+        is_shaped.into_iter().filter(|is_shaped| *is_shaped).count()
+    }
+
+    /// Returns a vector scene as the raster of its receivers' grid: each cell as high as the roof
+    /// over its center, or as the ground there: *approximate*. `None` for a raster scene.
     pub fn rasterized(&self) -> Option<HeightField> {
         let roofs = &self.solid.vector()?.roofs;
         let (grid, n_cols, positions) = (self.grid(), self.grid().n_cols(), self.positions());
@@ -115,7 +171,7 @@ impl HeightField {
     }
 }
 
-/// The grid of cells `factor` times as large over the same north-west corner.
+/// Returns the grid of cells `factor` times as large over the same north-west corner.
 fn coarser_grid(grid: &GeoRef, factor: usize) -> Option<GeoRef> {
     if factor == 0 {
         return None;
@@ -124,13 +180,13 @@ fn coarser_grid(grid: &GeoRef, factor: usize) -> Option<GeoRef> {
     with_cells(grid, |side| side * factor as f64, (grid.n_rows().div_ceil(factor), grid.n_cols().div_ceil(factor)))
 }
 
-/// A grid of cells of other sides from the same north-west corner.
+/// Returns a grid of cells of other sides from the same north-west corner.
 fn with_cells(grid: &GeoRef, side: impl Fn(f64) -> f64, shape: (usize, usize)) -> Option<GeoRef> {
     let cell = (side(grid.cell_width()), side(grid.cell_height()));
     GeoRef::new((grid.x_min(), grid.y_max()), cell, shape, grid.crs().cloned())
 }
 
-/// The coarse cells of which all fine ones are in a set.
+/// Returns the coarse cells of which all fine ones are in a set.
 fn all_of(fine: &BitGrid, (n_rows, n_cols): (usize, usize), factor: usize) -> BitGrid {
     let mut others = BitGrid::new(n_rows, n_cols);
     for row in 0..fine.n_rows() {
@@ -141,7 +197,10 @@ fn all_of(fine: &BitGrid, (n_rows, n_cols): (usize, usize), factor: usize) -> Bi
     others.complement()
 }
 
-/// Cells without data have a height where something blocks there; it counts where there is no other.
+/// Pools the tops of fine cells into those of coarse ones.
+///
+/// Cells without data have a height where something blocks there; it counts where there is no
+/// other.
 fn pool(
     (tops, without_data): (&[i32], Option<&BitGrid>),
     fine: &GeoRef,
@@ -170,7 +229,7 @@ fn pool(
     pooled
 }
 
-/// The mean of some tops to the nearest step; what blocks everything still does.
+/// Returns the mean of some tops to the nearest step; what blocks everything still does.
 fn mean(tops: impl Iterator<Item = i32>) -> i32 {
     let (n, sum, highest) =
         tops.fold((0_i64, 0_i64, VOID), |(n, sum, highest), top| (n + 1, sum + i64::from(top), highest.max(top)));
@@ -204,7 +263,8 @@ mod tests {
         assert!(field.coarser(0, Pooling::Mean).is_none() && field.rasterized().is_none());
     }
 
-    /// A cell without data blocks by the ground that is known there, but is no part of a mean beside cells with data.
+    /// A cell without data blocks by the ground that is known there, but is no part of a mean
+    /// beside cells with data.
     #[test]
     fn a_mean_leaves_out_cells_without_data_unless_all_are() {
         let grid = GeoRef::new((0.0, 2.0), (1.0, 1.0), (2, 4), None).expect("a valid grid");

@@ -12,26 +12,28 @@ pub struct Curvature {
 }
 
 impl Curvature {
-    /// Of an earth with K times its radius, K above 0; `None` of other numbers.
+    /// Returns the curve of an earth with K times its radius, K above 0; `None` of other numbers.
     pub fn of_earth_k(earth_k: f64) -> Option<Self> {
         (earth_k.is_finite() && earth_k > 0.0).then_some(Curvature { earth_k })
     }
 
-    /// K, by which the radius of the earth is multiplied.
+    /// Returns K, by which the radius of the earth is multiplied.
     pub fn earth_k(self) -> f64 {
         self.earth_k
     }
 
-    /// How far the earth falls away at a distance \[m\].
+    /// Returns how far the earth falls away at a distance \[m\].
     pub fn drop_m(self, distance_m: f64) -> f64 {
         distance_m * distance_m / (2.0 * self.earth_k * EARTH_RADIUS_M)
     }
 }
 
-/// How far the earth falls away on the lattice of prisms: `coefficient · d²` \[1/1024 m\] at a distance of d lattice steps.
+/// Fall of the earth on the lattice of prisms: `coefficient · d²` \[1/1024 m\] at a distance of d
+/// lattice steps.
 ///
-/// The coefficient is 1024 s²/2KR, with steps of s meters. It is rounded once, to a fraction that integers hold: the drop is off by less than
-/// a part in 2^31, and that is all; what prisms hide is exact about it.
+/// The coefficient is 1024 s²/2KR, with steps of s meters. It is rounded once, to a fraction that
+/// integers hold, which puts the drop off by less than a part in 2^31. What prisms hide is exact
+/// about it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Bulge {
     mantissa: u32,
@@ -42,7 +44,8 @@ pub struct Bulge {
 const MOST_SHIFT: i32 = 110;
 
 impl Bulge {
-    /// Of a curvature, on a lattice of whose steps 1024 are so many meters; `None` for one so small that no height differs.
+    /// Returns the fall of a curvature on a lattice of whose steps 1024 are so many meters; `None`
+    /// for one so small that no height differs.
     pub fn new(curvature: Curvature, meters_per_unit: f64) -> Option<Self> {
         let steps = f64::from(STEPS_PER_UNIT);
         let coefficient = steps * curvature.drop_m(meters_per_unit / steps);
@@ -54,17 +57,17 @@ impl Bulge {
         (mantissa > 0).then_some(Bulge { mantissa, shift: shift.unsigned_abs() })
     }
 
-    /// The numerator of the coefficient.
+    /// Returns the numerator of the coefficient.
     pub(crate) fn mantissa(self) -> u32 {
         self.mantissa
     }
 
-    /// The power of two below it.
+    /// Returns the power of two below it.
     pub(crate) fn shift(self) -> u32 {
         self.shift
     }
 
-    /// The coefficient, exact.
+    /// Returns the coefficient, exact.
     pub fn coefficient(self) -> f64 {
         f64::from(self.mantissa) * 2_f64.powi(-self.shift.cast_signed())
     }

@@ -16,16 +16,16 @@ impl HeightField {
         }
     }
 
-    /// Where the ground of a vector scene is known, if not everywhere.
+    /// Returns the ground that a vector scene knows, if not all of it.
     fn known_ground(&self) -> Option<&KnownGround> {
         self.solid.vector()?.known_ground.as_deref()
     }
 
-    /// Takes all ground for known where less than a tenth of what is near the footprints is open, and says whether: a lone
-    /// building says nothing of a city.
+    /// Takes all ground for known where less than a tenth of what is near the footprints is open,
+    /// and says whether: a lone building says nothing of a city.
     pub(super) fn knows_all_as_little_is_open(&mut self) -> bool {
         let Solid::Vector(vector) = &mut self.solid else { return false };
-        /// What is less is little.
+        /// Share of open ground below which it is little.
         const LEAST_SHARE: f64 = 0.1;
         if vector.known_ground.as_ref().is_none_or(|known| known.open_share() >= LEAST_SHARE) {
             return false;
@@ -34,12 +34,14 @@ impl HeightField {
         true
     }
 
-    /// The cells outside of the data area of a vector scene, if there are any: they hold no receiver, no zone and no candidate.
+    /// Returns the cells outside of the data area of a vector scene, if there are any: they hold no
+    /// receiver, no zone and no candidate.
     pub fn outside_data(&self) -> Option<&BitGrid> {
         self.without_data.as_deref().filter(|_| self.known_ground().is_some())
     }
 
-    /// The heights \[m\] of those buildings that stand on the receivers' grid and in its data area.
+    /// Returns the heights \[m\] of those buildings that stand on the receivers' grid and in its
+    /// data area.
     pub fn heights_in_data(&self, buildings: &[BuildingHeight]) -> Vec<f64> {
         let grid = &self.grid;
         let is_here = |b: &&BuildingHeight| {
@@ -50,8 +52,8 @@ impl HeightField {
         buildings.iter().filter(is_here).map(|b| b.height_m).collect()
     }
 
-    /// Whether a position \[CRS units\] is in the data area, as the cell is that holds it; everywhere is, where a scene has
-    /// none.
+    /// Returns whether a position \[CRS units\] is in the data area, as the cell is that holds it.
+    /// Without a data area, everywhere is.
     pub fn is_known_at(&self, x: f64, y: f64) -> bool {
         let Some(known) = self.known_ground() else { return true };
         match (self.grid.cell_at(x, y), &self.without_data) {

@@ -1,12 +1,15 @@
-//! A scene made ready for rays: its obstacles, and the ground and roofs at every cell and every point.
+//! A scene made ready for rays: its obstacles, and the ground and roofs at every cell and every
+//! point.
 
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::positions::RangeLattice;
-use super::solid::{RasterSolid, Solid, VectorGround};
-use super::{BentTerrain, Columns, GridPositions, Place, Plateaus, Prisms, Station, cell_frame};
+use super::columns::Columns;
+use super::plateaus::Plateaus;
+use super::positions::{GridPositions, Place, RangeLattice, Station, cell_frame};
+use super::prisms::Prisms;
+use super::solid::{BentTerrain, RasterSolid, Solid, VectorGround};
 use crate::city::Ground;
 use crate::quantity::{BLOCKS_ALL, Frame, LatticePoint, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::{BitGrid, CellLattice, GeoRef};
@@ -18,14 +21,14 @@ use crate::raster::{BitGrid, CellLattice, GeoRef};
 pub struct HeightField {
     pub(super) grid: GeoRef,
     pub(super) solid: Solid,
-    /// The cells of the receivers' grid without data though a ground is known there, if there are any: those outside of the
-    /// known ground, and those where a surface model has no height.
+    /// Cells of the receivers' grid without data though a ground is known there, if there are any.
+    ///
+    /// They lie outside of the known ground, or a surface model has no height there.
     pub(super) without_data: Option<Arc<BitGrid>>,
     pub(super) cells: Arc<CellSets>,
-    /// The terrain below footprints as a UAV sees it over a curved earth, where that is not as it is.
+    /// The terrain below footprints as a UAV sees it over a curved earth, where that is not as it
+    /// is.
     pub(super) bent_terrain: Option<Arc<BentTerrain>>,
-    /// Ground and surface below the UAV that the scene is bent for, over a flat earth; `None` where it is not bent.
-    pub(super) below_uav: Option<BelowUav>,
 }
 
 /// Heights at the place of a UAV \[1/1024 m above the datum\]; [`VOID`] where none is known.
@@ -37,7 +40,7 @@ pub struct BelowUav {
     pub surface: i32,
 }
 
-/// What a cell of the receivers' grid is.
+/// Kind of a cell of the receivers' grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CellKind {
     /// Open ground at this height \[1/1024 m above the datum\].
@@ -58,13 +61,13 @@ pub struct CellSets {
 }
 
 impl HeightField {
-    /// Which cells are open ground and which are buildings.
+    /// Returns the cells of open ground and those of buildings.
     #[inline]
     pub fn cells(&self) -> &CellSets {
         &self.cells
     }
 
-    /// Whether the cells of the columns are those of the receivers' grid.
+    /// Returns whether the cells of the columns are those of the receivers' grid.
     pub(crate) fn columns_are_on_grid(&self) -> bool {
         self.solid.columns().is_some_and(|(columns, frame)| {
             let shape = (columns.n_rows(), columns.n_cols());
@@ -76,8 +79,8 @@ impl HeightField {
         })
     }
 
-    /// Whether the engine for whole rasters can decide over the columns: receivers stand at the centers of their cells, which
-    /// have as many lattice steps as it reckons with.
+    /// Returns whether the engine for whole rasters can decide over the columns: receivers stand at
+    /// the centers of their cells, which have as many lattice steps as it reckons with.
     pub(crate) fn columns_can_be_swept(&self) -> bool {
         let Some(columns) = self.columns().filter(|_| self.columns_are_on_grid()) else { return false };
         let (xs, ys) = self.positions().on_columns();
@@ -86,20 +89,21 @@ impl HeightField {
             && ys.into_iter().eq((0..columns.n_rows()).map(|row| columns.center(row, 0).1))
     }
 
-    /// The surface of a raster scene as few rectangles of one height, if it is that and the ground below it is flat or not
-    /// known.
+    /// Returns the surface of a raster scene as few rectangles of one height, if it is that and the
+    /// ground below it is flat or not known.
     pub fn plateaus(&self) -> Option<&Plateaus> {
         let raster = self.solid.raster().filter(|raster| !matches!(*raster.ground, Ground::Terrain(_)))?;
         Some(&raster.columns).filter(|_| self.columns_are_on_grid())?.plateaus()
     }
 
-    /// The receivers' grid.
+    /// Returns the receivers' grid.
     #[inline]
     pub fn grid(&self) -> &GeoRef {
         &self.grid
     }
 
-    /// The highest top of each building of a vector scene, by its number \[1/1024 m above the datum\]; [`VOID`] of one without an area.
+    /// Returns the highest top of each building of a vector scene, by its number \[1/1024 m above
+    /// the datum\]; [`VOID`] of one without an area.
     pub fn building_tops(&self) -> Vec<i32> {
         let mut tops = vec![VOID; self.n_buildings()];
         for piece in self.prisms().map_or(&[][..], Prisms::pieces) {
@@ -109,17 +113,18 @@ impl HeightField {
         tops
     }
 
-    /// The building of a vector scene whose roof is at a place, the highest of several.
+    /// Returns the building of a vector scene whose roof is at a place, the highest of several.
     pub(crate) fn building_at(&self, place: &Place) -> Option<u32> {
         self.prisms()?.roof_at(place.on_prisms.0, place.on_prisms.1).map(|(_, building)| building)
     }
 
-    /// The prisms, in a vector scene.
+    /// Returns the prisms, in a vector scene.
     pub fn prisms(&self) -> Option<&Prisms> {
         self.solid.vector().map(|vector| &vector.prisms)
     }
 
-    /// The columns that stand in the way: the surface of a raster scene, or the terrain of a vector scene.
+    /// Returns the columns that stand in the way: the surface of a raster scene, or the terrain of
+    /// a vector scene.
     pub fn columns(&self) -> Option<&Columns> {
         match &self.bent_terrain {
             Some(bent) => Some(&bent.columns),
@@ -127,12 +132,13 @@ impl HeightField {
         }
     }
 
-    /// The terrain below footprints as a UAV sees it over a curved earth, where that is not as it is.
+    /// Returns the terrain below footprints as a UAV sees it over a curved earth, where that is not
+    /// as it is.
     pub(crate) fn bent_terrain(&self) -> Option<&BentTerrain> {
         self.bent_terrain.as_deref()
     }
 
-    /// A receiver on the lattice of the columns, as high as it is against them.
+    /// Returns a receiver on the lattice of the columns, as high as it is against them.
     #[inline]
     pub(crate) fn seen_on_columns(&self, receiver: &Station) -> LatticePoint {
         let on_columns = receiver.on_columns();
@@ -144,37 +150,38 @@ impl HeightField {
         }
     }
 
-    /// The frame of the prisms' lattice.
+    /// Returns the frame of the prisms' lattice.
     pub fn prisms_frame(&self) -> Option<Frame> {
         self.solid.vector().map(|vector| vector.frame)
     }
 
-    /// The frame of the columns' lattice.
+    /// Returns the frame of the columns' lattice.
     pub fn columns_frame(&self) -> Option<Frame> {
         self.solid.columns().map(|(_, frame)| frame)
     }
 
-    /// The id of a building of the prisms.
+    /// Returns the id of a building of the prisms.
     pub fn building_id(&self, building: u32) -> &str {
         self.solid.vector().map_or("", |vector| &vector.building_ids[building as usize])
     }
 
-    /// Standard deviations of the errors of heights of buildings, by their numbers \[1/1024 m\], where any is told.
+    /// Returns standard deviations of the errors of heights of buildings, by their numbers \[1/1024
+    /// m\], where any is told.
     pub fn building_errors(&self) -> Option<&[Option<i32>]> {
         self.solid.vector().and_then(|vector| vector.building_errors.as_deref())
     }
 
-    /// Number of buildings, in a vector scene.
+    /// Returns the number of buildings, in a vector scene.
     pub fn n_buildings(&self) -> usize {
         self.solid.vector().map_or(0, |vector| vector.building_ids.len())
     }
 
-    /// Whether receivers stand on a surface model because nothing below it is known.
+    /// Returns whether receivers stand on a surface model because nothing below it is known.
     pub fn is_surface_only(&self) -> bool {
         self.solid.raster().is_some_and(|raster| matches!(*raster.ground, Ground::Surface))
     }
 
-    /// What a cell is; `place` is its center.
+    /// Returns the kind of a cell; `place` is its center.
     #[inline]
     pub fn cell_kind(&self, index: usize, place: &Place) -> CellKind {
         let n_cols = self.grid.n_cols();
@@ -191,8 +198,8 @@ impl HeightField {
         }
     }
 
-    /// The ground and, if it is a building, the roof of a cell of the columns; both `None` where it is void. A surface
-    /// model alone is all ground.
+    /// Returns the ground and, if it is a building, the roof of a cell of the columns; both `None`
+    /// where it is void. A surface model alone is all ground.
     pub fn column_parts(&self, cell: usize) -> (Option<i32>, Option<i32>) {
         let Some((columns, _)) = self.solid.columns() else { return (None, None) };
         let n_cols = columns.n_cols();
@@ -210,7 +217,8 @@ impl HeightField {
         }
     }
 
-    /// Height of the ground at a place, of the cell to its north-east on an edge; [`VOID`] where none is known.
+    /// Returns the height of the ground at a place, of the cell to its north-east on an edge;
+    /// [`VOID`] where none is known.
     pub fn ground_at(&self, place: &Place) -> i32 {
         let cell_of = |columns: &Columns| columns.cell_at(place.on_columns.0, place.on_columns.1);
         let top_of = |columns: &Columns| match cell_of(columns).map(|cell| columns.top_at(cell)) {
@@ -231,7 +239,8 @@ impl HeightField {
         }
     }
 
-    /// Height of the roof at a place, if a building is there (the one to its north-east on an edge).
+    /// Returns the height of the roof at a place, if a building is there (the one to its north-east
+    /// on an edge).
     pub fn roof_at(&self, place: &Place) -> Option<i32> {
         let raster = match &self.solid {
             Solid::Raster(raster) => raster,
@@ -251,40 +260,37 @@ impl HeightField {
         }
     }
 
-    /// Heights below a UAV at a place. In a scene that is bent for a UAV they are those of the scene before: below the UAV itself the earth does
-    /// not fall away, but the middle of its cell is lower, and so is all ground that is known without a cell.
+    /// Returns the heights below a UAV at a place.
     pub fn below_uav(&self, place: &Place) -> BelowUav {
-        self.below_uav.unwrap_or_else(|| {
-            let ground = self.ground_at(place);
-            BelowUav {
-                ground,
-                surface: ground.max(self.inside_prisms_below(place)).max(self.inside_columns_below(place)),
-            }
-        })
+        let ground = self.ground_at(place);
+        let surface = ground.max(self.inside_prisms_below(place)).max(self.inside_columns_below(place));
+        BelowUav { ground, surface }
     }
 
-    /// The height below which the vertical line at a place is inside the prisms; [`VOID`] if it is not.
+    /// Returns the height below which the vertical line at a place is inside the prisms; [`VOID`]
+    /// if it is not.
     pub fn inside_prisms_below(&self, place: &Place) -> i32 {
         self.prisms().map_or(VOID, |p| p.solid_below(place.on_prisms.0, place.on_prisms.1))
     }
 
-    /// The height below which the vertical line at a place is inside the columns; [`VOID`] if it is not.
+    /// Returns the height below which the vertical line at a place is inside the columns; [`VOID`]
+    /// if it is not.
     pub fn inside_columns_below(&self, place: &Place) -> i32 {
         self.solid.columns().map_or(VOID, |(c, _)| c.solid_below(place.on_columns.0, place.on_columns.1))
     }
 
-    /// The highest obstacle \[1/1024 m\], [`VOID`] if there is none.
+    /// Returns the highest obstacle \[1/1024 m\], [`VOID`] if there is none.
     pub fn max_top(&self) -> i32 {
         let prisms = self.prisms().map_or(VOID, Prisms::max_top);
         prisms.max(self.columns().map_or(VOID, Columns::max_top))
     }
 
-    /// The lowest known top of a raster \[1/1024 m\], if it has any.
+    /// Returns the lowest known top of a raster \[1/1024 m\], if it has any.
     pub fn lowest_known(&self) -> Option<i32> {
         self.columns().and_then(Columns::lowest_known)
     }
 
-    /// The surface seen from above at each cell \[m above the datum\], NaN where void.
+    /// Returns the surface seen from above at each cell \[m above the datum\], NaN where void.
     pub fn surface_m(&self) -> Vec<f32> {
         self.each_cell(|kind, _| match kind {
             CellKind::Open(z) | CellKind::Building(z) => meters(z),
@@ -292,8 +298,8 @@ impl HeightField {
         })
     }
 
-    /// The surface above the ground at each cell \[m\], NaN where void: for shading, which should show buildings, not
-    /// hills. With a surface model alone that is the surface itself.
+    /// Returns the surface above the ground at each cell \[m\], NaN where void: for shading, which
+    /// should show buildings, not hills. With a surface model alone that is the surface itself.
     pub fn above_ground_m(&self) -> Vec<f32> {
         let surface_only = self.is_surface_only();
         self.each_cell(|kind, place| match kind {
@@ -307,7 +313,7 @@ impl HeightField {
         })
     }
 
-    /// A value for each cell, row by row from the north-west, in parallel.
+    /// Returns a value for each cell, row by row from the north-west, in parallel.
     fn each_cell(&self, value: impl Fn(CellKind, &Place) -> f64 + Sync) -> Vec<f32> {
         let positions = self.positions();
         let n_cols = self.grid.n_cols();
@@ -324,7 +330,8 @@ impl HeightField {
         cells
     }
 
-    /// A world position on the lattices: rounded to that of the prisms, if there are any, and from there to that of the columns.
+    /// Returns a world position on the lattices: rounded to that of the prisms, if there are any,
+    /// and from there to that of the columns.
     pub fn place(&self, x: f64, y: f64) -> Place {
         let on_prisms = self.prisms_frame().map(|frame| frame.lattice_from_world(x, y));
         let on_columns = match on_prisms {
@@ -334,7 +341,7 @@ impl HeightField {
         Place { x, y, on_prisms: on_prisms.unwrap_or((0, 0)), on_columns }
     }
 
-    /// A position of the prisms' lattice on that of the columns.
+    /// Returns a position of the prisms' lattice on that of the columns.
     fn on_columns(&self, (x, y): (i64, i64)) -> (i64, i64) {
         let (Some(prisms), Some(columns)) = (self.prisms_frame(), self.columns_frame()) else { return (0, 0) };
         #[expect(clippy::cast_precision_loss, reason = "lattice positions in reach are below 2^53")]
@@ -342,8 +349,8 @@ impl HeightField {
         columns.lattice_from_world(x, y)
     }
 
-    /// The place some steps east and north of another on the lattice of the solids that make the scene: the prisms where
-    /// there are any, else the columns.
+    /// Returns the place some steps east and north of another on the lattice of the solids that
+    /// make the scene: the prisms where there are any, else the columns.
     pub fn neighbor(&self, place: &Place, (east, north): (i64, i64)) -> Place {
         let Some(frame) = self.prisms_frame().or(self.columns_frame()) else { return *place };
         let steps = f64::from(STEPS_PER_UNIT);
@@ -362,24 +369,24 @@ impl HeightField {
         moved
     }
 
-    /// The cell centers of the receivers' grid on the lattices.
+    /// Returns the cell centers of the receivers' grid on the lattices.
     pub fn positions(&self) -> GridPositions {
         self.positions_on(&self.grid)
     }
 
-    /// The cell centers of any grid on the lattices.
+    /// Returns the cell centers of any grid on the lattices.
     pub(crate) fn positions_on(&self, grid: &GeoRef) -> GridPositions {
         GridPositions::new(grid, RangeLattice::of(&self.grid, self.prisms().is_some()), |x, y| self.place(x, y))
     }
 }
 
 impl RasterSolid {
-    /// The ground below a cell, if it is known apart from the surface.
+    /// Returns the ground below a cell, if it is known apart from the surface.
     fn ground_of(&self, cell: usize) -> Option<i32> {
         self.ground().map(|ground| ground.at(cell))
     }
 
-    /// What a cell is, given the top of its column.
+    /// Returns the kind of a cell, given the top of its column.
     #[inline]
     pub(super) fn kind_of(&self, top: i32, cell: usize) -> CellKind {
         if top == VOID || top == BLOCKS_ALL {

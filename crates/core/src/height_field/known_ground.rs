@@ -1,8 +1,9 @@
-//! Where a vector scene knows the ground: between its footprints, not beyond the last house.
+//! Ground that a vector scene knows: between its footprints, not beyond the last house.
 //!
-//! Footprints say nothing of the ground far from them: it may be fields, a lake, or a town whose houses the file leaves out.
-//! So a scene of footprints holds data within their *closing* by a disc of 100 m: all ground that no disc of this radius
-//! reaches without meeting a footprint. Enclosed holes (parks, squares) are filled.
+//! Footprints say nothing of the ground far from them: it may be fields, a lake, or a town whose
+//! houses the file leaves out. So a scene of footprints holds data within their *closing* by a disc
+//! of 100 m: all ground that no disc of this radius reaches without meeting a footprint. Enclosed
+//! holes (parks, squares) are filled.
 
 use rayon::prelude::*;
 
@@ -27,10 +28,12 @@ pub(super) enum KnownGround {
 }
 
 impl KnownGround {
-    /// The closing of footprints on the lattice of `frame`, in a reference system with so many meters a unit; `None` without footprints.
+    /// Returns the closing of footprints on the lattice of `frame`, in a reference system with so
+    /// many meters a unit; `None` without footprints.
     pub(super) fn near(footprints: &[Footprint], frame: &Frame, meters_per_unit: f64) -> Option<Self> {
         let unit = f64::from(STEPS_PER_UNIT);
-        // All of them, wherever the receivers are: houses far beyond may close the ring around a park.
+        // All of them, wherever the receivers are: houses far beyond may close the ring around a
+        // park.
         let range = |k: usize| {
             let values =
                 || footprints.iter().flat_map(|f| f.polygons.iter().flatten().flatten()).map(|p| i64::from(p[k]));
@@ -46,7 +49,7 @@ impl KnownGround {
         Some(KnownGround::Near(*frame, Box::new(Closing::of(footprints, radius, side)?)))
     }
 
-    /// Share of its area that no footprint covers; 1 of an area that the user drew.
+    /// Returns the share of its area that no footprint covers; 1 of an area that the user drew.
     pub(super) fn open_share(&self) -> f64 {
         match self {
             KnownGround::Area(_) => 1.0,
@@ -54,7 +57,7 @@ impl KnownGround {
         }
     }
 
-    /// Whether it holds a position \[CRS units\].
+    /// Returns whether it holds a position \[CRS units\].
     pub(super) fn contains(&self, x: f64, y: f64) -> bool {
         match self {
             KnownGround::Area(area) => area.contains(x, y),
@@ -65,7 +68,7 @@ impl KnownGround {
         }
     }
 
-    /// The cells of a grid of receivers whose centers it does not hold.
+    /// Returns the cells of a grid of receivers whose centers it does not hold.
     pub(super) fn outside(&self, receivers: &GeoRef) -> BitGrid {
         let (frame, closing) = match self {
             KnownGround::Area(area) => return area.cells(receivers).complement(),
@@ -114,7 +117,8 @@ mod tests {
     fn ground_is_known_where_no_disc_fits_between_the_houses() {
         let receivers = GeoRef::new((0.0, 500.0), (1.0, 1.0), (500, 500), None).expect("a valid grid");
         let at = |set: &BitGrid, x: usize, y: usize| set.contains(499 - y, x);
-        // Between walls 60 m apart discs reach in by 100 − √(100² − 30²) = 4.6 m from either side: y = 204.6 to 215.4 is left.
+        // Between walls 60 m apart discs reach in by 100 − √(100² − 30²) = 4.6 m from either side:
+        // y = 204.6 to 215.4 is left.
         let near = known(&[house(100, 200, 20), house(180, 200, 20)], &receivers);
         assert!([110, 149, 190].iter().all(|x| at(&near, *x, 210)) && at(&near, 149, 206) && at(&near, 149, 213));
         assert!(!at(&near, 149, 202) && !at(&near, 149, 217) && !at(&near, 90, 210));
@@ -138,7 +142,7 @@ mod tests {
         assert!((area / (620.0 * 620.0) - 1.0).abs() < 0.02, "{area}");
     }
 
-    /// The answer for a position hangs on the footprints alone, wherever the lattice begins.
+    /// The answer for a position depends on the footprints alone, wherever the lattice begins.
     #[test]
     fn known_ground_does_not_depend_on_where_the_lattice_begins() {
         let receivers = GeoRef::new((0.0, 500.0), (1.0, 1.0), (500, 500), None).expect("a valid grid");

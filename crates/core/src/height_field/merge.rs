@@ -1,18 +1,21 @@
 //! Joins convex pieces that share a whole edge into larger convex pieces.
 //!
-//! Hertel & Mehlhorn 1985: drop every shared edge whose removal leaves both its ends convex. Two convex rings with
-//! disjoint interiors that share an edge have a convex union if and only if the union turns left (or goes straight) at
-//! both ends of that edge, so one exact orientation test at each end decides. Long edges are dropped first, because they
-//! stand between large pieces. For a triangulated polygon the outcome has at most four times the pieces of the best.
+//! Hertel & Mehlhorn 1985: drop every shared edge whose removal leaves both its ends convex. Let
+//! two convex rings with disjoint interiors share an edge. Their union is convex if and only if it
+//! turns left (or goes straight) at both ends of that edge, so one exact orientation test at each
+//! end decides. Long edges are dropped first, because they stand between large pieces. For a
+//! triangulated polygon the outcome has at most four times the pieces of the best.
 
 use super::rings::{turn, without_collinear};
 use crate::disjoint_sets::DisjointSets;
 use crate::overlay::Ring;
 
-/// Joins convex counterclockwise rings where the union is convex. Vertices on a straight edge are removed.
+/// Joins convex counterclockwise rings where the union is convex. Vertices on a straight edge are
+/// removed.
 ///
-/// Rings that are joined lie on opposite sides of the edge that they share; the union of all rings stays what it was.
-/// Cost: one sort of the edges, and the length of both rings for each edge that is shared.
+/// Rings that are joined lie on opposite sides of the edge that they share; the union of all rings
+/// stays what it was. Cost: one sort of the edges, and the length of both rings for each edge that
+/// is shared.
 pub(super) fn merged(rings: Vec<Ring>) -> Vec<Ring> {
     if rings.len() < 2 {
         return rings;
@@ -55,11 +58,12 @@ pub(super) fn merged(rings: Vec<Ring>) -> Vec<Ring> {
     rings.into_iter().flatten().map(|ring| without_collinear(&ring)).collect()
 }
 
-/// The union of `p`, which runs from `a` to `b`, and `q`, which runs from `b` to `a`, if it is convex.
+/// Returns the union of `p`, which runs from `a` to `b`, and `q`, which runs from `b` to `a`, if it
+/// is convex.
 ///
-/// Straight vertices may make several edges of the wall that both share; it is dropped as a whole. Were only one of its
-/// edges dropped, the union would run to the other end of the rest and back, and no turn there would tell whether it is
-/// convex.
+/// Straight vertices may make several edges of the wall that both share; it is dropped as a whole.
+/// Were only one of its edges dropped, the union would run to the other end of the rest and back,
+/// and no turn there would tell whether it is convex.
 fn join(p: &Ring, q: &Ring, a: [i32; 2], b: [i32; 2]) -> Option<Ring> {
     let starts = |ring: &Ring, from: [i32; 2], to: [i32; 2]| {
         let at = ring.iter().position(|v| *v == from)?;
@@ -92,7 +96,8 @@ mod tests {
 
     #[test]
     fn a_wall_of_several_edges_hides_no_corner() {
-        // Four houses in a square, and a fifth beside one of them: an L, whichever way they are joined.
+        // Four houses in a square, and a fifth beside one of them: an L, whichever way they are
+        // joined.
         let rings = vec![
             rectangle(0, 0, 5, 10),
             rectangle(0, 10, 5, 15),

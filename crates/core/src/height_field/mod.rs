@@ -1,10 +1,11 @@
-//! What a ray can hit: columns over cells, and prisms over footprints, on the integer lattice.
+//! Solids that a ray can hit: columns over cells, and prisms over footprints, on the integer
+//! lattice.
 //!
-//! [`Columns`] is the closed union T of all columns of a raster, [`Prisms`] the closed union B of all prisms of a
-//! vector scene. A [`HeightField`] is either or both, each on its own lattice, together with what receivers stand on.
-//! Nothing here decides who sees whom; that is [`crate::los`].
+//! [`Columns`] is the closed union T of all columns of a raster, [`Prisms`] the closed union B of
+//! all prisms of a vector scene. A [`HeightField`] is either or both, each on its own lattice,
+//! together with what receivers stand on. Nothing here decides who sees whom; that is
+//! [`crate::los`].
 
-mod bent;
 mod build;
 mod casters;
 mod cell_sets;
@@ -25,12 +26,11 @@ mod rings;
 mod roof_plane;
 mod roof_shape;
 mod roofs;
+mod seen_heights;
 mod solid;
 mod tile_maxima;
 mod triangulate;
 
-pub(crate) use bent::BentTerrain;
-pub use bent::{Drops, HeightsOf, SeenHeights};
 pub use build::Built;
 pub use casters::{Caster, CasterBlock, Casters};
 pub use cell_sets::StandsOn;
@@ -44,6 +44,7 @@ pub use positions::{GridPositions, Place, Station};
 pub use prisms::{Buckets, CurvedGround, Piece, Prisms, Top};
 pub use roof_plane::{MAX_ROOF_STEPS, RoofPlane};
 pub use roof_shape::{roof_triangles, wall_edges};
+pub use seen_heights::{Drops, HeightsOf, SeenHeights};
 pub use tile_maxima::{TILE, TILE_BITS, TileMaxima};
 pub use triangulate::{ConvexPieces, convex_pieces, triangles};
 

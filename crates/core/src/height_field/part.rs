@@ -8,13 +8,14 @@ use crate::city::{Ground, Solids};
 use crate::raster::{CellWindow, Raster};
 
 impl HeightField {
-    /// The part of a raster scene over some of its cells, as if no more had been read; `None` of a vector scene.
+    /// Returns the part of a raster scene over some of its cells, as if no more had been read;
+    /// `None` of a vector scene.
     pub fn part(&self, window: CellWindow) -> Option<HeightField> {
         Some(HeightField::build(&self.grid.part(window), self.solids_of(window)?).field)
     }
 
-    /// The scene with receivers in some of its cells alone: a raster as if no more had been read, of footprints with all that
-    /// can block a link.
+    /// Returns the scene with receivers in some of its cells alone: a raster as if no more had been
+    /// read, of footprints with all that can block a link.
     #[must_use]
     pub fn shown(&self, window: CellWindow) -> HeightField {
         let Solid::Vector(vector) = &self.solid else { return self.part(window).unwrap_or_else(|| self.clone()) };
@@ -35,10 +36,11 @@ impl HeightField {
         let cells =
             Arc::new(CellSets { open: self.cells.open.part(window), building: self.cells.building.part(window) });
         let without_data = self.without_data.as_ref().map(|whole| Arc::new(whole.part(window)));
-        HeightField { grid: self.grid.part(window), solid, without_data, cells, bent_terrain: None, below_uav: None }
+        HeightField { grid: self.grid.part(window), solid, without_data, cells, bent_terrain: None }
     }
 
-    /// What a raster scene was built from, over some of its cells; `None` of a vector scene.
+    /// Returns what a raster scene was built from, over some of its cells; `None` of a vector
+    /// scene.
     pub fn solids_of(&self, window: CellWindow) -> Option<Solids> {
         let raster = self.solid.raster()?;
         let grid = self.grid.part(window);

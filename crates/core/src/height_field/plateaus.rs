@@ -1,4 +1,5 @@
-//! A raster as few rectangles of equal height, where it is that: block models of cities on a grid along their walls.
+//! A raster as few rectangles of equal height, where it is that: block models of cities on a grid
+//! along their walls.
 
 use std::cmp::Reverse;
 use std::sync::OnceLock;
@@ -34,9 +35,9 @@ pub struct Plateau {
 #[derive(Debug, Clone)]
 pub struct Plateaus {
     n_rows: usize,
-    /// Those above the lowest, by their first row.
+    /// Plateaus above the lowest, by their first row.
     raised: Vec<Plateau>,
-    /// Those of another height than most cells, by their first row.
+    /// Plateaus of another height than most cells, by their first row.
     apart: Vec<Plateau>,
     ground: i32,
     lowest: i32,
@@ -46,15 +47,19 @@ pub struct Plateaus {
 }
 
 impl Plateaus {
-    /// The plateaus of a raster by its tops \[1/1024 m above the datum\], however many they are; `None` if it has a cell that
-    /// blocks everything, or no height at all.
+    /// Returns the plateaus of a raster by its tops \[1/1024 m above the datum\], however many they
+    /// are.
     ///
-    /// Cost: a comparison of each row with the one before, and of the cells of rows that differ with their neighbors.
+    /// `None` if it has a cell that blocks everything, or no height at all.
+    ///
+    /// Cost: a comparison of each row with the one before, and of the cells of rows that differ
+    /// with their neighbors.
     pub fn of(tops: &[i32], n_cols: usize) -> Option<Self> {
         Plateaus::of_runs(&RowRuns::of(tops, n_cols, 0)?, usize::MAX)
     }
 
-    /// The plateaus of a raster where they save time: `None` as well if it is small, or has more than one plateau to 256 cells.
+    /// Returns the plateaus of a raster where they save time: `None` as well if it is small, or has
+    /// more than one plateau to 256 cells.
     pub(super) fn if_few(tops: &LargeVec<i32>, n_cols: usize) -> Option<Self> {
         if tops.len() < FEWEST_CELLS {
             return None;
@@ -93,39 +98,42 @@ impl Plateaus {
         Some(Plateaus { n_rows, raised, apart, ground, lowest, highest, has_void, prisms: OnceLock::new() })
     }
 
-    /// The plateaus above the lowest height, by their first row.
+    /// Returns the plateaus above the lowest height, by their first row.
     pub fn raised(&self) -> &[Plateau] {
         &self.raised
     }
 
-    /// The plateaus of another height than most cells, by their first row.
+    /// Returns the plateaus of another height than most cells, by their first row.
     pub fn apart(&self) -> &[Plateau] {
         &self.apart
     }
 
-    /// Top of all cells that are not void but those of [`Plateaus::apart`] \[1/1024 m above the datum\].
+    /// Returns the top of all cells that are not void but those of [`Plateaus::apart`] \[1/1024 m
+    /// above the datum\].
     pub fn ground(&self) -> i32 {
         self.ground
     }
 
-    /// Top of all cells that are not void but those of [`Plateaus::raised`] \[1/1024 m above the datum\].
+    /// Returns the top of all cells that are not void but those of [`Plateaus::raised`] \[1/1024 m
+    /// above the datum\].
     pub fn lowest(&self) -> i32 {
         self.lowest
     }
 
-    /// The lowest and the highest top of all cells; [`VOID`] is the lowest if any is void.
+    /// Returns the lowest and the highest top of all cells; [`VOID`] is the lowest if any is void.
     pub(super) fn extremes(&self) -> (i32, i32) {
         (if self.has_void { VOID } else { self.lowest }, self.highest)
     }
 
-    /// The plateaus above the lowest height as prisms on the lattice of the columns; pieces are in the order of
-    /// [`Plateaus::raised`].
+    /// Returns the plateaus above the lowest height as prisms on the lattice of the columns; pieces
+    /// are in the order of [`Plateaus::raised`].
     ///
-    /// Their union is that of the columns above the lowest height, so a ray between two points that are not below that is
-    /// blocked by the one if and only if it is by the other, but for the cells that are exempt for a receiver inside of
-    /// them.
+    /// Their union is that of the columns above the lowest height. So of two points that are not
+    /// below that, both block the same rays, but for the cells that are exempt for a receiver
+    /// inside of them.
     pub fn prisms(&self) -> &Prisms {
-        // Made outside of the lock: a thread that waits for parts of the work may take up another task, which wants the prisms.
+        // Made outside of the lock: a thread that waits for parts of the work may take up another
+        // task, which wants the prisms.
         match self.prisms.get() {
             Some(prisms) => prisms,
             None => {
@@ -135,13 +143,14 @@ impl Plateaus {
         }
     }
 
-    /// Some of the plateaus above the lowest height as prisms: those that `keep` holds for, which is asked in their order.
+    /// Returns some of the plateaus above the lowest height as prisms: those that `keep` holds for,
+    /// which is asked in their order.
     pub fn prisms_of(&self, mut keep: impl FnMut(&Plateau) -> bool) -> Prisms {
         let kept = self.raised.iter().filter(|plateau| keep(plateau));
         Prisms::new(kept.zip(0..).map(|(plateau, k)| (self.ring(plateau), plateau.top, k)))
     }
 
-    /// The corners of a plateau on the lattice, counterclockwise from the south-west.
+    /// Returns the corners of a plateau on the lattice, counterclockwise from the south-west.
     pub fn ring(&self, plateau: &Plateau) -> [[i32; 2]; 4] {
         let on_lattice = |cell: usize| i32::try_from(cell).unwrap_or(i32::MAX / STEPS_PER_UNIT) * STEPS_PER_UNIT;
         let [west, east] = [plateau.cols.0, plateau.cols.1].map(|col| on_lattice(col as usize));
@@ -151,7 +160,7 @@ impl Plateaus {
 }
 
 impl Plateau {
-    /// Cells along two neighboring sides.
+    /// Returns cells along two neighboring sides.
     fn half_girth(&self) -> usize {
         (self.rows.1 - self.rows.0) as usize + (self.cols.1 - self.cols.0) as usize
     }
@@ -161,7 +170,8 @@ impl Plateau {
     }
 }
 
-/// The height of the most cells, the lowest of equal ones; puts the plateaus in the order of their heights.
+/// Returns the height of the most cells, the lowest of equal ones; puts the plateaus in the order
+/// of their heights.
 fn most_frequent(plateaus: &mut [Plateau]) -> Option<i32> {
     plateaus.sort_unstable_by_key(|plateau| plateau.top);
     let cells = |same: &[Plateau]| same.iter().map(Plateau::n_cells).sum::<u64>();

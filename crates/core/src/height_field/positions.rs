@@ -20,7 +20,7 @@ impl Place {
         Place { x, y, ..self }
     }
 
-    /// A world position on the lattice of the cells of a grid, in a scene without prisms.
+    /// Returns a world position on the lattice of the cells of a grid, in a scene without prisms.
     pub(crate) fn on_cells(grid: &GeoRef, x: f64, y: f64) -> Self {
         Place { x, y, on_prisms: (0, 0), on_columns: cell_frame(grid).lattice_from_world(x, y) }
     }
@@ -29,29 +29,30 @@ impl Place {
 /// An end of a link: a place and a height.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
-    /// Where in the plane.
+    /// Place in the plane.
     pub place: Place,
     /// Height \[1/1024 m above the datum\].
     pub z: i64,
 }
 
 impl Station {
-    /// The end on the lattice of the prisms.
+    /// Returns the end on the lattice of the prisms.
     #[inline]
     pub fn on_prisms(&self) -> LatticePoint {
         LatticePoint { x: self.place.on_prisms.0, y: self.place.on_prisms.1, z: self.z }
     }
 
-    /// The end on the lattice of the columns.
+    /// Returns the end on the lattice of the columns.
     #[inline]
     pub fn on_columns(&self) -> LatticePoint {
         LatticePoint { x: self.place.on_columns.0, y: self.place.on_columns.1, z: self.z }
     }
 }
 
-/// The lattice on which distances are told: whole steps to a cell of the receivers, so that cells at equal distances on all
-/// sides stay so, whatever their size is. In a raster scene it is that of the columns, in a vector scene no coarser than
-/// that of the prisms. It begins at the corner of the whole grid, so that all parts of a grid tell the same distances.
+/// The lattice on which distances are told: whole steps to a cell of the receivers, so that cells
+/// at equal distances on all sides stay so, whatever their size is. In a raster scene it is that of
+/// the columns, in a vector scene no coarser than that of the prisms. It begins at the corner of
+/// the whole grid, so that all parts of a grid tell the same distances.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RangeLattice {
     frame: Frame,
@@ -66,13 +67,13 @@ impl RangeLattice {
         RangeLattice { frame, steps_per_cell: cells * f64::from(STEPS_PER_UNIT) }
     }
 
-    /// Length of a step along x and y \[CRS units\].
+    /// Returns the length of a step along x and y \[CRS units\].
     #[inline]
     fn step_lengths(&self) -> (f64, f64) {
         (self.frame.unit_x / self.steps_per_cell, self.frame.unit_y / self.steps_per_cell)
     }
 
-    /// The lattice position nearest to world `(x, y)`; halves go north-east.
+    /// Returns the lattice position nearest to world `(x, y)`; halves go north-east.
     fn at(&self, x: f64, y: f64) -> (i64, i64) {
         #[expect(clippy::cast_possible_truncation, reason = "far outside it saturates, which is out of any range")]
         let round = |cells: f64| (cells * self.steps_per_cell + 0.5).floor() as i64;
@@ -80,7 +81,8 @@ impl RangeLattice {
     }
 }
 
-/// A coordinate of a cell center: of the world, on the lattices of prisms and columns, and of distances.
+/// A coordinate of a cell center: of the world, on the lattices of prisms and columns, and of
+/// distances.
 type Center = (f64, i64, i64, i64);
 
 /// Lattice positions of the cell centers of a grid.
@@ -92,7 +94,7 @@ pub struct GridPositions {
 }
 
 impl GridPositions {
-    /// Those of the cells of a grid in a scene without prisms.
+    /// Returns the positions of the cells of a grid in a scene without prisms.
     pub(crate) fn on_cells(grid: &GeoRef) -> Self {
         GridPositions::new(grid, RangeLattice::of(grid, false), |x, y| Place::on_cells(grid, x, y))
     }
@@ -109,40 +111,43 @@ impl GridPositions {
         GridPositions { xs: xs.collect(), ys: ys.collect(), range }
     }
 
-    /// Number of rows and of columns.
+    /// Returns the number of rows and of columns.
     pub fn shape(&self) -> (usize, usize) {
         (self.ys.len(), self.xs.len())
     }
 
-    /// Length of a step of distances along x and y \[CRS units\].
+    /// Returns the length of a step of distances along x and y \[CRS units\].
     #[inline]
     pub fn step_lengths(&self) -> (f64, f64) {
         self.range.step_lengths()
     }
 
-    /// A place on the lattice of distances.
+    /// Returns a place on the lattice of distances.
     #[inline]
     pub fn on_range(&self, place: &Place) -> (i64, i64) {
         self.range.at(place.x, place.y)
     }
 
-    /// Steps of distances to the east and north, from a place on their lattice to the center of the cell in a row and column.
+    /// Steps of distances to the east and north, from a place on their lattice to the center of the
+    /// cell in a row and column.
     #[inline]
     pub fn steps(&self, (x, y): (i64, i64), (row, col): (usize, usize)) -> (i64, i64) {
         (self.xs[col].3 - x, self.ys[row].3 - y)
     }
 
-    /// Positions on the columns' lattice: of the columns of cells, west to east, and of their rows, north to south.
+    /// Returns positions on the columns' lattice: of the columns of cells, west to east, and of
+    /// their rows, north to south.
     pub fn on_columns(&self) -> (Vec<i64>, Vec<i64>) {
         (self.xs.iter().map(|x| x.2).collect(), self.ys.iter().map(|y| y.2).collect())
     }
 
-    /// Positions on the prisms' lattice: of the columns of cells, west to east, and of their rows, north to south.
+    /// Returns positions on the prisms' lattice: of the columns of cells, west to east, and of
+    /// their rows, north to south.
     pub fn on_prisms(&self) -> (Vec<i64>, Vec<i64>) {
         (self.xs.iter().map(|x| x.1).collect(), self.ys.iter().map(|y| y.1).collect())
     }
 
-    /// The center of a cell.
+    /// Returns the center of a cell.
     #[inline]
     pub fn center(&self, row: usize, col: usize) -> Place {
         let ((x, prisms_x, columns_x, _), (y, prisms_y, columns_y, _)) = (self.xs[col], self.ys[row]);
@@ -150,7 +155,7 @@ impl GridPositions {
     }
 }
 
-/// The lattice of the columns over the cells of a grid, in a raster scene.
+/// Returns the lattice of the columns over the cells of a grid, in a raster scene.
 pub(crate) fn cell_frame(georef: &GeoRef) -> Frame {
     CellLattice::of_cells(georef).frame
 }

@@ -12,16 +12,18 @@ use crate::quantity::VOID;
 pub enum Top {
     /// At one height \[1/1024 m above the datum\].
     Flat(i32),
-    /// In the plane through these heights of its corners, which lie within [`MAX_ROOF_STEPS`](super::MAX_ROOF_STEPS) of each other.
+    /// In the plane through these heights of its corners, which lie within
+    /// [`MAX_ROOF_STEPS`](super::MAX_ROOF_STEPS) of each other.
     Sloped(Vec<i32>),
 }
 
-/// A convex prism: a counterclockwise convex ring, solid from below everything up to a flat or a sloped top.
+/// A convex prism: a counterclockwise convex ring, solid from below everything up to a flat or a
+/// sloped top.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Piece {
     first: u32,
     len: u32,
-    /// Where the heights of its corners begin, [`FLAT`] if it has one top.
+    /// Begin of the heights of its corners, [`FLAT`] if it has one top.
     heights: u32,
     /// Top \[1/1024 m above the datum\], of a sloped roof the highest.
     pub top: i32,
@@ -39,7 +41,7 @@ pub struct Prisms {
     earth: Option<CurvedGround>,
 }
 
-/// What prisms are over a flat earth.
+/// Prisms over a flat earth.
 #[derive(Debug)]
 struct Parts {
     vertices: Vec<[i32; 2]>,
@@ -56,7 +58,8 @@ struct Parts {
 pub struct CurvedGround {
     /// By how much it falls away.
     pub bulge: Bulge,
-    /// The height of flat ground, which stands in the way beyond the horizon \[1/1024 m above the datum\]; `None` where columns do.
+    /// The height of flat ground, which stands in the way beyond the horizon \[1/1024 m above the
+    /// datum\]; `None` where columns do.
     pub ground: Option<i32>,
 }
 
@@ -75,7 +78,8 @@ pub struct Buckets {
 }
 
 impl Buckets {
-    /// The bucket at `(east, north)`: its highest top and its pieces; `None` outside the grid.
+    /// Returns the bucket at `(east, north)`: its highest top and its pieces; `None` outside the
+    /// grid.
     #[inline]
     pub fn at(&self, east: i64, north: i64) -> Option<(i32, &[u32])> {
         if east < 0 || north < 0 || east >= self.shape.0 || north >= self.shape.1 {
@@ -85,20 +89,21 @@ impl Buckets {
         Some((self.max_tops[i], &self.items[self.start[i] as usize..self.start[i + 1] as usize]))
     }
 
-    /// The bucket that holds a lattice position, half-open towards the north-east.
+    /// Returns the bucket that holds a lattice position, half-open towards the north-east.
     pub fn index_of(&self, x: i64, y: i64) -> (i64, i64) {
         ((x - self.origin.0).div_euclid(self.size), (y - self.origin.1).div_euclid(self.size))
     }
 }
 
 impl Prisms {
-    /// Prisms with flat tops from convex counterclockwise rings, each with its top and the index of its building.
+    /// Returns prisms with flat tops from convex counterclockwise rings, each with its top and the
+    /// index of its building.
     pub fn new<R: AsRef<[[i32; 2]]>>(pieces: impl IntoIterator<Item = (R, i32, u32)>) -> Self {
         Prisms::with_tops(pieces.into_iter().map(|(ring, top, building)| (ring, Top::Flat(top), building)))
     }
 
-    /// Prisms from convex counterclockwise rings, each with its top and the index of its building. A ring below a sloped top turns left
-    /// at its second corner.
+    /// Returns prisms from convex counterclockwise rings, each with its top and the index of its
+    /// building. A ring below a sloped top turns left at its second corner.
     pub fn with_tops<R: AsRef<[[i32; 2]]>>(pieces: impl IntoIterator<Item = (R, Top, u32)>) -> Self {
         let mut vertices: Vec<[i32; 2]> = Vec::new();
         let mut heights: Vec<i32> = Vec::new();
@@ -134,67 +139,69 @@ impl Prisms {
         Prisms { parts: Arc::new(Parts { buckets, casters, ..parts }), earth: None }
     }
 
-    /// These prisms on an earth that is curved, or flat again.
+    /// Returns these prisms on an earth that is curved, or flat again.
     pub fn on_earth(&self, earth: Option<CurvedGround>) -> Prisms {
         Prisms { parts: Arc::clone(&self.parts), earth }
     }
 
-    /// The curve of the earth below them; `None` if it is flat.
+    /// Returns the curve of the earth below them; `None` if it is flat.
     #[inline]
     pub fn earth(&self) -> Option<CurvedGround> {
         self.earth
     }
 
-    /// All convex pieces.
+    /// Returns all convex pieces.
     pub fn pieces(&self) -> &[Piece] {
         &self.parts.pieces
     }
 
-    /// The ring of a piece.
+    /// Returns the ring of a piece.
     #[inline]
     pub fn ring(&self, piece: &Piece) -> &[[i32; 2]] {
         self.parts.ring(piece)
     }
 
-    /// The heights of the corners of a piece \[1/1024 m above the datum\]; `None` of one with a flat top.
+    /// Returns the heights of the corners of a piece \[1/1024 m above the datum\]; `None` of one
+    /// with a flat top.
     #[inline]
     pub fn heights(&self, piece: &Piece) -> Option<&[i32]> {
         self.parts.heights(piece)
     }
 
-    /// The plane of a sloped piece; `None` of one with a flat top.
+    /// Returns the plane of a sloped piece; `None` of one with a flat top.
     #[inline]
     pub fn plane(&self, piece: &Piece) -> Option<RoofPlane> {
         self.heights(piece).map(|heights| RoofPlane::through(self.ring(piece), heights))
     }
 
-    /// Whether any roof is sloped.
+    /// Returns whether any roof is sloped.
     pub fn are_sloped(&self) -> bool {
         !self.parts.heights.is_empty()
     }
 
-    /// The lowest lattice height that is not below the roof of a piece at a position in its closed ring \[1/1024 m above the datum\].
+    /// Returns the lowest lattice height that is not below the roof of a piece at a position in its
+    /// closed ring \[1/1024 m above the datum\].
     #[inline]
     fn top_at(&self, piece: &Piece, x: i64, y: i64) -> i32 {
         self.plane(piece).map_or(piece.top, |plane| plane.lowest_above(x, y))
     }
 
-    /// The grid that finds pieces by place.
+    /// Returns the grid that finds pieces by place.
     pub(crate) fn buckets(&self) -> &Buckets {
         &self.parts.buckets
     }
 
-    /// The prisms as casters of shadows.
+    /// Returns the prisms as casters of shadows.
     pub fn casters(&self) -> &Casters {
         &self.parts.casters
     }
 
-    /// The highest top, [`VOID`] if there is no prism.
+    /// Returns the highest top, [`VOID`] if there is no prism.
     pub fn max_top(&self) -> i32 {
         self.parts.max_top
     }
 
-    /// The pieces whose closed ring contains the lattice position.
+    /// Returns the pieces whose closed ring contains the lattice position.
     fn touching(&self, x: i64, y: i64) -> impl Iterator<Item = (usize, &[[i32; 2]])> {
         let (east, north) = self.parts.buckets.index_of(x, y);
         let items = self.parts.buckets.at(east, north).map_or(&[][..], |(_, items)| items);
@@ -204,17 +211,21 @@ impl Prisms {
         })
     }
 
-    /// The height below which the vertical line at `(x, y)` is in the interior of B, and the piece that sets it: `None`
-    /// if the position is not interior to the union of the footprints.
+    /// Returns the height below which the vertical line at `(x, y)` is in the interior of B, and
+    /// the piece that sets it.
     ///
-    /// On an edge or a vertex of pieces this is the lowest, over all directions around the point, of what lies that way.
+    /// `None` if the position is not interior to the union of the footprints. On an edge or a
+    /// vertex of pieces this is the lowest, over all directions around the point, of what lies that
+    /// way.
     pub(crate) fn solid_at(&self, x: i64, y: i64) -> Option<(i32, usize)> {
         let around = self.around(x, y);
         around.sides.into_iter().map(|side| side.max(around.whole)).min().unwrap_or(around.whole)
     }
 
-    /// The pieces around `(x, y)`: those in whose interior it lies, and, if walls meet there and leave no side open, the highest piece of each
-    /// side that the others do not cover.
+    /// Returns the pieces in whose interior `(x, y)` lies, and the walls that meet there.
+    ///
+    /// If the walls leave no side open, the highest piece of each side that the others do not
+    /// cover.
     pub(crate) fn pieces_around(&self, x: i64, y: i64) -> (Vec<usize>, Vec<usize>) {
         let inside = self.touching(x, y).filter(|(_, ring)| sector_at(ring, x, y).is_none());
         let around = self.around(x, y);
@@ -225,10 +236,10 @@ impl Prisms {
         (inside.map(|(piece, _)| piece).collect(), sides.into_iter().map(|(_, piece)| piece).collect())
     }
 
-    /// What lies around a point: the highest roof in whose interior it is, and, for each direction in which that changes, the highest roof
-    /// just counterclockwise of it that ends at the point.
+    /// Returns the highest roof in whose interior a point is, and the highest roof just
+    /// counterclockwise of each direction in which that changes.
     fn around(&self, x: i64, y: i64) -> Around {
-        /// What a piece covers around the point: the directions from `from` counterclockwise to `to`.
+        /// Directions that a piece covers around the point: from `from` counterclockwise to `to`.
         struct Sector {
             from: [i64; 2],
             to: [i64; 2],
@@ -260,13 +271,16 @@ impl Prisms {
         Around { whole, sides }
     }
 
-    /// The height of the solid there, of a slope rounded up; [`VOID`] where there is none.
+    /// Returns the height of the solid there, of a slope rounded up; [`VOID`] where there is none.
     pub fn solid_below(&self, x: i64, y: i64) -> i32 {
         self.solid_at(x, y).map_or(VOID, |(top, _)| top)
     }
 
-    /// The top of the roof at `(x, y)`, of a slope rounded up, and its building: the highest of the pieces that hold the position, counting a
-    /// point on an edge to what lies east, then north of it. `None` off all footprints.
+    /// Returns the top of the roof at `(x, y)`, of a slope rounded up, and its building; `None` off
+    /// all footprints.
+    ///
+    /// It is the highest of the pieces that hold the position. A point on an edge counts to what
+    /// lies east, then north of it.
     pub fn roof_at(&self, x: i64, y: i64) -> Option<(i32, u32)> {
         let holding = self.touching(x, y).filter(|(_, ring)| holds_half_open(ring, x, y));
         holding.map(|(i, _)| &self.parts.pieces[i]).map(|p| (self.top_at(p, x, y), p.building)).max()
@@ -291,8 +305,9 @@ struct Around {
     sides: Vec<Option<(i32, usize)>>,
 }
 
-/// Whether a convex counterclockwise ring holds a position under the half-open rule: a position on an edge belongs to
-/// what lies just east, then just north of it. Rings with disjoint interiors never share a position.
+/// Returns whether a convex counterclockwise ring holds a position under the half-open rule: a
+/// position on an edge belongs to what lies just east, then just north of it. Rings with disjoint
+/// interiors never share a position.
 #[inline]
 pub(super) fn holds_half_open(ring: &[[i32; 2]], x: i64, y: i64) -> bool {
     let n = ring.len();
@@ -303,14 +318,16 @@ pub(super) fn holds_half_open(ring: &[[i32; 2]], x: i64, y: i64) -> bool {
     })
 }
 
-/// Twice the signed area of `a`, `b`, `(x, y)`: positive if the position is left of the edge.
+/// Returns twice the signed area of `a`, `b`, `(x, y)`: positive if the position is left of the
+/// edge.
 #[inline]
 pub(super) fn side(a: [i32; 2], b: [i32; 2], x: i64, y: i64) -> i64 {
     let (ax, ay, bx, by) = (i64::from(a[0]), i64::from(a[1]), i64::from(b[0]), i64::from(b[1]));
     (bx - ax) * (y - ay) - (by - ay) * (x - ax)
 }
 
-/// The directions that a convex ring covers around a position which its closed region contains: `None` for all of them.
+/// Returns the directions that a convex ring covers around a position which its closed region
+/// contains: `None` for all of them.
 fn sector_at(ring: &[[i32; 2]], x: i64, y: i64) -> Option<([i64; 2], [i64; 2])> {
     let n = ring.len();
     let to = |k: usize| [i64::from(ring[k % n][0]) - x, i64::from(ring[k % n][1]) - y];
@@ -322,7 +339,7 @@ fn sector_at(ring: &[[i32; 2]], x: i64, y: i64) -> Option<([i64; 2], [i64; 2])> 
     Some((at(k + 1), at(k)))
 }
 
-/// The shortest vector of integers in a direction, so that equal directions are equal.
+/// Returns the shortest vector of integers in a direction, so that equal directions are equal.
 fn shortest(direction: [i64; 2]) -> [i64; 2] {
     let [mut a, mut divisor] = direction;
     while a != 0 {
@@ -357,8 +374,8 @@ fn build_buckets(vertices: &[[i32; 2]], pieces: &[Piece]) -> Buckets {
     let spans = |p: &Piece| {
         let [px0, py0, px1, py1] = bounds(ring(p));
         let cell = |v: i64, o: i64| (v - o).div_euclid(size);
-        // A closed square also meets what only touches its east or north edge; visits are half-open, so the bucket of
-        // each of the piece's points is enough.
+        // A closed square also meets what only touches its east or north edge; visits are
+        // half-open, so the bucket of each of the piece's points is enough.
         (cell(px0, origin.0)..=cell(px1, origin.0), cell(py0, origin.1)..=cell(py1, origin.1))
     };
     let index = |n: i64| usize::try_from(n).unwrap_or(0);

@@ -2,7 +2,8 @@
 
 use crate::overlay::Ring;
 
-/// Twice the signed area of the triangle `a`, `b`, `c`. Coordinates differ by at most 2^28, so this is exact.
+/// Returns twice the signed area of the triangle `a`, `b`, `c`. Coordinates differ by at most 2^28,
+/// so this is exact.
 pub(super) fn turn(a: [i32; 2], b: [i32; 2], c: [i32; 2]) -> i64 {
     let d = |p: [i32; 2], q: [i32; 2]| (i64::from(q[0]) - i64::from(p[0]), i64::from(q[1]) - i64::from(p[1]));
     let ((ux, uy), (vx, vy)) = (d(a, b), d(a, c));

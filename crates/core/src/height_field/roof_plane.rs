@@ -2,8 +2,8 @@
 
 use crate::quantity::{LatticePoint, VOID};
 
-/// Corners of one sloped roof differ by at most this along each axis \[lattice steps\]: 1024 m. Decisions about links are products of
-/// integers then that 128 bits hold.
+/// Corners of one sloped roof differ by at most this along each axis \[lattice steps\]: 1024 m.
+/// Decisions about links are products of integers then that 128 bits hold.
 pub const MAX_ROOF_STEPS: i32 = 1 << 20;
 
 /// The plane through the upper edges of a convex piece whose corners have heights of their own.
@@ -11,14 +11,14 @@ pub const MAX_ROOF_STEPS: i32 = 1 << 20;
 pub struct RoofPlane {
     /// A corner: position \[lattice steps\] and height \[1/1024 m above the datum\].
     corner: [i64; 3],
-    /// What the plane rises by along one step to the east and to the north, times `area`.
+    /// Rise of the plane along one step to the east and to the north, times `area`.
     rise: [i64; 2],
     /// Twice the area of the triangle of the first three corners, above 0.
     area: i64,
 }
 
 impl RoofPlane {
-    /// The plane through the first three corners of a ring that turns left at the second.
+    /// Returns the plane through the first three corners of a ring that turns left at the second.
     #[inline]
     pub fn through(ring: &[[i32; 2]], heights: &[i32]) -> RoofPlane {
         let corner = |k: usize| [ring[k][0], ring[k][1], heights[k]].map(i64::from);
@@ -28,7 +28,7 @@ impl RoofPlane {
         RoofPlane { corner: a, rise: [bz * cy - cz * by, cz * bx - bz * cx], area: bx * cy - by * cx }
     }
 
-    /// How far a point is above the plane, times [`area`](RoofPlane::area); exact.
+    /// Returns how far a point is above the plane, times [`area`](RoofPlane::area); exact.
     #[inline]
     pub fn above(&self, p: LatticePoint) -> i128 {
         let [x, y, z] = self.corner;
@@ -36,20 +36,22 @@ impl RoofPlane {
         straight - i128::from(self.rise[0]) * i128::from(p.x - x) - i128::from(self.rise[1]) * i128::from(p.y - y)
     }
 
-    /// What distances above the plane are multiplied by.
+    /// Returns the factor of distances above the plane.
     #[inline]
     pub fn area(&self) -> i64 {
         self.area
     }
 
-    /// What the plane rises by along one step to the east and to the north, times [`area`](RoofPlane::area).
+    /// Returns the rise of the plane along one step to the east and to the north, times
+    /// [`area`](RoofPlane::area).
     #[inline]
     pub fn rise(&self) -> [i64; 2] {
         self.rise
     }
 
-    /// The lowest lattice height that is not below the plane at a position within the roof \[1/1024 m above the datum\]: lattice heights are below
-    /// the plane if and only if they are below this.
+    /// Returns the lowest lattice height that is not below the plane at a position within the roof
+    /// \[1/1024 m above the datum\]. Lattice heights are below the plane if and only if they are
+    /// below this.
     #[inline]
     pub fn lowest_above(&self, x: i64, y: i64) -> i32 {
         let above = self.above(LatticePoint { x, y, z: 0 });
@@ -63,7 +65,7 @@ impl RoofPlane {
         z + (self.rise[0] as f64 * (x - cx) + self.rise[1] as f64 * (y - cy)) / self.area as f64
     }
 
-    /// What tells one plane from all others.
+    /// Returns a key that no other plane has.
     pub(super) fn key(&self) -> [i128; 4] {
         let [x, y] = self.rise.map(i128::from);
         let at_zero = -self.above(LatticePoint { x: 0, y: 0, z: 0 });
@@ -73,7 +75,7 @@ impl RoofPlane {
     }
 }
 
-/// The greatest common divisor of two integers, of 0 and another that other.
+/// Returns the greatest common divisor of two integers, of 0 and another that other.
 fn common_divisor(a: i128, b: i128) -> i128 {
     let (mut a, mut b) = (a.abs(), b.abs());
     while b != 0 {

@@ -1,4 +1,4 @@
-//! What is seen of buildings from above and from the side: triangles of roofs, and the upper edges of walls.
+//! Triangles of roofs, and the upper edges of walls: buildings from above and from the side.
 
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -7,7 +7,8 @@ use super::{ConvexPieces, convex_pieces};
 use crate::city::{Footprint, RoofTriangle};
 use crate::overlay::{Ring, wound};
 
-/// The roof of a building as triangles, those of a flat one over the pieces of its polygons.
+/// Returns the roof of a building as triangles, those of a flat one over the pieces of its
+/// polygons.
 pub fn roof_triangles(footprint: &Footprint) -> Cow<'_, [RoofTriangle]> {
     if !footprint.roof.is_empty() {
         return Cow::Borrowed(&footprint.roof);
@@ -21,8 +22,8 @@ pub fn roof_triangles(footprint: &Footprint) -> Cow<'_, [RoofTriangle]> {
     pieces.flat_map(fan).collect()
 }
 
-/// The upper edges of the walls of a building, the building on their left: around its polygons, or of triangles of its roof that no other one
-/// joins there.
+/// Returns the upper edges of the walls of a building, the building on their left: around its
+/// polygons, or of triangles of its roof that no other one joins there.
 pub fn wall_edges(footprint: &Footprint) -> Vec<[[i32; 3]; 2]> {
     if footprint.roof.is_empty() {
         let at_top = |[x, y]: [i32; 2]| [x, y, footprint.top];

@@ -1,4 +1,4 @@
-//! Which cells of the receivers' grid are roofs of a vector scene.
+//! Cells of the receivers' grid that are roofs of a vector scene.
 
 use std::sync::Arc;
 
@@ -10,7 +10,8 @@ use crate::quantity::VOID;
 use crate::raster::BitGrid;
 
 impl HeightField {
-    /// Finds the roof of every cell of a vector scene whose center is in the interior of B and above the ground.
+    /// Finds the roof of every cell of a vector scene whose center is in the interior of B and
+    /// above the ground.
     ///
     /// Cost: the rows that each edge of a piece passes, and the cells in each piece.
     pub(super) fn find_roofs(&mut self) {
@@ -46,7 +47,8 @@ impl HeightField {
         for (index, roof) in roofs.iter_mut().enumerate().filter(|(_, roof)| **roof != VOID) {
             let (row, col) = (index / n_cols, index % n_cols);
             let center = positions.center(row, col);
-            // On an edge the half-open rule above tells the roof, but only a shared edge is inside the solid.
+            // On an edge the half-open rule above tells the roof, but only a shared edge is inside
+            // the solid.
             let inside = if on_an_edge.contains(row, col) { self.inside_prisms_below(&center) } else { *roof };
             if inside == VOID || inside <= self.ground_at(&center) {
                 *roof = VOID;
@@ -65,8 +67,8 @@ struct Centers {
 }
 
 impl Centers {
-    /// Calls `visit` for each row with the columns that a convex counterclockwise ring holds by the half-open rule (`false`),
-    /// and with those whose centers are on its boundary (`true`).
+    /// Calls `visit` for each row with the columns that a convex counterclockwise ring holds by the
+    /// half-open rule (`false`), and with those whose centers are on its boundary (`true`).
     fn visit(&self, ring: &[[i32; 2]], mut visit: impl FnMut(usize, Range<usize>, bool)) {
         let rows = |low: i64, high: i64| self.ys.partition_point(|y| *y > high)..self.ys.partition_point(|y| *y >= low);
         let col = |x: i64| self.xs.partition_point(|center| *center < x);
@@ -91,7 +93,8 @@ impl Centers {
                 if x % dy == 0 {
                     visit(row, col(first)..col(first + 1), true);
                 }
-                // A corner between two edges counts to the upper one; the north end of the ring is not in it.
+                // A corner between two edges counts to the upper one; the north end of the ring is
+                // not in it.
                 if self.ys[row] < high[1] {
                     spans[row - all_rows.start][end] = col(first);
                 }

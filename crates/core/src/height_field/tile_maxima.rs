@@ -14,9 +14,11 @@ pub const TILE: usize = 1 << TILE_BITS;
 /// Columns whose maxima are found together.
 const BLOCK: usize = 64;
 
-/// The highest value of each tile of 8 × 8 cells of a grid; tiles at the south and east edges may hold fewer.
+/// The highest value of each tile of 8 × 8 cells of a grid; tiles at the south and east edges may
+/// hold fewer.
 ///
-/// Rows of tiles run south from the north-west cell, as rows of cells do. 1/64 of the memory of the cells.
+/// Rows of tiles run south from the north-west cell, as rows of cells do. 1/64 of the memory of the
+/// cells.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TileMaxima {
     per_row: usize,
@@ -26,7 +28,8 @@ pub struct TileMaxima {
 }
 
 impl TileMaxima {
-    /// The maxima of `cells`, rows of `n_cols` each. Threads of the current pool share the work.
+    /// Returns the maxima of `cells`, rows of `n_cols` each. Threads of the current pool share the
+    /// work.
     pub fn of(cells: &[i32], n_cols: usize) -> Self {
         let per_row = n_cols.div_ceil(TILE);
         let mut maxima = vec![i32::MIN; cells.len().div_ceil(TILE * n_cols) * per_row];
@@ -38,13 +41,13 @@ impl TileMaxima {
         TileMaxima { per_row, maxima, lowest, highest }
     }
 
-    /// The maxima of so many rows and columns of cells that are all alike.
+    /// Returns the maxima of so many rows and columns of cells that are all alike.
     pub(crate) fn of_one(value: i32, (n_rows, n_cols): (usize, usize)) -> TileMaxima {
         let per_row = n_cols.div_ceil(TILE);
         TileMaxima { per_row, maxima: vec![value; n_rows.div_ceil(TILE) * per_row], lowest: value, highest: value }
     }
 
-    /// Other maxima, given row and column of each tile and what it has.
+    /// Returns other maxima, given row and column of each tile and its maximum.
     pub(super) fn map(&self, of: impl Fn(usize, usize, i32) -> i32) -> TileMaxima {
         let maxima: Vec<i32> = self
             .maxima
@@ -61,18 +64,18 @@ impl TileMaxima {
         self.per_row
     }
 
-    /// All maxima, row by row from the north-west tile.
+    /// Returns all maxima, row by row from the north-west tile.
     pub(crate) fn maxima(&self) -> &[i32] {
         &self.maxima
     }
 
-    /// The lowest and the highest value of all cells; `(i32::MAX, i32::MIN)` without cells.
+    /// Returns the lowest and the highest value of all cells; `(i32::MAX, i32::MIN)` without cells.
     pub(crate) fn extremes(&self) -> (i32, i32) {
         (self.lowest, self.highest)
     }
 }
 
-/// The maxima of one row of tiles, and the extremes of its cells.
+/// Returns the maxima of one row of tiles, and the extremes of its cells.
 #[inline(always)]
 fn row_of_tiles<S: Simd>(simd: S, rows: &[i32], n_cols: usize, maxima: &mut [i32]) -> (i32, i32) {
     // PERF: compiled for the instructions of this machine, where the compiler makes vectors of it.

@@ -1,10 +1,11 @@
 //! Cuts footprint polygons into convex pieces whose shadows and crossings are simple.
 //!
-//! A convex ring without holes is kept as it is. Anything else goes through a constrained Delaunay triangulation
-//! (spade); the triangles inside are found by counting the constraint edges between them and the outside, and joined into
-//! larger convex pieces, each of which costs a ray as much as a triangle. Coordinates
-//! are integers far below 2^53, so spade's predicates see them exactly, and the outcome is checked in integers: twice
-//! the area of the pieces equals twice the area of the polygon.
+//! A convex ring without holes is kept as it is. Anything else goes through a constrained Delaunay
+//! triangulation (spade). The triangles inside are found by counting the constraint edges between
+//! them and the outside. They are joined into larger convex pieces, each of which costs a ray as
+//! much as a triangle. Coordinates are integers far below 2^53, so spade's predicates see them
+//! exactly. The outcome is checked in integers: twice the area of the pieces equals twice the area
+//! of the polygon.
 
 use spade::Triangulation;
 
@@ -23,7 +24,8 @@ pub enum ConvexPieces {
 
 /// Cuts a polygon into convex pieces.
 ///
-/// `contours` are the rings of one polygon whose edges do not cross: the shell first, then its holes, in any winding. Collinear vertices are removed. An empty polygon has no pieces.
+/// `contours` are the rings of one polygon whose edges do not cross: the shell first, then its
+/// holes, in any winding. Collinear vertices are removed. An empty polygon has no pieces.
 pub fn convex_pieces(contours: &[Ring]) -> ConvexPieces {
     if let [ring] = contours {
         let ring = without_collinear(ring);
@@ -37,7 +39,8 @@ pub fn convex_pieces(contours: &[Ring]) -> ConvexPieces {
     }
 }
 
-/// Whether a ring without collinear triples turns the same way everywhere, and only once around.
+/// Returns whether a ring without collinear triples turns the same way everywhere, and only once
+/// around.
 fn is_convex(ring: &[[i32; 2]]) -> bool {
     let n = ring.len();
     if n < 3 {
@@ -45,7 +48,8 @@ fn is_convex(ring: &[[i32; 2]]) -> bool {
     }
     let left = turn(ring[0], ring[1], ring[2]) > 0;
     let same_way = (0..n).all(|i| (turn(ring[i], ring[(i + 1) % n], ring[(i + 2) % n]) > 0) == left);
-    // A star also turns one way only; a convex ring has one westmost run, so its x direction reverses just twice.
+    // A star also turns one way only; a convex ring has one westmost run, so its x direction
+    // reverses just twice.
     let directions: Vec<i32> =
         (0..n).map(|i| (ring[(i + 1) % n][0].cmp(&ring[i][0])) as i32).filter(|&s| s != 0).collect();
     let reversals = (0..directions.len()).filter(|&i| directions[i] != directions[(i + 1) % directions.len()]).count();
@@ -59,8 +63,8 @@ fn counterclockwise(mut ring: Ring) -> Ring {
     ring
 }
 
-/// The triangles inside a polygon, whose corners are its own, counterclockwise; `None` if the triangulation does not cover it exactly, because edges
-/// cross.
+/// Returns the triangles inside a polygon, whose corners are its own, counterclockwise; `None` if
+/// the triangulation does not cover it exactly, because edges cross.
 ///
 /// `contours` are the rings of one polygon: the shell first, then its holes, in any winding.
 pub fn triangles(contours: &[Ring]) -> Option<Vec<Ring>> {
@@ -85,7 +89,7 @@ pub fn triangles(contours: &[Ring]) -> Option<Vec<Ring>> {
     (covered == of_polygon).then_some(pieces)
 }
 
-/// The convex hull, counterclockwise (Andrew 1979, monotone chain).
+/// Returns the convex hull, counterclockwise (Andrew 1979, monotone chain).
 fn convex_hull(mut points: Vec<[i32; 2]>) -> Ring {
     points.sort_unstable();
     points.dedup();

@@ -9,9 +9,9 @@ use super::columns_ray::columns_least_height_above;
 use super::curved_plateaus::CurvedPlateaus;
 use super::lowest_between::with_lowest_place_between;
 use super::{
-    ClearProbabilities, GridHeights, GridReceivers, Method, OnPlateaus, PlateauScene, ReceiverHeights, ShadowGrid,
-    ShadowScene, StepLength, Swept, UavPositions, WrongMethod, columns_least_receiver_height, link_los, plateaus_los,
-    r2_los, shadow_clear_probabilities, shadow_least_heights, shadow_least_receiver_heights, shadow_los,
+    ClearProbabilities, GridHeights, GridReceivers, HeightErrors, Method, OnPlateaus, PlateauScene, ReceiverHeights,
+    ShadowGrid, ShadowScene, StepLength, Swept, UavPositions, WrongMethod, columns_least_receiver_height, link_los,
+    plateaus_los, r2_los, shadow_clear_probabilities, shadow_least_heights, shadow_least_receiver_heights, shadow_los,
     shadow_los_relief, step_los, sweep_los, xdraw_los,
 };
 use crate::height_field::{Bulge, Casters, Columns, GridPositions, HeightField, Plateaus, Prisms, Station};
@@ -333,11 +333,11 @@ impl<'a> GridLos<'a> {
         uav: &Station,
         receivers: &GridReceivers<'_>,
         cells: &BitGrid,
-        deviations: (&(impl Fn(u32) -> f64 + Sync), f64),
+        errors: &HeightErrors,
     ) -> Option<ClearProbabilities> {
         let Engine::Shadow(shadows) = &self.engine else { return None };
         let scene = self.all_casters(shadows, cells);
-        shadow_clear_probabilities(&scene, uav.on_prisms(), &height_by_cell(receivers), deviations)
+        shadow_clear_probabilities(&scene, uav.on_prisms(), &height_by_cell(receivers), errors)
     }
 
     /// Returns the least height of the UAV over its place that sees the receiver of each wanted

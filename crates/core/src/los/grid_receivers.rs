@@ -1,7 +1,7 @@
 //! Receivers on the cells of a grid, and their heights.
 
 use std::borrow::Cow;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
@@ -16,13 +16,13 @@ pub struct GridReceivers<'a> {
     /// The base that receivers stand on, over a flat earth.
     stands_on: StandsOn<'a>,
     /// The drop of the base over a curved earth.
-    drops: Option<&'a Drops>,
+    drops: Option<Arc<Drops>>,
     /// Height of receivers above their base \[1/1024 m\].
     pub(super) above: i32,
     /// Bounds on the heights of the base.
     pub(super) range: (i32, i32),
-    /// The highest base by tile, once an engine has needed it.
-    tiles: OnceLock<TileMaxima>,
+    /// The highest base by tile, once an engine has needed it. Copies share it.
+    tiles: Arc<OnceLock<TileMaxima>>,
 }
 
 impl<'a> GridReceivers<'a> {
@@ -54,7 +54,7 @@ impl<'a> GridReceivers<'a> {
                 if low > high { (0, 0) } else { (low, high) }
             }
         };
-        GridReceivers { cells, stands_on, drops: None, above, range, tiles: OnceLock::new() }
+        GridReceivers { cells, stands_on, drops: None, above, range, tiles: Arc::default() }
     }
 
     /// Returns these receivers without cached results.
@@ -64,15 +64,19 @@ impl<'a> GridReceivers<'a> {
             StandsOn::Cells(heights) => StandsOn::Cells(Cow::Borrowed(heights)),
             StandsOn::Tops(columns) => StandsOn::Tops(columns),
         };
-        let GridReceivers { above, range, drops, .. } = *self;
-        GridReceivers { cells: Cow::Borrowed(&*self.cells), stands_on, drops, above, range, tiles: OnceLock::new() }
+        let GridReceivers { above, range, .. } = *self;
+        let (cells, drops, tiles) = (Cow::Borrowed(&*self.cells), self.drops.clone(), Arc::clone(&self.tiles));
+        GridReceivers { cells, stands_on, drops, above, range, tiles }
     }
 
     /// Returns these receivers raised \[1/1024 m\] over the same base.
     pub(crate) fn raised(&self, by: i32) -> GridReceivers<'_> {
-        let mut receivers = self.borrowed();
-        receivers.above += by;
-        receivers
+        GridReceivers { above: self.above + by, ..self.borrowed() }
+    }
+
+    /// Returns receivers on the same cells, on a height for each \[1/1024 m above the datum\].
+    pub(crate) fn on<'b>(&'b self, heights: &'b [i32]) -> GridReceivers<'b> {
+        GridReceivers::new(&*self.cells, StandsOn::Cells(Cow::Borrowed(heights)), self.above)
     }
 
     /// Returns receivers on the same cells, relative to a terrain as a UAV sees it.
@@ -87,8 +91,8 @@ impl<'a> GridReceivers<'a> {
         GridReceivers::new((*self.cells).clone(), StandsOn::Cells(Cow::Owned(bases)), self.above)
     }
 
-    /// Returns receivers on the same cells of a scene whose heights `drops` lower within a window.
-    pub(crate) fn lowered<'b>(&'b self, drops: &'b Drops, window: CellWindow) -> GridReceivers<'b> {
+    /// Returns these receivers over heights that drops have lowered within a window.
+    pub(crate) fn lowered(self, drops: &Arc<Drops>, window: CellWindow) -> Self {
         let most = i32::try_from(drops.most(window)).unwrap_or(i32::MAX);
         let range = (self.range.0.saturating_sub(most), self.range.1);
         let tiles = OnceLock::from(match &self.stands_on {
@@ -96,14 +100,14 @@ impl<'a> GridReceivers<'a> {
             StandsOn::Tops(columns) => drops.of_tiles(columns.tiles()),
             StandsOn::Cells(_) => drops.of_tiles(self.tiles()),
         });
-        GridReceivers { drops: Some(drops), range, tiles, ..self.borrowed() }
+        GridReceivers { drops: Some(Arc::clone(drops)), range, tiles: Arc::new(tiles), ..self }
     }
 
     /// Returns the base height of the receiver of a cell \[1/1024 m above the datum\].
     #[inline]
     pub fn base(&self, cell: usize) -> i32 {
         let (base, n_cols) = (self.stands_on.at(cell), self.cells.n_cols());
-        self.drops.map_or(base, |drops| drops.lowered(base, (cell / n_cols, cell % n_cols)))
+        self.drops.as_ref().map_or(base, |drops| drops.lowered(base, (cell / n_cols, cell % n_cols)))
     }
 
     /// Copies base heights of cells of one row, from cell `first` on.
@@ -113,7 +117,7 @@ impl<'a> GridReceivers<'a> {
             StandsOn::Cells(heights) => out.copy_from_slice(&heights[first..first + out.len()]),
             StandsOn::Tops(columns) => columns.copy_tops(first, out),
         }
-        if let Some(drops) = self.drops {
+        if let Some(drops) = &self.drops {
             let n_cols = self.cells.n_cols();
             drops.lower_row((first / n_cols, first % n_cols), out);
         }
@@ -152,7 +156,7 @@ impl<'a> GridReceivers<'a> {
             // Lowered receivers stand on the tops of a flat earth.
             StandsOn::Tops(columns) => HeightsOf::Cells(columns.tops()),
         };
-        SeenHeights { heights, n_cols: self.cells.n_cols(), drops: self.drops }
+        SeenHeights { heights, n_cols: self.cells.n_cols(), drops: self.drops.as_deref() }
     }
 
     /// Returns the highest base of all cells by tile, computed on first use.

@@ -24,23 +24,12 @@
 use super::cell_walk::Crossing;
 use super::columns_ray::columns_los;
 use super::height_limits::HeightLimits;
-use super::prism_crossing::{Interval, Ray};
-use super::prisms_ray::prisms_met;
+use super::prism_crossing::Ray;
+use super::prisms_ray::{MetPiece, prisms_met};
 use super::sag::Sag;
 use super::slope::Slope;
-use crate::height_field::{HeightField, Prisms, RoofPlane, Station};
+use crate::height_field::{HeightField, Prisms, Station};
 use crate::quantity::LatticePoint;
-
-/// A piece that a link meets between two fractions of its way.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct MetPiece {
-    pub(super) building: u32,
-    /// Its highest point \[1/1024 m above the datum\].
-    pub(super) top: i32,
-    /// The plane of a sloped roof.
-    pub(super) plane: Option<RoofPlane>,
-    pub(super) interval: Interval,
-}
 
 /// A link between a UAV and a receiver that may be higher or lower than known, and the pieces that
 /// it meets in the plane.

@@ -14,7 +14,6 @@ use std::ops::ControlFlow;
 
 use super::cell_walk::{CellWalk, Crossing};
 use super::obstruction::{LeastHeight, Obstruction, surely_binds_less};
-use super::plan_crossings::MetPiece;
 use super::prism_crossing::{Edge, Interval, Meeting, Ray, rest, walls_along};
 use super::sag::Sag;
 use super::slope::Slope;
@@ -108,6 +107,17 @@ pub(super) fn prisms_least_height_above(
     floor: i64,
 ) -> LeastHeight {
     bound_from(prisms, receiver, uav, Walk::AwayFromPivot, Some(floor))
+}
+
+/// A piece that a link meets between two fractions of its way.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct MetPiece {
+    pub(super) building: u32,
+    /// Its highest point \[1/1024 m above the datum\].
+    pub(super) top: i32,
+    /// The plane of a sloped roof.
+    pub(super) plane: Option<RoofPlane>,
+    pub(super) interval: Interval,
 }
 
 /// Returns the pieces that a link meets in the plane, each alone and in pairs along walls. Pieces

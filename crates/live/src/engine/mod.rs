@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use skyshed_core::coverage::{
     self, CheckedNumbers, HeightBounds, HoversOver, MapOptions, Mapper, Seen as SeenCells, Sure, Tally, check_drop,
-    check_height_error, class, receiver_height, surface_under,
+    check_height_error, class, surface_under,
 };
 use skyshed_core::error::Error;
 use skyshed_core::height_field::{CellSets, HeightField};
@@ -222,17 +222,18 @@ impl Engine {
     }
 
     fn map_one(&self, asked: Uav) -> Map {
-        let found = match coverage::Uav::place(&asked.site(), self.field, self.mapper_radius()) {
-            Ok(uav) => {
-                let (seen, in_range) = (self.mapper.seen(&uav), self.mapper.cells_in_range(&uav));
-                let zones = self.zones.as_ref().map(|zones| zones.count(&seen));
-                let sure = self.bounds.as_ref().and_then(|bounds| self.mapper.sure(&uav, bounds).ok());
-                let above_m = self.height_above(&uav);
-                Ok(Found { uav, above_m, in_range, seen, sure, zones })
-            }
-            Err(error) => Err(self.refused(&asked, &error)),
-        };
+        let uav = coverage::Uav::place(&asked.site(), self.field, self.mapper_radius());
+        let found = uav.and_then(|uav| self.see(uav)).map_err(|error| self.refused(&asked, &error));
         Map { asked, found }
+    }
+
+    fn see(&self, uav: coverage::Uav) -> skyshed_core::Result<Found> {
+        let view = self.mapper.seen_from(&uav)?;
+        let (seen, in_range) = (view.seen(), view.cells_in_range());
+        let zones = self.zones.as_ref().map(|zones| zones.count(&seen));
+        let sure = self.bounds.as_ref().and_then(|bounds| view.sure(bounds).ok());
+        let above_m = self.height_above(&uav);
+        Ok(Found { uav, above_m, in_range, seen, sure, zones })
     }
 
     fn height_above(&self, uav: &coverage::Uav) -> Option<f64> {
@@ -433,10 +434,6 @@ fn p_los_of((receivers, los): (u64, u64), is_over_nodata: bool) -> (Option<f64>,
     let mut tally = Tally::of_receivers(receivers, los);
     tally.is_over_nodata = is_over_nodata;
     (tally.p_los(), is_over_nodata.then(|| tally.reason()))
-}
-
-fn rx_height(sight: &Sight) -> Result<i32, String> {
-    receiver_height(sight.rx_height_m).map_err(|e| e.to_string())
 }
 
 /// What makes maps for some receivers.

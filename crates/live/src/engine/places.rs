@@ -1,8 +1,6 @@
 //! What is at a place: a cell, and the link to its receiver.
 
-use skyshed_core::coverage::{
-    CurvedScene, ExplainedLink, ObstacleKind, ProfileStep, StepKind, Uav, explain_link, link_profile, place_receiver,
-};
+use skyshed_core::coverage::{ExplainedLink, ObstacleKind, ProfileStep, SceneView, StepKind, Uav, place_receiver};
 use skyshed_core::error::Result;
 use skyshed_core::height_field::{CellKind, Station};
 use skyshed_core::quantity::{Height, VOID, meters};
@@ -63,21 +61,15 @@ impl Engine {
 
     /// A link, its side view and its receiver, all as high as the UAV sees them, over a curved earth lower than they are.
     fn seen_link(&self, uav: &Uav, receiver: &Station) -> Result<(ExplainedLink, Vec<ProfileStep>, Station)> {
-        let Some(curved) = CurvedScene::of(self.field, &uav.station.place, self.sight.curvature())? else {
-            let found = explain_link(self.field, uav, receiver);
-            let steps = link_profile(self.field, uav, receiver, found.distance_m);
-            return Ok((found, steps, *receiver));
-        };
-        let lowered = curved.lowered(receiver);
-        let mut found = curved.raised(uav, receiver, explain_link(curved.field(), uav, &lowered));
+        let view = SceneView::of(self.field, uav, self.sight.curvature())?;
+        let mut found = view.link(receiver);
         if let Some(obstacle) = &mut found.obstruction {
-            let fall_m = meters(curved.drop_at(&self.field.place(obstacle.x, obstacle.y)));
+            let fall_m = meters(view.drop_at(&self.field.place(obstacle.x, obstacle.y)));
             obstacle.ray_height_m -= fall_m;
             obstacle.top_m = obstacle.top_m.map(|top_m| top_m - fall_m);
         }
-        let steps = link_profile(curved.field(), uav, &lowered, found.distance_m);
-        let steps = curved.seen_steps(steps, found.distance_m);
-        Ok((found, steps, curved.seen(receiver)))
+        let steps = view.profile(receiver, found.distance_m);
+        Ok((found, steps, view.seen(receiver)))
     }
 
     pub(super) fn link(&self, which: usize, x: f64, y: f64) -> LinkFacts {

@@ -1,10 +1,10 @@
 //! What takes longer than a map: P_LoS against height, the best place near, sets of UAVs side by side.
 
-use skyshed_core::coverage::{self, Control, CurvedScene, HoversOver, LeastHeights, Uav, check_radius};
+use skyshed_core::coverage::{self, Control, HoversOver, LeastHeights, Uav, check_radius};
 use skyshed_core::quantity::meters;
 use skyshed_core::raster::BitGrid;
 
-use super::{Engine, mapper, p_los_of, receivers_of, rx_height};
+use super::{Engine, mapper, p_los_of};
 use crate::answers::{ComparedFacts, CurveFacts, False, True};
 use crate::best_place::Search;
 use crate::questions::Kept;
@@ -13,11 +13,8 @@ use crate::questions::Kept;
 #[derive(Debug)]
 pub(super) struct Curve {
     uav: Uav,
-    /// The scene as the UAV sees it, if the earth is curved.
-    curved: Option<CurvedScene>,
     /// The heights of the rows before the next one.
     found: Vec<i32>,
-    mask: Vec<u8>,
     next_row: usize,
 }
 
@@ -41,23 +38,17 @@ impl Engine {
         }
         let found = self.found(which)?;
         let uav = found.uav.clone();
-        let curved =
-            CurvedScene::of(self.field, &uav.station.place, self.sight.curvature()).map_err(|e| e.to_string())?;
-        let mut mask = Vec::new();
-        self.cells.mask(&mut mask, &found.seen.los, found.in_range.as_ref());
-        self.curve = Some(Curve { uav, curved, found: Vec::new(), mask, next_row: 0 });
+        self.curve = Some(Curve { uav, found: Vec::new(), next_row: 0 });
         Ok(())
     }
 
     pub(super) fn curve_rows(&mut self, rows: usize) -> Result<CurveFacts, String> {
-        let (n_cols, n_rows) = self.shape();
-        let receivers = (receivers_of(&self.sight), rx_height(&self.sight)?);
+        let n_rows = self.shape().1;
         let curve = self.curve.as_mut().ok_or("no curve was begun")?;
-        let field = curve.curved.as_ref().map_or(self.field, CurvedScene::field);
-        let mut least = LeastHeights::of(field, &curve.uav, receivers).after(std::mem::take(&mut curve.found));
+        let view = self.mapper.seen_from(&curve.uav).map_err(|e| e.to_string())?;
+        let mut least = LeastHeights::of(&view).after(std::mem::take(&mut curve.found));
         let end = n_rows.min(curve.next_row + rows.max(1));
-        let cells = curve.next_row * n_cols..end * n_cols;
-        least.add(&curve.mask[cells], curve.next_row, &Control::default());
+        least.add(curve.next_row..end, &Control::default());
         curve.next_row = end;
         if end < n_rows {
             curve.found = least.into_found();
@@ -122,7 +113,7 @@ impl Engine {
         let radius = kept.sight.radius_m.map(|r| r / self.field.grid().meters_per_unit());
         for asked in &kept.uavs {
             let uav = coverage::Uav::place(&asked.site(), self.field, radius).map_err(|e| e.to_string())?;
-            let seen = mapper.seen(&uav);
+            let seen = mapper.seen_from(&uav).map_err(|e| e.to_string())?.seen();
             sum = SeenTogether {
                 receivers: sum.receivers.or(&seen.receivers),
                 los: sum.los.or(&seen.los),

@@ -2,7 +2,7 @@
 
 use super::economy::Setup;
 use super::simpler::Simpler;
-use crate::coverage::{MapOptions, Mapper, Uav};
+use crate::coverage::{MapOptions, Mapper, MovedRoofs, Uav};
 use crate::error::Result;
 use crate::height_field::{Curvature, HeightField, Pooling, Station};
 use crate::los::MethodChoice;
@@ -128,7 +128,8 @@ fn method_line(setup: &Setup<'_>, p_los: f64) -> Result<BudgetLine> {
     let rays = |field: &HeightField| MapOptions { method: MethodChoice::Ray, ..(setup.options)(field) };
     let options = rays(setup.field);
     let mapper = Mapper::new(setup.field, &options)?;
-    let n: u64 = setup.uavs.iter().map(|uav| mapper.receivers_in_range(uav).count()).sum();
+    let in_range = |uav| Ok(mapper.seen_from(uav)?.receivers_in_range().count());
+    let n = setup.uavs.iter().map(in_range).sum::<Result<u64>>()?;
     let change = if n > MOST_RAYS {
         Err(format!("{n} receivers are too many to compare with a ray each"))
     } else {
@@ -191,8 +192,8 @@ fn change_with(
 
 fn roof_line(setup: &Setup<'_>, p_los: f64, uncertain: &Uncertain) -> BudgetLine {
     let steps = height_steps(uncertain.roofs_m).unwrap_or(0);
-    let raised = |by: i32| match setup.field.with_roofs_raised(by) {
-        Some(field) => change_of(setup.p_los_of(&field), p_los),
+    let raised = |by: i32| match MovedRoofs::by_building(setup.field, |_| by) {
+        Some(moved) => change_of(setup.p_los_of(&moved.field), p_los),
         None => Err("a roof would leave the proven range".into()),
     };
     BudgetLine {

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::comparison::Comparison;
 use super::{Simpler, moved_to};
-use crate::coverage::{MapOptions, Mapper, Seen, Uav};
+use crate::coverage::{MapOptions, Mapper, MovedRoofs, Seen, Uav};
 use crate::error::{ChartError, Result};
 use crate::height_field::{HeightField, Pooling};
 use crate::los::{Method, MethodChoice, StepLength};
@@ -208,7 +208,8 @@ impl Contestant {
             Ground::FlatRoofs => Cow::Owned(field.with_flat_roofs().ok_or("all roofs are flat")?),
             Ground::HigherRoofs(m) => {
                 let steps = i32::from(m) * STEPS_PER_UNIT;
-                Cow::Owned(field.with_roofs_raised(steps).ok_or("a roof would be too high")?)
+                let moved = MovedRoofs::by_building(field, |_| steps).ok_or("a roof would be too high")?;
+                Cow::Owned(moved.field)
             }
         };
         let uavs = match self.ground {
@@ -247,8 +248,11 @@ impl Prepared<'_> {
     }
 
     /// Maps one UAV after the other, which is what is timed. A shadow is cast by one thread.
-    pub fn answer(&self, mapper: &Mapper<'_>) -> Vec<Seen> {
-        self.uavs.iter().map(|uav| mapper.seen(uav)).collect()
+    ///
+    /// # Errors
+    /// As [`Mapper::seen_from`].
+    pub fn answer(&self, mapper: &Mapper<'_>) -> Result<Vec<Seen>> {
+        self.uavs.iter().map(|uav| Ok(mapper.seen_from(uav)?.seen())).collect()
     }
 }
 
@@ -276,7 +280,8 @@ impl Truth {
         let exact = |method: MethodChoice| MapOptions { method, ..options.clone() };
         let see = |options: &MapOptions| -> Result<(Vec<Seen>, Method)> {
             let mapper = Mapper::new(field, options)?;
-            Ok((uavs.par_iter().map(|uav| mapper.seen(uav)).collect(), mapper.method().0))
+            let see = |uav| Ok(mapper.seen_from(uav)?.seen());
+            Ok((uavs.par_iter().map(see).collect::<Result<_>>()?, mapper.method().0))
         };
         let cells = Mapper::new(field, &exact(MethodChoice::Ray))?.receiver_cells();
         let n_links = cells.count().saturating_mul(uavs.len() as u64);

@@ -31,7 +31,7 @@ impl Setup<'_> {
     pub fn count(&self) -> Result<(u64, u64)> {
         let options = (self.options)(self.field);
         let mapper = Mapper::new(self.field, &options)?;
-        Ok(self.uavs.iter().map(|uav| mapper.count(uav)).fold((0, 0), |sum, c| (sum.0 + c.0, sum.1 + c.1)))
+        count(&mapper, self.uavs)
     }
 
     /// Returns P_LoS of all UAVs together; `None` without a receiver.
@@ -45,6 +45,16 @@ impl Setup<'_> {
         let uavs: Vec<Uav> = self.uavs.iter().map(|uav| moved_to(uav, field)).collect::<Result<_>>()?;
         Setup { field, uavs: &uavs, options: self.options }.p_los()
     }
+}
+
+/// Counts receivers in range and in line of sight, summed over UAVs.
+fn count(mapper: &Mapper<'_>, uavs: &[Uav]) -> Result<(u64, u64)> {
+    let mut sum = (0, 0);
+    for uav in uavs {
+        let (receivers, los) = mapper.seen_from(uav)?.count();
+        sum = (sum.0 + receivers, sum.1 + los);
+    }
+    Ok(sum)
 }
 
 /// Effect of larger cells on P_LoS.
@@ -106,8 +116,7 @@ pub fn terrain_effect(setup: &Setup<'_>) -> Result<TerrainEffect> {
     let cells = Mapper::new(setup.field, &options)?.receiver_cells();
     let options = MapOptions { within: Some(cells), receivers: crate::coverage::Receivers::Ground, ..options };
     let mapper = Mapper::new(&terrain, &options)?;
-    let counts = setup.uavs.iter().map(|uav| mapper.count(uav));
-    let (receivers, los) = counts.fold((0, 0), |sum, c| (sum.0 + c.0, sum.1 + c.1));
+    let (receivers, los) = count(&mapper, setup.uavs)?;
     Ok(TerrainEffect::Hides { hidden: receivers - los, receivers })
 }
 
@@ -139,7 +148,7 @@ pub fn roof_effect(setup: &Setup<'_>) -> Result<Option<RoofEffect>> {
         p_los: setup.p_los_of(&flat)?,
     };
     for uav in setup.uavs {
-        let (as_is, as_flat) = (own.seen(uav), of_flat.seen(&moved_to(uav, &flat)?));
+        let (as_is, as_flat) = (own.seen_from(uav)?.seen(), of_flat.seen_from(&moved_to(uav, &flat)?)?.seen());
         let both = as_is.receivers.and(&as_flat.receivers);
         effect.receivers += both.count();
         effect.turned += as_is.los.xor(&as_flat.los).and(&both).count();

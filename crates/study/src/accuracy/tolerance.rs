@@ -116,8 +116,8 @@ pub fn coarsest_within(
     let exact_options = options(question.field);
     let exact = Mapper::new(question.field, &exact_options)?;
     let n_bounds = (6 * forms.len() * question.uavs.len().max(1)) as f64;
-    let samples: Vec<Sample> =
-        question.uavs.par_iter().enumerate().map(|(k, uav)| Sample::draw(&exact, uav, question, k as u64)).collect();
+    let draw = |(k, uav)| Sample::draw(&exact, uav, question, k as u64);
+    let samples: Vec<Sample> = question.uavs.par_iter().enumerate().map(draw).collect::<Result<_>>()?;
     let mut tried = Vec::new();
     for form in forms {
         let Some(field) = form.of(question.field) else { continue };
@@ -126,7 +126,8 @@ pub fn coarsest_within(
         let uavs: Result<Vec<Uav>> = question.uavs.iter().map(|uav| moved_to(uav, &field)).collect();
         let measured = uavs.map_err(|e| e.to_string()).and_then(|uavs| {
             let of_uav = |(uav, sample): (&Uav, &Sample)| {
-                sample.measure(&mapper.seen(uav), form.factor, (1.0 - CONFIDENCE) / n_bounds)
+                let seen = mapper.seen_from(uav).map_err(|e| e.to_string())?.seen();
+                sample.measure(&seen, form.factor, (1.0 - CONFIDENCE) / n_bounds)
             };
             let all: std::result::Result<Vec<Measured>, String> = uavs.par_iter().zip(&samples).map(of_uav).collect();
             Ok((all?, uavs))
@@ -155,20 +156,21 @@ struct Sample {
 }
 
 impl Sample {
-    fn draw(mapper: &Mapper<'_>, uav: &Uav, question: &Question<'_>, stream: u64) -> Self {
-        let receivers = mapper.receivers_in_range(uav);
+    fn draw(mapper: &Mapper<'_>, uav: &Uav, question: &Question<'_>, stream: u64) -> Result<Self> {
+        let view = mapper.seen_from(uav)?;
+        let receivers = view.receivers_in_range();
         let n_receivers = receivers.count();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates where all are taken")]
         let n = (SAMPLE / (question.tolerance * question.tolerance)).max(SMALLEST_SAMPLE).ceil() as u64;
         let is_all = n >= n_receivers;
         let drawn = if is_all {
-            let los = mapper.seen(uav).los;
+            let los = view.seen().los;
             receivers.cells().map(|cell| (cell, los.contains(cell.0, cell.1))).collect()
         } else {
             let cells = random_cells(&receivers, n, (question.seed, stream)).into_par_iter();
-            cells.map(|cell| (cell, mapper.is_los(uav, cell).unwrap_or(false))).collect()
+            cells.map(|cell| (cell, view.is_los(cell).unwrap_or(false))).collect()
         };
-        Sample { receivers, n_receivers, drawn, is_all }
+        Ok(Sample { receivers, n_receivers, drawn, is_all })
     }
 
     /// Measures a simpler map; each of six bounds fails with probability `risk`.

@@ -75,11 +75,12 @@ impl SeenSets {
         for chunk in candidates.chunks(8 * maps_at_once()) {
             control.check()?;
             let look = |candidate: &Candidate| {
-                let seen = scorer.mapper.seen(&candidate.uav);
+                let seen = scorer.mapper.seen_from(&candidate.uav)?.seen();
                 control.done.fetch_add(1, Ordering::Relaxed);
-                (scorer.score_of(&seen), seen.los)
+                Ok((scorer.score_of(&seen), seen.los))
             };
-            let (of_chunk, seen): (Vec<Score>, Vec<BitGrid>) = chunk.par_iter().map(look).unzip();
+            let seen: Vec<(Score, BitGrid)> = chunk.par_iter().map(look).collect::<Result<_>>()?;
+            let (of_chunk, seen): (Vec<Score>, Vec<BitGrid>) = seen.into_iter().unzip();
             scores.extend(of_chunk);
             sets.extend(&seen);
         }

@@ -40,9 +40,9 @@ pub fn least_heights(
     of_place.sort_by_key(|place| place.iter().min().copied());
     let find = |place: &Vec<usize>| -> Result<LeastHeight> {
         let at = |k: usize| {
-            let score = scorer.score(&candidates[place[k]].uav);
+            let score = scorer.score(&candidates[place[k]].uav)?;
             let reaches = score.share().is_some_and(|p| p >= share);
-            LeastHeight { candidate: place[k], score, reaches }
+            Result::Ok(LeastHeight { candidate: place[k], score, reaches })
         };
         let limits_elevations = |k: &usize| candidates[*k].uav.antenna.elevations_deg().is_some();
         if scorer.mapper.limits_elevations() || place.iter().any(limits_elevations) {
@@ -58,11 +58,11 @@ pub fn least_heights(
         // Invariant: all before `low` are too low; `found` is the lowest known to reach the share,
         // or the highest of all.
         let (mut low, mut high) = (0, place.len() - 1);
-        let mut found = at(high);
+        let mut found = at(high)?;
         while found.reaches && low < high {
             control.check()?;
             let middle = low + (high - low) / 2;
-            let tried = at(middle);
+            let tried = at(middle)?;
             if tried.reaches {
                 (high, found) = (middle, tried);
             } else {

@@ -47,7 +47,8 @@ pub fn worst_margins(
         if open.is_empty() {
             break;
         }
-        let worst: Vec<_> = open.par_iter().map(|k| mapper.worst_margin(&candidates[*k].uav, &known_hard)).collect();
+        let worst = |k: &usize| Ok(mapper.seen_from(&candidates[*k].uav)?.worst_margin(&known_hard));
+        let worst: Vec<_> = open.par_iter().map(worst).collect::<Result<_>>()?;
         let mut new_hard = Vec::new();
         for (k, worst) in open.iter().zip(worst) {
             found[*k] = worst.map(|w| WorstMargin { margin_m: w.margin_m, exact: true });
@@ -56,12 +57,13 @@ pub fn worst_margins(
         }
         new_hard.sort_unstable();
         new_hard.dedup();
-        found.par_iter_mut().zip(candidates).for_each(|(found, candidate)| {
+        found.par_iter_mut().zip(candidates).try_for_each(|(found, candidate)| -> Result<()> {
             if let Some(bound) = found.as_mut().filter(|w| !w.exact) {
-                let least = mapper.least_margin_among(&candidate.uav, &new_hard);
+                let least = mapper.seen_from(&candidate.uav)?.least_margin_among(&new_hard);
                 bound.margin_m = least.map_or(bound.margin_m, |m| m.min(bound.margin_m));
             }
-        });
+            Ok(())
+        })?;
         known_hard.extend(new_hard);
     }
     Ok(found)

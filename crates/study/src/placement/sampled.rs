@@ -11,7 +11,8 @@
 use rayon::prelude::*;
 
 use crate::city::BuiltUp;
-use crate::coverage::{Mapper, Uav, any_in_range};
+use crate::coverage::{Mapper, Seen, Uav, any_in_range};
+use crate::error::Result;
 use crate::height_field::{GridPositions, HeightField};
 use crate::los_probability::estimate::{Count, Estimate, clustered};
 use crate::los_probability::points::Points;
@@ -156,9 +157,8 @@ impl ReceiverParts {
     }
 }
 
-/// Counts the receivers of a UAV and those that it sees, `[block][part]`.
-pub fn count_by_part(mapper: &Mapper<'_>, uav: &Uav, parts: &ReceiverParts, blocks: &CellBlocks) -> Vec<Count> {
-    let seen = mapper.seen(uav);
+/// Counts what a UAV sees, `[block][part]`.
+pub fn count_by_part(seen: &Seen, parts: &ReceiverParts, blocks: &CellBlocks) -> Vec<Count> {
     let n_parts = parts.parts.len();
     let mut counts = vec![Count::default(); blocks.count() * n_parts];
     for row in 0..seen.receivers.n_rows() {
@@ -194,11 +194,14 @@ pub struct SampledCounts {
 }
 
 impl SampledCounts {
-    /// Maps each placement and counts by block and part. Counts do not depend on the threads.
-    pub fn of(mapper: &Mapper<'_>, uavs: &[Uav], parts: &ReceiverParts, blocks: &CellBlocks) -> Self {
-        let count = |uav: &Uav| count_by_part(mapper, uav, parts, blocks);
-        let placements = uavs.par_iter().map(count).collect();
-        SampledCounts { placements, n_parts: parts.parts.len(), n_placements: uavs.len() }
+    /// Maps each placement and counts by block and part; shared by all threads, on which the counts do not depend.
+    ///
+    /// # Errors
+    /// As [`Mapper::seen_from`].
+    pub fn of(mapper: &Mapper<'_>, uavs: &[Uav], parts: &ReceiverParts, blocks: &CellBlocks) -> Result<Self> {
+        let count = |uav: &Uav| Ok(count_by_part(&mapper.seen_from(uav)?.seen(), parts, blocks));
+        let placements = uavs.par_iter().map(count).collect::<Result<_>>()?;
+        Ok(SampledCounts { placements, n_parts: parts.parts.len(), n_placements: uavs.len() })
     }
 
     /// Estimates P_LoS by part over one city.

@@ -174,12 +174,16 @@ impl<'a> Scorer<'a> {
         Scorer { mapper, weights, wanted }
     }
 
-    /// Returns the score of one UAV.
-    pub fn score(&self, uav: &Uav) -> Score {
-        match self.weights {
-            None => Score { wanted: self.wanted, seen: self.mapper.count(uav).1.into() },
-            Some(_) => self.score_of(&self.mapper.seen(uav)),
-        }
+    /// The score of one UAV.
+    ///
+    /// # Errors
+    /// As [`Mapper::seen_from`].
+    pub fn score(&self, uav: &Uav) -> Result<Score> {
+        let view = self.mapper.seen_from(uav)?;
+        Ok(match self.weights {
+            None => Score { wanted: self.wanted, seen: view.count().1.into() },
+            Some(_) => self.score_of(&view.seen()),
+        })
     }
 
     /// Returns the score of a map.
@@ -193,7 +197,7 @@ impl<'a> Scorer<'a> {
 pub fn scores(scorer: &Scorer<'_>, uavs: &[&Uav], control: &Control) -> Result<Vec<Score>> {
     let score = |uav: &&Uav| {
         control.check()?;
-        let score = scorer.score(uav);
+        let score = scorer.score(uav)?;
         control.done.fetch_add(1, atomic::Ordering::Relaxed);
         Ok(score)
     };

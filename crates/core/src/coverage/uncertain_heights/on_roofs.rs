@@ -1,14 +1,21 @@
-//! A receiver on a roof whose height may be off: it rises and falls with its building, and the UAV does not.
+//! A receiver on a roof whose height may be off: it rises and falls with its building, and the UAV
+//! does not.
 //!
-//! Let b be the error of the building below the receiver. A higher receiver is no more hidden by other buildings and by the ground, and no less by
-//! its own roof ([`crate::los::PlanCrossings`]). So it is surely in line of sight if it is past the others, as high as they may be, with the
-//! lowest b, and past its own roof with the highest. It may be in line of sight if it is past the others, as low as they may be, with the highest b that its
-//! own roof allows. Walls that its building shares with another are looked at by themselves, because both are in the way only together.
+//! Let b be the error of the building below the receiver. A higher receiver is no more hidden by
+//! other buildings and by the ground, and no less by its own roof ([`crate::los::PlanCrossings`]).
+//!
+//! * It is surely in line of sight if it is past the others, as high as they may be, with the
+//!   lowest b. It must be past its own roof with the highest b, too.
+//! * It may be in line of sight if, with the highest b that its own roof allows, it is past the
+//!   others as low as they may be.
+//!
+//! Walls that its building shares with another are looked at by themselves, because both are in the
+//! way only together.
 
 use crate::height_field::{HeightField, Station};
 use crate::los::{HeightLimits, PlanCrossings};
 
-/// What is sure of a receiver.
+/// Answers that are sure of a receiver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct SureOfReceiver {
     pub(super) is_surely_los: bool,
@@ -32,7 +39,8 @@ impl<'a> RoofLink<'a> {
     }
 
     pub(super) fn sure(&self) -> SureOfReceiver {
-        // A receiver that may be just where the UAV is is in line of sight there, whatever is around.
+        // A receiver that may be just where the UAV is is in line of sight there, whatever is
+        // around.
         let coincides = self.link.coincides_at().is_some_and(|by| by.abs() <= self.own_most());
         if coincides && self.own_most() == 0 {
             return SureOfReceiver { is_surely_los: true, is_possibly_los: true };
@@ -51,7 +59,8 @@ impl<'a> RoofLink<'a> {
                 let other = low.walls[wall].buildings[1 - k];
                 let has_room = |limits: &HeightLimits, side: usize, by: i64| by <= limits.walls[wall].rooms[side];
                 let is_low = |limits: &HeightLimits| has_room(limits, 1 - k, self.most_of(other));
-                // Where the own side is in the way, the other one is least so with the highest receiver.
+                // Where the own side is in the way, the other one is least so with the highest
+                // receiver.
                 has_room(&high, k, most) || is_low(&low) || {
                     let highest = self.highest(|limits, by| has_room(limits, k, by));
                     let from = highest.map_or(-most, |by| by + 1);
@@ -81,8 +90,8 @@ impl<'a> RoofLink<'a> {
         }
     }
 
-    /// The highest error of the own building, within its bounds, of which something holds that holds of all lower ones; where ground blocks the link
-    /// it is taken to hold.
+    /// Returns the highest error of the own building, within its bounds, for which something holds
+    /// that holds for all lower ones. Where ground blocks the link it is taken to hold.
     fn highest(&self, holds: impl Fn(&HeightLimits, i64) -> bool) -> Option<i64> {
         let most = self.own_most();
         let holds = |by: i64| self.link.limits_around(by).is_none_or(|limits| holds(&limits, by));
@@ -104,7 +113,8 @@ impl<'a> RoofLink<'a> {
         limits.crossed.iter().all(|(of, room)| *of != self.own || by <= *room)
     }
 
-    /// Whether a link is past all other buildings that are as much higher as they may be, times `sign`.
+    /// Returns whether a link is past all other buildings that are as much higher as they may be,
+    /// times `sign`.
     fn is_past_others(&self, limits: &HeightLimits, sign: i64) -> bool {
         let has_room = |of: u32, room: i64| sign * self.most_of(of) <= room;
         limits.crossed.iter().all(|(of, room)| *of == self.own || has_room(*of, *room))

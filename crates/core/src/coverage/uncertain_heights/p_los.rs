@@ -1,89 +1,57 @@
-//! The probability that a receiver is in line of sight, where heights of buildings are off by normal errors.
+//! Probability that a receiver is in line of sight, where heights of buildings are off by normal
+//! errors.
 //!
-//! Two exact maps tell of most receivers on the ground, with all buildings as low and as high as six standard deviations make them ([`super::sure`]). For each of the
-//! others the shadows of higher buildings tell ([`crate::los::shadow_clear_probabilities`]), where no terrain is below them. Else, and
-//! for each receiver on a roof, one walk finds how much higher each building may be so that its link is clear, and [`super::height_errors`] what is the probability of that.
+//! Two exact maps decide most receivers on the ground: with all buildings as low, and as high, as
+//! six standard deviations make them ([`super::sure`]). The shadows of higher buildings settle the
+//! others ([`crate::los::shadow_clear_probabilities`]), where no terrain is below them. Elsewhere,
+//! and for each receiver on a roof, one walk finds how much higher each building may be so that its
+//! link is clear, and [`super::link_probability`] the probability of that.
+
+use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use super::super::curved::CurvedScene;
-use super::height_errors::CERTAIN;
-use super::sure::{HeightBounds, Sure};
-use crate::coverage::{Control, HeightErrors, Mapper, Uav};
+use super::sure::Sure;
+use crate::coverage::Control;
+use crate::coverage::view::{SeenReceivers, UncertainHeights, View};
 use crate::error::{MapError, Result};
-use crate::height_field::{HeightField, Station};
-use crate::los::{ClearProbabilities, GridReceivers, PlanCrossings};
-use crate::quantity::STEPS_PER_UNIT;
+use crate::los::{ClearProbabilities, PlanCrossings};
 use crate::raster::{BitGrid, set_bits};
 
-/// A scene of footprints with the errors of their heights, ready for any number of UAVs.
-#[derive(Debug)]
-pub struct UncertainHeights {
-    errors: HeightErrors,
-    /// As far as errors are reckoned with.
-    bounds: HeightBounds,
-    /// The most that a top is above the known one by an error that is reckoned with \[1/1024 m\].
-    reach: i32,
-}
-
-impl UncertainHeights {
-    /// Makes ready; `None` if an error is no length, or makes a roof leave ±32 768 m, or there is not one for each building.
-    pub fn of(field: &HeightField, errors: &HeightErrors) -> Option<Self> {
-        let bounds = HeightBounds::within(field, errors, CERTAIN)?;
-        // The sum of two errors is no more than √2 of what both together are.
-        let most = (0..u32::try_from(field.n_buildings()).ok()?).map(|b| errors.own_m(b)).fold(0.0, f64::max);
-        #[expect(clippy::cast_possible_truncation, reason = "saturates")]
-        let reach = (CERTAIN * (most + errors.shared_m) * f64::from(STEPS_PER_UNIT)).ceil() as i32;
-        Some(UncertainHeights { errors: errors.clone(), bounds, reach })
-    }
-}
-
-impl Mapper<'_> {
-    /// The probability that each receiver of a UAV is in line of sight, with errors of the heights of the same scene; NaN where there is no receiver
-    /// in range. Shape `[n_rows, n_cols]`, row 0 north. Without errors it is the mask: 0 or 1. A receiver on a roof is as much higher or lower as
-    /// that.
+impl View<'_> {
+    /// Returns the probability that each receiver is in line of sight, with errors of the heights
+    /// of the same scene; NaN where there is no receiver in range. Shape `[n_rows, n_cols]`, row 0
+    /// north. Without errors it is the mask: 0 or 1. A receiver on a roof is as much higher or
+    /// lower as that.
     ///
-    /// It is good to about 10⁻⁵; to 2·10⁻⁴ for errors of 1 m along walls with sloped roofs, where rooms are whole steps of the lattice.
+    /// Cost, besides two maps:
     ///
-    /// Cost: twice the line of sight of a map, and the shadows of higher buildings, with an error that is shared for some values of it; a walk for each
-    /// receiver on a roof, and for each that hangs on the heights over a terrain, beside sloped roofs and on a curved earth.
+    /// | receivers | passes |
+    /// |---|---|
+    /// | on the ground, flat roofs on flat ground | one shadow pass for each value of a shared error, 1 to 96 |
+    /// | on the ground, terrain or sloped roofs or curved earth | a walk for each that depends on heights |
+    /// | on roofs | a walk for each |
     ///
     /// # Errors
-    /// E118 for a raster, whose buildings are not told apart, and for an earth so curved that heights would leave the lattice.
-    pub fn p_los(&self, uav: &Uav, heights: &UncertainHeights, control: &Control) -> Result<Vec<f32>> {
-        if self.field.prisms().is_none() {
+    /// E118 for a raster, whose buildings are not told apart.
+    pub fn p_los(&self, heights: &UncertainHeights, control: &Control) -> Result<Vec<f32>> {
+        if self.field().prisms().is_none() {
             return Err(MapError::RasterProbabilities.into());
         }
-        let curved = CurvedScene::checked_around(self, uav)?;
-        let curved = curved.as_ref().map(|curved| curved.mapper(self));
-        let seen = curved.as_ref().unwrap_or(self);
-        let in_range = seen.in_range_by_kind(uav);
+        let in_range: Vec<_> = self.receivers().map(|of_kind| of_kind.in_range()).collect();
         // Receivers on roofs are settled by one walk each, not by two maps.
-        let on_ground: Vec<BitGrid> = in_range
-            .iter()
-            .enumerate()
-            .map(
-                |(kind, cells)| {
-                    if self.is_on_roofs(kind) { BitGrid::new(cells.n_rows(), cells.n_cols()) } else { cells.clone() }
-                },
-            )
-            .collect();
-        let sure = self.sure_of(uav, &heights.bounds, &on_ground)?;
-        let n_cols = self.field.grid().n_cols();
-        let mut p_los = vec![f32::NAN; self.field.grid().n_cells()];
-        for (kind, (receivers, in_range)) in seen.receivers.iter().zip(&in_range).enumerate() {
-            let is_on_roofs = self.is_on_roofs(kind);
-            let unsure = in_range.clone().and(&sure.possibly).and(&sure.surely.complement());
-            let steps = f64::from(STEPS_PER_UNIT);
-            let own = |building: u32| heights.errors.own_m(building) * steps;
-            let deviations = (&own, heights.errors.shared_m * steps);
-            let cast = || seen.engine.clear_probabilities(&uav.station, receivers, &unsure, deviations);
-            // Receivers on roofs move.
-            let cast = if is_on_roofs { None } else { cast() };
-            let of = OfKind { mapper: seen, uav, heights, receivers, is_on_roofs, cast };
-            p_los.par_chunks_mut(n_cols).enumerate().for_each(|(row, out)| {
-                if control.check().is_ok() {
-                    of.fill(row, in_range, &sure, out);
+        let on_ground = |(of_kind, in_range): (SeenReceivers<'_>, _)| match of_kind.are_on_roofs() {
+            true => Cow::Owned(self.no_cells()),
+            false => Cow::clone(in_range),
+        };
+        let on_ground: Vec<Cow<'_, BitGrid>> = self.receivers().zip(&in_range).map(on_ground).collect();
+        let sure = self.sure_of(&heights.bounds, &on_ground)?;
+        let mut p_los = vec![f32::NAN; self.field().grid().n_cells()];
+        for (receivers, in_range) in self.receivers().zip(&in_range) {
+            let of = OfKind::new(receivers, heights, &sure, in_range);
+            p_los.par_chunks_mut(in_range.n_cols()).enumerate().for_each(|(row, out)| {
+                if !control.is_stopped() {
+                    of.fill(row, out);
                 }
             });
         }
@@ -92,41 +60,49 @@ impl Mapper<'_> {
     }
 }
 
-/// The receivers of one kind, as a UAV sees them.
+/// Receivers of one kind in range.
 struct OfKind<'a> {
-    mapper: &'a Mapper<'a>,
-    uav: &'a Uav,
+    receivers: SeenReceivers<'a>,
     heights: &'a UncertainHeights,
-    receivers: &'a GridReceivers<'a>,
-    is_on_roofs: bool,
-    /// What shadows tell, if they do.
+    sure: &'a Sure,
+    in_range: &'a BitGrid,
+    /// Probabilities that shadows find.
     cast: Option<ClearProbabilities>,
 }
 
-impl OfKind<'_> {
-    fn fill(&self, row: usize, in_range: &BitGrid, sure: &Sure, out: &mut [f32]) {
-        for col in set_bits(in_range.row(row)) {
-            out[col] = match (sure.surely.contains(row, col), sure.possibly.contains(row, col)) {
-                (true, _) if !self.is_on_roofs => 1.0,
-                (_, false) if !self.is_on_roofs => 0.0,
+impl<'a> OfKind<'a> {
+    fn new(receivers: SeenReceivers<'a>, heights: &'a UncertainHeights, sure: &'a Sure, in_range: &'a BitGrid) -> Self {
+        let unsure = || in_range.clone().and(&sure.possibly).and(&sure.surely.complement());
+        let cast = || receivers.clear_probabilities(&unsure(), &heights.errors);
+        // Receivers on roofs move.
+        let cast = if receivers.are_on_roofs() { None } else { cast() };
+        OfKind { receivers, heights, sure, in_range, cast }
+    }
+
+    fn fill(&self, row: usize, out: &mut [f32]) {
+        let is_known = !self.receivers.are_on_roofs();
+        for col in set_bits(self.in_range.row(row)) {
+            out[col] = match (self.sure.surely.contains(row, col), self.sure.possibly.contains(row, col)) {
+                (true, _) if is_known => 1.0,
+                (_, false) if is_known => 0.0,
                 _ => {
                     let cast = self.cast.as_ref().and_then(|cast| cast.of(row, col));
                     #[expect(clippy::cast_possible_truncation, reason = "layers are stored as f32")]
-                    let p = cast.unwrap_or_else(|| self.probability(row, col)) as f32;
+                    let p = cast.unwrap_or_else(|| self.walked((row, col))) as f32;
                     p
                 }
             };
         }
     }
 
-    fn probability(&self, row: usize, col: usize) -> f64 {
-        let field = self.mapper.field;
-        let place = self.mapper.engine.positions().center(row, col);
-        let receiver = Station { place, z: self.receivers.height(row * field.grid().n_cols() + col) };
+    /// Returns the probability of the receiver of a cell, by a walk along its link.
+    fn walked(&self, cell: (usize, usize)) -> f64 {
+        let view = self.receivers.view;
+        let (field, receiver) = (view.field(), self.receivers.station(cell));
         let UncertainHeights { errors, bounds, reach } = self.heights;
-        let link = |fall: i32| PlanCrossings::new(field, &self.uav.station, &receiver, fall, *reach);
-        match field.building_at(&place).filter(|_| self.is_on_roofs) {
-            Some(building) => errors.probability_on_roof(building, &link(bounds.of_building(building))),
+        let link = |fall: i32| PlanCrossings::new(field, &view.uav().station, &receiver, fall, *reach);
+        match field.building_at(&receiver.place).filter(|_| self.receivers.are_on_roofs()) {
+            Some(building) => errors.probability_on_roof(building, &link(bounds.by_building[building as usize])),
             None => errors.probability(None, &link(0)),
         }
     }

@@ -1,20 +1,30 @@
-//! Maps of a scene with heights of buildings redrawn from their errors: how far P_LoS may be from that of the known heights.
+//! Maps of a scene with heights of buildings redrawn from their errors: how far P_LoS may be from
+//! that of the known heights.
 //!
-//! Errors are drawn by the ids of buildings, so that a building has the same ones in every part of a scene and in any order. In a raster buildings are not
-//! told apart. Where it is a block model, blocks of one height that touch share an error; else errors are a random field of some correlation length: normal
-//! numbers at the nodes of a square grid of that length, bilinear between them, with the same standard deviation everywhere. Who is in range does not
-//! change. A receiver on a roof moves with it, and on a surface model alone each with its cell.
+//! Errors are drawn by the ids of buildings, so a building has the same ones in every part of a
+//! scene and in any order. A raster does not tell buildings apart:
+//!
+//! * In a block model, blocks of one height that touch share an error.
+//! * Elsewhere errors are a random field of some correlation length, with the same standard
+//!   deviation everywhere. It has normal numbers at the nodes of a square grid of that length, and
+//!   is bilinear between them.
+//!
+//! Nobody comes into range, or leaves it. A receiver on a roof moves with it, and on a surface
+//! model alone each with its cell.
+
+use std::borrow::Cow;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use super::super::curved::CurvedScene;
-use crate::coverage::{Control, HeightErrors, Mapper, OwnErrors, Uav};
+use crate::coverage::view::{Mapper, MovedRoofs, Threads, View};
+use crate::coverage::{Control, Uav};
 use crate::disjoint_sets::DisjointSets;
 use crate::error::{MapError, Result};
 use crate::height_field::HeightField;
+use crate::los::{HeightErrors, OwnErrors};
 use crate::quantity::STEPS_PER_UNIT;
 use crate::raster::{BitGrid, set_bits};
 
@@ -24,7 +34,8 @@ pub const CORRELATION_M: f64 = 20.0;
 /// The shortest correlation length \[m\]: shorter ones are those of single cells.
 const SHORTEST_M: f64 = 0.1;
 
-/// Words of random numbers that are set aside for one normal number, which seldom takes more than one.
+/// Words of random numbers that are set aside for one normal number, which seldom takes more than
+/// one.
 const WORDS: u128 = 16;
 
 /// A scene with heights to be redrawn.
@@ -35,15 +46,18 @@ pub struct RedrawnHeights {
     share: Share,
 }
 
-/// What has an error of its own.
+/// Parts of a scene that have an error of their own.
 #[derive(Debug, Clone)]
 enum Share {
     /// Each building of a scene of footprints: a number that follows from its id.
     Buildings(Vec<u64>),
-    /// Each block of cells of a raster: the number of that of each cell, from 1, 0 of cells that are no building, and a number that follows from
-    /// where each block begins.
+    /// Blocks of cells of a raster.
+    ///
+    /// The number of each cell's block, from 1, 0 of cells that are no building; and a number that
+    /// follows from where each block begins.
     Blocks(Vec<u32>, Vec<u64>),
-    /// The nodes of a grid over a raster, so many cells apart from the corner of what it was cut from; and which cells are buildings.
+    /// The nodes of a grid over a raster, so many cells apart from the corner of what it was cut
+    /// from; and which cells are buildings.
     Nodes(NodeGrid, BitGrid),
 }
 
@@ -52,13 +66,15 @@ enum Share {
 pub struct RedrawnCounts {
     /// Receivers of each UAV, in range by the known heights.
     pub receivers: Vec<u64>,
-    /// Those in line of sight: of each draw, of each UAV.
+    /// Receivers in line of sight: of each draw, of each UAV.
     pub los: Vec<Vec<u64>>,
 }
 
 impl RedrawnHeights {
-    /// Makes ready. `length_m` is the correlation length of a raster \[m\]; without one, blocks of one height share errors where a raster is a
-    /// block model, and the length is [`CORRELATION_M`] where it is not. `None` if there is not one error for each building that is a length, or the correlation
+    /// Makes ready. `length_m` is the correlation length of a raster \[m\]. Without one, blocks
+    /// share errors in a block model, and the length is [`CORRELATION_M`] elsewhere.
+    ///
+    /// `None` if there is not one error for each building that is a length, or the correlation
     /// length is below 0.1 m.
     pub fn of(field: &HeightField, errors: &HeightErrors, length_m: Option<f64>, seed: u64) -> Option<Self> {
         let length_of_cells_m = length_m.unwrap_or(CORRELATION_M);
@@ -70,8 +86,7 @@ impl RedrawnHeights {
             Share::Buildings((0..n_buildings).map(|building| stream_of(field.building_id(building))).collect())
         } else if matches!(errors.own, OwnErrors::ByBuilding(_)) {
             return None;
-        } else if length_m.is_none() && is_block_model(field) {
-            let (blocks, streams) = blocks_of(field);
+        } else if let Some((blocks, streams)) = length_m.is_none().then(|| block_model(field)).flatten() {
             Share::Blocks(blocks, streams)
         } else {
             let grid = field.grid();
@@ -82,7 +97,8 @@ impl RedrawnHeights {
         Some(RedrawnHeights { errors: errors.clone(), random: ChaCha8Rng::seed_from_u64(seed), share })
     }
 
-    /// The errors of heights in a draw \[1/1024 m\]: by the numbers of buildings, or by the cells of a raster.
+    /// Returns the errors of heights in a draw \[1/1024 m\]: by the numbers of buildings, or by the
+    /// cells of a raster.
     pub fn errors(&self, draw: u32) -> Vec<i32> {
         let mut random = self.random.clone();
         let mut normal = |stream: u64| -> f64 {
@@ -96,56 +112,42 @@ impl RedrawnHeights {
             let steps = ((shared + own) * f64::from(STEPS_PER_UNIT)).round() as i32;
             steps
         };
+        // Cells do not tell buildings apart.
+        let of_cells_m = if let OwnErrors::Same(m) = self.errors.own { m } else { 0.0 };
         let mut own = |own_m: f64, stream: u64| if own_m > 0.0 { own_m * normal(stream) } else { 0.0 };
-        match (&self.share, &self.errors.own) {
-            (Share::Buildings(streams), OwnErrors::Same(m)) => streams.iter().map(|s| steps(own(*m, *s))).collect(),
-            (Share::Buildings(streams), OwnErrors::ByBuilding(of)) => {
-                of.iter().zip(streams).map(|(m, s)| steps(own(*m, *s))).collect()
+        match &self.share {
+            Share::Buildings(streams) => {
+                streams.iter().zip(0..).map(|(stream, k)| steps(own(self.errors.own_m(k), *stream))).collect()
             }
-            (Share::Blocks(blocks, streams), of) => {
-                let errors: Vec<i32> = streams.iter().map(|stream| steps(own(of.of_cells_m(), *stream))).collect();
+            Share::Blocks(blocks, streams) => {
+                let errors: Vec<i32> = streams.iter().map(|stream| steps(own(of_cells_m, *stream))).collect();
                 let error = |block: &u32| block.checked_sub(1).map_or(0, |block| errors[block as usize]);
                 blocks.iter().map(error).collect()
             }
-            (Share::Nodes(nodes, buildings), of) => {
-                field_of(nodes, buildings, |node| own(of.of_cells_m(), node), steps)
-            }
+            Share::Nodes(nodes, buildings) => field_of(nodes, buildings, |node| own(of_cells_m, node), steps),
         }
     }
 
-    /// The scene with the errors of a draw, and these; `None` if a roof would leave ±32 768 m.
-    fn redrawn(&self, field: &HeightField, draw: u32) -> Option<(HeightField, Vec<i32>)> {
+    /// Returns the scene with the errors of a draw, receivers on roofs of footprints moved with the
+    /// building below each; `None` if a roof would leave ±32 768 m.
+    fn redrawn(&self, field: &HeightField, draw: u32, buildings: Option<&[(usize, u32)]>) -> Option<MovedRoofs> {
         let errors = self.errors(draw);
-        let redrawn = match &self.share {
-            Share::Buildings(_) => field.with_roofs_raised_by(|building| errors[building as usize]),
-            _ => field.with_cells_raised_by(|cell| errors[cell]),
-        };
-        Some((redrawn?, errors))
+        let Share::Buildings(_) = &self.share else { return MovedRoofs::by_cell(field, |cell| errors[cell]) };
+        let moved = MovedRoofs::by_building(field, |building| errors[building as usize])?;
+        let Some(buildings) = buildings else { return Some(moved) };
+        let mut roofs = field.roofs_of_cells().to_vec();
+        buildings.iter().for_each(|(cell, building)| roofs[*cell] += errors[*building as usize]);
+        Some(moved.with_receivers_on(roofs))
     }
 }
 
-impl OwnErrors {
-    /// Standard deviation of the errors of cells, which buildings do not tell apart \[m\].
-    fn of_cells_m(&self) -> f64 {
-        match self {
-            OwnErrors::Same(m) => *m,
-            OwnErrors::ByBuilding(_) => 0.0,
-        }
-    }
-}
-
-/// Whether a raster is few blocks of one height each, above flat ground or any other.
-fn is_block_model(field: &HeightField) -> bool {
-    // Most cells of a surface that was measured differ from their neighbors.
+/// Returns the blocks of a raster, each of all building cells of one height that touch.
+///
+/// `None` of a surface that was measured, most of whose cells differ from their neighbors. For each
+/// cell the number of its block, from 1. For each block a number that follows from where it begins
+/// in the whole that the raster was cut from.
+fn block_model(field: &HeightField) -> Option<(Vec<u32>, Vec<u64>)> {
     const CELLS_PER_BLOCK: u64 = 8;
-    let (_, streams) = blocks_of(field);
-    streams.len() as u64 * CELLS_PER_BLOCK <= field.cells_of_buildings().count()
-}
-
-/// The blocks of a raster: for each cell that is a building the number of that with all cells of its height that hang together, from 1; and
-/// a number of each
-/// block that follows from where it begins in the whole that the raster was cut from.
-fn blocks_of(field: &HeightField) -> (Vec<u32>, Vec<u64>) {
     let (buildings, n_cols) = (field.cells_of_buildings(), field.grid().n_cols());
     let tops = field.roofs_of_cells();
     let mut sets = DisjointSets::new(tops.len());
@@ -171,7 +173,7 @@ fn blocks_of(field: &HeightField) -> (Vec<u32>, Vec<u64>) {
             blocks[cell] = blocks[first];
         }
     }
-    (blocks, streams)
+    (streams.len() as u64 * CELLS_PER_BLOCK <= buildings.count()).then_some((blocks, streams))
 }
 
 /// A grid of nodes over a raster.
@@ -183,7 +185,8 @@ struct NodeGrid {
     first: (usize, usize),
 }
 
-/// A random field over the cells of a raster: `node(stream)` is the error of a node of a grid.
+/// Returns a random field over the cells of a raster: `node(stream)` is the error of a node of a
+/// grid.
 fn field_of(
     NodeGrid { spacing, first }: &NodeGrid,
     buildings: &BitGrid,
@@ -230,7 +233,7 @@ fn field_of(
     errors
 }
 
-/// A number that follows from an id, never 0: FNV-1a.
+/// Returns a number that follows from an id, never 0: FNV-1a.
 fn stream_of(id: &str) -> u64 {
     let hash = id
         .bytes()
@@ -239,28 +242,29 @@ fn stream_of(id: &str) -> u64 {
 }
 
 impl RedrawnCounts {
-    /// Between which shares of receivers in line of sight of a UAV the middle `part` of all draws is; NaN without a receiver.
+    /// Returns the shares of receivers in line of sight of a UAV between which the middle `part` of
+    /// all draws is; NaN without a receiver.
     ///
-    /// The quantile p of n sorted numbers is at (n + 1) p: of n draws and one more of the same kind, this is within the interval with probability
-    /// `part`.
+    /// The quantile p of n sorted numbers is at (n + 1) p. Of n draws and one more of the same
+    /// kind, this one is within the interval with probability `part`.
     pub fn interval(&self, uav: usize, part: f64) -> (f64, f64) {
         interval_of(self.shares(uav).collect(), part)
     }
 
-    /// Between which numbers the share of a second UAV less that of a first one is in the middle `part` of all draws, each of which both UAVs share; NaN
-    /// where one has no receiver.
+    /// Returns the numbers between which the share of a second UAV less that of a first one is in
+    /// the middle `part` of all draws. Both share each draw; NaN where one has no receiver.
     pub fn interval_of_difference(&self, (first, second): (usize, usize), part: f64) -> (f64, f64) {
         interval_of(self.shares(first).zip(self.shares(second)).map(|(first, second)| second - first).collect(), part)
     }
 
-    /// The share of receivers of a UAV that it sees, draw by draw.
+    /// Returns the share of receivers of a UAV that it sees, draw by draw.
     #[expect(clippy::cast_precision_loss, reason = "counts are below 2^53")]
     fn shares(&self, uav: usize) -> impl Iterator<Item = f64> {
         self.los.iter().map(move |of| of[uav] as f64 / self.receivers[uav] as f64)
     }
 }
 
-/// The middle part of some numbers.
+/// Returns the middle part of some numbers.
 fn interval_of(mut shares: Vec<f64>, part: f64) -> (f64, f64) {
     shares.sort_unstable_by(f64::total_cmp);
     #[expect(clippy::cast_precision_loss, reason = "counts are below 2^53")]
@@ -278,54 +282,43 @@ fn interval_of(mut shares: Vec<f64>, part: f64) -> (f64, f64) {
 }
 
 impl Mapper<'_> {
-    /// How many receivers each of some UAVs sees in each of `n` draws of the heights of the same scene, from the first draw on.
+    /// Counts the receivers that each of some UAVs sees in each of `n` draws of the heights of the
+    /// same scene, from the first draw on.
     ///
-    /// Cost: for each draw the prisms sorted into buckets, or a copy of the raster, and the line of sight of a map for each UAV; draws are shared by all threads of the
-    /// current pool.
+    /// Cost: for each draw the prisms sorted into buckets, or a copy of the raster, and the line of
+    /// sight of a map for each UAV. Draws are shared by all threads of the current pool.
     ///
     /// # Errors
-    /// E118 if a roof would leave ±32 768 m, and for an earth so curved that heights would leave the lattice.
+    /// E118 if a roof would leave ±32 768 m, and those of [`Mapper::seen_from`].
     pub fn redrawn(&self, uavs: &[Uav], heights: &RedrawnHeights, n: u32, control: &Control) -> Result<RedrawnCounts> {
-        let in_range: Vec<Vec<BitGrid>> = uavs
-            .iter()
-            .map(|uav| {
-                Ok(match CurvedScene::checked_around(self, uav)? {
-                    Some(curved) => curved.mapper(self).in_range_by_kind(uav),
-                    None => self.in_range_by_kind(uav),
-                })
-            })
-            .collect::<Result<_>>()?;
+        let views = uavs.iter().map(|uav| self.seen_from(uav)).collect::<Result<Vec<View<'_>>>>()?;
+        let in_range: Vec<Vec<Cow<'_, BitGrid>>> =
+            views.iter().map(|view| view.receivers().map(|of_kind| of_kind.in_range()).collect()).collect();
         let buildings = self.buildings_of_roofs();
-        let moves_receivers = (0..self.receivers.len()).any(|kind| self.is_on_roofs(kind));
         let of_draw = |draw: u32| {
             control.check()?;
-            let (field, errors) = heights.redrawn(self.field, draw).ok_or(MapError::HeightErrors)?;
-            let roofs = match field.prisms() {
-                Some(_) => buildings.as_ref().map(|cells| self.roofs_moved(cells, &errors)),
-                None => moves_receivers.then(|| field.roofs_of_cells().to_vec()),
+            let moved = heights.redrawn(self.field(), draw, buildings.as_deref()).ok_or(MapError::HeightErrors)?;
+            let count = |(view, in_range): (&View<'_>, &Vec<Cow<'_, BitGrid>>)| {
+                let redrawn = view.with_roofs(&moved)?;
+                let kinds = redrawn.receivers().zip(in_range);
+                let los = kinds.map(|(of_kind, in_range)| of_kind.los(in_range, Threads::All));
+                Ok(los.reduce(|all, of_kind| all.or(&of_kind)).map_or(0, |los| los.count()))
             };
-            let mapper = self.with_redrawn(&field, roofs.as_deref())?;
-            Ok(uavs.iter().zip(&in_range).map(|(uav, in_range)| mapper.los_of(uav, in_range).count()).collect())
+            views.iter().zip(&in_range).map(count).collect()
         };
         let los = (0..n).into_par_iter().map(of_draw).collect::<Result<Vec<Vec<u64>>>>()?;
-        let receivers = in_range.iter().map(|kinds| kinds.iter().map(BitGrid::count).sum()).collect();
+        let receivers = in_range.iter().map(|kinds| kinds.iter().map(|cells| cells.count()).sum()).collect();
         Ok(RedrawnCounts { receivers, los })
     }
 
-    /// The building below each receiver on a roof, one by one as their cells follow; `None` without such receivers.
+    /// Returns the building below each receiver on a roof of footprints, with its cell; `None`
+    /// without such receivers.
     fn buildings_of_roofs(&self) -> Option<Vec<(usize, u32)>> {
-        let kind = (0..self.receivers.len()).find(|kind| self.is_on_roofs(*kind))?;
-        let (positions, n_cols) = (self.engine.positions(), self.field.grid().n_cols());
+        let kind = (0..self.receivers.len()).find(|kind| self.stands_on_roofs(*kind))?;
+        let (positions, n_cols) = (self.positions(), self.field().grid().n_cols());
         let building = |(row, col): (usize, usize)| {
-            Some((row * n_cols + col, self.field.building_at(&positions.center(row, col))?))
+            Some((row * n_cols + col, self.field().building_at(&positions.center(row, col))?))
         };
         Some(self.receivers[kind].cells.cells().filter_map(building).collect())
-    }
-
-    /// Roofs of cells with the errors of their buildings \[1/1024 m above the datum\].
-    fn roofs_moved(&self, cells: &[(usize, u32)], errors: &[i32]) -> Vec<i32> {
-        let mut roofs = self.field.roofs_of_cells().to_vec();
-        cells.iter().for_each(|(cell, building)| roofs[*cell] += errors[*building as usize]);
-        roofs
     }
 }

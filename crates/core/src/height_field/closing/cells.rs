@@ -17,13 +17,13 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// A position relative to the corner.
+    /// Returns a position relative to the corner.
     #[expect(clippy::cast_precision_loss, reason = "lattice positions are below 2^27")]
     pub(super) fn place(&self, [x, y]: [i64; 2]) -> Place {
         [(x - self.corner[0]) as f64, (y - self.corner[1]) as f64]
     }
 
-    /// The row and column of the cell that holds a place; `None` beyond the grid.
+    /// Returns the row and column of the cell that holds a place; `None` beyond the grid.
     pub(super) fn at(&self, [x, y]: Place) -> Option<(usize, usize)> {
         #[expect(clippy::cast_precision_loss, reason = "a side is below 2^26")]
         let side = self.side as f64;
@@ -58,18 +58,21 @@ impl Cells {
     }
 }
 
-/// The largest square of a distance between cells that is less than that of a length \[cells\].
+/// Returns the largest square of a distance between cells that is less than that of a length
+/// \[cells\].
 pub(super) fn less_than(length: f64) -> u32 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a radius in cells")]
     let square = (length * length).ceil() as u32;
     square.saturating_sub(1)
 }
 
-/// The cells whose centers are near the center of a cell of a set: the square of the distance is at most so much \[cells²\].
+/// Returns the cells whose centers are near the center of a cell of a set: the square of the
+/// distance is at most so much \[cells²\].
 pub(super) fn grown(set: &BitGrid, most: u32) -> BitGrid {
     let (n_rows, n_cols) = (set.n_rows(), set.n_cols());
     let radius = u16::try_from(most.isqrt()).unwrap_or(u16::MAX - 1);
-    // Rows to the nearest cell of the set in each column: from the north, then from the south as well.
+    // Rows to the nearest cell of the set in each column: from the north, then from the south as
+    // well.
     let far = radius.saturating_add(1);
     let mut rows_to_set = vec![far; n_rows * n_cols];
     let mut pass = |rows: &mut dyn Iterator<Item = usize>| {

@@ -1,17 +1,17 @@
-//! How the border of the centers of discs is found, corner by corner and edge by edge.
+//! Finder of the border of the centers of discs, corner by corner and edge by edge.
 
 use super::TIE;
 use super::cells::Cells;
 use super::free::{End, Free};
-use super::rim::{Arc, Side};
-use super::shell::{Edge, Shell, holds_near, steps};
-use super::vectors::{Place, cross, direction, dot, minus, plus, turn};
+use super::shell::{Shell, holds_near, steps};
+use super::vectors::{Edge, Place, cross, direction, dot, minus, plus, turn};
 use crate::raster::BitGrid;
 
-/// Rings of cells around a point or an edge that are looked through first: they cover most of those that do not bound E.
+/// Rings of cells around a point or an edge that are looked through first: they cover most of those
+/// that do not bound E.
 const N_RINGS: usize = 4;
 
-/// What finds pieces of the border of E.
+/// Finder of pieces of the border of E.
 pub(super) struct Finder<'a> {
     pub(super) shell: &'a Shell,
     pub(super) cells: &'a Cells,
@@ -19,8 +19,35 @@ pub(super) struct Finder<'a> {
     pub(super) may_be_center: &'a BitGrid,
 }
 
+/// Centers of discs that touch a corner of a footprint: counter-clockwise between two directions;
+/// all where they are none.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Arc {
+    pub(super) around: Place,
+    pub(super) between: Option<[Place; 2]>,
+}
+
+/// Centers of discs that touch an edge on its left.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Side {
+    pub(super) edge: [Place; 3],
+    pub(super) from: f64,
+    pub(super) to: f64,
+}
+
+impl Arc {
+    pub(super) fn has(&self, toward: Place) -> bool {
+        let Some([first, last]) = self.between else { return true };
+        let is_less_than_half = cross(first, last) > 0.0 || (cross(first, last) == 0.0 && dot(first, last) > 0.0);
+        match is_less_than_half {
+            true => cross(first, toward) >= 0.0 && cross(toward, last) >= 0.0,
+            false => !(cross(last, toward) > 0.0 && cross(toward, first) > 0.0),
+        }
+    }
+}
+
 impl Finder<'_> {
-    /// The arcs of E around a point, and their ends.
+    /// Returns the arcs of E around a point, and their ends.
     pub(super) fn around(&self, point: Place) -> (Vec<Arc>, Vec<Place>) {
         let Shell { radius: r, .. } = *self.shell;
         let mut circle = Circle::around(point, r);
@@ -41,7 +68,8 @@ impl Finder<'_> {
         }
         let (mut arcs, mut corners) = (Vec::new(), Vec::new());
         for [first, last] in circle.free.intervals {
-            // An arc leaves E only where a footprint near these cells covers it, and ends there: its middle speaks for all of it.
+            // An arc leaves E only where a footprint near these cells covers it, and ends there:
+            // its middle speaks for all of it.
             if !self.cells.holds(self.may_be_center, at(0.5 * (first.loose + last.loose))) {
                 continue;
             }
@@ -55,7 +83,7 @@ impl Finder<'_> {
         (arcs, corners)
     }
 
-    /// The sides of E along an edge, and their ends.
+    /// Returns the sides of E along an edge, and their ends.
     pub(super) fn beside(&self, edge: &Edge) -> (Vec<Side>, Vec<Place>) {
         let Shell { radius: r, .. } = *self.shell;
         let (mut sides, mut corners) = (Vec::new(), Vec::new());
@@ -93,7 +121,7 @@ impl Finder<'_> {
         (sides, corners)
     }
 
-    /// Whether places of an interval, at most so far apart for each 1 of it, may be in E.
+    /// Returns whether places of an interval, at most so far apart for each 1 of it, may be in E.
     fn may_have_centers(&self, [first, last]: &[End; 2], most: f64, at: impl Fn(f64) -> Place) -> bool {
         let length = last.loose - first.loose;
         steps(self.cells, length * most)
@@ -118,14 +146,15 @@ fn cover_near_edge(free: &mut Free, edge: &Edge, radius: f64, other: &Edge) {
     free.cover([later(across[0], along[0]), sooner(across[1], along[1])]);
 }
 
-/// Where a line at some distance from the middle of a disc enters and leaves it, from the foot of the perpendicular.
+/// Returns where a line at some distance from the middle of a disc enters and leaves it, from the
+/// foot of the perpendicular.
 fn chord(radius: f64, distance: f64) -> [End; 2] {
     let half = |radius: f64| ((radius - distance) * (radius + distance)).max(0.0).sqrt();
     let (exact, loose) = (half(radius), half(radius - TIE));
     [End { exact: -exact, loose: -loose }, End { exact, loose }]
 }
 
-/// Where a value that begins at `start` and grows by `slope` is within limits.
+/// Returns where a value that begins at `start` and grows by `slope` is within limits.
 fn within(start: f64, slope: f64, limits: [End; 2]) -> [End; 2] {
     let at = |limit: f64| (limit - start) / slope;
     if slope == 0.0 {
@@ -187,7 +216,8 @@ impl Circle {
         if h.abs() >= 2.0 * r || t < -r || t > edge.length + r {
             return;
         }
-        // Only directions toward the line of the edge lead to centers nearer to that than the radius.
+        // Only directions toward the line of the edge lead to centers nearer to that than the
+        // radius.
         let away = if h < 0.0 { [-edge.normal[0], -edge.normal[1]] } else { edge.normal };
         let is_met = |(interval, [first, last]): (&[End; 2], &[Place; 2])| {
             let is_wide = interval[1].loose - interval[0].loose > 1.5;
@@ -197,7 +227,8 @@ impl Circle {
         if !self.free.intervals.iter().zip(&self.ends).any(is_met) {
             return;
         }
-        // Directions where the circle crosses the sides of the strip around the edge, and where it passes its ends.
+        // Directions where the circle crosses the sides of the strip around the edge, and where it
+        // passes its ends.
         let mut cuts: Vec<End> = Vec::with_capacity(8);
         let mut cut = |exact: Place, loose: Place| {
             let in_plane = |[x, y]: Place| turn(plus([x * edge.along[0], x * edge.along[1]], y, edge.normal));
@@ -260,7 +291,7 @@ impl Circle {
     }
 }
 
-/// The other leg of a right triangle whose longest side is 1.
+/// Returns the other leg of a right triangle whose longest side is 1.
 fn other_leg(leg: f64) -> f64 {
     ((1.0 - leg) * (1.0 + leg)).max(0.0).sqrt()
 }

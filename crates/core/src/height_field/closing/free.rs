@@ -1,4 +1,4 @@
-//! What is left of a line, or of a circle, after others cover parts of it.
+//! Parts of a line, or of a circle, that others leave uncovered.
 
 /// An end of an interval, where it is exactly and where it is with [ties](super::TIE) left free.
 #[derive(Debug, Clone, Copy)]

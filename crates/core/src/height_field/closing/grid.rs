@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use super::shell::Edge;
-use super::vectors::{Place, minus};
+use super::vectors::{Edge, Place, minus};
 
 /// Square cells over some points and edges: about one point in each, and no edge passes many.
 struct Squares {
@@ -16,7 +15,7 @@ struct Squares {
 /// Things in order of their cells, row by row.
 struct ByCell<T> {
     all: Vec<T>,
-    /// Where those of each cell begin, and the end of all.
+    /// Begin of the items of each cell, and the end of all.
     starts: Vec<u32>,
 }
 
@@ -44,13 +43,13 @@ impl Squares {
         Squares { corner, side, n_cols, n_rows }
     }
 
-    /// The column and row of the cell that is nearest to a place.
+    /// Returns the column and row of the cell that is nearest to a place.
     fn at(&self, place: Place) -> [usize; 2] {
         let [col, row] = minus(place, self.corner).map(|v| whole(v / self.side));
         [col.min(self.n_cols - 1), row.min(self.n_rows - 1)]
     }
 
-    /// The cells of one ring around a cell, in pieces of rows.
+    /// Returns the cells of one ring around a cell, in pieces of rows.
     fn ring(&self, [col, row]: [usize; 2], ring: usize) -> impl Iterator<Item = Range<usize>> {
         let rows = row.saturating_sub(ring)..(row + ring + 1).min(self.n_rows);
         let (first, last) = (col.saturating_sub(ring), (col + ring).min(self.n_cols - 1));
@@ -64,7 +63,8 @@ impl Squares {
         })
     }
 
-    /// The cells of each row that a shape meets, which tells what part of a row it spans between two heights.
+    /// Returns the cells of each row that a shape meets, which tells what part of a row it spans
+    /// between two heights.
     fn met(&self, [south, north]: [f64; 2], span: impl Fn([f64; 2]) -> [f64; 2]) -> impl Iterator<Item = Range<usize>> {
         let rows = [south, north].map(|y| whole((y - self.corner[1]) / self.side));
         (rows[0]..=rows[1].min(self.n_rows - 1)).filter_map(move |row| {
@@ -78,7 +78,7 @@ impl Squares {
         })
     }
 
-    /// The cells that an edge passes.
+    /// Returns the cells that an edge passes.
     fn passed(&self, edge: &Edge) -> impl Iterator<Item = usize> {
         let [[x0, y0], [x1, y1]] = edge.ends();
         let dy = y1 - y0;
@@ -89,7 +89,7 @@ impl Squares {
         self.met([y0.min(y1), y0.max(y1)], span).flatten()
     }
 
-    /// The cells that a disc meets, in pieces of rows.
+    /// Returns the cells that a disc meets, in pieces of rows.
     fn of_disc(&self, [x, y]: Place, radius: f64) -> impl Iterator<Item = Range<usize>> {
         self.met([y - radius, y + radius], move |[low, high]| {
             let dy = (low - y).max(y - high).max(0.0);
@@ -132,18 +132,19 @@ impl Grid {
             .copied()
     }
 
-    /// The points that a disc holds, and some others.
+    /// Returns the points that a disc holds, and some others.
     pub(super) fn points_in(&self, center: Place, radius: f64) -> impl Iterator<Item = Place> {
         self.squares.of_disc(center, radius).flat_map(|cells| self.points.of_cells(cells)).copied()
     }
 
-    /// The edges that a disc meets, and some others; an edge that passes many cells comes as often.
+    /// Returns the edges that a disc meets, and some others; an edge that passes many cells comes
+    /// as often.
     pub(super) fn edges_in(&self, center: Place, radius: f64) -> impl Iterator<Item = &Edge> {
         self.squares.of_disc(center, radius).flat_map(|cells| self.edges.of_cells(cells))
     }
 }
 
-/// The whole part of a number from 0 to 2^32; 0 of less.
+/// Returns the whole part of a number from 0 to 2^32; 0 of less.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
 pub(super) fn whole(value: f64) -> usize {
     value as u32 as usize

@@ -1,8 +1,9 @@
 //! The closing of footprints by an open disc, decided point by point.
 //!
-//! Let F be the union of all footprints and R the radius. A point is outside of the closing iff a disc with its center at most R away
-//! avoids F. The centers of all such discs are the set E = {c : the distance from c to F is at least R}. So a point is outside iff its
-//! distance to E is less than R.
+//! Let F be the union of all footprints and R the radius. A point is outside of the closing iff a
+//! disc with its center at most R away avoids F. The centers of all such discs are the set E = {c :
+//! the distance from c to F is at least R}. So a point is outside iff its distance to E is less
+//! than R.
 //!
 //! ```text
 //!          ___________
@@ -11,13 +12,17 @@
 //!        |   |  F |  |   straight away from the edge; or a corner, where two arcs or sides meet.
 //! ```
 //!
-//! 1. Square cells bound E from inside and from outside. They decide whole cells of the closing, all but a band along its border.
-//! 2. Arcs, sides and corners of E are found near the border alone ([`Rim`]). They decide points of the band.
-//! 3. What is outside falls into parts, and only those that reach around all footprints stay outside. Two discs of one part overlap, or
-//!    are joined by others. Parts are joined by cells that are outside as a whole, by the disc that shows that a point is outside, and by
-//!    corners less than 2 R apart: where two parts of E come near each other, no arc or side is nearer than they.
+//! 1. Square cells bound E from inside and from outside. They decide whole cells of the closing,
+//!    all but a band along its border.
+//! 2. Arcs, sides and corners of E are found near the border alone ([`Rim`]). They decide points of
+//!    the band.
+//! 3. The outside falls into parts, and only those that reach around all footprints stay outside.
+//!    Two discs of one part overlap, or are joined by others. Cells that are outside as a whole
+//!    join parts, the disc that shows that a point is outside, and corners less than 2 R apart.
+//!    Where two parts of E come near each other, no arc or side is nearer than corners.
 //!
-//! Positions are on the lattice; centers of discs are in doubles. A disc that meets a footprint by less than [`TIE`] touches it.
+//! Positions are on the lattice; centers of discs are in doubles. A disc that meets a footprint by
+//! less than [`TIE`] touches it.
 
 mod cells;
 mod finder;
@@ -38,7 +43,8 @@ use crate::disjoint_sets::DisjointSets;
 use crate::outlines::{covered_shares, overlapped_cells};
 use crate::raster::BitGrid;
 
-/// Two lengths that differ by less are one \[lattice steps\]. A position in doubles is known to within a thousandth of this.
+/// Two lengths that differ by less are one \[lattice steps\]. A position in doubles is known to
+/// within a thousandth of this.
 const TIE: f64 = 1.0 / 65_536.0;
 /// Diagonal of a square of side 1, rounded up, and half of it.
 const DIAGONAL: f64 = 1.415;
@@ -60,10 +66,11 @@ pub(super) struct Closing {
 }
 
 impl Closing {
-    /// The closing by discs of a radius, found on cells of a side \[lattice steps\], at most a quarter of the radius; `None` without
-    /// footprints.
+    /// Returns the closing by discs of a radius, found on cells of a side \[lattice steps\], at
+    /// most a quarter of the radius; `None` without footprints.
     ///
-    /// Cost: five passes over the cells, then a walk around each corner and along each edge near the border.
+    /// Cost: five passes over the cells, then a walk around each corner and along each edge near
+    /// the border.
     pub(super) fn of(footprints: &[Footprint], radius: i64, side: i64) -> Option<Self> {
         let points = || footprints.iter().flat_map(|f| f.polygons.iter().flatten().flatten());
         let range = |k: usize| {
@@ -82,7 +89,8 @@ impl Closing {
 
         #[expect(clippy::cast_precision_loss, reason = "both are below 2^26")]
         let (r, reach) = (radius as f64, radius as f64 / side as f64);
-        // A built cell has a point of a footprint at most half a diagonal from its center, and no footprint is elsewhere.
+        // A built cell has a point of a footprint at most half a diagonal from its center, and no
+        // footprint is elsewhere.
         let may_be_center = grown(&built, less_than(reach - DIAGONAL)).complement();
         let is_center = grown(&built, less_than(reach + HALF_DIAGONAL)).complement();
         let may_be_outside = grown(&may_be_center, less_than(reach + DIAGONAL));
@@ -100,18 +108,18 @@ impl Closing {
         Some(closing)
     }
 
-    /// Whether the closing, or a hole of it, holds a position of the lattice.
+    /// Returns whether the closing, or a hole of it, holds a position of the lattice.
     pub(super) fn contains(&self, position: [i64; 2]) -> bool {
         let place = self.cells.place(position);
         self.cells.at(place).is_some_and(|cell| self.holds(place, cell))
     }
 
-    /// Share of its area that no footprint covers, as cells tell it.
+    /// Returns the share of its area that no footprint covers, as cells tell it.
     pub(super) fn open_share(&self) -> f64 {
         self.open_share
     }
 
-    /// Whether the closing, or a hole of it, holds a place of a cell.
+    /// Returns whether the closing, or a hole of it, holds a place of a cell.
     fn holds(&self, place: Place, (row, col): (usize, usize)) -> bool {
         if !self.band.contains(row, col) {
             return self.inside.contains(row, col);
@@ -121,7 +129,7 @@ impl Closing {
     }
 }
 
-/// The cells that footprints overlap, and how many cells these cover.
+/// Returns the cells that footprints overlap, and how many cells these cover.
 fn built_cells(footprints: &[Footprint], cells: &Cells) -> (BitGrid, f64) {
     let mut built = BitGrid::new(cells.n_rows, cells.n_cols);
     let mut shares = vec![0.0_f32; cells.n_rows * cells.n_cols];
@@ -142,7 +150,7 @@ fn built_cells(footprints: &[Footprint], cells: &Cells) -> (BitGrid, f64) {
     (built, shares.into_iter().map(|share| f64::from(share.min(1.0))).sum())
 }
 
-/// The cells whose centers are outside of the closing and not in a hole of it.
+/// Returns the cells whose centers are outside of the closing and not in a hole of it.
 fn open_cells(cells: &Cells, outside: &BitGrid, band: &BitGrid, rim: &Rim) -> BitGrid {
     let mut parts = DisjointSets::new(cells.n_rows * cells.n_cols);
     let in_band: Vec<((usize, usize), Place)> = band
@@ -167,7 +175,8 @@ fn open_cells(cells: &Cells, outside: &BitGrid, band: &BitGrid, rim: &Rim) -> Bi
         }
     };
     for (cell, center) in &in_band {
-        // The disc that holds the middle of this cell also holds that of the cell in which its own center is, and perhaps neighbors.
+        // The disc that holds the middle of this cell also holds that of the cell in which its own
+        // center is, and perhaps neighbors.
         joined(&mut parts, *cell, *center);
         for row in cell.0.saturating_sub(1)..(cell.0 + 2).min(cells.n_rows) {
             for col in cell.1.saturating_sub(1)..(cell.1 + 2).min(cells.n_cols) {

@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use super::TIE;
 use super::cells::Cells;
-use super::finder::Finder;
+use super::finder::{Arc, Finder, Side};
 use super::grid::whole;
 use super::shell::{Shell, index_of};
-use super::vectors::{Place, cross, dot, length, minus, plus};
+use super::vectors::{Place, dot, length, minus, plus};
 use crate::raster::BitGrid;
 
 /// Squares along the radius, by which pieces of the border are found.
@@ -24,7 +24,7 @@ pub(super) struct Rim {
     /// Columns and rows of squares, and their side.
     squares: [usize; 2],
     side: f64,
-    /// Those whose discs may hold places of each square.
+    /// Pieces whose discs may hold places of each square.
     in_square: Vec<Vec<Piece>>,
 }
 
@@ -33,32 +33,6 @@ pub(super) enum Piece {
     Arc(u32),
     Side(u32),
     Corner(u32),
-}
-
-/// Centers of discs that touch a corner of a footprint: counter-clockwise between two directions; all where they are none.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Arc {
-    pub(super) around: Place,
-    pub(super) between: Option<[Place; 2]>,
-}
-
-/// Centers of discs that touch an edge on its left.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Side {
-    pub(super) edge: [Place; 3],
-    pub(super) from: f64,
-    pub(super) to: f64,
-}
-
-impl Arc {
-    pub(super) fn has(&self, toward: Place) -> bool {
-        let Some([first, last]) = self.between else { return true };
-        let is_less_than_half = cross(first, last) > 0.0 || (cross(first, last) == 0.0 && dot(first, last) > 0.0);
-        match is_less_than_half {
-            true => cross(first, toward) >= 0.0 && cross(toward, last) >= 0.0,
-            false => !(cross(last, toward) > 0.0 && cross(toward, first) > 0.0),
-        }
-    }
 }
 
 impl Rim {
@@ -85,7 +59,8 @@ impl Rim {
         let r = rim.radius;
         for k in 0..rim.arcs.len() {
             let arc = rim.arcs[k];
-            // Sectors of twice the radius: the box around their ends, and around what they have due east, north, west and south.
+            // Sectors of twice the radius: the box around their ends, and around what they have due
+            // east, north, west and south.
             let ends = arc.between.into_iter().flatten();
             let due = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]].into_iter().filter(|u| arc.has(*u));
             let far = ends.chain(due).map(|u| plus(arc.around, 2.0 * r, u));
@@ -118,14 +93,15 @@ impl Rim {
         }
     }
 
-    /// The column and row of the square that is nearest to a place.
+    /// Returns the column and row of the square that is nearest to a place.
     fn square_at(&self, place: Place) -> [usize; 2] {
         [0, 1].map(|k| whole(place[k] / self.side).min(self.squares[k] - 1))
     }
 
-    /// The center of a disc that holds a place, on the border of E; `None` if no disc does.
+    /// Returns the center of a disc that holds a place, on the border of E; `None` if no disc does.
     ///
-    /// A place outside of E that a disc holds is also held by the disc around the nearest place of E, which is one of these.
+    /// A place outside of E that a disc holds is also held by the disc around the nearest place of
+    /// E, which is one of these.
     pub(super) fn disc_over(&self, place: Place) -> Option<Place> {
         let [col, row] = self.square_at(place);
         let most = self.radius - TIE;

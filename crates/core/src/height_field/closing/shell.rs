@@ -1,43 +1,11 @@
-//! What may bound the centers of discs: corners and edges of footprints near the border of the closing.
+//! Corners and edges of footprints near the border of the closing, which may bound the centers of
+//! discs.
 
 use super::cells::Cells;
 use super::grid::Grid;
-use super::vectors::{Place, dot, length, minus, plus};
+use super::vectors::{Edge, Place, length, minus, plus};
 use crate::city::Footprint;
 use crate::raster::BitGrid;
-
-/// An edge: an end, its direction, a normal of length 1, its length.
-#[derive(Clone, Copy)]
-pub(super) struct Edge {
-    pub(super) from: Place,
-    pub(super) along: Place,
-    pub(super) normal: Place,
-    pub(super) length: f64,
-}
-
-impl Edge {
-    pub(super) fn between(from: Place, to: Place) -> Edge {
-        let d = minus(to, from);
-        let length = length(d);
-        let along = [d[0] / length, d[1] / length];
-        Edge { from, along, normal: [-along[1], along[0]], length }
-    }
-
-    pub(super) fn ends(&self) -> [Place; 2] {
-        [self.from, self.place(self.length, 0.0)]
-    }
-
-    /// A place along the edge and to its left.
-    pub(super) fn seen(&self, place: Place) -> (f64, f64) {
-        let d = minus(place, self.from);
-        (dot(d, self.along), dot(d, self.normal))
-    }
-
-    /// The place so far along the edge and so far to its left.
-    pub(super) fn place(&self, t: f64, h: f64) -> Place {
-        plus(plus(self.from, t, self.along), h, self.normal)
-    }
-}
 
 /// The corners and edges of footprints that may bound E.
 pub(super) struct Shell {
@@ -48,7 +16,7 @@ pub(super) struct Shell {
 }
 
 impl Shell {
-    /// Edges that pass cells of `near`, their ends, and other corners in these cells.
+    /// Returns edges that pass cells of `near`, their ends, and other corners in these cells.
     pub(super) fn of(footprints: &[Footprint], cells: &Cells, near: &BitGrid, radius: f64) -> Shell {
         let place = |p: &[i32; 2]| cells.place(p.map(i64::from));
         let (mut points, mut edges) = (Vec::new(), Vec::new());
@@ -73,13 +41,14 @@ pub(super) fn index_of(k: usize) -> u32 {
     u32::try_from(k).unwrap_or(u32::MAX)
 }
 
-/// Whether an edge passes a cell of a set, or comes near one: by the cells around places at most a side apart.
+/// Returns whether an edge passes a cell of a set, or comes near one: by the cells around places at
+/// most a side apart.
 fn passes(cells: &Cells, set: &BitGrid, from: Place, to: Place) -> bool {
     let d = minus(to, from);
     steps(cells, length(d)).any(|t| holds_near(cells, set, plus(from, t, d)))
 }
 
-/// Shares of a length, at most a side of a cell apart, with both ends.
+/// Returns shares of a length, at most a side of a cell apart, with both ends.
 pub(super) fn steps(cells: &Cells, length: f64) -> impl Iterator<Item = f64> + use<> {
     #[expect(clippy::cast_precision_loss, reason = "a side is below 2^26")]
     let side = cells.side as f64;
@@ -88,7 +57,7 @@ pub(super) fn steps(cells: &Cells, length: f64) -> impl Iterator<Item = f64> + u
     (0..=n).map(move |k| f64::from(k) / f64::from(n))
 }
 
-/// Whether the cell of a place or one of its eight neighbors is in a set.
+/// Returns whether the cell of a place or one of its eight neighbors is in a set.
 pub(super) fn holds_near(cells: &Cells, set: &BitGrid, place: Place) -> bool {
     let Some((row, col)) = cells.at(place) else { return false };
     let rows = row.saturating_sub(1)..(row + 2).min(cells.n_rows);

@@ -23,7 +23,8 @@ pub(super) fn length(a: Place) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// What grows with the direction of a vector, from east counter-clockwise: 0 to 4.
+/// Returns a number from 0 to 4 that grows with the direction of a vector, from east
+/// counter-clockwise.
 pub(super) fn turn([x, y]: Place) -> f64 {
     let share = y / (x.abs() + y.abs());
     match (x < 0.0, y < 0.0) {
@@ -33,7 +34,7 @@ pub(super) fn turn([x, y]: Place) -> f64 {
     }
 }
 
-/// The vector of length 1 that has a [turn] of 0 to 4.
+/// Returns the vector of length 1 that has a [turn] of 0 to 4.
 pub(super) fn direction(turn: f64) -> Place {
     let in_quarter = |t: f64| [1.0 - t, t];
     let [x, y] = match turn {
@@ -49,6 +50,39 @@ pub(super) fn direction(turn: f64) -> Place {
         ..2.0 => [-y, x],
         ..3.0 => [-x, -y],
         _ => [y, -x],
+    }
+}
+
+/// An edge: an end, its direction, a normal of length 1, its length.
+#[derive(Clone, Copy)]
+pub(super) struct Edge {
+    pub(super) from: Place,
+    pub(super) along: Place,
+    pub(super) normal: Place,
+    pub(super) length: f64,
+}
+
+impl Edge {
+    pub(super) fn between(from: Place, to: Place) -> Edge {
+        let d = minus(to, from);
+        let length = length(d);
+        let along = [d[0] / length, d[1] / length];
+        Edge { from, along, normal: [-along[1], along[0]], length }
+    }
+
+    pub(super) fn ends(&self) -> [Place; 2] {
+        [self.from, self.place(self.length, 0.0)]
+    }
+
+    /// Returns a place along the edge and to its left.
+    pub(super) fn seen(&self, place: Place) -> (f64, f64) {
+        let d = minus(place, self.from);
+        (dot(d, self.along), dot(d, self.normal))
+    }
+
+    /// Returns the place so far along the edge and so far to its left.
+    pub(super) fn place(&self, t: f64, h: f64) -> Place {
+        plus(plus(self.from, t, self.along), h, self.normal)
     }
 }
 

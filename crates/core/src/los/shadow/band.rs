@@ -6,8 +6,9 @@ use super::super::prisms_ray::prisms_los;
 use super::cast::Cast;
 use super::ceiling::Ceiling;
 use super::geometry::as_f64;
-use super::outline::{LANES, Outline};
+use super::outline::Outline;
 use super::plane::Plane;
+use super::reach::LANES;
 use super::scene::{Receivers, ShadowScene};
 use super::sloped::SlopedRoof;
 use super::spans::{Lanes, below_ceiling, maybe_spans, spans};
@@ -81,7 +82,7 @@ impl BandJob<'_> {
                                 Some(roof) => ceiling.cast_sloped(self.plane, &roof, caster.top),
                                 None if self.plane.curve == 0.0 => ceiling.cast(self.plane, ring, caster.top),
                                 None => {
-                                    ceiling.cast_curved(self.plane, ring, (caster.top, caster.bounds), reach.far());
+                                    ceiling.cast_curved(self.plane, ring, (caster.top, caster.bounds), reach.far);
                                 }
                             }
                             self.hide_relief(simd, &outline, &ceiling, &tiles, &mut band);

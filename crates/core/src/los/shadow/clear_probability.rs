@@ -27,9 +27,13 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8};
 use rayon::prelude::*;
 
+use super::super::height_errors::{
+    CERTAIN, HeightErrors, MOST_BUILDINGS, MOST_VALUES, SHARED_CERTAIN, TABLE_STEPS, TIE,
+};
 use super::geometry::{as_f64, cross, sub};
-use super::outline::{LANES, Outline, Reach};
+use super::outline::Outline;
 use super::plane::Plane;
+use super::reach::{LANES, Reach};
 use super::scene::{Receivers, ShadowScene, cells_at_uav};
 use super::spans::{Lanes, as_column, doubtful, maybe_spans, spans};
 use super::words::{bits_outside, for_each_bit};
@@ -39,25 +43,9 @@ use crate::overlay::bounds_of;
 use crate::quantity::LatticePoint;
 use crate::raster::BitGrid;
 
-/// Standard deviations beyond which own errors are left out.
-const CERTAIN: f64 = 6.0;
-
-/// Standard deviations beyond which shared errors are left out.
-const SHARED_CERTAIN: f64 = 4.5;
-
-/// Buildings on one link for which steps over shared errors are good to 10⁻⁸; for a dozen they are
-/// good to 10⁻⁵.
-const MOST_BUILDINGS: f64 = 4.0;
-
-/// Largest number of values of a shared error; more cost as much as walks.
-const MOST_VALUES: f64 = 96.0;
-
 /// Largest count of numbers that a band holds for all values of a shared error (4 MB), unless eight
 /// rows need more.
 const BAND: usize = 1 << 20;
-
-/// Rooms this near to 0 are in doubt for a building without an error \[1/1024 m\].
-const TIE: f64 = 1e-3;
 
 /// Probabilities of the cells of a grid.
 #[derive(Debug, Clone)]
@@ -95,7 +83,7 @@ pub fn shadow_clear_probabilities(
     scene: &ShadowScene<'_>,
     uav: LatticePoint,
     height: &(impl Fn(usize, usize) -> i32 + Sync),
-    (own, shared): (&(impl Fn(u32) -> f64 + Sync), f64),
+    errors: &HeightErrors,
 ) -> Option<ClearProbabilities> {
     let (relief, (lowest, highest)) = Receivers::relief(scene.wanted, height);
     let per_row = scene.wanted.words_per_row() * 64;
@@ -111,13 +99,16 @@ pub fn shadow_clear_probabilities(
     let mut p = vec![1.0; (end - first) * per_row];
     let east = (0..per_row).map(|col| as_f64(scene.grid.xs[col.min(n_cols - 1)] - uav.x)).collect();
     let buildings: Vec<&[Piece]> = scene.prisms.pieces().chunk_by(|a, b| a.building == b.building).collect();
-    let least =
-        buildings.iter().filter_map(|b| b.first()).map(|piece| own(piece.building)).fold(f64::INFINITY, f64::min);
-    let values = shared_values(shared, least)?;
+    let least = buildings
+        .iter()
+        .filter_map(|b| b.first())
+        .map(|piece| errors.own_steps(piece.building))
+        .fold(f64::INFINITY, f64::min);
+    let values = shared_values(errors.shared_steps(), least)?;
     let at_uav = cells_at_uav(scene.grid, &plane, scene.wanted);
     let rows_per_band = (BAND / (per_row * values.len()).max(1) / LANES).clamp(1, 16) * LANES;
     let lowest = lowest.into();
-    let cast = Cast { scene, receivers, lowest, buildings, own, shared, values, east, per_row, at_uav };
+    let cast = Cast { scene, receivers, lowest, buildings, errors, values, east, per_row, at_uav };
     p.par_chunks_mut(rows_per_band * per_row).enumerate().for_each(|(k, p)| {
         let first = first + k * rows_per_band;
         let mut plane = plane.clone();
@@ -145,14 +136,13 @@ fn shared_values(shared: f64, least_own: f64) -> Option<Vec<(f64, f64)>> {
     Some((-n..=n).map(|k| f64::from(k) * step).map(|t| (t, weight(t) / all)).collect())
 }
 
-/// Data that are the same for all buildings.
-struct Cast<'a, D> {
+/// The values that all buildings share.
+struct Cast<'a> {
     scene: &'a ShadowScene<'a>,
     receivers: Receivers,
     lowest: i64,
     buildings: Vec<&'a [Piece]>,
-    own: &'a D,
-    shared: f64,
+    errors: &'a HeightErrors,
     /// Values of the shared error, each with its weight.
     values: Vec<(f64, f64)>,
     /// East of the UAV, by column and up to a whole word \[lattice steps\].
@@ -179,7 +169,7 @@ struct Band {
     far: Vec<FarEdge>,
 }
 
-impl<D: Fn(u32) -> f64 + Sync> Cast<'_, D> {
+impl Cast<'_> {
     #[inline(always)]
     fn band<S: Simd>(&self, simd: S, plane: &Plane, p: &mut [f64]) {
         let n_rows = plane.rows.1 - plane.rows.0;
@@ -196,10 +186,10 @@ impl<D: Fn(u32) -> f64 + Sync> Cast<'_, D> {
         let mut outline = Outline::default();
         for building in &self.buildings {
             let Some(first) = building.first() else { continue };
-            let own = (self.own)(first.building);
-            let (per_step, certain) = (1.0 / own, CERTAIN * own + SHARED_CERTAIN * self.shared);
+            let (own, shared) = (self.errors.own_steps(first.building), self.errors.shared_steps());
+            let (per_step, certain) = (1.0 / own, CERTAIN * own + SHARED_CERTAIN * shared);
             #[expect(clippy::cast_possible_truncation, reason = "saturates")]
-            let reach = (CERTAIN * (own + self.shared)).ceil() as i32;
+            let reach = (CERTAIN * (own + shared)).ceil() as i32;
             for piece in *building {
                 let Some(of_piece) = Reach::new(plane.uav.z, piece.top.saturating_add(reach), self.lowest) else {
                     continue;
@@ -347,15 +337,12 @@ impl<D: Fn(u32) -> f64 + Sync> Cast<'_, D> {
 /// The distribution of a normal error, interpolated between values at even steps.
 struct NormalTable(Vec<f64>);
 
-/// Steps per standard deviation.
-const STEPS: f64 = 512.0;
-
 fn normal_table() -> &'static NormalTable {
     static TABLE: OnceLock<NormalTable> = OnceLock::new();
     TABLE.get_or_init(|| {
         #[expect(clippy::cast_possible_truncation, reason = "a few thousand")]
-        let n = (2.0 * CERTAIN * STEPS) as i32;
-        let x = |k: i32| f64::from(k) / STEPS - CERTAIN;
+        let n = (2.0 * CERTAIN * TABLE_STEPS) as i32;
+        let x = |k: i32| f64::from(k) / TABLE_STEPS - CERTAIN;
         NormalTable((0..=n + 1).map(|k| 0.5 * libm::erfc(-x(k) * std::f64::consts::FRAC_1_SQRT_2)).collect())
     })
 }
@@ -370,7 +357,7 @@ impl NormalTable {
         if x <= -CERTAIN {
             return 0.0;
         }
-        let place = (x + CERTAIN) * STEPS;
+        let place = (x + CERTAIN) * TABLE_STEPS;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the table")]
         let k = place as usize;
         let (low, high) = (self.0[k], self.0[k + 1]);

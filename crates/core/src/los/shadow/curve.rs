@@ -39,56 +39,29 @@
 
 use super::geometry::as_f64;
 use super::plane::Plane;
+use super::reach::{Bend, Reach};
 
 /// Roundings of heights are far below this \[1/1024 m\].
 pub(super) const HEIGHT_SLACK: f64 = 1.0 / 1024.0;
 
-/// The end of a shadow on a curved earth.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Bend {
-    /// Rise of the receivers' plane to the east and the north.
-    gamma: [f64; 2],
-    /// f: the end of the shadow behind the far edges, as a factor.
-    far: f64,
-    /// Height of the UAV above the roof \[1/1024 m\].
-    below: f64,
-    /// Height errors allowed for: receivers may be this much higher where they are hidden, and this
-    /// much lower where they are not \[1/1024 m\].
-    higher: f64,
-    lower: f64,
+impl Plane {
+    /// Returns how far the shadow of a roof within `bounds` reaches on receivers at `z`; `None` if it hides none of them.
+    #[inline(always)]
+    pub(super) fn reach(&self, bounds: [i32; 4], top: i32, z: i64) -> Option<Reach> {
+        if self.curve == 0.0 { Reach::new(self.uav.z, top, z) } else { reach(self, bounds, top, z) }
+    }
 }
 
-/// A far edge of a caster as it bounds a shadow. Receivers are surely hidden if
-/// `cross(edge, p − u)` is more than `sure`, and possibly hidden if it is more than `maybe`.
-pub(super) struct FarEdge {
-    pub(super) edge: [f64; 2],
-    /// Magnitudes of the terms of the edge.
-    pub(super) terms: [f64; 2],
-    pub(super) sure: f64,
-    pub(super) maybe: f64,
-}
-
-/// The reach of a shadow on a curved earth.
-pub(super) enum CurvedReach {
-    /// It hides no receiver.
-    Nowhere,
-    /// The shadow has no end, since the roof is above the UAV as seen from the plane below it. Or
-    /// its end is farther than all receivers.
-    Endless,
-    /// It ends at a factor of the distance from the UAV at most.
-    UpTo(f64, Bend),
-}
-
-/// Returns the reach for a roof at `top` within bounds (west, south, east, north), over receivers
-/// at `z` or higher. All receivers are in the wanted part of the plane, and their rays fall, or
-/// rise, all the way.
-pub(super) fn reach(plane: &Plane, [w, s, e, n]: [i32; 4], top: i32, z: i64) -> CurvedReach {
+/// Returns the reach for a roof at `top` within bounds (west, south, east, north) over receivers at `z` or higher whose rays fall, or rise, all
+/// the way. All are in the wanted part of the plane.
+fn reach(plane: &Plane, [w, s, e, n]: [i32; 4], top: i32, z: i64) -> Option<Reach> {
     let (c, uav, farthest, top) = (plane.curve, plane.uav, plane.farthest(), i64::from(top));
     if top <= z.min(uav.z) {
-        return CurvedReach::Nowhere;
+        return None;
     }
+    // A shadow has no end if the roof is above the UAV, as seen from the plane below it, or the end is farther than all receivers.
     if z >= uav.z {
-        return CurvedReach::Endless;
+        return Some(Reach::ENDLESS);
     }
     let middle = |low: i32, high: i32, at: i64| 0.5 * as_f64(i64::from(low) + i64::from(high) - 2 * at);
     let m = [middle(w, e, uav.x), middle(s, n, uav.y)];
@@ -101,11 +74,11 @@ pub(super) fn reach(plane: &Plane, [w, s, e, n]: [i32; 4], top: i32, z: i64) -> 
     let cap = c * r * r + HEIGHT_SLACK;
     let unknown = || {
         let bend = Bend { gamma: [0.0; 2], far: 1.0, below: 1.0, higher: f64::INFINITY, lower: f64::INFINITY };
-        CurvedReach::UpTo(f64::INFINITY, bend)
+        Some(Reach::bent(f64::INFINITY, bend))
     };
     if below < -cap {
-        // The UAV and all receivers are below the roof even at its lowest point.
-        return if as_f64(top - z) > cap { CurvedReach::Endless } else { unknown() };
+        // The UAV and all receivers are below the roof wherever that is lowest.
+        return if as_f64(top - z) > cap { Some(Reach::ENDLESS) } else { unknown() };
     }
     // The nearer root for a point of the roof at a distance before the horizon; it grows with the
     // distance.
@@ -122,7 +95,7 @@ pub(super) fn reach(plane: &Plane, [w, s, e, n]: [i32; 4], top: i32, z: i64) -> 
         return unknown();
     }
     if nearest > 0.0 && below > cap && root_below(above_roof + cap, nearest) * nearest > farthest {
-        return CurvedReach::Endless;
+        return Some(Reach::ENDLESS);
     }
     let horizon = |distance: f64| if distance > 0.0 { (above_receivers / c).sqrt() / distance } else { f64::INFINITY };
     let (least, most) = (root(nearest.max(0.0)), root(distance + r));
@@ -142,21 +115,5 @@ pub(super) fn reach(plane: &Plane, [w, s, e, n]: [i32; 4], top: i32, z: i64) -> 
         higher: cap * last + HEIGHT_SLACK,
         lower: if most.is_finite() { c * off * off + HEIGHT_SLACK * (1.0 + last) } else { f64::INFINITY },
     };
-    CurvedReach::UpTo(most, bend)
-}
-
-impl Bend {
-    /// Returns the bound of an edge that does not face the UAV, with its `K`.
-    #[inline(always)]
-    pub(super) fn far_edge(&self, [ex, ey]: [f64; 2], k: f64) -> FarEdge {
-        let ratio = k / self.below;
-        let [by_x, by_y] = [ratio * self.gamma[1], -ratio * self.gamma[0]];
-        let end = k * self.far;
-        FarEdge {
-            edge: [ex + by_x, ey + by_y],
-            terms: [ex.abs() + by_x.abs(), ey.abs() + by_y.abs()],
-            sure: end - ratio * self.higher,
-            maybe: end + ratio * self.lower,
-        }
-    }
+    Some(Reach::bent(most, bend))
 }

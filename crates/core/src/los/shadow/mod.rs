@@ -96,6 +96,7 @@ mod outline;
 mod plane;
 mod plateaus;
 mod positions;
+mod reach;
 mod scene;
 mod sloped;
 mod spans;

@@ -1,12 +1,9 @@
 //! The shadow of one caster: the half-planes whose intersection it is. The derivation is in the
 //! essay of [`super`].
 
-use super::curve::Bend;
 use super::geometry::{as_f64, cross, sub};
 use super::plane::Plane;
-
-/// Rows whose bounds are computed at once.
-pub(super) const LANES: usize = 8;
+use super::reach::{Bend, FAR, Reach};
 
 /// Relative error of a computed bound, measured on the sum of the magnitudes of its terms.
 ///
@@ -19,88 +16,7 @@ pub(super) const ROUNDING: f64 = 1.0 / (1_u64 << 49) as f64;
 /// Least extent of a bent edge to the north or south \[lattice steps\].
 const FLATTEST: f64 = 1e-100;
 
-/// Beyond every position of a grid and its UAV \[lattice steps\].
-const FAR: f64 = (1_u64 << 40) as f64;
-
-/// The reach of a shadow along the rays through a footprint, as factors of the distance from the
-/// UAV in the plane.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Reach {
-    /// Begin of the shadow, relative to the footprint's near edges. It is 1, or more for receivers
-    /// above the roof and if another caster hides nearer receivers.
-    near: f64,
-    /// End of the shadow, relative to the far edges; infinite if it has none.
-    far: f64,
-    /// The curve of its end on a curved earth.
-    bend: Option<Bend>,
-}
-
-impl Reach {
-    /// From the near edges on without an end.
-    pub(super) const ENDLESS: Reach = Reach { near: 1.0, far: f64::INFINITY, bend: None };
-
-    /// Returns the reach for a roof at `top`, seen by receivers at `z`; `None` if it hides nothing
-    /// from them.
-    #[inline(always)]
-    pub(super) fn new(uav_z: i64, top: i32, z: i64) -> Option<Reach> {
-        let top = i64::from(top);
-        #[expect(clippy::cast_precision_loss, reason = "differences of heights are below 2^53")]
-        let quotient = |num: i64, den: i64| num as f64 / den as f64;
-        if top <= z && top <= uav_z {
-            None
-        } else if top < uav_z {
-            Some(Reach { far: quotient(uav_z - z, uav_z - top), ..Reach::ENDLESS })
-        } else if top >= z {
-            Some(Reach::ENDLESS)
-        } else {
-            Some(Reach { near: quotient(z - uav_z, top - uav_z), ..Reach::ENDLESS })
-        }
-    }
-
-    /// Makes a reach that ends along a curve, at a factor of at most `far`.
-    pub(super) fn bent(far: f64, bend: Bend) -> Reach {
-        Reach { far, bend: Some(bend), ..Reach::ENDLESS }
-    }
-
-    /// Returns its begin, relative to the near edges.
-    pub(super) fn near(self) -> f64 {
-        self.near
-    }
-
-    /// Returns its end, relative to the far edges; infinite if it has none.
-    pub(super) fn far(self) -> f64 {
-        self.far
-    }
-
-    /// Returns the length of the shadow behind an object at a distance from the UAV, in the unit of
-    /// `distance`.
-    pub(super) fn behind(self, distance: f64) -> f64 {
-        (self.far - 1.0) * distance
-    }
-
-    /// Returns the reach from `begin` on, if that is farther than its own begin.
-    #[inline(always)]
-    pub(super) fn from(self, begin: f64) -> Reach {
-        Reach { near: self.near.max(begin), ..self }
-    }
-
-    /// Returns the box (west, south, east, north of the UAV at `u`) of all u + s(F − u) for a
-    /// footprint F within `bounds` \[lattice steps\]. It is a lattice step wider than rounding can
-    /// matter.
-    #[inline(always)]
-    pub(super) fn extent(self, bounds: [i32; 4], u: (i64, i64)) -> [f64; 4] {
-        let Reach { near, far, .. } = self;
-        #[expect(clippy::cast_precision_loss, reason = "differences of at most 2^33")]
-        let relative = |v: i32, u: i64| (i64::from(v) - u) as f64;
-        let least = |v: f64| if v < 0.0 { (far * v).max(-FAR) } else { near * v } - 1.0;
-        let most = |v: f64| -least(-v);
-        let [w, s, e, n] = bounds;
-        [least(relative(w, u.0)), least(relative(s, u.1)), most(relative(e, u.0)), most(relative(n, u.1))]
-    }
-}
-
-/// Two ranges of rows, each as first and end: rows that may have hidden cells, and rows surely
-/// between the horizontal bounds.
+/// Cells `first.0..first.1` and so on of a row: those that are surely hidden, and those that may be.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rows {
     pub(super) maybe: (usize, usize),

@@ -1,10 +1,9 @@
 //! The plane of receivers as one UAV sees it: rows and columns around it, and the reach of shadows
 //! there.
 
-use super::curve::{self, CurvedReach};
 use super::geometry::as_f64;
 use super::grid::ShadowGrid;
-use super::outline::{LANES, Reach};
+use super::reach::{LANES, Reach};
 use crate::quantity::LatticePoint;
 
 /// The plane as seen from one UAV, and the part of it that holds wanted cells.
@@ -61,22 +60,7 @@ impl Plane {
         }
     }
 
-    /// Returns the reach of the shadow of a roof within `bounds` on receivers at `z`; `None` if it
-    /// hides none of them.
-    #[inline(always)]
-    pub(super) fn reach(&self, bounds: [i32; 4], top: i32, z: i64) -> Option<Reach> {
-        if self.curve == 0.0 {
-            return Reach::new(self.uav.z, top, z);
-        }
-        match curve::reach(self, bounds, top, z) {
-            CurvedReach::Nowhere => None,
-            CurvedReach::Endless => Some(Reach::ENDLESS),
-            CurvedReach::UpTo(far, bend) => Some(Reach::bent(far, bend)),
-        }
-    }
-
-    /// Returns a distance at least as large as that of any wanted cell from the UAV \[lattice
-    /// steps\].
+    /// At least as far from the UAV as any wanted cell \[lattice steps\].
     pub(super) fn farthest(&self) -> f64 {
         self.east.0.abs().max(self.east.1.abs()).hypot(self.q_max) + 1.0
     }

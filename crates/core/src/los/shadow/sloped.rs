@@ -27,8 +27,9 @@
 
 use super::ceiling::{Ceiling, Slope};
 use super::geometry::{as_f64, cross, sub};
-use super::outline::{Magnitude, Outline, ROUNDING, Reach};
+use super::outline::{Magnitude, Outline, ROUNDING};
 use super::plane::Plane;
+use super::reach::Reach;
 use crate::height_field::{Caster, Casters, RoofPlane};
 use crate::quantity::LatticePoint;
 
@@ -119,7 +120,7 @@ impl Outline {
             // offset holds here as well.
             let offset = as_f64(below_uav) * as_f64(k);
             if is_facing {
-                self.add(plane, edge, reach.near() * as_f64(k), &mut magnitude);
+                self.add(plane, edge, reach.near * as_f64(k), &mut magnitude);
                 if above < 0 {
                     self.add_upper(plane, [-upper[0], -upper[1]], -offset, &mut magnitude);
                 }

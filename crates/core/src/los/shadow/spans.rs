@@ -11,8 +11,9 @@ use fearless_simd::{f64x8, u64x8};
 
 use super::ceiling::{Ceiling, Slope};
 use super::geometry::as_f64;
-use super::outline::{BentLine, LANES, Line, Outline};
+use super::outline::{BentLine, Line, Outline};
 use super::plane::Plane;
+use super::reach::LANES;
 
 /// Cells `.0[k]...1[k]` of eight rows.
 pub(super) type Lanes = ([u64; LANES], [u64; LANES]);

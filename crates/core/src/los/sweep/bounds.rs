@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use fearless_simd::prelude::*;
 
-use super::frame::{CELL_BITS, as_i64};
+use super::frame::{CELL_BITS, PAD, PAD_I64, as_i64};
 use super::simd::{lane_numbers, permuted};
 use super::undecided::{Passed, Recall, RowBounds};
 
@@ -20,13 +20,7 @@ use super::undecided::{Passed, Recall, RowBounds};
 /// none.
 pub(super) const NOTHING: i32 = -(1 << 30);
 
-/// Room that vectors may read or write before and after the used part of a buffer.
-pub(super) const PAD: usize = 128;
-/// [`PAD`] among bins and cells, which are counted with a sign.
-pub(super) const PAD_I64: i64 = 128;
-
-/// Relative width of the doubt around a bound: both slopes of a comparison are off by less than
-/// 2^-21 of themselves.
+/// Relative width of the doubt around a bound: both slopes of a comparison are off by less than 2^-21 of themselves.
 const DOUBT: f32 = 1.0 / (1 << 19) as f32;
 
 /// Inverse of distance 0. Any height is then too steep for all receivers, and its slope is still

@@ -14,9 +14,9 @@ use std::ops::Range;
 
 use fearless_simd::prelude::*;
 
-use super::bounds::{PAD, split};
-use super::frame::{CELL, CELL_BITS, FIRST_LEVEL, Frame, as_i64};
-use super::least_heights::{BATCH, Met};
+use super::bounds::split;
+use super::frame::{BATCH, CELL, CELL_BITS, FIRST_LEVEL, Frame, PAD, as_i64};
+use super::least_heights::{Met, one_over_power_of_two};
 use super::undecided::{Open, Passed, Recall, RowBounds, Settling};
 
 /// Bins that are listed together: as many as the widest vector has lanes.
@@ -245,6 +245,77 @@ const EMPTY: Listed = Listed {
     first: 0,
     level: 0,
 };
+
+impl Candidates {
+    /// The least height above the UAV of each of some receivers of a row that is in line of sight \[1/1024 m\]: +∞ if there is none.
+    /// Where nothing obstructs, it is below all heights.
+    #[inline(always)]
+    pub(super) fn find_least_heights<S: Simd>(
+        &mut self,
+        simd: S,
+        of: &Settling<'_>,
+        cells: &[u32],
+        highest: &mut [f64; BATCH],
+    ) {
+        let length = of.frame.center(of.row) as f64;
+        let uav = (if of.is_left() { -of.frame.uav_lateral } else { of.frame.uav_lateral }) as f64;
+        let Candidates { newest, listed: all, met, .. } = self;
+        // The receivers that are not done with: which of `cells`, and the candidate to look at next.
+        let (mut which, mut next, mut before) = ([0_u8; BATCH], [NONE; BATCH], [0.0_f64; BATCH]);
+        let mut n = 0;
+        for (k, cell) in cells.iter().enumerate() {
+            highest[k] = f64::NEG_INFINITY;
+            #[expect(clippy::cast_possible_truncation, reason = "below 64")]
+            let number = k as u8;
+            which[n] = number;
+            next[n] = newest[of.bin(*cell as usize) + PAD];
+            n += usize::from(next[n] != NONE);
+        }
+        while n > 0 {
+            for k in 0..n {
+                let cell = cells[usize::from(which[k])] as usize;
+                let (listed, number) = (&all[next[k] as usize], of.number(cell));
+                let lane = listed.lane(number, of.level);
+                let (near, far) = (of.frame.near(listed.row as usize), of.frame.far(listed.row as usize));
+                let [a, b, c, d] = listed.tops(lane).map(f64::from);
+                let number = number >> (of.level - listed.level);
+                let (edge, tops) = if of.is_left() { (-(number + 1), [b, a, d, c]) } else { (number, [a, b, c, d]) };
+                met.side[k] = of.side(cell) as f64;
+                met.edge[k] = edge as f64;
+                let n_bins = f64::from(1_u32 << listed.level);
+                (met.n_bins[k], met.per_cell[k]) = (n_bins, one_over_power_of_two(CELL_BITS + listed.level));
+                (met.near[k], met.far[k]) = (near as f64, far as f64);
+                for (of_all, top) in met.tops.iter_mut().zip(tops) {
+                    of_all[k] = top;
+                }
+                before[k] = f64::from(listed.before[lane]) * length;
+                next[k] = listed.next[lane];
+            }
+            simd.vectorize(
+                #[inline(always)]
+                || met.find(simd, (uav, length, f64::from(of.frame.blocks_all)), n),
+            );
+            let mut n_left = 0;
+            for k in 0..n {
+                let cell = usize::from(which[k]);
+                highest[cell] = if met.least[k] > highest[cell] { met.least[k] } else { highest[cell] };
+                // Upper bounds leave more slack than a product of doubles is off.
+                let (mut rest, mut place) = (before[k], next[k]);
+                while rest > highest[cell] {
+                    let listed = &all[place as usize];
+                    let lane = listed.lane(of.number(cells[cell] as usize), of.level);
+                    if f64::from(listed.upper[lane]) * length > highest[cell] {
+                        (which[n_left], next[n_left]) = (which[k], place);
+                        n_left += 1;
+                        break;
+                    }
+                    (rest, place) = (f64::from(listed.before[lane]) * length, listed.next[lane]);
+                }
+            }
+            n = n_left;
+        }
+    }
+}
 
 /// The link to a receiver, as the rows of its quadrant see it.
 #[derive(Debug, Clone, Copy)]

@@ -26,6 +26,14 @@ const MAX_PARTS: i64 = 1 << FIRST_LEVEL;
 /// that the bins of a vector of receivers lie in two vectors.
 pub(super) const NEAR: i64 = 16 * CELL;
 
+/// Room that vectors may read or write before and after the part of a buffer that is in use.
+pub(super) const PAD: usize = 128;
+/// [`PAD`] among bins and cells, which are counted with a sign.
+pub(super) const PAD_I64: i64 = 128;
+
+/// Receivers whose least heights are found together.
+pub(super) const BATCH: usize = 64;
+
 /// Cells across a raster beyond which its quadrants are cut once more.
 const LONGEST_ROW: usize = 4096;
 

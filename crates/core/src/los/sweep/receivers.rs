@@ -2,8 +2,7 @@
 
 use fearless_simd::prelude::*;
 
-use super::bounds::PAD_I64;
-use super::frame::{CELL, CELL_BITS, Frame, as_i64};
+use super::frame::{CELL, CELL_BITS, Frame, PAD_I64, as_i64};
 use super::row_source::{Rows, Stand};
 use super::simd::tables;
 

@@ -137,11 +137,11 @@ impl<'a> InMemory<'a> {
             dispatch!(self.level, simd => turn(simd, cells, seen.n_cols, lines, lateral, out));
         }
         for (line, out) in lines.clone().zip(out.chunks_mut(width.max(1))) {
-            match (seen.heights, seen.drops) {
-                (HeightsOf::One(z), None) => out.fill(z),
-                (HeightsOf::One(z), Some(drops)) => drops.lower_one_by_col(z, (lateral.start, line), out),
-                (HeightsOf::Cells(_), Some(drops)) => drops.lower_col((lateral.start, line), out),
-                (HeightsOf::Cells(_), None) => {}
+            if let HeightsOf::One(z) = seen.heights {
+                out.fill(z);
+            }
+            if let Some(drops) = seen.drops {
+                drops.lower_col((lateral.start, line), out);
             }
         }
     }

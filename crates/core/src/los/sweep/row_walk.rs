@@ -180,7 +180,6 @@ impl LinkOverRows {
         let (first_n, stop) = (length - far, length - near);
         let (passed, rest) = self.length.divide(CELL / 2 * length + first_n * along);
         let lines = (first_n - CELL / 2) / CELL + 1;
-        let shift = |steps: i64, stride: isize| isize::try_from(steps).unwrap_or(0) * stride;
         let n_lines = (stop - first_n + CELL - 1).div_euclid(CELL);
         let mut at = Entry {
             cell: own.wrapping_add_signed(shift(lines, stride)).wrapping_add_signed(shift(passed, sideways)),
@@ -209,14 +208,7 @@ impl LinkOverRows {
                     if i64::from(highest) * length <= at.clear_below + ((n - 1) * CELL * climb).min(0) {
                         lines_left -= n;
                         let over = if n == LINES { *over_tile } else { Passed::of(n, along, length) };
-                        at.rest += CELL * over.rest;
-                        let carries = at.rest >= whole;
-                        at.rest -= if carries { whole } else { 0 };
-                        let borders = over.borders + i64::from(carries);
-                        at.beside -= borders;
-                        at.cell =
-                            at.cell.wrapping_add_signed(shift(n, stride)).wrapping_add_signed(shift(borders, sideways));
-                        at.clear_below += n * CELL * climb;
+                        at = steps.over_lines(at, n, over);
                         continue;
                     }
                 }
@@ -293,9 +285,28 @@ struct Steps {
     sideways: isize,
 }
 
+/// Cells to an index so many steps farther.
+#[inline(always)]
+fn shift(steps: i64, stride: isize) -> isize {
+    isize::try_from(steps).unwrap_or(0) * stride
+}
+
 impl Steps {
-    /// Returns the cells in which the ray enters and leaves a line, and its entry into the next
-    /// one.
+    /// Returns where the ray enters the line after `n` others, over which it passes so much sideways.
+    #[inline(always)]
+    fn over_lines(&self, at: Entry, n: i64, over: Passed) -> Entry {
+        let rest = at.rest + CELL * over.rest;
+        let carries = rest >= self.whole;
+        let borders = over.borders + i64::from(carries);
+        Entry {
+            cell: at.cell.wrapping_add_signed(shift(n, self.stride)).wrapping_add_signed(shift(borders, self.sideways)),
+            rest: rest - if carries { self.whole } else { 0 },
+            beside: at.beside - borders,
+            clear_below: at.clear_below + n * self.rise,
+        }
+    }
+
+    /// The cells in which the ray enters and leaves a line, and where it enters the next one.
     #[inline(always)]
     fn over_one(&self, at: Entry) -> (usize, usize, Entry) {
         let rest = at.rest + self.growth;

@@ -13,8 +13,8 @@ use std::ops::Range;
 
 use fearless_simd::prelude::*;
 
-use super::bounds::{PAD, split};
-use super::frame::{CELL, as_i64};
+use super::bounds::split;
+use super::frame::{CELL, PAD, as_i64};
 use super::receivers::AZIMUTH_BITS;
 use super::row_walk::{LinkLength, LinkOverRows, RowCells, RowTiles, SeenTops};
 use super::undecided::{Open, Passed, Recall, RowBounds, Settling};

@@ -9,8 +9,7 @@ use std::ops::Range;
 
 use fearless_simd::prelude::*;
 
-use super::frame::{CELL, Frame, as_i64};
-use super::least_heights::BATCH;
+use super::frame::{BATCH, CELL, Frame, as_i64};
 use super::receivers::{ReceiverMap, RowReceivers};
 
 /// A row that passes over bins from number `first` on among 2^level to a side.

@@ -2,10 +2,9 @@
 
 use fearless_simd::prelude::*;
 
-use super::bounds::{Bins, EdgeMap, NOTHING, PAD, PAD_I64, RowSlopes};
+use super::bounds::{Bins, EdgeMap, NOTHING, RowSlopes};
 use super::candidates::level_for;
-use super::frame::{CELL, CELL_BITS, FIRST_LEVEL, Frame, NEAR, as_i64};
-use super::least_heights::BATCH;
+use super::frame::{BATCH, CELL, CELL_BITS, FIRST_LEVEL, Frame, NEAR, PAD, PAD_I64, as_i64};
 use super::output::WedgeOutput;
 use super::receivers::{Bounds, ReceiverLanes, ReceiverMap, RowReceivers, decide_row};
 use super::row_source::{Rows, Stand, Tiles};

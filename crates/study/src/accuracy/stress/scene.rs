@@ -2,7 +2,7 @@
 
 use super::served::Served;
 use crate::city::{DataArea, Footprint, FootprintFaults, Ground, RoofTriangle, Site, Solids};
-use crate::coverage::{MapOptions, Receivers, Uav};
+use crate::coverage::{MapOptions, MovedRoofs, Receivers, Uav};
 use crate::error::{Result, StressError};
 use crate::height_field::{Built, CellKind, Curvature, EARTH_RADIUS_M, HeightField, Station};
 use crate::overlay::even_odd;
@@ -249,8 +249,8 @@ impl StressScene {
             return Err(fault(&warning.to_string()).into());
         }
         if !self.moved.is_empty() {
-            let moved = field.with_roofs_raised_by(|building| self.moved_by(building as usize));
-            field = moved.ok_or_else(|| fault("a roof is out of range"))?;
+            let moved = MovedRoofs::by_building(&field, |building| self.moved_by(building as usize));
+            field = moved.ok_or_else(|| fault("a roof is out of range"))?.field;
         }
         #[expect(clippy::cast_precision_loss, reason = "lattice positions of small scenes")]
         let (x, y) = self.world.world_from_lattice(self.uav.x as f64, self.uav.y as f64);

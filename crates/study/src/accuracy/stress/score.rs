@@ -180,7 +180,7 @@ fn outcome(scene: &StressScene, ready: &Ready, answers: &[bool], method: MethodC
         return Ok(Outcome::Cannot(wrong.why));
     }
     let options = MapOptions { method, ..scene.options() };
-    let seen = Mapper::new(&ready.field, &options)?.seen(&ready.uav);
+    let seen = Mapper::new(&ready.field, &options)?.seen_from(&ready.uav)?.seen();
     let n_cols = scene.n_cols;
     let served = || ready.receivers.iter().filter(|(_, receiver)| scene.serves(*receiver));
     let is_in_range = |cell: &usize| seen.receivers.contains(cell / n_cols, cell % n_cols);

@@ -1,100 +1,26 @@
-//! How far heights of buildings may be off, and what that makes of the probability that a link is clear.
+//! Probability that one link is clear, where heights of buildings are off.
 //!
-//! **Model.** The top of building i is h_i + e_i + t: an error of its own, normal with standard deviation σ_i, and one that all buildings
-//! share, normal with standard deviation τ. All are independent. Ground, and where buildings are, is as it is known.
+//! **One link.** Building i has room for an error of l_i at most ([`HeightLimits`]). With a known
+//! shared error t, the link is clear with the product of Φ((l_i − t)/σ_i) over the buildings
+//! crossed, Φ the distribution of the normal one. Over t the product is integrated in equal steps
+//! of 3/4 of the least σ_i or τ. A building without an error of its own hides the receiver all of a
+//! sudden. Parts end there, with Gauss–Legendre of five nodes in each. [`HeightErrors`] has all
+//! tolerances.
 //!
-//! **One link.** Building i has room for an error of l_i at most ([`HeightLimits`]). With a known t that is the product of Φ((l_i − t)/σ_i) over
-//! the buildings crossed, Φ the distribution of the normal one, and over t it is integrated: in equal steps of 3/4 of the least σ_i or τ; or, since a
-//! building without an error of its own hides the receiver all of a sudden, by Gauss–Legendre of five nodes in parts that end there. That is good to
-//! about 10⁻⁵. Errors beyond six standard deviations are left out.
-//!
-//! **A receiver on a roof** is as much higher or lower as that, by b = e_i + t of its building. Its link is clear of the ground and of its own roof for one
-//! interval of b ([`PlanCrossings`]), to which the mean is cut. Rooms of other buildings are the least of straight lines in b, so parts end where
-//! one gives way to another. Given b, t is normal with mean b·τ²/(σ_i² + τ²) and deviation τσ_i/√(σ_i² + τ²).
+//! **A receiver on a roof** moves with its building, by b = e_i + t. Its link is clear of the
+//! ground and of its own roof for one interval of b ([`PlanCrossings`]), to which the mean is cut.
+//! Rooms of other buildings are the least of straight lines in b, so parts end where one gives way
+//! to another. Given b, t is normal with mean b·τ²/(σ_i² + τ²) and deviation τσ_i/√(σ_i² + τ²).
 
-use std::sync::Arc;
-
-use crate::los::{HeightLimits, PlanCrossings};
+use crate::los::{CERTAIN, HeightErrors, HeightLimits, MOST_AT_STEP, PART, PlanCrossings, STEP, TINY};
 use crate::quadrature::mean_over_unit;
-use crate::quantity::STEPS_PER_UNIT;
-
-/// Errors beyond so many standard deviations are left out: one in 5·10⁸.
-pub(super) const CERTAIN: f64 = 6.0;
-
-/// Length of a part that five nodes are good for, against the shortest standard deviation.
-const PART: f64 = 1.5;
-
-/// Equal steps over all errors, against it.
-const STEP: f64 = 0.75;
-
-/// Buildings on one link for which steps as long are good.
-const MOST_AT_STEP: usize = 3;
-
-/// Errors of buildings alone that are this small against those that they share are taken as none: that changes probabilities by
-/// some 10⁻⁵, and bounds the number of steps.
-const TINY: f64 = 0.01;
-
-/// Standard deviations of the errors that buildings have of their own \[m\].
-#[derive(Debug, Clone, PartialEq)]
-pub enum OwnErrors {
-    /// One for all.
-    Same(f64),
-    /// Of each building, by its number.
-    ByBuilding(Arc<[f64]>),
-}
-
-/// How far heights of buildings may be from those of the scene: normal errors of mean 0.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HeightErrors {
-    /// Those of each building alone.
-    pub own: OwnErrors,
-    /// Standard deviation of the error that all buildings share \[m\].
-    pub shared_m: f64,
-}
-
-impl Default for HeightErrors {
-    /// None.
-    fn default() -> Self {
-        HeightErrors::same(0.0, 0.0)
-    }
-}
-
-impl HeightErrors {
-    /// Errors of one size for all buildings: standard deviations of their own errors, and of the shared one \[m\].
-    pub fn same(own_m: f64, shared_m: f64) -> Self {
-        HeightErrors { own: OwnErrors::Same(own_m), shared_m }
-    }
-
-    /// Whether all are numbers that are not negative, one for each of so many buildings.
-    pub fn are_valid(&self, n_buildings: usize) -> bool {
-        let is_valid = |m: &f64| *m >= 0.0 && m.is_finite();
-        let own = match &self.own {
-            OwnErrors::Same(m) => is_valid(m),
-            OwnErrors::ByBuilding(of) => of.len() == n_buildings && of.iter().all(is_valid),
-        };
-        own && is_valid(&self.shared_m)
-    }
-
-    /// Standard deviation of the error that a building has of its own \[m\].
-    #[inline]
-    pub fn own_m(&self, building: u32) -> f64 {
-        match &self.own {
-            OwnErrors::Same(m) => *m,
-            OwnErrors::ByBuilding(of) => of[building as usize],
-        }
-    }
-
-    /// Standard deviation of the error of a building's height \[m\].
-    pub fn of_building_m(&self, building: u32) -> f64 {
-        self.own_m(building).hypot(self.shared_m)
-    }
-}
 
 /// By how much a building is lower than hides a link, if no error is shared \[1/1024 m\].
 type Slack = (u32, f64);
 
 impl HeightErrors {
-    /// The probability that the link of a receiver whose height is known is clear, on the roof of a building or on the ground.
+    /// Returns the probability that the link of a receiver whose height is known is clear, on the
+    /// roof of a building or on the ground.
     pub(super) fn probability(&self, on_roof_of: Option<u32>, link: &PlanCrossings<'_>) -> f64 {
         if link.coincides_at() == Some(0) {
             return 1.0;
@@ -104,11 +30,11 @@ impl HeightErrors {
         // A building without an error is in the way or not: whole steps decide that exactly.
         if self.shared_m <= 0.0 {
             for ((of, room), (_, exact)) in rooms.crossed.iter_mut().zip(&exact.crossed) {
-                *room = if self.own(*of) > 0.0 { *room } else { as_f64(*exact) };
+                *room = if self.own_steps(*of) > 0.0 { *room } else { as_f64(*exact) };
             }
             for (wall, exact) in rooms.walls.iter_mut().zip(&exact.walls) {
                 for k in 0..2 {
-                    let is_known = self.own(wall.buildings[k]) <= 0.0;
+                    let is_known = self.own_steps(wall.buildings[k]) <= 0.0;
                     wall.rooms[k] = if is_known { as_f64(exact.rooms[k]) } else { wall.rooms[k] };
                 }
             }
@@ -117,12 +43,13 @@ impl HeightErrors {
             Some(building) => rooms.with_error_of(building, 0.0),
             None => Some(rooms),
         };
-        rooms.map_or(0.0, |rooms| self.given(&rooms, 0.0, steps(self.shared_m)))
+        rooms.map_or(0.0, |rooms| self.given(&rooms, 0.0, self.shared_steps()))
     }
 
-    /// That of the link of a receiver on the roof of a building, as far as [`CERTAIN`] deviations of its error reach.
+    /// Returns the probability that the link of a receiver on the roof of a building is clear, as
+    /// far as [`CERTAIN`] deviations of its error reach.
     pub(super) fn probability_on_roof(&self, building: u32, link: &PlanCrossings<'_>) -> f64 {
-        let (shared, own) = (steps(self.shared_m), self.own(building));
+        let (shared, own) = (self.shared_steps(), self.own_steps(building));
         let of_roof = shared.hypot(own);
         if of_roof <= 0.0 {
             return self.probability(Some(building), link);
@@ -130,7 +57,7 @@ impl HeightErrors {
         let Some((from, to)) = self.clear_of_ground_and_roof(building, link) else { return 0.0 };
         // What is known of the shared error once that of the roof is.
         let (part, left) = ((shared / of_roof).powi(2), shared * own / of_roof);
-        let certain = |of: u32| CERTAIN * self.own(of).hypot(left);
+        let certain = |of: u32| CERTAIN * self.own_steps(of).hypot(left);
         // Rooms are concave, so they are least at an end.
         let at_ends = [from, to].map(|b| (b * part, link.rooms(b, |of| of != building)));
         let mut near: Vec<u32> = Vec::new();
@@ -150,9 +77,10 @@ impl HeightErrors {
         if near.is_empty() {
             return (below(to, of_roof) - below(from, of_roof)).max(0.0);
         }
-        // Over what is left of the shared error, another building hides the receiver little by little.
+        // Over what is left of the shared error, another building hides the receiver little by
+        // little.
         let tiny = TINY * of_roof;
-        let smooth = |of: u32| self.own(of).hypot(left);
+        let smooth = |of: u32| self.own_steps(of).hypot(left);
         let mut breaks = link.kinks((from, to), is_near);
         breaks.sort_unstable_by(f64::total_cmp);
         let sudden: Vec<u32> = near.iter().copied().filter(|of| smooth(*of) <= tiny).collect();
@@ -176,9 +104,10 @@ impl HeightErrors {
         mean(of_roof, (from, to), shortest, breaks, given).clamp(0.0, 1.0)
     }
 
-    /// Between which errors of the roof below a receiver neither ground nor that roof blocks its link \[1/1024 m\].
+    /// Returns the errors of the roof below a receiver between which neither ground nor that roof
+    /// blocks its link \[1/1024 m\].
     fn clear_of_ground_and_roof(&self, building: u32, link: &PlanCrossings<'_>) -> Option<(f64, f64)> {
-        let most = CERTAIN * steps(self.shared_m).hypot(self.own(building));
+        let most = CERTAIN * self.shared_steps().hypot(self.own_steps(building));
         let to = link.most_on_roof(building).min(most);
         let (mut hidden, mut clear) = (rounded(-most), rounded(to.max(-most)));
         let from = if link.is_clear_of_ground(hidden) {
@@ -196,13 +125,14 @@ impl HeightErrors {
         (from <= to).then_some((from, to))
     }
 
-    /// The probability given the mean and the standard deviation of the shared error \[1/1024 m\].
+    /// Returns the probability given the mean and the standard deviation of the shared error
+    /// \[1/1024 m\].
     fn given(&self, limits: &HeightLimits<f64>, mean_error: f64, shared: f64) -> f64 {
         let slack = |room: f64| room - mean_error;
         if limits.walls.is_empty() {
             return self.of_slacks(limits.crossed.iter().map(|(of, room)| (*of, slack(*room))).collect(), shared);
         }
-        let at = |t: f64| limits.probability(&|of, room| below(slack(room) - t, self.own(of)));
+        let at = |t: f64| limits.probability(&|of, room| below(slack(room) - t, self.own_steps(of)));
         if shared <= 0.0 {
             return at(0.0);
         }
@@ -211,49 +141,45 @@ impl HeightErrors {
         self.over_shared(&all.collect::<Vec<Slack>>(), shared, at)
     }
 
-    /// The probability that no building is higher than it may be.
+    /// Returns the probability that no building is higher than it may be.
     fn of_slacks(&self, mut slacks: Vec<Slack>, shared: f64) -> f64 {
-        let reach = |of: u32| CERTAIN * (self.own(of) + shared);
+        let reach = |of: u32| CERTAIN * (self.own_steps(of) + shared);
         if slacks.iter().any(|(of, slack)| *slack < -reach(*of)) {
             return 0.0;
         }
         slacks.retain(|(of, slack)| *slack < reach(*of));
         let Some(least) = slacks.iter().map(|(_, slack)| *slack).min_by(f64::total_cmp) else { return 1.0 };
-        let at = |t: f64| slacks.iter().map(|(of, slack)| below(slack - t, self.own(*of))).product();
+        let at = |t: f64| slacks.iter().map(|(of, slack)| below(slack - t, self.own_steps(*of))).product();
         if shared <= 0.0 {
             at(0.0)
-        } else if slacks.iter().all(|(of, _)| self.own(*of) <= 0.0) {
+        } else if slacks.iter().all(|(of, _)| self.own_steps(*of) <= 0.0) {
             below(least, shared)
         } else {
             self.over_shared(&slacks, shared, at)
         }
     }
 
-    /// The mean over the shared error.
+    /// Returns the mean over the shared error.
     fn over_shared(&self, slacks: &[Slack], shared: f64, at: impl Fn(f64) -> f64) -> f64 {
-        let is_sudden = |of: u32| self.own(of) <= TINY * shared;
-        let own = slacks.iter().filter(|(of, _)| !is_sudden(*of)).map(|(of, _)| self.own(*of));
+        let is_sudden = |of: u32| self.own_steps(of) <= TINY * shared;
+        let own = slacks.iter().filter(|(of, _)| !is_sudden(*of)).map(|(of, _)| self.own_steps(*of));
         let shortest = own.fold(shared, f64::min);
         let breaks = slacks.iter().filter(|(of, _)| is_sudden(*of)).map(|(_, slack)| *slack).collect();
         // The more buildings, the steeper their product.
         let shortest = if slacks.len() > MOST_AT_STEP { shortest * 0.5 } else { shortest };
         mean(shared, (-CERTAIN * shared, CERTAIN * shared), shortest, breaks, at).clamp(0.0, 1.0)
     }
-
-    /// Standard deviation of a building's own error \[1/1024 m\].
-    fn own(&self, building: u32) -> f64 {
-        steps(self.own_m(building))
-    }
 }
 
-/// The mean of a function of a normal error between two, as a part of that between all: of one that is smooth over `shortest` but for some
-/// breaks.
+/// Returns the mean of a function of a normal error between two, as a part of that between all: of
+/// one that is smooth over `shortest` but for some breaks.
 fn mean(deviation: f64, (from, to): (f64, f64), shortest: f64, mut breaks: Vec<f64>, at: impl Fn(f64) -> f64) -> f64 {
     let density = |t: f64| libm::exp(-0.5 * (t / deviation) * (t / deviation));
     breaks.retain(|v| *v > from && *v < to);
     let is_whole = to - from >= 2.0 * CERTAIN * deviation;
     let sum = if breaks.is_empty() && is_whole {
-        // At both ends there is nothing, so equal steps are best: they are off by e to the −2π²/STEP².
+        // At both ends there is nothing, so equal steps are best: they are off by e to the
+        // −2π²/STEP².
         let n = ((to - from) / (STEP * shortest)).ceil();
         let step = (to - from) / n;
         let mut sum = 0.0;
@@ -283,7 +209,7 @@ fn mean(deviation: f64, (from, to): (f64, f64), shortest: f64, mut breaks: Vec<f
     sum / (deviation * std::f64::consts::TAU.sqrt())
 }
 
-/// The probability that a normal error of some standard deviation is at most `slack`.
+/// Returns the probability that a normal error of some standard deviation is at most `slack`.
 #[inline]
 fn below(slack: f64, deviation: f64) -> f64 {
     if deviation > 0.0 {
@@ -299,10 +225,6 @@ fn rounded(steps: f64) -> i64 {
     whole
 }
 
-fn steps(m: f64) -> f64 {
-    m * f64::from(STEPS_PER_UNIT)
-}
-
 #[expect(clippy::cast_precision_loss, reason = "differences of heights, at most 2^28")]
 fn as_f64(v: i64) -> f64 {
     v as f64
@@ -311,8 +233,10 @@ fn as_f64(v: i64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::los::OwnErrors;
 
-    /// By the midpoint rule, finely: the means over the shared error, and over each building's own one for the link to be clear.
+    /// Integrates by the midpoint rule, finely: the means over the shared error, and over each
+    /// building's own one for the link to be clear.
     fn by_many_parts(limits: &HeightLimits<f64>, errors: &HeightErrors) -> f64 {
         let n = 200_000;
         let mut sum = 0.0;
@@ -323,8 +247,8 @@ mod tests {
                 .crossed
                 .iter()
                 .map(|(of, limit)| {
-                    let slack = *limit - t * steps(errors.shared_m);
-                    below(slack, steps(errors.own_m(*of)))
+                    let slack = *limit - t * errors.shared_steps();
+                    below(slack, errors.own_steps(*of))
                 })
                 .product();
             sum += density * product;
@@ -341,7 +265,7 @@ mod tests {
             for limits in [vec![(0, 1e3)], vec![(0, -1e3), (1, 500.0), (2, 1.0)], vec![(2, 1e3), (3, -1e3)]] {
                 let limits = HeightLimits { crossed: limits, ..HeightLimits::default() };
                 let wanted = by_many_parts(&limits, &errors);
-                let found = errors.given(&limits, 0.0, steps(errors.shared_m));
+                let found = errors.given(&limits, 0.0, errors.shared_steps());
                 // A jump of the midpoint rule is off by a part.
                 assert!((found - wanted).abs() < 3e-5, "{found} {wanted} {limits:?} {errors:?}");
                 assert!(wanted > 0.01 && wanted < 0.99, "{wanted}");
@@ -354,7 +278,7 @@ mod tests {
         let limits = HeightLimits { crossed: vec![(0, -1e3), (1, 500.0)], ..HeightLimits::default() };
         let of = |own_m: f64| {
             let errors = HeightErrors::same(own_m, 3.0);
-            errors.given(&limits, 0.0, steps(errors.shared_m))
+            errors.given(&limits, 0.0, errors.shared_steps())
         };
         let wanted = of(0.0);
         for own_m in [1e-12, 1e-6, 0.001, 0.02] {
@@ -369,7 +293,7 @@ mod tests {
         let errors = HeightErrors::same(0.0, 0.0);
         let of = |limit: f64| {
             let limits = HeightLimits { crossed: vec![(0, limit)], ..HeightLimits::default() };
-            errors.given(&limits, 0.0, steps(errors.shared_m))
+            errors.given(&limits, 0.0, errors.shared_steps())
         };
         assert_eq!([-1.0, 0.0, 1.0].map(|limit| of(limit).to_bits()), [0.0_f64, 1.0, 1.0].map(f64::to_bits));
     }
@@ -379,7 +303,7 @@ mod tests {
         for errors in [HeightErrors::same(2.0, 0.0), HeightErrors::same(0.0, 2.0), HeightErrors::same(1.2, 1.6)] {
             let of = |limit: f64| {
                 let limits = HeightLimits { crossed: vec![(0, limit)], ..HeightLimits::default() };
-                errors.given(&limits, 0.0, steps(errors.shared_m))
+                errors.given(&limits, 0.0, errors.shared_steps())
             };
             // Tables of the normal distribution: one standard deviation of 2 m.
             assert!((of(0.0) - 0.5).abs() < 2e-7, "{}", of(0.0));
