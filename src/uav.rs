@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 use std::path::PathBuf;
 
+use skyshed_io::Input;
 use skyshed_request::{Position, Shard, Uavs};
 
 use crate::city::{Antenna, GivenSite, Site, Source};
@@ -123,7 +124,7 @@ impl UavsFound {
 pub(crate) struct UavsAsked {
     /// One by one.
     pub(crate) typed: Vec<Site>,
-    pub(crate) table: Option<PathBuf>,
+    pub(crate) table: Option<Input>,
     /// Whether rows of the table that cannot be read are left out.
     pub(crate) skips_bad: bool,
     /// Whether the table is hashed whatever its size.
@@ -139,7 +140,7 @@ impl UavsAsked {
     /// E102.
     pub(crate) fn of(uavs: &Uavs, hash: bool) -> Result<UavsAsked> {
         let typed = uavs.uav.iter().enumerate().map(|(k, text)| site_of(text, (k + 1).to_string()));
-        let table = uavs.uavs.clone().map(PathBuf::from);
+        let table = uavs.uavs.as_ref().map(Input::of);
         Ok(UavsAsked { typed: typed.collect::<Result<_>>()?, table, skips_bad: uavs.skip_bad, hash, shard: None })
     }
 
@@ -154,6 +155,11 @@ impl UavsAsked {
         }
     }
 
+    /// Returns the table, if it is a file.
+    pub(crate) fn file(&self) -> Option<PathBuf> {
+        self.table.as_ref().and_then(Input::file).map(PathBuf::from)
+    }
+
     /// Typed ones, then those of the table; ids must differ.
     ///
     /// # Errors
@@ -161,11 +167,11 @@ impl UavsAsked {
     pub(crate) fn read(&self, grid: &GeoRef) -> Result<UavsFound> {
         let typed = self.typed.iter().cloned().map(GivenSite::from);
         let mut found = UavsFound { sites: typed.collect(), ..UavsFound::default() };
-        if let Some(path) = &self.table {
+        if let Some(table) = &self.table {
             let first = found.sites.len() + 1;
-            let read = |odd: &mut _| read_sites(path, grid, first, bad_rows(self.skips_bad, odd));
+            let read = |odd: &mut _| read_sites(table, grid, first, bad_rows(self.skips_bad, odd));
             found.sites.extend(warned(&mut found.warnings, read)?);
-            found.sources.push(source_of(path, self.hash)?);
+            found.sources.push(source_of(table, self.hash)?);
         }
         let UavsFound { sites, sources, warnings } = found.checked()?;
         let sites = match self.shard {

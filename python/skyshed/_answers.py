@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -13,7 +12,7 @@ import numpy as np
 
 from skyshed._arrays import Transform
 from skyshed._errors import wrong
-from skyshed._words import PathLike, words_of
+from skyshed._options import PathLike, as_json, watch_of
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -126,15 +125,11 @@ class _Mapped(Grid):
         ``options`` are those of ``skyshed map``: ``overwrite``, ``bare``, ``tif_layout``, ``gdal_values``, ``polygons``,
         ``simplify``, ``title``, ``attribution``, ``width``, ``dpi``, ``csv_text``.
         """
-        self._maps.save([os.fspath(path) for path in paths], words_of(options))
+        self._maps.save([os.fspath(path) for path in paths], as_json(options))
 
     def picture(self, **options: object) -> Picture:
         """The picture of the program, as a notebook shows it; options are those of :meth:`save`."""
-        with tempfile.TemporaryDirectory(prefix="skyshed-") as folder:
-            path = os.path.join(folder, "map.png")
-            self.save(path, **options)
-            with open(path, "rb") as file:
-                return Picture(file.read())
+        return Picture(self._maps.picture(as_json(options)))
 
     def _repr_png_(self) -> bytes:
         return self.picture().png
@@ -146,8 +141,6 @@ class _Mapped(Grid):
 
         ``heights`` are from, to and step [m], by default some 150 round ones.
         """
-        from skyshed._words import watch_of
-
         asked = None if heights is None else [float(height) for height in heights]
         if asked is not None and len(asked) != 3:
             raise wrong("heights", repr(heights), "from, to and step [m]")

@@ -6,12 +6,8 @@ holds, how large it is, what a process opens, and what is told at the end.
 
 from __future__ import annotations
 
-import csv
 import json
 import os
-import tempfile
-import time
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Union
 
@@ -19,8 +15,9 @@ import numpy as np
 
 from skyshed import _skyshed
 from skyshed._errors import Error, wrong
+from skyshed._inputs import AskedUav, table_of, uavs_of
+from skyshed._options import PathLike, as_json
 from skyshed._scene import READING, Origin, Scene, opened_once, origin_of
-from skyshed._words import AskedUav, PathLike, files_of, table_of, uavs_of, words_of
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -32,8 +29,6 @@ TASK_S = 2.0
 MOST_A_TASK = 500
 #: How often processes may die over one part.
 DEATHS = 10
-#: Nanoseconds that a cell of a tile takes beside the line of sight, and those that a cell in range of a UAV takes.
-CELL_NS, SEEN_NS = 45.0, 10.0
 #: Layers that tell UAVs by their places in the list of all.
 NUMBERED = ("which", "best-server")
 
@@ -42,6 +37,8 @@ Asked: TypeAlias = Union[Scene, Origin]
 #: A scene, or the path of one, which the driver need not open.
 SceneOrPath: TypeAlias = Union[Scene, PathLike]
 Tile = tuple[int, int]
+#: Options of a question by their names.
+Options: TypeAlias = "Mapping[str, object]"
 
 
 class Mapped(NamedTuple):
@@ -53,14 +50,16 @@ class Mapped(NamedTuple):
     there: int
 
 
-class Grid(NamedTuple):
-    """Where the cells of a scene lie."""
+class Unit(NamedTuple):
+    """A unit of work, as the program cuts it."""
 
-    shape: tuple[int, int]
-    #: West edge, width of a cell, north edge, height of a cell.
-    place: tuple[float, float, float, float]
-    #: Label and WKT of the reference system.
-    crs: tuple[str, str | None] | None
+    name: str
+    #: Row and column of a tile.
+    tile: Tile | None
+    #: Its UAVs, by their places in the list of all.
+    uavs: list[int]
+    #: About how long it takes on one thread [s].
+    seconds: float
 
 
 class Cluster(Protocol):
@@ -69,8 +68,8 @@ class Cluster(Protocol):
     def share(self, scene: Scene) -> Any:
         """What a task is given of a scene that has no name."""
 
-    def run(self, name: str, work: Callable[..., Any], asked: Any, parts: Sequence[Any], words: list[str]) -> list[Any]:
-        """What ``work(asked, part, words)`` makes of each part, in their order."""
+    def run(self, name: str, work: Callable[..., Any], asked: Any, parts: Sequence[Any], options: Options) -> list[Any]:
+        """What ``work(asked, part, options)`` makes of each part, in their order."""
 
 
 def map_sites(
@@ -82,16 +81,12 @@ def map_sites(
     options: Mapping[str, object],
 ) -> Mapped:
     _checked(batch, None, options)
-    origin, _, crs, options = _asked(scene, options)
+    asked, crs, options = _asked(scene, options)
     listed = named(_listed(sites, crs))
-    name, n = Counter(site[3] for site in listed).most_common(1)[0]
-    if n > 1:
-        raise wrong("sites", f"{n} of the name {name!r}", "a name of its own for each", "E207")
-    outputs = _outputs(out, ["{site}"])
-    words = [*words_of({**options, "resume": True}), *files_of(outputs)]
-    size = batch or _size_of_part(scene, listed, words)
-    parts = [listed[first : first + size] for first in range(0, len(listed), size)]
-    done = cluster.run("map_sites", map_some, _shared(cluster, origin), parts, words)
+    options = {**options, "resume": True, "output": _outputs(out, ["{site}"])}
+    of_part = batched(planned(asked, listed, options), batch)
+    parts = [[listed[k] for unit in part for k in unit.uavs] for part in of_part]
+    done = cluster.run("map_sites", map_some, _shared(cluster, asked), parts, options)
     return _told(done, "sites", len(listed))
 
 
@@ -105,16 +100,13 @@ def map_tiles(
     options: Mapping[str, object],
 ) -> Mapped:
     _checked(batch, tile_size, options)
-    origin, grid, crs, options = _asked(scene, options)
+    asked, crs, options = _asked(scene, options)
     listed = named(_listed(uavs, crs))
-    outputs = _outputs(out, ["{row}", "{col}"])
-    words = [*words_of({**options, "tile_size": tile_size, "resume": True}), *files_of(outputs)]
-    tiles, size = tiles_of(grid, tile_size), batch or _tiles_of_part(grid, tile_size, listed, options)
-    of_part = [tiles[first : first + size] for first in range(0, len(tiles), size)]
-    places = places_of(listed)
-    parts = [(part, near(part, (grid, tile_size), (listed, places), options)) for part in of_part]
-    done = cluster.run("map_tiles", map_some_tiles, _shared(cluster, origin), parts, words)
-    return _told(done, "tiles", len(tiles))
+    options = {**options, "tile_size": tile_size, "resume": True, "output": _outputs(out, ["{row}", "{col}"])}
+    units = planned(asked, listed, options)
+    parts = [([unit.tile for unit in part], uavs_of_part(part, listed, options)) for part in batched(units, batch)]
+    done = cluster.run("map_tiles", map_some_tiles, _shared(cluster, asked), parts, options)
+    return _told(done, "tiles", len(units))
 
 
 def p_los(
@@ -124,10 +116,9 @@ def p_los(
         raise wrong("scene", repr(scene), "a Scene")
     _checked(batch, None, {})
     listed = _listed(uavs, scene.crs)
-    words = words_of(sight)
-    size = batch or _size_of_part(scene, listed, words)
+    size = batch or min(MOST_A_TASK, max(len(listed) // 8, 1))
     parts = [listed[first : first + size] for first in range(0, len(listed), size)]
-    counted = cluster.run("p_los", p_los_of_some, _shared(cluster, scene._origin or scene), parts, words)
+    counted = cluster.run("p_los", p_los_of_some, _shared(cluster, scene._origin or scene), parts, dict(sight))
     found: npt.NDArray[np.float64] = np.concatenate(counted)
     return found
 
@@ -143,11 +134,11 @@ def place(
     if refused:
         raise wrong(refused[0], repr(options[refused[0]]), "no such option: over many processes candidates are ranked one by one", "E116")
     _checked(batch, None, options)
-    origin, _, _, options = _asked(scene, options)
+    asked, _, options = _asked(scene, options)
     n = batch or 8
-    words = words_of({**options, "height": height})
     parts = [(k + 1, n) for k in range(n)]
-    tables: list[list[dict[str, str]]] = cluster.run("place", rank_some, _shared(cluster, origin), parts, words)
+    options = {**options, "height": height}
+    tables: list[list[dict[str, str]]] = cluster.run("place", rank_some, _shared(cluster, asked), parts, options)
     # Of equal shares the first in the order of the candidates, as in one run.
     rows = [row for table in tables for row in table]
     if not rows:
@@ -159,19 +150,17 @@ def place(
 # What the driver knows.
 
 
-def _asked(scene: SceneOrPath, options: Mapping[str, object]) -> tuple[Asked, Grid, str | None, dict[str, object]]:
-    """What processes open, where its cells lie, its reference system, and the options that do not say how it is read."""
+def _asked(scene: SceneOrPath, options: Mapping[str, object]) -> tuple[Asked, str | None, dict[str, object]]:
+    """What processes open, its reference system, and the options that do not say how it is read."""
     if isinstance(scene, Scene):
-        return scene._origin or scene, Grid(*scene._scene.place), scene.crs, dict(options)
+        return scene._origin or scene, scene.crs, dict(options)
     reading = {name: value for name, value in options.items() if name in READING}
     others = {name: value for name, value in options.items() if name not in READING}
     origin = origin_of(scene, reading)
-    found = _skyshed.raster_grid(origin.word, origin.words)
+    found = grid_in_parts(origin)
     if found is None:
-        opened = opened_once(origin)
-        return origin, Grid(*opened._scene.place), opened.crs, others
-    shape, place, crs = found
-    return origin, Grid(shape, place, crs), crs[0] if crs else None, others
+        return origin, opened_once(origin).crs, others
+    return origin, found[2][0] if found[2] else None, others
 
 
 def _shared(cluster: Cluster, asked: Asked) -> Any:
@@ -226,66 +215,35 @@ def _told(done: list[tuple[Mapped, list[tuple[str, Error]]]], what: str, n: int)
     return Mapped(sum(part.mapped for part, _ in done), sum(part.there for part, _ in done))
 
 
-#: Flags that say who is in range.
-OF_RANGE = ("--radius", "--rx", "--receivers", "--min-radius", "--sector", "--elevation", "--beam")
+def batched(units: list[Unit], batch: int | None) -> list[list[Unit]]:
+    """Units in parts of about two seconds, by the forecast of each, or of as many as are wanted; eight parts or more of small work."""
+    most = batch or min(MOST_A_TASK, max(len(units) // 8, 1))
+    parts: list[list[Unit]] = [[]]
+    seconds = 0.0
+    for unit in units:
+        is_full = len(parts[-1]) == most or not batch and seconds + unit.seconds > TASK_S
+        if parts[-1] and is_full:
+            parts.append([])
+            seconds = 0.0
+        parts[-1].append(unit)
+        seconds += unit.seconds
+    return parts
 
 
-def _size_of_part(scene: SceneOrPath, sites: list[AskedUav], words: list[str]) -> int:
-    """Sites that take about two seconds, by what counting one takes here; files take as long again."""
-    if not isinstance(scene, Scene):
-        return min(20, max(len(sites) // 8, 1))
-    start = time.perf_counter()
-    try:
-        scene._scene.p_los(sites[:1], [word for word in words if word.startswith(OF_RANGE)])
-    except Error:
-        return 1
-    spent = 2 * (time.perf_counter() - start) + 1e-3
-    return int(min(max(TASK_S / spent, 1), MOST_A_TASK, max(len(sites) // 8, 1)))
+def planned(asked: Asked, listed: list[AskedUav], options: Mapping[str, object]) -> list[Unit]:
+    """The units of a map, as the program cuts them."""
+    units = _skyshed.plan_units(as_json({**of_scene(asked), **options}), held_scene(asked), table_of(listed))
+    return [Unit(*unit) for unit in units]
 
 
-def tiles_of(grid: Grid, tile_size: int) -> list[Tile]:
-    """Rows and columns of all tiles, row by row from the north-west."""
-    n_rows, n_cols = (-(-n // tile_size) for n in grid.shape)
-    return [(row, col) for row in range(n_rows) for col in range(n_cols)]
-
-
-def _tiles_of_part(grid: Grid, tile_size: int, uavs: list[AskedUav], options: Mapping[str, object]) -> int:
-    """Tiles that take about two seconds, by the cells of a tile and those in range of a UAV."""
-    radius = options.get("radius")
-    cells, cell_area = min(tile_size**2, grid.shape[0] * grid.shape[1]), grid.place[1] * grid.place[3]
-    disc = np.pi * float(radius) ** 2 / cell_area if isinstance(radius, (int, float)) else np.inf
-    seen = min(disc, cells) * len(uavs) * min(1.0, (cells + disc) / (grid.shape[0] * grid.shape[1]))
-    spent = 1e-9 * (CELL_NS * cells + SEEN_NS * seen)
-    n_tiles = len(tiles_of(grid, tile_size))
-    return int(min(max(TASK_S / spent, 1), MOST_A_TASK, max(n_tiles // 8, 1)))
-
-
-def places_of(uavs: list[AskedUav]) -> npt.NDArray[np.float64]:
-    """East and north of each."""
-    return np.array([uav[:2] for uav in uavs], dtype=float)
-
-
-def near(
-    tiles: list[Tile],
-    cut: tuple[Grid, int],
-    listed: tuple[list[AskedUav], npt.NDArray[np.float64]],
-    options: Mapping[str, object],
-) -> list[AskedUav]:
-    """The UAVs that may have a cell of some tiles in range; all of them where a layer tells their places in the list."""
-    (grid, tile_size), (uavs, places) = cut, listed
-    radius, layers = options.get("radius"), options.get("layers") or ()
+def uavs_of_part(part: list[Unit], listed: list[AskedUav], options: Mapping[str, object]) -> list[AskedUav]:
+    """The UAVs that some tiles need; all of them where a layer tells their places in the list."""
+    layers = options.get("layers") or ()
     names = layers.split(",") if isinstance(layers, str) else list(layers)  # type: ignore[call-overload]
-    if not isinstance(radius, (int, float)) or any(name in NUMBERED for name in names):
-        return uavs
-    west, width, north, height = grid.place
-    rows, cols = [row for row, _ in tiles], [col for _, col in tiles]
-    # A unit of the reference system may be a foot: twice the radius and a cell are enough.
-    reach_x, reach_y = 4 * radius + 2 * width, 4 * radius + 2 * height
-    x0, x1 = west + min(cols) * tile_size * width - reach_x, west + (max(cols) + 1) * tile_size * width + reach_x
-    y1, y0 = north - min(rows) * tile_size * height + reach_y, north - (max(rows) + 1) * tile_size * height - reach_y
+    if any(name in NUMBERED for name in names):
+        return listed
     # A table without rows is no table: the program leaves out who is too far.
-    inside = (x0 <= places[:, 0]) & (places[:, 0] <= x1) & (y0 <= places[:, 1]) & (places[:, 1] <= y1)
-    return [uavs[k] for k in np.flatnonzero(inside)] or uavs[:1]
+    return [listed[k] for k in sorted({k for unit in part for k in unit.uavs})] or listed[:1]
 
 
 # What a process does.
@@ -299,29 +257,49 @@ def prepare(threads: int | None, memory: int | None) -> None:
         _skyshed.limit_memory(int(0.95 * memory))
 
 
-def p_los_of_some(asked: Asked, sites: list[AskedUav], words: list[str]) -> npt.NDArray[np.float64]:
-    scene = opened_once(asked) if isinstance(asked, Origin) else asked
-    return scene._scene.p_los(sites, words)
+def opened(asked: Asked) -> Scene:
+    """The scene itself."""
+    return opened_once(asked) if isinstance(asked, Origin) else asked
 
 
-def map_some(asked: Asked, sites: list[AskedUav], words: list[str]) -> tuple[Mapped, list[tuple[str, Error]]]:
+def grid_in_parts(asked: Asked) -> _skyshed._Place | None:
+    """The grid of a raster file, of which a run reads no more than it needs; ``None`` for other scenes."""
+    return _skyshed.raster_grid(asked.word, as_json(asked.options)) if isinstance(asked, Origin) else None
+
+
+def held_scene(asked: Asked) -> _skyshed.Scene | None:
+    """The scene that runs share; ``None`` if each reads its part."""
+    return None if grid_in_parts(asked) is not None else opened(asked)._scene
+
+
+def of_scene(asked: Asked) -> dict[str, Any]:
+    """Options that name a scene and say how it is read."""
+    return {**asked.options, "scene": asked.word} if isinstance(asked, Origin) else {"scene": "memory"}
+
+
+def p_los_of_some(asked: Asked, sites: list[AskedUav], options: Options) -> npt.NDArray[np.float64]:
+    return opened(asked)._scene.p_los(sites, as_json(options))
+
+
+def map_some(asked: Asked, sites: list[AskedUav], options: Options) -> tuple[Mapped, list[tuple[str, Error]]]:
     """Files of some sites; those that fail are told one by one."""
     try:
-        return _map(asked, sites, words), []
+        return _map(asked, sites, options), []
     except (Error, OSError):
-        return _one_by_one((str(site[3]), lambda site=site: _map(asked, [site], words)) for site in sites)  # type: ignore[misc]
+        return _one_by_one((str(site[3]), lambda site=site: _map(asked, [site], options)) for site in sites)  # type: ignore[misc]
 
 
 def map_some_tiles(
-    asked: Asked, part: tuple[list[Tile], list[AskedUav]], words: list[str]
+    asked: Asked, part: tuple[list[Tile], list[AskedUav]], options: Options
 ) -> tuple[Mapped, list[tuple[str, Error]]]:
     """Files of some tiles; those that fail are told one by one."""
     tiles, uavs = part
-    own = {tile: [*words, f"--tile={tile[0]},{tile[1]}"] for tile in tiles}
+    of_tiles = lambda some: {**options, "tile": [f"{row},{col}" for row, col in some]}  # noqa: E731
     try:
-        return _map(asked, uavs, [*words, *(said[-1] for said in own.values())]), []
+        return _map(asked, uavs, of_tiles(tiles)), []
     except (Error, OSError):
-        return _one_by_one((f"tile {row},{col}", lambda said=said: _map(asked, uavs, said)) for (row, col), said in own.items())  # type: ignore[misc]
+        one = lambda tile: _map(asked, uavs, of_tiles([tile]))  # noqa: E731
+        return _one_by_one((f"tile {tile[0]},{tile[1]}", lambda tile=tile: one(tile)) for tile in tiles)  # type: ignore[misc]
 
 
 def _one_by_one(runs: Iterable[tuple[str, Callable[[], Mapped]]]) -> tuple[Mapped, list[tuple[str, Error]]]:
@@ -337,31 +315,18 @@ def _one_by_one(runs: Iterable[tuple[str, Callable[[], Mapped]]]) -> tuple[Mappe
     return done, failed
 
 
-def _map(asked: Asked, uavs: list[AskedUav], words: list[str]) -> Mapped:
-    with tempfile.TemporaryDirectory(prefix="skyshed-") as folder:
-        counts = json.loads(ask_map(asked, uavs, words, folder).document)
+def _map(asked: Asked, uavs: list[AskedUav], options: Options) -> Mapped:
+    options = {**of_scene(asked), **options, "uavs": "uavs.csv"}
+    found = _skyshed.ask("map", as_json(options), held_scene(asked), None, [("uavs", "uavs.csv", table_of(uavs))])
+    counts = json.loads(found.document)
     return Mapped(counts["mapped"], counts["there"])
 
 
-def ask_map(asked: Asked, uavs: list[AskedUav], words: list[str], folder: str) -> _skyshed.Found:
-    """Asks for a map; of a raster file no more is read than it needs."""
-    path = os.path.join(folder, "sites.csv")
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        csv.writer(file).writerows(table_of(uavs))
-    word, of_scene = (asked.word, asked.words) if isinstance(asked, Origin) else ("memory", [])
-    line = ["map", word, *of_scene, f"--uavs={path}", *words]
-    if isinstance(asked, Origin) and _skyshed.raster_grid(word, of_scene) is not None:
-        return _skyshed.ask(line)
-    scene = opened_once(asked) if isinstance(asked, Origin) else asked
-    return scene._scene.ask(line)
-
-
-def rank_some(asked: Asked, part: tuple[int, int], words: list[str]) -> list[dict[str, str]]:
+def rank_some(asked: Asked, part: tuple[int, int], options: Options) -> list[dict[str, str]]:
     """The ranks of a part of the candidates."""
-    scene = opened_once(asked) if isinstance(asked, Origin) else asked
-    word, of_scene = (asked.word, asked.words) if isinstance(asked, Origin) else ("memory", [])
+    options = {**of_scene(asked), **options, "shard": f"{part[0]}/{part[1]}"}
     try:
-        found = scene._scene.ask(["place", word, *of_scene, *words, f"--shard={part[0]}/{part[1]}"])
+        found = _skyshed.ask("place", as_json(options), opened(asked)._scene)
     except Error as error:
         # Others may have some.
         if error.code == "E209":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
@@ -13,8 +14,9 @@ from skyshed import _skyshed
 from skyshed._answers import Answer, Coverage, Coverages, Grid, Link
 from skyshed._arrays import Held, crs_text, held, is_xarray, placed
 from skyshed._errors import tell, wrong
+from skyshed._inputs import HeldInput, Uav, inputs_of, uav_of, uavs_of
 from skyshed._live import LivePage
-from skyshed._words import HeldInput, PathLike, Uav, files_of, inputs_of, uav_of, uavs_of, watch_of, words_of
+from skyshed._options import PathLike, as_json, files_of, plain_options, watch_of
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -87,7 +89,7 @@ class Origin(NamedTuple):
     """What a scene of files or a generated city is opened by, wherever a process is."""
 
     word: str
-    words: list[str]
+    options: dict[str, Any]
 
 
 class Scene(Grid):
@@ -96,9 +98,9 @@ class Scene(Grid):
     Scenes do not change, may be asked by several threads at once, and can be pickled.
     """
 
-    def __init__(self, scene: _skyshed.Scene, word: str, words: list[str], origin: Origin | None = None) -> None:
+    def __init__(self, scene: _skyshed.Scene, word: str, reading: dict[str, Any], origin: Origin | None = None) -> None:
         super().__init__(scene.place)
-        self._scene, self._word, self._words, self._origin = scene, word, words, origin
+        self._scene, self._word, self._reading, self._origin = scene, word, reading, origin
 
     @classmethod
     def open(cls, path: PathLike, *, progress: object = None, **options: Unpack[SceneOptions]) -> Self:
@@ -108,9 +110,9 @@ class Scene(Grid):
         >>> munich.shape
         (1111, 1406)
         """
-        words, word = _reading(options), os.fspath(path)
+        reading, word = _reading(options), os.fspath(path)
         origin = origin_of(path, options)
-        scene = cls(_skyshed.Scene.open(word, words, watch_of(progress)), word, words, origin)
+        scene = cls(_skyshed.Scene.open(word, as_json(reading), watch_of(progress)), word, reading, origin)
         tell(scene._scene.warnings)
         return scene
 
@@ -122,9 +124,9 @@ class Scene(Grid):
         >>> Scene.itu("urban", size=200).shape
         (200, 200)
         """
-        words = _reading({**options, "size": size, "seed": seed})
+        reading = _reading({**options, "size": size, "seed": seed})
         word = kind if kind.startswith("itu:") else f"itu:{kind}"
-        return cls(_skyshed.Scene.open(word, words), word, words, Origin(word, words))
+        return cls(_skyshed.Scene.open(word, as_json(reading)), word, reading, Origin(word, reading))
 
     @classmethod
     def from_raster(
@@ -177,8 +179,8 @@ class Scene(Grid):
             lower = placed("terrain", terrain, terrain_transform, crs, terrain_nodata)
             below = held("terrain", lower if lower.crs else lower._replace(crs=above.crs), f"terrain of {name}")
             terrain = None
-        words = _reading({**options, "terrain": terrain})
-        return cls(_skyshed.Scene.of_heights(held("surface", above, name), below, words), name, words)
+        reading = _reading({**options, "terrain": terrain})
+        return cls(_skyshed.Scene.of_heights(held("surface", above, name), below, as_json(reading)), name, reading)
 
     @classmethod
     def from_footprints(
@@ -223,8 +225,8 @@ class Scene(Grid):
         names = None if ids is None else [str(id) for id in ids]
         if names is not None and len(names) != len(wkb):
             raise wrong("ids", f"{len(names)} names", f"one for each of {len(wkb)} buildings")
-        words = _reading({**options, "crs": crs})
-        made = cls(_skyshed.Scene.of_buildings(name, wkb, column, names, words), name, words)
+        reading = _reading({**options, "crs": crs})
+        made = cls(_skyshed.Scene.of_buildings(name, wkb, column, names, as_json(reading)), name, reading)
         tell(made._scene.warnings)
         return made
 
@@ -255,8 +257,8 @@ class Scene(Grid):
         and ``height_bias`` are
         standard deviations of errors of heights of buildings [m], of each alone and of all together: P_LoS has an interval then.
         """
-        words = words_of({**sight, "layers": layers, "tolerance": tolerance, "zones": zones})
-        maps = self._scene.maps([uav_of(uav)], words, True, watch_of(progress))
+        asked = as_json({**sight, "layers": layers, "tolerance": tolerance, "zones": zones})
+        maps = self._scene.maps([uav_of(uav)], asked, True, watch_of(progress))
         tell(maps.warnings, self._scene.warnings)
         return Coverage(maps)
 
@@ -279,13 +281,13 @@ class Scene(Grid):
         listed = uavs_of(uavs, self.crs)
         if not listed:
             raise wrong("uavs", "none", "at least one", "E108")
-        maps = self._scene.maps(listed, words_of(asked), keep, watch_of(progress))
+        maps = self._scene.maps(listed, as_json(asked), keep, watch_of(progress))
         tell(maps.warnings, self._scene.warnings)
         return Coverages(maps, self, listed, asked, keep)
 
     def p_los(self, uavs: Iterable[Uav], *, progress: object = None, **sight: Unpack[Sight]) -> npt.NDArray[np.float64]:
         """P_LoS of each of some UAVs: the share of receivers in range that it sees, NaN without any, and over no data. No mask is made."""
-        return self._scene.p_los(uavs_of(uavs, self.crs), words_of(sight), watch_of(progress))
+        return self._scene.p_los(uavs_of(uavs, self.crs), as_json(sight), watch_of(progress))
 
     def link(
         self,
@@ -299,8 +301,8 @@ class Scene(Grid):
         x, y, h, *_ = uav_of(uav)
         if not isinstance(rx, (tuple, list, np.ndarray)) or len(rx) not in (2, 3):
             raise wrong("rx", repr(rx)[:80], "(x, y) or (x, y, height)", "E103")
-        ends = words_of({"uav": (x, y, h), "rx": tuple(rx)})
-        return self._asked(Link, "link", [*ends, *_of_question(options), *files_of(output)])
+        ends = {"uav": (x, y, h), "rx": tuple(rx)}
+        return self._asked(Link, "link", {**ends, **_of_question(options), "output": files_of(output)})
 
     def place(
         self,
@@ -327,8 +329,8 @@ class Scene(Grid):
         """
         given = {"candidates": candidates, "within": within, "keep_out": keep_out, "area": area, "weights": weights}
         files, held = inputs_of(given, self.crs, height)
-        words = [*words_of({"height": height, **files}), *_of_question(options)]
-        return self._asked(Answer, "place", [*words, *files_of(output)], progress, held=held)
+        asked = {"height": height, **files, **_of_question(options), "output": files_of(output)}
+        return self._asked(Answer, "place", asked, progress, held=held)
 
     def sample(
         self,
@@ -341,10 +343,10 @@ class Scene(Grid):
     ) -> Answer:
         """P_LoS averaged over placements of each zone, with intervals: ``{"street": 200, "rooftop": 200}``. Options are those of
         ``skyshed sample``: ``cities``, ``centers``, ``radius``, ``ci``, ``block`` …"""
-        of_zones = ",".join(f"{zone}:{n}" for zone, n in zones.items())
-        words = [*words_of({"zones": of_zones, "height": height}), *_of_question(options), *files_of(output)]
+        of_zones = [f"{zone}:{n}" for zone, n in zones.items()]
+        asked = {"zones": of_zones, "height": height, **_of_question(options), "output": files_of(output)}
         # Generated cities are made as large as whole discs take.
-        return self._asked(Answer, "sample", words, progress, is_opened=self._origin is not None)
+        return self._asked(Answer, "sample", asked, progress, is_opened=self._origin is not None)
 
     def height_curve(
         self,
@@ -360,7 +362,7 @@ class Scene(Grid):
     def live(self, path: PathLike | None = None, *, uavs: Iterable[Uav] = ()) -> LivePage:
         """A page in which UAVs are dragged over the scene and the exact coverage follows; it is written to ``path``, and shown by a
         notebook."""
-        page = LivePage(self._scene.live_page(uavs_of(uavs, self.crs), [self._word, *self._words]))
+        page = LivePage(self._scene.live_page(uavs_of(uavs, self.crs), self._word, as_json(self._reading)))
         if path is not None:
             page.save(path)
         return page
@@ -368,31 +370,31 @@ class Scene(Grid):
     def save(self, *paths: PathLike, **options: object) -> None:
         """Writes the city itself: a drawing (.png .svg .pdf), heights (.tif .asc), footprints (.geojson), a scene of Mitsuba and Sionna
         RT (.xml), boxes of ns-3 (.csv), a document (.json). Options are those of ``skyshed city``."""
-        self._asked(Answer, "city", [*_of_question(options), *files_of(list(paths))])
+        self._asked(Answer, "city", {**_of_question(options), "output": files_of(list(paths))})
 
     def _asked(
         self,
         kind: type[_Kind],
         command: str,
-        words: list[str],
+        asked: Mapping[str, object],
         progress: object = None,
         is_opened: bool = False,
         held: Sequence[HeldInput] = (),
     ) -> _Kind:
         """Asks a command of the program over this scene, or over one that it opens itself."""
-        # What a scene in memory is called is no word of a command line.
-        line = [command, *((self._word, *self._words) if self._origin else ("memory",)), *words]
+        # The name of a scene in memory names no file.
+        options = {**self._reading, "scene": self._word} if self._origin else {"scene": "memory"}
         if is_opened and self._origin:
-            line = [command, self._origin.word, *self._origin.words, *words]
-        watch = watch_of(progress)
-        found = _skyshed.ask(line, watch) if is_opened else self._scene.ask(line, watch, list(held))
+            options = {**self._origin.options, "scene": self._origin.word}
+        scene = None if is_opened else self._scene
+        found = _skyshed.ask(command, as_json({**options, **asked}), scene, watch_of(progress), list(held))
         tell(found.warnings, self._scene.warnings, stacklevel=4)
         return kind(found)
 
     def __reduce__(self) -> tuple[Any, ...]:
         if self._origin:
             return _reopened, (type(self), self._origin)
-        return _unpacked, (type(self), self._word, self._scene.name, self._scene.packed(), self.crs, self._words)
+        return _unpacked, (type(self), self._word, self._scene.name, self._scene.packed(), self.crs, self._reading)
 
     def __repr__(self) -> str:
         n_rows, n_cols = self.shape
@@ -400,7 +402,7 @@ class Scene(Grid):
 
 
 def _reopened(cls: type[Scene], origin: Origin) -> Scene:
-    return cls(_skyshed.Scene.open(origin.word, origin.words), origin.word, origin.words, origin)
+    return cls(_skyshed.Scene.open(origin.word, as_json(origin.options)), origin.word, origin.options, origin)
 
 
 def origin_of(path: PathLike, options: Mapping[str, object]) -> Origin:
@@ -411,16 +413,16 @@ def origin_of(path: PathLike, options: Mapping[str, object]) -> Origin:
 
 def opened_once(origin: Origin) -> Scene:
     """A scene of files, which this process opens once unless one of them changes."""
-    paths = [origin.word, *(word.partition("=")[2] for word in origin.words)]
+    paths = [origin.word, *(value for value in origin.options.values() if isinstance(value, str))]
     files = [path for path in paths if os.path.exists(path)]
     files += [member.path for path in files if os.path.isdir(path) for member in os.scandir(path)]
     changed = tuple((path, os.stat(path).st_mtime_ns, os.stat(path).st_size) for path in files)
-    return _opened(origin.word, tuple(origin.words), changed)
+    return _opened(origin.word, as_json(origin.options), changed)
 
 
 @lru_cache(maxsize=2)
-def _opened(word: str, words: tuple[str, ...], changed: tuple[tuple[str, int, int], ...]) -> Scene:
-    return _reopened(Scene, Origin(word, list(words)))
+def _opened(word: str, options: str, changed: tuple[tuple[str, int, int], ...]) -> Scene:
+    return _reopened(Scene, Origin(word, json.loads(options)))
 
 
 def _absolute(path: Any) -> Any:
@@ -429,24 +431,24 @@ def _absolute(path: Any) -> Any:
     return path if is_word else os.path.abspath(os.fspath(path))
 
 
-def _of_question(options: Mapping[str, object]) -> list[str]:
-    """Options of a question as words; those of a scene are given where it is made."""
+def _of_question(options: Mapping[str, object]) -> Mapping[str, object]:
+    """Options of a question; those of a scene are given where it is made."""
     of_scene = [name for name in options if name in SceneOptions.__annotations__ or name in ("size", "seed")]
     if of_scene:
         raise wrong(of_scene[0], "an option of scenes", "options of the question: give it where the scene is made", "E116")
-    return words_of(options)
+    return options
 
 
-def _unpacked(cls: type[Scene], word: str, name: str, packed: bytes, crs: str | None, words: list[str]) -> Scene:
-    return cls(_skyshed.Scene.unpacked(name, packed, crs), word, words)
+def _unpacked(cls: type[Scene], word: str, name: str, packed: bytes, crs: str | None, reading: dict[str, Any]) -> Scene:
+    return cls(_skyshed.Scene.unpacked(name, packed, crs), word, reading)
 
 
-def _reading(options: Mapping[str, object]) -> list[str]:
-    """How a scene is read, as words; reference systems may be objects of other packages."""
-    words = dict(options)
+def _reading(options: Mapping[str, object]) -> dict[str, Any]:
+    """Options that say how a scene is read; reference systems may be objects of other packages."""
+    said = dict(options)
     for name in ("crs", "project"):
-        words[name] = crs_text(name, words.get(name))
-    return words_of(words)
+        said[name] = crs_text(name, said.get(name))
+    return plain_options(said)
 
 
 def _wkb(k: int, shape: Any) -> bytes:
@@ -491,17 +493,18 @@ def plos(
     """
     if not cities:
         raise wrong("cities", "none", 'at least one, such as "itu:urban"', "E108")
-    words, readings = ["plos"], []
+    scenes: list[str] = []
+    readings: list[dict[str, Any]] = []
     for city in cities:
         if isinstance(city, Scene) and city._origin is None:
             raise wrong("cities", f"{city!r}, made of arrays", "a file or a generated city: save it and open that")
         origin = city._origin if isinstance(city, Scene) else None
-        words.append(origin.word if origin else os.fspath(city))  # type: ignore[arg-type]
-        readings.append([word for word in (origin.words if origin else []) if word.split("=")[0] not in ("--size", "--seed")])
+        scenes.append(origin.word if origin else os.fspath(city))  # type: ignore[arg-type]
+        reading = origin.options if origin else {}
+        readings.append({name: value for name, value in reading.items() if name not in ("size", "seed")})
     if any(reading != readings[0] for reading in readings):
         raise wrong("cities", "cities that are read in different ways", "one way for all of them, or a call for each")
-    reading = readings[0]
-    words += [*reading, *words_of({"height": height, **options}), *files_of(output)]
-    found = _skyshed.ask(words, watch_of(progress))
+    asked = {**readings[0], "scenes": scenes, "height": height, **options, "output": files_of(output)}
+    found = _skyshed.ask("plos", as_json(asked), None, watch_of(progress))
     tell(found.warnings)
     return Answer(found)

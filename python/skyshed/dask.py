@@ -14,7 +14,6 @@ it, and refuses what would take more than its memory limit. Tasks stand in the d
 
 from __future__ import annotations
 
-import tempfile
 import uuid
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
@@ -23,13 +22,14 @@ import numpy as np
 from distributed import Client, as_completed, get_client, get_worker
 from distributed.scheduler import KilledWorker
 
-from skyshed import _cluster
+from skyshed import _cluster, _skyshed
 from skyshed._answers import COUNT, flags
 from skyshed._answers import Grid as CellGrid
-from skyshed._cluster import DEATHS, Mapped, SceneOrPath, Tile
+from skyshed._cluster import DEATHS, Mapped, Options, SceneOrPath, Tile
 from skyshed._errors import Error, wrong
+from skyshed._inputs import AskedUav, table_of
+from skyshed._options import PathLike, as_json
 from skyshed._scene import Scene
-from skyshed._words import AskedUav, PathLike, words_of
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -111,34 +111,32 @@ def tiles(
 
     if layer not in ("count", "union", "best-server"):
         raise wrong("layer", repr(layer), "count, union or best-server", "E107")
-    asked, grid, crs, others = _cluster._asked(scene, options)
+    asked, crs, others = _cluster._asked(scene, options)
     listed = _cluster.named(_cluster._listed(uavs, crs))
-    words = words_of({**others, "layers": layer, "tile_size": tile_size})
-    places = _cluster.places_of(listed)
-    n_rows, n_cols = grid.shape
+    others = {**others, "layers": layer, "tile_size": tile_size, "output": ["{row}-{col}.npz"]}
+    units = _cluster.planned(asked, listed, others)
+    others.pop("output")
+    place = _cluster.grid_in_parts(asked) or _cluster.opened(asked)._scene.place
+    n_rows, n_cols = place[0]
     dtype = np.uint8 if layer == "union" else np.uint32
     blocks: dict[Tile, Any] = {}
-    for tile in _cluster.tiles_of(grid, tile_size):
-        own = _cluster.near([tile], (grid, tile_size), (listed, places), {**others, "layers": layer})
+    for unit in units:
+        tile, own = unit.tile, _cluster.uavs_of_part([unit], listed, others)
         shape = (min(tile_size, n_rows - tile[0] * tile_size), min(tile_size, n_cols - tile[1] * tile_size))
-        array = delayed(_layer_of_tile, pure=True)(asked, tile, own, words, layer)
+        array = delayed(_layer_of_tile, pure=True)(asked, tile, own, others, layer)
         blocks[tile] = chunks.from_delayed(array, shape, dtype)
     rows = sorted({row for row, _ in blocks})
     data = chunks.block([[blocks[row, col] for r, col in blocks if r == row] for row in rows])
     attributes = {"union": flags(), "count": COUNT}.get(layer, {"long_name": "nearest UAV in line of sight", "units": "1"})
-    coordinates = CellGrid((grid.shape, grid.place, grid.crs)).coordinates()
+    coordinates = CellGrid(place).coordinates()
     return xarray.DataArray(data, coordinates, ("y", "x"), layer, attributes | {"grid_mapping": "spatial_ref"})
 
 
-def _layer_of_tile(asked: Any, tile: Tile, uavs: list[AskedUav], words: list[str], layer: str) -> npt.NDArray[Any]:
+def _layer_of_tile(asked: Any, tile: Tile, uavs: list[AskedUav], options: Options, layer: str) -> npt.NDArray[Any]:
     _prepare()
-    with tempfile.TemporaryDirectory(prefix="skyshed-") as folder:
-        line = [*words, f"--tile={tile[0]},{tile[1]}", f"--output={folder}/tile.npz"]
-        _cluster.ask_map(asked, uavs, line, folder)
-        with np.load(f"{folder}/tile.npz") as arrays:
-            found: npt.NDArray[Any] = arrays[layer.replace("-", "_")]
-        # Files tell cells without a receiver apart by this number.
-        return found if layer == "union" else np.where(found == np.iinfo(np.uint32).max, 0, found).astype(np.uint32)
+    of_tile = as_json({**_cluster.of_scene(asked), **options, "tile": [f"{tile[0]},{tile[1]}"]})
+    maps = _skyshed.map_tile(of_tile, _cluster.held_scene(asked), table_of(uavs))
+    return {"union": maps.union, "count": maps.count, "best-server": maps.best_server}[layer]()
 
 
 def _prepare() -> None:
@@ -150,9 +148,9 @@ def _prepare() -> None:
     _cluster.prepare(worker.state.nthreads, getattr(getattr(worker, "memory_manager", None), "memory_limit", None))
 
 
-def _work(work: Callable[..., Any], asked: Any, part: Any, words: list[str]) -> Any:
+def _work(work: Callable[..., Any], asked: Any, part: Any, options: Options) -> Any:
     _prepare()
-    return work(asked, part, words)
+    return work(asked, part, options)
 
 
 def _names(part: Any) -> str:
@@ -173,12 +171,12 @@ class _Dask:
         scatter: Any = self._client.scatter
         return scatter(scene, broadcast=True, hash=False)
 
-    def run(self, name: str, work: Callable[..., Any], asked: Any, parts: Sequence[Any], words: list[str]) -> list[Any]:
+    def run(self, name: str, work: Callable[..., Any], asked: Any, parts: Sequence[Any], options: Options) -> list[Any]:
         """What workers make of parts, in their order. A part whose workers die is handed out again."""
         token = uuid.uuid4().hex
 
         def submit(k: int, again: int = 0) -> Any:
-            return self._client.submit(_work, work, asked, parts[k], words, key=(f"{name}-{token}", k, again), pure=False, retries=2)
+            return self._client.submit(_work, work, asked, parts[k], options, key=(f"{name}-{token}", k, again), pure=False, retries=2)
 
         futures = {submit(k): k for k in range(len(parts))}
         deaths = dict.fromkeys(range(len(parts)), 0)

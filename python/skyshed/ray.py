@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import ray
 
 from skyshed import _cluster
-from skyshed._cluster import DEATHS, Mapped, SceneOrPath
+from skyshed._cluster import DEATHS, Mapped, Options, SceneOrPath
+from skyshed._options import PathLike
 from skyshed._scene import Scene
-from skyshed._words import PathLike
 
 if TYPE_CHECKING:
     import numpy as np
@@ -53,10 +53,10 @@ def place(scene: SceneOrPath, *, height: object, batch: int | None = None, **opt
     return _cluster.place(_Ray(), scene, height, batch, options)
 
 
-def _do(work: Callable[..., Any], asked: Any, part: Any, words: list[str]) -> Any:
+def _do(work: Callable[..., Any], asked: Any, part: Any, options: Options) -> Any:
     # A task has one processor unless it asks for more.
     _cluster.prepare(1, None)
-    return work(asked, part, words)
+    return work(asked, part, options)
 
 
 #: As a task, which is run again if its process dies.
@@ -69,7 +69,7 @@ class _Ray:
     def share(self, scene: Scene) -> Any:
         return ray.put(scene)
 
-    def run(self, name: str, work: Callable[..., Any], asked: Any, parts: Sequence[Any], words: list[str]) -> list[Any]:
+    def run(self, name: str, work: Callable[..., Any], asked: Any, parts: Sequence[Any], options: Options) -> list[Any]:
         task = _work.options(name=name)
-        found: list[Any] = ray.get([task.remote(work, asked, part, words) for part in parts])
+        found: list[Any] = ray.get([task.remote(work, asked, part, options) for part in parts])
         return found

@@ -1,20 +1,23 @@
 //! Lets another program ask what the command line asks, over a scene that it holds. Options are the same requests: so they have
 //! the same meanings and defaults, and are refused for the same reasons.
 
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use clap::error::ErrorKind;
 use clap::{Args, Command, FromArgMatches};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
-use skyshed_request::{CoverageQuestion, MapOptions, SaveOptions, SceneOptions, Source};
+use skyshed_request::{CoverageQuestion, MapOptions, MapRequest, Reading, SaveOptions, SceneOptions, Source, json};
 
 use crate::answer::Output;
 use crate::export::Format;
 use crate::picture::Look;
 
+use super::args::scene::scene_words;
 use super::failure::{Failure, Result, refusal, refusal_with};
 use super::program::Cli;
 use super::run::{Run, check_text, check_use};
@@ -22,7 +25,8 @@ use super::{hints, refusal};
 use crate::answer::{Answer, Rows, Spent};
 use crate::coverage::Tally;
 use crate::error::{Error, ErrorClass, Warning};
-use crate::map::{Coverages, Held, MapPlan, PartOf, Prepared};
+use crate::jobs::Jobs;
+use crate::map::{Coverages, Held, MapJob, MapPlan, Part, PartOf, Prepared, Purpose, UnitRuns};
 use crate::memory;
 use crate::progress::Progress;
 use crate::raster::GeoRef;
@@ -121,26 +125,58 @@ pub fn hint_of(warning: &Warning) -> Option<String> {
     hints::of_warning(warning)
 }
 
-/// Reads a part of a request from words such as `--radius`, `500`. Words of other parts are refused.
-fn part_of<T: Args + FromArgMatches>(words: &[OsString]) -> Result<T> {
-    let mut command = T::augment_args(Command::new("options").no_binary_name(true)).disable_help_flag(true);
-    parsed(command.try_get_matches_from_mut(words).and_then(|matches| T::from_arg_matches(&matches)))
+/// Options by their names, as JSON.
+pub type Members = serde_json::Map<String, Value>;
+
+/// Reads a request, or a part of one, from options by their names. Flags check what their types do not: ranges, and options that need
+/// or exclude each other.
+pub(super) fn read<T>(members: Members) -> Result<T>
+where
+    T: Args + FromArgMatches + Serialize + DeserializeOwned + Default,
+{
+    let flags = || T::augment_args(Command::new("skyshed")).disable_help_flag(true);
+    let checked = |members| parsed(flags().try_get_matches_from(json::command_line("skyshed", members)));
+    match json::from_keywords::<T>(members.clone()) {
+        Ok(request) => checked(json::set_members(&request)).map(|_| request),
+        Err(fault) => {
+            let name = fault.member;
+            if let Some(reason) = fault.reason.filter(|reason| reason.contains("wanted") || !members[&name].is_number())
+            {
+                return Err(refusal(101, format!("`{name}`: {reason}")));
+            }
+            // The parser of words knows names that are near, and values that are out of range.
+            checked([(name.clone(), members[&name].clone())].into_iter().collect())?;
+            Err(refusal(101, format!("`{name}`: no such option")))
+        }
+    }
 }
 
-/// Returns a reader of scenes with options such as `--height-field`, `levels`.
+/// Returns a reader of scenes with options such as `height_field`: `levels`.
 ///
 /// # Errors
 /// E101 for options that cannot be.
-pub fn scene_reader(words: &[OsString]) -> std::result::Result<SceneReader, Refusal> {
-    Ok(part_of::<SceneOptions>(words)?.into())
+pub fn scene_reader(options: Members) -> std::result::Result<SceneReader, Refusal> {
+    Ok(read::<SceneOptions>(options)?.into())
+}
+
+/// Returns the live page of a scene, and the command line that it shows: a name of the scene, and the options that read it.
+///
+/// # Errors
+/// Those of [`Scene::live_page`]; E101 for options that cannot be.
+pub fn live_page(
+    (scene, uavs): (&Scene, &[Uav]),
+    (word, options): (&OsStr, Members),
+) -> std::result::Result<String, Refusal> {
+    let reading = Reading { options: read(options)?, ..Reading::default() };
+    Ok(scene.live_page(uavs, scene_words(word, &reading))?)
 }
 
 /// Returns the grid of a raster that can be read in parts; `None` for other scenes.
 ///
 /// # Errors
 /// As [`scene_reader`]; those of the file.
-pub fn raster_grid(word: &OsStr, words: &[OsString]) -> std::result::Result<Option<GeoRef>, Refusal> {
-    let (reader, word) = (scene_reader(words)?, &*skyshed_io::told(word));
+pub fn raster_grid(word: &OsStr, options: Members) -> std::result::Result<Option<GeoRef>, Refusal> {
+    let (reader, word) = (scene_reader(options)?, &*skyshed_io::told(word));
     if !is_raster_scene(word) || reader.options.project.is_some() {
         return Ok(None);
     }
@@ -152,12 +188,12 @@ pub fn limit_memory(bytes: u64) {
     memory::refuse_above(bytes);
 }
 
-/// Returns the options of files of a map, such as `--bare`; `files` are those that will be written.
+/// Returns the options of files of a map, such as `bare`; `files` are those that will be written.
 ///
 /// # Errors
 /// E101 for options that cannot be; E116 for those that change nothing.
-pub fn save_options(words: &[OsString], files: &[PathBuf]) -> std::result::Result<SaveOptions, Refusal> {
-    let options: SaveOptions = part_of(words)?;
+pub fn save_options(options: Members, files: &[PathBuf]) -> std::result::Result<SaveOptions, Refusal> {
+    let options: SaveOptions = read(options)?;
     let outputs = files.iter().filter_map(|path| Some((path.clone(), Format::of(path).ok()?)));
     let is_bare = |format: Format| options.forms.bare && format == Format::Png;
     let outputs: Vec<Output> = outputs.filter(|(_, format)| !is_bare(*format)).collect();
@@ -165,18 +201,18 @@ pub fn save_options(words: &[OsString], files: &[PathBuf]) -> std::result::Resul
     Ok(options)
 }
 
-/// Returns maps of what some UAVs see of a scene, with options such as `--radius`, `500`; each mask is kept if that is asked for.
+/// Returns maps of what some UAVs see of a scene, with options such as `radius`; each mask is kept if that is asked for.
 ///
 /// # Errors
-/// What the command line would say.
+/// Those of the options, the UAVs and the method.
 pub fn coverages(
     (scene, uavs): (Scene, &[Uav]),
-    words: &[OsString],
+    options: Members,
     keeps_masks: bool,
     progress: &Progress,
 ) -> std::result::Result<Coverages, Refusal> {
     let held = Held { keeps_masks, ..Held::default() };
-    Ok(prepared(scene, uavs, part_of(words)?)?.run(held, progress, |_| {}, |_| {})?)
+    Ok(prepared(scene, uavs, &read(options)?)?.run(held, progress, |_| {}, |_| {})?)
 }
 
 /// Returns P_LoS of each UAV; `None` without a receiver in range, and over no data. No mask is made.
@@ -185,29 +221,22 @@ pub fn coverages(
 /// As [`coverages`].
 pub fn p_los(
     (scene, uavs): (Scene, &[Uav]),
-    words: &[OsString],
+    options: Members,
     progress: &Progress,
 ) -> std::result::Result<Vec<Option<f64>>, Refusal> {
-    let CoverageQuestion { sight, heights, map } = part_of(words)?;
-    let of_maps = [
-        ("height_error", heights.height_error.is_some()),
-        ("height_bias", heights.height_bias.is_some()),
-        ("sigma", map.sigma.is_some()),
-        ("layers", !map.layers.is_empty()),
-        ("zones", map.zones),
-    ];
-    if let Some((option, _)) = of_maps.into_iter().find(|(_, is_set)| *is_set) {
-        return Err(Error::idle(option, "where P_LoS alone is counted").into());
-    }
-    let tolerance = map.tolerance;
-    let map = MapOptions { tolerance, ..MapOptions::default() };
-    let question = CoverageQuestion { sight, map, ..CoverageQuestion::default() };
-    let counts = prepared(scene, uavs, question)?.count(progress)?;
+    let question: CoverageQuestion = read(options)?;
+    let sight = CoverageQuestion { sight: question.sight.clone(), ..CoverageQuestion::default() };
+    let counted =
+        CoverageQuestion { map: MapOptions { tolerance: question.map.tolerance, ..sight.map.clone() }, ..sight };
+    let names: Members = json::set_members(&counted);
+    let names: Vec<&str> = names.keys().map(String::as_str).collect();
+    json::refuse_others(&json::set_members(&question), &names, "where P_LoS alone is counted").map_err(Error::from)?;
+    let counts = prepared(scene, uavs, &counted)?.count(progress)?;
     Ok(counts.iter().map(Tally::p_los).collect())
 }
 
-fn prepared(scene: Scene, uavs: &[Uav], question: CoverageQuestion) -> Result<Prepared> {
-    Ok(MapPlan::of(&question)?.prepare(scene, &UavsFound::of(uavs)?, PartOf::default())?)
+fn prepared(scene: Scene, uavs: &[Uav], question: &CoverageQuestion) -> Result<Prepared> {
+    Ok(MapPlan::of(question)?.prepare(scene, &UavsFound::of(uavs)?, PartOf::default())?)
 }
 
 /// What was parsed; help and versions are for people, and refused.
@@ -218,27 +247,82 @@ fn parsed<T>(read: std::result::Result<T, clap::Error>) -> Result<T> {
     })
 }
 
-/// Asks a command, such as `place SCENE --step 50`; `scene` is asked instead of the one that the words name, and `held` are inputs in
-/// memory by the names of their options.
+/// Answers a command with options by their names, such as `place` with `step`: 50. `scene` is used instead of the one that they name,
+/// and `held` are inputs in memory by the names of their options.
 ///
 /// # Errors
-/// What the command line would say.
+/// Those of the options and of the answer.
 pub fn ask(
-    words: Vec<OsString>,
+    (command, options): (&str, Members),
     (scene, held): (Option<Scene>, Vec<(String, Source)>),
     progress: &Arc<Progress>,
 ) -> std::result::Result<Found, Refusal> {
-    let words: Vec<OsString> = std::iter::once("skyshed".into()).chain(words).collect();
-    let mut cli = parsed(Cli::from_words(&words))?;
+    let mut cli = Cli::of_request(command, options)?;
+    let line = json::command_line(command, cli.shared().map(|shared| shared.members).unwrap_or_default());
     held.into_iter().for_each(|(option, source)| cli.hold(&option, source));
-    let command = words.iter().skip(1).map(|word| skyshed_io::told(word).to_string_lossy().into_owned()).collect();
-    let run = Run { given: scene, ..Run::asked(command, Instant::now(), progress) };
+    let run = Run { given: scene, ..Run::asked(line, Instant::now(), progress) };
     if let Some(shared) = cli.shared() {
         check_use(&shared, cli.draws() || run.given.is_some())?;
         check_text(shared.out, None)?;
     }
     cli.run(&run)?;
     Ok(run.found.into_inner().ok_or(Error::Fault("a command kept no answer"))?)
+}
+
+/// A unit of work of a map.
+#[derive(Debug, Clone)]
+pub struct PlannedUnit {
+    /// Name of the unit: that of its UAV, or `tile ROW,COL`.
+    pub name: String,
+    /// Row and column of its tile; `None` for a UAV.
+    pub tile: Option<(usize, usize)>,
+    /// Its UAVs, by their places in the list of all.
+    pub uavs: Vec<usize>,
+    /// About how long it takes on one thread \[s\].
+    pub seconds: f64,
+}
+
+/// Returns the units of work of a map: one for each UAV, or for each tile, as `skyshed jobs plan` lists them.
+///
+/// # Errors
+/// Those of the options, the scene and the UAVs; E116 for a map without units.
+pub fn plan_units(
+    options: Members,
+    (scene, uavs): (Option<Scene>, Source),
+    progress: &Progress,
+) -> std::result::Result<Vec<PlannedUnit>, Refusal> {
+    let job = job_of_uavs(options, uavs)?;
+    let jobs = Jobs::of(&job, scene, progress)?;
+    let units = jobs.planned().enumerate().map(|(k, (part, unit))| {
+        let (tile, uavs) = match part {
+            Part::Site(_) => (None, vec![k]),
+            Part::Tile(tile) => (Some((tile.row, tile.col)), tile.uavs.clone()),
+        };
+        PlannedUnit { name: unit.name, tile, uavs, seconds: unit.seconds }
+    });
+    Ok(units.collect())
+}
+
+/// Returns what all UAVs see together of one tile of a map, without a file.
+///
+/// # Errors
+/// Those of the options, the scene and the UAVs.
+pub fn map_tile(
+    options: Members,
+    (scene, uavs): (Option<Scene>, Source),
+    progress: &Progress,
+) -> std::result::Result<Coverages, Refusal> {
+    let job = job_of_uavs(options, uavs)?;
+    let runs = UnitRuns::of(&job, scene, (Purpose::Tell, progress))?.ok_or(Error::Fault("a tile is a unit"))?;
+    Ok(runs.map()?)
+}
+
+fn job_of_uavs(options: Members, uavs: Source) -> Result<MapJob> {
+    // The table is held, and a map needs one.
+    let options = options.into_iter().chain([("uavs".to_string(), Value::from("uavs.csv"))]).collect();
+    let mut request: MapRequest = read(options)?;
+    request.uavs.uavs = Some(uavs);
+    Ok(MapJob::of(request, Vec::new())?)
 }
 
 /// P_LoS against the height of each UAV, from, to and in steps of some heights above the ground below it \[m\]; by default some

@@ -26,8 +26,8 @@ use crate::cli::failure::Result;
 use crate::memory;
 use crate::threads::in_pool;
 pub use ask::{
-    Found, Refusal, ask, coverages, height_curves, hint_of, limit_memory, p_los, raster_grid, save_options,
-    scene_reader,
+    Found, Members, PlannedUnit, Refusal, ask, coverages, height_curves, hint_of, limit_memory, live_page, map_tile,
+    p_los, plan_units, raster_grid, save_options, scene_reader,
 };
 use program::Cli;
 use run::{RepairsFile, Run, check_scenes, check_text, check_use};

@@ -17,7 +17,8 @@ use super::commands::{
     zones,
 };
 use super::run::{Run, Shared};
-use crate::cli::failure::Result;
+use crate::cli::ask::{Members, read};
+use crate::cli::failure::{Result, refusal};
 use crate::error::Error;
 
 /// Exact line-of-sight coverage maps: what a hovering UAV can see of a city.
@@ -114,15 +115,40 @@ impl Cli {
         Ok(cli)
     }
 
+    /// Reads the request of a command from options by their names.
+    pub(super) fn of_request(command: &str, options: Members) -> Result<Cli> {
+        macro_rules! requests {
+            ($($name:literal $Command:ident),+) => {
+                match command {
+                    $($name => Command::$Command(Box::new(read(options)?)),)+
+                    _ => return Err(refusal(101, format!("found the command `{command}`, wanted one that answers"))),
+                }
+            };
+        }
+        let command = requests!(
+            "map" Map, "link" Link, "track" Track, "city" City, "info" Info, "zones" Zones, "limits" Limits, "plos" Plos,
+            "place" Place, "sample" Sample, "compare" Compare, "live" Live, "chart" Chart, "stress" Stress
+        );
+        Ok(Cli { command })
+    }
+
     /// Sets an input in memory, which no word can name.
     pub(super) fn hold(&mut self, option: &str, source: Source) {
-        let Command::Place(place) = &mut self.command else { return };
-        let PlaceQuestion { candidates, goal, .. } = &mut place.question;
-        match option {
-            "candidates" => candidates.candidates = Some(source),
-            "within" => candidates.within = Some(source),
-            "keep_out" => candidates.keep_out = Some(source),
-            "area" => goal.area = Some(source),
+        match (&mut self.command, option) {
+            (Command::Map(map), "uavs") => map.uavs.uavs = Some(source),
+            (Command::Compare(compare), "uavs") => compare.uavs.uavs = Some(source),
+            (Command::Limits(limits), "uavs") => limits.uavs.uavs = Some(source),
+            (Command::Live(live), "uavs") => live.uavs.uavs = Some(source),
+            (Command::Place(place), _) => {
+                let PlaceQuestion { candidates, goal, .. } = &mut place.question;
+                match option {
+                    "candidates" => candidates.candidates = Some(source),
+                    "within" => candidates.within = Some(source),
+                    "keep_out" => candidates.keep_out = Some(source),
+                    "area" => goal.area = Some(source),
+                    _ => {}
+                }
+            }
             _ => {}
         }
     }

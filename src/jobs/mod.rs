@@ -18,6 +18,7 @@ use crate::answer::{Output, RunFacts, document_of};
 use crate::error::{RequestError, Result};
 use crate::map::{MapJob, Part, Purpose, UnitRuns, Units};
 use crate::progress::Progress;
+use crate::scene::Scene;
 use forecast::forecast;
 
 /// A map in units of work.
@@ -33,7 +34,7 @@ pub(crate) struct PlannedUnit {
     /// Kind of document and its version.
     schema: &'static str,
     /// What the unit is called: the name of its UAV, or `tile ROW,COL`.
-    name: String,
+    pub(crate) name: String,
     /// Hash of all that its files depend on.
     unit: String,
     /// The word for `--shard` that runs this unit alone; null where a shard or a tile was asked for.
@@ -41,7 +42,7 @@ pub(crate) struct PlannedUnit {
     /// Its files.
     files: Vec<String>,
     /// About how long it takes on one thread [s].
-    seconds: f64,
+    pub(crate) seconds: f64,
     /// About how much memory it takes [bytes].
     memory_bytes: u64,
 }
@@ -56,8 +57,8 @@ impl<'a> Jobs<'a> {
     ///
     /// # Errors
     /// E116 if it has none; those of the scene and the UAVs.
-    pub(crate) fn of(job: &'a MapJob, progress: &'a Progress) -> Result<Jobs<'a>> {
-        let runs = UnitRuns::of(job, None, (Purpose::Tell, progress))?.ok_or(RequestError::NoUnits)?;
+    pub(crate) fn of(job: &'a MapJob, scene: Option<Scene>, progress: &'a Progress) -> Result<Jobs<'a>> {
+        let runs = UnitRuns::of(job, scene, (Purpose::Tell, progress))?.ok_or(RequestError::NoUnits)?;
         let units = runs.units()?.ok_or(RequestError::NoUnits)?;
         Ok(Jobs { job, runs, units })
     }
@@ -66,6 +67,11 @@ impl<'a> Jobs<'a> {
     ///
     /// Cost: that of their number.
     pub(crate) fn plan(&self) -> impl Iterator<Item = String> {
+        self.planned().map(|(_, planned)| document_of(&planned).to_string())
+    }
+
+    /// Returns the units, each with its UAV or its tile.
+    pub(crate) fn planned(&self) -> impl Iterator<Item = (&Part, PlannedUnit)> {
         let is_all = self.job.uavs.shard.is_none() && self.job.tiles.only.is_empty();
         let n = self.units.parts.len();
         self.units.parts.iter().zip(1..).map(move |(part, k): (&Part, usize)| {
@@ -80,7 +86,7 @@ impl<'a> Jobs<'a> {
                 seconds,
                 memory_bytes,
             };
-            document_of(&planned).to_string()
+            (part, planned)
         })
     }
 

@@ -51,6 +51,12 @@ impl Coverages {
         }
     }
 
+    /// Returns the number of the nearest UAV that sees each cell, from 1 in the list of all, 0 where none does; `None` if
+    /// [`Layer::BestServer`] was not asked for. Shape as [`Coverages::count`].
+    pub fn best_server(&self) -> Option<&[u32]> {
+        self.overlay.as_ref().and_then(Overlay::best_server)
+    }
+
     /// The mask of one UAV, if masks were kept: classes of [`crate::class`], shape as [`Coverages::count`].
     pub fn mask(&self, site: usize) -> Option<&[u8]> {
         self.sites.get(site).map(|site| site.mask.as_slice()).filter(|mask| !mask.is_empty())

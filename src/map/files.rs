@@ -96,6 +96,18 @@ impl Answer for Writer<'_> {
 }
 
 impl Writer<'_> {
+    /// Returns the picture as PNG.
+    ///
+    /// # Errors
+    /// E403.
+    pub(super) fn png(&self, look: &Look) -> Result<Vec<u8>> {
+        if self.options.forms.bare {
+            let first = self.bare(Path::new("map.png"))?.into_iter().next();
+            return first.map(|(_, png)| png).ok_or(Error::Fault("no picture was drawn"));
+        }
+        MapDrawing { of: self.of, look, counts: None, note: None }.draw(Format::Png, &self.provenance_words())
+    }
+
     fn provenance_words(&self) -> [(String, String); 2] {
         picture_provenance(&self.of.report.document(None))
     }

@@ -40,6 +40,21 @@ impl MapJob {
         }
     }
 
+    /// Maps all UAVs together in memory, without a file.
+    ///
+    /// # Errors
+    /// Those of the scene, the UAVs and the plan.
+    pub(crate) fn map(&self, given: Given<'_>, progress: &Progress) -> Result<Coverages> {
+        let Given { uavs, scene, grid: whole, tile, .. } = given;
+        let scene = match scene {
+            GivenScene::InMemory(scene) => *scene,
+            _ => self.scene_in_reach().open(&self.word)?,
+        };
+        let found = uavs.map_or_else(|| self.uavs.read(scene.grid()), Ok)?;
+        let prepared = self.plan.clone().prepare(scene, &found, PartOf { whole, tile })?;
+        prepared.run(Held::default(), progress, |_| {}, |_| {})
+    }
+
     fn run_checked(
         &self,
         (outputs, curve_outputs): (Vec<Output>, Vec<Output>),
@@ -124,7 +139,7 @@ impl MapJob {
 
     /// The files of the map and those of its curves with their formats, checked before any work.
     fn checked_outputs(&self) -> Result<(Vec<Output>, Vec<Output>)> {
-        let inputs: Vec<PathBuf> = self.inputs.iter().chain(&self.uavs.table).cloned().collect();
+        let inputs: Vec<PathBuf> = self.inputs.iter().cloned().chain(self.uavs.file()).collect();
         let (overwrite, bare) = (self.save.writing.overwrite, self.save.forms.bare);
         let rules = OutputRules { allowed: &super::FORMATS, inputs: &inputs, overwrite, bare };
         let outputs = check_outputs(&self.outputs, rules)?;

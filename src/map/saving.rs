@@ -7,7 +7,7 @@ use super::files::Writer;
 use super::save_options::{check_formats, check_forms, look_of};
 use crate::answer::{Spent, add_outputs};
 use crate::error::Result;
-use crate::export::{Batch, OutputRules, check_layers, check_outputs};
+use crate::export::{Batch, Format, OutputRules, check_layers, check_outputs};
 use skyshed_request::SaveOptions;
 
 impl Coverages {
@@ -28,6 +28,17 @@ impl Coverages {
     /// As [`Coverages::save`].
     pub fn save_with(&self, path: impl AsRef<Path>, options: &SaveOptions) -> Result<()> {
         self.save_all(&[path.as_ref().into()], options)
+    }
+
+    /// Returns the picture that `save` writes to a .png file.
+    ///
+    /// # Errors
+    /// E107 for layers that no picture shows; E403.
+    pub fn png(&self, options: &SaveOptions) -> Result<Vec<u8>> {
+        let path = Path::new("map.png");
+        check_formats(options, &[(path.into(), Format::Png)])?;
+        check_layers(&self.layers, self.sites.len(), path, Format::Png)?;
+        Writer { of: self, options }.png(&look_of(options))
     }
 
     /// Writes several files, which appear together when all are complete.

@@ -8,6 +8,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use super::coverages::Coverages;
 use super::job::{Done, Given, GivenScene, MapJob};
 use super::strips::{check_strips, on_disk, reason_for_strips};
 use super::tiles::{ROW_AND_COL, check_tiles};
@@ -311,13 +312,54 @@ impl<'a> UnitRuns<'a> {
                 Found::Nothing => {}
             }
         }
+        make_folders(&job)?;
         // Nothing is read before there is something to do.
+        let given = self.given_of((&part, &job), scenes, units)?;
+        let given = Given { unit: Some(hash.clone()), ..given };
+        self.check_inputs(units)?;
+        match job.run(given, self.progress) {
+            // Another process is faster.
+            Err(Error::Io(skyshed_io::Error::Write(_, WriteFault::Exists | WriteFault::ExistsMeanwhile)))
+                if job.request.units.resume && is_made_by_another(&job, &hash)? =>
+            {
+                Ok(None)
+            }
+            Ok(done) => match self.check_inputs(units) {
+                Ok(()) => Ok(Some(done)),
+                Err(changed) => {
+                    // Nobody knows what they were made of.
+                    done.written.iter().for_each(|path| drop(std::fs::remove_file(path)));
+                    Err(changed)
+                }
+            },
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Maps the only unit in memory, without a file.
+    ///
+    /// # Errors
+    /// Those of the scene, the UAVs and the plan; a fault of several units.
+    pub(crate) fn map(&self) -> Result<Coverages> {
+        let (mut scenes, units) = self.scenes_and_units()?;
+        let [part] = &units.parts[..] else { return Err(Error::Fault("one unit is mapped at a time")) };
+        let job = self.unit(&units, part).job;
+        job.map(self.given_of((part, &job), &mut scenes, &units)?, self.progress)
+    }
+
+    /// Returns the scene and the UAVs of a unit, read as far as it needs them.
+    fn given_of<'u>(
+        &self,
+        (part, job): (&'u Part, &MapJob),
+        scenes: &'u mut Option<Scenes>,
+        units: &'u Units,
+    ) -> Result<Given<'u>> {
         let scenes = match scenes {
             Some(scenes) => scenes,
             None => scenes.insert(self.scenes()?),
         };
         let grid = &units.grid;
-        let (own, around, tile) = match &part {
+        let (own, around, tile) = match part {
             // Which table it stood in is nothing that its files depend on.
             Part::Site(site) => {
                 let around = job.plan.sight.box_in_range(std::slice::from_ref(site), grid);
@@ -342,26 +384,7 @@ impl<'a> UnitRuns<'a> {
                 GivenScene::InMemory(Box::new(self.part((around, grid), Some((scene, warnings)))?))
             }
         };
-        make_folders(&job)?;
-        let given = Given { uavs: Some(own), scene, grid: Some(grid), tile, unit: Some(hash.clone()) };
-        self.check_inputs(units)?;
-        match job.run(given, self.progress) {
-            // Another process is faster.
-            Err(Error::Io(skyshed_io::Error::Write(_, WriteFault::Exists | WriteFault::ExistsMeanwhile)))
-                if job.request.units.resume && is_made_by_another(&job, &hash)? =>
-            {
-                Ok(None)
-            }
-            Ok(done) => match self.check_inputs(units) {
-                Ok(()) => Ok(Some(done)),
-                Err(changed) => {
-                    // Nobody knows what they were made of.
-                    done.written.iter().for_each(|path| drop(std::fs::remove_file(path)));
-                    Err(changed)
-                }
-            },
-            Err(error) => Err(error),
-        }
+        Ok(Given { uavs: Some(own), scene, grid: Some(grid), tile, unit: None })
     }
 
     /// Refuses inputs that are not those that the units were told by.

@@ -23,6 +23,7 @@ use crate::os_words::split;
 use crate::read::source_of;
 use crate::scene::built_up;
 use crate::uav::UavsAsked;
+use skyshed_io::Input;
 use skyshed_io::error::WriteFault;
 use skyshed_io::{identity, is_remote};
 
@@ -190,13 +191,14 @@ fn unit(job: &MapJob, part: &Value, inputs: &str) -> String {
 /// one by one.
 pub(super) fn inputs(job: &MapJob, with_sites: bool) -> Result<String> {
     let mut files = job.inputs.clone();
-    let table = job.uavs.table.clone().filter(|_| with_sites);
-    // What comes from standard input is told by its digest.
-    let mut text = match &table {
-        Some(table) if !table.exists() => format!("{:?};", source_of(table, false)?),
+    let table = job.uavs.table.as_ref().filter(|_| with_sites);
+    let table_file = table.and_then(Input::file).filter(|file| file.exists());
+    // What comes from standard input or from memory is told by its digest.
+    let mut text = match table {
+        Some(table) if table_file.is_none() => format!("{:?};", source_of(table, false)?),
         _ => String::new(),
     };
-    files.extend(table);
+    files.extend(table_file.map(PathBuf::from));
     for file in files.iter().filter(|file| is_remote(file)) {
         text += &format!("{} {};", file.display(), identity(file)?);
     }

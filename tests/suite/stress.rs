@@ -398,7 +398,7 @@ fn what_makes_no_sense_is_refused() {
             ("dsm.asc --uav 1,1,9 --scenes 3", "E101", "'--scenes"),
             ("dsm.asc --uav 1,1,9 --families cell-slits", "E101", "'--families"),
             ("dsm.asc", "E101", "--uav"),
-            ("--families cell-slit", "E101", "'cell-slit'"),
+            ("--families cell-slit", "E101", "`--families cell-slit`: wanted one of"),
             ("--scenes 0", "E101", "'--scenes <N>'"),
             ("--threads 0", "E101", "'--threads <N>'"),
             ("-o a.tif", "E105", "a.tif"),

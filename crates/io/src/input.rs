@@ -67,6 +67,11 @@ impl Input {
         self.held.is_some()
     }
 
+    /// Returns the path of a file; `None` for held bytes.
+    pub fn file(&self) -> Option<&Path> {
+        (!self.is_held()).then_some(&*self.path)
+    }
+
     /// Returns `true` for a file on a server.
     pub(crate) fn is_remote(&self) -> bool {
         self.held.is_none() && is_remote(&self.path)

@@ -1,6 +1,5 @@
 //! Answers: maps whose arrays are borrowed, not copied, and documents with tables.
 
-use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -8,10 +7,12 @@ use numpy::ndarray::ArrayView2;
 use numpy::{Element, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use skyshed::cli;
 use skyshed::{Coverages, Layer, Warning};
 
 use crate::errors::{Failure, in_python};
+use crate::members;
 use crate::pool::watched;
 use crate::scene::{Place, place_of};
 
@@ -100,6 +101,11 @@ impl Maps {
         counts.reshape([grid.n_rows(), grid.n_cols()])
     }
 
+    /// The number of the nearest UAV that sees each cell, if that was asked for.
+    fn best_server<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        Maps::lent(slf, slf.get().0.best_server().ok_or_else(no_such)?)
+    }
+
     /// The document as JSON.
     fn document(&self) -> String {
         self.0.document().to_string()
@@ -141,12 +147,19 @@ impl Maps {
     }
 
     /// Writes files.
-    fn save(&self, py: Python<'_>, paths: Vec<PathBuf>, words: Vec<OsString>) -> PyResult<()> {
-        let maps = Arc::clone(&self.0);
+    fn save(&self, py: Python<'_>, paths: Vec<PathBuf>, options: &str) -> PyResult<()> {
+        let (maps, options) = (Arc::clone(&self.0), members(options)?);
         watched(py, None, move |_| {
-            let options = cli::save_options(&words, &paths)?;
+            let options = cli::save_options(options, &paths)?;
             Ok(maps.save_all(&paths, &options)?)
         })
+    }
+
+    /// The picture as PNG.
+    fn picture(&self, py: Python<'_>, options: &str) -> PyResult<Py<PyBytes>> {
+        let (maps, options) = (Arc::clone(&self.0), members(options)?);
+        let png = watched(py, None, move |_| Ok(maps.png(&cli::save_options(options, &["map.png".into()])?)?))?;
+        Ok(PyBytes::new(py, &png).unbind())
     }
 
     /// P_LoS against the height of each UAV.

@@ -7,13 +7,14 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use skyshed::cli;
-use skyshed::{Antenna, Height, SceneReader, Source, Uav};
+use skyshed::{Antenna, Height, SceneReader, Uav};
 use skyshed_core::raster::GeoRef;
 use skyshed_io::read::HeldBuilding;
 
-use crate::answers::{Found, Maps, Told, told};
+use crate::answers::{Maps, Told, told};
 use crate::arrays::{Heights, Rows, held};
 use crate::errors::Failure;
+use crate::members;
 use crate::pool::{lent, watched};
 
 /// A city ready for rays; copies share it.
@@ -85,28 +86,31 @@ fn uavs_of(asked: Vec<AskedUav>) -> Result<Vec<Uav>, Failure> {
     asked.into_iter().map(uav).collect()
 }
 
-fn kept(words: &[OsString]) -> Result<SceneReader, Failure> {
-    Ok(cli::scene_reader(words)?.keeps_footprints())
+fn kept(options: &str) -> Result<SceneReader, Failure> {
+    Ok(cli::scene_reader(members(options)?)?.keeps_footprints())
+}
+
+impl Scene {
+    /// Returns the scene, which shares all that it holds.
+    pub(crate) fn shared(&self) -> skyshed::Scene {
+        self.0.clone()
+    }
 }
 
 #[pymethods]
 impl Scene {
     /// Opens a file, or makes a generated city.
     #[staticmethod]
-    #[pyo3(signature = (word, words, watch=None))]
-    fn open(py: Python<'_>, word: OsString, words: Vec<OsString>, watch: Option<Py<PyAny>>) -> PyResult<Scene> {
-        watched(py, watch, move |_| Ok(Scene(kept(&words)?.open(word)?)))
+    #[pyo3(signature = (word, options, watch=None))]
+    fn open(py: Python<'_>, word: OsString, options: &str, watch: Option<Py<PyAny>>) -> PyResult<Scene> {
+        let reader = kept(options)?;
+        watched(py, watch, move |_| Ok(Scene(reader.open(word)?)))
     }
 
     /// A scene of heights.
     #[staticmethod]
-    fn of_heights(
-        py: Python<'_>,
-        surface: Lent<'_>,
-        terrain: Option<Lent<'_>>,
-        words: Vec<OsString>,
-    ) -> PyResult<Scene> {
-        let options = kept(&words)?;
+    fn of_heights(py: Python<'_>, surface: Lent<'_>, terrain: Option<Lent<'_>>, options: &str) -> PyResult<Scene> {
+        let options = kept(options)?;
         let (surface, terrain) = (Held::from(surface), terrain.map(Held::from));
         let stop = AtomicBool::new(false);
         let parts = [Some(&surface), terrain.as_ref()].into_iter().flatten();
@@ -132,9 +136,9 @@ impl Scene {
         wkb: Vec<Py<PyBytes>>,
         heights: PyReadonlyArray1<'_, f64>,
         ids: Option<Vec<String>>,
-        words: Vec<OsString>,
+        options: &str,
     ) -> PyResult<Scene> {
-        let options = kept(&words)?;
+        let options = kept(options)?;
         let wkb: Vec<Vec<u8>> = wkb.iter().map(|bytes| bytes.as_bytes(py).to_vec()).collect();
         let heights = heights.as_array().to_vec();
         watched(py, None, move |_| {
@@ -161,55 +165,39 @@ impl Scene {
     }
 
     /// What some UAVs see.
-    #[pyo3(signature = (uavs, words, keeps_masks, watch=None))]
+    #[pyo3(signature = (uavs, options, keeps_masks, watch=None))]
     fn maps(
         &self,
         py: Python<'_>,
         uavs: Vec<AskedUav>,
-        words: Vec<OsString>,
+        options: &str,
         keeps_masks: bool,
         watch: Option<Py<PyAny>>,
     ) -> PyResult<Maps> {
-        let (scene, uavs) = (self.0.clone(), uavs_of(uavs)?);
+        let (scene, uavs, options) = (self.0.clone(), uavs_of(uavs)?, members(options)?);
         watched(py, watch, move |progress| {
-            Ok(Maps::from(cli::coverages((scene, &uavs), &words, keeps_masks, progress)?))
+            Ok(Maps::from(cli::coverages((scene, &uavs), options, keeps_masks, progress)?))
         })
     }
 
     /// `P_LoS` of each UAV; NaN where it is undefined.
-    #[pyo3(signature = (uavs, words, watch=None))]
+    #[pyo3(signature = (uavs, options, watch=None))]
     fn p_los<'py>(
         &self,
         py: Python<'py>,
         uavs: Vec<AskedUav>,
-        words: Vec<OsString>,
+        options: &str,
         watch: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (scene, uavs) = (self.0.clone(), uavs_of(uavs)?);
-        let p_los = watched(py, watch, move |progress| Ok(cli::p_los((scene, &uavs), &words, progress)?))?;
+        let (scene, uavs, options) = (self.0.clone(), uavs_of(uavs)?, members(options)?);
+        let p_los = watched(py, watch, move |progress| Ok(cli::p_los((scene, &uavs), options, progress)?))?;
         Ok(PyArray1::from_iter(py, p_los.into_iter().map(|p| p.unwrap_or(f64::NAN))))
     }
 
-    /// Asks a command of the program over this scene.
-    ///
-    /// `held` are inputs in memory: the option, the name, the bytes.
-    #[pyo3(signature = (words, watch=None, held=Vec::new()))]
-    fn ask(
-        &self,
-        py: Python<'_>,
-        words: Vec<OsString>,
-        watch: Option<Py<PyAny>>,
-        held: Vec<(String, String, Vec<u8>)>,
-    ) -> PyResult<Found> {
-        let scene = self.0.clone();
-        let held = held.into_iter().map(|(option, name, bytes)| (option, Source::held(name, bytes))).collect();
-        watched(py, watch, move |progress| Ok(cli::ask(words, (Some(scene), held), progress)?)).map(Found::from)
-    }
-
     /// The live page.
-    fn live_page(&self, py: Python<'_>, uavs: Vec<AskedUav>, words: Vec<String>) -> PyResult<String> {
-        let (scene, uavs) = (self.0.clone(), uavs_of(uavs)?);
-        watched(py, None, move |_| Ok(scene.live_page(&uavs, words)?))
+    fn live_page(&self, py: Python<'_>, uavs: Vec<AskedUav>, word: OsString, options: &str) -> PyResult<String> {
+        let (scene, uavs, options) = (self.0.clone(), uavs_of(uavs)?, members(options)?);
+        watched(py, None, move |_| Ok(cli::live_page((&scene, &uavs), (&word, options))?))
     }
 
     #[getter]

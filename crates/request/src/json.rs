@@ -73,6 +73,58 @@ pub fn from_members<T: Serialize + DeserializeOwned>(members: Map<String, Value>
     }
 }
 
+/// Reads a request from the keywords of another language. They may be written in the ways that its users
+/// expect: a number for a text with a unit, one value for a list, a list for a text with commas.
+///
+/// # Errors
+/// The first keyword that does not exist, or has a value that cannot be.
+pub fn from_keywords<T>(keywords: Map<String, Value>) -> Result<T, MemberFault>
+where
+    T: Serialize + DeserializeOwned + Default,
+{
+    let names = serde_json::to_value(T::default()).unwrap_or_default();
+    let mut members = Map::new();
+    for (name, value) in keywords.into_iter().filter(|(_, value)| !is_unset(value)) {
+        if names.get(&name).is_none() {
+            return Err(MemberFault { member: name, reason: None });
+        }
+        let read = |value: &Value| {
+            serde_json::from_value::<T>(Value::Object([(name.clone(), value.clone())].into_iter().collect()))
+        };
+        let mut reasons: Vec<String> = Vec::new();
+        let fitting = spellings(value).into_iter().find(|value| match read(value) {
+            Ok(_) => true,
+            Err(error) => {
+                reasons.push(error.to_string());
+                false
+            }
+        });
+        let Some(fitting) = fitting else {
+            let reason = reasons.iter().position(|reason| reason.contains("wanted")).unwrap_or(0);
+            return Err(MemberFault { member: name, reason: reasons.into_iter().nth(reason) });
+        };
+        members.insert(name, fitting);
+    }
+    from_members(members)
+}
+
+/// Returns the values that a keyword may mean, as it is written first.
+fn spellings(value: Value) -> Vec<Value> {
+    let parts = |parts: Vec<Value>| Value::Array(parts);
+    let as_text = |value: &Value| Value::String(text(value));
+    let others = match &value {
+        Value::Number(_) => vec![as_text(&value), parts(vec![value.clone()]), parts(vec![as_text(&value)])],
+        Value::String(list) => {
+            let number = list.trim().parse::<serde_json::Number>().ok().map(Value::Number);
+            let of_list = parts(list.split(',').map(|part| Value::String(part.trim().into())).collect());
+            number.into_iter().chain([parts(vec![value.clone()]), of_list]).collect()
+        }
+        Value::Array(members) => vec![parts(members.iter().map(as_text).collect()), as_text(&value)],
+        _ => Vec::new(),
+    };
+    std::iter::once(value).chain(others).collect()
+}
+
 /// Returns the canonical JSON of a planned question (RFC 8785): keys in order, shortest digits, no
 /// blanks. Equal questions have equal texts.
 pub fn canonical(question: &impl Serialize) -> String {
@@ -132,6 +184,16 @@ fn texts(value: &Value) -> Vec<&str> {
     }
 }
 
+/// Returns a command line: the command, its scenes, and the flags that set other members.
+pub fn command_line(command: &str, mut members: Map<String, Value>) -> Vec<String> {
+    let scenes: Vec<String> =
+        ["scene", "scenes"].iter().filter_map(|name| members.remove(*name)).fold(Vec::new(), |scenes, named| {
+            let named = texts(&named);
+            scenes.into_iter().chain(named.into_iter().map(String::from)).collect()
+        });
+    std::iter::once(command.to_string()).chain(scenes).chain(words(&members)).collect()
+}
+
 /// Lists whose members may hold commas: their flags are repeated.
 const REPEATED: [&str; 6] = ["curve", "height_curve", "mask", "output", "tile", "uav"];
 
@@ -183,6 +245,36 @@ mod tests {
         assert!(fault.reason.is_some_and(|reason| reason.contains("wanted ground, street")));
         assert_eq!(of(r#"{"x": 1}"#), Err(MemberFault { member: "x".into(), reason: None }));
         assert_eq!(words(&set_members(&range)), ["--receivers", "roof", "--radius", "300"]);
+    }
+
+    #[test]
+    fn keywords_may_be_written_in_several_ways() {
+        use crate::{CoverageQuestion, Heights, Layer, PlaceQuestion};
+        let of = |text: &str| from_keywords::<CoverageQuestion>(serde_json::from_str(text).expect("an object"));
+        let layers = |text: &str| of(text).map(|question| question.map.layers);
+        let both = Ok(vec![Layer::Los, Layer::Margin]);
+        assert_eq!(layers(r#"{"layers": "los,margin"}"#), both);
+        assert_eq!(layers(r#"{"layers": ["los", "margin"]}"#), both);
+        assert_eq!(layers(r#"{"layers": "los", "radius": null, "zones": false}"#), Ok(vec![Layer::Los]));
+        let sight =
+            of(r#"{"radius": "300", "rx_height": "5ft", "earth_k": 1.2, "sector": [10, 20]}"#).expect("a sight").sight;
+        assert_eq!((sight.range.radius, sight.receiver.rx_height_m()), (Some(300.0), 1.524));
+        assert_eq!(sight.antenna.sector, Some([10.0, 20.0]));
+        let heights = |text: &str| {
+            let place: PlaceQuestion =
+                from_keywords(serde_json::from_str(text).expect("an object")).expect("a question");
+            place.candidates.height
+        };
+        let wanted = |text: &str| text.parse::<Heights>().ok();
+        assert_eq!(heights(r#"{"height": 60}"#), wanted("60"));
+        assert_eq!(heights(r#"{"height": [60, "30roof"]}"#), wanted("60,30roof"));
+        assert_eq!(heights(r#"{"height": "60:120:20"}"#), wanted("60:120:20"));
+        let fault = of(r#"{"receivers": 5}"#).expect_err("no such word");
+        assert!(
+            fault.member == "receivers"
+                && fault.reason.is_some_and(|reason| reason.contains("found `5`, wanted ground"))
+        );
+        assert_eq!(of(r#"{"radiuss": 5}"#), Err(MemberFault { member: "radiuss".into(), reason: None }));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use clap::{Arg, ArgAction, Args, Command, FromArgMatches};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::json::{filled_members, from_members, set_members, words};
+use crate::json::{command_line, filled_members, from_keywords, from_members, set_members};
 use crate::{
     ChartRequest, CityRequest, CompareRequest, InfoRequest, LimitsRequest, LinkRequest, LiveRequest, MapRequest,
     PlaceRequest, PlosRequest, SampleRequest, StressRequest, TrackRequest, ZonesRequest,
@@ -116,13 +116,10 @@ where
         // Some flags exclude each other.
         let Ok(request) = parsed(&typed) else { continue };
         n_read += 1;
-        let mut members = set_members(&request);
+        let members = set_members(&request);
         assert_eq!(from_members::<T>(members.clone()).as_ref(), Ok(&request), "{typed:?}");
-        let scene = members.remove("scene").and_then(|scene| scene.as_str().map(String::from));
-        let scenes = members.remove("scenes").filter(|scenes| scenes.is_array());
-        let scenes = scenes.into_iter().flat_map(|scenes| scenes.as_array().cloned().unwrap_or_default());
-        let scenes = scenes.filter_map(|scene| scene.as_str().map(String::from));
-        let again: Vec<String> = scene.into_iter().chain(scenes).chain(words(&members)).collect();
+        assert_eq!(from_keywords::<T>(members.clone()).as_ref(), Ok(&request), "{typed:?}");
+        let again = command_line("x", members).split_off(1);
         assert_eq!(parsed(&again).expect("words of a request"), request, "{typed:?} {again:?}");
     }
 }

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use skyshed_core::quantity::{Height, parse_number};
 
-use crate::FilePath;
+use crate::Source;
 use crate::part::part;
 
 /// Position and height of a UAV as they are typed: `500,500,100`, `691549.7,5334762.2,30roof`.
@@ -49,7 +49,7 @@ part! {
         ///
         /// Columns are x,y,h or lon,lat,h; `-` is standard input.
         #[arg(long, value_name = "FILE")]
-        uavs: Option<FilePath>,
+        uavs: Option<Source>,
         /// Leave out rows of the table that cannot be read, with a warning that names them
         #[arg(long, requires = "uavs", hide_short_help = true)]
         skip_bad: bool,

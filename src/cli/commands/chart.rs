@@ -47,7 +47,7 @@ pub(in crate::cli) fn run(request: &ChartRequest, run: &Run) -> Result<()> {
     let time_s = filled(options.time, defaults.time);
     let inputs: Vec<PathBuf> = scene_files(request.scene.word(), &request.reading)
         .into_iter()
-        .chain(request.uavs.uavs.clone().map(Into::into))
+        .chain(request.uavs.uavs.iter().map(|table| table.path().to_path_buf()))
         .collect();
     let outputs = checked_files(&request.out, csv.as_ref(), (&FORMATS, &inputs))?;
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;

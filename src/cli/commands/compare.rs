@@ -25,12 +25,10 @@ pub(in crate::cli) fn run(request: &CompareRequest, run: &Run) -> Result<()> {
     let masks: Vec<PathBuf> = request.compare.mask.iter().map(|path| path.0.clone()).collect();
     let csv = request.table.csv.clone().map(PathBuf::from);
     let reading = &request.reading;
-    let inputs = [
-        scene_files(request.scene.word(), &request.reading),
-        masks.clone(),
-        request.uavs.uavs.iter().map(|path| path.0.clone()).collect(),
-    ]
-    .concat();
+    let asked = UavsAsked::of(&request.uavs, reading.options.hash)?;
+    let inputs =
+        [scene_files(request.scene.word(), &request.reading), masks.clone(), asked.file().into_iter().collect()]
+            .concat();
     let outputs = checked_files(&request.out, csv.as_ref(), (&FORMATS, &inputs))?;
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;
     let plan = ComparisonPlan {
@@ -52,7 +50,6 @@ pub(in crate::cli) fn run(request: &CompareRequest, run: &Run) -> Result<()> {
         )
         .map_err(Error::from)?;
     }
-    let asked = UavsAsked::of(&request.uavs, reading.options.hash)?;
     if asked.table.is_none() && request.compare.mask.is_empty() {
         check_number(asked.typed.len())?;
     }

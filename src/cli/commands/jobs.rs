@@ -91,7 +91,7 @@ impl JobsArgs {
         check_scenes(&[map.scene.word()])?;
         let command = self.map.iter().map(|word| skyshed_io::told(word).to_string_lossy().into_owned()).collect();
         let job = job_of(map, run, command)?;
-        let jobs = Jobs::of(&job, &run.progress)?;
+        let jobs = Jobs::of(&job, None, &run.progress)?;
         match self.asked {
             Asked::Plan => jobs.plan().try_for_each(|line| say::plain_answer(format!("{line}\n").as_bytes())),
             Asked::Status => {
@@ -100,7 +100,7 @@ impl JobsArgs {
                 Ok(status.check()?)
             }
             Asked::Merge => {
-                let inputs = [job.inputs.clone(), job.uavs.table.iter().cloned().collect()].concat();
+                let inputs = [job.inputs.clone(), job.uavs.file().into_iter().collect()].concat();
                 let outputs = checked_files(&self.out, None, (&FORMATS, &inputs))?;
                 jobs.refuse_own_files(&outputs)?;
                 let merged = jobs.merged(run.words())?;

@@ -24,8 +24,7 @@ pub(in crate::cli) fn run(request: &LimitsRequest, run: &Run) -> Result<()> {
         n_cities: filled(request.limits.cities, defaults.cities),
     };
     let asked = UavsAsked::some_of(&request.uavs, request.reading.options.hash)?;
-    let inputs: Vec<_> =
-        scene_files(request.scene.word(), &request.reading).into_iter().chain(asked.table.clone()).collect();
+    let inputs: Vec<_> = scene_files(request.scene.word(), &request.reading).into_iter().chain(asked.file()).collect();
     let outputs = checked_files(&request.out, None, (&FORMATS, &inputs))?;
     // What is wrong with a file is told, not refused.
     let options = SceneReader { tells_faults: true, ..run.reader(&request.reading) };

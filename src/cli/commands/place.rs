@@ -20,8 +20,7 @@ use crate::placements::{FORMATS, SearchPlan};
 pub(in crate::cli) fn run(request: &PlaceRequest, run: &Run) -> Result<()> {
     let plan = SearchPlan::of(&request.question, &request.files, request.reading.options.hash)?;
     let scene = request.scene.word();
-    let beside = plan.inputs().filter(|input| !input.is_held()).map(|input| input.as_path().to_path_buf());
-    let beside: Vec<PathBuf> = beside.collect();
+    let beside: Vec<PathBuf> = plan.inputs().filter_map(|input| input.file().map(PathBuf::from)).collect();
     let inputs = [scene_files(scene, &request.reading), beside].concat();
     let (outputs, map) = outputs(request, &inputs)?;
     let all: Vec<Output> = outputs.iter().chain(&map).cloned().collect();

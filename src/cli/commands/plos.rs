@@ -25,6 +25,7 @@ pub(in crate::cli) fn run(request: &PlosRequest, run: &Run) -> Result<()> {
     let outputs = checked_files(&request.out, csv.as_ref(), (&FORMATS, &inputs))?;
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;
     let is_drawn = outputs.iter().any(|(_, format)| format.is_picture());
-    let plan = PlosPlan::of(request, is_drawn, run.words())?;
+    let options = run.reader(&request.reading);
+    let plan = PlosPlan { options, ..PlosPlan::of(request, is_drawn, run.words())? };
     run.emit(&plan.run()?, &outputs, (&request.out, &look))
 }

@@ -48,12 +48,12 @@ pub fn least_heights(
         if scorer.mapper.limits_elevations() || place.iter().any(limits_elevations) {
             for k in 0..place.len() - 1 {
                 control.check()?;
-                let tried = at(k);
+                let tried = at(k)?;
                 if tried.reaches {
                     return Ok(tried);
                 }
             }
-            return Ok(at(place.len() - 1));
+            return at(place.len() - 1);
         }
         // Invariant: all before `low` are too low; `found` is the lowest known to reach the share,
         // or the highest of all.

@@ -1,4 +1,4 @@
-"""Arguments of Python as words of the command line."""
+"""UAVs, places and areas of Python as inputs of a request."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
@@ -20,7 +20,6 @@ Height: TypeAlias = Union[float, str]
 Uav: TypeAlias = Union[
     "tuple[float, float, Height]", "tuple[float, float, Height, str]", "Mapping[str, Any]", "np.ndarray[Any, Any]"
 ]
-PathLike: TypeAlias = Union[str, "os.PathLike[str]"]
 Pair = Union["tuple[float, float]", None]
 #: From which distance [m], azimuths, elevations, the beam [deg].
 AskedAntenna = tuple[Union[float, None], Pair, Pair, Union[float, None]]
@@ -28,46 +27,6 @@ AskedUav = tuple[float, float, Union[float, str], Union[str, None], AskedAntenna
 
 #: What says so in a mapping or a table of UAVs.
 ANTENNA = ("min_radius", "sector", "elevation", "beam")
-
-
-def word(value: object) -> str:
-    """A value as it is typed."""
-    if isinstance(value, (bool, np.bool_)):
-        raise TypeError(f"found {value!r}, wanted a number or a text")
-    if isinstance(value, (int, np.integer)):
-        return str(int(value))
-    if isinstance(value, (float, np.floating)):
-        return repr(float(value))
-    if isinstance(value, (str, os.PathLike)):
-        return os.fspath(value)
-    raise TypeError(f"found {type(value).__name__}, wanted a number, a text or a path")
-
-
-def words_of(options: Mapping[str, object]) -> list[str]:
-    """Options as flags: ``None`` and ``False`` are not typed, several values stand behind commas."""
-    words = []
-    for name, value in options.items():
-        flag = "--" + name.replace("_", "-")
-        if isinstance(value, (bool, np.bool_)) or value is None:
-            words += [flag] if value else []
-            continue
-        if isinstance(value, np.ndarray) and value.ndim == 0:
-            value = value.item()
-        many = isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping))
-        try:
-            said = ",".join(word(part) for part in value) if many else word(value)  # type: ignore[attr-defined]
-        except TypeError as error:
-            raise TypeError(f"{name}: {error}") from None
-        words.append(f"{flag}={said}")
-    return words
-
-
-def files_of(output: PathLike | Sequence[PathLike] | None) -> list[str]:
-    """Output files as flags."""
-    if output is None:
-        return []
-    files = [output] if isinstance(output, (str, os.PathLike)) else list(output)
-    return [f"--output={os.fspath(file)}" for file in files]
 
 
 def _number(name: str, value: object) -> float:
@@ -127,8 +86,8 @@ def uav_of(uav: Uav) -> AskedUav:
     return x, y, height, None if name is None else str(name), antenna
 
 
-def table_of(uavs: Sequence[AskedUav]) -> list[Sequence[object]]:
-    """UAVs as rows of a table that the program reads, its header first."""
+def table_of(uavs: Sequence[AskedUav]) -> bytes:
+    """UAVs as a table of CSV."""
 
     def said(pair: Pair) -> str:
         return "" if pair is None else f"{pair[0]!r},{pair[1]!r}"
@@ -136,7 +95,9 @@ def table_of(uavs: Sequence[AskedUav]) -> list[Sequence[object]]:
     rows: list[Sequence[object]] = [("x", "y", "h", "id", *ANTENNA)]
     for x, y, h, id, (least, sector, elevation, beam) in uavs:
         rows.append((repr(x), repr(y), h, id, "" if least is None else least, said(sector), said(elevation), "" if beam is None else beam))
-    return rows
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue().encode()
 
 
 def located(name: str, places: Any, crs: str | None) -> Any:
@@ -187,24 +148,6 @@ def uavs_of(uavs: Any, crs: str | None = None, height: Height | None = None) -> 
     return [(*row[:4], antenna) for row, antenna in zip(rows, antennas)]
 
 
-def watch_of(progress: object) -> Callable[[float], object] | None:
-    """Who is told the share of the work that is done: a callable, or a bar of tqdm."""
-    if progress is None:
-        return None
-    bar: Any = progress
-    if hasattr(bar, "update") and hasattr(bar, "refresh"):
-        bar.total = bar.total or 1.0
-
-        def show(share: float) -> None:
-            bar.n = round(share * bar.total, 3)
-            bar.refresh()
-
-        return show
-    if callable(progress):
-        return progress
-    raise TypeError(f"progress: found {type(progress).__name__}, wanted a callable or a bar of tqdm")
-
-
 #: An option, the name of its input, and the bytes of that.
 HeldInput = tuple[str, str, bytes]
 
@@ -219,20 +162,15 @@ def inputs_of(given: Mapping[str, Any], crs: str | None, height: Any) -> tuple[d
             continue
         if name == "candidates":
             # Heights of the search stand for those that places have not.
-            text = _table_text(uavs_of(value, crs, None if height is None else 0.0))
+            listed = uavs_of(value, crs, None if height is None else 0.0)
+            if not listed:
+                raise wrong("candidates", "none", "at least one", "E209")
+            held.append((name, "candidates.csv", table_of(listed)))
         else:
             text = json.dumps(_collection(name, located(name, value, crs), crs))
-        named[name] = f"{name}.csv" if name == "candidates" else f"{name}.geojson"
-        held.append((name, str(named[name]), text.encode()))
+            held.append((name, f"{name}.geojson", text.encode()))
+        named[name] = held[-1][1]
     return named, held
-
-
-def _table_text(rows: Sequence[AskedUav]) -> str:
-    if not rows:
-        raise wrong("candidates", "none", "at least one", "E209")
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(table_of(rows))
-    return text.getvalue()
 
 
 def _collection(name: str, area: Any, crs: str | None) -> Mapping[str, Any]:
