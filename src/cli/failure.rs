@@ -1,4 +1,4 @@
-//! Why a command fails: what the library says, or what only the command line can say of the words that were typed.
+//! Failure of a command: an error of the library, or a fault in the words of the command line.
 
 use std::fmt;
 
@@ -6,30 +6,30 @@ use super::hints;
 use super::program::is_flag;
 use crate::error::{Error, ErrorClass, RequestError};
 
-/// Why a command fails.
+/// Failure of a command.
 #[derive(Debug)]
 pub(super) enum Failure {
     /// The library could not answer.
     Library(Error),
-    /// The words make no sense: a stable code, what is wrong, and a remedy.
+    /// The words make no sense: a stable code, the fault, and a remedy.
     Words { code: u16, text: String, remedy: Option<String> },
 }
 
-/// The result of everything that a command does.
+/// Result of everything that a command does.
 pub(super) type Result<T, E = Failure> = std::result::Result<T, E>;
 
-/// What is wrong with the words, under a stable code.
+/// Returns the failure of words that make no sense, under a stable code.
 pub(super) fn refusal(code: u16, text: impl Into<String>) -> Failure {
     Failure::Words { code, text: text.into(), remedy: None }
 }
 
-/// What is wrong with the words, with a remedy.
+/// Returns the failure of words that make no sense, with a remedy.
 pub(super) fn refusal_with(code: u16, text: impl Into<String>, remedy: impl Into<String>) -> Failure {
     Failure::Words { code, text: text.into(), remedy: Some(remedy.into()) }
 }
 
 impl Failure {
-    /// The stable code, for example `E301`.
+    /// Returns the stable code, for example `E301`.
     pub(super) fn code(&self) -> String {
         match self {
             Failure::Library(error) => error.code(),
@@ -37,7 +37,7 @@ impl Failure {
         }
     }
 
-    /// The class, which fixes the exit code of the program.
+    /// Returns the class, which sets the exit code of the program.
     pub(super) fn class(&self) -> ErrorClass {
         match self {
             Failure::Library(error) => error.class(),
@@ -51,7 +51,7 @@ impl Failure {
         }
     }
 
-    /// What to do about it, where that is known.
+    /// Returns the remedy, where one is known.
     pub(super) fn remedy(&self) -> Option<String> {
         match self {
             Failure::Library(error) => hints::hint(error),
@@ -82,7 +82,7 @@ impl From<skyshed_io::Error> for Failure {
     }
 }
 
-/// Whether an error names an option of the library.
+/// Returns `true` if the text of an error names an option of the library.
 fn names_option(error: &Error) -> bool {
     use RequestError as R;
     match error {
@@ -104,11 +104,11 @@ fn names_option(error: &Error) -> bool {
     }
 }
 
-/// Returns the text of an error, with the options that it names as they are typed.
+/// Returns the text of an error, with the options in it as they are typed.
 fn with_flags(error: &Error) -> String {
     let text = error.to_string();
     let is_flag = |name: &str| is_flag(&name.replace('-', "_"));
-    // Every other part stands between two marks.
+    // Every other part is between two marks.
     let parts = text.split('`').enumerate().map(|(k, part)| {
         let name = part.split(' ').next().unwrap_or_default();
         if k % 2 == 1 && is_flag(name) {

@@ -1,6 +1,9 @@
-//! Ctrl-C (and a polite `kill`): the program ends at once while nothing is written, and else between two files or two parts
-//! of a mask, or where that takes long soon after. A second one ends it at once. Temporary files are removed either way. Work
-//! in pieces stops between two of them, and what is done by then is written.
+//! Ctrl-C, and a polite `kill`.
+//!
+//! While nothing is written, an interrupt ends the program at once. While files are written, it
+//! ends the program between two files or two parts of a mask, or after [`GRACE`]. Work in pieces
+//! stops between two pieces, and the finished pieces are written. A second interrupt ends the
+//! program at once. Temporary files are removed in all cases.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -14,24 +17,25 @@ use crate::memory;
 use crate::progress::Progress;
 use crate::quantity::counted;
 
-/// What an interrupt does.
+/// Effect of an interrupt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
-    /// It ends the program.
+    /// An interrupt ends the program.
     Working,
-    /// It is noted, and the work stops after the piece at hand; a second one ends the program, and so does a piece that takes
-    /// longer than [`GRACE`].
+    /// The first interrupt stops the work after the current piece. A second one ends the program,
+    /// and so does a piece that takes longer than [`GRACE`].
     InPieces,
-    /// It is noted, and ends the program between two files or parts of one, or after [`GRACE`]; a second one ends it at once.
+    /// The first interrupt ends the program between two files or parts of one, or after [`GRACE`].
+    /// A second one ends it at once.
     Writing,
 }
 
-/// How long a file that is being written, or a piece of work, may take to its end.
+/// Longest time that a file or a piece of work may take to its end after an interrupt.
 const GRACE: Duration = Duration::from_millis(400);
 
-/// What is being done.
+/// Current phase.
 static PHASE: Mutex<Phase> = Mutex::new(Phase::Working);
-/// Whether the user wants to stop.
+/// `true` once the user wants to stop.
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// UAVs whose files are complete, in a run that writes them one by one.
@@ -45,7 +49,7 @@ fn interrupted() -> Failure {
     refusal(130, text)
 }
 
-/// Some files of a run may have their names already.
+/// Returns the failure of an interrupted writing: some files may have their names already.
 fn while_writing() -> Failure {
     refusal(130, "interrupted; what was written is whole, the rest is not there")
 }
@@ -54,12 +58,13 @@ fn enter(phase: Phase) {
     *PHASE.lock().unwrap_or_else(PoisonError::into_inner) = phase;
 }
 
-/// Starts to listen. A process may run several commands, and each begins without writing.
+/// Starts to listen for interrupts. A process may run several commands, and each begins without
+/// writing.
 pub(super) fn listen() {
     enter(Phase::Working);
     WRITTEN.store(0, Ordering::Release);
     let handler = || {
-        // Held while the program ends, so that no file is begun meanwhile.
+        // The lock is held while the program ends, so that no file is begun meanwhile.
         let phase = PHASE.lock().unwrap_or_else(PoisonError::into_inner);
         let is_first = !STOP.swap(true, Ordering::AcqRel);
         match *phase {
@@ -77,11 +82,13 @@ pub(super) fn listen() {
             Phase::Working | Phase::InPieces => end(&interrupted()),
         }
     };
-    // A second handler cannot be set in one process; the first one keeps working, so that is no failure.
+    // A process can set one handler only. The first one keeps working, so a failure here is
+    // ignored.
     let _ = ctrlc::set_handler(handler);
 }
 
-/// Does something after [`GRACE`], in a thread of its own, so that the one that hears signals hears the next.
+/// Runs `work` after [`GRACE`] in a thread of its own, so that the handler can receive the next
+/// signal.
 fn after_grace(work: impl FnOnce() + Send + 'static) {
     std::thread::spawn(|| {
         std::thread::sleep(GRACE);
@@ -95,62 +102,63 @@ pub(super) fn give_up(error: &Error) -> ! {
     end(&Failure::Library(error.clone()))
 }
 
-/// Ends the program without a temporary file.
+/// Ends the program and removes its temporary files.
 fn end(failure: &Failure) -> ! {
     abandon_files();
     say::failure(failure);
     std::process::exit(i32::from(failure.class().exit_code()));
 }
 
-/// From here on [`wants_to_stop`] says when to begin no further piece.
+/// Begins work in pieces: from here on [`wants_to_stop`] decides if a further piece begins.
 pub(super) fn begin_pieces() {
     enter(Phase::InPieces);
 }
 
-/// Whether the user wants no further piece of work.
+/// Returns `true` if the user wants no further piece of work.
 pub(super) fn wants_to_stop() -> bool {
     STOP.load(Ordering::Acquire)
 }
 
-/// The files of one more UAV are written: from here on an interrupt ends the program again.
+/// Counts the files of one more UAV as written. From here on an interrupt ends the program again.
 ///
 /// # Errors
-/// If the user interrupted the writing.
+/// An interrupt by the user while they were written.
 pub(super) fn end_writing() -> Result<()> {
     WRITTEN.fetch_add(1, Ordering::AcqRel);
     give_up_writing()
 }
 
-/// The files of a UAV will not be written: from here on an interrupt ends the program again.
+/// Gives up the files of a UAV. From here on an interrupt ends the program again.
 ///
 /// # Errors
-/// If the user interrupted the writing.
+/// An interrupt by the user while they were written.
 pub(super) fn give_up_writing() -> Result<()> {
     enter(Phase::Working);
     Ok(check()?)
 }
 
-/// From here on [`check`] says when to stop. A run that took too much memory writes nothing.
+/// Begins writing: from here on [`check`] decides if it goes on. A run that took too much memory
+/// writes nothing.
 pub(super) fn begin_writing() {
     memory::end_if_exceeded();
     enter(Phase::Writing);
 }
 
-/// Whether files are being written.
+/// Returns `true` while files are written.
 pub(super) fn is_writing() -> bool {
     *PHASE.lock().unwrap_or_else(PoisonError::into_inner) == Phase::Writing
 }
 
-/// Whether writing may go on.
+/// Checks that writing may go on.
 ///
 /// # Errors
-/// If the user interrupted it.
+/// An interrupt by the user.
 pub(super) fn check() -> skyshed_core::Result<()> {
     memory::end_if_exceeded();
     if wants_to_stop() { Err(skyshed_core::Error::Interrupted) } else { Ok(()) }
 }
 
-/// A failure in the words of the run: an interrupt says what was written.
+/// Returns a failure in the words of the run: an interrupt names the files that were written.
 pub(super) fn in_words(failure: Failure) -> Failure {
     match failure {
         Failure::Library(Error::Core(skyshed_core::Error::Interrupted)) => interrupted(),
@@ -158,7 +166,7 @@ pub(super) fn in_words(failure: Failure) -> Failure {
     }
 }
 
-/// A run that tells what it does, and is asked whether to go on.
+/// Returns the progress of a run, which prints notes and checks for interrupts.
 pub(super) fn progress(quiet: bool) -> Progress {
     let note: fn(&str) = if quiet { |_| {} } else { say::note };
     Progress { note, begin_pieces, begin_writing, check, ..Progress::default() }

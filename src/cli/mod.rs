@@ -1,8 +1,15 @@
-//! The command line: what was typed becomes a plan of the library, the plan runs, its answer goes out.
+//! Command line: typed words become a plan of the library, the plan runs, and its answer is printed
+//! or written.
 //!
-//! `program` holds the commands, `args` what they share, `commands` one file for each, `run` what every run does, `say` what
-//! is said on standard error, `interrupt` what Ctrl-C does, `refusal` the words for what cannot be parsed. `ask` lets another
-//! program ask.
+//! * `program` holds the commands.
+//! * `args` holds flags that commands share.
+//! * `commands` has one file for each command.
+//! * `run` does the work that all commands share.
+//! * `say` prints to standard error and standard output.
+//! * `interrupt` handles Ctrl-C.
+//! * `failure` and `refusal` turn errors into texts with codes.
+//! * `hints` adds remedies to errors and warnings.
+//! * `ask` lets another program run commands.
 
 mod args;
 mod ask;
@@ -37,7 +44,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     ExitCode::from(exit_code(words))
 }
 
-/// Runs the program on the words of a command line and returns the number of its exit code.
+/// Runs the program on the words of a command line and returns its exit code as a number.
 pub fn exit_code(words: impl IntoIterator<Item = OsString>) -> u8 {
     let words: Vec<OsString> = words.into_iter().collect();
     let done = match Cli::from_words(&words) {

@@ -1,4 +1,4 @@
-//! The program and its commands, as they are typed.
+//! Program and commands, as they are typed.
 
 use std::ffi::{OsStr, OsString};
 
@@ -153,12 +153,12 @@ impl Cli {
         }
     }
 
-    /// What is asked of a map, if a map is asked for.
+    /// Returns the request of a map; `None` for other commands.
     pub(super) fn map(&self) -> Option<&MapRequest> {
         if let Command::Map(args) = &self.command { Some(args) } else { None }
     }
 
-    /// Returns the parts that requests share; nothing of a command that has none.
+    /// Returns the parts that requests share; `None` for a command that has none.
     pub(super) fn shared(&self) -> Option<Shared<'_>> {
         macro_rules! shared {
             ($request:expr, $scenes:expr) => {
@@ -188,18 +188,18 @@ impl Cli {
             Command::Live(r) => shared!(r, vec![r.scene.word()]),
             Command::Chart(r) => shared!(r, vec![r.scene.word()]),
             Command::Stress(r) => shared!(r, r.stress.scene.iter().map(|word| word.as_os_str()).collect()),
-            // What is read and asked is told by the words of the map.
+            // The words of a map hold the scene and the options.
             Command::Jobs(_) | Command::Completions(_) => return None,
         })
     }
 
-    /// Whether nothing is said but errors.
+    /// Returns `true` if nothing but errors is printed.
     pub(super) fn is_quiet(&self) -> bool {
         let jobs = matches!(&self.command, Command::Jobs(args) if args.out.effort.quiet);
         jobs || self.shared().is_some_and(|shared| shared.out.effort.quiet)
     }
 
-    /// Whether something other than a city is drawn at random: links, blocks, scenes.
+    /// Returns `true` if something other than a city is drawn at random: links, blocks, scenes.
     pub(super) fn draws(&self) -> bool {
         matches!(
             self.command,
@@ -207,7 +207,7 @@ impl Cli {
         )
     }
 
-    /// Does what was asked for.
+    /// Runs the command.
     pub(super) fn run(&self, run: &Run) -> Result<()> {
         if !matches!(self.command, Command::Map(_) | Command::Place(_) | Command::Compare(_))
             && self.shared().is_some_and(|shared| shared.reading.options.height_error_field.is_some())

@@ -1,4 +1,4 @@
-//! What the parser of the command line refuses, in the words of all other errors.
+//! Refusals of the command line's parser, in the words of all other errors.
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
@@ -6,7 +6,7 @@ use super::failure::{Failure, Result, refusal, refusal_with};
 use super::say;
 use crate::error::{MOST_FOUND, shortened};
 
-/// Answers for help and version, on standard output; gives back any other error.
+/// Prints help and version on standard output; returns any other refusal as an error.
 ///
 /// # Errors
 /// E101; E401 if standard output cannot be written.
@@ -30,14 +30,14 @@ pub(super) fn answer(refusal: &clap::Error) -> Result<()> {
     }
 }
 
-/// What the parser says, in our words.
+/// Returns the parser's text as a failure.
 ///
 /// E101: words of the command line that make no sense.
 pub(super) fn in_words(text: &str) -> Failure {
     let (first, rest) = text.split_once("\n\n").unwrap_or((text, ""));
     // Missing arguments are listed on lines of their own; an error is one line.
     let first = first.split('\n').map(str::trim).collect::<Vec<_>>().join(" ");
-    // Of the parser's tips only those that name what was probably meant; its usage line names the command.
+    // Only the tips with a similar word are kept; the usage line names the command.
     let similar = rest.lines().map(str::trim).find(|l| l.starts_with("tip: a similar"));
     let command = rest.lines().find_map(|l| l.trim().strip_prefix("Usage: "));
     let help = command.map(|usage| {

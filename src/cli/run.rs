@@ -1,4 +1,5 @@
-//! A run of a command: what all have in common, from the typed words to the files and the last line that is said.
+//! Run of a command: the work that all commands share, from the typed words to the last line
+//! printed.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -25,24 +26,24 @@ use crate::repairs::{FORMATS as REPAIRS_FORMATS, Repairs};
 use crate::scene::{FoundRepairs, Scene, SceneReader, built_up};
 use crate::words::pretty;
 
-/// A run.
+/// Run of a command.
 pub(super) struct Run {
-    /// The words of the command line after the program's name, for documents.
+    /// Words of the command line after the program's name, for documents.
     pub(super) command: Vec<String>,
     pub(super) start: Instant,
     pub(super) progress: Arc<Progress>,
     pub(super) is_quiet: bool,
-    /// The scene, if another program holds it.
+    /// Scene, if another program holds it.
     pub(super) given: Option<Scene>,
-    /// Whether the answer is kept for another program, instead of said.
+    /// `true` if the answer is kept for another program instead of printed.
     pub(super) keeps: bool,
     pub(super) found: OnceLock<Found>,
-    /// Everything that was mended or left out of footprints, once they are read for a list of that.
+    /// All repairs of footprints and all footprints left out, if they are read for a list of these.
     pub(super) found_repairs: Arc<OnceLock<FoundRepairs>>,
 }
 
 impl Run {
-    /// A run whose answer is kept for who asks.
+    /// Returns a run whose answer is kept for another program.
     pub(super) fn asked(command: Vec<String>, start: Instant, progress: &Arc<Progress>) -> Run {
         let progress = Arc::clone(progress);
         Run {
@@ -60,33 +61,33 @@ impl Run {
     /// Returns the scene of a word, made ready.
     ///
     /// # Errors
-    /// Those of reading it.
+    /// Errors of reading it.
     pub(super) fn open_word(&self, word: &OsStr, reading: &Reading) -> Result<Scene> {
         let read = || Ok(self.reader(reading).open(word)?);
         self.given.as_ref().map_or_else(read, |given| Ok(given.clone()))
     }
 
-    /// Returns a reader of scenes, which lists repairs where that was asked for.
+    /// Returns a reader of scenes, which lists repairs if that was requested.
     pub(super) fn reader(&self, reading: &Reading) -> SceneReader {
         SceneReader { repairs: self.list_for(reading), ..reading.options.clone().into() }
     }
 
-    /// Returns the list of repairs, if it was asked for.
+    /// Returns the list of repairs, if it was requested.
     pub(super) fn list_for(&self, reading: &Reading) -> Option<Arc<OnceLock<FoundRepairs>>> {
         reading.list.repairs.is_some().then(|| Arc::clone(&self.found_repairs))
     }
 
-    /// The words of the command line, for a document.
+    /// Returns the words of the command line, for a document.
     pub(super) fn words(&self) -> Vec<String> {
         self.command.clone()
     }
 
-    /// The scene of a map: that of another program, or the one to be read.
+    /// Returns the scene of a map: the scene of another program, or one to be read.
     pub(super) fn given_scene(&self) -> GivenScene<'static> {
         self.given.clone().map_or(GivenScene::Asked, |scene| GivenScene::InMemory(Box::new(scene)))
     }
 
-    /// Keeps an answer whose files are written for another program.
+    /// Keeps an answer, whose files are written already, for another program.
     pub(super) fn keep(&self, answer: &dyn Answer, spent: Spent, files: Vec<PathBuf>) {
         let _ = self.found.set(Found::of(answer, spent, files));
     }
@@ -96,10 +97,11 @@ impl Run {
         let _ = self.found.set(Found { document, table: Vec::new(), warnings: warnings.to_vec(), files: Vec::new() });
     }
 
-    /// Writes the files of an answer, which appear together, says what came out, and answers on standard output.
+    /// Writes the files of an answer, which appear together, and reports on standard error. Then
+    /// prints the answer on standard output.
     ///
     /// # Errors
-    /// If a file cannot be made or written, or the user interrupts.
+    /// Failures of making or writing a file, and an interrupt by the user.
     pub(super) fn emit(
         &self,
         answer: &dyn Answer,
@@ -107,7 +109,7 @@ impl Run {
         (out, look): (&OutputOptions, &Look),
     ) -> Result<()> {
         let batch = match answer.interrupted() {
-            // What was done by then is written.
+            // Work that was done before an interrupt is written.
             Some(_) => Batch::new(out.writing.overwrite),
             None => Batch::new(out.writing.overwrite).asking(interrupt::check),
         };
@@ -139,13 +141,13 @@ impl Run {
         let before = Instant::now();
         let seconds = |since: Instant| since.elapsed().as_secs_f64();
         interrupt::begin_writing();
-        // What writing takes is not known before the files are written.
+        // The time of writing is not known before the files are written.
         add_outputs(answer, &mut batch, outputs, (look, Spent { write: 0.0, total: seconds(self.start) }))?;
         let written = batch.commit()?;
         Ok((written, Spent { write: seconds(before), total: seconds(self.start) }))
     }
 
-    /// Says what was odd, and what was found.
+    /// Prints the warnings and notes of an answer.
     pub(super) fn tell(&self, answer: &dyn Answer, spent: Spent) {
         if !self.is_quiet {
             say::warnings(answer.warnings());
@@ -154,7 +156,8 @@ impl Run {
     }
 }
 
-/// Refuses what scenes cannot use: a seed of cities in files, where nothing else is drawn; hashes where no file is read.
+/// Refuses options that scenes cannot use: a seed if nothing is drawn at random, and hashes if no
+/// file is read.
 ///
 /// # Errors
 /// E116.
@@ -172,7 +175,7 @@ pub(super) fn check_use(shared: &Shared<'_>, draws: bool) -> Result<()> {
 
 /// Parts that requests of all commands share.
 pub(super) struct Shared<'a> {
-    /// The scenes, as words.
+    /// Scenes, as words.
     pub(super) scenes: Vec<&'a OsStr>,
     pub(super) reading: &'a Reading,
     pub(super) out: &'a OutputOptions,
@@ -180,7 +183,8 @@ pub(super) struct Shared<'a> {
     pub(super) members: Map<String, Value>,
 }
 
-/// Refuses a scene that is no file but the name of a built-up environment, which stands behind `itu:`.
+/// Refuses a scene that is no file but the name of a built-up environment, which needs the prefix
+/// `itu:`.
 ///
 /// # Errors
 /// E301.
@@ -195,8 +199,9 @@ pub(super) fn check_scenes(scenes: &[&OsStr]) -> Result<()> {
     Ok(())
 }
 
-/// The list of what was mended or left out while reading footprints, which any command that reads some can write. It is kept
-/// while the command runs and written when that has succeeded, so that a run that fails leaves nothing behind.
+/// File of the repairs made and the footprints left out while reading. Any command that reads
+/// footprints can write it. The list is kept while the command runs and written once it has
+/// succeeded, so that a failed run leaves nothing behind.
 pub(super) struct RepairsFile<'a> {
     scene: &'a OsStr,
     reading: &'a Reading,
@@ -205,8 +210,8 @@ pub(super) struct RepairsFile<'a> {
 }
 
 impl<'a> RepairsFile<'a> {
-    /// The list, if there is to be one. Refused before any work is one of a scene that is no file of footprints, and a file
-    /// that cannot be written.
+    /// Returns the file, if one was requested. Before any work, it refuses scenes that are no files
+    /// of footprints, and files that cannot be written.
     ///
     /// # Errors
     /// E116; E104–E106, as for every output.
@@ -234,7 +239,7 @@ impl<'a> RepairsFile<'a> {
         Ok(output.map(|output| RepairsFile { scene, reading, out, output }))
     }
 
-    /// Writes the list that was kept.
+    /// Writes the list of repairs.
     ///
     /// # Errors
     /// E116 if no footprints were read; E106, E401 if the file cannot be written.
@@ -252,7 +257,7 @@ impl<'a> RepairsFile<'a> {
     }
 }
 
-/// Whether two paths are one file, which need not exist yet.
+/// Returns `true` if two paths are one file, which need not exist yet.
 fn is_same_file(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -274,7 +279,7 @@ pub(super) fn check_text(out: &OutputOptions, repairs: Option<&RepairsFile<'_>>)
         .map(|path| &path.0)
         .chain(repairs.map(|file| &file.output.0))
         .any(|path| is_table(path));
-    // Without files the answer may be a table.
+    // Without files, the answer may be a table.
     if out.writing.csv_text && !has_table && (out.files.json || !out.files.output.is_empty()) {
         return Err(refusal(116, "`--csv-text` has no meaning without a table"));
     }

@@ -1,4 +1,4 @@
-//! What is said on standard error: errors, warnings, hints, progress.
+//! Lines on standard error (errors, warnings, hints, progress), and answers on standard output.
 
 use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -14,18 +14,18 @@ use crate::error::{Warning, escaped, io_words, is_text};
 use crate::expected::seconds_to_read;
 use crate::progress::Progress;
 
-/// A line on standard error; a closed pipe there is nobody's concern.
+/// Prints a line on standard error; a closed pipe there is ignored.
 fn say(text: &str) {
     let _ = writeln!(std::io::stderr(), "{}", escaped(text));
 }
 
-/// Whether a stream is a terminal whose user wants colors (<https://no-color.org>).
+/// Returns `true` if a stream is a terminal whose user wants colors (<https://no-color.org>).
 pub(super) fn has_colors(stream: &impl IsTerminal) -> bool {
     let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     stream.is_terminal() && !is_set("NO_COLOR") && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
 }
 
-/// Says a line that begins with a label, which has a color on a terminal.
+/// Prints a line that begins with a label, which has a color on a terminal.
 fn say_labelled(label: &str, color: u8, text: &str) {
     let text = escaped(text);
     let line = match has_colors(&std::io::stderr()) {
@@ -35,7 +35,7 @@ fn say_labelled(label: &str, color: u8, text: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// Prints why a command fails, and what to do about it.
+/// Prints a failure and its remedy.
 pub(super) fn failure(failure: &Failure) {
     const RED: u8 = 31;
     say_labelled(&format!("error[{}]", failure.code()), RED, &failure.to_string());
@@ -49,22 +49,22 @@ pub(super) fn warnings(warnings: &[Warning]) {
     warnings.iter().for_each(|warning| say_warning(warning, ""));
 }
 
-/// Prints a warning, what to do about it, and what it concerns.
+/// Prints a warning with its remedy and its context.
 fn say_warning(warning: &Warning, context: &str) {
     const YELLOW: u8 = 33;
     let hint = hints::of_warning(warning).map_or_else(String::new, |hint| format!(" ({hint})"));
     say_labelled(&format!("warning[{}]", warning.code()), YELLOW, &format!("{warning}{hint}{context}"));
 }
 
-/// Warnings of the runs of a batch, each to be said once.
+/// Warnings of the runs of a batch, each to be printed once.
 #[derive(Debug, Default)]
 pub(super) struct WarningsOfRuns {
-    /// With the UAVs whose runs gave it.
+    /// Each warning with the UAVs or tiles whose runs gave it.
     groups: Vec<(Warning, Vec<String>)>,
 }
 
 impl WarningsOfRuns {
-    /// Adds those of the run of a UAV. What differs in numbers alone is the same warning.
+    /// Adds the warnings of one run. Warnings that differ in numbers alone count as the same.
     pub(super) fn add(&mut self, uav: &str, warnings: &[Warning]) {
         let words = |warning: &Warning| {
             let words: String = warning.to_string().chars().filter(|c| !c.is_ascii_digit() && *c != '.').collect();
@@ -81,9 +81,9 @@ impl WarningsOfRuns {
         }
     }
 
-    /// Each warning as it was given first, and the words that name the UAVs or tiles that it concerns.
+    /// Returns each warning as it was given first, with words that name its UAVs or tiles.
     fn told(&self, many: &'static str) -> impl Iterator<Item = (&Warning, String)> {
-        /// UAVs that are named.
+        /// Largest number of UAVs or tiles that are named.
         const MOST_NAMED: usize = 5;
         self.groups.iter().map(move |(warning, uavs)| {
             if uavs.len() == 1 {
@@ -95,13 +95,13 @@ impl WarningsOfRuns {
         })
     }
 
-    /// Prints them.
+    /// Prints the warnings.
     pub(super) fn say(&self, many: &'static str) {
         self.told(many).for_each(|(warning, uavs)| say_warning(warning, &uavs));
     }
 }
 
-/// Names the files that were written.
+/// Prints the names of the files that were written.
 pub(super) fn wrote(files: &[PathBuf], quiet: bool) {
     if !(quiet || files.is_empty()) {
         let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
@@ -109,13 +109,14 @@ pub(super) fn wrote(files: &[PathBuf], quiet: bool) {
     }
 }
 
-/// Prints what was done.
+/// Prints a note.
 pub(super) fn note(text: &str) {
     say(text);
 }
 
-/// Prints a result on standard output, with names from files escaped as JSON does where a terminal would obey them. A closed
-/// pipe means that the reader has seen enough: that is success.
+/// Prints a result on standard output. Control characters in names from files are escaped as in
+/// JSON, so that no terminal obeys them. A closed pipe counts as success: the reader has seen
+/// enough.
 ///
 /// # Errors
 /// E401 if it cannot be written for another reason, such as a full disk.
@@ -128,7 +129,7 @@ pub(super) fn answer(text: &str) -> Result<()> {
     plain_answer(text.as_bytes())
 }
 
-/// Prints a text that is meant to be read by a program, as it is.
+/// Prints a text for a program on standard output, as it is.
 ///
 /// # Errors
 /// E401 if it cannot be written.
@@ -142,18 +143,18 @@ pub(super) fn plain_answer(text: &[u8]) -> Result<()> {
     }
 }
 
-/// How long a run may take before it says how far it is.
+/// Time before a run prints its progress.
 const SILENT_FOR: Duration = Duration::from_secs(2);
-/// How long it is silent after that, where there is no terminal.
+/// Time between two lines of progress without a terminal.
 const SILENT_BETWEEN: Duration = Duration::from_secs(10);
 
-/// What a run is at.
+/// Stage of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stage {
     Reading,
     /// Work that is counted.
     Counting,
-    /// What comes after it.
+    /// Work after the counted work.
     Finishing,
     Writing,
 }
@@ -168,7 +169,8 @@ impl Stage {
         }
     }
 
-    /// How far it is, `since` it was begun; reading was expected to take some seconds.
+    /// Returns the progress in words. `since` is the time in this stage; `reading_s` is the
+    /// expected time of reading.
     fn in_words(self, progress: &Progress, since: Duration, reading_s: f64) -> String {
         let so_far = |what: &str| format!("{what}, {} s so far", since.as_secs());
         match (self, progress.share()) {
@@ -187,8 +189,8 @@ impl Stage {
     }
 }
 
-/// Runs `work` and says on standard error how far it is, when it takes longer than two seconds: in one line that changes on a
-/// terminal, else in a line now and then. `files` are those that are read first.
+/// Runs `work` and prints its progress on standard error if it takes longer than two seconds. On a
+/// terminal one line changes; otherwise a line is printed now and then. `files` are read first.
 pub(super) fn with_progress<T>(progress: &Progress, quiet: bool, files: &[PathBuf], work: impl FnOnce() -> T) -> T {
     if quiet {
         return work();
@@ -203,7 +205,7 @@ pub(super) fn with_progress<T>(progress: &Progress, quiet: bool, files: &[PathBu
     })
 }
 
-/// Says how far a run is until it is finished.
+/// Prints the progress of a run until it is finished.
 fn watch(progress: &Progress, reading_s: f64, finished: &AtomicBool) {
     let is_terminal = std::io::stderr().is_terminal();
     let start = Instant::now();

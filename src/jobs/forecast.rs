@@ -1,4 +1,4 @@
-//! What a unit of work will take, told without reading its ground.
+//! Estimates of time and memory of a unit of work, made without reading its ground.
 
 use crate::expected::Expected;
 use crate::los::Method;
@@ -7,16 +7,18 @@ use crate::memory::ANY_WORK;
 use crate::raster::CellWindow;
 use crate::scene::is_raster_scene;
 
-/// Nanoseconds for each cell beside the line of sight, on one core of a server of 2023: to read it, to make the field, to write it.
+/// Nanoseconds for each cell beside line of sight, on one core of a server of 2023. They cover
+/// reading, making the field, and writing.
 const NS_PER_CELL: f64 = 45.0;
 
-/// Bytes for each cell of a tile: masks, and what is made of them.
+/// Bytes for each cell of a tile: masks, and the overlays made of them.
 const BYTES_PER_CELL_OF_TILE: u64 = 16;
 
-/// Bytes for each cell that is read of a raster, and of a scene that is read as a whole.
+/// Bytes for each cell that is read of a raster, and for each cell of a scene that is read as a
+/// whole.
 const BYTES_PER_CELL: (u64, u64) = (6, 8);
 
-/// About how long a unit takes on one thread \[s\], and how much memory \[bytes\].
+/// Returns estimates for a unit: time on one thread \[s\], and memory \[bytes\].
 pub(super) fn forecast(unit: &Unit, units: &Units) -> (f64, u64) {
     let grid = &units.grid;
     let sight = &unit.job.plan.sight;
@@ -34,7 +36,7 @@ pub(super) fn forecast(unit: &Unit, units: &Units) -> (f64, u64) {
             (cells(grid.window_within(tile.box_with(&tile.own(&units.uavs.sites), grid))), tile.uavs.len())
         }
     };
-    // Of a tile no more is decided than its cells.
+    // A tile decides no more than its own cells.
     let (most, per_told) = match &unit.part {
         Part::Site(_) => (n_cells, unit.job.bytes_per_cell() as u64),
         Part::Tile(tile) => {

@@ -1,4 +1,4 @@
-//! What all units of work come to: a table of the UAVs, a mosaic of the tiles, a document.
+//! Merged results of all units of work: a table of the UAVs, a mosaic of the tiles, a document.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -24,18 +24,18 @@ use crate::picture::Look;
 use crate::quantity::{counted, share};
 use crate::words::pretty;
 
-/// What the units of a run come to, all of them done.
+/// Merged results of the units of a run, all of them done.
 #[derive(Debug)]
 pub(crate) struct Merged {
     facts: RunFacts,
     layers: Vec<Layer>,
-    /// Whether rasters are optimized for the cloud.
+    /// `true` if rasters are optimized for the cloud.
     is_cog: bool,
     rows: Vec<MergedRow>,
     n_units: usize,
-    /// The tiles, and what at least one UAV sees in all of them; nothing where the units are UAVs.
+    /// Tiles, and their union; `None` if the units are UAVs.
     tiles: Option<Tiles>,
-    /// When the last file was written, in seconds since 1970.
+    /// Time of the latest file, in seconds since 1970.
     last_written: u64,
 }
 
@@ -43,11 +43,11 @@ pub(crate) struct Merged {
 struct Tiles {
     cells_per_side: usize,
     union: Tally,
-    /// Those that are GeoTIFF files, if tiles are.
+    /// Tiles that are GeoTIFF files.
     rasters: Vec<MosaicTile>,
 }
 
-/// A UAV in the table of all.
+/// UAV in the table of all.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub(crate) struct MergedRow {
     /// Name of the UAV.
@@ -56,50 +56,50 @@ pub(crate) struct MergedRow {
     x: f64,
     /// North [units of the reference system].
     y: f64,
-    /// Height above the datum [m]; empty of a UAV that has no tile in range.
+    /// Height above the datum [m]; empty for a UAV without a tile in range.
     height_amsl_m: Option<f64>,
     /// Height above the ground [m]; empty where none is known.
     height_agl_m: Option<f64>,
-    /// What the UAV hovers over.
+    /// Place below the UAV.
     placement: Option<String>,
     /// Receivers in range.
     receivers: u64,
-    /// Of these, in line of sight.
+    /// Receivers in line of sight.
     los: u64,
-    /// Share of receivers in line of sight; empty without receivers, and of a UAV over no data.
+    /// Share of receivers in line of sight; empty without receivers, and for a UAV over no data.
     p_los: Option<f64>,
     #[serde(skip)]
     is_over_nodata: bool,
-    /// Tiles that hold cells in its range, where tiles are the units.
+    /// Number of tiles with cells in its range, if the units are tiles.
     #[serde(skip_serializing_if = "Option::is_none")]
     tiles: Option<u64>,
-    /// Digest of the mask, where UAVs are the units.
+    /// Digest of the mask, if the units are UAVs.
     #[serde(skip_serializing_if = "Option::is_none")]
     digest: Option<String>,
 }
 
-/// What all units of a run come to.
+/// Merged results of all units of a run.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct MergeDocument {
     #[serde(flatten)]
     head: Head,
-    /// What the units are: sites or tiles.
+    /// Kind of the units: sites or tiles.
     units_are: &'static str,
-    /// How many units there are.
+    /// Number of units.
     units: usize,
-    /// Cells along a side of a tile; null where the units are sites.
+    /// Cells along a side of a tile; null if the units are sites.
     cells_per_side: Option<usize>,
     /// Layers of the files.
     layers: Vec<&'static str>,
-    /// How many UAVs there are.
+    /// Number of UAVs.
     sites: usize,
-    /// What at least one UAV sees in all tiles; null where the units are sites, whose masks lie over each other.
+    /// Union over all tiles; null if the units are sites, whose masks overlap.
     union: Option<Share>,
-    /// What was odd.
+    /// Warnings.
     warnings: Vec<WarningFacts>,
 }
 
-/// A number of a document, or a text.
+/// Returns a number of a document.
 fn number(of: &Value, name: &str) -> Option<f64> {
     of.get(name)?.as_f64()
 }
@@ -113,7 +113,7 @@ fn text(of: &Value, name: &str) -> Option<String> {
 }
 
 impl MergedRow {
-    /// A UAV of a document of a map.
+    /// Returns the row of a UAV in the document of a map.
     fn of(site: &Value, digest: Option<String>) -> Option<MergedRow> {
         let (receivers, los) = (count(site, "receivers"), count(site, "los"));
         Some(MergedRow {
@@ -132,7 +132,7 @@ impl MergedRow {
         })
     }
 
-    /// Adds what it sees in a tile.
+    /// Adds the UAV's counts in a tile.
     fn add(&mut self, part: MergedRow) {
         self.receivers += part.receivers;
         self.los += part.los;
@@ -144,7 +144,7 @@ impl MergedRow {
     }
 }
 
-/// What is read of a unit.
+/// Facts that are read of a unit.
 struct OfUnit {
     rows: Vec<MergedRow>,
     union: Tally,
@@ -164,18 +164,18 @@ impl OfUnit {
     }
 }
 
-/// What the units that were read so far come to.
+/// Sum of the units that were read so far.
 #[derive(Default)]
 struct Sum {
     rows: Vec<MergedRow>,
-    /// The row of each UAV, where tiles are the units.
+    /// Row of each UAV, if the units are tiles.
     place: HashMap<String, usize>,
     tiles: Option<Tiles>,
     last_written: u64,
 }
 
 impl Sum {
-    /// Nothing yet of tiles under some UAVs, of which some may have no tile in range.
+    /// Returns the sum of no tiles yet. Some of the UAVs may have no tile in range.
     fn of_tiles(cells_per_side: usize, sites: &[GivenSite]) -> Sum {
         let row = |given: &GivenSite| MergedRow {
             site: given.id.clone(),
@@ -215,9 +215,9 @@ impl Sum {
 }
 
 impl Jobs<'_> {
-    /// What all units come to.
+    /// Merges the results of all units.
     ///
-    /// Cost: a document is read of each.
+    /// Cost: one document is read for each unit.
     ///
     /// # Errors
     /// E116 for a part of the units; E603 unless all of them are done.
@@ -236,7 +236,7 @@ impl Jobs<'_> {
             Some(Part::Tile(first)) => Sum::of_tiles(first.cells_per_side, &self.units.uavs.sites),
             _ => Sum::default(),
         };
-        // What is read of many is no more than their rows.
+        // Units are read in groups, so that no more than their rows stays in memory.
         const AT_ONCE: usize = 1024;
         for parts in self.units.parts.chunks(AT_ONCE) {
             let found: Vec<OfUnit> = parts.par_iter().map(read).collect::<Result<_>>()?;
@@ -259,7 +259,7 @@ impl Jobs<'_> {
 }
 
 impl Merged {
-    /// The tiles that are rasters.
+    /// Returns the tiles that are rasters.
     fn rasters(&self, path: &Path) -> Result<&[MosaicTile]> {
         let rasters = self.tiles.as_ref().map_or(&[][..], |tiles| &tiles.rasters);
         if rasters.is_empty() {

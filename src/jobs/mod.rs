@@ -1,6 +1,8 @@
-//! Runs in units of work for schedulers: which units there are, which are done, and what all of them come to.
+//! Units of work of a map for schedulers: the list of units, their states, and their merged
+//! results.
 //!
-//! Nothing here runs a unit, and nothing is remembered: a unit is done if its files are there, and these say what they are.
+//! Nothing here runs a unit, and nothing is remembered. A unit is done if its files exist, and each
+//! file records the unit that it belongs to.
 
 mod forecast;
 mod merged;
@@ -21,51 +23,51 @@ use crate::progress::Progress;
 use crate::scene::Scene;
 use forecast::forecast;
 
-/// A map in units of work.
+/// Map in units of work.
 pub(crate) struct Jobs<'a> {
     job: &'a MapJob,
     runs: UnitRuns<'a>,
     units: Units,
 }
 
-/// A unit of work before it is run.
+/// Unit of work before it is run.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub(crate) struct PlannedUnit {
     /// Kind of document and its version.
     schema: &'static str,
-    /// What the unit is called: the name of its UAV, or `tile ROW,COL`.
+    /// Name of the unit: the name of its UAV, or `tile ROW,COL`.
     pub(crate) name: String,
     /// Hash of all that its files depend on.
     unit: String,
-    /// The word for `--shard` that runs this unit alone; null where a shard or a tile was asked for.
+    /// Value of `--shard` that runs this unit alone; null if a shard or a tile was requested.
     shard: Option<String>,
-    /// Its files.
+    /// Files of the unit.
     files: Vec<String>,
-    /// About how long it takes on one thread [s].
+    /// Estimated time on one thread [s].
     pub(crate) seconds: f64,
-    /// About how much memory it takes [bytes].
+    /// Estimated memory [bytes].
     memory_bytes: u64,
 }
 
 impl PlannedUnit {
-    /// The schema of its document.
+    /// Schema of its document.
     const SCHEMA: &'static str = "skyshed/jobs-plan/1";
 }
 
 impl<'a> Jobs<'a> {
-    /// The units of a map.
+    /// Returns the units of a map.
     ///
     /// # Errors
-    /// E116 if it has none; those of the scene and the UAVs.
+    /// E116 if it has none; errors of the scene and of the UAVs.
     pub(crate) fn of(job: &'a MapJob, scene: Option<Scene>, progress: &'a Progress) -> Result<Jobs<'a>> {
         let runs = UnitRuns::of(job, scene, (Purpose::Tell, progress))?.ok_or(RequestError::NoUnits)?;
         let units = runs.units()?.ok_or(RequestError::NoUnits)?;
         Ok(Jobs { job, runs, units })
     }
 
-    /// The units as lines of JSON, one after the other.
+    /// Returns the units as lines of JSON, one after the other.
     ///
-    /// Cost: that of their number.
+    /// Cost: proportional to their number.
     pub(crate) fn plan(&self) -> impl Iterator<Item = String> {
         self.planned().map(|(_, planned)| document_of(&planned).to_string())
     }
@@ -106,7 +108,7 @@ impl<'a> Jobs<'a> {
         Ok(())
     }
 
-    /// What documents say of the units.
+    /// Returns the facts about the run for documents.
     fn facts(&self, command: Vec<String>) -> RunFacts {
         RunFacts {
             command,

@@ -1,4 +1,5 @@
-//! Tiles as an item of a SpatioTemporal Asset Catalog, version 1.1.0, with the projection extension 2.0.0.
+//! Tiles as an item of a SpatioTemporal Asset Catalog, version 1.1.0, with the projection extension
+//! 2.0.0.
 
 use std::path::Path;
 
@@ -12,10 +13,11 @@ use crate::error::{RequestError, Result};
 use crate::export::{MosaicTile, Near};
 use crate::raster::{Crs, GeoRef};
 
-/// The item at `path` over tiles of a grid, written at `seconds` since 1970, with the document of all.
+/// Returns the item at `path` over the tiles of a grid. The last file was written at `seconds`
+/// since 1970; `document` describes the whole.
 ///
 /// # Errors
-/// E109 without a reference system; E310 if no way leads from it to degrees.
+/// E109 without a reference system; E310 if no transformation leads from it to degrees.
 pub(super) fn item(
     path: &Path,
     grid: &GeoRef,
@@ -67,26 +69,26 @@ pub(super) fn item(
     }))
 }
 
-/// A path as an address holds it.
+/// Returns a path as part of an address, percent-encoded.
 fn encoded(path: &str) -> String {
     let is_plain = |byte: &u8| byte.is_ascii_alphanumeric() || b"-._~/!$&'()*+,;=:@".contains(byte);
     let one = |byte: u8| if is_plain(&byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") };
     path.bytes().map(one).collect()
 }
 
-/// Columns and rows to the plane, row by row of an affine matrix.
+/// Returns the affine matrix from columns and rows to the plane, row by row.
 fn transform(grid: &GeoRef) -> [f64; 9] {
     [grid.cell_width(), 0.0, grid.x_min(), 0.0, -grid.cell_height(), grid.y_max(), 0.0, 0.0, 1.0]
 }
 
-/// The code of a system of a registry, `EPSG:25832`; null without one.
+/// Returns the code of a system of a registry, such as `EPSG:25832`; `None` without one.
 fn code_of(crs: &Crs) -> Option<String> {
     let label = crs.label();
     let code = label.split(|c: char| c == ',' || c.is_whitespace()).next()?;
     code.starts_with("EPSG:").then(|| code.to_string())
 }
 
-/// A time in UTC, as RFC 3339 writes it; null where the calendar ends.
+/// Returns a time in UTC as RFC 3339 writes it; `None` beyond the end of the calendar.
 fn time_words(seconds: u64) -> Option<String> {
     let time = DateTime::from_timestamp(i64::try_from(seconds).ok()?, 0)?;
     Some(time.to_rfc3339_opts(SecondsFormat::Secs, true))

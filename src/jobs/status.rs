@@ -1,4 +1,4 @@
-//! Which units of work are done.
+//! State of the units of work: done, missing or broken.
 
 use std::path::Path;
 
@@ -15,45 +15,45 @@ use crate::map::Found;
 use crate::picture::Look;
 use crate::quantity::counted;
 
-/// What became of the units so far.
+/// State of all units.
 #[derive(Debug)]
 pub(crate) struct Status {
     facts: RunFacts,
     n_units: usize,
-    /// Those without files, by name.
+    /// Names of units without files, or without some of them.
     missing: Vec<String>,
-    /// Those with files that are not theirs, or not whole: name and why.
+    /// Units with files that are not theirs, or not whole: name and reason.
     broken: Vec<(String, String)>,
-    /// What does those that are not done.
+    /// Kind of run that completes the open units.
     by: Restart,
 }
 
-/// Which units of work are done, missing and broken.
+/// Units of work that are done, missing and broken.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct StatusDocument {
     #[serde(flatten)]
     head: Head,
-    /// How many units there are.
+    /// Number of units.
     units: usize,
-    /// Units whose files are there.
+    /// Number of units whose files exist.
     done: usize,
-    /// Units whose files are not there, or not all of them, by name.
+    /// Names of units without files, or without some of them.
     missing: Vec<String>,
     /// Units with a file that another run made, or that is cut short or damaged.
     broken: Vec<BrokenUnit>,
 }
 
-/// A unit with a file that cannot stay.
+/// Unit with a file that cannot stay.
 #[derive(Debug, Serialize, JsonSchema)]
 struct BrokenUnit {
     /// Name of the unit.
     name: String,
-    /// What is wrong with it.
+    /// Reason why the file cannot stay.
     why: String,
 }
 
 impl Jobs<'_> {
-    /// Looks at the files of all units.
+    /// Returns the state of all units, read from their files.
     pub(crate) fn status(&self, command: Vec<String>) -> Status {
         let of_part = |part| {
             let unit = self.runs.unit(&self.units, part);
@@ -86,15 +86,15 @@ impl Jobs<'_> {
 }
 
 impl Status {
-    /// How many units are not done.
+    /// Returns the number of units that are not done.
     fn n_open(&self) -> usize {
         self.missing.len() + self.broken.len()
     }
 
-    /// Refuses units that are not done.
+    /// Refuses a run with units that are not done.
     ///
     /// # Errors
-    /// E603 that names the first of them.
+    /// E603, which names the first broken unit, or else the first missing one.
     pub(crate) fn check(&self) -> Result<()> {
         let broken = self.broken.first().map(|(name, why)| (name.as_str(), why.as_str()));
         let first = broken.or_else(|| self.missing.first().map(|name| (name.as_str(), "it has no files yet")));

@@ -1,4 +1,4 @@
-//! Maps of classes: which UAVs see a cell, and from which height it is seen.
+//! Maps of classes: the UAVs that see a cell, and the height from which it is seen.
 
 use crate::coverage::class;
 use crate::quantity::tidy;
@@ -6,16 +6,16 @@ use crate::render::{
     ALONE_COLORS, LEAST_HEIGHT_COLORS, MapClass, ONLY_COLORS, SURE_COLORS, capitalized, grouped, percent,
 };
 
-/// Up to so many UAVs have a color each.
+/// Largest number of UAVs that have a color each.
 pub(super) const MOST_COLORS: usize = ONLY_COLORS.len() - 2;
 
-/// What each cell is, with names and colors.
+/// Class of each cell, with names and colors.
 #[derive(Debug)]
 pub(super) struct ClassMap {
-    /// Which class, where the mask is a receiver.
+    /// Class, where the mask is a receiver.
     index: Vec<u8>,
     names: Vec<String>,
-    /// Shares and numbers of cells.
+    /// Share and number of cells of each class, in words.
     details: Vec<String>,
     colors: Vec<[u8; 3]>,
 }
@@ -31,12 +31,12 @@ impl ClassMap {
         ClassMap { index, names, details, colors }
     }
 
-    /// What a picture draws.
+    /// Returns the class of each cell.
     pub(super) fn index(&self) -> &[u8] {
         &self.index
     }
 
-    /// The classes for its legend.
+    /// Returns the classes for the legend.
     pub(super) fn palette(&self) -> Vec<MapClass<'_>> {
         let both = self.names.iter().zip(&self.details);
         both.zip(&self.colors).map(|((name, detail), color)| MapClass { name, detail, color: *color }).collect()
@@ -47,7 +47,7 @@ fn is_receiver(of_mask: u8) -> bool {
     matches!(of_mask, class::NLOS | class::LOS)
 }
 
-/// Which of a few UAVs, by their ids, sees a cell: none, only one of them, several.
+/// Classifies cells by the UAVs that see them: none, only one of a few, several.
 pub(super) fn who_sees(who: &str, sites: &[(&str, &[u8])], count: &[u32], union: &[u8]) -> ClassMap {
     let several = sites.len() + 1;
     let index = |cell: usize| match count[cell] {
@@ -63,7 +63,8 @@ pub(super) fn who_sees(who: &str, sites: &[(&str, &[u8])], count: &[u32], union:
     ClassMap::new(index, union, classes)
 }
 
-/// The nearest of a few UAVs that sees a cell, by its number from 1, or none.
+/// Classifies cells by the nearest UAV that sees them. `number` holds its number from 1, or 0 for
+/// none.
 pub(super) fn nearest(who: &str, ids: &[&str], number: &[u32], union: &[u8]) -> ClassMap {
     let index = number.iter().map(|number| u8::try_from(*number).unwrap_or(u8::MAX)).collect();
     let names =
@@ -71,7 +72,8 @@ pub(super) fn nearest(who: &str, ids: &[&str], number: &[u32], union: &[u8]) -> 
     ClassMap::new(index, union, names.zip(ONLY_COLORS).collect())
 }
 
-/// Who sees a cell, to one UAV of many: none, only others, this and others, only this one.
+/// Classifies cells for one UAV of many: seen by none, only by others, by it and others, only by
+/// it.
 pub(super) fn seen_alone(who: &str, mask: &[u8], count: &[u32], union: &[u8]) -> ClassMap {
     let index = |cell: usize| match (mask[cell] == class::LOS, count[cell]) {
         (_, 0) => 0,
@@ -85,10 +87,11 @@ pub(super) fn seen_alone(who: &str, mask: &[u8], count: &[u32], union: &[u8]) ->
     ClassMap::new((0..union.len()).map(index).collect(), union, classes)
 }
 
-/// Heights above ground that pilots and rules know \[m\].
+/// Heights above ground that pilots and rules use \[m\].
 const STEPS_M: [f64; 4] = [30.0, 60.0, 120.0, 240.0];
 
-/// From which height above `base_m`, the ground below the UAV's place or the datum, cells are seen, in classes.
+/// Classifies cells by the least height above `base_m` from which they are seen. `base_m` is the
+/// ground below the UAV's place, or the datum.
 pub(super) fn least_heights(least_m: &[f32], mask: &[u8], base_m: f64, above: &str) -> ClassMap {
     let index = |least: &f32| match f64::from(*least) - base_m {
         height if height < f64::INFINITY => STEPS_M.iter().position(|step| height <= *step).unwrap_or(STEPS_M.len()),
@@ -102,7 +105,8 @@ pub(super) fn least_heights(least_m: &[f32], mask: &[u8], base_m: f64, above: &s
     ClassMap::new(index, mask, names.into_iter().zip(LEAST_HEIGHT_COLORS).collect())
 }
 
-/// Who is in line of sight whatever heights of buildings are, and who may be.
+/// Classifies cells by line of sight under uncertain heights of buildings: surely hidden, surely in
+/// sight, or dependent on them.
 pub(super) fn what_is_sure(sure: &[f32], mask: &[u8]) -> ClassMap {
     let index = |value: &f32| match *value {
         value if value > 1.5 => 2,
@@ -128,7 +132,7 @@ mod tests {
         assert_eq!(map.index()[..4], [0, 1, 4, 3]);
         let names: Vec<&str> = map.palette().iter().map(|class| class.name).collect();
         assert_eq!(names, ["Seen by none", "Only by UAV a", "Only by UAV b", "Only by UAV c", "By several UAVs"]);
-        // Buildings are no share of anything.
+        // Cells of buildings count in no share.
         assert_eq!(map.palette()[1].detail, "25.0\u{202F}% · 1");
         assert_eq!(who_sees("UAV", &sites[..2], &COUNT, &UNION).palette()[3].name, "By both UAVs");
     }

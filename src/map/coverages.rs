@@ -1,4 +1,4 @@
-//! What UAVs see: the answer of a map.
+//! Answer of a map: the coverage of one UAV, or of many.
 
 use skyshed_request::Layer;
 
@@ -10,37 +10,37 @@ use crate::raster::GeoRef;
 use crate::scene::Scene;
 use skyshed_request::SaveOptions;
 
-/// What each of some UAVs sees of a scene, and all of them together.
+/// Coverage of a scene by each of some UAVs, and by all of them together.
 ///
-/// The masks of single UAVs are there if they were to be kept ([`crate::CoverageRequest::keep_masks`]).
+/// Masks of single UAVs exist if they were to be kept ([`crate::CoverageRequest::keep_masks`]).
 #[derive(Debug, Clone)]
 pub struct Coverages {
     pub(crate) scene: Scene,
     pub(crate) sites: Vec<SiteCoverage>,
-    /// All masks together: for more than one UAV and for none, and where a layer tells of that.
+    /// All masks together, unless there is one UAV whose layers do not need it.
     pub(crate) overlay: Option<Overlay>,
-    /// The layers that were asked for; pictures show the first.
+    /// Requested layers; pictures show the first.
     pub(crate) layers: Vec<Layer>,
     pub(crate) report: MapReport,
-    /// Why the method was chosen.
+    /// Reason for the choice of the method, in words.
     pub(crate) why: &'static str,
-    /// How the maps were made.
+    /// Options that the maps were made with.
     pub(crate) options: MapOptions,
 }
 
 impl Coverages {
-    /// Each UAV with its position, counts and zones, in the order in which they were given.
+    /// Returns each UAV with its position, counts and zones, in the order of the request.
     pub fn sites(&self) -> &[SiteFacts] {
         &self.report.sites
     }
 
-    /// The counts of what at least one UAV sees.
+    /// Returns the counts of the union: a receiver is in sight if at least one UAV sees it.
     pub fn union(&self) -> &Tally {
         &self.report.union
     }
 
-    /// How many UAVs see each cell: shape `[n_rows, n_cols]`, columns running fastest, row 0 north; 0 where there is no
-    /// receiver.
+    /// Returns the number of UAVs that see each cell; 0 where there is no receiver. The shape is
+    /// `[n_rows, n_cols]`, columns running fastest, row 0 north.
     pub fn count(&self) -> Vec<u32> {
         match (&self.overlay, self.sites.first()) {
             (Some(overlay), _) => overlay.count().to_vec(),
@@ -51,19 +51,21 @@ impl Coverages {
         }
     }
 
-    /// Returns the number of the nearest UAV that sees each cell, from 1 in the list of all, 0 where none does; `None` if
-    /// [`Layer::BestServer`] was not asked for. Shape as [`Coverages::count`].
+    /// Returns the number of the nearest UAV that sees each cell, from 1 in the list of all, 0 where
+    /// none does. Shape as [`Coverages::count`]; `None` without the layer [`Layer::BestServer`].
     pub fn best_server(&self) -> Option<&[u32]> {
         self.overlay.as_ref().and_then(Overlay::best_server)
     }
 
-    /// The mask of one UAV, if masks were kept: classes of [`crate::class`], shape as [`Coverages::count`].
+    /// Returns the mask of one UAV, if masks were kept: classes of [`crate::class`], shape as
+    /// [`Coverages::count`].
     pub fn mask(&self, site: usize) -> Option<&[u8]> {
         self.sites.get(site).map(|site| site.mask.as_slice()).filter(|mask| !mask.is_empty())
     }
 
-    /// A layer of heights of one UAV \[m\], NaN where there is no receiver; shape as [`Coverages::count`]. `None` if it was
-    /// not asked for, and for layers that hold no heights.
+    /// Returns the values of a layer of one UAV, NaN where there is no receiver; shape as
+    /// [`Coverages::count`]. Heights and margins are in \[m\]. `None` if the layer was not
+    /// requested, and for layers without values, such as `los`.
     pub fn layer(&self, site: usize, layer: Layer) -> Option<&[f32]> {
         let site = self.sites.get(site)?;
         match layer {
@@ -77,37 +79,39 @@ impl Coverages {
         }
     }
 
-    /// How many UAVs there are in the list of all, of which these are some.
+    /// Returns the number of UAVs in the whole list, of which these may be a part.
     pub(crate) fn n_uavs(&self) -> usize {
         self.overlay.as_ref().map_or(self.sites.len(), |overlay| overlay.n_uavs().max(self.sites.len()))
     }
 
-    /// What at least one UAV sees: classes of [`crate::class`], shape as [`Coverages::count`]; `None` without a UAV.
+    /// Returns the mask of the union: classes of [`crate::class`], shape as [`Coverages::count`].
+    /// `None` for a single UAV whose mask was not kept.
     pub fn union_mask(&self) -> Option<&[u8]> {
         self.overlay.as_ref().map(Overlay::union).or_else(|| self.mask(0))
     }
 
-    /// The cells: shape, extent, reference system.
+    /// Returns the grid of the cells: shape, extent, reference system.
     pub fn grid(&self) -> &GeoRef {
         self.scene.grid()
     }
 
-    /// What was odd.
+    /// Returns the warnings.
     pub fn warnings(&self) -> &[Warning] {
         &self.report.facts.warnings
     }
 
-    /// SHA-256 of the masks: equal for equal answers, whatever the machine, the engine and the number of threads.
+    /// Returns the SHA-256 of the masks. It is equal for equal answers, whatever the machine, the
+    /// engine and the number of threads.
     pub fn digest(&self) -> &str {
         &self.report.digest
     }
 
-    /// The document `skyshed/map/1`.
+    /// Returns the document `skyshed/map/1`.
     pub fn document(&self) -> serde_json::Value {
         self.report.document(Some(self.scene.timing.summed()))
     }
 
-    /// Margins of the receivers of the first UAV, of so many at most.
+    /// Returns margins of receivers of the first UAV, `most` of them at most.
     ///
     /// # Errors
     /// E118.
@@ -117,7 +121,7 @@ impl Coverages {
         Ok(mapper.seen_from(&site.uav)?.margin_sample(site, most))
     }
 
-    /// Whether a file of a format tells of each UAV cell by cell.
+    /// Returns `true` if a file of a format needs the mask of each UAV.
     pub(crate) fn needs_masks(format: Format, layers: &[Layer], options: &SaveOptions) -> bool {
         match format {
             Format::GeoTiff | Format::Exr | Format::AsciiGrid | Format::Bil | Format::Npz => {
@@ -130,7 +134,7 @@ impl Coverages {
     }
 }
 
-/// What one UAV sees of a scene.
+/// Coverage of a scene by one UAV.
 ///
 /// ```
 /// use skyshed::prelude::*;
@@ -138,7 +142,7 @@ impl Coverages {
 /// let city = Scene::options().size(150.0).open("itu:suburban")?;
 /// let uav = Uav::new(75.0, 75.0, Height::agl(60.0));
 /// let seen = city.coverage(uav).layers([Layer::Los, Layer::Margin]).run()?;
-/// // A margin is zero or more exactly where there is line of sight; zero means that the ray touches.
+/// // A margin is zero or more exactly where there is line of sight. At zero the ray touches.
 /// let margin = seen.layer(Layer::Margin).expect("it was asked for");
 /// assert!(seen.mask().iter().zip(margin).all(|(class, m)| (*class == 1) == (*m >= 0.0)));
 /// # Ok::<(), skyshed::Error>(())
@@ -147,55 +151,56 @@ impl Coverages {
 pub struct Coverage(pub(crate) Coverages);
 
 impl Coverage {
-    /// The share of receivers in line of sight; `None` without any receiver in range.
+    /// Returns the share of receivers in line of sight; `None` without any receiver in range.
     pub fn p_los(&self) -> Option<f64> {
         self.tally().p_los()
     }
 
-    /// How many receivers there are in range.
+    /// Returns the number of receivers in range.
     pub fn receivers(&self) -> u64 {
         self.tally().receivers
     }
 
-    /// Cells by class, receivers by elevation angle.
+    /// Returns the counts: cells by class, receivers by elevation angle.
     pub fn tally(&self) -> &Tally {
         &self.0.report.union
     }
 
-    /// The UAV: where it is and hovers over, counts by zone.
+    /// Returns the UAV: its position, the place below it, and counts by zone.
     pub fn site(&self) -> &SiteFacts {
         &self.0.report.sites[0]
     }
 
-    /// The answer for each cell: classes of [`crate::class`] (0 NLoS, 1 LoS, 2 no receiver, 3 out of range, 255 no data),
-    /// shape `[n_rows, n_cols]`, columns running fastest, row 0 north.
+    /// Returns the class of each cell, of [`crate::class`]: 0 NLoS, 1 LoS, 2 no receiver, 3 out of
+    /// range, 255 no data. The shape is `[n_rows, n_cols]`, columns running fastest, row 0 north.
     pub fn mask(&self) -> &[u8] {
         &self.0.sites[0].mask
     }
 
-    /// A layer of heights \[m\], NaN where there is no receiver; shape as [`Coverage::mask`]. `None` if it was not
-    /// asked for, and
-    /// for layers that hold no heights.
+    /// Returns the values of a layer, NaN where there is no receiver; shape as [`Coverage::mask`].
+    /// Heights and margins are in \[m\]. `None` if the layer was not requested, and for layers
+    /// without values, such as `los`.
     pub fn layer(&self, layer: Layer) -> Option<&[f32]> {
         self.0.layer(0, layer)
     }
 
-    /// The cells: shape, extent, reference system.
+    /// Returns the grid of the cells: shape, extent, reference system.
     pub fn grid(&self) -> &GeoRef {
         self.0.grid()
     }
 
-    /// What was odd.
+    /// Returns the warnings.
     pub fn warnings(&self) -> &[Warning] {
         self.0.warnings()
     }
 
-    /// SHA-256 of the mask: equal for equal answers, whatever the machine, the engine and the number of threads.
+    /// Returns the SHA-256 of the mask. It is equal for equal answers, whatever the machine, the
+    /// engine and the number of threads.
     pub fn digest(&self) -> &str {
         self.0.digest()
     }
 
-    /// The document `skyshed/map/1`.
+    /// Returns the document `skyshed/map/1`.
     pub fn document(&self) -> serde_json::Value {
         self.0.document()
     }

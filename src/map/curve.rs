@@ -23,13 +23,13 @@ use crate::words::{capitalized, unbreakable};
 /// Formats of a curve.
 const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json];
 
-/// Rows that a table has by default, roughly.
+/// Approximate number of rows of a table by default.
 const ROWS: f64 = 150.0;
 
-/// More heights than this are refused.
+/// Largest number of heights of a curve; more are refused.
 const MOST_HEIGHTS: f64 = 1e6;
 
-/// Bytes that a cell takes while a curve is made: least heights by row, and all of them sorted.
+/// Bytes per cell while a curve is made: least heights by row, and all of them sorted.
 const BYTES_PER_CELL: usize = 8;
 
 /// Files of curves, and the heights in them.
@@ -41,7 +41,8 @@ pub(crate) struct CurvePlan {
 }
 
 impl CurvePlan {
-    /// Checks what was asked before any work, and tells the files with their formats; `others` are the files of the map.
+    /// Checks the files and heights before any work, and returns the files with their formats.
+    /// `others` are the files of the map.
     pub(crate) fn checked(&self, others: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<Output>> {
         let outputs = check_outputs(&self.outputs, OutputRules { allowed: &FORMATS, bare: false, ..rules })?;
         // No file may be an output of both kinds.
@@ -51,12 +52,12 @@ impl CurvePlan {
         Ok(outputs)
     }
 
-    /// Whether there is anything to do.
+    /// Returns `true` if files of curves are requested.
     pub(crate) fn is_wanted(&self) -> bool {
         !self.outputs.is_empty()
     }
 
-    /// Bytes that a cell takes meanwhile.
+    /// Returns the bytes per cell that curves take while they are made.
     pub(crate) fn bytes_per_cell(&self) -> usize {
         if self.is_wanted() { BYTES_PER_CELL } else { 0 }
     }
@@ -68,10 +69,11 @@ impl CurvePlan {
 }
 
 impl Coverages {
-    /// P_LoS against the height of each UAV, at heights above the ground below it: from, to, step \[m\].
+    /// Returns P_LoS against the height of each UAV. `asked` holds heights above the ground below
+    /// it: from, to, step \[m\]. `None` chooses them.
     ///
     /// # Errors
-    /// E113; `Interrupted`.
+    /// E113; E116 for antennas that limit elevations; `Interrupted`.
     pub(crate) fn height_curves(&self, asked: Option<[f64; 3]>, progress: &Progress) -> Result<Curves> {
         check_heights(asked)?;
         let run = self.report.sight.antenna();
@@ -139,7 +141,7 @@ fn check_heights(asked: Option<[f64; 3]>) -> Result<()> {
     Ok(())
 }
 
-/// The curves of a run, ready for files.
+/// Curves of a run, ready for files.
 #[derive(Debug)]
 pub(crate) struct Curves {
     scene: Scene,
@@ -162,7 +164,7 @@ impl Answer for Curves {
         self.report.table()
     }
 
-    /// What is odd about the curves alone.
+    /// Returns the warnings about the curves alone.
     fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
@@ -185,13 +187,14 @@ impl Curves {
     }
 
     fn plot(&self, look: &Look, format: Format) -> Result<Vec<u8>> {
-        // One axis for all: above ground, unless a UAV is where no ground is known.
+        // All curves share one axis: above ground, or above the datum if the ground below any UAV
+        // is unknown.
         let is_agl = self.curves().all(|c| c.ground().is_some());
         let base = |curve: &HeightCurve| if is_agl { curve.ground().unwrap_or(0) } else { 0 };
         let above = |curve: &HeightCurve, z: i32| meters(z) - meters(base(curve));
         let asked = |curve: &HeightCurve| curve.uav().height_amsl_m() - meters(base(curve));
         let [from, to, _] = self.range;
-        // The range is above each UAV's ground; on a common datum it covers all of them.
+        // The range is above each UAV's ground; above a common datum it covers all of them.
         let shift = |curve: &HeightCurve| meters(curve.ground().unwrap_or(0)) - meters(base(curve));
         let low = self.curves().map(|c| (from + shift(c)).min(asked(c))).fold(f64::INFINITY, f64::min);
         let high = self.curves().map(|c| (to + shift(c)).max(asked(c))).fold(f64::NEG_INFINITY, f64::max);
@@ -226,17 +229,17 @@ impl Curves {
         written(render::draw_height_curve(&plot), &look.form(format), &provenance)
     }
 
-    /// What those are called who look.
+    /// Returns the noun for the sites.
     fn looked_at_by(&self) -> &'static str {
         self.report.sight.receivers().other_end()
     }
 
-    /// One of those who look, or something of them, at the beginning of a line.
+    /// Returns the noun for the sites and `what`, capitalized for the beginning of a line.
     fn name_of(&self, what: &str) -> String {
         capitalized(&format!("{} {what}", self.looked_at_by()))
     }
 
-    /// Whose height it is.
+    /// Returns the noun for the sites with its article, or its plural for several.
     fn whom(&self) -> String {
         match self.report.sites.len() {
             1 => self.report.sight.receivers().an_other_end().to_string(),
@@ -285,14 +288,15 @@ impl Curves {
             crs_words(self.scene.grid()),
             program()
         );
-        // The first line stands out, which none of several UAVs does.
+        // The first line is emphasized, which suits no single one of several UAVs.
         lines.insert(if self.report.sites.len() > 1 { 0 } else { lines.len() }, receivers);
         lines.extend(self.scene.last_lines(look));
         lines
     }
 }
 
-/// A height in words, rounded up to a centimeter: what is written must be high enough.
+/// Returns a height in words. It is rounded up to a centimeter, so that the written height is high
+/// enough.
 fn above_base(curve: &HeightCurve, height: i32) -> String {
     let centimeters = |m: f64| tidy((m * 100.0 - 1e-6).ceil() / 100.0);
     match curve.ground() {
@@ -301,7 +305,7 @@ fn above_base(curve: &HeightCurve, height: i32) -> String {
     }
 }
 
-/// How high half and nine tenths of the receivers want the UAV.
+/// Returns the least heights of the UAV for half and for nine tenths of the receivers, in words.
 fn reaches(curve: &HeightCurve) -> String {
     match (curve.least_height_reaching(50), curve.least_height_reaching(90)) {
         (Some(half), Some(most)) => {
@@ -314,11 +318,12 @@ fn reaches(curve: &HeightCurve) -> String {
     }
 }
 
-/// Heights above each UAV's ground for a table of round steps: from the lowest that a UAV may have to three times the
-/// highest UAV or obstacle, or to where nearly all receivers are seen.
+/// Returns the heights of a table above each UAV's ground by default, in round steps. They begin at
+/// the lowest height that a UAV may have. They end at three times the highest UAV or obstacle, or
+/// earlier if nearly all receivers are in sight there.
 fn default_range(curves: &[HeightCurve], max_top: i32) -> [f64; 3] {
     const SHORTEST_M: f64 = 10.0;
-    /// The share that is nearly all \[%\].
+    /// Share that is nearly all \[%\].
     const NEARLY_ALL: u8 = 99;
     let over = |z: i32, curve: &HeightCurve| meters(z) - meters(curve.ground().unwrap_or(0));
     let most = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::NEG_INFINITY, f64::max);
@@ -335,15 +340,15 @@ fn default_range(curves: &[HeightCurve], max_top: i32) -> [f64; 3] {
     [low, (high / step).ceil() * step, step]
 }
 
-/// The least of 1, 2 and 5 times powers of ten that is at least `wanted` (above 0).
+/// Returns the least of 1, 2 and 5 times powers of ten that is at least `wanted` (above 0).
 fn round_step(wanted: f64) -> f64 {
     let power = 10_f64.powf(wanted.log10().floor());
     [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter().find(|step| *step >= wanted).unwrap_or(wanted)
 }
 
-/// The heights from A to B in steps of S, both ends included.
+/// Returns the heights of a range in equal steps, both ends included.
 fn heights_in([from, to, step]: [f64; 3]) -> Vec<f64> {
-    // What is nearer to the end than a thousandth of a step is the end.
+    // A height within a thousandth of a step of the end counts as the end.
     let mut heights: Vec<f64> =
         (0..).map(|k| from + f64::from(k) * step).take_while(|h| *h < to - 1e-3 * step).collect();
     heights.push(to);

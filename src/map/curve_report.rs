@@ -1,4 +1,4 @@
-//! P_LoS against the UAV's height as reported: the document `skyshed/height-curve/1` and its table.
+//! Report of P_LoS against the UAV's height: the document `skyshed/height-curve/1` and its table.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -11,10 +11,10 @@ use crate::digest::Sha256;
 use crate::quantity::meters;
 use crate::sight::{SightFacts, SightPlan};
 
-/// Shares of receivers for which the document tells the least height \[%\].
+/// Shares of receivers for which the document holds the least height \[%\].
 const QUANTILES: [u8; 9] = [5, 10, 25, 50, 75, 90, 95, 99, 100];
 
-/// The curves of a run.
+/// Curves of a run.
 #[derive(Debug, Clone)]
 pub(crate) struct HeightCurveReport {
     pub(crate) facts: RunFacts,
@@ -23,12 +23,12 @@ pub(crate) struct HeightCurveReport {
     digest: String,
 }
 
-/// The curve of one UAV: the UAV with its counts at the height that was asked for, and the heights of the table.
+/// Curve of one UAV: the UAV with its counts at the requested height, and the heights of the table.
 #[derive(Debug, Clone)]
 pub(crate) struct CurveFacts {
     pub(crate) site: SiteFacts,
     pub(crate) curve: HeightCurve,
-    /// \[1/1024 m above the datum\]
+    /// Heights of the table \[1/1024 m above the datum\].
     pub(crate) heights: Vec<i32>,
 }
 
@@ -82,15 +82,15 @@ impl CurveFacts {
 }
 
 impl HeightCurveReport {
-    /// The curves of a map.
+    /// Returns the report of the curves of a map.
     pub(crate) fn of(map: &MapReport, sites: Vec<CurveFacts>) -> Self {
-        // Least heights have an engine of their own, whichever made the map.
+        // Least heights have their own engine, whichever engine made the map.
         let facts = RunFacts { method: sites.first().map(|site| site.curve.method()), ..map.facts.clone() };
         let digest = digest(&sites);
         HeightCurveReport { facts, sight: map.sight, sites, digest }
     }
 
-    /// The document; the same for equal runs.
+    /// Returns the document, which is the same for equal runs. `with_curves` adds the UAVs.
     pub(crate) fn document(&self, with_curves: bool) -> Value {
         document_of(&HeightCurveDocument {
             head: self.facts.head("skyshed/height-curve/1"),
@@ -101,7 +101,7 @@ impl HeightCurveReport {
         })
     }
 
-    /// The table: one row per site and height.
+    /// Returns the table: one row per site and height.
     pub(crate) fn table(&self) -> Rows {
         let of = |facts: &CurveFacts| {
             let row = |height: &i32| {
@@ -114,8 +114,9 @@ impl HeightCurveReport {
     }
 }
 
-/// SHA-256 of the curves: per site in order the number of its receivers (u64), then for each height at which receivers
-/// come into sight that height (i32, 1/1024 m above the datum) and the number in sight from there up (u64); little endian.
+/// Returns the SHA-256 of the curves, in little endian. For each site in order it covers the number
+/// of receivers (u64), then each step of the curve. A step is a height at which receivers come into
+/// sight (i32, 1/1024 m above the datum) and the number in sight from there up (u64).
 fn digest(sites: &[CurveFacts]) -> String {
     let mut hasher = Sha256::default();
     for CurveFacts { curve, .. } in sites {
@@ -135,16 +136,16 @@ pub(crate) struct HeightCurveDocument {
     head: Head,
     #[serde(flatten)]
     sight: SightFacts,
-    /// The UAVs; not in what is stored in pictures and beside tables.
+    /// UAVs; left out of the documents in pictures and beside tables.
     #[serde(skip_serializing_if = "Option::is_none")]
     sites: Option<Vec<CurveDocument>>,
-    /// What was odd.
+    /// Warnings.
     warnings: Vec<WarningFacts>,
     /// SHA-256 of the curves.
     digest: String,
 }
 
-/// The curve of a UAV, with its counts at the height that was asked for.
+/// Curve of a UAV, with its counts at the requested height.
 #[derive(Debug, Serialize, JsonSchema)]
 struct CurveDocument {
     #[serde(flatten)]
@@ -155,15 +156,15 @@ struct CurveDocument {
     lowest_height_agl_m: Option<f64>,
     /// Lowest height that the UAV may have above the datum [m].
     lowest_height_amsl_m: Option<f64>,
-    /// Receivers that no height sees.
+    /// Receivers that are in line of sight from no height.
     never_los: u64,
-    /// The least heights that reach some shares.
+    /// Least heights at which given shares of receivers are in line of sight.
     least_heights: Vec<QuantileDocument>,
-    /// The curve at the heights of the table.
+    /// Curve at the heights of the table.
     curve: Vec<PointDocument>,
 }
 
-/// A height of the UAV.
+/// Height of the UAV.
 #[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
 struct Heights {
     /// Above the ground below the UAV [m]; null where none is known.
@@ -172,35 +173,35 @@ struct Heights {
     height_amsl_m: Option<f64>,
 }
 
-/// The least height that reaches a share.
+/// Least height that reaches a share.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 struct QuantileDocument {
-    /// The share.
+    /// Share of the receivers.
     p_los: f64,
     #[serde(flatten)]
     heights: Heights,
-    /// Why no height reaches it.
+    /// Reason why no height reaches it.
     #[serde(skip_serializing_if = "Option::is_none")]
     reason: Option<&'static str>,
 }
 
-/// A height of a curve.
+/// Height of a curve.
 #[derive(Debug, Serialize, JsonSchema)]
 struct PointDocument {
     #[serde(flatten)]
     heights: Heights,
     /// Receivers in range.
     receivers: u64,
-    /// Those in line of sight; null where the UAV cannot be.
+    /// Receivers in line of sight; null at a height where the UAV cannot be.
     los: Option<u64>,
     /// Share of the receivers in line of sight.
     p_los: Option<f64>,
-    /// Why there is no share.
+    /// Reason why there is no share.
     #[serde(skip_serializing_if = "Option::is_none")]
     reason: Option<&'static str>,
 }
 
-/// A row of the table of curves.
+/// Row of the table of curves.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct CurveRow {
     /// Name of the UAV.
@@ -209,8 +210,8 @@ pub(crate) struct CurveRow {
     heights: Heights,
     /// Receivers in range.
     receivers: u64,
-    /// Those in line of sight; empty where the UAV cannot be.
+    /// Receivers in line of sight; empty at a height where the UAV cannot be.
     los: Option<u64>,
-    /// Share of the receivers in line of sight; empty where the UAV cannot be, and without a receiver.
+    /// Share of the receivers in line of sight; empty at such a height, and without a receiver.
     p_los: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! The picture of a map: layer, marks, title, caption.
+//! Picture of a map: layer, marks, title, caption.
 
 use skyshed_request::{Layer, Receivers};
 
@@ -16,37 +16,37 @@ use crate::raster::CellWindow;
 use crate::render::{self, MOST_MAP_PANELS, MOST_WITH_HEIGHTS, MapClass, MapPanel, MapPanels, MapPicture, Mark};
 use crate::words::{capitalized, unbreakable};
 
-/// A map to draw.
+/// Map to draw.
 pub(crate) struct MapDrawing<'a> {
     pub(crate) of: &'a Coverages,
     pub(crate) look: &'a Look,
-    /// The counts of the legend, where they are not those of what is drawn.
+    /// Counts of the legend, if they are not those of the drawn cells.
     pub(crate) counts: Option<Tally>,
-    /// What else must be said of the picture.
+    /// Further line of the caption.
     pub(crate) note: Option<String>,
 }
 
-/// What a picture shows.
+/// Subject of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Subject {
-    /// A layer of the one UAV.
+    /// A layer of the only UAV.
     One,
-    /// How many UAVs see a cell.
+    /// Number of UAVs that see a cell.
     Count,
-    /// Which of a few UAVs see a cell.
+    /// UAVs, of a few, that see a cell.
     Who,
-    /// Whether any UAV sees a cell.
+    /// Cells that any UAV sees.
     Any,
-    /// The nearest of a few UAVs that see a cell.
+    /// Nearest of a few UAVs that see a cell.
     Best,
     /// A layer of each UAV, side by side.
     Each,
 }
 
-/// A map before it is drawn.
+/// Map before it is drawn.
 enum Shown<'a> {
     Layer(render::Layer<'a>),
-    /// With the mask that says which cells are receivers.
+    /// Classes, with the mask that marks the receivers.
     Classes(ClassMap, &'a [u8]),
 }
 
@@ -66,16 +66,16 @@ impl Shown<'_> {
     }
 }
 
-/// Whether the picture of several UAVs shows each of them, so that their masks are kept.
+/// Returns `true` if the picture of several UAVs shows each of them, so that their masks are kept.
 pub(crate) fn draws_each(layers: &[Layer]) -> bool {
     !matches!(layers.first(), None | Some(Layer::Los | Layer::Count | Layer::Union | Layer::BestServer))
 }
 
 impl MapDrawing<'_> {
-    /// The picture as a file of a format.
+    /// Draws the picture as a file of a format.
     pub(crate) fn draw(&self, format: Format, provenance: &[(String, String)]) -> Result<Vec<u8>> {
         let grid = self.of.scene.field.grid();
-        // What is out of range is not drawn.
+        // Cells out of range are not drawn.
         let window = self.window_in_range();
         let n_cols = grid.n_cols();
         let union = self.classes(self.of.overlay.as_ref().map_or(&[], Overlay::union), window);
@@ -153,7 +153,7 @@ impl MapDrawing<'_> {
         written(render::draw_map(&picture), &form, provenance)
     }
 
-    /// What the maps show.
+    /// Returns the maps that the picture shows.
     fn shown<'b>(
         &self,
         subject: Subject,
@@ -180,7 +180,7 @@ impl MapDrawing<'_> {
         }
     }
 
-    /// What marks are called, in a crowd by their ids alone.
+    /// Returns the labels of the marks; in a crowd, ids alone.
     fn labels(&self, subject: Subject) -> Vec<String> {
         let is_crowd = subject != Subject::Each && self.of.sites.len() > MOST_WITH_HEIGHTS;
         let label = |s: &SiteFacts| {
@@ -189,7 +189,7 @@ impl MapDrawing<'_> {
         self.of.report.sites.iter().map(label).collect()
     }
 
-    /// The layer that is drawn: the first that was asked for.
+    /// Returns the drawn layer: the first one requested.
     fn drawn_layer(&self) -> Layer {
         self.of.layers.first().copied().unwrap_or(Layer::Los)
     }
@@ -210,23 +210,23 @@ impl MapDrawing<'_> {
         self.of.report.sight.receivers() == Receivers::Air
     }
 
-    /// Whether one who looks stands on the ground or a roof.
+    /// Returns `true` if a site is an observer, who stands on the ground or a roof.
     fn is_observer(&self, site: &SiteFacts) -> bool {
         let of = &self.of;
         of.report.sight.receivers().has_observer(&of.scene.field, (site.x, site.y), site.height_amsl_m)
     }
 
-    /// Whether all who look do.
+    /// Returns `true` if receivers are in the air and all sites are observers.
     fn are_observers(&self) -> bool {
         self.is_in_air() && self.of.report.sites.iter().all(|site| self.is_observer(site))
     }
 
-    /// What one who looks is called.
+    /// Returns the noun for a site.
     fn looks(&self, site: &SiteFacts) -> &'static str {
         if self.is_observer(site) { "observer" } else { "UAV" }
     }
 
-    /// What those are called who look.
+    /// Returns the noun for all sites.
     fn looked_at_by(&self) -> &'static str {
         if self.are_observers() { "observer" } else { "UAV" }
     }
@@ -266,7 +266,8 @@ impl MapDrawing<'_> {
         }
     }
 
-    /// The cells that may be in range of a UAV, with a border of a tenth; all of them without a radius.
+    /// Returns the cells that may be in range of a UAV, with a border of a tenth of the radius; all
+    /// cells without a radius.
     fn window_in_range(&self) -> CellWindow {
         let grid = self.of.scene.field.grid();
         let Some(radius) = self.of.report.sight.radius_on(grid).map(|r| r * 1.1) else {
@@ -276,7 +277,8 @@ impl MapDrawing<'_> {
         window_of(grid, self.of.report.sites.iter().map(around))
     }
 
-    /// The classes of a mask in a window, as they are drawn; of a map drawn smaller than it is, as they are counted.
+    /// Returns the classes of a mask in a window as they are drawn. A map that is drawn smaller
+    /// keeps the classes that were counted.
     fn classes(&self, mask: &[u8], window: CellWindow) -> Vec<u8> {
         let field = &self.of.scene.field;
         match self.counts {
@@ -285,7 +287,7 @@ impl MapDrawing<'_> {
         }
     }
 
-    /// The part of a coverage that a picture shows.
+    /// Returns the part of a coverage that the picture shows.
     fn cropped(&self, site: &SiteCoverage, window: CellWindow) -> SiteCoverage {
         let n_cols = self.of.scene.field.grid().n_cols();
         let part = |values: &Option<Vec<f32>>| values.as_ref().map(|v| crop(v, n_cols, window));
@@ -305,7 +307,7 @@ impl MapDrawing<'_> {
         }
     }
 
-    /// The layer of one UAV.
+    /// Returns the drawn layer of one UAV.
     fn shown_of<'b>(&self, site: &'b SiteCoverage, count: &[u32], union: &'b [u8]) -> Shown<'b> {
         let mask = &site.mask;
         let field = |values: &'b Option<Vec<f32>>, name| {
@@ -333,7 +335,7 @@ impl MapDrawing<'_> {
         wanted.unwrap_or(Shown::Layer(render::Layer::Los(mask)))
     }
 
-    /// The line below the title of a small map.
+    /// Returns the line below the title of a small map.
     fn detail(&self, site: &SiteFacts, palette: &[MapClass<'_>]) -> String {
         let p_los = site.tally.p_los().map_or("P_LoS undefined".to_string(), |p| format!("P_LoS = {p:.4}"));
         match (self.drawn_layer(), palette) {
@@ -345,7 +347,7 @@ impl MapDrawing<'_> {
         }
     }
 
-    /// What must be known to read the drawn layer.
+    /// Returns lines that explain the drawn layer.
     fn reading(&self, subject: Subject) -> Vec<String> {
         let n = self.of.sites.len();
         let mut lines = Vec::new();
@@ -386,7 +388,7 @@ impl MapDrawing<'_> {
             None => format!("P_LoS undefined: {}", t.reason()),
         };
         let mut lines: Vec<String> = Vec::new();
-        // The first line stands out, which none of several UAVs does.
+        // The first line is emphasized, which suits no single one of several UAVs.
         if self.of.report.sites.len() > 1 {
             lines.push(format!("Seen by at least one: {}", share(&self.of.report.union)));
         }
@@ -419,7 +421,7 @@ impl MapDrawing<'_> {
     }
 }
 
-/// The height that heights are told above \[m above the datum\], and what it is.
+/// Returns the level from which heights are counted \[m above the datum\], and its name.
 fn ground_below(uav: &Uav) -> (f64, &'static str) {
     uav.height_agl_m.map_or((0.0, "the datum"), |agl| (uav.height_amsl_m() - agl, "ground"))
 }

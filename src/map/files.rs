@@ -1,4 +1,4 @@
-//! What stands in each file of a map, format by format.
+//! Content of each file of a map, format by format.
 
 use std::path::{Path, PathBuf};
 
@@ -29,7 +29,7 @@ use crate::render::{self, PictureForm};
 use crate::words::{p_los_words, pretty};
 use skyshed_request::SaveOptions;
 
-/// Everything that outputs are made from.
+/// Inputs of all outputs of a map.
 pub(crate) struct Writer<'a> {
     pub(crate) of: &'a Coverages,
     pub(crate) options: &'a SaveOptions,
@@ -63,7 +63,7 @@ impl Answer for Writer<'_> {
                     tif_layout: self.options.forms.tif_layout.unwrap_or_default(),
                     mask_values: mask_values(self.options),
                 };
-                // Tiles hang on the ground that they show alone; the style of a mosaic is written beside it.
+                // Tiles get no style of their own: it is written beside their mosaic.
                 match self.of.report.tile {
                     Some(_) => add_map(batch, &result, path, format)?,
                     None => add_raster(batch, &result, path, format)?,
@@ -112,7 +112,8 @@ impl Writer<'_> {
         picture_provenance(&self.of.report.document(None))
     }
 
-    /// Pixels that are cells, with what places them on a map; several sites get a file each and one of the union.
+    /// Returns pictures of one pixel per cell, with their georeferencing. Several sites get a file
+    /// each, and one of all together.
     fn bare(&self, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
         let grid = self.of.scene.field.grid();
         let document = |report: &MapReport| report.document(None).to_string();
@@ -133,7 +134,8 @@ impl Writer<'_> {
             files.push((path.to_path_buf(), drawn(png)?));
             files.extend(beside(path, &all));
             for (site, facts) in self.of.sites.iter().zip(&self.of.report.sites) {
-                // Each file speaks of its own UAV, or a thousand files would each speak of a thousand.
+                // Each file documents its own UAV: a thousand files need not each list a thousand
+                // UAVs.
                 let own = document(
                     &self.of.report.of_site(facts, MaskDigest::of(grid, std::iter::once(site.mask.as_slice()))),
                 );
@@ -151,7 +153,7 @@ impl Writer<'_> {
         Ok(files)
     }
 
-    /// The polygons that were asked for.
+    /// Returns the requested polygons.
     fn polygons(&self) -> Result<Vec<CoveragePolygon>> {
         let grid = self.of.scene.field.grid();
         let Some(classes) = self.options.forms.polygons.map(PolygonClasses::classes) else {
@@ -165,7 +167,8 @@ impl Writer<'_> {
         Ok(coverage_polygons(&self.of.sites, grid, &options))
     }
 
-    /// Overlays for globes: line of sight of each UAV, and for several also of any, which alone is visible at first.
+    /// Returns overlays for globes: the line of sight of each UAV and, for several, of any of them.
+    /// Only the first overlay is visible at first.
     fn kmz(&self, path: &Path) -> Result<Vec<u8>> {
         let Some(degrees) = LonLatGrid::over(self.of.scene.field.grid())? else { return Err(no_crs(path)) };
         let who = self.of.report.sight.receivers().other_end();
@@ -179,7 +182,7 @@ impl Writer<'_> {
         let mut pictures = Vec::new();
         for (k, (name, mask, tally)) in shown.iter().enumerate() {
             let mask = degrees.resampled(mask, class::NODATA);
-            // Buildings are left to the globe.
+            // Cells without a receiver, such as buildings, are left to the globe.
             let mask: Vec<u8> = mask.iter().map(|c| if *c > class::LOS { class::NODATA } else { *c }).collect();
             let (n_cols, n_rows) = (degrees.georef().n_cols(), degrees.georef().n_rows());
             let png = drawn(render::draw_bare(n_cols, n_rows, &mask, &provenance))?;
@@ -208,7 +211,8 @@ impl Writer<'_> {
     }
 }
 
-/// The only output, if that is a plain GeoTIFF of line of sight: one that can be written while the mask is made.
+/// Returns the only output if it is a plain GeoTIFF of line of sight, which can be written while
+/// the mask is made.
 pub(crate) fn written_at_once<'a>(outputs: &'a [Output], layers: &[Layer], options: &SaveOptions) -> Option<&'a Path> {
     match (outputs, layers, options.forms.tif_layout) {
         ([(path, Format::GeoTiff)], [Layer::Los], Some(TiffLayout::Plain)) => Some(path),
@@ -216,8 +220,8 @@ pub(crate) fn written_at_once<'a>(outputs: &'a [Output], layers: &[Layer], optio
     }
 }
 
-/// A file that a mask is written to part by part. It is begun with the first part, so that until then an interrupt ends
-/// the program at once.
+/// File to which a mask is written part by part. It begins with the first part: until then, an
+/// interrupt ends the program at once.
 pub(crate) struct MaskFile<'a> {
     path: &'a Path,
     values: MaskValues,
@@ -229,7 +233,7 @@ impl<'a> MaskFile<'a> {
         MaskFile { path, values, strips: None }
     }
 
-    /// Writes some rows; stops the map after a failure or an interrupt.
+    /// Writes some rows. Stops the map after a failure or an interrupt.
     pub(crate) fn push(&mut self, batch: &mut Batch, grid: &GeoRef, cells: &[u8], progress: &Progress) {
         let strips = self.strips.get_or_insert_with(|| {
             (progress.begin_writing)();
@@ -245,7 +249,7 @@ impl<'a> MaskFile<'a> {
         }
     }
 
-    /// The file with all parts.
+    /// Returns the file with all parts; `None` if there was no part.
     pub(crate) fn written(self) -> Result<Option<MaskStrips>> {
         self.strips.transpose()
     }

@@ -1,4 +1,4 @@
-//! A map as a run of `skyshed map`: its plan and its outputs, and what is told when it is done.
+//! The job of `skyshed map`: its plan, its outputs, and the notes printed once it is done.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -23,70 +23,71 @@ use crate::scene::{Scene, SceneReader, is_raster_scene};
 use crate::uav::{UavsAsked, UavsFound};
 use crate::words::{capitalized, idle_in_words, p_los_words};
 
-/// Words of a unit of work: its UAV, or its tile.
+/// UAV or tile of a unit of work, as the unit's request and command name it.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct PartWords {
     pub(super) uav: Option<Position>,
     pub(super) tile: Option<TileIndex>,
 }
 
-/// A request of a map with all of its parts checked.
+/// Request of a map with all of its parts checked.
 #[derive(Debug, Clone)]
 pub(crate) struct MapJob {
-    /// The request as it was made.
+    /// The request; of a unit of work, the request narrowed to that unit.
     pub(crate) request: MapRequest,
-    /// The scene: a path, or the word for a generated city.
+    /// Scene: a path, or the word for a generated city.
     pub(crate) word: OsString,
-    /// The reader of the scene.
+    /// Reader of the scene.
     pub(crate) scene: SceneReader,
-    /// The files that the scene is read from.
+    /// The scene's word, then the other files that the scene is read from.
     pub(crate) inputs: Vec<PathBuf>,
     pub(crate) uavs: UavsAsked,
     pub(crate) plan: MapPlan,
     pub(crate) save: SaveOptions,
     pub(crate) outputs: Vec<PathBuf>,
     pub(crate) curve: CurvePlan,
-    /// Tiles of the ground that are units of work, where the names of files say that they are.
+    /// Requested tiles. They are units of work if file names hold `{row}` and `{col}`, or if single
+    /// tiles are named.
     pub(crate) tiles: TilesAsked,
-    /// The words of the command line, for documents.
+    /// Words of the command line, for documents.
     pub(crate) command: Vec<String>,
 }
 
-/// What a run is given that was read before.
+/// Inputs that a run receives from its caller instead of reading them.
 #[derive(Default)]
 pub(crate) struct Given<'a> {
-    /// The UAVs, instead of those that were asked for.
+    /// UAVs to map instead of the requested ones.
     pub(crate) uavs: Option<UavsFound>,
     pub(crate) scene: GivenScene<'a>,
-    /// The grid of which the scene may be a part.
+    /// Grid of the whole scene; the scene of this run may be a part of it.
     pub(crate) grid: Option<&'a GeoRef>,
-    /// The tile that is mapped, of a list of so many UAVs.
+    /// Tile to map, with the number of UAVs in the whole list.
     pub(crate) tile: Option<(&'a Tile, usize)>,
-    /// What the run is one of.
+    /// Hash of the unit of work that this run performs; `None` for a run that is no unit.
     pub(crate) unit: Option<String>,
 }
 
-/// A scene that was read before, or is still to be read.
+/// Scene of a run: in memory, on disk, or still to be read.
 #[derive(Default)]
 pub(crate) enum GivenScene<'a> {
-    /// Read it.
+    /// Not read yet: the run reads it.
     #[default]
     Asked,
     InMemory(Box<Scene>),
-    /// In tiles on disk, with what was said of it.
+    /// In tiles on disk, with the warnings of reading it.
     OnDisk(&'a StreamedSurface, Vec<Warning>),
 }
 
-/// A map whose files are written.
+/// Map whose files are written.
 #[derive(Debug)]
 pub(crate) struct Done {
     pub(crate) report: MapReport,
     pub(crate) timing: Timing,
-    /// Why the method was chosen.
+    /// Reason for the choice of the method, in words.
     pub(crate) why: &'static str,
     pub(crate) curves: Option<Curves>,
     pub(crate) written: Vec<PathBuf>,
-    /// All that was odd.
+    /// All warnings: those of the map, then those of the curves.
     pub(crate) warnings: Vec<Warning>,
 }
 
@@ -104,7 +105,7 @@ impl Done {
     }
 }
 
-/// What is told of a map whose files are there.
+/// Document, table and notes of a map whose files are written already: `add` writes nothing.
 impl Answer for Done {
     fn document(&self, _: Option<Spent>) -> serde_json::Value {
         self.report.document(self.report.timing(self.timing))
@@ -168,7 +169,8 @@ impl MapJob {
         };
         let uavs = UavsAsked { shard: request.units.shard, ..UavsAsked::some_of(&request.uavs, options.hash)? };
         let plan = MapPlan::of(&request.coverage)?;
-        // Files of the curve are pictures, too. Names that are no files are refused later.
+        // Curve files count as pictures too; bare .png files do not. Names without a known format
+        // are refused later.
         let is_bare = |path: &&PathBuf| request.forms.bare && Format::of(path).is_ok_and(|f| f == Format::Png);
         let files = outputs.iter().filter(|path| !is_bare(path)).chain(&curve.outputs);
         let files: Vec<Output> = files.filter_map(|path| Some((path.clone(), Format::of(path).ok()?))).collect();
@@ -190,7 +192,7 @@ impl MapJob {
         Ok(job)
     }
 
-    /// Refuses options of strips and tiles without any.
+    /// Refuses options of strips where the scene allows none, and options of tiles without tiles.
     fn check_units(&self) -> Result<()> {
         let (memory, units) = (&self.request.memory, &self.request.units);
         if !is_raster_scene(&self.word) || self.scene.options.project.is_some() {
@@ -208,7 +210,7 @@ impl MapJob {
         Ok(())
     }
 
-    /// Returns `true` if counts are printed beside the files.
+    /// Returns `true` if counts are printed: with `--json`, or if no file is written.
     pub(super) fn is_told(&self) -> bool {
         self.request.out.files.json || self.outputs.is_empty() && self.curve.outputs.is_empty()
     }
@@ -218,10 +220,10 @@ impl MapJob {
         Value::Object(json::set_members(&self.request.question()))
     }
 
-    /// Returns this job of one UAV or of one tile, with files that have names of their own.
+    /// Returns the job of one UAV or of one tile; `files` gives its outputs names of their own.
     ///
-    /// Its request and its command name no table and no batch. The command has the flags of the question in the order of their
-    /// names, then the antenna, then the UAV or the tile.
+    /// Its request and its command hold no table and no batch. The command lists the flags of the
+    /// question sorted by name, then the antenna, then the UAV or the tile.
     pub(super) fn of_part(
         &self,
         files: impl Fn(&[PathBuf]) -> Vec<PathBuf>,
@@ -248,25 +250,29 @@ impl MapJob {
         MapJob { request, outputs: files(&self.outputs), curve, command, ..self.clone() }
     }
 
-    /// Whether no more of the scene is read than the part that is mapped: so it is of rasters in their own system, with a radius.
+    /// Returns `true` if only the part of the scene in range is read: of a raster in its own
+    /// system, with a radius and without zones.
     pub(super) fn reads_range_alone(&self) -> bool {
         let is_limited = self.plan.sight.radius_m().is_some() && !self.plan.needs_zones();
         is_limited && is_raster_scene(&self.word) && self.scene.options.project.is_none()
     }
 
-    /// This job over the part of a raster in range of some UAVs.
+    /// Returns this job over the part of a raster in range of some UAVs.
     pub(super) fn of_range(&self, sites: &[GivenSite], grid: &GeoRef) -> MapJob {
         let around = self.plan.sight.box_in_range(sites, grid);
         MapJob { scene: SceneReader { around, ..self.scene.clone() }, ..self.clone() }
     }
 
-    /// How the scene is read: of footprints with an extent and a radius those alone that a link can meet.
+    /// Returns the reader of the scene, with a limit on the footprints that are read.
+    ///
+    /// The limit keeps all footprints that a link can meet. It applies to a scene with an extent, a
+    /// radius and no zones, if every UAV is typed and no farther from the extent than the radius.
     pub(super) fn scene_in_reach(&self) -> SceneReader {
         let (radius_m, extent) = (self.plan.sight.radius_m(), self.scene.options.extent);
         let is_near = |site: &Site, [west, south, east, north]: [f64; 4], reach: f64| {
             (west - reach..=east + reach).contains(&site.x) && (south - reach..=north + reach).contains(&site.y)
         };
-        // What a UAV hovers over far away is asked for, too; those of a table are not read yet.
+        // The surface below a distant UAV is needed too. UAVs of a table are not read yet.
         let knows_uavs = self.uavs.table.is_none();
         let reach_m = radius_m.zip(extent).filter(|(reach, extent)| {
             knows_uavs && !self.plan.needs_zones() && self.uavs.typed.iter().all(|site| is_near(site, *extent, *reach))
@@ -274,7 +280,7 @@ impl MapJob {
         SceneReader { reach_m: reach_m.map(|(reach_m, _)| reach_m), ..self.scene.clone() }
     }
 
-    /// What a map of one UAV takes for each cell, beside what is read.
+    /// Returns the bytes per cell that a map of one UAV takes beside the scene.
     pub(crate) fn bytes_per_cell(&self) -> usize {
         let format = |path: &PathBuf| Some((path.clone(), Format::of(path).ok()?));
         let outputs: Vec<Output> = self.outputs.iter().filter_map(format).collect();
@@ -282,26 +288,27 @@ impl MapJob {
         1 + 12 * n_measures + encoding_bytes_per_cell(&outputs, &self.plan.layers, 1)
     }
 
-    /// The path of a scene that is a file.
+    /// Returns the path of a scene that is a file.
     pub(super) fn path(&self) -> &Path {
         Path::new(&self.word)
     }
 }
 
-/// What the largest of the outputs takes for each cell while it is made, of maps of `n_sites` UAVs.
+/// Returns the bytes per cell that the largest output takes while it is made, for maps of `n_sites`
+/// UAVs.
 pub(super) fn encoding_bytes_per_cell(outputs: &[Output], layers: &[Layer], n_sites: usize) -> usize {
-    /// Of a picture: heights, relief, colors.
+    /// Bytes of a picture: heights, relief, colors.
     const PICTURE: usize = 9;
-    /// Of a layer that holds all UAVs together.
+    /// Bytes of a layer that holds all UAVs together.
     const OF_ALL: usize = 8;
     let n_measures = layers.iter().filter(|layer| layer.is_measure()).count();
     let n_of_all = layers.iter().filter(|layer| layer.is_of_all()).count();
     let n_sites = if layers.len() == n_of_all { 0 } else { n_sites };
     let of_format = |format: Format| match format {
         Format::Png | Format::Svg | Format::Pdf | Format::Kmz => PICTURE,
-        // Masks as numbers of 4 bytes; measures are numbers already.
+        // Masks become numbers of 4 bytes; measures are numbers already.
         Format::Exr => n_sites.saturating_mul(4).saturating_add(OF_ALL * n_of_all),
-        // All in one array for each layer.
+        // One array for each layer holds all UAVs.
         Format::Npz => n_sites.saturating_mul(1 + 4 * n_measures).saturating_add(OF_ALL * n_of_all),
         Format::AsciiGrid | Format::Bil => 4,
         Format::GeoTiff => OF_ALL * n_of_all,

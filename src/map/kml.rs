@@ -10,22 +10,23 @@ use crate::quantity::tidy;
 use crate::raster::GeoRef;
 use crate::words::{capitalized, p_los_words};
 
-/// A picture laid over the ground.
+/// Picture laid over the ground.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct KmlOverlay {
-    /// What it shows.
+    /// Name, which says what the picture shows.
     pub(super) name: String,
-    /// Its file within the archive.
+    /// File of the picture within the archive.
     pub(super) file: String,
-    /// Whether it is shown when the file is opened.
+    /// `true` if the overlay is visible when the file is opened.
     pub(super) is_visible: bool,
 }
 
-/// How opaque an overlay is, in hexadecimal: 80 %, so that the streets below can be read.
+/// Opacity of an overlay in hexadecimal: 80 %, so that the streets below stay readable.
 const OPACITY: &str = "cc";
 
-/// The document: overlays over the extent of `degrees`, the UAVs of the map at their heights above the datum (which globes
-/// take for the sea level), the picture `legend` in the corner, and the provenance.
+/// Returns the document: overlays over the extent of `degrees`, the UAVs of the map, the picture
+/// `legend` in the corner, and the provenance. UAVs hover at their heights above the ground. If
+/// that is unknown, the height is above the datum, which globes take for sea level.
 ///
 /// # Errors
 /// E310 if a UAV is outside the domain of the projection.
@@ -47,7 +48,7 @@ pub(super) fn kml(report: &MapReport, degrees: &LonLatGrid, overlays: &[KmlOverl
     for site in &report.sites {
         let (lon, lat) = degrees.degrees((site.x, site.y))?;
         let share = p_los_words(site.tally.p_los());
-        // A globe has a ground of its own, which a scene over flat ground at 0 m knows nothing of.
+        // A globe has terrain of its own, unlike a scene over flat ground at 0 m.
         let (height, mode, above) = match site.height_agl_m {
             Some(agl) => (agl, "relativeToGround", "ground"),
             None => (site.height_amsl_m, "absolute", "the datum"),

@@ -1,4 +1,4 @@
-//! Coverage maps: what is asked, the map, and the files it is written to.
+//! Coverage maps: requests, plans, maps in memory, and the files that they are written to.
 
 mod classes;
 mod coverages;
@@ -39,7 +39,7 @@ pub(crate) use units::{Found, Part, SITE, Unit};
 
 use crate::export::Format;
 
-/// Formats that a map can be written in.
+/// Formats of the files of a map.
 pub(crate) const FORMATS: [Format; 14] = [
     Format::Png,
     Format::Svg,

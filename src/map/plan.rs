@@ -1,4 +1,4 @@
-//! What the program asks of a map with all defaults filled in, and the map made in memory.
+//! Plan of a map with all defaults filled in, and the map made from it in memory.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -25,37 +25,37 @@ use crate::sight::{SightPlan, warn_of_no_p_los};
 use crate::uav::UavsFound;
 use crate::zones::ZoneMap;
 
-/// What is asked of a map, with all defaults filled in.
+/// Question of a map, with all defaults filled in.
 #[derive(Debug, Clone)]
 pub(crate) struct MapPlan {
-    /// For whom it is.
+    /// Receivers, range, antenna, earth and method.
     pub(crate) sight: SightPlan,
     pub(crate) layers: Vec<Layer>,
-    /// How far heights may be off.
+    /// Errors of heights.
     pub(crate) heights: HeightErrorsPlan,
-    /// How far P_LoS may be off.
+    /// Largest error of P_LoS, if a tolerance was given.
     pub(crate) tolerance: Option<f64>,
-    /// Whether counts are told by zone.
+    /// `true` if counts are reported by zone.
     pub(crate) tells_zones: bool,
 }
 
-/// What the scene of a run is a part of.
+/// Whole that the scene of a run is a part of.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PartOf<'a> {
-    /// The grid of the whole.
+    /// Grid of the whole.
     pub(crate) whole: Option<&'a GeoRef>,
-    /// The tile of it that is mapped, of a list of so many UAVs.
+    /// Tile of the whole to map, with the number of UAVs in the whole list.
     pub(crate) tile: Option<(&'a Tile, usize)>,
 }
 
-/// How much of a run of many UAVs is held, beside the counts.
+/// Masks that a run of many UAVs keeps, beside the counts.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Held {
-    /// Whether each mask is kept.
+    /// `true` if each mask is kept.
     pub(crate) keeps_masks: bool,
-    /// Whether the only mask is handed over while it is made, and not kept.
+    /// `true` if the only mask is handed over while it is made, and not kept.
     pub(crate) is_handed_over: bool,
-    /// Bytes that what is made of the masks takes for each cell.
+    /// Bytes per cell of the outputs that are made of the masks.
     pub(crate) bytes_per_cell: usize,
 }
 
@@ -71,7 +71,7 @@ impl MapPlan {
         Ok(MapPlan { sight, heights, layers: map.wanted_layers(), tolerance: map.tolerance, tells_zones: map.zones })
     }
 
-    /// The layers that are made for each UAV beside its mask.
+    /// Returns the layers that are made for each UAV beside its mask.
     pub(crate) fn height_layers(&self) -> HeightLayers {
         HeightLayers {
             margin: self.layers.contains(&Layer::Margin),
@@ -83,7 +83,7 @@ impl MapPlan {
         }
     }
 
-    /// What is made of the masks of all UAVs.
+    /// Returns the sums that are made of the masks of all UAVs.
     fn together(&self, of_list: Option<(Vec<usize>, usize)>) -> Together {
         Together {
             which: self.layers.contains(&Layer::Which),
@@ -93,17 +93,18 @@ impl MapPlan {
         }
     }
 
-    /// What all masks laid over each other take for each cell, of a list of so many UAVs.
+    /// Returns the bytes per cell of the overlay of all masks, for a list of `n_uavs` UAVs.
     pub(crate) fn overlay_bytes_per_cell(&self, n_uavs: usize) -> usize {
         overlay_bytes_per_cell(&self.layers, n_uavs)
     }
 
-    /// Whether the zones of the scene are found, of which a part does not know all.
+    /// Returns `true` if the zones of the scene are needed. A part of a scene does not know all of
+    /// them.
     pub(super) fn needs_zones(&self) -> bool {
         self.tells_zones || self.sight.receivers().zone().is_some()
     }
 
-    /// Checks the numbers, before any work.
+    /// Checks the tolerance, before any work.
     ///
     /// # Errors
     /// E113, E116.
@@ -111,10 +112,12 @@ impl MapPlan {
         check_tolerance(self.tolerance, self.sight.method())
     }
 
-    /// Makes all ready but the engine: of a raster with a radius the part in range. `whole` is the grid that the scene is a part of.
+    /// Prepares all but the engine. A raster with a radius is cut to the part in range. `part`
+    /// names the whole that the scene is a part of.
     ///
     /// # Errors
-    /// E2xx for UAVs that cannot be there; E113, E116, E117 for what cannot be asked; those of a tolerance.
+    /// E2xx for UAVs that cannot be there; E113, E116, E117 for impossible requests; errors of a
+    /// tolerance.
     pub(crate) fn prepare(mut self, mut scene: Scene, found: &UavsFound, part: PartOf<'_>) -> Result<Prepared> {
         self.check()?;
         self.heights = self.heights.over(&scene.field);
@@ -133,7 +136,8 @@ impl MapPlan {
             Some(tolerance) => Some(simplify(&mut scene, &mut uavs, &self.sight, tolerance)?),
             None => None,
         };
-        // Zones cost as much as a map: they are found where they are told, or hold the receivers.
+        // Zones cost as much as a map: they are found only if they are reported or hold the
+        // receivers.
         let zones = if self.needs_zones() { scene.zones() } else { None };
         let options = self.sight.options(scene.grid(), zones.as_deref());
         let window = part.tile.and_then(|(tile, _)| scene.grid().window_of(&whole.part(tile.window)));
@@ -145,7 +149,7 @@ impl MapPlan {
     }
 }
 
-/// What all masks laid over each other take for each cell, of layers over a list of so many UAVs.
+/// Returns the bytes per cell of the overlay of all masks, for layers over a list of `n_uavs` UAVs.
 fn overlay_bytes_per_cell(layers: &[Layer], n_uavs: usize) -> usize {
     const UNION_AND_COUNT: usize = 5;
     const BEST_SERVER: usize = 12;
@@ -158,27 +162,29 @@ fn overlay_bytes_per_cell(layers: &[Layer], n_uavs: usize) -> usize {
     if n_uavs > 1 || of_layers > 0 { UNION_AND_COUNT + of_layers } else { 0 }
 }
 
-/// Least heights of receivers on the ground and on roofs, while a map is made.
+/// Bytes per cell of the least heights of receivers on the ground and on roofs, while a map is
+/// made.
 pub(super) const LEAST_HEIGHTS_BYTES_PER_CELL: usize = 16;
 
-/// A map that is ready to be made.
+/// Map that is ready to be made.
 #[derive(Debug)]
 pub(crate) struct Prepared {
     plan: MapPlan,
     pub(crate) scene: Scene,
     uavs: Vec<Uav>,
-    /// Longitudes and latitudes of the UAVs that were given by these.
+    /// Longitude and latitude of each UAV whose position was given by these.
     lonlats: Vec<Option<[f64; 2]>>,
     zones: Option<Arc<ZoneMap>>,
     options: MapOptions,
     tolerance: Option<ToleranceFacts>,
-    /// The tile that is mapped, of a list of so many UAVs.
+    /// Tile to map, with the number of UAVs in the whole list.
     tile: Option<(Tile, usize)>,
     began: Instant,
 }
 
 impl Prepared {
-    /// Counts receivers of each UAV, and those of them in line of sight: nothing else of its tally. No mask is made.
+    /// Counts the receivers of each UAV and the ones in line of sight, without a mask. All other
+    /// counts of a tally stay 0.
     ///
     /// # Errors
     /// E118 if the method cannot decide the scene; `Interrupted`.
@@ -198,11 +204,12 @@ impl Prepared {
         counts
     }
 
-    /// Makes the map: `each_part` is given one part of the masks after another, in the order of the UAVs and from the north,
-    /// and `each` every map once its mask is complete.
+    /// Makes the map. `each_part` receives the parts of the masks in the order of the UAVs and from
+    /// the north. `each` receives every map once its mask is complete.
     ///
     /// # Errors
-    /// E118 if the method cannot decide the scene; E501 if the map does not fit in memory; `Interrupted`.
+    /// E118 if the method cannot decide the scene; E501 if the map does not fit in memory;
+    /// `Interrupted`.
     pub(crate) fn run(
         self,
         held: Held,
@@ -215,7 +222,7 @@ impl Prepared {
         let (keep, n_held) = match held {
             Held { is_handed_over: true, .. } => (KeepMasks::Never, 0),
             Held { keeps_masks: true, .. } => (KeepMasks::Always, uavs.len()),
-            // For counts masks are laid over each other and dropped.
+            // For counts, masks are added to the overlay and dropped.
             _ => (KeepMasks::UntilTold, uavs.len().min(maps_at_once())),
         };
         let bytes_per_cell = n_held
@@ -259,7 +266,7 @@ impl Prepared {
         if let Some(window) = options.window.take() {
             scene.show(window);
         }
-        // Of a tile that is no wonder.
+        // A tile without P_LoS is no surprise.
         if tile.is_none() {
             let tallies = sites.iter().map(|site| (site.uav.id.as_str(), &site.tally));
             warn_of_no_p_los("UAV", tallies, &mut scene.warnings);

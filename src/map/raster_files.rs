@@ -9,10 +9,11 @@ use crate::error::Result;
 use crate::export::{Batch, Format, MapResult, MaskValues, add_map, n_bands};
 use crate::render::{FirstBand, qgis_style};
 
-/// Adds a raster file of a map to a batch, and beside a GeoTIFF that is more than one band of classes a style for QGIS.
+/// Adds a raster file of a map to a batch. A GeoTIFF of classes gets a style for QGIS beside it, if
+/// [`style_of`] returns one.
 ///
 /// # Errors
-/// Those of [`add_map`].
+/// Errors of [`add_map`].
 pub(crate) fn add_raster(batch: &mut Batch, result: &MapResult<'_>, path: &Path, format: Format) -> Result<()> {
     add_map(batch, result, path, format)?;
     let is_styled = format == Format::GeoTiff && result.mask_values == MaskValues::Classes;
@@ -23,8 +24,9 @@ pub(crate) fn add_raster(batch: &mut Batch, result: &MapResult<'_>, path: &Path,
     }
 }
 
-/// Returns the style for a raster of layers of so many UAVs, of which `sites` are the first; `None` where none is needed (one band of
-/// classes has its colors in the file) or none is known.
+/// Returns the style for a raster of layers of `n_uavs` UAVs, of which `sites` are the first.
+///
+/// `None` if no style is known, or none is needed: one band of classes has its colors in the file.
 pub(crate) fn style_of(layers: &[Layer], n_uavs: usize, sites: &[SiteCoverage]) -> Option<String> {
     let n = u32::try_from(n_uavs).unwrap_or(u32::MAX);
     let first = layers.first()?;

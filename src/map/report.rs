@@ -1,4 +1,4 @@
-//! A map as reported: the document `skyshed/map/1` and its features.
+//! Report of a map: the document `skyshed/map/1` and its features.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -19,7 +19,7 @@ use crate::raster::GeoRef;
 use crate::sight::{AntennaFacts, SightFacts, SightPlan};
 use crate::zones::{N_CODES, Zone, ZoneMap};
 
-/// One UAV of a map: where it is, what it hovers over, and what it sees.
+/// UAV of a map: its position, the place below it, and its counts.
 #[derive(Debug, Clone)]
 pub struct SiteFacts {
     /// Name.
@@ -28,24 +28,24 @@ pub struct SiteFacts {
     pub x: f64,
     /// North \[CRS units\].
     pub y: f64,
-    /// Longitude and latitude \[deg\], if it was given by these.
+    /// Longitude and latitude \[deg\], if its position was given by these.
     pub lonlat: Option<[f64; 2]>,
     /// Height above the datum \[m\].
     pub height_amsl_m: f64,
     /// Height above the ground \[m\], if one is known there.
     pub height_agl_m: Option<f64>,
-    /// Its own antenna.
+    /// Antenna of its own.
     pub antenna: Antenna,
-    /// What it hovers over: a zone where zones are known, else `ground` or `rooftop`.
+    /// Place below it: a zone where zones are known, else `ground`, `rooftop` or `nodata`.
     pub placement: &'static str,
     /// Counts.
     pub tally: Tally,
-    /// Counts by zone of the receivers, in the order of [`Zone::ALL`]; `None` where zones were not asked for or no building
-    /// is known.
+    /// Counts by zone of the receivers, in the order of [`Zone::ALL`]. `None` if zones were not
+    /// requested, or no building is known.
     pub zones: Option<[Tally; 4]>,
-    /// What each move by one lattice step turns, where that was asked for.
+    /// Receivers that each move by one lattice step turns, if that was requested.
     pub(crate) stability: Option<StabilityFacts>,
-    /// What hangs on the heights of buildings, where they may be off.
+    /// Dependence on the heights of buildings, if these may be off.
     pub(crate) uncertain: Option<UncertainFacts>,
 }
 
@@ -54,7 +54,7 @@ impl SiteFacts {
         Position { x: self.x, y: self.y, lonlat: self.lonlat }
     }
 
-    /// The facts of a coverage, by zone if zones are known.
+    /// Returns the facts of a coverage, by zone if zones are known.
     pub(crate) fn of(site: &SiteCoverage, zones: Option<&ZoneMap>) -> Self {
         let place = &site.uav.station.place;
         let is_building = site.uav.placement == HoversOver::Rooftop;
@@ -78,7 +78,7 @@ impl SiteFacts {
         }
     }
 
-    /// The height in words.
+    /// Returns the height in words.
     pub(crate) fn height_words(&self) -> String {
         crate::words::height_words(self.height_agl_m, self.height_amsl_m)
     }
@@ -112,42 +112,43 @@ impl SiteFacts {
     }
 }
 
-/// The counts of a mask by zone, in the order of [`Zone::ALL`].
+/// Returns the counts of a mask by zone, in the order of [`Zone::ALL`].
 pub(crate) fn zone_tallies(zones: &ZoneMap, mask: &[u8]) -> [Tally; 4] {
     let of_codes: [Tally; N_CODES] = Tally::by_group(mask, zones.codes());
     Zone::ALL.map(|zone| of_codes[usize::from(zone.code())])
 }
 
-/// A map as reported.
+/// Report of a map.
 #[derive(Debug, Clone)]
 pub(crate) struct MapReport {
     pub(crate) facts: RunFacts,
-    /// For whom the map is.
+    /// Receivers, range, antenna, earth and method.
     pub(crate) sight: SightPlan,
-    /// How far heights may be off.
+    /// Errors of heights.
     pub(crate) heights: HeightErrorsPlan,
     /// The UAVs.
     pub(crate) sites: Vec<SiteFacts>,
-    /// All UAVs together.
+    /// Counts of all UAVs together.
     pub(crate) union: Tally,
-    /// All UAVs together, by zone as those of a site.
+    /// Counts of all UAVs together by zone, in the order of [`Zone::ALL`].
     pub(crate) union_zones: Option<[Tally; 4]>,
     /// Footprints that were dropped before work started, in a scene of footprints.
     pub(crate) idle: Option<IdleFootprints>,
-    /// What a tolerance led to, where one was given.
+    /// Result of a tolerance, if one was given.
     pub(crate) tolerance: Option<ToleranceFacts>,
-    /// Which tile of the ground it is, if it is one.
+    /// Tile of the ground, if the map is one.
     pub(crate) tile: Option<TileFacts>,
     /// Digest of the masks, see [`MaskDigest`].
     pub(crate) digest: String,
 }
 
-/// SHA-256 of the number of columns and of rows (u64, little endian), then per site its mask, north row first.
+/// SHA-256 of the number of columns and of rows (u64, little endian), then per site its mask, north
+/// row first.
 #[derive(Debug, Clone)]
 pub(crate) struct MaskDigest(Sha256);
 
 impl MaskDigest {
-    /// The digest of a map without sites.
+    /// Returns the digest of a map without sites.
     pub(crate) fn new(grid: &GeoRef) -> Self {
         let mut hasher = Sha256::default();
         hasher.update((grid.n_cols() as u64).to_le_bytes());
@@ -160,12 +161,12 @@ impl MaskDigest {
         self.0.update(mask);
     }
 
-    /// `sha256:` and the hexadecimal digest.
+    /// Returns `sha256:` and the hexadecimal digest.
     pub(crate) fn finish(self) -> String {
         digest_words(self.0)
     }
 
-    /// The digest of some masks.
+    /// Returns the digest of some masks.
     pub(crate) fn of<'a>(grid: &GeoRef, masks: impl Iterator<Item = &'a [u8]>) -> String {
         let mut digest = MaskDigest::new(grid);
         masks.for_each(|mask| digest.add(mask));
@@ -174,30 +175,31 @@ impl MaskDigest {
 }
 
 impl MapReport {
-    /// The schema of its documents.
+    /// Schema of its documents.
     pub(crate) const SCHEMA: &'static str = "skyshed/map/1";
 
-    /// The report of one of the sites alone, with the digest of its mask.
+    /// Returns the report of one of the sites alone, with the digest of its mask.
     #[must_use]
     pub(crate) fn of_site(&self, site: &SiteFacts, digest: String) -> MapReport {
         MapReport { sites: vec![site.clone()], union: site.tally, union_zones: site.zones, digest, ..self.clone() }
     }
 
-    /// The document; without `timing` it is the same for equal runs.
+    /// Returns the document. Without `timing` it is the same for equal runs.
     pub(crate) fn document(&self, timing: Option<Timing>) -> Value {
         document_of(&self.as_document(Self::SCHEMA, timing))
     }
 
-    /// What is told of the time: nothing of a unit of work, so that equal units are equal to the last byte.
+    /// Returns the timing for documents; `None` for a unit of work, so that equal units are equal
+    /// to the last byte.
     pub(crate) fn timing(&self, timing: Timing) -> Option<Timing> {
         Some(timing).filter(|_| self.facts.unit.is_none())
     }
 
-    /// The document under a schema that adds to it.
+    /// Returns the document under a schema that adds to its own.
     pub(crate) fn as_document(&self, schema: &'static str, timing_s: Option<Timing>) -> MapDocument {
         let mut head = self.facts.head(schema);
         if self.tolerance.as_ref().is_some_and(|tolerance| !tolerance.taken.is_same()) {
-            // The engine is exact on a scene that is not.
+            // The engine is exact, but the simplified scene is not.
             head.exact = Some(false);
         }
         MapDocument {
@@ -215,7 +217,7 @@ impl MapReport {
         }
     }
 
-    /// The sites as GeoJSON points with their results, in the scene's CRS.
+    /// Returns the sites as GeoJSON points with their results, in the scene's CRS.
     pub(crate) fn geojson(&self) -> Value {
         let point = |s: &SiteFacts| feature(document_of(&s.document()), Some(("Point", vec![s.x, s.y].into())));
         let provenance = document_of(&MapProvenance {
@@ -226,7 +228,7 @@ impl MapReport {
         feature_collection(&self.facts.grid, provenance, self.sites.iter().map(point).collect())
     }
 
-    /// Polygons of this run with `site`, `class`, `cells` and `area_m2`, in the grid's CRS.
+    /// Returns polygons of this run with `site`, `class`, `cells` and `area_m2`, in the grid's CRS.
     pub(crate) fn polygons(&self, polygons: &[CoveragePolygon]) -> Value {
         let of = |polygon: &CoveragePolygon| {
             let properties = PolygonFields {
@@ -246,10 +248,10 @@ impl MapReport {
 pub(crate) struct MapDocument {
     #[serde(flatten)]
     head: Head,
-    /// Which tile of the ground this is, if it is one: the counts are those of its cells.
+    /// Tile of the ground that the counts belong to; left out for a whole map.
     #[serde(skip_serializing_if = "Option::is_none")]
     tile: Option<TileFacts>,
-    /// What a tolerance led to, where one was given.
+    /// Result of the tolerance, if one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     tolerance: Option<ToleranceDocument>,
     /// Footprints that were dropped before work started, in a scene of footprints.
@@ -257,34 +259,34 @@ pub(crate) struct MapDocument {
     footprints: Option<IdleDocument>,
     #[serde(flatten)]
     sight: SightFacts,
-    /// How far heights of buildings may be off, where that was told.
+    /// Errors of the heights of buildings, if any were given.
     #[serde(skip_serializing_if = "Option::is_none")]
     height_errors: Option<HeightErrorsDocument>,
     /// The UAVs.
     sites: Vec<SiteDocument>,
-    /// What at least one UAV sees.
+    /// Counts of the union: a receiver is in sight if at least one UAV sees it.
     union: UnionDocument,
-    /// Seconds spent; not in what is stored in pictures and rasters.
+    /// Seconds spent; left out of the documents in pictures and rasters.
     #[serde(skip_serializing_if = "Option::is_none")]
     timing_s: Option<Timing>,
-    /// What was odd.
+    /// Warnings.
     warnings: Vec<WarningFacts>,
     /// SHA-256 of columns, rows (u64, little endian) and each site's mask, north row first.
     digest: String,
 }
 
-/// What features of a map say of the run; the rest stands in their properties.
+/// Description of the run in a file of features; the rest is in the features' properties.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct MapProvenance {
     #[serde(flatten)]
     head: Head,
-    /// What was odd.
+    /// Warnings.
     warnings: Vec<WarningFacts>,
     /// SHA-256 of columns, rows (u64, little endian) and each site's mask, north row first.
     digest: String,
 }
 
-/// A document of a map, or what its features say of the run.
+/// Document of a map, or the description of the run in a file of features.
 #[derive(JsonSchema)]
 #[schemars(untagged)]
 #[expect(dead_code, clippy::large_enum_variant, reason = "a type of its schema alone")]
@@ -302,7 +304,7 @@ struct PolygonFields<'a> {
     area_m2: f64,
 }
 
-/// Where a UAV hovers.
+/// Position of a UAV, and the place below it.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub(super) struct Hovering {
     /// Name of the UAV.
@@ -313,54 +315,54 @@ pub(super) struct Hovering {
     height_amsl_m: f64,
     /// Height above the ground [m]; null where none is known.
     height_agl_m: Option<f64>,
-    /// What the UAV hovers over: a zone, or ground or rooftop where zones are not known.
+    /// Place below the UAV: a zone, or ground, rooftop or nodata where zones are not known.
     placement: &'static str,
 }
 
-/// A UAV of a map.
+/// UAV of a map.
 #[derive(Debug, Serialize, JsonSchema)]
 struct SiteDocument {
     #[serde(flatten)]
     hovering: Hovering,
-    /// What its own antenna serves; null without one. What it does not limit, that of the run may.
+    /// Limits of its own antenna; null without one. The run's antenna may set further limits.
     antenna: Option<AntennaFacts>,
     #[serde(flatten)]
     seen: Share,
-    /// By zone of the receivers; null where zones were not asked for or are not known.
+    /// Shares by zone of the receivers; null if zones were not requested or are not known.
     zones: Option<ZoneShares>,
-    /// What moves by one lattice step turn, with the layer `stability`.
+    /// Receivers that moves by one lattice step turn; with the layer `stability`.
     #[serde(skip_serializing_if = "Option::is_none")]
     stability: Option<StabilityDocument>,
-    /// What hangs on the heights of buildings, where they may be off.
+    /// Dependence on the heights of buildings, if these may be off.
     #[serde(skip_serializing_if = "Option::is_none")]
     uncertain: Option<UncertainFacts>,
-    /// By elevation angle of the UAV.
+    /// Receivers by elevation angle of the UAV.
     elevation_bands: Vec<BandDocument>,
 }
 
-/// Receivers that see the UAV between two elevation angles.
+/// Receivers for which the UAV is between two elevation angles.
 #[derive(Debug, Serialize, JsonSchema)]
 struct BandDocument {
     /// Lower end of the band [deg].
     from_deg: i32,
     /// Upper end of the band [deg].
     to_deg: i32,
-    /// Receivers in it.
+    /// Receivers in the band.
     receivers: u64,
-    /// Those in line of sight.
+    /// Receivers in line of sight.
     los: u64,
 }
 
-/// What at least one UAV sees.
+/// Counts of the union of all UAVs.
 #[derive(Debug, Serialize, JsonSchema)]
 struct UnionDocument {
     #[serde(flatten)]
     seen: Share,
-    /// By zone of the receivers; null where zones were not asked for or are not known.
+    /// Shares by zone of the receivers; null if zones were not requested or are not known.
     zones: Option<ZoneShares>,
 }
 
-/// Receivers and those in line of sight, by zone.
+/// Receivers in range and in line of sight, by zone.
 #[derive(Debug, Serialize, JsonSchema)]
 struct ZoneShares {
     street: Share,
@@ -385,7 +387,7 @@ impl ZoneShares {
     }
 }
 
-/// Why a zone has no P_LoS.
+/// Returns the reason why a zone has no P_LoS.
 fn reason_in(zone: Zone, tally: &Tally) -> String {
     let name = zone.name();
     if tally.receivers > 0 {
@@ -400,12 +402,12 @@ fn reason_in(zone: Zone, tally: &Tally) -> String {
     }
 }
 
-/// Footprints that can hide no receiver.
+/// Footprints that were dropped, because they can hide no receiver.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct IdleDocument {
     /// Footprints of the scene.
     total: u64,
-    /// Those that were dropped.
+    /// Footprints that were dropped.
     dropped: u64,
     /// Dropped because they are too low.
     too_low: u64,

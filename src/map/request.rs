@@ -1,4 +1,4 @@
-//! What a caller of the library asks of a map, setting by setting: it becomes a plan.
+//! Request of a map by a caller of the library, setting by setting; it becomes a plan.
 
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -14,12 +14,12 @@ use crate::scene::Scene;
 use crate::uav::{Uav, UavsFound};
 
 impl Scene {
-    /// Asks what one UAV sees.
+    /// Begins a request of the coverage by one UAV.
     pub fn coverage(&self, uav: Uav) -> CoverageRequest<Coverage> {
         CoverageRequest::new(self, vec![uav])
     }
 
-    /// Asks what each of some UAVs sees, and all of them together.
+    /// Begins a request of the coverage by each of some UAVs, and by all of them together.
     ///
     /// ```
     /// use skyshed::prelude::*;
@@ -36,7 +36,8 @@ impl Scene {
     }
 }
 
-/// What is asked of a map: for whom, how far, which layers. `Answer` is [`Coverage`] of one UAV, [`Coverages`] of many.
+/// Request of a map: receivers, range, layers. `Answer` is [`Coverage`] of one UAV, [`Coverages`]
+/// of many.
 #[derive(Debug, Clone)]
 #[must_use = "nothing is made before `run`"]
 pub struct CoverageRequest<Answer> {
@@ -49,7 +50,7 @@ pub struct CoverageRequest<Answer> {
 }
 
 impl<Answer> CoverageRequest<Answer> {
-    /// Replaces the whole question, as one that was read from JSON.
+    /// Replaces the whole question, for example by one that was read from JSON.
     pub fn question(mut self, question: CoverageQuestion) -> Self {
         self.question = question;
         self
@@ -66,7 +67,7 @@ impl<Answer> CoverageRequest<Answer> {
         }
     }
 
-    /// A token that tells how far the map is, and can stop it from another thread.
+    /// Sets the token that reports the progress of the map, and can stop it from another thread.
     pub fn progress(mut self, progress: &Arc<Progress>) -> Self {
         self.progress = Arc::clone(progress);
         self
@@ -93,9 +94,9 @@ impl CoverageRequest<Coverage> {
     /// Makes the map.
     ///
     /// # Errors
-    /// E2xx if the UAV cannot be there (inside a building, below the ground, outside of what the engines can hold);
-    /// E113 for
-    /// numbers out of range; E118 if the method cannot decide the scene; E501 if the map does not fit in memory.
+    /// E2xx if the UAV cannot be there (inside a building, below the ground, outside of what the
+    /// engines can hold); E113 for numbers out of range; E118 if the method cannot decide the
+    /// scene; E501 if the map does not fit in memory.
     pub fn run(mut self) -> Result<Coverage> {
         self.keeps_masks = true;
         self.make(|_| {}).map(Coverage)
@@ -103,9 +104,8 @@ impl CoverageRequest<Coverage> {
 }
 
 impl CoverageRequest<Coverages> {
-    /// Keeps the mask of each UAV, a byte for each cell. Without it `Coverages::mask` is `None`: only counts and what
-    /// all see
-    /// together are held.
+    /// Keeps the mask of each UAV, a byte for each cell. Otherwise [`Coverages::mask`] is `None`:
+    /// only counts and the union are kept.
     pub fn keep_masks(mut self) -> Self {
         self.keeps_masks = true;
         self
@@ -114,12 +114,13 @@ impl CoverageRequest<Coverages> {
     /// Makes the maps, several at once.
     ///
     /// # Errors
-    /// As that of one UAV; E207 if two UAVs have one name.
+    /// As for one UAV; E207 if two UAVs have one name.
     pub fn run(self) -> Result<Coverages> {
         self.make(|_| {})
     }
 
-    /// Counts what each UAV sees and makes no mask: receivers in range, and those of them in line of sight. The other counts of a tally stay 0.
+    /// Counts the receivers in range of each UAV and the ones in line of sight, without a mask. All
+    /// other counts of a tally stay 0.
     ///
     /// ```
     /// use skyshed::prelude::*;
@@ -139,7 +140,8 @@ impl CoverageRequest<Coverages> {
         prepared.count(&progress)
     }
 
-    /// Makes the maps and hands over each UAV's mask as it is made, with the UAV's index; none is kept.
+    /// Makes the maps and passes each UAV's mask to `each` as it is made, with the UAV's index. No
+    /// mask is kept.
     ///
     /// # Errors
     /// As [`CoverageRequest::run`].

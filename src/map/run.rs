@@ -1,4 +1,4 @@
-//! A map made and written: in memory, or strip by strip where it does not fit there.
+//! Maps made and written: in memory, or strip by strip if they do not fit there.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -25,7 +25,8 @@ impl MapJob {
     /// Maps all UAVs together, into files that appear together.
     ///
     /// # Errors
-    /// Those of the scene, the UAVs, the plan and the files, in this order as far as they can be told before any work.
+    /// Errors of the plan and of file names come first, before any work. Then come the scene, the
+    /// UAVs, and forms of files that these do not allow.
     pub(crate) fn run(&self, given: Given<'_>, progress: &Progress) -> Result<Done> {
         self.plan.check()?;
         let outputs = self.checked_outputs()?;
@@ -137,7 +138,7 @@ impl MapJob {
         Ok(Done::of(map.report, timing, map.why, curves, written))
     }
 
-    /// The files of the map and those of its curves with their formats, checked before any work.
+    /// Returns the files of the map and of its curves with their formats, checked before any work.
     fn checked_outputs(&self) -> Result<(Vec<Output>, Vec<Output>)> {
         let inputs: Vec<PathBuf> = self.inputs.iter().cloned().chain(self.uavs.file()).collect();
         let (overwrite, bare) = (self.save.writing.overwrite, self.save.forms.bare);
@@ -156,7 +157,7 @@ impl MapJob {
         Ok((outputs, curve_outputs))
     }
 
-    /// Refuses what the files cannot be for these UAVs of this scene.
+    /// Refuses forms of files that these UAVs or this scene do not allow.
     fn check_of_sites(&self, scene: &Scene, (sites, n_uavs): (&[GivenSite], usize), outputs: &[Output]) -> Result<()> {
         if self.save.forms.bare {
             check_bare_names(sites, outputs, self.save.writing.overwrite)?;
@@ -169,7 +170,8 @@ impl MapJob {
     }
 }
 
-/// Refuses bare pictures of several sites that would share a name or replace a file, before any work.
+/// Refuses bare pictures of several sites that would share a name or replace a file, before any
+/// work.
 fn check_bare_names(sites: &[GivenSite], outputs: &[Output], overwrite: bool) -> Result<()> {
     let mut names = std::collections::HashMap::new();
     for (path, _) in outputs.iter().filter(|(_, f)| *f == Format::Png && sites.len() > 1) {
@@ -187,5 +189,6 @@ fn check_bare_names(sites: &[GivenSite], outputs: &[Output], overwrite: bool) ->
     Ok(())
 }
 
-/// What finding the connected parts of a class takes: the number of each cell's part, and the edges around it.
+/// Bytes per cell for the connected parts of a class: the number of each cell's part, and the edges
+/// around it.
 const OUTLINE_BYTES_PER_CELL: usize = 5;

@@ -1,4 +1,4 @@
-//! Checks of the forms of files, each before any work that it can spare.
+//! Checks of the forms of files, made as early as possible.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ pub(crate) fn mask_values(options: &SaveOptions) -> MaskValues {
     if options.forms.gdal_values { MaskValues::Gdal } else { MaskValues::Classes }
 }
 
-/// Refuses forms of files that are not written, before any work.
+/// Refuses forms without a file that could have them, before any work.
 ///
 /// # Errors
 /// E116.
@@ -65,7 +65,7 @@ pub(crate) fn check_forms(options: &SaveOptions, scene: &Scene, outputs: &[Outpu
     Ok(())
 }
 
-/// Refuses values of another program for anything but line of sight of one UAV.
+/// Refuses mask values of GDAL for anything but line of sight of one UAV.
 ///
 /// # Errors
 /// E107.
@@ -78,7 +78,7 @@ pub(crate) fn check_values(options: &SaveOptions, layers: &[Layer], n_sites: usi
     Err(RequestError::GdalValues { layers, uavs }.into())
 }
 
-/// Returns the error of an overlay of a scene that is nowhere on the globe.
+/// Returns the error for an overlay of a scene without a reference system.
 pub(crate) fn no_crs(path: &Path) -> Error {
     RequestError::NoCrs(path.display().to_string()).into()
 }

@@ -1,4 +1,4 @@
-//! `save` of `Coverage` and `Coverages`: the file that an extension asks for.
+//! `save` of `Coverage` and `Coverages`: a file of the kind that its extension names.
 
 use std::path::{Path, PathBuf};
 
@@ -11,18 +11,26 @@ use crate::export::{Batch, Format, OutputRules, check_layers, check_outputs};
 use skyshed_request::SaveOptions;
 
 impl Coverages {
-    /// Writes a file, whose extension says what: a picture (.png .svg .pdf), a raster (.tif .exr .asc .bil .npz), a
-    /// table (.csv),
-    /// a document (.json), features (.geojson), polygons (.fgb), an overlay (.kmz). What stands beside it (`.prj`,
-    /// `.json`) is written too.
+    /// Writes a file; its extension names the kind:
+    ///
+    /// * a picture: .png, .svg, .pdf
+    /// * a raster: .tif, .exr, .asc, .bil, .npz
+    /// * a table: .csv
+    /// * a document: .json
+    /// * features: .geojson
+    /// * an overlay for globes: .kmz
+    /// * polygons: .fgb, with [`Coverages::save_with`] alone
+    ///
+    /// Files that belong beside it (`.prj`, `.json`) are written too.
     ///
     /// # Errors
-    /// E104–E109 for a file that cannot be written so; E106 if it exists; E401 if writing fails.
+    /// E104–E109 for a file that cannot be written in its format; E106 if it exists; E116 for .fgb
+    /// without polygons; E401 if writing fails.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         self.save_with(path, &SaveOptions::default())
     }
 
-    /// Writes a file in another form than the usual one.
+    /// Writes a file in a form that `options` sets.
     ///
     /// # Errors
     /// As [`Coverages::save`].
@@ -65,15 +73,15 @@ impl Coverages {
 }
 
 impl Coverage {
-    /// Writes a file, whose extension says what: see [`Coverages::save`].
+    /// Writes a file; its extension names the kind, as for [`Coverages::save`].
     ///
     /// # Errors
-    /// As that.
+    /// As [`Coverages::save`].
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         self.0.save(path)
     }
 
-    /// Writes a file in another form than the usual one.
+    /// Writes a file in a form that `options` sets.
     ///
     /// # Errors
     /// As [`Coverages::save`].

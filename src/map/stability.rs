@@ -1,4 +1,4 @@
-//! How stable the answers of a UAV are, as documents tell it.
+//! Stability of the answers of a UAV, as documents hold it.
 
 use std::collections::BTreeMap;
 
@@ -8,16 +8,16 @@ use serde::Serialize;
 use crate::coverage::{Move, Stability, Turned};
 use crate::quantity::counted;
 
-/// What the moves of one UAV turn.
+/// Receivers that moves by one lattice step turn.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct StabilityFacts {
-    /// Each move with what it turns, or why it cannot be made.
+    /// Each move with the receivers that it turns, or the reason why it cannot be made.
     pub(crate) moves: Vec<(Move, Result<Turned, String>)>,
     /// Receivers that at least one move turns.
     pub(crate) cells: u64,
 }
 
-/// What moves by one lattice step turn.
+/// Receivers that moves by one lattice step turn.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct StabilityDocument {
     /// By move: of the UAV east, west, north, south, up, down; of all roofs up, down.
@@ -26,25 +26,25 @@ pub(crate) struct StabilityDocument {
     cells: u64,
 }
 
-/// What a move turns.
+/// Receivers that a move turns.
 #[derive(Debug, Serialize, JsonSchema)]
 struct MoveDocument {
     /// Receivers that come into line of sight; null where the move cannot be made.
     gained: Option<u64>,
-    /// Receivers that lose it.
+    /// Receivers that lose line of sight; null where the move cannot be made.
     lost: Option<u64>,
-    /// Why the move cannot be made.
+    /// Reason why the move cannot be made.
     #[serde(skip_serializing_if = "Option::is_none")]
     reason: Option<String>,
 }
 
 impl StabilityFacts {
-    /// The facts without the layer.
+    /// Returns the facts without the layer.
     pub(crate) fn of(stability: &Stability) -> Self {
         StabilityFacts { moves: stability.moves.clone(), cells: stability.unstable }
     }
 
-    /// One line: what each move turns, gained and lost.
+    /// Returns the receivers that each move gains and loses, in one line.
     pub(crate) fn in_words(&self) -> String {
         let of = |(which, turned): &(Move, Result<Turned, String>)| {
             let name = which.name().replace("uav", "UAV").replace('_', " ");

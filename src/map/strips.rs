@@ -1,4 +1,4 @@
-//! A map of a raster that does not fit in memory: the same numbers, strip by strip.
+//! Map of a raster that does not fit in memory: the same numbers, strip by strip.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -33,8 +33,9 @@ use crate::sight::{check_receivers, warn_of_no_p_los};
 use crate::uav::UavsFound;
 use crate::words::pretty;
 
-/// Why a raster is not read into memory, in words: strips were asked for, or a map takes more than there is, or than
-/// `--max-memory` allows. `None` if it is.
+/// Returns the reason why a raster is not read into memory, in words; `None` if it is.
+///
+/// Strips were requested, or a map takes more than the free memory or than `--max-memory` allows.
 pub(crate) fn reason_for_strips(job: &MapJob) -> Option<String> {
     let (grid, bytes) = job.scene.size_of_raster(&job.word)?;
     if job.request.memory.strips {
@@ -44,7 +45,7 @@ pub(crate) fn reason_for_strips(job: &MapJob) -> Option<String> {
         let of_cells = (grid.n_cells() as u64).saturating_mul(per_cell);
         lacking(bytes.saturating_add(of_cells).saturating_add(ANY_WORK))
     };
-    // The mask with layers; and what is made of it, where strips would do.
+    // The mask with its outputs counts only if strips could make them.
     let of_outputs = || {
         let format = |path: &PathBuf| Some((path.clone(), Format::of(path).ok()?));
         let outputs: Vec<_> = job.outputs.iter().filter_map(format).collect();
@@ -56,19 +57,19 @@ pub(crate) fn reason_for_strips(job: &MapJob) -> Option<String> {
     Some(format!("in memory a map takes {}, more than {limit}", memory_words(needed)))
 }
 
-/// What a picture shows of a mask: the middle one of each `factor` × `factor` cells, so as many of each class as there
-/// are, which the most frequent class would not show.
+/// Classes of a mask as a picture shows them: the middle cell of each block of `factor` × `factor`
+/// cells. So each class keeps its share. The most frequent class of a block would not do that.
 struct Shown {
-    /// How many times larger the cells of the picture are: a power of two, so that rows of tiles hold whole ones.
+    /// Cells along a side of a block: a power of two, so that rows of tiles hold whole blocks.
     factor: usize,
     /// Columns of the mask.
     n_cols: usize,
-    /// The classes of the rows so far.
+    /// Classes of the rows so far.
     classes: Vec<u8>,
 }
 
 impl Shown {
-    /// Nothing yet of a mask of this grid.
+    /// Returns the picture of a mask of this grid without any rows.
     fn new(grid: &GeoRef) -> Self {
         const LARGEST: usize = 2048;
         let factor = grid.n_rows().max(grid.n_cols()).div_ceil(LARGEST).next_power_of_two().min(256);
@@ -86,7 +87,7 @@ impl Shown {
     }
 }
 
-/// Copies a raster that does not fit in memory to tiles on the disk, and says so.
+/// Copies a raster that does not fit in memory to tiles on the disk, and notes that.
 pub(crate) fn on_disk(job: &MapJob, progress: &Progress, warnings: &mut Vec<Warning>) -> Result<StreamedSurface> {
     let scratch = job.request.memory.scratch.clone().map_or_else(std::env::temp_dir, PathBuf::from);
     if !scratch.is_dir() {
@@ -103,7 +104,8 @@ pub(crate) fn on_disk(job: &MapJob, progress: &Progress, warnings: &mut Vec<Warn
     Ok(scene)
 }
 
-/// Refuses what cannot be mapped strip by strip, or does not fit in memory even so, before anything is copied.
+/// Refuses maps that strips cannot make, before anything is copied. This includes maps that do not
+/// fit in memory even so.
 pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
     let refuse = |what| {
         Err(LimitError::Strips { word: job.word.display().to_string(), what, are_asked: job.request.memory.strips }
@@ -142,7 +144,8 @@ pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
     check_bytes(&job.word.display(), &what, strip_memory(job)?)
 }
 
-/// What layers of heights take for each cell, whole while they are made and written, with the mask beside them; 0 without.
+/// Returns the bytes per cell of layers of heights with the mask beside them; 0 without such
+/// layers. They stay whole while they are made and written.
 fn layer_bytes_per_cell(job: &MapJob) -> u64 {
     match job.plan.layers.iter().filter(|layer| layer.is_measure()).count() {
         0 => 0,
@@ -150,10 +153,11 @@ fn layer_bytes_per_cell(job: &MapJob) -> u64 {
     }
 }
 
-/// What the sweep remembers for each cell of the longer side: it took 6.4 kB over a generated city of 16 384² cells.
+/// Bytes that the sweep remembers for each cell of the longer side. Over a generated city of 16384²
+/// cells it took 6.4 kB.
 const REMEMBERED_BYTES: u64 = 8 << 10;
 
-/// Bytes that strips take, and the rows that the sweep remembers.
+/// Returns the bytes that strips and the rows remembered by the sweep take.
 ///
 /// # Errors
 /// E501 if the grid is larger than a lattice.
@@ -166,7 +170,7 @@ fn strip_memory(job: &MapJob) -> Result<u64> {
     }
     let n_kinds = if job.plan.sight.receivers() == Receivers::All { 2 } else { 1 };
     let n_sets = n_kinds * if job.plan.sight.radius_m().is_some() { 3 } else { 2 };
-    // Cells of a terrain below one of the surface.
+    // Cells of the terrain below one cell of the surface.
     let finer = match terrain_file(job)? {
         Some(terrain) => {
             let below = terrain.georef();
@@ -174,7 +178,8 @@ fn strip_memory(job: &MapJob) -> Result<u64> {
         }
         None => 0.0,
     };
-    // A strip as it is read, as lines, and as it is written, with the terrain below it; the tiles of a GeoTIFF.
+    // A strip as it is read, as lines, and as it is written, with the terrain below it; then the
+    // tiles of a GeoTIFF.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate")]
     let strips = ((4.0 + finer) * (4 * 256 * n_rows.max(n_cols)) as f64) as u64;
     let remembered = REMEMBERED_BYTES * n_rows.max(n_cols) as u64;
@@ -187,17 +192,17 @@ fn strip_memory(job: &MapJob) -> Result<u64> {
         + ANY_WORK)
 }
 
-/// The terrain, opened.
+/// Opens the terrain, if there is one.
 fn terrain_file(job: &MapJob) -> Result<Option<RasterFile>> {
     Ok(job.scene.options.terrain.as_deref().map(|path| RasterFile::open(path, &mut Vec::new())).transpose()?)
 }
 
-/// What was asked for, checked.
+/// Checked run of a map strip by strip.
 pub(crate) struct StripsRun<'a> {
     pub(crate) job: &'a MapJob,
     pub(crate) outputs: &'a [Output],
     pub(crate) start: Instant,
-    /// What the run is one of.
+    /// Hash of the unit of work that this run performs; `None` for a run that is no unit.
     pub(crate) unit: Option<String>,
     pub(crate) progress: &'a Progress,
 }
@@ -296,7 +301,7 @@ impl StripsRun<'_> {
         self.outputs.iter().any(|(_, format)| format.is_picture())
     }
 
-    /// The one UAV of the run.
+    /// Places the one UAV of the run.
     fn uav(&self, scene: &StreamedSurface, sites: &[GivenSite], radius: Option<f64>) -> Result<Uav> {
         let [site] = sites else {
             return Err(LimitError::StripsOfMany { word: self.job.word.display().to_string(), n: sites.len() }.into());
@@ -305,10 +310,10 @@ impl StripsRun<'_> {
     }
 }
 
-/// Why the method of strips was chosen.
+/// Reason for the method of strips, in words.
 const WHY: &str = "strip by strip";
 
-/// What the files of a map made strip by strip are made from.
+/// Inputs of the files of a map made strip by strip.
 struct StripFiles<'a> {
     run: &'a StripsRun<'a>,
     scene: &'a StreamedSurface,
@@ -357,7 +362,8 @@ impl Answer for StripFiles<'_> {
 }
 
 impl StripFiles<'_> {
-    /// The picture, of a scene with larger cells: the highest surface in each, and the classes `shown`.
+    /// Draws the picture over a scene with larger cells: the highest surface in each, and the
+    /// classes `shown`.
     fn picture(&self, shown: &Shown, format: Format, look: &Look) -> Result<Vec<u8>> {
         let StripFiles { scene: surface, report, coverage, .. } = *self;
         let factor = shown.factor;

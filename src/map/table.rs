@@ -1,4 +1,4 @@
-//! A map as a table: a row per UAV and zone.
+//! Table of a map: a row per UAV and zone.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -12,7 +12,7 @@ use crate::raster::Crs;
 use crate::sight::antenna_words;
 use crate::zones::Zone;
 
-/// A row of a map's table.
+/// Row of a map's table.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct MapRow {
     #[serde(flatten)]
@@ -21,14 +21,14 @@ pub(crate) struct MapRow {
     zone: &'static str,
     /// Receivers in range.
     receivers: u64,
-    /// Those in line of sight.
+    /// Receivers in line of sight.
     los: u64,
     /// Share of the receivers in line of sight; empty without a receiver.
     p_los: Option<f64>,
-    /// Lower end of the interval of that share with heights redrawn, where they may be off.
+    /// Lower end of the interval of that share with heights redrawn, if heights may be off.
     #[serde(skip_serializing_if = "Option::is_none")]
     p_los_low: Option<f64>,
-    /// Upper end.
+    /// Upper end of that interval.
     #[serde(skip_serializing_if = "Option::is_none")]
     p_los_high: Option<f64>,
     /// Cells in range that hold no receiver, such as buildings.
@@ -37,11 +37,11 @@ pub(crate) struct MapRow {
     out_of_range: u64,
     /// Cells without data.
     nodata: u64,
-    /// Height of the receivers above what they stand on [m].
+    /// Height of the receivers above the ground or roof below them [m].
     rx_height_m: f64,
     /// Largest horizontal distance from the UAV [m]; empty without a limit.
     radius_m: Option<f64>,
-    /// What the antenna serves, in words; empty if that is all.
+    /// Limits of the antenna, in words; empty without any.
     antenna: Option<String>,
     /// Engine that decided line of sight.
     method: String,
@@ -53,7 +53,7 @@ pub(crate) struct MapRow {
     cell_height: f64,
 }
 
-/// The UAV of a row.
+/// UAV of a row.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 struct SiteDocumentHead {
     /// Name of the UAV; `union` for all of them together.
@@ -64,7 +64,7 @@ struct SiteDocumentHead {
     height_amsl_m: Option<f64>,
     /// Height of the UAV above the ground [m]; empty where no ground is known.
     height_agl_m: Option<f64>,
-    /// What the UAV hovers over: a zone, or ground or rooftop where zones are not known.
+    /// Place below the UAV: a zone, or ground, rooftop or nodata where zones are not known.
     placement: &'static str,
 }
 
@@ -86,7 +86,7 @@ impl SiteDocumentHead {
 }
 
 impl MapReport {
-    /// The table: one row per site and zone, and one for the union of several sites.
+    /// Returns the table: one row per site and zone, and the same for the union of several sites.
     pub(crate) fn table(&self) -> Rows {
         let grid = &self.facts.grid;
         let row = |site: &SiteDocumentHead,

@@ -1,8 +1,10 @@
-//! Tiles of the ground: a map with `{row}` and `{col}` in the names of its files, for sums over many UAVs.
+//! Tiles of the ground: maps with `{row}` and `{col}` in the names of their files, for sums over
+//! many UAVs.
 //!
-//! The grid of the scene is cut into squares of cells, from its north-west corner. Each is a unit of work. It takes the UAVs that
-//! have a cell of it in range, reads the ground from the tile to these, and writes files that no other tile writes. So nothing is
-//! added up afterwards, and a cell counts what it counts in a map of the whole.
+//! The grid of the scene is cut into squares of cells, from its north-west corner. Each square is a
+//! unit of work. It takes the UAVs that have one of its cells in range, reads the ground between
+//! itself and them, and writes files of its own. No files are added up afterwards. A cell counts
+//! the same as in a map of the whole.
 
 use std::collections::{HashMap, HashSet};
 
@@ -19,22 +21,22 @@ use crate::raster::{CellWindow, GeoRef};
 use crate::sight::SightPlan;
 use crate::uav::UavsFound;
 
-/// What stands for the row of a tile in the name of a file, and what for its column.
+/// Placeholders for the row and the column of a tile in the name of a file.
 pub(crate) const ROW_AND_COL: [&str; 2] = ["{row}", "{col}"];
 
-/// Cells along a side of a tile, unless others are asked for: four by four blocks of a cloud-optimized GeoTIFF.
+/// Cells along a side of a tile by default: four by four blocks of a cloud-optimized GeoTIFF.
 const CELLS_PER_SIDE: usize = 2048;
 
-/// Which tiles are asked for.
+/// Requested tiles.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct TilesAsked {
-    /// Cells along a side, if not as many as usual.
+    /// Cells along a side; `None` for the default.
     pub(crate) cells_per_side: Option<usize>,
-    /// The only ones, row from the north and column from the west, from 0; all without any.
+    /// Tiles to map: row from the north, column from the west, from 0. Empty for all tiles.
     pub(crate) only: Vec<(usize, usize)>,
 }
 
-/// A square of cells of the whole grid, and the UAVs that have one of them in range.
+/// Square of cells of the whole grid, with the UAVs that have one of them in range.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Tile {
     /// Row from the north, from 0.
@@ -45,7 +47,7 @@ pub(crate) struct Tile {
     pub(crate) cells_per_side: usize,
     /// Its cells.
     pub(crate) window: CellWindow,
-    /// Its UAVs, by their places in the list of all.
+    /// Its UAVs, by their indices in the list of all.
     pub(crate) uavs: Vec<usize>,
 }
 
@@ -58,23 +60,24 @@ pub(crate) struct TileFacts {
     pub(crate) col: usize,
     /// Cells along a side of a whole tile.
     pub(crate) cells_per_side: usize,
-    /// The place of each of the sites in the list of all UAVs, from 1, where a layer tells these.
+    /// Number of each site in the list of all UAVs, from 1, if a layer holds such numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) numbers: Option<Vec<usize>>,
 }
 
 impl TilesAsked {
-    /// All tiles, or some, each once whatever was typed.
+    /// Returns a request of all tiles, or of some. A tile that was typed twice counts once.
     pub(crate) fn of(cells_per_side: Option<usize>, only: &[TileIndex]) -> Self {
         let mut seen = HashSet::new();
         let only = only.iter().map(|tile| (tile.row, tile.col)).filter(|tile| seen.insert(*tile)).collect();
         TilesAsked { cells_per_side, only }
     }
 
-    /// The tiles of a grid that are asked for, row by row from the north-west or as they were named, with the UAVs of each; of these
-    /// a shard, if one is asked for.
+    /// Returns the requested tiles of a grid with the UAVs of each: row by row from the north-west,
+    /// or in the order in which they were named. A shard selects some of them.
     ///
-    /// Cost: that of the tiles, and of the pairs of a UAV and a tile in its range; tiles of other shards cost nothing.
+    /// Cost: one step for each tile, and one for each pair of a UAV and a tile in its range. Tiles
+    /// of other shards cost nothing.
     ///
     /// # Errors
     /// E113 for a tile that the grid does not have.
@@ -131,7 +134,8 @@ impl TilesAsked {
     }
 }
 
-/// Refuses what files of tiles cannot hold: what is told of one UAV, or known of the whole alone.
+/// Refuses what files of tiles cannot hold: values of one UAV, and values that only the whole scene
+/// gives.
 pub(super) fn check_tiles(job: &MapJob) -> Result<()> {
     let formats = job.outputs.iter().map(|path| Ok((path, Format::of(path)?))).collect::<Result<Vec<_>>>()?;
     let tells = |format: &Format| matches!(format, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout);
@@ -167,13 +171,13 @@ pub(super) fn check_tiles(job: &MapJob) -> Result<()> {
     }
 }
 
-/// Refuses a row or a column of tiles that is not there.
+/// Refuses a row or a column of tiles that the grid does not have.
 fn check(what: &'static str, found: usize, n: usize) -> Result<()> {
     #[expect(clippy::cast_precision_loss, reason = "shown to a user")]
     if found < n { Ok(()) } else { Err(Error::number(what, found as f64, format!("0 to {}", n - 1))) }
 }
 
-/// Whether a box, west, south, east, north, may hold a cell of a grid.
+/// Returns `true` if a box (west, south, east, north) may hold a cell of a grid.
 fn meets(grid: &GeoRef, [west, south, east, north]: [f64; 4]) -> bool {
     let (width, height) = (grid.cell_width(), grid.cell_height());
     west <= grid.x_max() + width
@@ -183,12 +187,14 @@ fn meets(grid: &GeoRef, [west, south, east, north]: [f64; 4]) -> bool {
 }
 
 impl Tile {
-    /// Its own UAVs, out of the list of all. Which table they stood in is nothing that its files depend on.
+    /// Returns its UAVs, out of the list of all. Their table is left out: the files do not depend
+    /// on it.
     pub(crate) fn own(&self, all: &[GivenSite]) -> UavsFound {
         UavsFound { sites: self.uavs.iter().map(|k| all[*k].clone()).collect(), ..UavsFound::default() }
     }
 
-    /// The box around the tile and its UAVs: west, south, east, north \[CRS units\]. It holds every link between them.
+    /// Returns the box around the tile and its UAVs: west, south, east, north \[CRS units\]. It
+    /// holds every link between them.
     pub(crate) fn box_with(&self, own: &UavsFound, whole: &GeoRef) -> [f64; 4] {
         let cells = whole.part(self.window);
         let of_cells = [cells.x_min(), cells.y_min(), cells.x_max(), cells.y_max()];
@@ -197,7 +203,7 @@ impl Tile {
         })
     }
 
-    /// What documents tell of it.
+    /// Returns the tile for documents.
     pub(super) fn facts(&self, tells_numbers: bool) -> TileFacts {
         let numbers = tells_numbers.then(|| self.uavs.iter().map(|k| k + 1).collect());
         TileFacts { row: self.row, col: self.col, cells_per_side: self.cells_per_side, numbers }
@@ -221,7 +227,7 @@ mod tests {
         let tiles = asked.tiles((&grid, None), &sites, &sight).expect("tiles");
         let n_cells: usize = tiles.iter().map(|tile| tile.window.n_rows * tile.window.n_cols).sum();
         assert_eq!((tiles.len(), n_cells), (6, 50 * 70));
-        // The second stands where four tiles meet.
+        // The second UAV hovers where four tiles meet.
         let uavs: Vec<&[usize]> = tiles.iter().map(|tile| tile.uavs.as_slice()).collect();
         assert_eq!(uavs[..3], [&[0, 1][..], &[1], &[]]);
         assert_eq!(uavs[3..5], [&[1][..], &[1]]);
@@ -230,7 +236,7 @@ mod tests {
         assert!(only(vec![(2, 0)]).is_err());
         let shard = |k| asked.tiles((&grid, Some(Shard { k, of: 4 })), &sites, &sight).expect("some tiles");
         assert_eq!((1..=4).flat_map(shard).collect::<Vec<_>>(), tiles);
-        // Without a radius all have all.
+        // Without a radius, every tile has all UAVs.
         let everywhere = SightPlan::of(&Sight::default()).expect("no radius");
         let all = asked.tiles((&grid, None), &sites, &everywhere).expect("tiles");
         assert!(all.iter().all(|tile| tile.uavs == [0, 1, 2]));

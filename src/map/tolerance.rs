@@ -1,4 +1,4 @@
-//! A scene made as coarse as its P_LoS allows, as measured.
+//! Scene made as coarse as a tolerance of P_LoS allows, as measured.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -14,7 +14,7 @@ use crate::scene::Scene;
 use crate::sight::SightPlan;
 use crate::zones::ZoneMap;
 
-/// A share of P_LoS that may be wrong.
+/// Checks the error of P_LoS that is allowed, and the method.
 ///
 /// # Errors
 /// E113, E116.
@@ -29,66 +29,66 @@ pub(crate) fn check_tolerance(tolerance: Option<f64>, method: MethodChoice) -> R
     Ok(())
 }
 
-/// What a tolerance led to.
+/// Result of a tolerance.
 #[derive(Debug, Clone)]
 pub(crate) struct ToleranceFacts {
-    /// How far P_LoS may be off.
+    /// Largest error of P_LoS that is allowed.
     tolerance: f64,
     /// Width of a cell of the scene itself \[m\].
     cell_m: f64,
-    /// The form that was taken; the scene itself if no simpler one would do.
+    /// Form that was taken; the scene itself if no simpler form is within the tolerance.
     pub(crate) taken: Simpler,
-    /// All that were tried, the coarsest first.
+    /// Forms that were tried, the coarsest first.
     tried: Vec<Tried>,
 }
 
-/// What a tolerance led to.
+/// Result of a tolerance.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct ToleranceDocument {
-    /// How far P_LoS may be off.
+    /// Largest error of P_LoS that is allowed.
     tolerance: f64,
-    /// How sure the bound is.
+    /// Confidence of the bounds.
     confidence: f64,
-    /// The form of the scene that was taken.
+    /// Form of the scene that was taken.
     taken: FormDocument,
-    /// The forms that were tried, the coarsest first.
+    /// Forms that were tried, the coarsest first.
     tried: Vec<TriedDocument>,
 }
 
-/// A form of a scene, on its own cells or on larger ones.
+/// Form of a scene, on its own cells or on larger ones.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct FormDocument {
     /// Width of its cells [m].
     cell_m: f64,
-    /// How many times wider they are than those of the scene.
+    /// Width of its cells in cells of the scene.
     factor: usize,
-    /// Height of a larger cell among those of the cells in it; null of footprints.
+    /// Rule for the height of a larger cell from the cells in it; null for footprints.
     pooling: Option<&'static str>,
 }
 
-/// A form that was tried.
+/// Form that was tried.
 #[derive(Debug, Serialize, JsonSchema)]
 struct TriedDocument {
     #[serde(flatten)]
     form: FormDocument,
-    /// How far P_LoS of any UAV is off at most; null where that is not known.
+    /// Bound on the error of P_LoS of any UAV; null if it is not known.
     bound: Option<f64>,
-    /// What was measured, by UAV.
+    /// Measurements, by UAV.
     #[serde(skip_serializing_if = "Option::is_none")]
     sites: Option<Vec<MeasuredDocument>>,
-    /// Why nothing was measured.
+    /// Reason why nothing was measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     reason: Option<String>,
 }
 
-/// What was measured of a UAV.
+/// Measurement of a UAV.
 #[derive(Debug, Serialize, JsonSchema)]
 struct MeasuredDocument {
     /// P_LoS over the form.
     p_los: f64,
     /// Mean difference to the scene itself.
     difference: f64,
-    /// How far P_LoS is off at most.
+    /// Bound on the error of P_LoS.
     bound: f64,
     /// Receivers that were compared.
     sample: u64,
@@ -97,7 +97,7 @@ struct MeasuredDocument {
 }
 
 impl FormDocument {
-    /// Of a form of a scene whose cells are so wide \[m\].
+    /// Returns the document of a form, for a scene with cells of a width `cell_m` \[m\].
     pub(crate) fn of(form: Simpler, cell_m: f64) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "a small factor")]
         let cell_m = cell_m * form.factor as f64;
@@ -106,13 +106,14 @@ impl FormDocument {
 }
 
 impl ToleranceFacts {
-    /// What a choice comes to, over a scene whose cells are so wide \[m\].
+    /// Returns the facts of a choice, for a scene with cells of a width `cell_m` \[m\].
     fn of(choice: &Choice, tolerance: f64, cell_m: f64) -> Self {
         let taken = choice.taken.as_ref().map_or(Simpler::SAME, |(form, ..)| *form);
         ToleranceFacts { tolerance, cell_m, taken, tried: choice.tried.clone() }
     }
 
-    /// What was measured for the UAV of the form taken whose bound is the largest; `None` where no simpler form would do.
+    /// Returns the measurement with the largest bound over the form that was taken. `None` if that
+    /// is the scene itself.
     fn worst(&self) -> Option<&Measured> {
         let taken = self.tried.last().filter(|tried| tried.form == self.taken)?;
         taken.measured.as_ref().ok()?.iter().max_by(|a, b| a.bound.total_cmp(&b.bound))
@@ -141,7 +142,8 @@ impl ToleranceFacts {
     }
 }
 
-/// Replaces a scene by the coarsest form within a tolerance, and its UAVs by the same over that form.
+/// Replaces a scene by its coarsest form within a tolerance, and its UAVs by the same UAVs over
+/// that form.
 pub(crate) fn simplify(
     scene: &mut Scene,
     uavs: &mut Vec<Uav>,
@@ -163,7 +165,7 @@ pub(crate) fn simplify(
     Ok(facts)
 }
 
-/// What was chosen and what was measured, in a sentence.
+/// Returns the choice and its measurement in a sentence.
 pub(super) fn in_words(facts: &ToleranceFacts) -> String {
     let scene = format!("{} m", tidy(facts.cell_m));
     let Some(m) = facts.worst() else {

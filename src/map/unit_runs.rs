@@ -1,9 +1,12 @@
-//! A map in units: a run of its own for each UAV or each tile of the ground, which can be asked for again.
+//! Maps in units of work: one run for each UAV or each tile of the ground, which can be resumed.
 //!
-//! With `{site}` in the names of its files each UAV is a unit of work, with `{row}` and `{col}` each tile. The files of a unit hold
-//! what it was made of (`unit`, a hash of the inputs, the options and the UAV or the tile), they appear when all of them are
-//! complete, and a run that resumes leaves those alone that are there. So an interrupted run goes on where it stopped, and
-//! another program may hand out units one by one, and hand them out again.
+//! With `{site}` in the names of its files each UAV is a unit of work, with `{row}` and `{col}`
+//! each tile. The files of a unit hold `unit`, a hash of the inputs, the options, and the UAV or
+//! the tile. They appear once all of them are complete. A run that resumes keeps the files that
+//! exist.
+//!
+//! So an interrupted run continues at the unit where it stopped. Another program may start units
+//! one by one, and start them again.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -27,84 +30,87 @@ use crate::scene::{Scene, SceneReader, built_up, is_raster_scene};
 use crate::uav::{UavsAsked, UavsFound};
 use skyshed_io::error::WriteFault;
 
-/// A run for each unit.
+/// Runs of a map, one for each unit of work.
 pub(crate) struct UnitRuns<'a> {
     job: &'a MapJob,
     progress: &'a Progress,
-    /// The scene, if it was read before.
+    /// Scene, if it was read before.
     given: Option<Scene>,
     kind: Kind,
 }
 
-/// What a unit is.
+/// Kind of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Site,
     Tile,
-    /// All UAVs together, over all of the ground.
+    /// All UAVs together, over the whole ground.
     All,
 }
 
-/// What units are asked for.
+/// Purpose for which units are listed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Purpose {
-    /// To run them.
+    /// The units are run.
     Map,
-    /// To tell of them: nothing is written.
+    /// The units are described; nothing is written.
     Tell,
 }
 
-/// The units of a run, in order.
+/// Units of a run, in order.
 pub(crate) struct Units {
     /// All UAVs of the run.
     pub(crate) uavs: UavsFound,
     /// The grid of the whole scene.
     pub(crate) grid: GeoRef,
     pub(crate) parts: Vec<Part>,
-    /// What all are made of: the files that they read, or the scene.
+    /// Identity of the inputs of all units: the files, and a scene in memory.
     inputs: String,
-    /// What the files are.
+    /// Identity of the files alone.
     files: String,
 }
 
-/// Where the scenes of the runs come from.
+/// Source of the scenes of the runs.
 enum Scenes {
-    /// One for all, in memory.
+    /// One scene for all units, in memory.
     Whole(Box<Scene>),
-    /// One for all, in tiles on disk, with what was said of it.
+    /// One scene for all units, in tiles on disk, with the warnings of reading it.
     OnDisk(StreamedSurface, Vec<Warning>),
-    /// The part of a raster file that each needs.
+    /// The part of a raster file that each unit needs.
     Parts,
-    /// The part that each needs, from a copy on disk, as the file cannot be read in parts.
+    /// The part that each unit needs, from a copy on disk: the file itself cannot be read in parts.
     PartsOnDisk(StreamedSurface, Vec<Warning>),
 }
 
-/// What became of a run of many.
+/// Event while the units of a map are run.
 pub(crate) enum Outcome<'a> {
-    /// What was said of the UAVs.
+    /// Warnings about the UAVs.
     Warnings(&'a [Warning]),
     /// The files of a unit are written.
     Done(&'a Part, &'a Done),
-    /// They were there.
+    /// The files of a unit existed already.
     There,
-    /// They will not be written.
+    /// A unit failed: its files will not be written.
     Abandoned,
-    /// Why they will not be, of all but the first of these.
+    /// Error of a failed unit. The first failure is returned by `run` instead, unless the user
+    /// interrupts.
     Failed(&'a Error),
     /// The files of all UAVs together are written.
     Together(&'a Done),
-    /// They were there.
+    /// The files of all UAVs together existed already.
     AllThere,
 }
 
-/// Who is told of each outcome, and may fail himself.
+/// Callback that receives each outcome and may fail itself.
 pub(crate) type Told<'a, E> = dyn FnMut(Outcome<'_>) -> Result<(), E> + 'a;
 
 impl<'a> UnitRuns<'a> {
-    /// The runs that `{site}`, or `{row}` and `{col}`, in names, a tile, or the wish to resume ask for; `None` without any.
+    /// Returns the runs that `{site}`, or `{row}` and `{col}`, in file names, a named tile or
+    /// `--resume` ask for; `None` without any of these.
     ///
     /// # Errors
-    /// E105 if some names hold `{site}` and others do not, or only one of `{row}` and `{col}`; E107, E116 for what tiles cannot hold.
+    /// E105 if only some names hold `{site}`, or a name lacks one of `{row}` and `{col}`. E107,
+    /// E116 for what tiles cannot hold; E116 without a file to resume.
     pub(crate) fn of(
         job: &'a MapJob,
         given: Option<Scene>,
@@ -127,7 +133,7 @@ impl<'a> UnitRuns<'a> {
         if files.is_empty() && (job.request.units.resume || kind != Kind::Tile) {
             return Err(RequestError::NothingToResume.into());
         }
-        // Folders named after units are made with their files.
+        // Folders named after units are created with the units' files.
         let is_shared =
             |path: &&&PathBuf| !path.parent().is_some_and(|folder| names_site(folder) || names_tile(folder));
         let writes = purpose == Purpose::Map;
@@ -141,7 +147,8 @@ impl<'a> UnitRuns<'a> {
                 }
             }
             Kind::Tile => {
-                // Row 1 and column 11 must not be called as row 11 and column 1 are.
+                // Without a separator, row 1 and column 11 would share a name with row 11 and
+                // column 1.
                 let is_apart = |path: &Path| !holds(path, "{row}{col}") && !holds(path, "{col}{row}");
                 let is_whole = |path: &Path| {
                     ROW_AND_COL.iter().all(|word| holds(path, word)) && is_apart(path) && !names_site(path)
@@ -157,10 +164,11 @@ impl<'a> UnitRuns<'a> {
         Ok(Some(UnitRuns { job, progress, given, kind }))
     }
 
-    /// Runs all that is not done, and tells `each` of every run.
+    /// Runs every unit that is not done, and reports each outcome to `each`.
     ///
     /// # Errors
-    /// Of the first unit that failed, once all others are done; at once if the user interrupts.
+    /// Error of the first unit that failed, once all others are done. An interrupt is returned at
+    /// once.
     pub(crate) fn run<E: From<Error>>(&self, each: &mut Told<'_, E>) -> Result<(), E> {
         if self.kind == Kind::All {
             return self.run_together(each);
@@ -178,7 +186,7 @@ impl<'a> UnitRuns<'a> {
                 }
                 Err(error) => {
                     let error = error.of_unit(&part.name());
-                    // The first one is told at the end.
+                    // The first failure is reported at the end.
                     if failed.is_some() {
                         each(Outcome::Failed(&error))?;
                     }
@@ -193,10 +201,10 @@ impl<'a> UnitRuns<'a> {
         failed.map_or(Ok(()), |error| Err(error.into()))
     }
 
-    /// The units, without running them; `None` where all UAVs are one run.
+    /// Returns the units without running them; `None` if all UAVs are one run.
     ///
     /// # Errors
-    /// Those of the scene and the UAVs.
+    /// Errors of the scene and of the UAVs.
     pub(crate) fn units(&self) -> Result<Option<Units>> {
         if self.kind == Kind::All { Ok(None) } else { Ok(Some(self.scenes_and_units()?.1)) }
     }
@@ -204,7 +212,8 @@ impl<'a> UnitRuns<'a> {
     fn scenes_and_units(&self) -> Result<(Option<Scenes>, Units)> {
         let (scenes, grid) = self.scenes_or_grid()?;
         let job = self.job;
-        // The shard is one of the units: a tile has all of its UAVs, and names are told apart among all.
+        // A shard selects units, not UAVs: a tile has all of its UAVs, and names must differ among
+        // all UAVs.
         let shard = job.uavs.shard;
         let mut uavs = UavsAsked { shard: None, ..job.uavs.clone() }.read(&grid)?;
         if self.kind == Kind::Tile {
@@ -228,12 +237,12 @@ impl<'a> UnitRuns<'a> {
         Ok((scenes, Units { uavs, grid, parts, inputs: format!("{files}{}", self.of_memory()), files }))
     }
 
-    /// A part as a unit.
+    /// Returns the unit of a part.
     pub(crate) fn unit(&self, units: &Units, part: &Part) -> Unit {
         Unit::of(self.job, (part, &units.uavs.sites), &units.inputs)
     }
 
-    /// One run of all UAVs, unless its files are there.
+    /// Runs all UAVs as one unit, unless its files exist.
     fn run_together<E: From<Error>>(&self, each: &mut Told<'_, E>) -> Result<(), E> {
         let unit = unit_of_all(self.job, &(inputs(self.job, true)? + &self.of_memory()));
         let mut job = self.job.clone();
@@ -247,19 +256,21 @@ impl<'a> UnitRuns<'a> {
         each(Outcome::Together(&done))
     }
 
-    /// What tells a scene in memory from another; nothing of one that is read from files, or generated.
+    /// Returns text that identifies a scene in memory; empty for a scene that is read from files or
+    /// generated.
     fn of_memory(&self) -> String {
         let is_held =
             |_: &&Scene| !self.job.inputs.iter().any(|file| file.exists()) && built_up(&self.job.word).is_none();
         let Some(scene) = self.given.as_ref().filter(is_held) else { return String::new() };
-        // What was not kept cannot be told from anything, and is never the same.
+        // A scene that cannot be packed has no identity: the time makes it differ from every other.
         let bytes = scene.packed().unwrap_or_else(|| format!("{:?}", std::time::SystemTime::now()).into_bytes());
         let mut hasher = Sha256::default();
         hasher.update(bytes);
         format!("{} {:?};", digest_words(hasher), scene.grid().crs().map(Crs::label))
     }
 
-    /// The grid of the scenes; with them where they must be read to know it.
+    /// Returns the grid of the scenes, and the scenes themselves if they are in memory or had to be
+    /// read.
     fn scenes_or_grid(&self) -> Result<(Option<Scenes>, GeoRef)> {
         let job = self.job;
         if let Some(scene) = &self.given {
@@ -273,9 +284,10 @@ impl<'a> UnitRuns<'a> {
         Ok((Some(Scenes::Whole(Box::new(scene))), grid))
     }
 
-    /// The scenes of a raster, read as far as they serve every unit.
+    /// Returns the scenes of a raster: its parts, a copy on disk, or the whole in memory.
     ///
-    /// With a radius, and of tiles, they are its parts whatever its size: what a file holds must not depend on memory.
+    /// With a radius, and for tiles, the scenes are parts whatever the size of the raster: the
+    /// content of a file must not depend on memory.
     fn scenes(&self) -> Result<Scenes> {
         let job = self.job;
         let mut warnings = Vec::new();
@@ -301,24 +313,25 @@ impl<'a> UnitRuns<'a> {
         Ok(Scenes::Whole(Box::new(job.scene.open(&job.word)?)))
     }
 
-    /// Runs one unit, unless its files are there.
+    /// Runs one unit. Returns `None` if a run that resumes finds its files, or another process
+    /// makes them.
     fn run_unit(&self, unit: Unit, scenes: &mut Option<Scenes>, units: &Units) -> Result<Option<Done>> {
         let Unit { part, hash, mut job } = unit;
         if job.request.units.resume {
             match found(&job, &hash)? {
                 Found::All => return Ok(None),
-                // A run that was killed between two files leaves the first; a disk may lose the end of one.
+                // A killed run leaves the files that it had finished; a disk may lose the end of
+                // one.
                 Found::Some | Found::Damaged(_) => job.save.writing.overwrite = true,
                 Found::Nothing => {}
             }
         }
-        make_folders(&job)?;
-        // Nothing is read before there is something to do.
         let given = self.given_of((&part, &job), scenes, units)?;
+        make_folders(&job)?;
         let given = Given { unit: Some(hash.clone()), ..given };
         self.check_inputs(units)?;
         match job.run(given, self.progress) {
-            // Another process is faster.
+            // Another process was faster.
             Err(Error::Io(skyshed_io::Error::Write(_, WriteFault::Exists | WriteFault::ExistsMeanwhile)))
                 if job.request.units.resume && is_made_by_another(&job, &hash)? =>
             {
@@ -327,7 +340,7 @@ impl<'a> UnitRuns<'a> {
             Ok(done) => match self.check_inputs(units) {
                 Ok(()) => Ok(Some(done)),
                 Err(changed) => {
-                    // Nobody knows what they were made of.
+                    // Nobody knows which of the inputs the files were made of.
                     done.written.iter().for_each(|path| drop(std::fs::remove_file(path)));
                     Err(changed)
                 }
@@ -354,13 +367,14 @@ impl<'a> UnitRuns<'a> {
         scenes: &'u mut Option<Scenes>,
         units: &'u Units,
     ) -> Result<Given<'u>> {
+        // Scenes are read once the first unit has to run.
         let scenes = match scenes {
             Some(scenes) => scenes,
             None => scenes.insert(self.scenes()?),
         };
         let grid = &units.grid;
         let (own, around, tile) = match part {
-            // Which table it stood in is nothing that its files depend on.
+            // Files do not depend on the table that a UAV was read from.
             Part::Site(site) => {
                 let around = job.plan.sight.box_in_range(std::slice::from_ref(site), grid);
                 (UavsFound { sites: vec![site.clone()], ..UavsFound::default() }, around, None)
@@ -387,7 +401,7 @@ impl<'a> UnitRuns<'a> {
         Ok(Given { uavs: Some(own), scene, grid: Some(grid), tile, unit: None })
     }
 
-    /// Refuses inputs that are not those that the units were told by.
+    /// Refuses inputs that changed since the units were listed.
     fn check_inputs(&self, units: &Units) -> Result<()> {
         if inputs(self.job, false)? == units.files {
             return Ok(());
@@ -395,7 +409,7 @@ impl<'a> UnitRuns<'a> {
         Err(InputError::Changed(self.job.word.display().to_string()).into())
     }
 
-    /// The part of a raster in a box.
+    /// Returns the part of a raster in a box.
     fn part(
         &self,
         (around, grid): (Option<[f64; 4]>, &GeoRef),
@@ -412,9 +426,10 @@ impl<'a> UnitRuns<'a> {
     }
 }
 
-/// Waits until the files of a unit that another process makes are complete, but not for ever.
+/// Waits a limited time until another process has completed the files of a unit.
 fn is_made_by_another(job: &MapJob, hash: &str) -> Result<bool> {
-    /// With a part of them there, and without: names are given one right after the other.
+    /// Limits with some of its files there, and without. Files get their names one right after the
+    /// other.
     const PATIENCE: [Duration; 2] = [Duration::from_secs(10), Duration::from_millis(500)];
     let start = Instant::now();
     loop {
@@ -422,14 +437,14 @@ fn is_made_by_another(job: &MapJob, hash: &str) -> Result<bool> {
         let patience = PATIENCE[usize::from(last != Ok(Found::Some))];
         match last {
             Ok(Found::All) => return Ok(true),
-            // A file that is there may lack for a moment what says what it is.
+            // A new file may lack its origin for a moment, so an error counts only after the limit.
             last if start.elapsed() > patience => return last.map(|_| false),
             _ => std::thread::sleep(Duration::from_millis(20)),
         }
     }
 }
 
-/// Makes the folders that are named after a unit.
+/// Creates the missing folders of a unit's files.
 fn make_folders(job: &MapJob) -> Result<()> {
     for path in job.outputs.iter().chain(&job.curve.outputs) {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists());

@@ -1,7 +1,7 @@
-//! Units of work: what each is asked, what its files are called, what they are made of, and which of them are there.
+//! Units of work: their requests, their file names, their hashes, and the state of their files.
 //!
-//! Schedulers hand units out, and hand them out again. Whatever becomes of a run, a file of a unit is complete or not there, and
-//! says which unit made it.
+//! Schedulers start units, and start them again. Whatever happens to a run, a file of a unit is
+//! complete or absent, and it records which unit made it.
 
 use std::ffi::OsStr;
 use std::io::Read;
@@ -27,21 +27,21 @@ use skyshed_io::Input;
 use skyshed_io::error::WriteFault;
 use skyshed_io::{identity, is_remote};
 
-/// Which files of a unit are there.
+/// State of the files of a unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Found {
     Nothing,
-    /// Some are there, all of them of this unit.
+    /// Some of its files exist, or files beside them; all belong to this unit.
     Some,
-    /// This one is cut short or damaged, and says of no other run that it made it.
+    /// This file is cut short or damaged, and names no other run as its maker.
     Damaged(PathBuf),
     All,
 }
 
-/// What stands for the name of a UAV in the name of a file.
+/// Placeholder for the name of a UAV in the name of a file.
 pub(crate) const SITE: &str = "{site}";
 
-/// One UAV, or one tile.
+/// UAV or tile of a unit.
 #[derive(Debug, Clone)]
 pub(crate) enum Part {
     Site(GivenSite),
@@ -49,7 +49,7 @@ pub(crate) enum Part {
 }
 
 impl Part {
-    /// What it is called: the name of the UAV, or `tile ROW,COL`.
+    /// Returns the name of the UAV, or `tile ROW,COL`.
     pub(crate) fn name(&self) -> String {
         match self {
             Part::Site(site) => site.id.clone(),
@@ -58,17 +58,17 @@ impl Part {
     }
 }
 
-/// A unit of work.
+/// Unit of work.
 pub(crate) struct Unit {
     pub(crate) part: Part,
-    /// What its files are made of, a hash.
+    /// Hash of all that its files depend on.
     pub(crate) hash: String,
-    /// What it is asked, with files of its own.
+    /// Job of this part alone, with files of its own.
     pub(crate) job: MapJob,
 }
 
 impl Unit {
-    /// A part of a job, of the list of all UAVs.
+    /// Returns the unit of a part of a job; `all` are the UAVs of the whole list.
     pub(super) fn of(whole: &MapJob, (part, all): (&Part, &[GivenSite]), inputs: &str) -> Unit {
         let hash = match part {
             Part::Site(site) => unit_of_site(whole, site, inputs),
@@ -97,15 +97,15 @@ impl Unit {
         Unit { part: part.clone(), hash, job }
     }
 
-    /// Which of its files are there.
+    /// Returns the state of its files.
     ///
     /// # Errors
-    /// E106 if one is there that another run made.
+    /// E106 if a file exists that another run made.
     pub(crate) fn found(&self) -> Result<Found> {
         found(&self.job, &self.hash)
     }
 
-    /// What its files say of it: the document of the map.
+    /// Returns the document of the map that its files hold, or that lies beside them.
     pub(crate) fn document(&self) -> Option<Value> {
         let text_of = |path: &PathBuf| {
             let beside = [path.clone(), with_suffix(path, ".json")];
@@ -118,7 +118,7 @@ impl Unit {
             .find(|document: &Value| document.get("sites").is_some())
     }
 
-    /// When the last of its files was written, in seconds since 1970.
+    /// Returns the time of its latest file, in seconds since 1970; 0 without files.
     pub(crate) fn written_at(&self) -> u64 {
         let at = |path: &PathBuf| std::fs::metadata(path).and_then(|metadata| metadata.modified()).ok();
         let last = self.job.outputs.iter().filter_map(at).max();
@@ -127,7 +127,7 @@ impl Unit {
     }
 }
 
-/// Refuses two UAVs of one name, as files have it.
+/// Refuses two UAVs whose names are the same in file names.
 pub(super) fn check_names(sites: &[GivenSite]) -> Result<()> {
     let mut names = std::collections::HashMap::new();
     for site in sites {
@@ -140,12 +140,12 @@ pub(super) fn check_names(sites: &[GivenSite]) -> Result<()> {
     Ok(())
 }
 
-/// Returns the unit of one UAV: a hash of everything that its files depend on.
+/// Returns the hash of one UAV's unit, over all that its files depend on.
 pub(super) fn unit_of_site(job: &MapJob, site: &GivenSite, inputs: &str) -> String {
     unit(job, &json!({ "uav": identity_of(site) }), inputs)
 }
 
-/// Returns the unit of a tile, of the list of all UAVs.
+/// Returns the hash of a tile's unit; `all` are the UAVs of the whole list.
 pub(super) fn unit_of_tile(job: &MapJob, (tile, all): (&Tile, &[GivenSite]), inputs: &str) -> String {
     let own: Vec<Value> = tile.uavs.iter().map(|k| identity_of(&all[*k])).collect();
     let tells_numbers = job.plan.layers.iter().any(|layer| layer.tells_numbers());
@@ -154,27 +154,28 @@ pub(super) fn unit_of_tile(job: &MapJob, (tile, all): (&Tile, &[GivenSite]), inp
     unit(job, &json!({ "tile": [row, col, cells_per_side], "uavs": own, "numbers": numbers }), inputs)
 }
 
-/// Returns the unit of all UAVs together.
+/// Returns the hash of all UAVs together as one unit.
 pub(super) fn unit_of_all(job: &MapJob, inputs: &str) -> String {
     let UavsAsked { typed, skips_bad, shard, .. } = &job.uavs;
     let uavs: Vec<Value> = typed.iter().map(|site| identity_of(&site.clone().into())).collect();
     unit(job, &json!({ "uavs": uavs, "skip_bad": skips_bad, "shard": shard }), inputs)
 }
 
-/// Returns everything that a UAV changes in its files.
+/// Returns all properties of a UAV that its files depend on.
 fn identity_of(given: &GivenSite) -> Value {
     let GivenSite { site: Site { id, x, y, height, antenna }, lonlat } = given;
     let antenna = skyshed_request::Antenna::from(*antenna);
     json!({ "id": id, "x": x, "y": y, "height": height.to_string(), "antenna": antenna, "lonlat": lonlat })
 }
 
-/// Returns the hash of the planned question of a job, of the part that it is asked of, and of its inputs.
+/// Returns the hash of a job's planned question, of its part `part`, and of its inputs.
 ///
-/// Its text is canonical JSON: equal questions have equal hashes, whatever was typed and whatever this program calls its types.
+/// The hashed text is canonical JSON. Equal questions have equal hashes, whatever was typed and
+/// whatever this program calls its types.
 fn unit(job: &MapJob, part: &Value, inputs: &str) -> String {
     let mut question = job.request.question();
     question.uavs = Uavs::default();
-    // Files have many names each; the inputs tell them by one.
+    // A file has many names; the inputs identify it by one.
     if built_up(&job.word).is_none() {
         question.scene = SceneWord::default();
     }
@@ -187,8 +188,8 @@ fn unit(job: &MapJob, part: &Value, inputs: &str) -> String {
     digest_words(hasher)
 }
 
-/// The files that all runs read, told by path, length and time of change; with that of the UAVs where these are not told
-/// one by one.
+/// Returns the identity of the files that all runs read: path, length and time of change.
+/// `with_sites` adds the table of UAVs, for units that do not name each UAV.
 pub(super) fn inputs(job: &MapJob, with_sites: bool) -> Result<String> {
     let mut files = job.inputs.clone();
     let table = job.uavs.table.as_ref().filter(|_| with_sites);
@@ -210,16 +211,16 @@ pub(super) fn inputs(job: &MapJob, with_sites: bool) -> Result<String> {
     Ok(text)
 }
 
-/// Which of the files of a run are there, made by a unit.
+/// Returns the state of the files of a run, as made by the unit `unit`.
 ///
-/// A file appears after what stands beside it, so that one that is there is complete, unless a disk or a copy lost its end;
-/// what stands there alone was left by a run that was killed.
+/// A file appears after the files beside it. So a file that exists is complete, unless a disk or a
+/// copy lost its end. A file beside it that exists alone is left from a killed run.
 ///
 /// # Errors
-/// E106 if one is there that is not of this unit, unless it may be replaced.
+/// E106 if a file exists that is not of this unit, unless it may be replaced.
 pub(super) fn found(job: &MapJob, unit: &str) -> Result<Found> {
     let files: Vec<&PathBuf> = job.outputs.iter().chain(&job.curve.outputs).collect();
-    // A file that was emptied holds nothing of anybody.
+    // An empty file belongs to nobody.
     let is_there =
         |file: &Path| std::fs::metadata(file).is_ok_and(|metadata| metadata.len() > 0 || !metadata.is_file());
     let there: Vec<&PathBuf> = files.iter().copied().filter(|file| is_there(file)).collect();
@@ -244,7 +245,7 @@ pub(super) fn found(job: &MapJob, unit: &str) -> Result<Found> {
         let beside = Format::of(file).map_or_else(|_| Vec::new(), |format| sidecars(file, format, job.save.forms.bare));
         let is_own = |sidecar: &PathBuf| match sidecar.extension() {
             Some(extension) if extension == "json" => holds_in(sidecar, unit),
-            // Files of one stem share what places them.
+            // Files of one stem share the files that georeference them.
             _ => !["tif", "tiff", "asc", "bil", "png", "shp"].iter().any(|other| {
                 let other = file.with_extension(other);
                 other.exists() && !files.contains(&&other)
@@ -259,16 +260,17 @@ pub(super) fn found(job: &MapJob, unit: &str) -> Result<Found> {
     Ok(if is_begun { Found::Some } else { Found::Nothing })
 }
 
-/// Who made a file that is there.
+/// Maker of a file that exists.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Maker {
-    /// The unit, and it is whole.
+    /// The unit; the file is whole.
     Unit,
-    /// The unit, as far as can be told; this, the file or the document beside it, is cut short or damaged.
+    /// The unit, as far as can be known. This file, the output or the document beside it, is cut
+    /// short or damaged.
     Damaged(PathBuf),
     /// Another run of this program.
     AnotherRun,
-    /// Nothing of this program is in it.
+    /// Nobody known: the file holds nothing of this program.
     Nobody,
 }
 
@@ -290,12 +292,13 @@ fn maker_of(file: &Path, unit: &str, is_bare: bool) -> Maker {
     }
 }
 
-/// Whether what is left of a file that does not name `unit`, or of the document beside it, names another one.
+/// Returns `true` if a cut file, or the document beside it, names a unit other than `unit`. The
+/// file does not name `unit` in full.
 fn names_a_unit(file: &Path, unit: &str) -> bool {
-    /// As it stands in JSON, and in that in XML.
+    /// Key in JSON, and in JSON within XML.
     const KEYS: [&str; 2] = ["\"unit\":", "&quot;unit&quot;:"];
     const QUOTES: [&str; 2] = ["\"", "&quot;"];
-    // Where the file ends within the name of its unit, it may be that of any.
+    // A name that the end of the file cuts off may be that of `unit`.
     let is_cut_within = |path: &Path, key: &str| {
         let tail = std::fs::read(path).map(|bytes| bytes[bytes.len().saturating_sub(key.len() + 100)..].to_vec());
         let tail = tail.map(|tail| String::from_utf8_lossy(&tail).into_owned()).unwrap_or_default();
@@ -309,7 +312,7 @@ fn names_a_unit(file: &Path, unit: &str) -> bool {
     [file.to_path_buf(), with_suffix(file, ".json")].iter().any(|path| names_one(path))
 }
 
-/// The files that an input consists of, and what may stand beside them.
+/// Returns the files that an input consists of, and files that may belong to them.
 fn parts_of(input: &Path) -> Vec<PathBuf> {
     let tiles = RasterFile::open(input, &mut Vec::new())
         .map(|file| file.tile_paths().iter().map(|path| path.to_path_buf()).collect::<Vec<_>>());
@@ -322,8 +325,8 @@ fn parts_of(input: &Path) -> Vec<PathBuf> {
     with_others.collect()
 }
 
-/// Whether a text is in what a file, or the document beside it, says of its origin, or among its bytes as they are or as
-/// members of an archive.
+/// Returns `true` if a text occurs in the origin of a file, in the document beside it, in its
+/// bytes, or in a member of an archive.
 fn says(file: &Path, text: &str) -> bool {
     let in_archive = |path: &Path| {
         let archive = std::fs::File::open(path).map_err(zip::result::ZipError::from).and_then(zip::ZipArchive::new);
@@ -337,15 +340,15 @@ fn says(file: &Path, text: &str) -> bool {
         || in_archive(file)
 }
 
-/// Whether a file holds a text.
+/// Returns `true` if a file holds a text.
 fn holds_in(path: &Path, text: &str) -> bool {
     std::fs::File::open(path).is_ok_and(|file| holds(file, text.as_bytes()))
 }
 
-/// Whether bytes are among those of a file.
+/// Returns `true` if a file holds some bytes.
 fn holds(mut file: impl Read, wanted: &[u8]) -> bool {
     const BLOCK: usize = 1 << 20;
-    // The end of each block is looked at again with the next one.
+    // The end of each block is searched again with the next one.
     let mut window = Vec::with_capacity(BLOCK + wanted.len());
     loop {
         let kept = window.len().min(wanted.len() - 1);

@@ -1,36 +1,37 @@
-//! What the engine answers, as the page reads it. Positions are in units of the scene's reference system, names that end in
-//! `_m` in meters.
+//! Answers of the engine, as the page reads them.
+//!
+//! Positions are in units of the scene's reference system. Names that end in `_m` are in meters.
 
 use serde::Serialize;
 
-/// What is said of a scene once it is built.
+/// Description of a scene once it is built.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Opened {
-    /// Whether it has zones.
+    /// `true` if it has zones.
     pub has_zones: bool,
-    /// Whether there are buildings.
+    /// `true` if it has buildings.
     pub has_buildings: bool,
-    /// Whether there are cells without data.
+    /// `true` if it has cells without data.
     pub has_no_data: bool,
 }
 
-/// What was found of a map.
+/// Answer to a map.
 #[derive(Debug, Clone, Serialize)]
 pub struct Mapped {
-    /// UAV by UAV.
+    /// Answers by UAV.
     pub uavs: Vec<Seen>,
-    /// All together.
+    /// All UAVs together.
     pub all: Together,
-    /// Whether the picture has cells out of range.
+    /// `true` if the picture has cells out of range.
     pub has_out_of_range: bool,
 }
 
-/// What one UAV sees.
+/// Coverage by one UAV.
 #[derive(Debug, Clone, Serialize)]
 #[serde(untagged)]
 #[expect(missing_docs, reason = "named as in the program's documents")]
 pub enum Seen {
-    /// Where it hovers, and how many receivers it sees.
+    /// Position of the UAV, and the receivers that it sees.
     Found {
         ok: True,
         amsl_m: f64,
@@ -41,13 +42,14 @@ pub enum Seen {
         receivers: u64,
         los: u64,
         p_los: Option<f64>,
-        /// Why there is no P_LoS though there are receivers.
+        /// Reason why there is no P_LoS though there are receivers.
         reason: Option<&'static str>,
-        /// Receivers that are surely in line of sight, and those that hang on heights, where these may be off.
+        /// Receivers that are surely in line of sight, and receivers that depend on the heights of
+        /// buildings; `None` without an error of heights.
         sure: Option<[u64; 2]>,
         zones: Option<ByZone>,
     },
-    /// Why it cannot hover there, and from which height on it could.
+    /// Reason why the UAV cannot hover there, and the lowest height at which it could.
     Refused { ok: False, code: String, words: String, lowest_amsl_m: Option<f64> },
 }
 
@@ -61,7 +63,7 @@ pub struct ByZone {
     pub rooftop: Counts,
 }
 
-/// Receivers, and those in line of sight.
+/// Receivers in range, and receivers in line of sight.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 #[expect(missing_docs, reason = "as the type says")]
 pub struct Counts {
@@ -69,20 +71,20 @@ pub struct Counts {
     pub los: u64,
 }
 
-/// What all UAVs see together.
+/// Coverage by all UAVs together.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Together {
-    /// Receivers of any.
+    /// Receivers in range of any UAV.
     pub receivers: u64,
-    /// Receivers that any sees.
+    /// Receivers that any UAV sees.
     pub los: u64,
-    /// Receivers that exactly 0, 1, 2, … see.
+    /// Number of receivers that exactly 0, 1, 2, … UAVs see.
     pub seen_by: Vec<u64>,
-    /// Why there is no P_LoS though there are receivers.
+    /// Reason why there is no P_LoS though there are receivers.
     pub reason: Option<&'static str>,
 }
 
-/// A cell.
+/// Facts about a cell.
 #[derive(Debug, Clone, Serialize)]
 #[expect(missing_docs, reason = "named as in the program's documents")]
 pub struct CellFacts {
@@ -93,17 +95,18 @@ pub struct CellFacts {
     pub roof_m: Option<f64>,
     pub kind: &'static str,
     pub zone: Option<&'static str>,
-    /// Whether each UAV of the last map sees its receiver; null without one in range.
+    /// `true` for each UAV of the last map that sees the cell's receiver; null without one in
+    /// range.
     pub sees: Vec<Option<bool>>,
     pub margin_m: Option<f64>,
 }
 
-/// A link.
+/// Facts about a link.
 #[derive(Debug, Clone, Serialize)]
 #[serde(untagged)]
 #[expect(missing_docs, reason = "named as in the program's documents")]
 pub enum LinkFacts {
-    /// Decided.
+    /// The link is decided.
     Found {
         ok: True,
         los: bool,
@@ -113,14 +116,14 @@ pub enum LinkFacts {
         uav: End,
         receiver: End,
         obstruction: Option<Obstruction>,
-        /// Ground and roofs below it; distances count from the UAV.
+        /// Ground and roofs below the link; distances count from the UAV.
         steps: Vec<Step>,
     },
-    /// There is no receiver, or no UAV.
+    /// The link lacks a receiver or a UAV.
     Refused { ok: False, words: String },
 }
 
-/// An end of a link.
+/// End of a link.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[expect(missing_docs, reason = "named as in the program's documents")]
 pub struct End {
@@ -129,7 +132,7 @@ pub struct End {
     pub amsl_m: f64,
 }
 
-/// What stands in the way of a link.
+/// Obstacle of a link.
 #[derive(Debug, Clone, Serialize)]
 #[expect(missing_docs, reason = "named as in the program's documents")]
 pub struct Obstruction {
@@ -141,7 +144,7 @@ pub struct Obstruction {
     pub roof_height_m: Option<f64>,
 }
 
-/// A stretch below a link, with its heights where it starts and where it ends.
+/// Stretch below a link, with the heights at its start and at its end.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[expect(missing_docs, reason = "named as in the program's documents")]
 pub struct Step {
@@ -151,31 +154,32 @@ pub struct Step {
     pub kind: &'static str,
 }
 
-/// P_LoS against height, or how far it is.
+/// P_LoS against height, or the progress of its making.
 #[derive(Debug, Clone, Serialize)]
 #[serde(untagged)]
 #[expect(missing_docs, reason = "named as in the program's documents")]
 pub enum CurveFacts {
-    /// How much is done.
+    /// Share of the rows that is done.
     Going { share: f64 },
-    /// Heights above the datum at which receivers come into sight, with the number in sight from there up.
+    /// Heights above the datum at which receivers come into sight, with the number in sight from
+    /// there up.
     Done { done: True, receivers: u64, ground_m: Option<f64>, lowest_m: f64, heights_m: Vec<f64>, los: Vec<u64> },
 }
 
-/// The best place so far.
+/// Best place so far.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct BestFacts {
-    /// How much is done.
+    /// Share of the places that is done.
     pub share: f64,
-    /// Places that were tried and where the UAV can hover.
+    /// Number of places tried at which the UAV can hover.
     pub tried: usize,
-    /// The best of them.
+    /// Best of these places.
     pub best: Option<BestPlace>,
-    /// Whether there is nothing left to try.
+    /// `true` if no place is left to try.
     pub done: bool,
 }
 
-/// A place and what a UAV there sees.
+/// Place, with the counts of a UAV there.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[expect(missing_docs, reason = "named as in the program's documents")]
 pub struct BestPlace {
@@ -185,12 +189,13 @@ pub struct BestPlace {
     pub receivers: u64,
 }
 
-/// One set of UAVs against another.
+/// One set of UAVs, compared with another.
 #[derive(Debug, Clone, Serialize)]
 #[serde(untagged)]
 #[expect(missing_docs, reason = "named as in the program's documents")]
 pub enum ComparedFacts {
-    /// Cells in sight here and not there are gained, the reverse are lost. `reason` says why there is no P_LoS.
+    /// Cells in sight here and not there are gained; the reverse are lost. `reason` says why there
+    /// is no P_LoS.
     Found {
         ok: True,
         receivers: u64,
@@ -200,7 +205,7 @@ pub enum ComparedFacts {
         gained: u64,
         lost: u64,
     },
-    /// A UAV cannot hover there.
+    /// A UAV of the set cannot hover at its place.
     Refused { ok: False, words: String },
 }
 

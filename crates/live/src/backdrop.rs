@@ -1,7 +1,7 @@
-//! What lies below the mask: one byte a cell, which the page colors.
+//! Backdrop of the mask: one byte per cell, which the page colors.
 //!
-//! 0 is no data. 1 to 127 is open ground, 64 level, lower ones turned from the light. 128 to 255 is a building, from light
-//! and low to dark and tall, with its walls in light and shade.
+//! 0 is no data. 1 to 127 is open ground: 64 is level, lower values face away from the light. 128
+//! to 255 is a building, from light and low to dark and tall, with its walls in light and shade.
 
 use skyshed_core::height_field::HeightField;
 use skyshed_core::raster::Surface;
@@ -9,7 +9,7 @@ use skyshed_core::raster::Surface;
 /// Strength of the light on a building's tone.
 const RELIEF: f64 = 0.35;
 
-/// The backdrop of a scene.
+/// Returns the backdrop of a scene.
 pub(crate) fn backdrop(field: &HeightField) -> Vec<u8> {
     let grid = field.grid();
     let heights = field.above_ground_m();
@@ -41,9 +41,9 @@ pub(crate) fn backdrop(field: &HeightField) -> Vec<u8> {
     tones
 }
 
-/// The heights between which most buildings lie \[m\].
+/// Returns the heights between which most buildings lie \[m\].
 fn usual_heights(heights: &[f32], is_building: impl Fn(usize, usize) -> bool, n_cols: usize) -> (f64, f64) {
-    // A step without small factors does not fall into the rhythm of rows.
+    // An odd step has no factor of two in common with the length of a row.
     let step = (heights.len() / 200_000).max(1) | 1;
     let cells = (0..heights.len()).step_by(step).filter(|cell| is_building(cell / n_cols, cell % n_cols));
     let mut found: Vec<f32> = cells.map(|cell| heights[cell]).filter(|height| height.is_finite()).collect();
@@ -54,7 +54,7 @@ fn usual_heights(heights: &[f32], is_building: impl Fn(usize, usize) -> bool, n_
     (f64::from(*low), f64::from(*high).max(f64::from(*low) + 1.0))
 }
 
-/// A number rounded to 0 to `most`.
+/// Returns a number rounded and limited to 0 to `most`.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
 fn byte(value: f64, most: u8) -> u8 {
     value.round().clamp(0.0, f64::from(most)) as u8

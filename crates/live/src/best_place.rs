@@ -1,4 +1,4 @@
-//! The best place near a UAV: places on a square grid within a circle, tried one by one.
+//! Best place near a UAV: places on a square grid within a circle, tried one by one.
 
 use skyshed_core::coverage::{self, HoversOver, Mapper};
 use skyshed_core::height_field::HeightField;
@@ -6,10 +6,10 @@ use skyshed_core::height_field::HeightField;
 use crate::answers::{BestFacts, BestPlace};
 use crate::questions::Uav;
 
-/// About how many places are tried.
+/// Approximate number of places that are tried.
 const N_PLACES: f64 = 400.0;
 
-/// A search that goes on place by place.
+/// Search that continues place by place.
 #[derive(Debug)]
 pub(crate) struct Search {
     uav: Uav,
@@ -20,8 +20,8 @@ pub(crate) struct Search {
 }
 
 impl Search {
-    /// Around a UAV, which is the first place that is tried. `radius` is in units of the scene's reference system, `cell`
-    /// the least distance between places.
+    /// Begins a search around a UAV, whose own place is tried first. `radius` is in units of the
+    /// scene's reference system; `cell` is the least distance between places.
     pub(crate) fn around(uav: &Uav, radius: f64, cell: f64) -> Search {
         let spacing = (radius * (std::f64::consts::PI / N_PLACES).sqrt()).max(cell);
         #[expect(clippy::cast_possible_truncation, reason = "some ten steps")]
@@ -39,7 +39,7 @@ impl Search {
             self.next += 1;
             let site = Uav { x, y, ..self.uav.clone() }.site();
             let is_over_grid = field.grid().cell_at(x, y).is_some();
-            // A place over no data has no share that could be compared.
+            // A place over no data has no share to compare.
             let is_place = |uav: &coverage::Uav| is_over_grid && uav.placement != HoversOver::Nodata;
             if let Some(uav) = coverage::Uav::place(&site, field, radius).ok().filter(is_place) {
                 self.tried += 1;

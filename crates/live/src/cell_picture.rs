@@ -1,18 +1,19 @@
-//! Pictures of cells from sets of them: a class for each cell, or how many UAVs see it, or which.
+//! Pictures of cells from sets of them: a class for each cell, the number of UAVs that see it, or
+//! which of them.
 //!
-//! PERF: a map that follows the pointer is copied once and then changed eight cells at a time, where a set has any. That takes
-//! a tenth of what deciding each cell anew would.
+//! PERF: a map that follows the pointer is copied once and then changed eight cells at a time,
+//! where a set has any. That takes a tenth of the time of deciding each cell anew.
 
 use skyshed_core::coverage::{Sure, class};
 use skyshed_core::height_field::HeightField;
 use skyshed_core::raster::BitGrid;
 
-/// Pictures of counts and of who sees a cell begin here; classes are below.
+/// First value of pictures of counts and of who sees a cell; classes are below.
 pub(crate) const FIRST_COUNT: u8 = 16;
-/// The class of receivers that hang on heights of buildings.
+/// Class of receivers that depend on the heights of buildings.
 const UNSURE: u8 = 15;
 
-/// For each byte of a set, ones in the bytes of the cells that are in it.
+/// For each byte of a set, ones in the bytes of the cells that are in the set.
 const ONES: [u64; 256] = {
     let mut ones = [0; 256];
     let mut byte = 0;
@@ -27,16 +28,16 @@ const ONES: [u64; 256] = {
     ones
 };
 
-/// What each cell is before anybody is seen.
+/// Class of each cell before any is seen.
 #[derive(Debug)]
 pub(crate) struct CellPicture {
     n_cols: usize,
-    /// NLoS for receivers, not a receiver for other cells with data, nodata.
+    /// NLoS for receivers, not a receiver for other cells with data, else nodata.
     classes: Vec<u8>,
 }
 
 impl CellPicture {
-    /// Of a scene with these receivers.
+    /// Returns the picture of a scene with these receivers.
     pub(crate) fn new(field: &HeightField, receivers: &BitGrid) -> Self {
         let grid = field.grid();
         let mut picture = CellPicture { n_cols: grid.n_cols(), classes: vec![class::NODATA; grid.n_cells()] };
@@ -48,21 +49,23 @@ impl CellPicture {
         picture
     }
 
-    /// The mask of what is seen: in line of sight, not, not a receiver, out of range (beyond `in_range`, if there is a limit),
-    /// no data.
+    /// Writes the mask of the cells in line of sight. Other cells are NLoS, not a receiver, out of
+    /// range (beyond `in_range`, if there is a limit) or without data.
     pub(crate) fn mask(&self, out: &mut Vec<u8>, los: &BitGrid, in_range: Option<&BitGrid>) {
         self.begin(out, in_range);
         self.add(out, los, class::LOS - class::NLOS);
     }
 
-    /// Marks the receivers of a mask that are in line of sight for some heights of buildings and not for others.
+    /// Marks the receivers of a mask that are in line of sight for some heights of buildings and
+    /// not for others.
     pub(crate) fn unsure(&self, out: &mut [u8], sure: &Sure) {
         let mut unsure = sure.possibly.clone();
         unsure.words_mut().iter_mut().zip(sure.surely.words()).for_each(|(unsure, surely)| *unsure &= !surely);
         self.set(out, &unsure, UNSURE);
     }
 
-    /// How many of some sets each receiver in range is in, from [`FIRST_COUNT`] up; other cells keep their class.
+    /// Writes the number of sets that each receiver in range is in, from [`FIRST_COUNT`] up. Other
+    /// cells keep their class.
     pub(crate) fn counts<'a>(
         &self,
         out: &mut Vec<u8>,
@@ -78,8 +81,9 @@ impl CellPicture {
         sets.for_each(|set| self.add(out, set, 1));
     }
 
-    /// Which of up to four sets each receiver in range is in: [`FIRST_COUNT`] for none, then only the first and so on, after
-    /// these several; other cells keep their class.
+    /// Writes the sets, of up to four, that each receiver in range is in. [`FIRST_COUNT`] means
+    /// none. The values 1 to 4 above it mean only that set; 5 above it means several. Other cells
+    /// keep their class.
     pub(crate) fn who(&self, out: &mut Vec<u8>, receivers: &BitGrid, sets: &[&BitGrid], in_range: Option<&BitGrid>) {
         self.counts(out, receivers, std::iter::empty(), in_range);
         for (k, set) in sets.iter().enumerate() {
@@ -104,7 +108,7 @@ impl CellPicture {
         let Some(in_range) = in_range else { return };
         let mut beyond = BitGrid::full(in_range.n_rows(), in_range.n_cols());
         beyond.words_mut().iter_mut().zip(in_range.words()).for_each(|(beyond, within)| *beyond &= !within);
-        // Where there are no data there is no range either.
+        // Cells without data stay without data beyond the range.
         for (row, col) in beyond.clone().cells().filter(|(row, col)| out[row * self.n_cols + col] == class::NODATA) {
             beyond.set(row, col, false);
         }
@@ -122,7 +126,8 @@ impl CellPicture {
         self.each_eight(out, set, fill, |cell| *cell = class);
     }
 
-    /// Changes the cells of a set: eight at a time, given ones where they are in it, and those at the end of a row alone.
+    /// Changes the cells of a set. Eight cells change at a time, given ones for the cells that are
+    /// in the set; cells at the end of a row change alone.
     fn each_eight(
         &self,
         out: &mut [u8],
@@ -149,11 +154,12 @@ impl CellPicture {
     }
 }
 
-/// How many cells of `of` are in exactly 0, 1, 2, … of some sets, by adding 64 cells at a time bit by bit.
+/// Returns the numbers of cells of `of` that are in exactly 0, 1, 2, … of some sets. It adds 64
+/// cells at a time, bit by bit.
 pub(crate) fn seen_by(of: &BitGrid, sets: &[&BitGrid]) -> Vec<u64> {
     let mut counts = vec![0; sets.len() + 1];
     for (k, of) in of.words().iter().enumerate().filter(|(_, of)| **of != 0) {
-        // Digit by digit, how many sets each of 64 cells is in.
+        // Number of sets that each of 64 cells is in, digit by digit.
         let mut digits = [0_u64; 6];
         for set in sets {
             let mut carry = set.words()[k];

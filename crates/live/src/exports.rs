@@ -1,7 +1,8 @@
-//! The engine in a page: bytes and questions go in, answers and pictures lie in memory.
+//! Exports of the engine to a page: bytes and questions go in, answers and pictures lie in memory.
 //!
-//! The caller writes bytes where [`input`] points, and calls [`open`] or [`ask`]; both return 0, or 1 after a failure, and
-//! leave words where [`answer`] points: JSON, or what went wrong. The next call may move everything.
+//! The caller writes bytes at the address that [`input`] returns, and calls [`open`] or [`ask`].
+//! Both return 0, or 1 after a failure. They leave text at the address of [`answer`]: JSON, or the
+//! error. The next call may move everything.
 
 #![allow(unsafe_code, reason = "functions are exported by name, which counts as unsafe; there is no unsafe block")]
 
@@ -11,7 +12,7 @@ use serde_json::Value;
 
 use crate::Engine;
 
-/// What is kept from one call to the next.
+/// State between one call and the next.
 #[derive(Default)]
 struct Held {
     input: Vec<u8>,
@@ -38,7 +39,7 @@ impl Held {
         self.engine.as_mut().ok_or("no scene is open")?.answer(question)
     }
 
-    /// The number that a call returns; its words are kept for [`answer`].
+    /// Keeps the text of a call for [`answer`], and returns the call's code.
     fn code_of(&mut self, done: Result<Value, String>) -> u32 {
         let code = u32::from(done.is_err());
         self.answer = done.map_or_else(|words| words, |value| value.to_string());
@@ -46,7 +47,7 @@ impl Held {
     }
 }
 
-/// Points at room for bytes that are handed over.
+/// Returns the address of room for `n_bytes` bytes of input.
 #[unsafe(no_mangle)]
 pub extern "C" fn input(n_bytes: usize) -> *mut u8 {
     HELD.with_borrow_mut(|held| {
@@ -55,7 +56,7 @@ pub extern "C" fn input(n_bytes: usize) -> *mut u8 {
     })
 }
 
-/// Builds the scene of the packed bytes that were handed over.
+/// Builds the scene from the packed bytes of the input.
 #[unsafe(no_mangle)]
 pub extern "C" fn open() -> u32 {
     HELD.with_borrow_mut(|held| {
@@ -64,7 +65,7 @@ pub extern "C" fn open() -> u32 {
     })
 }
 
-/// Answers the question that was handed over, in JSON.
+/// Answers the question in the input, which is JSON.
 #[unsafe(no_mangle)]
 pub extern "C" fn ask() -> u32 {
     HELD.with_borrow_mut(|held| {
@@ -73,37 +74,37 @@ pub extern "C" fn ask() -> u32 {
     })
 }
 
-/// Points at the words of the last call (UTF-8).
+/// Returns the address of the text of the last call (UTF-8).
 #[unsafe(no_mangle)]
 pub extern "C" fn answer() -> *const u8 {
     HELD.with_borrow(|held| held.answer.as_ptr())
 }
 
-/// Length of these words \[bytes\].
+/// Returns the length of this text \[bytes\].
 #[unsafe(no_mangle)]
 pub extern "C" fn answer_length() -> usize {
     HELD.with_borrow(|held| held.answer.len())
 }
 
-/// Points at the picture of the last question: a byte for each cell, north row first.
+/// Returns the address of the picture of the last question: a byte for each cell, north row first.
 #[unsafe(no_mangle)]
 pub extern "C" fn picture() -> *const u8 {
     HELD.with_borrow(|held| held.engine.as_ref().map_or(std::ptr::null(), |engine| engine.picture().as_ptr()))
 }
 
-/// Its length \[bytes\]; 0 where there is none.
+/// Returns the length of the picture \[bytes\]; 0 if there is none.
 #[unsafe(no_mangle)]
 pub extern "C" fn picture_length() -> usize {
     HELD.with_borrow(|held| held.engine.as_ref().map_or(0, |engine| engine.picture().len()))
 }
 
-/// Points at what lies below the mask, as long as the grid has cells.
+/// Returns the address of the backdrop of the mask, a byte for each cell.
 #[unsafe(no_mangle)]
 pub extern "C" fn backdrop() -> *const u8 {
     HELD.with_borrow(|held| held.backdrop.as_ptr())
 }
 
-/// Its length \[bytes\].
+/// Returns the length of the backdrop \[bytes\].
 #[unsafe(no_mangle)]
 pub extern "C" fn backdrop_length() -> usize {
     HELD.with_borrow(|held| held.backdrop.len())

@@ -1,8 +1,11 @@
-//! A city as bytes: what a page carries, and its engine builds again.
+//! City as bytes: the page carries them, and its engine builds the city from them.
 //!
-//! A city is packed as it was read, on the lattice, before it is made ready for rays: so the page and the program build the
-//! same height field. Numbers are laid out for a compressor that knows nothing of them: a height is its difference from what
-//! its neighbors predict, and the first bytes of all heights stand together, then the second ones.
+//! A city is packed as it was read, on the lattice, before it is made ready for rays. So the page
+//! and the program build the same height field.
+//!
+//! Numbers are laid out for a general compressor. A height is stored as its difference from the
+//! value that its neighbors predict. The first bytes of all heights come first, then all second
+//! bytes, and so on.
 
 use std::fmt;
 
@@ -13,15 +16,15 @@ use skyshed_core::height_field::MAX_ROOF_STEPS;
 use skyshed_core::quantity::Frame;
 use skyshed_core::raster::{BitGrid, Crs, CrsDefinition, CrsKind, GeoRef, Raster};
 
-/// The first bytes; the number grows whenever the others change.
+/// First bytes; the number grows whenever the format changes.
 const MAGIC: &[u8] = b"skyshed scene 2\n";
 
-/// The most cells that a page holds: 16 million, of 4096 × 4096.
+/// Largest number of cells that a page holds: 16 million, or 4096 × 4096.
 pub const MOST_CELLS: usize = 1 << 24;
-/// The most footprints.
+/// Largest number of footprints that a page holds.
 pub const MOST_FOOTPRINTS: usize = 300_000;
 
-/// Whether a page can hold a city.
+/// Returns `true` if a page can hold a city.
 pub fn is_small_enough(grid: &GeoRef, solids: &Solids) -> bool {
     let n_footprints = match solids {
         Solids::Vector { footprints, .. } => footprints.len(),
@@ -30,18 +33,19 @@ pub fn is_small_enough(grid: &GeoRef, solids: &Solids) -> bool {
     grid.n_cells() <= MOST_CELLS && n_footprints <= MOST_FOOTPRINTS
 }
 
-/// A city of a page: what engines need of it.
+/// City of a page, with all that engines need of it.
 #[derive(Debug, Clone)]
 pub struct PackedCity {
-    /// The grid of receivers.
+    /// Grid of receivers.
     pub grid: GeoRef,
-    /// What stands in the way.
+    /// Solids that block rays.
     pub solids: Solids,
-    /// The zones of its open ground, where it has any: found by the program, since that takes longer than building all else.
+    /// Zones of its open ground, if it has any. The program finds them, since that takes longer
+    /// than building all else.
     pub zones: Option<PackedZones>,
 }
 
-/// Bytes that are no packed city.
+/// Error of bytes that are no packed city.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NotPacked;
 
@@ -94,7 +98,7 @@ pub fn pack(grid: &GeoRef, solids: &Solids, zones: Option<&PackedZones>) -> Vec<
 /// Unpacks a city.
 ///
 /// # Errors
-/// If the bytes are not those of a packed city.
+/// [`NotPacked`] if the bytes are not those of a packed city.
 pub fn unpack(bytes: &[u8]) -> Result<PackedCity, NotPacked> {
     let mut read = In(bytes.strip_prefix(MAGIC).ok_or(NotPacked)?);
     let grid = read.grid()?;
@@ -136,8 +140,8 @@ pub fn unpack(bytes: &[u8]) -> Result<PackedCity, NotPacked> {
     Ok(PackedCity { grid, solids, zones })
 }
 
-/// What the height of a cell is expected to be from those west, north and north-west of it: the middle one of west, north
-/// and the plane through all three.
+/// Predicts the height of a cell from the cells west, north and north-west of it. The result is the
+/// median of west, north, and the plane through all three.
 ///
 /// # References
 /// Martucci 1990; the predictor of JPEG-LS.
@@ -152,7 +156,7 @@ fn expected(west: i32, north: i32, north_west: i32) -> i32 {
     }
 }
 
-/// Goes through cells row by row with what each is expected to be, given those before it.
+/// Visits cells row by row, each with the height predicted from the cells before it.
 fn for_each_expected(cells: &mut [i32], n_cols: usize, mut each: impl FnMut(&mut i32, i32)) {
     for i in 0..cells.len() {
         let (has_west, has_north) = (i % n_cols > 0, i >= n_cols);
@@ -166,7 +170,7 @@ fn for_each_expected(cells: &mut [i32], n_cols: usize, mut each: impl FnMut(&mut
     }
 }
 
-/// Small numbers of either sign as small numbers.
+/// Maps small numbers of either sign to small numbers.
 fn zigzag(v: i32) -> u32 {
     (v << 1 ^ v >> 31).cast_unsigned()
 }
@@ -175,7 +179,7 @@ fn unzigzag(v: u32) -> i32 {
     (v >> 1).cast_signed() ^ -(v & 1).cast_signed()
 }
 
-/// Bytes to write to.
+/// Bytes that are written.
 struct Out(Vec<u8>);
 
 impl Out {
@@ -183,7 +187,7 @@ impl Out {
         self.0.extend(v.to_le_bytes());
     }
 
-    /// A whole number, in as many bytes as it needs.
+    /// Writes a whole number, in as many bytes as it needs.
     fn count(&mut self, mut v: u64) {
         while v >= 0x80 {
             self.0.push(v.to_le_bytes()[0] | 0x80);
@@ -241,14 +245,15 @@ impl Out {
         self.bytes_apart(&differences);
     }
 
-    /// All first bytes, then all second ones, and so on.
+    /// Writes all first bytes, then all second ones, and so on.
     fn bytes_apart(&mut self, values: &[u32]) {
         for k in 0..4 {
             self.0.extend(values.iter().map(|v| v.to_le_bytes()[k]));
         }
     }
 
-    /// Kind by kind: ids, numbers of polygons, rings and points, corners, tops and bases, and triangles of roofs with their corners.
+    /// Writes footprints kind by kind: ids, numbers of polygons, rings and points, corners, tops
+    /// and bases, then triangles of roofs with their corners.
     fn footprints(&mut self, footprints: &[Footprint]) {
         self.list(footprints, |out, f| out.list(f.id.as_bytes(), |out, byte| out.0.push(*byte)));
         footprints.iter().for_each(|f| {
@@ -275,7 +280,7 @@ impl Out {
     }
 }
 
-/// Bytes to read from.
+/// Bytes that are read.
 struct In<'a>(&'a [u8]);
 
 impl In<'_> {
@@ -309,7 +314,7 @@ impl In<'_> {
         Err(NotPacked)
     }
 
-    /// A number of things of which each takes a byte or more.
+    /// Reads the number of items in a list, of which each takes a byte or more.
     fn length(&mut self) -> Result<usize, NotPacked> {
         let n = self.count()?;
         usize::try_from(n).ok().filter(|n| *n <= self.0.len()).ok_or(NotPacked)
@@ -340,7 +345,7 @@ impl In<'_> {
             [self.real()?, self.real()?, self.real()?, self.real()?, self.real()?];
         let of_usize = |n: u64| usize::try_from(n).map_err(|_| NotPacked);
         let shape = (of_usize(self.count()?)?, of_usize(self.count()?)?);
-        // Of a reference system, engines want the length of its unit alone.
+        // Engines need no more of a reference system than the length of its unit.
         let crs = Crs::new(None, "", CrsKind::Projected { meters_per_unit }, CrsDefinition::Described);
         GeoRef::new((x_min, y_max), (width, height), shape, Some(crs)).ok_or(NotPacked)
     }
@@ -415,7 +420,7 @@ impl In<'_> {
     }
 }
 
-/// Whether corners can be those of a triangle of a roof.
+/// Returns `true` if corners can belong to a triangle of a roof.
 fn is_roof([a, b, c]: &RoofTriangle) -> bool {
     let side = |from: &[i32; 3], to: &[i32; 3], axis: usize| i64::from(to[axis]) - i64::from(from[axis]);
     let heights = [a[2], b[2], c[2]];
@@ -477,7 +482,7 @@ mod tests {
             let bytes = pack(&grid, &solids, Some(&zones));
             let found = unpack(&bytes).expect("it is packed");
             assert!(found.grid.same_grid(&grid) && found.zones.as_ref() == Some(&zones));
-            // Reference systems are not kept but for the length of their unit.
+            // Of a reference system, only the length of its unit is kept.
             assert_eq!(pack(&found.grid, &found.solids, found.zones.as_ref()), bytes);
             let words = |solids: &Solids| match solids {
                 Solids::Raster { surface, ground, building_threshold, voids } => {
@@ -492,7 +497,7 @@ mod tests {
                 }
             };
             assert_eq!(words(&found.solids), words(&solids));
-            // What was cut off anywhere is damaged, not a panic.
+            // Bytes that are cut off anywhere are refused without a panic.
             (0..bytes.len()).for_each(|n| assert!(unpack(&bytes[..n]).is_err(), "{n}"));
         }
     }

@@ -1,11 +1,12 @@
-//! The zones of a city as runs: what a page carries of them.
+//! Zones of a city as runs, as a page carries them.
 
 use skyshed_core::raster::BitGrid;
 
-/// The zones of a scene whose open cells are known.
+/// Zones of a scene whose open cells are known.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PackedZones {
-    /// Runs of cells whose zone is as expected, each with the code of the cell after it.
+    /// Lengths of runs of cells whose zone is as expected, each with the code of the cell after the
+    /// run.
     pub(crate) runs: Vec<(u64, u8)>,
 }
 
@@ -24,7 +25,7 @@ impl PackedZones {
         packed
     }
 
-    /// The codes of the open cells; other cells have 0.
+    /// Returns the codes of the open cells; other cells have 0.
     pub fn codes(&self, open: &BitGrid) -> Vec<u8> {
         let mut codes = vec![0; open.n_rows() * open.n_cols()];
         let mut runs = self.runs.iter().copied();
@@ -47,7 +48,8 @@ impl PackedZones {
     }
 }
 
-/// Goes through open cells row by row with the zone that each is expected to be of: that to the north, else that to the west.
+/// Visits open cells row by row, each with its expected zone: the zone of the cell to the north,
+/// else of the cell to the west.
 fn for_each_open(codes: &mut [u8], open: &BitGrid, mut each: impl FnMut(&mut u8, u8)) {
     let n_cols = open.n_cols();
     for (row, col) in open.cells() {

@@ -1,4 +1,6 @@
-//! What the page asks. Positions are in units of the scene's reference system, names that end in `_m` in meters.
+//! Questions of the page.
+//!
+//! Positions are in units of the scene's reference system. Names that end in `_m` are in meters.
 
 use serde::{Deserialize, Serialize};
 use skyshed_core::city::{Antenna, Site};
@@ -10,85 +12,85 @@ use skyshed_core::quantity::Height;
 #[derive(Debug, Clone, Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case")]
 pub enum Question {
-    /// Coverage of some UAVs.
+    /// Coverage by some UAVs.
     Map {
-        /// They, in order.
+        /// UAVs, in order.
         uavs: Vec<Uav>,
-        /// For whom.
+        /// Receivers, range, antennas and earth.
         sight: Sight,
-        /// What the picture shows.
+        /// Layer that the picture shows.
         shown: Shown,
     },
-    /// The digest of the masks of the last map, or of one of them.
+    /// Digest of the masks of the last map, or of one of them.
     Digest {
-        /// Which UAV; all without one.
+        /// Index of the UAV; all without one.
         #[serde(default)]
         which: Option<usize>,
     },
-    /// What was typed into a field, read as the program reads its command line; nothing changes. A number is to go with all
-    /// others of the last map.
+    /// Text of a field, read as the program reads its command line; nothing changes. A number has
+    /// to fit all others of the last map.
     Read {
-        /// Which.
+        /// Field.
         field: Field,
-        /// What was typed.
+        /// Text as typed.
         text: String,
-        /// East of the UAV that a height is to be of.
+        /// East of the UAV whose height is read.
         x: f64,
-        /// North of it.
+        /// North of this UAV.
         y: f64,
     },
-    /// What is at a position.
+    /// Facts about a cell, given by a position.
     Cell {
         /// East.
         x: f64,
         /// North.
         y: f64,
-        /// Whose margin, by its place in the last map.
+        /// Index in the last map of the UAV whose margin is returned.
         which: usize,
     },
-    /// The link to the receiver of the cell at a position.
+    /// Link to the receiver of the cell at a position.
     Link {
-        /// Which UAV of the last map.
+        /// Index of the UAV in the last map.
         which: usize,
         /// East.
         x: f64,
         /// North.
         y: f64,
     },
-    /// Begins P_LoS against the height of a UAV of the last map; `curve_rows` goes on.
+    /// Begins P_LoS against the height of a UAV of the last map; `curve_rows` continues.
     Curve {
-        /// Which.
+        /// Index of the UAV.
         which: usize,
     },
-    /// Goes on with the curve by so many rows.
+    /// Continues the curve by some rows.
     CurveRows {
-        /// How many.
+        /// Number of rows.
         rows: usize,
     },
-    /// Begins to look for the best place around a UAV of the last map; `best_next` goes on.
+    /// Begins the search for the best place around a UAV of the last map; `best_next` continues.
     Best {
-        /// Which.
+        /// Index of the UAV.
         which: usize,
-        /// How far around it.
+        /// Radius of the search.
         radius_m: f64,
     },
-    /// Goes on with the next place.
+    /// Continues with the next place.
     BestNext,
-    /// What several sets of UAVs see together, against one of them.
+    /// Comparison of several sets of UAVs with one of them.
     Compare {
-        /// The sets.
+        /// Sets of UAVs.
         kept: Vec<Kept>,
-        /// The one that others are held against.
+        /// Index of the set that all are compared with.
         base: usize,
     },
-    /// The mask of a UAV of the last map, or of all together, as the picture.
+    /// Mask of a UAV of the last map, or of all together, as the picture.
     Mask {
-        /// Which.
+        /// Index of the UAV; all without one.
         which: Option<usize>,
     },
 }
 
-/// A field of the page for a height, a number or two.
+/// Field of the page for a height, a number or two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[expect(missing_docs, reason = "as the program calls them")]
@@ -102,48 +104,48 @@ pub enum Field {
     Beam,
     EarthK,
     HeightError,
-    /// How far around a UAV the best place is looked for.
+    /// Radius of the search for the best place around a UAV.
     SearchRadius,
 }
 
-/// A UAV as the page knows it.
+/// UAV as the page knows it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Uav {
-    /// Its name.
+    /// Name.
     pub id: String,
     /// East.
     pub x: f64,
     /// North.
     pub y: f64,
-    /// Its height.
+    /// Height.
     pub height: AskedHeight,
 }
 
 impl Uav {
-    /// As the engines know it.
+    /// Returns the site of the UAV, as engines know it.
     pub(crate) fn site(&self) -> Site {
         Site::new(self.id.clone(), (self.x, self.y), self.height.into())
     }
 }
 
-/// A height, and what it is above.
+/// Height, with the level that it is above.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct AskedHeight {
-    /// What it is above.
+    /// Level that it is above.
     pub kind: HeightKind,
-    /// How high \[m\].
+    /// Height above this level \[m\].
     pub m: f64,
 }
 
-/// What a height is above.
+/// Level that a height is above.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum HeightKind {
-    /// The ground there.
+    /// Ground below the UAV.
     Agl,
-    /// The roof there.
+    /// Roof below the UAV.
     Roof,
-    /// The datum.
+    /// Vertical datum.
     Amsl,
 }
 
@@ -168,39 +170,40 @@ impl From<Height> for AskedHeight {
     }
 }
 
-/// For whom a map is made.
+/// Receivers, range, antennas and earth of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct Sight {
-    /// Height of the receivers above what they stand on.
+    /// Height of the receivers above the ground or roof below them.
     pub rx_height_m: f64,
-    /// Which cells hold receivers.
+    /// Kind of cells that hold receivers.
     pub receivers: Receivers,
     /// Largest horizontal distance, if there is one.
     pub radius_m: Option<f64>,
-    /// What the antennas of all UAVs serve, if not all: the least distance \[m\], two azimuths, two elevations and the beam \[deg\].
+    /// Limits of the antennas of all UAVs: the least distance \[m\], two azimuths, two elevations
+    /// and the beam \[deg\]. `None` without limits.
     #[serde(default)]
     pub antenna: Option<[Option<f64>; 6]>,
-    /// K of a curved earth, if it is not taken as flat.
+    /// Factor k of a curved earth; `None` for a flat one.
     #[serde(default)]
     pub earth_k: Option<f64>,
-    /// How far heights of buildings may be off \[m\], if that is to be told of one UAV.
+    /// Largest error of the heights of buildings \[m\], if its effect on a UAV is to be shown.
     #[serde(default)]
     pub height_error_m: Option<f64>,
 }
 
 impl Sight {
-    /// The curve of the earth, if it has one.
+    /// Returns the curvature of the earth, if it has one.
     pub(crate) fn curvature(&self) -> Option<Curvature> {
         self.earth_k.and_then(Curvature::of_earth_k)
     }
 
-    /// Its numbers, not yet checked.
+    /// Returns its numbers, not yet checked.
     pub(crate) fn numbers(&self) -> SightNumbers {
         let Sight { rx_height_m, radius_m, earth_k, .. } = *self;
         SightNumbers { rx_height_m, radius_m, antenna: self.antenna(), earth_k }
     }
 
-    /// What the antennas of all UAVs serve.
+    /// Returns the limits of the antennas of all UAVs.
     pub(crate) fn antenna(&self) -> Antenna {
         let [min_radius_m, from, to, low, high, beam_deg] = self.antenna.unwrap_or_default();
         let pair = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| [a, b]);
@@ -208,7 +211,7 @@ impl Sight {
     }
 }
 
-/// Which cells hold receivers.
+/// Kind of cells that hold receivers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[expect(missing_docs, reason = "as the program calls them")]
@@ -222,34 +225,34 @@ pub enum Receivers {
     Air,
 }
 
-/// What the picture shows.
+/// Content of the picture.
 #[derive(Debug, Clone, Copy, Deserialize)]
 pub struct Shown {
-    /// Of whom.
+    /// Layer.
     pub layer: Layer,
-    /// Which UAV, for one alone.
+    /// Index of the UAV, for the layer of one UAV.
     pub which: usize,
 }
 
-/// Of whom a picture is.
+/// Layer of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Layer {
     /// One UAV.
     One,
-    /// What any sees.
+    /// Cells that any UAV sees.
     Union,
-    /// How many see a cell.
+    /// Number of UAVs that see a cell.
     Count,
-    /// Which of up to four see it.
+    /// UAVs, of up to four, that see a cell.
     Who,
 }
 
-/// UAVs that were kept, and for whom.
+/// UAVs that were kept, with their receivers and range.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Kept {
-    /// They.
+    /// UAVs.
     pub uavs: Vec<Uav>,
-    /// For whom.
+    /// Receivers, range, antennas and earth.
     pub sight: Sight,
 }

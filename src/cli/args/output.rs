@@ -1,4 +1,4 @@
-//! Files of a run as they are checked, and how they look.
+//! Files of a run as they are checked, and their look.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,8 @@ use crate::cli::failure::{Result, refusal_with};
 use crate::export::{Format, OutputRules, check_outputs};
 use crate::picture::Look;
 
-/// Returns the files of `-o` with their formats, and after them the table of `--csv FILE`, checked together before any work.
+/// Returns the files of `-o` with their formats, then the table of `--csv FILE`. All are checked
+/// together before any work.
 ///
 /// # Errors
 /// E104–E106.

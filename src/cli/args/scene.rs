@@ -8,7 +8,7 @@ use skyshed_request::{Reading, json};
 
 /// Returns a scene and the options that change it, as words of any command line.
 pub(crate) fn scene_words(scene: &OsStr, reading: &Reading) -> Vec<String> {
-    // Whether inputs are hashed does not change the scene.
+    // Hashing inputs does not change the scene.
     let mut members = json::set_members(&reading.options);
     members.retain(|_, value| !matches!(value, Value::Bool(_)));
     std::iter::once(scene.display().to_string()).chain(json::words(&members)).collect()
@@ -19,7 +19,8 @@ pub(crate) fn scene_files(scene: &OsStr, reading: &Reading) -> Vec<PathBuf> {
     std::iter::once(PathBuf::from(scene)).chain(reading.options.files().map(|path| path.0.clone())).collect()
 }
 
-/// Returns the layer that was read: as typed, else the file's own name, which is that of its only one.
+/// Returns the layer that was read: as typed, or else the name of the file, which is the name of
+/// its only layer.
 pub(crate) fn layer_of(scene: &OsStr, reading: &Reading) -> String {
     let stem = || Path::new(scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
     reading.options.layer.clone().unwrap_or_else(stem)

@@ -15,7 +15,7 @@ use crate::scene::built_up;
 use crate::sight::SightPlan;
 use crate::uav::UavsAsked;
 
-/// What the P_LoS methods of a generated city can use.
+/// Options that the P_LoS methods of a generated city can use.
 const OF_P_LOS: [&str; 18] = [
     "scene",
     "plos",
@@ -40,7 +40,7 @@ const OF_P_LOS: [&str; 18] = [
 /// Answers a request.
 ///
 /// # Errors
-/// Those of the request, the scene and the files.
+/// Errors of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &ChartRequest, run: &Run) -> Result<()> {
     let (options, defaults) = (&request.chart, ChartOptions::defaults());
     let csv = request.table.csv.clone().map(PathBuf::from);
@@ -51,7 +51,7 @@ pub(in crate::cli) fn run(request: &ChartRequest, run: &Run) -> Result<()> {
         .collect();
     let outputs = checked_files(&request.out, csv.as_ref(), (&FORMATS, &inputs))?;
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;
-    // Timed with one thread, unless more are asked for.
+    // Methods are timed with one thread, unless more are requested.
     let threads = request.out.effort.threads.unwrap_or(1);
     let chart = match options.plos {
         true => plan_of_p_los(request, threads)?.run(run.words(), &run.progress)?,

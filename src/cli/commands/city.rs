@@ -12,7 +12,7 @@ use crate::picture::Look;
 /// Answers a request.
 ///
 /// # Errors
-/// Those of the request, the scene and the files.
+/// Errors of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &CityRequest, run: &Run) -> Result<()> {
     let outputs = checked_files(&request.out, None, (&FORMATS, &scene_files(request.scene.word(), &request.reading)))?;
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;

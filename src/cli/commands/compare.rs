@@ -20,7 +20,7 @@ use crate::uav::UavsAsked;
 /// Answers a request.
 ///
 /// # Errors
-/// Those of the request, the scene and the files.
+/// Errors of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &CompareRequest, run: &Run) -> Result<()> {
     let masks: Vec<PathBuf> = request.compare.mask.iter().map(|path| path.0.clone()).collect();
     let csv = request.table.csv.clone().map(PathBuf::from);
@@ -53,7 +53,7 @@ pub(in crate::cli) fn run(request: &CompareRequest, run: &Run) -> Result<()> {
     if asked.table.is_none() && request.compare.mask.is_empty() {
         check_number(asked.typed.len())?;
     }
-    // The page has a door to the live page of the same place.
+    // The page has a link to the live page of the same place.
     let keeps_solids = outputs.iter().any(|(_, format)| *format == Format::Html);
     let options = SceneReader { keeps_solids, ..run.reader(reading) };
     let scene = options.open(request.scene.word())?;

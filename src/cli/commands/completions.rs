@@ -1,4 +1,5 @@
-//! `skyshed completions`: what shells need to complete words, and the man page, from the definitions of the commands.
+//! `skyshed completions`: completions for shells and the man page, from the definitions of the
+//! commands.
 
 use clap::{Args, Command};
 
@@ -52,7 +53,7 @@ impl CompletionsArgs {
     }
 }
 
-/// The manual of the program, and of each command after it.
+/// Writes the manual of the program, then the manual of each command.
 fn manual(program: Command, text: &mut Vec<u8>) -> std::io::Result<()> {
     let mut program = program.disable_help_subcommand(true);
     program.build();

@@ -1,7 +1,7 @@
-//! `skyshed info`: what a file is, what is wrong with it, and what to do with it.
+//! `skyshed info`: the content of a file, its faults, and remedies.
 //!
-//! A scene is told in full; files of UAVs and tracks, and what this program wrote, by what they hold. Any other file is
-//! refused by the reader of scenes, which says what kind of file it is.
+//! A scene is described in full. Files of UAVs, tracks and outputs of this program are described by
+//! their content. The reader of scenes refuses any other file and names its kind.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ use crate::survey::{FORMATS, Output, Places, Survey, TILE_FORMATS};
 /// Answers a request.
 ///
 /// # Errors
-/// Those of the request, the scene and the files.
+/// Errors of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &InfoRequest, run: &Run) -> Result<()> {
     let (path, words) = (Path::new(request.scene.word()), run.words());
     if let Some(output) = Output::of(path, &words) {

@@ -1,4 +1,5 @@
-//! `skyshed jobs`: a map in units of work for schedulers: which there are, which are done, what all come to.
+//! `skyshed jobs`: a map in units of work for schedulers: their list, their states, and their
+//! merged results.
 
 use std::ffi::OsString;
 
@@ -34,7 +35,7 @@ skyshed_core::words! {
     }
 }
 
-/// Formats that all units are merged into.
+/// Formats of merged results.
 const FORMATS: [Format; 6] = [Format::Csv, Format::Parquet, Format::Json, Format::Vrt, Format::GeoJson, Format::Stdout];
 
 #[derive(Debug, Args)]
@@ -110,7 +111,7 @@ impl JobsArgs {
     }
 }
 
-/// What is wrong with words, without the usage that follows.
+/// Returns the parser's fault in one line, without the usage that follows.
 fn first_line(error: &clap::Error) -> String {
     let text = error.to_string();
     let line = text.lines().next().unwrap_or_default();

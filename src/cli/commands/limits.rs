@@ -1,4 +1,4 @@
-//! `skyshed limits`: what limits the P_LoS of a map, and what the map needs.
+//! `skyshed limits`: limits of the P_LoS of a map, and the needs of the map.
 
 use skyshed_request::{LimitsOptions, LimitsRequest, filled};
 
@@ -14,7 +14,7 @@ use crate::uav::UavsAsked;
 /// Answers a request.
 ///
 /// # Errors
-/// Those of the request, the scene and the files.
+/// Errors of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &LimitsRequest, run: &Run) -> Result<()> {
     let defaults = LimitsOptions::defaults();
     let plan = LimitsPlan {
@@ -26,7 +26,7 @@ pub(in crate::cli) fn run(request: &LimitsRequest, run: &Run) -> Result<()> {
     let asked = UavsAsked::some_of(&request.uavs, request.reading.options.hash)?;
     let inputs: Vec<_> = scene_files(request.scene.word(), &request.reading).into_iter().chain(asked.file()).collect();
     let outputs = checked_files(&request.out, None, (&FORMATS, &inputs))?;
-    // What is wrong with a file is told, not refused.
+    // Faults of a file are reported, not refused.
     let options = SceneReader { tells_faults: true, ..run.reader(&request.reading) };
     let limits = plan.find((&options, request.scene.word()), &asked, run.words())?;
     run.emit(&limits, &outputs, (&request.out, &plain_look(&request.out)))

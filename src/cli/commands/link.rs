@@ -18,7 +18,7 @@ use crate::uav::{Uav, site_of};
 /// Answers a request.
 ///
 /// # Errors
-/// Those of the request, the scene and the files.
+/// Errors of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &LinkRequest, run: &Run) -> Result<()> {
     json::refuse(&json::set_members(request), &["data_area"], "for a link: its ends are where they are put")
         .map_err(Error::from)?;

@@ -20,7 +20,7 @@ use crate::uav::UavsAsked;
 /// Answers a request.
 ///
 /// # Errors
-/// Those of the request, the scene and the files.
+/// Errors of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &LiveRequest, run: &Run) -> Result<()> {
     json::refuse(&json::set_members(request), &["method"], "for a page: it uses the fastest exact engine")
         .map_err(Error::from)?;
@@ -50,7 +50,7 @@ pub(in crate::cli) fn run(request: &LiveRequest, run: &Run) -> Result<()> {
     Ok(())
 }
 
-/// The page of a scene in a new folder for temporary files, which stays.
+/// Returns the path of a scene's page in a new temporary folder, which is not removed.
 ///
 /// # Errors
 /// E401.

@@ -17,10 +17,10 @@ use crate::quantity::counted;
 use crate::scene::SceneReader;
 use crate::words::pretty;
 
-/// Makes the map that was asked for.
+/// Makes the requested map.
 ///
 /// # Errors
-/// Those of the request, the scene, the UAVs and the files.
+/// Errors of the request, the scene, the UAVs and the files.
 pub(in crate::cli) fn run(request: &MapRequest, run: &Run) -> Result<()> {
     let names_units = |path: &PathBuf| path.to_string_lossy().contains(SITE) || names_tile(path);
     let job = job_of(request, run, run.words())?;
@@ -39,10 +39,10 @@ pub(in crate::cli) fn run(request: &MapRequest, run: &Run) -> Result<()> {
     }
 }
 
-/// Returns a request as a job of this program, which lists repairs where that was asked for.
+/// Returns a request as a job of this program, which lists repairs if that was requested.
 ///
 /// # Errors
-/// Those of the request.
+/// Errors of the request.
 pub(super) fn job_of(request: &MapRequest, run: &Run, command: Vec<String>) -> Result<MapJob> {
     let job = MapJob::of(request.clone(), command)?;
     let repairs = run.list_for(&request.reading);
@@ -54,7 +54,7 @@ fn is_one_tile(job: &MapJob) -> bool {
     job.tiles.only.len() == 1 && !job.outputs.iter().any(|path| names_tile(path))
 }
 
-/// Tells what was found and written.
+/// Prints or keeps the answer and the names of its files.
 fn tell(job: &MapJob, run: &Run, done: &Done) -> Result<()> {
     if run.keeps {
         run.keep(done, Spent::default(), done.written.clone());
@@ -71,7 +71,7 @@ fn tell(job: &MapJob, run: &Run, done: &Done) -> Result<()> {
     Ok(())
 }
 
-/// A run for each UAV; what several have in common is told once, at the end.
+/// Runs each UAV or tile; warnings that several have in common are printed once, at the end.
 fn run_sites(job: &MapJob, run: &Run, runs: &UnitRuns<'_>) -> Result<()> {
     let mut sites = Sites {
         job,
@@ -88,15 +88,15 @@ fn run_sites(job: &MapJob, run: &Run, runs: &UnitRuns<'_>) -> Result<()> {
     outcome
 }
 
-/// What became of the runs for each UAV so far.
+/// Results of the runs so far, by UAV or tile.
 struct Sites<'a> {
     job: &'a MapJob,
     run: &'a Run,
-    /// What was said of all UAVs.
+    /// Warnings about all UAVs.
     warnings: Vec<crate::error::Warning>,
-    /// What was said of single ones.
+    /// Warnings about single UAVs or tiles.
     said: WarningsOfRuns,
-    /// UAVs that were mapped, that were there, that were not mapped.
+    /// Numbers of units: mapped, existing already, failed.
     n: [u64; 3],
     is_by_unit: bool,
     is_of_tiles: bool,

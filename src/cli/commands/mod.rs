@@ -1,4 +1,4 @@
-//! The commands: for each what can be typed, and the plan of the library that it becomes.
+//! Commands: the words of each, and the plan of the library that they become.
 
 pub(super) mod chart;
 pub(super) mod city;

@@ -1,4 +1,4 @@
-//! `skyshed place`: where to hover.
+//! `skyshed place`: search for places to hover at.
 
 use std::path::PathBuf;
 
@@ -16,7 +16,7 @@ use crate::placements::{FORMATS, SearchPlan};
 /// Searches for places.
 ///
 /// # Errors
-/// Those of the request, the scene and the files.
+/// Errors of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &PlaceRequest, run: &Run) -> Result<()> {
     let plan = SearchPlan::of(&request.question, &request.files, request.reading.options.hash)?;
     let scene = request.scene.word();
@@ -29,7 +29,7 @@ pub(in crate::cli) fn run(request: &PlaceRequest, run: &Run) -> Result<()> {
     run.emit(&found, &all, (&request.out, &look))
 }
 
-/// The files to write, checked: those of `-o` and `--csv`, and the map of the winner.
+/// Returns the files to write, checked: the files of `-o` and `--csv`, and the map of the winner.
 fn outputs(request: &PlaceRequest, inputs: &[PathBuf]) -> Result<(Vec<Output>, Option<Output>)> {
     let csv = request.table.csv.clone().map(PathBuf::from);
     let outputs = checked_files(&request.out, csv.as_ref(), (&FORMATS, inputs))?;

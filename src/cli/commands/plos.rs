@@ -15,7 +15,7 @@ use crate::scene::built_up;
 /// Answers a request.
 ///
 /// # Errors
-/// Those of the request, the cities and the files.
+/// Errors of the request, the cities and the files.
 pub(in crate::cli) fn run(request: &PlosRequest, run: &Run) -> Result<()> {
     let words = request.plos.scenes.iter().map(|word| word.as_os_str());
     let files = words.filter(|word| built_up(word).is_none()).flat_map(|word| scene_files(word, &request.reading));

@@ -1,4 +1,4 @@
-//! `skyshed sample`: what UAVs over each zone see on average.
+//! `skyshed sample`: average P_LoS of UAVs over each zone.
 
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ use crate::sight::SightPlan;
 /// Answers a request.
 ///
 /// # Errors
-/// Those of the request, the scene and the files.
+/// Errors of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &SampleRequest, run: &Run) -> Result<()> {
     let (defaults, heights) = (SampleOptions::defaults(), request.sample.height.clone().unwrap_or_default());
     let csv = request.table.csv.clone().map(PathBuf::from);

@@ -1,4 +1,5 @@
-//! `skyshed stress`: where methods fail, on families of scenes; and where the answers of a scene hang by a step.
+//! `skyshed stress`: faults of methods on families of scenes, and answers of a scene that depend on
+//! one lattice step.
 
 use skyshed_request::{StressOptions, StressRequest, filled, json};
 
@@ -13,7 +14,7 @@ use crate::sight::SightPlan;
 use crate::stress::{FORMATS, Stress, StressScene};
 use crate::uav::{UavsFound, site_of};
 
-/// What families of scenes can use.
+/// Options that families of scenes can use.
 const OF_FAMILIES: [&str; 15] = [
     "families",
     "scenes",
@@ -35,7 +36,7 @@ const OF_FAMILIES: [&str; 15] = [
 /// Answers a request.
 ///
 /// # Errors
-/// Those of the request, the scene and the files; E6xx if a method fails that is exact.
+/// Errors of the request, the scene and the files; E6xx if a method fails that is exact.
 pub(in crate::cli) fn run(request: &StressRequest, run: &Run) -> Result<()> {
     let options = &request.stress;
     let scene = options.scene.as_ref().map(|word| word.as_os_str());

@@ -1,4 +1,4 @@
-//! What a person types into a field, read as the program reads its command line.
+//! Text of the page's fields, read as the program reads its command line.
 
 use serde_json::{Value, json};
 use skyshed_core::coverage::{self, check_height_error, check_radius};
@@ -8,7 +8,8 @@ use super::{Engine, mapper};
 use crate::questions::{AskedHeight, Field, Uav};
 
 impl Engine {
-    /// The height of a text, if a UAV can hover there. Where it cannot, the refusal holds the height, too.
+    /// Returns the height in a text, if a UAV can hover there. Otherwise the refusal holds the
+    /// height, too.
     pub(super) fn read_height(&self, text: &str, (x, y): (f64, f64)) -> Value {
         let height = match text.parse::<Height>() {
             Ok(height) => AskedHeight::from(height),
@@ -25,8 +26,8 @@ impl Engine {
         }
     }
 
-    /// The value of a text in another field: a number, two angles, or null for one that limits nothing. What cannot be beside the other
-    /// numbers of the last map is refused.
+    /// Returns the value of a text in another field: a number, two angles, or null for one that
+    /// limits nothing. A value that does not fit the other numbers of the last map is refused.
     pub(super) fn read_number(&self, field: Field, text: &str) -> Value {
         self.number(field, text).map_or_else(|words| refusal(&words), |found| value(&found))
     }
@@ -64,7 +65,7 @@ impl Engine {
             }
             Field::EarthK => {
                 let k = if is_empty { None } else { Some(read_fraction(text)?) };
-                // An earth without an end is flat.
+                // An earth of infinite radius is flat.
                 asked.earth_k = k.filter(|k| *k != f64::INFINITY);
                 json!(asked.earth_k)
             }

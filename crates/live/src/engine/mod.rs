@@ -1,4 +1,4 @@
-//! The engine of a page: one scene for its life, the UAVs of the last question, and what they see.
+//! Engine of a page: one scene for its life, the UAVs of the last question, and their coverage.
 
 mod fields;
 mod places;
@@ -23,23 +23,23 @@ use crate::cell_picture::{CellPicture, seen_by};
 use crate::pack::{NotPacked, PackedCity, unpack};
 use crate::questions::{Field, Layer, Question, Receivers, Shown, Sight, Uav};
 
-/// The most UAVs of a page: as many as a picture of counts tells apart.
+/// Largest number of UAVs of a page: the picture of counts can tell apart no more.
 pub const MOST_UAVS: usize = 32;
-/// As many UAVs as a picture of who sees a cell tells apart.
+/// Largest number of UAVs that the picture of who sees a cell can tell apart.
 const MOST_WHO: usize = 4;
 
-/// A scene, and what was asked of it.
+/// Scene, with the state of the questions about it.
 #[derive(Debug)]
 pub struct Engine {
-    /// PERF: kept for the life of the page, so that what is made ready for it can be kept, too.
+    /// PERF: kept for the life of the page, so that data prepared for it can be kept, too.
     field: &'static HeightField,
     zones: Option<Zones>,
     sight: Sight,
     mapper: Mapper<'static>,
-    /// The cells that hold receivers, in range or not.
+    /// Cells that hold receivers, in range or not.
     receivers: BitGrid,
     cells: CellPicture,
-    /// The scene with buildings as low and as high as they may be, where heights may be off.
+    /// Scene with buildings as low and as high as they may be, if heights may be off.
     bounds: Option<HeightBounds>,
     maps: Vec<Map>,
     picture: Vec<u8>,
@@ -47,40 +47,40 @@ pub struct Engine {
     search: Option<Search>,
 }
 
-/// The zones of the scene, and the cells of each.
+/// Zones of the scene, and the cells of each.
 #[derive(Debug)]
 struct Zones {
     map: ZoneMap,
     cells: [(Zone, BitGrid); 4],
 }
 
-/// A UAV of the last question.
+/// UAV of the last question.
 #[derive(Debug)]
 struct Map {
     asked: Uav,
-    /// The error where it cannot hover.
+    /// Coverage, or the refusal of a UAV that cannot hover.
     found: Result<Found, Seen>,
 }
 
-/// What a UAV sees.
+/// Coverage by a UAV.
 #[derive(Debug)]
 struct Found {
     uav: coverage::Uav,
-    /// Its height above the ground or roof below, if one is known there \[m\].
+    /// Height above the ground or roof below, if one is known there \[m\].
     above_m: Option<f64>,
     /// All cells in range; `None` without a limit.
     in_range: Option<BitGrid>,
     seen: SeenCells,
-    /// What is sure of it, where heights may be off.
+    /// Receivers that are surely and possibly in line of sight, if heights may be off.
     sure: Option<Sure>,
     zones: Option<ByZone>,
 }
 
 impl Engine {
-    /// Builds the scene of packed bytes.
+    /// Builds the scene from packed bytes.
     ///
     /// # Errors
-    /// If they are damaged.
+    /// [`NotPacked`] if they are damaged.
     pub fn open(bytes: &[u8]) -> Result<Engine, NotPacked> {
         let PackedCity { grid, solids, zones } = unpack(bytes)?;
         let field: &'static HeightField = Box::leak(Box::new(HeightField::build(&grid, solids).field));
@@ -115,7 +115,7 @@ impl Engine {
         })
     }
 
-    /// What is said of the scene.
+    /// Returns the description of the scene.
     pub fn opened(&self) -> Opened {
         let CellSets { open, building } = self.field.cells();
         Opened {
@@ -125,25 +125,27 @@ impl Engine {
         }
     }
 
-    /// Columns and rows of the grid.
+    /// Returns the numbers of columns and rows of the grid.
     pub fn shape(&self) -> (usize, usize) {
         (self.field.grid().n_cols(), self.field.grid().n_rows())
     }
 
-    /// What lies below the mask: see the page's script for the bytes.
+    /// Returns the backdrop of the mask: one byte per cell, which the page colors. The module
+    /// `backdrop` describes the bytes.
     pub fn backdrop(&self) -> Vec<u8> {
         backdrop(self.field)
     }
 
-    /// The picture of the last question: a class for each cell, or from 16 on how many UAVs see it or who.
+    /// Returns the picture of the last question: a class for each cell. From 16 on, values count
+    /// the UAVs that see a cell, or name them.
     pub fn picture(&self) -> &[u8] {
         &self.picture
     }
 
-    /// Answers a question; the answer is JSON, and for maps and masks there is a picture, too.
+    /// Answers a question in JSON. Maps and masks also make a picture.
     ///
     /// # Errors
-    /// What cannot be answered, in words.
+    /// Reason why it cannot be answered, in words.
     pub fn answer(&mut self, question: Question) -> Result<Value, String> {
         match question {
             Question::Map { uavs, sight, shown } => self.map(uavs, sight, shown).map(|mapped| json!(mapped)),
@@ -165,7 +167,7 @@ impl Engine {
         }
     }
 
-    /// Makes the picture the mask of a UAV, or of all together.
+    /// Replaces the picture by the mask of a UAV, or of all together.
     fn mask(&mut self, which: Option<usize>) -> Result<(), String> {
         let (los, in_range) = match which {
             None => self.together(),
@@ -178,7 +180,7 @@ impl Engine {
         Ok(())
     }
 
-    /// The range in units of the grid.
+    /// Returns the radius in units of the grid.
     fn mapper_radius(&self) -> Option<f64> {
         self.sight.radius_m.map(|r| r / self.field.grid().meters_per_unit())
     }
@@ -189,7 +191,7 @@ impl Engine {
         }
         if sight != self.sight {
             let mapper = mapper(self.field, &sight, self.zones.as_ref())?;
-            // What may fail comes before what changes.
+            // Steps that may fail come before steps that change the engine.
             if sight.height_error_m != self.sight.height_error_m {
                 let of = |m: f64| {
                     check_height_error("the error of heights", m).map_err(|e| e.to_string())?;
@@ -206,7 +208,7 @@ impl Engine {
         }
         let mut known = std::mem::take(&mut self.maps);
         for asked in uavs {
-            // What a UAV sees that stays is there already.
+            // A UAV that was in the last map keeps its coverage.
             let map = match known.iter().position(|map| map.asked == asked) {
                 Some(k) => known.swap_remove(k),
                 None => self.map_one(asked),
@@ -242,7 +244,7 @@ impl Engine {
         (below != VOID).then(|| uav.height_amsl_m() - meters(below))
     }
 
-    /// Why a UAV cannot hover somewhere.
+    /// Returns the reason why a UAV cannot hover somewhere.
     fn refused(&self, asked: &Uav, error: &Error) -> Seen {
         let words = match error {
             Error::Uav { why, .. } => why.to_string(),
@@ -253,12 +255,13 @@ impl Engine {
         Seen::Refused { ok: False, code: error.code(), words, lowest_amsl_m }
     }
 
-    /// The UAVs that hover.
+    /// Returns the UAVs that hover.
     fn hovering(&self) -> impl Iterator<Item = &Found> {
         self.maps.iter().filter_map(Map::found)
     }
 
-    /// What any UAV sees, and the cells in range of any; `None` if all are.
+    /// Returns the cells that any UAV sees, and the cells in range of any; `None` for the latter if
+    /// any UAV has no limit.
     fn together(&self) -> (BitGrid, Option<BitGrid>) {
         let (n_cols, n_rows) = self.shape();
         let none = || BitGrid::new(n_rows, n_cols);
@@ -290,7 +293,7 @@ impl Engine {
         }
     }
 
-    /// Fills the picture; without a UAV that hovers there is none.
+    /// Fills the picture; it is empty if no UAV hovers.
     fn draw(&mut self, shown: Shown) {
         let mut picture = std::mem::take(&mut self.picture);
         picture.clear();
@@ -303,7 +306,7 @@ impl Engine {
                     self.cells.unsure(&mut picture, sure);
                 }
             }
-            // A UAV that cannot hover leaves the picture of the others.
+            // For a UAV that cannot hover, the picture shows all others together.
             (Layer::One | Layer::Union, _) => {
                 let (los, in_range) = self.together();
                 self.cells.mask(&mut picture, &los, in_range.as_ref());
@@ -324,7 +327,8 @@ impl Engine {
         self.picture = picture;
     }
 
-    /// The digest of all masks, or of one, as the program makes it; none while a UAV of it cannot hover.
+    /// Returns the digest of all masks, or of one, as the program makes it. `None` if one of the
+    /// UAVs cannot hover.
     fn digest(&self, which: Option<usize>) -> Option<String> {
         let maps = match which {
             None => &self.maps[..],
@@ -355,12 +359,12 @@ impl Zones {
         Zones { map, cells }
     }
 
-    /// The cells of a zone.
+    /// Returns the cells of a zone.
     fn cells(&self, wanted: Zone) -> Option<BitGrid> {
         self.cells.iter().find(|(zone, _)| *zone == wanted).map(|(_, cells)| cells.clone())
     }
 
-    /// What is seen, zone by zone.
+    /// Counts receivers zone by zone.
     fn count(&self, seen: &SeenCells) -> ByZone {
         let of = |wanted: Zone| {
             let cells = self.cells.iter().find(|(zone, _)| *zone == wanted).map(|(_, cells)| cells);
@@ -379,7 +383,7 @@ impl Zones {
 }
 
 impl Map {
-    /// What it sees, if it hovers.
+    /// Returns its coverage, if it hovers.
     fn found(&self) -> Option<&Found> {
         self.found.as_ref().ok()
     }
@@ -419,7 +423,7 @@ fn zone_of(receivers: Receivers) -> Option<Zone> {
     }
 }
 
-/// Which cells hold receivers, but for zones.
+/// Returns the kind of cells that hold receivers, apart from zones.
 fn receivers_of(sight: &Sight) -> coverage::Receivers {
     match sight.receivers {
         Receivers::Roof => coverage::Receivers::Roof,
@@ -429,14 +433,14 @@ fn receivers_of(sight: &Sight) -> coverage::Receivers {
     }
 }
 
-/// P_LoS of receivers and those of them in line of sight, and why there is none though there are receivers.
+/// Returns P_LoS, and the reason why there is none though there are receivers.
 fn p_los_of((receivers, los): (u64, u64), is_over_nodata: bool) -> (Option<f64>, Option<&'static str>) {
     let mut tally = Tally::of_receivers(receivers, los);
     tally.is_over_nodata = is_over_nodata;
     (tally.p_los(), is_over_nodata.then(|| tally.reason()))
 }
 
-/// What makes maps for some receivers.
+/// Returns the mapper of a question.
 fn mapper(field: &'static HeightField, sight: &Sight, zones: Option<&Zones>) -> Result<Mapper<'static>, String> {
     let meters_per_unit = field.grid().meters_per_unit();
     let CheckedNumbers { rx_height, antenna, curvature } = sight.numbers().checked().map_err(|e| e.to_string())?;

@@ -1,4 +1,4 @@
-//! What is at a place: a cell, and the link to its receiver.
+//! Facts about a place: a cell, and the link to its receiver.
 
 use skyshed_core::coverage::{ExplainedLink, ObstacleKind, ProfileStep, SceneView, StepKind, Uav, place_receiver};
 use skyshed_core::error::Result;
@@ -49,7 +49,7 @@ impl Engine {
         }
     }
 
-    /// The receiver of a cell, on the roof of a building.
+    /// Returns the receiver of a cell; in a building, on its roof.
     fn receiver_at(&self, row: usize, col: usize) -> std::result::Result<Station, String> {
         let (x, y) = self.field.grid().world_from_cell(row, col);
         let height_m = self.sight.rx_height_m;
@@ -59,7 +59,8 @@ impl Engine {
         place_receiver(self.field, (x, y), height).map_err(|why| why.to_string())
     }
 
-    /// A link, its side view and its receiver, all as high as the UAV sees them, over a curved earth lower than they are.
+    /// Returns a link, its side view and its receiver, at the heights at which the UAV sees them.
+    /// Over a curved earth these are lower than the true heights.
     fn seen_link(&self, uav: &Uav, receiver: &Station) -> Result<(ExplainedLink, Vec<ProfileStep>, Station)> {
         let view = SceneView::of(self.field, uav, self.sight.curvature())?;
         let mut found = view.link(receiver);

@@ -1,4 +1,5 @@
-//! What takes longer than a map: P_LoS against height, the best place near, sets of UAVs side by side.
+//! Questions that take longer than a map: P_LoS against height, the best place near, sets of UAVs
+//! side by side.
 
 use skyshed_core::coverage::{self, Control, HoversOver, LeastHeights, Uav, check_radius};
 use skyshed_core::quantity::meters;
@@ -9,11 +10,11 @@ use crate::answers::{ComparedFacts, CurveFacts, False, True};
 use crate::best_place::Search;
 use crate::questions::Kept;
 
-/// A curve that is being made.
+/// Curve that is being made.
 #[derive(Debug)]
 pub(super) struct Curve {
     uav: Uav,
-    /// The heights of the rows before the next one.
+    /// Least heights of the rows before the next one.
     found: Vec<i32>,
     next_row: usize,
 }
@@ -21,11 +22,11 @@ pub(super) struct Curve {
 /// Cells of a set of UAVs.
 #[derive(Debug)]
 struct SeenTogether {
-    /// Receivers of any.
+    /// Receivers in range of any UAV.
     receivers: BitGrid,
-    /// Receivers that any sees.
+    /// Receivers that any UAV sees.
     los: BitGrid,
-    /// One of them is over no data.
+    /// `true` if one of the UAVs is over no data.
     is_over_nodata: bool,
 }
 
@@ -75,7 +76,7 @@ impl Engine {
         Ok(())
     }
 
-    /// What each set of UAVs sees, held against one of the sets.
+    /// Compares what each set of UAVs sees with one of the sets.
     pub(super) fn compare(&self, kept: &[Kept], base: usize) -> Vec<ComparedFacts> {
         let seen: Vec<Result<SeenTogether, String>> = kept.iter().map(|kept| self.seen_by(kept)).collect();
         let reference = seen.get(base).and_then(|seen| seen.as_ref().ok()).map(|seen| &seen.los);
