@@ -1,4 +1,4 @@
-//! What a run will take, told before it starts.
+//! Estimates of the time and memory of a run, before it starts.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use crate::los::Method;
 use crate::memory::{FIELD_BYTES_PER_CELL, memory_words};
 use crate::read::VectorFormat;
 
-/// What a run will take, as far as can be told before it.
+/// Estimated time and memory of a run.
 #[derive(Debug)]
 pub(crate) struct Expected {
     bytes: u64,
@@ -16,7 +16,8 @@ pub(crate) struct Expected {
 }
 
 impl Expected {
-    /// Of maps over a field from so many UAVs, with some layers, in a range in units of its grid.
+    /// Estimates maps over a field from `asked.0` UAVs, with the layers `asked.1`. The radius is in
+    /// units of its grid.
     pub(crate) fn over(
         field: &HeightField,
         method: Method,
@@ -31,18 +32,19 @@ impl Expected {
         Self::of((method, rayon::current_num_threads()), (grid.n_cells(), n_in_range), asked, bytes_per_cell)
     }
 
-    /// Of a method on so many threads, from the cells of the grid and those of them in range of a UAV.
+    /// Estimates a method on some threads, from the numbers of cells of the grid and of cells in
+    /// range of a UAV.
     pub(crate) fn of(
         (method, n_threads): (Method, usize),
         (n_cells, n_in_range): (usize, f64),
         (n_uavs, layers): (usize, HeightLayers),
         bytes_per_cell: usize,
     ) -> Self {
-        // Nanoseconds per cell on one core of a server of 2023: of a map, of margins and least receiver heights, which are
-        // found together, and of least UAV heights.
+        // Nanoseconds per cell on one core of a server of 2023: of a map, of margins and least
+        // receiver heights (computed together), and of least UAV heights.
         let (map, receiver, uav) = match method {
             Method::Ray | Method::ShadowRay => (150.0, 600.0, 600.0),
-            // About 3 ns a sample, some 50 of them until the ray is above the roofs.
+            // About 3 ns for each of the 50 samples until the ray is above the roofs.
             Method::Step(length) => (150.0 / length.cells(), 0.0, 0.0),
             Method::Sweep | Method::ShadowSweep => (6.0, 50.0, 500.0),
             Method::Xdraw | Method::R2 => (10.0, 0.0, 0.0),
@@ -59,19 +61,20 @@ impl Expected {
         Expected { bytes: n_cells.saturating_mul(FIELD_BYTES_PER_CELL + bytes_per_cell) as u64, seconds }
     }
 
-    /// What is expected if the line of sight takes so much CPU time over all threads \[s\]; unchanged if that is unknown.
+    /// Sets the time of the line of sight from its CPU time over all threads \[s\]; unchanged if
+    /// that is `None`.
     pub(crate) fn with_cpu_seconds(self, cpu_s: Option<f64>) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "a few threads")]
         let n_threads = rayon::current_num_threads() as f64;
         Expected { seconds: cpu_s.map_or(self.seconds, |cpu_s| cpu_s / n_threads), ..self }
     }
 
-    /// Time that the line of sight will take \[s\].
+    /// Returns the expected time of the line of sight \[s\].
     pub(crate) fn seconds(&self) -> f64 {
         self.seconds
     }
 
-    /// What to say before a run that takes longer, or more memory, than one would want to find out.
+    /// Returns the message before a long or large run; `None` for other runs.
     pub(crate) fn words(&self) -> Option<String> {
         let is_large = self.seconds >= 5.0 || self.bytes >= 1 << 30;
         is_large.then(|| {
@@ -81,7 +84,7 @@ impl Expected {
     }
 }
 
-/// About how long it takes to read some files and to make a city of them ready \[s\], by their sizes.
+/// Estimates the time to read some files and to build a city from them \[s\], by their sizes.
 pub(crate) fn seconds_to_read(files: &[PathBuf]) -> f64 {
     let seconds = |file: &PathBuf| {
         // Nanoseconds per byte on one core of a server of 2023.

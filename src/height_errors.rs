@@ -1,4 +1,4 @@
-//! How far heights of buildings may be off, as it is asked for and told.
+//! Errors of building heights: as requested, in documents, and in captions.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -13,37 +13,38 @@ use crate::height_field::HeightField;
 use crate::progress::Progress;
 use crate::quantity::{meters, tidy};
 
-/// Times that heights are redrawn for an interval of P_LoS.
+/// Number of redrawn maps for an interval of P_LoS.
 const DRAWS: u32 = 200;
-/// What they are drawn from.
+/// Seed of the redrawn heights.
 const SEED: u64 = 1;
-/// Standard deviations that the layer `sure` allows for, unless another number is set.
+/// Default number of standard deviations that the layer `sure` allows for.
 const SIGMA: f64 = 2.0;
-/// How many of the redrawn maps an interval holds.
+/// Share of the redrawn maps that an interval holds.
 const PART: f64 = 0.95;
 
-/// Standard deviations of errors of heights.
+/// Standard deviations of errors of building heights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct HeightErrorsPlan {
-    /// Of each building alone \[m\].
+    /// Standard deviation of the error of each building alone \[m\].
     pub(crate) own_m: f64,
-    /// Of what all share \[m\].
+    /// Standard deviation of the error that all buildings share \[m\].
     pub(crate) shared_m: f64,
-    /// Of how many of them the layer `sure` is.
+    /// Number of standard deviations that the layer `sure` allows for.
     pub(crate) sigma: f64,
-    /// Whether buildings of the scene tell their own.
+    /// `true` if buildings of the scene have errors of their own.
     pub(crate) by_building: bool,
 }
 
 impl Default for HeightErrorsPlan {
-    /// None.
+    /// Returns no errors.
     fn default() -> Self {
         HeightErrorsPlan { own_m: 0.0, shared_m: 0.0, sigma: SIGMA, by_building: false }
     }
 }
 
 impl HeightErrorsPlan {
-    /// Checks errors of heights and a number of their standard deviations, and fills in the defaults.
+    /// Checks errors of heights and a number of their standard deviations, and fills in the
+    /// defaults.
     ///
     /// # Errors
     /// E113 for a number that is no length.
@@ -58,24 +59,24 @@ impl HeightErrorsPlan {
         Ok(HeightErrorsPlan { own_m, shared_m, sigma, by_building: false })
     }
 
-    /// Whether heights may be off at all.
+    /// Returns `true` if heights may be off at all.
     pub(crate) fn are_any(self) -> bool {
         self.own_m > 0.0 || self.shared_m > 0.0 || self.by_building
     }
 
-    /// These, and those that buildings of a scene tell.
+    /// Adds the errors that buildings of a scene have themselves.
     #[must_use]
     pub(crate) fn over(self, field: &HeightField) -> Self {
         HeightErrorsPlan { by_building: field.building_errors().is_some(), ..self }
     }
 
-    /// The options of a map of a scene, with these errors.
+    /// Returns the options of a map of a scene, with these errors.
     #[must_use]
     pub(crate) fn on(self, field: &HeightField, options: MapOptions) -> MapOptions {
         MapOptions { height_errors: self.errors(field), sigma: self.sigma, ..options }
     }
 
-    /// Those of a scene; buildings that tell none have that which is told for all.
+    /// Returns the errors of a scene. Buildings without an error of their own get the common one.
     fn errors(self, field: &HeightField) -> coverage::HeightErrors {
         let own = match field.building_errors().filter(|_| self.by_building) {
             Some(of) => OwnErrors::ByBuilding(of.iter().map(|steps| steps.map_or(self.own_m, meters)).collect()),
@@ -84,7 +85,7 @@ impl HeightErrorsPlan {
         coverage::HeightErrors { own, shared_m: self.shared_m }
     }
 
-    /// What captions say of them; nothing without any.
+    /// Returns the errors in words, for captions; `None` without errors.
     pub(crate) fn in_words(self) -> Option<String> {
         let own = match (self.by_building, self.own_m > 0.0) {
             (true, _) => Some("what each tells".to_string()),
@@ -95,14 +96,15 @@ impl HeightErrorsPlan {
         (!words.is_empty()).then(|| format!("Heights of buildings off by {} (standard deviation)", words.join(" and ")))
     }
 
-    /// What each of some UAVs sees with heights redrawn; nothing without errors.
+    /// Counts the receivers that each UAV sees with heights redrawn; `None` without errors.
     pub(crate) fn redrawn(
         self,
         mapper: &Mapper<'_>,
         uavs: &[Uav],
         progress: &Progress,
     ) -> Result<Option<RedrawnCounts>> {
-        // Numbering the blocks of a raster passes all its cells: only where errors were given.
+        // Numbering the blocks of a raster visits all its cells, so it is done only where errors
+        // are set.
         if !self.are_any() {
             return Ok(None);
         }
@@ -112,7 +114,8 @@ impl HeightErrorsPlan {
         Ok(Some(mapper.redrawn(uavs, &heights, DRAWS, progress.control())?))
     }
 
-    /// Between which shares P_LoS of each of some UAVs is, with heights redrawn; nothing without errors, and none of a UAV without receivers.
+    /// Returns the interval of P_LoS of each UAV with heights redrawn. The list is empty without
+    /// errors, and holds `None` for a UAV without P_LoS.
     pub(crate) fn intervals(
         self,
         mapper: &Mapper<'_>,
@@ -128,31 +131,31 @@ impl HeightErrorsPlan {
         Ok((0..uavs.len()).map(of).collect())
     }
 
-    /// As documents tell them; nothing without any.
+    /// Returns the errors for documents; `None` without errors.
     pub(crate) fn document(self) -> Option<HeightErrorsDocument> {
         let HeightErrorsPlan { own_m, shared_m, sigma, by_building } = self;
         self.are_any().then_some(HeightErrorsDocument { own_m, by_building, shared_m, sigma, draws: DRAWS, part: PART })
     }
 }
 
-/// How far heights of buildings may be off, and what was made of it.
+/// Errors of building heights, and their use.
 #[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
 pub(crate) struct HeightErrorsDocument {
     /// Standard deviation of the error of each building alone [m].
     own_m: f64,
-    /// Whether buildings tell their own, and that is for those that tell none.
+    /// true if buildings have errors of their own; the others have the common one.
     by_building: bool,
     /// Standard deviation of the error that all buildings share [m].
     shared_m: f64,
-    /// Of how many standard deviations the layer `sure` is.
+    /// Number of standard deviations that the layer `sure` allows for.
     sigma: f64,
-    /// Times that heights were redrawn for intervals of P_LoS.
+    /// Number of redrawn maps for intervals of P_LoS.
     draws: u32,
-    /// How many of the redrawn maps an interval holds, as a part of all.
+    /// Share of the redrawn maps that an interval holds.
     part: f64,
 }
 
-/// Between which shares P_LoS is with heights redrawn.
+/// Interval of P_LoS with heights redrawn.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct IntervalFacts {
     /// Lower end of the interval of P_LoS.
@@ -162,7 +165,7 @@ pub(crate) struct IntervalFacts {
 }
 
 impl IntervalFacts {
-    /// The interval in words.
+    /// Returns the interval in words.
     pub(crate) fn in_words(&self) -> String {
         format!("{:.4} to {:.4} in 95 % of redrawn maps", self.p_los_low, self.p_los_high)
     }
@@ -176,19 +179,20 @@ impl IntervalFacts {
     }
 }
 
-/// Between which numbers the difference of two P_LoS is with heights redrawn, the same ones for both.
+/// Interval of the difference of two P_LoS with heights redrawn, the same heights for both.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct HeightsOfDifference {
     /// Lower end of the interval of the difference of P_LoS with heights redrawn.
     heights_low: f64,
-    /// Upper end of the same.
+    /// Upper end of the interval of the difference of P_LoS with heights redrawn.
     heights_high: f64,
-    /// Whether it does not hold 0: heights do not explain the difference.
+    /// true if the interval excludes 0: errors of heights do not explain the difference.
     exceeds_heights: bool,
 }
 
 impl HeightsOfDifference {
-    /// That of a pair of UAVs, by their places among those that were redrawn; nothing if one has no receiver.
+    /// Returns the interval of a pair of UAVs, by their indices among the redrawn ones. `None` if
+    /// one has no receiver.
     pub(crate) fn of(counts: &RedrawnCounts, pair: (usize, usize)) -> Option<Self> {
         if counts.receivers[pair.0].min(counts.receivers[pair.1]) == 0 {
             return None;
@@ -210,7 +214,7 @@ impl HeightsOfDifference {
         self.exceeds_heights
     }
 
-    /// What a sentence on a difference says of it.
+    /// Returns the clause on heights for a sentence about the difference.
     pub(crate) fn in_words(&self) -> &'static str {
         if self.exceeds_heights {
             "it is larger than errors of heights allow"
@@ -220,32 +224,32 @@ impl HeightsOfDifference {
     }
 }
 
-/// What hangs on the heights of buildings, for one UAV.
+/// Effect of errors of building heights on the map of one UAV.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct UncertainFacts {
-    /// With the layer `sure`: receivers that are never in line of sight, that surely are, and that may be.
+    /// For the layer `sure`: receivers never, surely, and perhaps in line of sight.
     #[serde(skip_serializing_if = "Option::is_none")]
     sure: Option<SureFacts>,
-    /// With the layer `p-los`: the mean of the probabilities of all receivers, which is the mean of P_LoS.
+    /// For the layer `p-los`: mean probability over all receivers, which is the mean of P_LoS.
     #[serde(skip_serializing_if = "Option::is_none")]
     p_los_mean: Option<f64>,
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub(crate) interval: Option<IntervalFacts>,
 }
 
-/// Receivers by what is sure of them.
+/// Receivers by the certainty of their answer.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct SureFacts {
-    /// Never in line of sight.
+    /// Receivers never in line of sight.
     never: u64,
-    /// Surely in line of sight.
+    /// Receivers surely in line of sight.
     surely: u64,
-    /// Perhaps in line of sight.
+    /// Receivers perhaps in line of sight.
     possibly: u64,
 }
 
 impl UncertainFacts {
-    /// The facts of the layers of a coverage; nothing without any.
+    /// Returns the facts of the layers of a coverage; `None` without such layers.
     pub(crate) fn of(site: &SiteCoverage) -> Option<UncertainFacts> {
         let count = |cells: &[f32], value: f32| cells.iter().filter(|v| v.total_cmp(&value).is_eq()).count() as u64;
         let sure = site.sure.as_deref().map(|cells| SureFacts {
@@ -261,7 +265,7 @@ impl UncertainFacts {
         (sure.is_some() || p_los_mean.is_some()).then_some(UncertainFacts { sure, p_los_mean, interval: None })
     }
 
-    /// The facts with an interval.
+    /// Adds an interval to the facts.
     pub(crate) fn with(of: Option<UncertainFacts>, interval: Option<IntervalFacts>) -> Option<UncertainFacts> {
         let none = UncertainFacts { sure: None, p_los_mean: None, interval: None };
         match interval {

@@ -1,8 +1,8 @@
-//! Exact line-of-sight coverage maps: what a hovering UAV can see of a city, cell by cell.
+//! Exact line-of-sight coverage maps: the part of a city that a hovering UAV sees, cell by cell.
 //!
-//! A [`Scene`] is a city that was opened or generated. Asked what a [`Uav`] sees, it answers with a [`Coverage`]; of
-//! several,
-//! with [`Coverages`]. Each answer has its numbers, says what was odd, and saves itself by the extension of a file.
+//! A [`Scene`] is a city that was opened or generated. The question what a [`Uav`] sees gives a
+//! [`Coverage`], for several UAVs [`Coverages`]. Each answer holds its numbers and its warnings,
+//! and saves itself in the format of a file's extension.
 //!
 //! ```
 //! use skyshed::prelude::*;
@@ -11,17 +11,17 @@
 //! let seen = city.coverage(Uav::new(150.0, 150.0, Height::agl(120.0))).radius(100.0).run()?;
 //! println!("{:.4} of {} receivers", seen.p_los().unwrap_or(f64::NAN), seen.receivers());
 //!
-//! // Inside a building nothing can hover: the error says what is there and what to ask instead.
+//! Nothing can hover inside a building: the error holds the heights of the UAV and the roof.
 //! assert!(city.coverage(Uav::new(30.0, 30.0, Height::agl(1.0))).run().is_err());
 //! # Ok::<(), skyshed::Error>(())
 //! ```
 //!
-//! Names that end in `_m` are in meters, positions in units of the scene's reference system, heights as [`Height`]
-//! says. What line of sight means is
-//! written in `skyshed_core::los`.
+//! Names that end in `_m` are in meters. Positions are in units of the scene's reference system. A
+//! [`Height`] names its reference. `skyshed_core::los` defines line of sight.
 //!
-//! The crates below hold what only experts need: `skyshed_core` the engines, `skyshed_study` P_LoS, placement and accuracy,
-//! `skyshed_io` formats and readers, `skyshed_render` pictures. Types of options that are not found here stand there.
+//! The crates below hold types for experts: `skyshed_core` the engines, `skyshed_study` P_LoS,
+//! placement and accuracy, `skyshed_io` formats and readers, `skyshed_render` pictures. They also
+//! hold types of options that this crate does not export.
 
 #![cfg_attr(
     not(feature = "cli"),
@@ -94,7 +94,7 @@ pub mod prelude {
     };
 }
 
-/// The README's code is tested like any other.
+/// Tests of the code in the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,4 +1,5 @@
-//! The live page of a scene: one file in which a UAV is dragged over the city, and the exact coverage follows.
+//! Live page of a scene: one file in which the user drags a UAV over the city, and the exact
+//! coverage follows.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -27,33 +28,33 @@ use crate::uav::{Uav, UavsAsked, UavsFound};
 use crate::words::title_of;
 use skyshed_request::{SetSceneOptions, Sight};
 
-/// Formats of a page.
+/// Output formats of a page.
 pub(crate) const FORMATS: [Format; 3] = [Format::Html, Format::Json, Format::Stdout];
 
-/// The longest page \[bytes\].
+/// Longest page \[bytes\].
 const MOST_BYTES: usize = 25_000_000;
-/// How high the UAV hovers where none was named \[m\].
+/// Height of the UAV if the request names none \[m\].
 const START_HEIGHT_M: f64 = 120.0;
 
-/// What a page begins with.
+/// Plan of a page: its first UAVs and settings.
 #[derive(Debug, Clone)]
 pub(crate) struct LivePlan {
     /// UAVs; without any there is one in the middle.
     pub(crate) uavs: UavsAsked,
-    /// For whom.
+    /// Receivers, range and antenna.
     pub(crate) sight: SightPlan,
-    /// Words of the scene and how it is read, for a command line.
+    /// Words of the scene and of its options, for a command line.
     pub(crate) scene_words: Vec<String>,
-    /// The words of the command line.
+    /// Words of the command line.
     pub(crate) command: Vec<String>,
 }
 
-/// The live page of a scene.
+/// Live page of a scene.
 #[derive(Debug)]
 pub(crate) struct LivePage {
     facts: RunFacts,
     scene: Scene,
-    /// Whether it is a part of what its words name.
+    /// `true` if the page holds only a part of the named scene.
     is_part: bool,
     packed: Vec<u8>,
     uavs: Vec<questions::Uav>,
@@ -62,9 +63,12 @@ pub(crate) struct LivePage {
 }
 
 impl Scene {
-    /// One HTML page in which UAVs are dragged over the scene, and the exact coverage follows: engine and scene are inside, and
-    /// no server is needed. Without a UAV there is one in the middle. `words` say how the scene is read, for the command line that
-    /// the page shows. Footprints need [`SceneReader::keeps_footprints`].
+    /// Returns one HTML page in which the user drags UAVs over the scene, and the exact coverage
+    /// follows.
+    ///
+    /// Engine and scene are in the page, so no server is needed. Without a UAV there is one in the
+    /// middle. `words` are the options of the scene, for the command line that the page shows.
+    /// Footprints need [`SceneReader::keeps_footprints`].
     ///
     /// # Errors
     /// E2xx for UAVs that cannot be there; E505 for a scene that is too large.
@@ -75,37 +79,37 @@ impl Scene {
     }
 }
 
-/// What a page holds.
+/// Document of a live page.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct LiveDocument {
     #[serde(flatten)]
     head: Head,
     #[serde(flatten)]
     sight: SightFacts,
-    /// UAVs that it begins with.
+    /// UAVs at the start of the page.
     uavs: Vec<LiveUav>,
-    /// What was odd.
+    /// Warnings.
     warnings: Vec<WarningFacts>,
 }
 
-/// A UAV that a page begins with.
+/// A UAV at the start of a page.
 #[derive(Debug, Serialize, JsonSchema)]
 struct LiveUav {
-    /// Its name.
+    /// Name of the UAV.
     id: String,
     /// East [units of the scene's reference system].
     x: f64,
     /// North [units of the scene's reference system].
     y: f64,
-    /// Its height as typed: 120agl, 30roof, 150amsl.
+    /// Height as typed: 120agl, 30roof, 150amsl.
     height: String,
 }
 
 impl LivePage {
-    /// Reads a scene, and makes it ready for a page.
+    /// Reads a scene, and prepares it for a page.
     ///
     /// # Errors
-    /// Those of the scene and of its UAVs; E505 of what is too large for a page.
+    /// Errors of the scene and of its UAVs; E505 for a scene that is too large for a page.
     pub(crate) fn open(options: &SceneReader, word: &OsStr, plan: LivePlan) -> Result<LivePage> {
         let start = Instant::now();
         let mut warnings = Vec::new();
@@ -125,7 +129,7 @@ impl LivePage {
         Ok(LivePage { facts: RunFacts { command: plan.command, ..page.facts }, is_part: part.is_some(), ..page })
     }
 
-    /// The page of a scene with some UAVs, or one in the middle without any.
+    /// Returns the page of a scene with some UAVs, or with one in the middle.
     fn with_uavs(scene: &mut Scene, found: UavsFound, sight: SightPlan, scene_words: Vec<String>) -> Result<LivePage> {
         scene.place(&found, None, &sight)?;
         if found.sites.len() > MOST_UAVS {
@@ -138,13 +142,13 @@ impl LivePage {
         LivePage::of(scene, &sites, sight, scene_words)
     }
 
-    /// The page of a scene whose solids were kept, with UAVs that can be where they are.
+    /// Returns the page of a scene with kept solids, and with UAVs that are checked already.
     ///
     /// # Errors
-    /// E902 if they were not; E113 for antennas that differ.
+    /// E902 without solids; E113 for antennas that differ; E505 for a scene that is too large.
     pub(crate) fn of(scene: &Scene, uavs: &[Site], sight: SightPlan, scene_words: Vec<String>) -> Result<LivePage> {
         let (grid, n_footprints) = (scene.grid(), scene.field.n_buildings());
-        // Told before all of it is copied.
+        // Too large a scene is refused before it is copied.
         if grid.n_cells() > MOST_CELLS || n_footprints > MOST_FOOTPRINTS {
             let edge_m = (grid.x_max() - grid.x_min()) * grid.meters_per_unit();
             let options = SceneReader::default().size(edge_m);
@@ -160,7 +164,7 @@ impl LivePage {
         Ok(LivePage { facts: scene.facts(None), scene, is_part: false, packed, uavs, sight, scene_words })
     }
 
-    /// The page.
+    /// Returns the page.
     ///
     /// # Errors
     /// E505 if it is too long.
@@ -181,7 +185,7 @@ impl LivePage {
         Ok(html)
     }
 
-    /// What the script of the page is told.
+    /// Returns the facts for the script of the page.
     fn facts_of_page(&self, title: &str, look: &Look) -> Value {
         let SightFacts { rx_height_m, receivers, radius_m, antenna, earth_k } = self.sight.facts();
         let sight = json!({"rx_height_m": rx_height_m, "receivers": receivers, "radius_m": radius_m, "antenna": antenna, "earth_k": earth_k, "height_error_m": null});
@@ -244,7 +248,7 @@ impl Answer for LivePage {
     }
 }
 
-/// How line of sight is asked for with the antenna of all UAVs: a page has one.
+/// Sets the antenna of all UAVs, of which a page has one.
 fn one_antenna(uavs: &[Site], sight: SightPlan) -> Result<SightPlan> {
     let antenna = |uav: &Site| uav.antenna.or(sight.antenna());
     let first = uavs.first().map_or(sight.antenna(), antenna);
@@ -254,12 +258,13 @@ fn one_antenna(uavs: &[Site], sight: SightPlan) -> Result<SightPlan> {
     }
 }
 
-/// A site as the page knows it.
+/// Converts a site for the page.
 fn asked(site: &Site) -> questions::Uav {
     questions::Uav { id: site.id.clone(), x: site.x, y: site.y, height: site.height.into() }
 }
 
-/// A UAV over the middle of a scene, or above all of it where the middle is no place for one.
+/// Returns a UAV over the middle of a scene, or above the whole scene if the middle is no place for
+/// one.
 fn in_the_middle(scene: &Scene) -> Site {
     let (grid, field) = (scene.grid(), &scene.field);
     let (x, y) = grid.world_from_cell(grid.n_rows() / 2, grid.n_cols() / 2);
@@ -271,12 +276,13 @@ fn in_the_middle(scene: &Scene) -> Site {
     }
 }
 
-/// The box of a raster that is in range of UAVs, west, south, east, north, where a page cannot hold all of it.
+/// Returns the box of a raster in range of the UAVs, west, south, east, north. `None` for a scene
+/// that a page can hold whole.
 ///
 /// # Errors
-/// E505 without UAVs or a range; those of the file and of the UAVs.
+/// E505 without UAVs or a range; errors of the file and of the UAVs.
 fn part_in_range(options: &SceneReader, word: &OsStr, plan: &LivePlan) -> Result<Option<[f64; 4]>> {
-    // What is brought into another system is read as a whole.
+    // A raster that is brought into another reference system is read whole.
     if !is_raster_scene(word) || options.options.project.is_some() {
         return Ok(None);
     }
@@ -290,7 +296,7 @@ fn part_in_range(options: &SceneReader, word: &OsStr, plan: &LivePlan) -> Result
     let boxes = found.sites.iter().filter_map(around);
     let part = boxes.reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]);
     let most_cells_a_side = (MOST_CELLS as f64).sqrt();
-    // The window in range has a cell or two more.
+    // The window in range may be a cell or two larger.
     let radius_m = ((most_cells_a_side / 2.0 - 2.0) * meters_per_cell(&grid)).floor();
     let name = word.display().to_string();
     let fits = FitsPage::Range { radius_m };
@@ -298,13 +304,14 @@ fn part_in_range(options: &SceneReader, word: &OsStr, plan: &LivePlan) -> Result
     part.map(Some).ok_or_else(|| LimitError::PageCity { name, n, what, most, fits }.into())
 }
 
-/// E505: a city that a page cannot hold, with what would fit; whether it is one of cells, which has no other extent.
+/// Returns E505: a city that a page cannot hold, with what would fit. `is_of_cells` marks a scene
+/// of cells, which has no other extent.
 fn too_large((options, is_of_cells): (&SceneReader, bool), word: &OsStr, grid: &GeoRef, n_footprints: usize) -> Error {
     let (n, what, most) = match n_footprints {
         n if n > MOST_FOOTPRINTS => (n, "footprints", MOST_FOOTPRINTS),
         _ => (grid.n_cells(), "cells", MOST_CELLS),
     };
-    // Evenly spread, so much of each side.
+    // Share of each side that fits, if the city is evenly spread.
     let part = (most as f64 / n as f64).sqrt();
     let larger_m = (10.0 * meters_per_cell(grid) / part).ceil() / 10.0;
     let cell_m = (what == "cells").then_some(larger_m);
@@ -318,12 +325,13 @@ fn too_large((options, is_of_cells): (&SceneReader, bool), word: &OsStr, grid: &
     LimitError::PageCity { name: word.display().to_string(), n, what, most, fits }.into()
 }
 
-/// The longer side of a cell \[m\].
+/// Returns the longer side of a cell \[m\].
 fn meters_per_cell(grid: &GeoRef) -> f64 {
     grid.cell_width().max(grid.cell_height()) * grid.meters_per_unit()
 }
 
-/// The middle of a grid, of so much of each side: west, south, east, north, in whole units.
+/// Returns the middle of a grid, with a share `part` of each side: west, south, east, north, in
+/// whole units.
 fn middle(grid: &GeoRef, part: f64) -> [f64; 4] {
     let span = |low: f64, high: f64| {
         let (center, half) = ((low + high) / 2.0, (high - low) / 2.0 * part);

@@ -1,5 +1,5 @@
-//! How much memory a run may take: what is typed, or what there is. Work that would take more is refused before it begins
-//! where that can be told, and ended by a watch on the process where not.
+//! Memory limit of a run: the typed limit, or the available memory. Work above the limit is refused
+//! before it begins where its size is known. Otherwise a watch ends the process.
 
 use std::fmt;
 use std::path::Path;
@@ -10,24 +10,25 @@ use std::time::Duration;
 use crate::error::{Error, LimitError, Result};
 use crate::raster::GeoRef;
 
-/// Bytes that the process may take; `u64::MAX` where nothing is known.
+/// Limit of the process \[bytes\]; `u64::MAX` if it is unknown.
 static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
-/// The limit that was typed \[bytes\]; 0 if none was.
+/// Typed limit \[bytes\]; 0 without one.
 static TYPED: AtomicU64 = AtomicU64::new(0);
 
-/// Ends the program with an error, where it is watched.
+/// Function that ends the program with an error, set if the process is watched.
 static END: OnceLock<fn(&Error) -> !> = OnceLock::new();
 
-/// Bytes that a cell takes in a height field and in what is drawn from it.
+/// Memory of a height field and of pictures made of it \[bytes per cell\].
 pub(crate) const FIELD_BYTES_PER_CELL: usize = 8;
 
-/// Bytes that any work takes beside its cells: stacks, and what files are packed with.
+/// Memory of any work beside its cells, for stacks and file compression \[bytes\].
 pub(crate) const ANY_WORK: u64 = 16 << 20;
 
-/// Sets the limit of this process, and watches it from now on; `end` ends it when it takes more.
+/// Sets the limit of this process, and watches it from now on. `end` ends a process that exceeds
+/// the limit.
 ///
 /// # Errors
-/// E501 if the program alone takes more.
+/// E501 if the program alone exceeds the limit.
 pub(crate) fn limit(typed: Option<u64>, end: fn(&Error) -> !) -> Result<()> {
     let Some(resident) = resident() else {
         LIMIT.store(typed.unwrap_or(u64::MAX), Ordering::Release);
@@ -41,14 +42,16 @@ pub(crate) fn limit(typed: Option<u64>, end: fn(&Error) -> !) -> Result<()> {
     }
     if is_first && limit != u64::MAX {
         let _ = END.set(end);
-        // Without a thread for it work is still refused beforehand, and ended before it writes.
+        // Without a watching thread, work is still refused beforehand, and ended before it writes.
         let _ = std::thread::Builder::new().name("memory".into()).spawn(move || watch(end));
     }
     Ok(())
 }
 
-/// Ends the program if it has ever taken more than a limit that was typed. The watch does so earlier, but on a busy machine it may wait
-/// for a processor while memory is filled; asked before files get their names, this leaves no run that went beyond its limit a success.
+/// Ends the program if it ever exceeded a typed limit.
+///
+/// The watch normally ends it earlier, but may wait for a processor on a busy machine. This check
+/// runs before files get their names, so that no run above its limit ends in success.
 pub(crate) fn end_if_exceeded() {
     let typed = TYPED.load(Ordering::Acquire);
     let (Some(end), true) = (END.get(), typed > 0) else { return };
@@ -57,15 +60,15 @@ pub(crate) fn end_if_exceeded() {
     }
 }
 
-/// Sets the limit of this process, which nobody watches.
+/// Sets the limit of this process without a watch.
 pub(crate) fn refuse_above(bytes: u64) {
     LIMIT.store(bytes, Ordering::Release);
     TYPED.store(bytes, Ordering::Release);
 }
 
-/// Ends the program when it takes more than the limit.
+/// Ends the program when it exceeds the limit.
 fn watch(end: fn(&Error) -> !) {
-    /// Faster than memory is filled \[bytes/s\].
+    /// Upper bound on the rate at which a program fills memory \[bytes/s\].
     const FASTEST: u64 = 20_000_000_000;
     loop {
         let (Some(resident), limit) = (resident(), LIMIT.load(Ordering::Acquire)) else { return };
@@ -77,7 +80,7 @@ fn watch(end: fn(&Error) -> !) {
     }
 }
 
-/// The limit in words that follow "more than".
+/// Returns the limit in words that follow "more than".
 fn limit_words() -> String {
     match TYPED.load(Ordering::Acquire) {
         0 => "there is".into(),
@@ -85,13 +88,14 @@ fn limit_words() -> String {
     }
 }
 
-/// Whether the process may take some more bytes; if not, how many it would hold then, and more than what that is.
+/// Returns `None` if the process may take `more` bytes. Otherwise returns the bytes that it would
+/// hold, and the limit in words.
 pub(crate) fn lacking(more: u64) -> Option<(u64, String)> {
     let needed = resident().unwrap_or(0).saturating_add(more);
     (needed > LIMIT.load(Ordering::Acquire)).then(|| (needed, limit_words()))
 }
 
-/// Refuses work on a grid that does not fit in memory, before anything of its size is made.
+/// Refuses work on a grid that does not fit in memory, before it allocates anything of that size.
 ///
 /// # Errors
 /// E501 if `more` bytes per cell are too much.
@@ -99,19 +103,19 @@ pub(crate) fn check_memory(name: &impl fmt::Display, grid: &GeoRef, more: usize)
     check_bytes(name, &cells_of(grid), (grid.n_cells() as u64).saturating_mul(more as u64))
 }
 
-/// The cells of a grid in words, for [`check_bytes`].
+/// Returns the cells of a grid in words, for [`check_bytes`].
 pub(crate) fn cells_of(grid: &GeoRef) -> String {
     format!("{}×{} cells", grid.n_cols(), grid.n_rows())
 }
 
-/// Refuses what takes more than there is: `what` of `name` would need `more` bytes beside those that are held.
+/// Refuses work above the limit: `what` of `name` would need `more` bytes beside the present ones.
 ///
 /// # Errors
-/// E501 if it is too much.
+/// E501 if that is too much.
 pub(crate) fn check_bytes(name: &impl fmt::Display, what: &str, more: u64) -> Result<()> {
     let mut probe: Vec<u8> = Vec::new();
     let is_refused = probe.try_reserve_exact(usize::try_from(more).unwrap_or(usize::MAX)).is_err();
-    // What is looked at cannot be optimized away.
+    // A black box keeps the allocation from being optimized away.
     std::hint::black_box(&mut probe);
     let lack = lacking(more).or_else(|| is_refused.then(|| (more, "there is".into())));
     let Some((needed, limit)) = lack else { return Ok(()) };
@@ -120,7 +124,7 @@ pub(crate) fn check_bytes(name: &impl fmt::Display, what: &str, more: u64) -> Re
     Err(LimitError::Memory { name, what, needed: memory_words(needed), limit, is_typed }.into())
 }
 
-/// A number of bytes for reading.
+/// Returns a number of bytes in words.
 pub(crate) fn memory_words(bytes: u64) -> String {
     #[expect(clippy::cast_precision_loss, reason = "told to one decimal")]
     let mebibytes = bytes as f64 / f64::powi(2.0, 20);
@@ -131,30 +135,32 @@ pub(crate) fn memory_words(bytes: u64) -> String {
     }
 }
 
-/// Memory that the process takes \[bytes\], where the system says so.
+/// Returns the memory that the process takes \[bytes\], where the system reports it.
 fn resident() -> Option<u64> {
     status("VmRSS:")
 }
 
-/// A line of the system's status of this process \[bytes\].
+/// Returns a line of the system's status of this process \[bytes\].
 fn status(name: &str) -> Option<u64> {
     kibibytes_of(&std::fs::read_to_string("/proc/self/status").ok()?, name)
 }
 
-/// A line of `/proc/self/status` or `/proc/meminfo` \[bytes\].
+/// Returns a line of `/proc/self/status` or `/proc/meminfo` \[bytes\].
 fn kibibytes_of(text: &str, name: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kibibytes * 1024)
 }
 
-/// Memory that the process can still take \[bytes\], where the system says so: the least of what the machine has left, what the
-/// control groups that it is in leave it (containers, `systemd-run`), and what its limit of address space does.
+/// Returns the memory that the process can still take \[bytes\], where the system reports it.
+///
+/// This is the least of three amounts: the free memory of the machine, of its control groups
+/// (containers, `systemd-run`), and of its address space limit.
 fn available() -> Option<u64> {
     let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
     let groups = read("/proc/self/cgroup");
     let limits = [
-        // An allocator may promise more than there is.
+        // An allocator may promise more memory than exists.
         kibibytes_of(&read("/proc/meminfo"), "MemAvailable:"),
         of_groups(&groups, Path::new("/sys/fs/cgroup")),
         of_address_space(&read("/proc/self/limits"), &read("/proc/self/status")),
@@ -162,8 +168,9 @@ fn available() -> Option<u64> {
     limits.into_iter().flatten().min()
 }
 
-/// From the groups in `/proc/self/cgroup` and those around them, of version 2 or 1. In a container the names may be those
-/// outside of it, where only the outermost folder is known.
+/// Returns the free memory of the groups in `/proc/self/cgroup` and of those around them, of
+/// version 2 or 1. In a container their names may be those outside of it, where only the outermost
+/// folder is known.
 fn of_groups(groups: &str, root: &Path) -> Option<u64> {
     let left = |line: &str| {
         let mut parts = line.splitn(3, ':');
@@ -180,7 +187,7 @@ fn of_groups(groups: &str, root: &Path) -> Option<u64> {
         let text = |folder: &Path, name: &str| std::fs::read_to_string(folder.join(name)).unwrap_or_default();
         let of_folder = |folder: &Path| {
             let [limit, used] = names.map(|name| text(folder, name).trim().parse::<u64>().ok());
-            // Files that the system keeps in memory count as used, but make room for who needs it.
+            // Files that the system caches count as used, but make room when needed.
             let of_files = |line: &str| {
                 let (name, bytes) = line.split_once(' ')?;
                 files.contains(&name).then(|| bytes.trim().parse::<u64>().ok())?
@@ -194,7 +201,7 @@ fn of_groups(groups: &str, root: &Path) -> Option<u64> {
     groups.lines().filter_map(left).min()
 }
 
-/// From `/proc/self/limits` and `/proc/self/status` (`ulimit -v`).
+/// Returns the free address space by `/proc/self/limits` and `/proc/self/status` (`ulimit -v`).
 fn of_address_space(limits: &str, status: &str) -> Option<u64> {
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     let limit: u64 = line.split_whitespace().next()?.parse().ok()?;
@@ -228,10 +235,10 @@ mod tests {
         write("a/memory.max", "1000\n");
         write("a/memory.current", "300\n");
         assert_eq!(of_groups("0::/a/b\n", root.path()), Some(700));
-        // Two files that were read, which is 250 bytes that anyone may have.
+        // Two cached files of 250 bytes together, which any process may have.
         write("a/memory.stat", "anon 50\nfile 270\ninactive_file 200\nactive_file 50\ninactive_anon 9\n");
         assert_eq!(of_groups("0::/a/b\n", root.path()), Some(950));
-        // In a container the group has the name that it has outside.
+        // In a container the group has its name outside.
         write("memory.max", "500\n");
         write("memory.current", "100\n");
         assert_eq!(of_groups("0::/elsewhere/c\n", root.path()), Some(400));

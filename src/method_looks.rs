@@ -1,9 +1,9 @@
-//! How methods of P_LoS look: the same in every figure.
+//! Looks of methods of P_LoS, the same in every figure.
 
 use crate::render::LineLook;
 
-/// Methods with a color, a marker and a pattern of dashes each, by their place here. Lines of the same color, eight places
-/// apart, differ in pattern.
+/// Methods in the order of their looks: color, marker and pattern of dashes. Lines of the same
+/// color, eight places apart, differ in pattern.
 const METHODS: [&str; 19] = [
     "product",
     "city",
@@ -26,7 +26,8 @@ const METHODS: [&str; 19] = [
     "alhourani2014-table",
 ];
 
-/// How a method is drawn; `own_curves` are the names of curves of the user's own, which are points.
+/// Returns the look of a method. Curves named in `own_curves`, which belong to the user, are
+/// points.
 pub(super) fn look_of(method: &str, own_curves: &[&str]) -> (LineLook, usize) {
     if let Some(k) = own_curves.iter().position(|name| *name == method) {
         return (LineLook::Points, METHODS.len() + k);

@@ -1,8 +1,8 @@
-//! Parts of words that need not be Unicode, as paths on the command line are.
+//! Parts of words that need not be Unicode, such as paths on the command line.
 
 use std::ffi::{OsStr, OsString};
 
-/// The parts of a word around each `pattern`, at least one.
+/// Returns the parts of a word around each `pattern`, at least one.
 #[cfg(unix)]
 pub(crate) fn split(word: &OsStr, pattern: &str) -> Vec<OsString> {
     use std::os::unix::ffi::OsStrExt;
@@ -16,7 +16,7 @@ pub(crate) fn split(word: &OsStr, pattern: &str) -> Vec<OsString> {
     parts
 }
 
-/// The parts of a word around each `pattern`, at least one; what is no Unicode is replaced.
+/// Returns the parts of a word around each `pattern`, at least one. Invalid Unicode is replaced.
 #[cfg(not(unix))]
 pub(crate) fn split(word: &OsStr, pattern: &str) -> Vec<OsString> {
     word.to_string_lossy().split(pattern).map(OsString::from).collect()

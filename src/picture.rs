@@ -1,4 +1,4 @@
-//! What pictures say beside what they show, and how large they are.
+//! Words and sizes that all pictures share.
 
 use serde_json::Value;
 
@@ -13,18 +13,18 @@ use crate::raster::{CellWindow, Crs, GeoRef};
 use crate::render::{Mark, OPEN_GROUND, PictureForm, PictureFormat, Sheet};
 use crate::words::version;
 
-/// How files look, where their extension leaves that open.
+/// Look of output files, where their extension leaves a choice.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Look {
     /// Title of pictures and pages.
     pub(crate) title: Option<String>,
-    /// Whom captions credit, instead of whom the data ask for.
+    /// Attribution in captions, instead of that of the data.
     pub(crate) attribution: Option<String>,
     /// Width of pictures \[px\].
     pub(crate) width_px: Option<u32>,
     /// Pixels per inch of paper.
     pub(crate) dpi: Option<u32>,
-    /// Whether cells of tables that a spreadsheet would run are written as text.
+    /// `true` if cells of tables that a spreadsheet would run are written as text.
     pub(crate) csv_text: bool,
 }
 
@@ -40,7 +40,8 @@ impl Look {
         }
     }
 
-    /// Returns the look of some files. Where no picture is made, its words and its size would be lost in silence.
+    /// Returns the look of some files. Refuses words and sizes of pictures if no file would use
+    /// them.
     ///
     /// # Errors
     /// E116.
@@ -56,17 +57,17 @@ impl Look {
         }
     }
 
-    /// The title that was asked for, or another.
+    /// Returns the requested title, or another.
     pub(crate) fn title_or(&self, other: impl FnOnce() -> String) -> String {
         self.title.clone().unwrap_or_else(other)
     }
 
-    /// Whom to credit: as asked for, or as the data ask.
+    /// Returns the requested attribution, or that of the data.
     pub(crate) fn credit(&self, of_data: Option<&String>) -> Option<String> {
         self.attribution.as_ref().or(of_data).cloned()
     }
 
-    /// How a picture of a format is written.
+    /// Returns the form of a picture in a format.
     pub(crate) fn form(&self, format: Format) -> PictureForm {
         let format = match format {
             Format::Svg => PictureFormat::Svg,
@@ -77,28 +78,29 @@ impl Look {
     }
 }
 
-/// What a picture says of where it comes from: the program, and a document as one text.
+/// Returns the provenance of a picture: the program, and a document as one text.
 pub(crate) fn picture_provenance(document: &Value) -> [(String, String); 2] {
     [("Software".into(), program()), ("skyshed".into(), document.to_string())]
 }
 
-/// The program and its version, as captions name it.
+/// Returns the program and its version, for captions.
 pub(crate) fn program() -> String {
     format!("skyshed {}", version())
 }
 
-/// The reference system of a grid, as captions name it.
+/// Returns the reference system of a grid, for captions.
 pub(crate) fn crs_words(grid: &GeoRef) -> String {
     grid.crs().map_or("local coordinates".to_string(), Crs::label)
 }
 
-/// The cells of a window, row by row.
+/// Returns the cells of a window, row by row.
 pub(crate) fn crop<T: Copy>(cells: &[T], n_cols: usize, window: CellWindow) -> Vec<T> {
     let rows = cells.chunks_exact(n_cols).skip(window.row).take(window.n_rows);
     rows.map(|row| &row[window.col..window.col + window.n_cols]).collect::<Vec<_>>().concat()
 }
 
-/// The classes of a mask in a window as pictures show them: open ground that holds no receiver is no building.
+/// Returns the classes of a mask in a window, for pictures. Open ground without a receiver gets a
+/// class of its own, because it is no building.
 pub(crate) fn shown_classes(mask: &[u8], field: &HeightField, window: CellWindow) -> Vec<u8> {
     let mut classes = crop(mask, field.grid().n_cols(), window);
     let open = &field.cells().open;
@@ -110,7 +112,8 @@ pub(crate) fn shown_classes(mask: &[u8], field: &HeightField, window: CellWindow
     classes
 }
 
-/// The cells that some boxes, of west, south, east and north, reach; all of the grid where they reach none.
+/// Returns the cells that some boxes (west, south, east, north) reach, or all cells of the grid if
+/// they reach none.
 pub(crate) fn window_of(grid: &GeoRef, boxes: impl Iterator<Item = [f64; 4]>) -> CellWindow {
     // Rows count from the north, positions from the south.
     let span = |low: f64, high: f64, n: usize| {
@@ -134,13 +137,13 @@ pub(crate) fn window_of(grid: &GeoRef, boxes: impl Iterator<Item = [f64; 4]>) ->
     })
 }
 
-/// The mark of a UAV at a place, on a map of a grid.
+/// Returns the mark of a UAV at a place, on a map of a grid.
 pub(crate) fn mark<'a>(shown: &GeoRef, (x, y): (f64, f64), label: &'a str, height: &'a str) -> Mark<'a> {
     let (col, row) = ((x - shown.x_min()) / shown.cell_width(), (shown.y_max() - y) / shown.cell_height());
     Mark { label, height, col, row, is_observer: false }
 }
 
-/// A drawn picture as a file that says where it comes from, or why there is none.
+/// Encodes a drawn picture with its provenance.
 ///
 /// # Errors
 /// E403.
@@ -152,7 +155,7 @@ pub(crate) fn written(
     drawn(picture.and_then(|sheet| sheet.write(form, provenance)))
 }
 
-/// What was drawn, or why it was not.
+/// Returns a drawn picture, or the error of drawing it.
 ///
 /// # Errors
 /// E403.

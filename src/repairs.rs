@@ -1,4 +1,4 @@
-//! The file of `--repairs`: every fault of footprints as a row of a table or a point.
+//! File of `--repairs`: every fault of footprints as a row of a table or a point.
 
 use std::path::Path;
 
@@ -14,24 +14,24 @@ use crate::quantity::counted;
 use crate::read::Repair;
 use crate::scene::FoundRepairs;
 
-/// Formats of the list.
+/// Output formats of the list.
 pub(crate) const FORMATS: [Format; 2] = [Format::Csv, Format::GeoJson];
 
-/// The list of a run.
+/// List of repairs of a run.
 #[derive(Debug)]
 pub(crate) struct Repairs {
     facts: RunFacts,
     repairs: Vec<Repair>,
-    /// The layer of the file that was read.
+    /// Layer of the file that was read.
     layer: String,
 }
 
-/// Where a list of repairs is from.
+/// Provenance of a list of repairs.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct RepairsDocument {
     #[serde(flatten)]
     provenance: Provenance,
-    /// How many there are.
+    /// Number of repairs.
     repairs: usize,
 }
 
@@ -40,19 +40,19 @@ pub(crate) struct RepairsDocument {
 pub(crate) struct RepairRow {
     /// Number of the feature in the file, from 1.
     feature: u64,
-    /// Its id.
+    /// Id of the feature.
     id: String,
     /// Layer of the file.
     layer: String,
-    /// What was wrong: a stable word.
+    /// Fault of the feature: a stable word.
     fault: &'static str,
-    /// Code of the warning that counts it.
+    /// Code of the warning that counts the fault.
     code: String,
-    /// What was done.
+    /// Repair that was made.
     done: &'static str,
-    /// A point of it, east [units of the scene's reference system]; empty where it has no area.
+    /// Point of the feature, east [units of the scene's reference system]; empty without area.
     x: Option<f64>,
-    /// A point of it, north.
+    /// Point of the feature, north [units of the scene's reference system].
     y: Option<f64>,
 }
 
@@ -95,7 +95,7 @@ impl Answer for Repairs {
     fn add(&self, batch: &mut Batch, path: &Path, _: Format, _: &Look) -> Result<()> {
         let point = |repair: &Repair| {
             let mut properties = document_of(&self.row(repair));
-            // The geometry tells the place.
+            // The geometry holds the place.
             properties
                 .as_object_mut()
                 .into_iter()

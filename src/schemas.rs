@@ -1,4 +1,4 @@
-//! What documents and tables are made of, from the types that make them.
+//! Schemas of documents and columns of tables, derived from their types.
 
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, schema_for};
@@ -16,15 +16,16 @@ use crate::{chart, comparison, jobs, map, placements, plos, sample, stress, surv
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Column {
-    /// Its name in the header.
+    /// Name in the header.
     pub name: String,
-    /// What stands in it, with its unit.
+    /// Meaning of its values, with their unit.
     pub meaning: String,
 }
 
-/// The JSON Schema of each kind of document, by the word for the kind in its `schema` member (`map` for `skyshed/map/1`).
+/// Returns the JSON Schema of each kind of document, by the word for the kind in its `schema`
+/// member (`map` for `skyshed/map/1`).
 ///
-/// They name every member: a document has no other.
+/// A schema names every member: a document has no other.
 pub fn documents() -> Vec<(&'static str, Value)> {
     vec![
         document::<map::AnyMapDocument>("map"),
@@ -51,7 +52,8 @@ pub fn documents() -> Vec<(&'static str, Value)> {
     ]
 }
 
-/// The columns of each kind of table, by the same words; a table leaves out columns that none of its rows has.
+/// Returns the columns of each kind of table, by the same words. A table leaves out columns that
+/// none of its rows has.
 pub fn tables() -> Vec<(&'static str, Vec<Column>)> {
     vec![
         ("map", columns::<map::MapRow>()),
@@ -73,7 +75,7 @@ pub fn tables() -> Vec<(&'static str, Vec<Column>)> {
 }
 
 fn document<T: JsonSchema>(kind: &'static str) -> (&'static str, Value) {
-    // As they are written: what may be left out is not required.
+    // The schema describes written documents: a member that may be left out is not required.
     let generator = SchemaSettings::default().for_serialize().into_generator();
     let mut schema = generator.into_root_schema_for::<T>().to_value();
     close(&mut schema);
@@ -81,7 +83,7 @@ fn document<T: JsonSchema>(kind: &'static str) -> (&'static str, Value) {
     (kind, schema)
 }
 
-/// Allows no member that is not named.
+/// Forbids members that the schema does not name.
 fn close(schema: &mut Value) {
     match schema {
         Value::Object(object) => {

@@ -1,4 +1,5 @@
-//! Receivers, their height, the radius and the engine as the library takes them, checked; what captions say of them.
+//! Checked question of line of sight: receivers, their height, range, antenna and engine, and their
+//! text in captions.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -15,7 +16,8 @@ use crate::raster::GeoRef;
 use crate::scene::Scene;
 use crate::zones::ZoneMap;
 
-/// Refuses receivers on roofs and in zones of a surface model alone, of which no building is known.
+/// Refuses receivers on roofs and in zones if the scene is only a surface model, where no building
+/// is known.
 ///
 /// # Errors
 /// E117.
@@ -27,7 +29,7 @@ pub(crate) fn check_receivers(receivers: Receivers, is_surface_only: bool) -> Re
     Ok(())
 }
 
-/// The receivers' height on the lattice.
+/// Returns the receivers' height on the lattice \[1/1024 m\].
 ///
 /// # Errors
 /// E113.
@@ -40,7 +42,7 @@ pub(crate) fn receivers_height(height_m: f64) -> Result<i32> {
 pub(crate) struct SightPlan {
     receivers: Receivers,
     rx_height_m: f64,
-    /// On the lattice \[1/1024 m\].
+    /// Height of the receivers on the lattice \[1/1024 m\].
     rx_height: i32,
     radius_m: Option<f64>,
     antenna: Antenna,
@@ -48,41 +50,41 @@ pub(crate) struct SightPlan {
     method: MethodChoice,
 }
 
-/// How line of sight was asked for, in documents and tables.
+/// Question of line of sight, in documents and tables.
 #[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
 pub(crate) struct SightFacts {
-    /// Height of the receivers above what they stand on [m].
+    /// Height of the receivers above the surface they stand on [m].
     pub(crate) rx_height_m: f64,
-    /// Which cells hold receivers: ground, street, crossroad, courtyard, roof or all.
+    /// Cells with receivers: ground, street, crossroad, courtyard, roof or all.
     pub(crate) receivers: &'static str,
     /// Largest horizontal distance from the UAV [m]; null without a limit.
     pub(crate) radius_m: Option<f64>,
-    /// What the antennas of UAVs serve that have none of their own; null if that is all.
+    /// Limits of the antenna of UAVs without their own; null without limits.
     pub(crate) antenna: Option<AntennaFacts>,
-    /// K by which the radius of the earth is multiplied; null over a flat earth.
+    /// Effective earth radius factor k; null over a flat earth.
     pub(crate) earth_k: Option<f64>,
 }
 
-/// Which receivers an antenna serves; null what is not limited.
+/// Limits of an antenna; null for a quantity without a limit.
 #[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
 pub(crate) struct AntennaFacts {
     /// Least horizontal distance [m], included.
     min_radius_m: Option<f64>,
     /// Azimuths from the first, clockwise, to before the second [deg from grid north].
     sector_deg: Option<[f64; 2]>,
-    /// Least and largest elevation of receivers [deg above the UAV's horizontal], both included.
+    /// Least and largest elevation angle of receivers [deg above the UAV's horizontal], included.
     elevation_deg: Option<[f64; 2]>,
     /// Full angle of a cone straight down [deg].
     beam_deg: Option<f64>,
 }
 
-/// What tables say of an antenna; nothing of one that serves all.
+/// Returns the limits of an antenna in words, for tables; `None` without limits.
 pub(crate) fn antenna_words(antenna: Antenna) -> Option<String> {
     Some(antenna.in_words()).filter(|words| !words.is_empty())
 }
 
 impl AntennaFacts {
-    /// Those of an antenna; nothing of one that serves all.
+    /// Returns the limits of an antenna; `None` without limits.
     pub(crate) fn of(antenna: Antenna) -> Option<AntennaFacts> {
         let Antenna { min_radius_m, sector_deg, elevation_deg, beam_deg } = antenna;
         (antenna != Antenna::default()).then_some(AntennaFacts { min_radius_m, sector_deg, elevation_deg, beam_deg })
@@ -93,7 +95,7 @@ impl SightPlan {
     /// Checks a question and fills in its defaults.
     ///
     /// # Errors
-    /// E113 for numbers out of range; E116 for two spellings of one option.
+    /// E113 for numbers out of range; E116 for two options that set the curve of the earth.
     pub(crate) fn of(sight: &Sight) -> Result<SightPlan> {
         let Sight { receiver, range, antenna, earth } = sight;
         earth.check()?;
@@ -115,61 +117,61 @@ impl SightPlan {
         SightPlan { receivers, ..self }
     }
 
-    /// With another antenna.
+    /// Returns the plan for another antenna.
     #[must_use]
     pub(crate) fn with_antenna(self, antenna: Antenna) -> SightPlan {
         SightPlan { antenna, ..self }
     }
 
-    /// Height of the receivers above ground or roof \[m\].
+    /// Returns the height of the receivers above ground or roof \[m\].
     pub(crate) fn rx_height_m(&self) -> f64 {
         self.rx_height_m
     }
 
-    /// Height of the receivers on the lattice \[1/1024 m\].
+    /// Returns the height of the receivers on the lattice \[1/1024 m\].
     pub(crate) fn rx_height(&self) -> i32 {
         self.rx_height
     }
 
-    /// Range \[m\], if it is limited.
+    /// Returns the range \[m\]; `None` without a limit.
     pub(crate) fn radius_m(&self) -> Option<f64> {
         self.radius_m
     }
 
-    /// What the antennas of UAVs serve that do not say so themselves.
+    /// Returns the antenna of UAVs without their own.
     pub(crate) fn antenna(&self) -> Antenna {
         self.antenna
     }
 
-    /// The curve of the earth, if it is not taken as flat.
+    /// Returns the curve of the earth; `None` for a flat earth.
     pub(crate) fn curvature(&self) -> Option<Curvature> {
         self.curvature
     }
 
-    /// Whether a receiver may be out of range, but for antennas of single UAVs.
+    /// Returns `true` if receivers may be out of range, antennas of single UAVs aside.
     pub(crate) fn is_limited(&self) -> bool {
         self.radius_m.is_some() || self.antenna != Antenna::default()
     }
 
-    /// The engine that was asked for.
+    /// Returns the requested engine.
     pub(crate) fn method(&self) -> MethodChoice {
         self.method
     }
 
-    /// The range in units of a grid.
+    /// Returns the range in units of a grid.
     pub(crate) fn radius_on(&self, grid: &GeoRef) -> Option<f64> {
         self.radius_m.map(|r| r / grid.meters_per_unit())
     }
 
-    /// The box around all that is in range of some places: west, south, east, north \[CRS units\]; `None` without a limit, and
-    /// without a place.
+    /// Returns the box around everything in range of some places: west, south, east, north \[CRS
+    /// units\]. `None` without a limit, and without a place.
     pub(crate) fn box_in_range(&self, sites: &[GivenSite], grid: &GeoRef) -> Option<[f64; 4]> {
         let radius = self.radius_on(grid)?;
         let boxes = sites.iter().map(|site| [site.x - radius, site.y - radius, site.x + radius, site.y + radius]);
         boxes.reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])])
     }
 
-    /// The options of a map on a grid, without layers of heights.
+    /// Returns the options of a map on a grid, without layers of heights.
     pub(crate) fn options(&self, grid: &GeoRef, zones: Option<&ZoneMap>) -> MapOptions {
         MapOptions {
             rx_height: self.rx_height,
@@ -185,7 +187,7 @@ impl SightPlan {
         }
     }
 
-    /// As documents tell it.
+    /// Returns the facts for documents.
     pub(crate) fn facts(&self) -> SightFacts {
         SightFacts {
             rx_height_m: self.rx_height_m,
@@ -196,14 +198,15 @@ impl SightPlan {
         }
     }
 
-    /// What captions say of the range, after a comma; nothing where it has no limit.
+    /// Returns the range in words, after a comma, for captions; empty without a limit.
     pub(crate) fn range_in_words(&self) -> String {
         let radius = self.radius_m.map_or(String::new(), |r| format!(", range {} m", tidy(r)));
         let antenna = self.antenna.in_words();
         if antenna.is_empty() { radius } else { format!("{radius}, {antenna}") }
     }
 
-    /// The line of a caption that says for whom a map of a grid was made, and how. `scene` may show less than the grid.
+    /// Returns the line of a caption about cells, receivers and engine of a map of a grid. `scene`
+    /// may show less than the grid.
     pub(crate) fn in_words(&self, grid: &GeoRef, scene: &Scene, method: Option<Method>) -> String {
         let unit = grid.meters_per_unit();
         let (width, height) = (grid.cell_width() * unit, grid.cell_height() * unit);
@@ -231,15 +234,15 @@ impl SightPlan {
     }
 }
 
-/// What captions say of the curve of the earth.
+/// Returns the curve of the earth in words, for captions.
 pub(crate) fn earth_words(curvature: Curvature) -> String {
     let k = curvature.earth_k();
-    // Five digits are told.
+    // Captions show five digits.
     let k = format!("{k:.4e}").parse().unwrap_or(k);
     format!("curved earth, K = {k}")
 }
 
-/// W205 for UAVs over no data, if there are any; returns whether there are.
+/// Adds W205 for UAVs over no data. Returns `true` if there are any.
 pub(crate) fn warn_of_nodata(uavs: &[Uav], warnings: &mut Vec<Warning>) -> bool {
     let over_nodata = uavs.iter().filter(|uav| uav.placement == HoversOver::Nodata);
     let ids: Vec<String> = over_nodata.map(|uav| uav.id.clone()).collect();
@@ -254,7 +257,8 @@ fn push_over_nodata(ids: Vec<String>, warnings: &mut Vec<Warning>) {
     }
 }
 
-/// W202 for each UAV or placement, by its id, that has no receiver, and W205 for those that have, and are over no data.
+/// Adds W202 for each UAV or placement without a receiver, by its id, and W205 for the others
+/// without P_LoS, which are over no data.
 pub(crate) fn warn_of_no_p_los<'a>(
     what: &'static str,
     tallies: impl Iterator<Item = (&'a str, &'a Tally)>,

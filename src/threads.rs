@@ -1,12 +1,12 @@
-//! How many threads work takes.
+//! Number of threads of a run.
 
 use crate::error::{LimitError, Result};
 
-/// Threads for each core beyond which more are of no use.
+/// Most useful threads for each core.
 const MOST_PER_CORE: usize = 4;
 
-/// Runs `work` with the given number of threads, or as many as the environment says (`RAYON_NUM_THREADS`), but no more than
-/// are of use; one for each core where nothing is said.
+/// Runs `work` on the given number of threads, but on no more than are useful. Without a number,
+/// `RAYON_NUM_THREADS` sets it. Otherwise there is one thread for each core.
 ///
 /// # Errors
 /// E503 if the system gives no thread.

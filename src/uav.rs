@@ -1,4 +1,4 @@
-//! `Uav` of the front door, and the UAVs of a command line or a table before a scene is known.
+//! The library's `Uav`, and the UAVs of a command line or a table before a scene is known.
 
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -31,46 +31,47 @@ pub struct Uav {
 }
 
 impl Uav {
-    /// A UAV at x (east) and y (north) in the scene's reference system. Several without a name are numbered from 1.
+    /// Returns a UAV at x (east) and y (north) in the scene's reference system. UAVs without a name
+    /// are numbered from 1.
     ///
-    /// The place is checked when a scene is asked: E2xx if the UAV cannot be there.
+    /// The place is checked when a question is run: E2xx if the UAV cannot be there.
     pub fn new(x: f64, y: f64, height: Height) -> Uav {
         Uav { id: None, x, y, height, antenna: Antenna::default(), lonlat: None }
     }
 
-    /// With a name, which stands in tables and pictures.
+    /// Sets the name in tables and pictures.
     #[must_use]
     pub fn named(self, id: impl Into<String>) -> Uav {
         Uav { id: Some(id.into()), ..self }
     }
 
-    /// With an antenna of its own: what this does not limit, the request may.
+    /// Sets an antenna of the UAV's own. The request may limit what this antenna does not.
     #[must_use]
     pub fn with_antenna(self, antenna: Antenna) -> Uav {
         Uav { antenna, ..self }
     }
 
-    /// Its name, if it has one.
+    /// Returns the name; `None` without one.
     pub fn id(&self) -> Option<&str> {
         self.id.as_deref()
     }
 
-    /// East and north \[CRS units\].
+    /// Returns east and north \[CRS units\].
     pub fn position(&self) -> (f64, f64) {
         (self.x, self.y)
     }
 
-    /// Its height, and what that is above.
+    /// Returns the height and its reference.
     pub fn height(&self) -> Height {
         self.height
     }
 
-    /// Its own antenna.
+    /// Returns the UAV's own antenna.
     pub fn antenna(&self) -> Antenna {
         self.antenna
     }
 
-    /// The site that stands for the `k`-th of several, counted from 0.
+    /// Returns the site of the `k`-th of several UAVs, counted from 0.
     pub(crate) fn site(&self, k: usize) -> GivenSite {
         let id = self.id.clone().unwrap_or_else(|| (k + 1).to_string());
         let site = Site { antenna: self.antenna, ..Site::new(id, (self.x, self.y), self.height) };
@@ -85,7 +86,7 @@ impl From<GivenSite> for Uav {
     }
 }
 
-/// The UAVs of a run, with the table that they are from and what was said of it.
+/// UAVs of a run, with their table and its warnings.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct UavsFound {
     pub(crate) sites: Vec<GivenSite>,
@@ -94,10 +95,10 @@ pub(crate) struct UavsFound {
 }
 
 impl UavsFound {
-    /// Those of a list.
+    /// Returns the UAVs of a list.
     ///
     /// # Errors
-    /// E113 for an antenna that cannot be; E207 if two have one name.
+    /// E113 for an antenna with impossible values; E207 for two UAVs of one name.
     pub(crate) fn of(uavs: &[Uav]) -> Result<UavsFound> {
         for uav in uavs {
             uav.antenna.checked().map_err(RequestError::Antenna)?;
@@ -106,7 +107,7 @@ impl UavsFound {
         UavsFound { sites, ..UavsFound::default() }.checked()
     }
 
-    /// Refuses two of one name.
+    /// Refuses two UAVs of one name.
     ///
     /// # Errors
     /// E207.
@@ -119,22 +120,22 @@ impl UavsFound {
     }
 }
 
-/// Where the UAVs of a run are told.
+/// Sources of the UAVs of a run.
 #[derive(Debug, Clone)]
 pub(crate) struct UavsAsked {
-    /// One by one.
+    /// UAVs that were typed one by one.
     pub(crate) typed: Vec<Site>,
     pub(crate) table: Option<Input>,
-    /// Whether rows of the table that cannot be read are left out.
+    /// `true` if rows of the table that cannot be read are left out.
     pub(crate) skips_bad: bool,
-    /// Whether the table is hashed whatever its size.
+    /// `true` if the table is hashed, however large it is.
     pub(crate) hash: bool,
-    /// Which part of them is meant; all without one.
+    /// Part of the UAVs; `None` for all of them.
     pub(crate) shard: Option<Shard>,
 }
 
 impl UavsAsked {
-    /// Returns the places where UAVs of a question are found; those that are listed are well-formed.
+    /// Returns the sources of the UAVs of a question, and checks the typed UAVs.
     ///
     /// # Errors
     /// E102.
@@ -144,7 +145,7 @@ impl UavsAsked {
         Ok(UavsAsked { typed: typed.collect::<Result<_>>()?, table, skips_bad: uavs.skip_bad, hash, shard: None })
     }
 
-    /// Returns the places where UAVs of a question are found, of which there must be some.
+    /// Returns the sources of the UAVs of a question, and refuses a question without any.
     ///
     /// # Errors
     /// E102, E108.
@@ -160,10 +161,10 @@ impl UavsAsked {
         self.table.as_ref().and_then(Input::file).map(PathBuf::from)
     }
 
-    /// Typed ones, then those of the table; ids must differ.
+    /// Reads the UAVs: typed ones first, then those of the table. Ids must differ.
     ///
     /// # Errors
-    /// E207; those of the table.
+    /// E207; errors of the table.
     pub(crate) fn read(&self, grid: &GeoRef) -> Result<UavsFound> {
         let typed = self.typed.iter().cloned().map(GivenSite::from);
         let mut found = UavsFound { sites: typed.collect(), ..UavsFound::default() };
@@ -182,7 +183,7 @@ impl UavsAsked {
     }
 }
 
-/// Reads a UAV as it is typed: `X,Y,H`.
+/// Reads a UAV from its words `X,Y,H`.
 ///
 /// # Errors
 /// E102.
@@ -191,7 +192,7 @@ pub(crate) fn site_of(text: &str, id: String) -> Result<Site> {
     Ok(Site::new(id, (x, y), height))
 }
 
-/// What becomes of bad rows of a table.
+/// Returns the treatment of bad rows of a table.
 pub(crate) fn bad_rows(skips: bool, warnings: &mut Vec<skyshed_io::Warning>) -> BadRows<'_> {
     if skips { BadRows::LeaveOut(warnings) } else { BadRows::Refuse }
 }

@@ -1,26 +1,26 @@
-//! Text that several answers share: titles, P_LoS in words, documents laid out.
+//! Text that several answers share: titles, P_LoS in words, indented documents.
 
 use crate::coverage::IdleFootprints;
 use crate::quantity::tidy;
 pub(crate) use crate::render::capitalized;
 use crate::render::grouped;
 
-/// The version of the program.
+/// Returns the version of the program.
 pub(crate) fn version() -> &'static str {
     env!("CARGO_PKG_VERSION")
 }
 
-/// A document as indented text with a final line break.
+/// Returns a document as indented text with a final line break.
 pub(crate) fn pretty(document: &serde_json::Value) -> String {
     format!("{document:#}\n")
 }
 
-/// A name as a title: capitalized, and no line break inside `β = 500/km²`.
+/// Returns a name as a title: capitalized, without line breaks inside `β = 500/km²`.
 pub(crate) fn title_of(name: &str) -> String {
     unbreakable(&capitalized(name))
 }
 
-/// Text whose equations and lengths are not broken across lines.
+/// Returns text whose equations and lengths do not break across lines.
 pub(crate) fn unbreakable(text: &str) -> String {
     const UNIT: &str = " m";
     let text = text.replace(" = ", "\u{a0}=\u{a0}");
@@ -36,7 +36,7 @@ pub(crate) fn unbreakable(text: &str) -> String {
     joined + rest
 }
 
-/// The height of a UAV in words.
+/// Returns the height of a UAV in words.
 pub(crate) fn height_words(agl_m: Option<f64>, amsl_m: f64) -> String {
     match agl_m {
         Some(agl) => format!("{} m above ground", tidy(agl)),
@@ -44,12 +44,12 @@ pub(crate) fn height_words(agl_m: Option<f64>, amsl_m: f64) -> String {
     }
 }
 
-/// P_LoS with four digits, or that it is undefined.
+/// Returns P_LoS with four digits, or `undefined`.
 pub(crate) fn p_los_words(p_los: Option<f64>) -> String {
     p_los.map_or("undefined".to_string(), |p| format!("{p:.4}"))
 }
 
-/// Which footprints were dropped before work started.
+/// Returns the footprints that were dropped before work started, in words.
 pub(crate) fn idle_in_words(idle: &IdleFootprints) -> String {
     format!(
         "{} of {} footprints can hide no receiver and were dropped: {} too low, {} out of reach",

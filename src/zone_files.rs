@@ -1,4 +1,4 @@
-//! The zones of a scene: streets, crossroads, courtyards and rooftops, counted, drawn and as files.
+//! Zones of a scene: streets, crossroads, courtyards and rooftops, counted, drawn and as files.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -20,11 +20,11 @@ use crate::scene::Scene;
 use crate::words::title_of;
 use crate::zones::{NONE, Zone, ZoneBasis, ZoneMap};
 
-/// Formats of zones.
+/// Output formats of zones.
 pub(crate) const FORMATS: [Format; 7] =
     [Format::Png, Format::Svg, Format::Pdf, Format::GeoTiff, Format::GeoJson, Format::Json, Format::Stdout];
 
-/// The zones of a scene.
+/// Zones of a scene.
 #[derive(Debug)]
 pub(crate) struct ZoneFiles {
     scene: Scene,
@@ -32,35 +32,35 @@ pub(crate) struct ZoneFiles {
     zones: Arc<ZoneMap>,
 }
 
-/// The zones of a scene.
+/// Zones of a scene.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct ZonesDocument {
     #[serde(flatten)]
     head: Head,
-    /// How they were found: from the streets of a generated city, or from the open ground.
+    /// Basis of the zones: the streets of a generated city, or the open ground.
     basis: &'static str,
     /// Open ground that is neither crossroad nor courtyard.
     street: ZoneCounts,
-    /// Where three or more streets meet.
+    /// Open ground where three or more streets meet.
     crossroad: ZoneCounts,
     /// Open ground that buildings enclose.
     courtyard: ZoneCounts,
     /// Buildings.
     rooftop: ZoneCounts,
-    /// What was odd.
+    /// Warnings.
     warnings: Vec<WarningFacts>,
 }
 
-/// A zone.
+/// Size of a zone.
 #[derive(Debug, Serialize, JsonSchema)]
 struct ZoneCounts {
-    /// Its cells.
+    /// Number of cells.
     cells: u64,
-    /// Their area [m²].
+    /// Area [m²].
     area_m2: f64,
     /// Share of all cells.
     share: f64,
-    /// Connected parts.
+    /// Number of connected parts.
     parts: usize,
 }
 
@@ -68,7 +68,7 @@ impl ZoneFiles {
     /// Finds the zones of a scene.
     ///
     /// # Errors
-    /// E117 for a surface model alone, of which no building is known.
+    /// E117 if the scene is only a surface model, where no building is known.
     pub(crate) fn of(scene: Scene, command: Vec<String>) -> Result<ZoneFiles> {
         let Some(zones) = scene.zones() else {
             return Err(RequestError::NoZones.into());
@@ -88,7 +88,7 @@ impl ZoneFiles {
         ZoneCounts { cells, area_m2: cells as f64 * self.cell_m2(), share, parts: self.zones.n_parts(zone) }
     }
 
-    /// The parts of all zones as polygons along the cell edges, in the grid's CRS.
+    /// Returns the parts of all zones as polygons along the cell edges, in the grid's CRS.
     fn features(&self) -> Value {
         let (zones, cell_m2) = (&self.zones, self.cell_m2());
         let grid = zones.grid();

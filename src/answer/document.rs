@@ -1,6 +1,7 @@
-//! What all documents have in common.
+//! Common parts of all documents.
 //!
-//! Keys are stable within a version. A number that does not exist is null with a reason, never 0 or NaN.
+//! Keys are stable within a version. A number that does not exist is null with a reason, never 0 or
+//! NaN.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -14,47 +15,47 @@ use crate::los::Method;
 use crate::raster::GeoRef;
 use crate::words::version;
 
-/// What every document says of a run over a scene.
+/// Facts of a run over a scene, for the head of its document.
 #[derive(Debug, Clone)]
 pub(crate) struct RunFacts {
-    /// The words of the command line; none of a call of the library.
+    /// Words of the command line; empty for a call of the library.
     pub(crate) command: Vec<String>,
-    /// The engine that ran.
+    /// Engine that decided line of sight; `None` if the run decided no link.
     pub(crate) method: Option<Method>,
     pub(crate) scene_name: String,
-    /// The grid of receivers.
+    /// Grid of receivers.
     pub(crate) grid: GeoRef,
-    /// The input files.
+    /// Input files.
     pub(crate) sources: Vec<Source>,
-    /// Seed, for generated cities.
+    /// Seed of a generated city.
     pub(crate) seed: Option<u64>,
     pub(crate) warnings: Vec<Warning>,
-    /// The question, of a map.
+    /// Question of the run, where documents hold it.
     pub(crate) request: Option<Value>,
-    /// A hash of all that the run depends on, if it may be asked for again and found done.
+    /// Hash of all that the run depends on; `None` if the run cannot be resumed.
     pub(crate) unit: Option<String>,
 }
 
-/// The method of a run that decided no link: it drew, described, or compared what was saved.
+/// Name of the method of a run that decided no link: it drew, described, or compared saved results.
 const NO_METHOD: &str = "none";
 
 impl RunFacts {
-    /// The word for the method in documents and tables.
+    /// Returns the word for the method in documents and tables.
     pub(crate) fn method_name(&self) -> String {
         self.method.map_or(NO_METHOD.into(), |method| method.name().into_owned())
     }
 
-    /// The method with what it is worth, for captions.
+    /// Returns the method and its accuracy in words, for captions.
     pub(crate) fn method_in_words(&self) -> String {
         self.method.map_or(NO_METHOD.into(), Method::in_words)
     }
 
-    /// Length of a unit of the grid's reference system \[m\].
+    /// Returns the length of a unit of the grid's reference system \[m\].
     pub(crate) fn unit_m(&self) -> f64 {
         self.grid.meters_per_unit()
     }
 
-    /// The beginning of a document.
+    /// Returns the head of a document.
     pub(crate) fn head(&self, schema: &'static str) -> Head {
         let (grid, unit) = (&self.grid, self.unit_m());
         let scene = SceneFacts {
@@ -79,13 +80,13 @@ impl RunFacts {
         }
     }
 
-    /// Where a result comes from, for answers whose document is no more than that.
+    /// Returns the provenance of a result, for answers whose document holds no more.
     pub(crate) fn provenance(&self, schema: &'static str) -> Provenance {
         Provenance { head: self.head(schema), warnings: warnings_of(&self.warnings) }
     }
 }
 
-/// What every document begins with.
+/// Head of every document.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub(crate) struct Head {
     /// Kind of document and its version.
@@ -99,12 +100,12 @@ pub(crate) struct Head {
     request: Option<Value>,
     /// Engine that decided line of sight; `none` where no link was decided.
     method: String,
-    /// Whether the answer is exact on the scene as it is.
+    /// true if the answer is exact on the scene as it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) exact: Option<bool>,
     /// The city.
     scene: SceneFacts,
-    /// Hash of all that the run depends on, of a run that may be resumed.
+    /// Hash of all that the run depends on; absent for a run that cannot be resumed.
     #[serde(skip_serializing_if = "Option::is_none")]
     unit: Option<String>,
 }
@@ -112,7 +113,7 @@ pub(crate) struct Head {
 /// The city of a run.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 struct SceneFacts {
-    /// What it is called in titles.
+    /// Name in titles.
     name: String,
     /// Columns of cells.
     cols: usize,
@@ -124,7 +125,7 @@ struct SceneFacts {
     extent: [f64; 4],
     /// Reference system; null for local coordinates in meters.
     crs: Option<String>,
-    /// Seed of a generated city; null of a file.
+    /// Seed of a generated city; null for a city in a file.
     seed: Option<u64>,
     /// Files that were read.
     sources: Vec<SourceFacts>,
@@ -133,9 +134,9 @@ struct SceneFacts {
 /// A file that was read.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub(crate) struct SourceFacts {
-    /// As it was given.
+    /// Path as the user wrote it.
     path: String,
-    /// SHA-256 of its bytes; null of a file above 64 MB that was not to be hashed.
+    /// SHA-256 of the bytes; null for a file above 64 MB that the user did not ask to hash.
     sha256: Option<String>,
 }
 
@@ -146,26 +147,26 @@ impl SourceFacts {
     }
 }
 
-/// Something odd that did not stop the work.
+/// A warning: a finding that did not stop the work.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub(crate) struct WarningFacts {
     /// Stable code, such as W320.
     code: String,
-    /// What was found, and what was done instead.
+    /// The finding, and what was done instead.
     text: String,
 }
 
-/// Warnings as documents tell them.
+/// Converts warnings for documents.
 pub(crate) fn warnings_of(warnings: &[Warning]) -> Vec<WarningFacts> {
     warnings.iter().map(|w| WarningFacts { code: w.code(), text: w.to_string() }).collect()
 }
 
-/// A document that says no more than where something is from.
+/// A document that holds only the provenance of a result.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct Provenance {
     #[serde(flatten)]
     pub(crate) head: Head,
-    /// What was odd.
+    /// Warnings.
     pub(crate) warnings: Vec<WarningFacts>,
 }
 
@@ -174,38 +175,38 @@ pub(crate) struct Provenance {
 pub(crate) struct Timing {
     /// Reading and checking inputs.
     pub(crate) read: f64,
-    /// Building the height field and making it ready for the UAVs: zones, simpler forms that are tried, the engine.
+    /// Building and preparing the height field: zones, trials of simpler forms, the engine.
     pub(crate) build: f64,
-    /// Deciding line of sight, and writing the cells of a mask that is written while it is made.
+    /// Deciding line of sight, and writing masks that are written while they are computed.
     pub(crate) los: f64,
-    /// Encoding and writing outputs, but for such cells.
+    /// Encoding and writing all other outputs.
     pub(crate) write: f64,
-    /// All of it.
+    /// Sum of all parts.
     pub(crate) total: f64,
 }
 
 impl Timing {
-    /// With its parts as the total: of an answer of which nothing is written.
+    /// Sets the total to the sum of the parts, for an answer that writes nothing.
     pub(crate) fn summed(self) -> Timing {
         Timing { total: self.read + self.build + self.los + self.write, ..self }
     }
 
-    /// With what writing took.
+    /// Adds the time of writing and the total.
     pub(crate) fn with(self, spent: Spent) -> Timing {
         Timing { write: spent.write, total: spent.total, ..self }
     }
 }
 
-/// Receivers and those in line of sight.
+/// Numbers of receivers in range and in line of sight.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub(crate) struct Share {
     /// Receivers in range.
     pub(crate) receivers: u64,
-    /// Those in line of sight.
+    /// Receivers in line of sight.
     pub(crate) los: u64,
     /// Share of the receivers in line of sight; null without a receiver.
     pub(crate) p_los: Option<f64>,
-    /// Why there is no share.
+    /// Reason for having no share.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) reason: Option<String>,
 }
@@ -218,17 +219,17 @@ impl From<&Tally> for Share {
     }
 }
 
-/// A document of serde as a value.
+/// Serializes a document.
 pub(crate) fn document_of(document: &impl Serialize) -> Value {
     serde_json::to_value(document).unwrap_or(Value::Null)
 }
 
-/// A digest as documents tell it: `sha256:` and its hexadecimal digits.
+/// Returns a digest in the form of documents: `sha256:` and its hexadecimal digits.
 pub(crate) fn digest_words(hasher: Sha256) -> String {
     format!("sha256:{}", hasher.hex_digits())
 }
 
-/// What writing took, which is known only when all is written.
+/// Times of writing, known only after everything is written.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Spent {
     /// Encoding and writing \[s\].

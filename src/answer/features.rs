@@ -1,16 +1,17 @@
-//! GeoJSON: features with coordinates in the reference system of a grid.
+//! GeoJSON features with coordinates in the reference system of a grid.
 
 use serde_json::{Map, Value, json};
 
 use crate::raster::{Crs, GeoRef};
 
-/// A feature with a geometry of a kind, or without one.
+/// Returns a feature; `geometry` is the kind of the geometry and its coordinates.
 pub(crate) fn feature(properties: Value, geometry: Option<(&str, Value)>) -> Value {
     let geometry = geometry.map(|(kind, coordinates)| json!({"type": kind, "coordinates": coordinates}));
     json!({"type": "Feature", "properties": properties, "geometry": geometry})
 }
 
-/// Features, the reference system if it has an EPSG code, and where they come from.
+/// Returns a collection of features. It names the reference system if this has an EPSG code, and
+/// holds the provenance.
 pub(crate) fn feature_collection(grid: &GeoRef, provenance: Value, features: Vec<Value>) -> Value {
     let mut collection = Map::new();
     collection.insert("type".into(), "FeatureCollection".into());
@@ -23,7 +24,7 @@ pub(crate) fn feature_collection(grid: &GeoRef, provenance: Value, features: Vec
     Value::Object(collection)
 }
 
-/// Rings as GeoJSON writes them: the first position again at the end.
+/// Closes rings for GeoJSON: repeats the first position at the end.
 pub(crate) fn closed_rings(rings: &[Vec<[f64; 2]>]) -> Vec<Vec<[f64; 2]>> {
     rings.iter().map(|ring| ring.iter().chain(ring.first()).copied().collect()).collect()
 }

@@ -1,8 +1,9 @@
-//! What a question comes to, in every form in which it can be written.
+//! Answer to a question, in every form in which it can be written.
 //!
-//! Each question of the library has a type that holds what was found and implements [`Answer`]. [`add_outputs`] is the one
-//! way from there to files. Documents and rows of tables are types of serde: one definition gives the document, its JSON
-//! Schema, the table and the dictionary of its columns.
+//! Each question of the library has a type that holds its results and implements [`Answer`].
+//! [`add_outputs`] is the only way from an answer to files. Documents and rows of tables are types
+//! of serde. One definition gives the document, its JSON Schema, the table and the dictionary of
+//! its columns.
 
 mod document;
 mod features;
@@ -28,22 +29,24 @@ use crate::words::pretty;
 /// A file to write and its format, checked before any work.
 pub(crate) type Output = (PathBuf, Format);
 
-/// What was found, ready to be told and written.
+/// Results of a question, ready to be printed and written.
 pub(crate) trait Answer {
-    /// The document. Without `spent` it holds no times, so that equal runs give equal documents.
+    /// Returns the document. Without `spent` it holds no times, so that equal runs give equal
+    /// documents.
     fn document(&self, spent: Option<Spent>) -> Value;
 
-    /// What is stored in pictures and rasters and beside tables: the document, or as much of it as says where it is from.
+    /// Returns the document that pictures and rasters store and that stands beside tables. It may
+    /// leave out results.
     fn provenance(&self) -> Value {
         self.document(None)
     }
 
-    /// The table, its header first; empty where there is none.
+    /// Returns the table, its header first; empty if the answer has no table.
     fn table(&self) -> Rows {
         Rows::new()
     }
 
-    /// Adds the table, and beside it where it is from.
+    /// Adds the table, and its provenance in a file beside it.
     ///
     /// # Errors
     /// If the file cannot be made or written.
@@ -52,33 +55,35 @@ pub(crate) trait Answer {
         Ok(batch.add(&with_suffix(path, ".json"), pretty(&self.provenance()).as_bytes())?)
     }
 
-    /// Adds the files of any other format: pictures, rasters, features.
+    /// Adds the file of any other format: a picture, a raster, features.
     ///
     /// # Errors
     /// If the file cannot be made or written.
     fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()>;
 
-    /// What was odd.
+    /// Returns the warnings.
     fn warnings(&self) -> &[Warning] {
         &[]
     }
 
-    /// What there is, if the user interrupted the work before all was found.
+    /// Returns what the answer holds if the user interrupted the work; `None` for a complete
+    /// answer.
     fn interrupted(&self) -> Option<&'static str> {
         None
     }
 
-    /// What was found, line by line, for standard error.
+    /// Returns the results line by line, for standard error.
     fn notes(&self, _spent: Spent) -> Vec<String> {
         Vec::new()
     }
 
-    /// Whether [`Answer::text`] is a few words, which are said beside files, too.
+    /// Returns `true` if [`Answer::text`] is a few words, which are also printed when files are
+    /// written.
     fn is_in_words(&self) -> bool {
         false
     }
 
-    /// What stands on standard output where no file was asked for.
+    /// Returns the text for standard output where no file was requested.
     ///
     /// # Errors
     /// If a table cannot be encoded.

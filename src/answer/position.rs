@@ -1,18 +1,18 @@
-//! Positions in documents and tables: x and y, and beside them longitude and latitude where they were given.
+//! Positions in documents and tables: x and y, with longitude and latitude if the user wrote these.
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::quantity::tidy;
 
-/// Where something is.
+/// A position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Position {
     /// East \[CRS units\].
     pub(crate) x: f64,
     /// North \[CRS units\].
     pub(crate) y: f64,
-    /// Longitude and latitude \[deg\], if it was given by these.
+    /// Longitude and latitude \[deg\]; `None` if the position was not read in degrees.
     pub(crate) lonlat: Option<[f64; 2]>,
 }
 
@@ -32,7 +32,7 @@ pub(crate) struct PositionFields {
 }
 
 impl Position {
-    /// In words: `(x, y)`, or `(x, y; longitude, latitude)`.
+    /// Returns the position in words: `(x, y)`, or `(x, y; longitude, latitude)`.
     pub(crate) fn in_words(&self) -> String {
         let degrees = self.lonlat.map_or(String::new(), |[lon, lat]| format!("; {lon}°, {lat}°"));
         format!("({}, {}{degrees})", tidy(self.x), tidy(self.y))

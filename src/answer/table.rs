@@ -1,5 +1,4 @@
-//! Tables from rows that are types of serde: the fields of a row type, which stands beside its document, are the
-//! columns.
+//! Tables made of serde types. The columns are the fields of a row type.
 
 use schemars::{JsonSchema, schema_for};
 use serde::Serialize;
@@ -8,10 +7,11 @@ use serde_json::{Map, Value};
 use crate::error::Result;
 use crate::export::{Column, as_text, encode_table};
 
-/// Cells of a table, row by row, the names of the columns first.
+/// Cells of a table, row by row. The first row holds the names of the columns.
 pub(crate) type Rows = Vec<Vec<String>>;
 
-/// The table of some rows: its columns are the fields of `R` in their order, without those that no row has.
+/// Returns the table of some rows. Its columns are the fields of `R` in their order, without fields
+/// that no row has.
 pub(crate) fn rows<R: Serialize + JsonSchema>(rows: impl IntoIterator<Item = R>) -> Rows {
     let objects: Vec<Map<String, Value>> = rows.into_iter().filter_map(|row| object(&row)).collect();
     let schema = schema_for!(R);
@@ -22,7 +22,7 @@ pub(crate) fn rows<R: Serialize + JsonSchema>(rows: impl IntoIterator<Item = R>)
     std::iter::once(header.clone()).chain(cells).collect()
 }
 
-/// The table of some rows by columns, of the types of their fields.
+/// Returns the same table by columns, typed as the fields.
 pub(crate) fn columns_of<R: Serialize + JsonSchema>(of: impl IntoIterator<Item = R>) -> Vec<(String, Column)> {
     let objects: Vec<Map<String, Value>> = of.into_iter().filter_map(|row| object(&row)).collect();
     let schema = schema_for!(R);
@@ -51,7 +51,7 @@ fn object(row: &impl Serialize) -> Option<Map<String, Value>> {
     }
 }
 
-/// A value as a cell; what does not exist is empty.
+/// Returns a value as a cell; a missing value is empty.
 fn cell(value: &Value) -> String {
     match value {
         Value::Null => String::new(),
@@ -61,10 +61,10 @@ fn cell(value: &Value) -> String {
     }
 }
 
-/// The bytes of a table; with `is_text` cells that a spreadsheet would run are text.
+/// Encodes a table. With `is_text`, cells that a spreadsheet would run become text.
 ///
 /// # Errors
-/// If it cannot be encoded.
+/// If the table cannot be encoded.
 pub(crate) fn encoded(rows: &Rows, is_text: bool) -> Result<Vec<u8>> {
     if is_text { Ok(encode_table(&as_text(rows))?) } else { Ok(encode_table(rows)?) }
 }

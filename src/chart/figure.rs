@@ -1,4 +1,4 @@
-//! What a chart shows, in words, points and lines.
+//! Contents of a chart: words, points and lines.
 
 use super::plos_report::{PlosChartReport, PlosChartRow};
 use super::report::ChartReport;
@@ -26,7 +26,7 @@ pub(super) struct Picture {
     front: Vec<usize>,
 }
 
-/// What axes are called.
+/// Names of the axes.
 #[derive(Debug)]
 struct Names {
     cost: &'static str,
@@ -44,11 +44,11 @@ struct Point {
     bias: Option<f64>,
 }
 
-/// UAVs that a caption tells one by one.
+/// Most UAVs that a caption lists.
 const MOST_UAVS: usize = 4;
 
 impl Picture {
-    /// Draws it as a file.
+    /// Draws the picture as a file.
     pub(super) fn draw(&self, form: &PictureForm, provenance: &[(String, String)]) -> Result<Vec<u8>> {
         let points: Vec<TradeoffPoint<'_>> = self
             .points
@@ -73,12 +73,12 @@ impl Picture {
     }
 }
 
-/// The picture of a scene.
+/// Returns the picture of a scene.
 pub(super) fn of_scene(look: &Look, scene: &Scene, report: &ChartReport) -> Picture {
     let mut points = Vec::new();
     let mut front = Vec::new();
     let on_front = report.front();
-    // Families stay together, whatever the order of the rows.
+    // Families stay together, in whatever order the rows are.
     for (marker, family) in Family::ALL.into_iter().enumerate() {
         for (k, row) in report.rows.iter().enumerate().filter(|(_, row)| row.family == family) {
             if let Some(rank) = on_front.iter().position(|on| *on == k) {
@@ -155,7 +155,7 @@ fn caption_of_scene(look: &Look, scene: &Scene, report: &ChartReport) -> Vec<Str
     lines.iter().map(|line| unbreakable(line)).collect()
 }
 
-/// What is said of all times.
+/// Returns the remark on all times.
 fn timing_words(threads: u16) -> String {
     let threads = counted(u64::from(threads), "thread", "threads");
     format!(
@@ -163,7 +163,7 @@ fn timing_words(threads: u16) -> String {
     )
 }
 
-/// The picture of the ways to P_LoS.
+/// Returns the picture of the methods of P_LoS.
 pub(super) fn of_plos(look: &Look, report: &PlosChartReport) -> Picture {
     let point = |row: &PlosChartRow| {
         let family = match row.way {
@@ -176,7 +176,7 @@ pub(super) fn of_plos(look: &Look, report: &PlosChartReport) -> Picture {
         let bias = report.p_los_error(row).map(|error| 100.0 * error);
         Point { label: plos_label(row.way), family, look: marker, place: report.place(row), bias }
     };
-    // A model without a value is told below, not drawn.
+    // Models without a value are listed in the caption, not drawn.
     let shown: Vec<usize> = (0..report.rows.len()).filter(|k| report.rows[*k].result.is_ok()).collect();
     let front = report.front().into_iter().filter_map(|k| shown.iter().position(|s| *s == k)).collect();
     Picture {

@@ -1,9 +1,9 @@
-//! What a piece of work costs on this machine: CPU time, wall time, memory.
+//! Cost of a piece of work on this machine: CPU time, wall time, memory.
 //!
-//! CPU time is user time of the whole process, whichever thread spends it; a warm-up run comes first, whose answer is kept.
-//! Peak memory is the largest resident set of the process while the first run goes on, the scene and the program included, as
-//! the kernel counts it; what an earlier contestant left with the allocator counts, too. Only Linux lets a process begin that
-//! count anew.
+//! CPU time is user time of the whole process, over all threads. A warm-up run comes first, whose
+//! answer is kept. Peak memory is the largest resident set of the process during the first run, as
+//! the kernel counts it. It includes the scene, the program, and memory that the allocator kept
+//! from an earlier contestant. Only Linux lets a process reset that count.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -11,22 +11,23 @@ use std::time::{Duration, Instant};
 use super::report::Cost;
 use crate::progress::Progress;
 
-/// Work above this is timed in one run \[s\].
+/// Work above this is timed in one group of runs \[s\].
 const ONE_RUN_S: f64 = 0.5;
-/// Work above this is not done twice: the first run is timed \[s\].
+/// Work above this is not repeated: the first run is timed \[s\].
 const FIRST_RUN_S: f64 = 2.0;
-/// Shortest group of runs: clocks of CPU time count microseconds \[s\].
+/// Shortest group of runs \[s\]: clocks of CPU time count microseconds.
 const SHORTEST_GROUP_S: f64 = 2e-3;
-/// A group this long that spent no user time is taken at its word \[s\].
+/// Shortest group whose user time of 0 is accepted \[s\].
 const LONGEST_GROUP_S: f64 = 0.1;
-/// Groups of runs, of which the median is taken.
+/// Groups of runs, whose median is taken.
 const GROUPS: usize = 3;
 /// Most runs of one group.
 const MOST_RUNS: f64 = 1e6;
 
-/// Does work once for its answer and then as often as it takes to time it, at least `least_s` in all.
+/// Runs `work` once for its answer, and then often enough to time it, for at least `least_s` in
+/// all.
 ///
-/// An interrupt ends the timing with what is there.
+/// An interrupt ends the timing. The runs that are done count.
 pub(super) fn measured<T>(least_s: f64, progress: &Progress, mut work: impl FnMut() -> T) -> (T, Cost) {
     let counts_memory = reset_peak();
     let (answer, first) = timed(1, progress, &mut work);
@@ -43,7 +44,8 @@ pub(super) fn measured<T>(least_s: f64, progress: &Progress, mut work: impl FnMu
     let mut groups: Vec<Spent> = Vec::new();
     while groups.len() < n_groups && !progress.is_stopped() {
         let spent = timed(per_group, progress, &mut work).1;
-        // Some kernels divide a process's time between user and system by samples, and a short group may miss them all.
+        // Some kernels split a process's time between user and system by samples. A short group may
+        // fall between the samples.
         if spent.cpu == Some(0.0) && spent.wall * f64::from(spent.runs) < LONGEST_GROUP_S {
             per_group = per_group.saturating_mul(4);
             groups.clear();
@@ -60,11 +62,11 @@ pub(super) fn measured<T>(least_s: f64, progress: &Progress, mut work: impl FnMu
     (answer, cost(cpu, wall, runs))
 }
 
-/// Longest time that the floor takes, which is as short as any contestant's \[s\].
+/// Longest requested timing of the memory floor \[s\].
 const FLOOR_S: f64 = 0.2;
 
-/// What it costs to touch all memory that any map must touch: every height is read once as f32, and every cell of a mask is
-/// written once.
+/// Measures the cost of the memory accesses that any map needs: every height is read once as f32,
+/// and every cell of a mask is written once.
 pub(super) fn memory_floor(n_cells: usize, least_s: f64, progress: &Progress) -> Cost {
     let heights = vec![1.0_f32; n_cells];
     let mut mask = vec![0_u8; n_cells];
@@ -76,7 +78,7 @@ pub(super) fn memory_floor(n_cells: usize, least_s: f64, progress: &Progress) ->
     .1
 }
 
-/// Seconds of one run, the mean of some.
+/// Mean times of one run in a group \[s\].
 #[derive(Debug, Clone, Copy)]
 struct Spent {
     cpu: Option<f64>,
@@ -84,7 +86,8 @@ struct Spent {
     runs: u32,
 }
 
-/// Does work `most` times, or less often after an interrupt; returns the last answer and what was spent on each run.
+/// Runs `work` `most` times, or fewer after an interrupt. Returns the last answer and the mean
+/// times of a run.
 fn timed<T>(most: u32, progress: &Progress, work: &mut impl FnMut() -> T) -> (T, Spent) {
     let (before, start) = (user_time(), Instant::now());
     let mut runs = 1;
@@ -98,18 +101,18 @@ fn timed<T>(most: u32, progress: &Progress, work: &mut impl FnMut() -> T) -> (T,
     (answer, Spent { cpu, wall, runs })
 }
 
-/// The middle one of some numbers, of which there is at least one.
+/// Returns the middle one of some numbers, at least one.
 pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
 }
 
-/// User CPU time of this process; `None` where the system does not tell.
+/// Returns the user CPU time of this process; `None` where the system does not report it.
 fn user_time() -> Option<Duration> {
     usage(false)
 }
 
-/// User CPU time of all child processes that have ended.
+/// Returns the user CPU time of all child processes that have ended.
 pub(super) fn user_time_of_children() -> Option<Duration> {
     usage(true)
 }
@@ -128,7 +131,7 @@ fn usage(_: bool) -> Option<Duration> {
     None
 }
 
-/// Lets the kernel count the peak of resident memory from here; whether it does.
+/// Resets the kernel's peak of resident memory. Returns `true` on success.
 fn reset_peak() -> bool {
     std::fs::write("/proc/self/clear_refs", "5").is_ok()
 }
@@ -137,7 +140,8 @@ fn peak_mb() -> Option<f64> {
     peak_mb_of("self")
 }
 
-/// Peak of resident memory of a process by its number, or of `self` \[MB\]; `None` where the system does not tell.
+/// Returns the peak of resident memory of a process by its number, or of `self` \[MB\]. `None`
+/// where the system does not report it.
 pub(super) fn peak_mb_of(process: &str) -> Option<f64> {
     let text = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
@@ -156,7 +160,8 @@ mod tests {
             n += 1;
             n
         });
-        // Three groups after the first run, none of them too short for a clock; what the clock missed was done again.
+        // Three groups follow the first run. A group that the clock missed is repeated with more
+        // runs.
         assert_eq!((answer, cost.runs % 3), (1, 0));
         assert!(cost.runs > 3 && n > cost.runs);
         let mut n = 0_u32;
@@ -167,7 +172,8 @@ mod tests {
         assert_eq!((cost.runs, n), (1, 2));
         assert!(cost.wall_s >= 0.52);
         if cfg!(target_os = "linux") {
-            // Other tests spend time in the same process, so only that it is told can be said.
+            // Other tests spend time in the same process, so the test only checks that values
+            // exist.
             assert!(cost.cpu_s.is_some_and(|cpu| cpu >= 0.0) && cost.peak_mb.is_some_and(|mb| mb > 0.5));
         }
     }

@@ -1,5 +1,5 @@
-//! Speed against accuracy: every method on a scene, or every way to P_LoS of a generated city, timed and held against the
-//! truth.
+//! Speed against accuracy: every method on a scene, or every method of P_LoS of a generated city,
+//! timed and compared with the truth.
 
 mod figure;
 mod measure;
@@ -28,18 +28,18 @@ use crate::scene::Scene;
 use crate::sight::SightPlan;
 use crate::threads::in_pool;
 
-/// Formats of a chart.
+/// Output formats of a chart.
 pub(crate) const FORMATS: [Format; 6] =
     [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];
 
-/// Longest time that a contestant may be asked to take \[s\].
+/// Longest time that can be requested for a contestant \[s\].
 const LONGEST_S: f64 = 60.0;
 
-/// What is asked of a chart of a scene.
+/// Plan of a chart of a scene.
 #[derive(Debug)]
 pub(crate) struct ChartPlan {
     pub(crate) sight: SightPlan,
-    /// Whether other programs take part.
+    /// `true` if other programs take part.
     pub(crate) peers: bool,
     /// Least time for each contestant \[s\].
     pub(crate) time_s: f64,
@@ -63,7 +63,7 @@ pub(crate) struct Chart {
     contest: Contest,
 }
 
-/// Who met.
+/// Subject of a chart, and its report.
 #[derive(Debug)]
 enum Contest {
     Scene(Box<(Scene, ChartReport)>),
@@ -122,7 +122,7 @@ impl Answer for Chart {
         }
     }
 
-    /// A line per contestant.
+    /// Returns one line for each contestant.
     fn notes(&self, _: Spent) -> Vec<String> {
         match &self.contest {
             Contest::Scene(of) => of.1.rows.iter().map(|row| scene::in_words(row, &of.1)).collect(),
@@ -139,7 +139,7 @@ impl Answer for Chart {
     }
 }
 
-/// A chart of maps or of P_LoS, told apart by `kind`.
+/// A chart of maps or of P_LoS, distinguished by `kind`.
 #[derive(schemars::JsonSchema)]
 #[schemars(untagged)]
 #[expect(dead_code, clippy::large_enum_variant, reason = "a type of its schema alone")]

@@ -1,4 +1,4 @@
-//! Other programs on the same scene, as processes of their own.
+//! Other programs on the same scene, as separate processes.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -17,24 +17,26 @@ use crate::progress::Progress;
 use crate::quantity::{BLOCKS_ALL, VOID, meters};
 use crate::raster::{BitGrid, GeoRef};
 
-/// Runs after the first one, of which the median is taken; a program above two seconds is run once.
+/// Runs after the first one, whose median is taken. A program that takes more than two seconds runs
+/// once.
 const RUNS: usize = 3;
 const ONE_RUN_S: f64 = 2.0;
-/// How often the memory of a running program is looked at.
+/// Interval between two readings of a running program's memory.
 const LOOK_EVERY: Duration = Duration::from_millis(2);
-/// What stands for nodata in the surface: below everything, so that it blocks nothing.
+/// Height in place of nodata, below everything, so that it blocks nothing \[m\].
 const NODATA_M: f32 = -9999.0;
 
-/// What a peer says: its version and how it was run, what each UAV sees, and what that costs.
+/// Answer of a peer: its version and settings, the visible receivers of each UAV, and the cost.
 pub(super) type PeerAnswer = (String, Vec<Seen>, Cost);
 
-/// `gdal_viewshed` on the surface of the scene: as a whole process that reads the surface and writes the mask.
+/// Runs `gdal_viewshed` on the surface of the scene, as a whole process that reads the surface and
+/// writes the mask.
 ///
-/// Its UAV is over the center of the cell that holds it, at the height above the surface there that gives the same height above
-/// the datum. Its receivers stand on the surface, which is the ground of every open cell.
+/// The UAV is over the center of its cell. Its height above the surface there gives the same height
+/// above the datum. Receivers stand on the surface, which is the ground of every open cell.
 ///
 /// # Errors
-/// Why there is no answer.
+/// The reason for having no answer.
 pub(super) fn gdal_viewshed(
     field: &HeightField,
     uavs: &[Uav],
@@ -54,7 +56,7 @@ pub(super) fn gdal_viewshed(
     for (uav, exact) in uavs.iter().zip(&truth.seen) {
         let words = words_for(uav, field.grid(), tops, rx_height_m)?;
         let cost = timed(progress, || {
-            // It refuses to replace a file.
+            // The program refuses to replace a file.
             let _ = std::fs::remove_file(&mask);
             run(Command::new("gdal_viewshed").args(&words).arg(&surface).arg(&mask))
         })?;
@@ -70,7 +72,7 @@ pub(super) fn gdal_viewshed(
     Ok((format!("{version}, whole process, UAV over the cell's center"), seen, sum))
 }
 
-/// The version that GDAL's programs tell, such as `GDAL 3.6.2`.
+/// Returns the version that a program of GDAL reports, such as `GDAL 3.6.2`.
 fn version_of(program: &str) -> Result<String, String> {
     let told = Command::new(program).arg("--version").stdin(Stdio::null()).output();
     let told = told.map_err(|_| format!("{program} is not found on the PATH"))?;
@@ -79,7 +81,7 @@ fn version_of(program: &str) -> Result<String, String> {
     if version.is_empty() { Ok("GDAL of an unknown version".into()) } else { Ok(version.to_string()) }
 }
 
-/// The surface as an uncompressed GeoTIFF in strips, which every program reads fast.
+/// Writes the surface as an uncompressed GeoTIFF in strips, which every program reads fast.
 fn write_surface(path: &Path, grid: &GeoRef, tops: &[i32]) -> Result<(), String> {
     let height = |top: &i32| {
         #[expect(clippy::cast_possible_truncation, reason = "files of heights hold f32")]
@@ -99,11 +101,11 @@ fn write_surface(path: &Path, grid: &GeoRef, tops: &[i32]) -> Result<(), String>
     std::fs::write(path, bytes).map_err(|e| format!("cannot write {}: {}", path.display(), io_words(&e)))
 }
 
-/// The words for a UAV, without the files.
+/// Returns the command-line words for a UAV, without the files.
 fn words_for(uav: &Uav, grid: &GeoRef, tops: &[i32], rx_height_m: f64) -> Result<Vec<String>, String> {
     let place = &uav.station.place;
     let (east, north) = grid.cells_from_world(place.x, place.y);
-    // Counted from the north, as GDAL does: a place on an edge is in the cell to its south-east.
+    // Rows count from the north, as in GDAL. A place on an edge is in the cell to its south-east.
     let south = grid.n_rows() as f64 - north;
     let is_inside = south >= 0.0 && east >= 0.0 && south < grid.n_rows() as f64 && east < grid.n_cols() as f64;
     if !is_inside {
@@ -121,7 +123,7 @@ fn words_for(uav: &Uav, grid: &GeoRef, tops: &[i32], rx_height_m: f64) -> Result
     Ok(numbers.into_iter().flat_map(|(flag, v)| [flag.to_string(), v.to_string()]).chain(plain).collect())
 }
 
-/// Runs a program as often as it takes to time it.
+/// Runs a program often enough to time it.
 fn timed(progress: &Progress, mut run: impl FnMut() -> Result<Option<f64>, String>) -> Result<Cost, String> {
     let mut once = || -> Result<Cost, String> {
         let (before, start) = (user_time_of_children(), Instant::now());
@@ -149,10 +151,10 @@ fn timed(progress: &Progress, mut run: impl FnMut() -> Result<Option<f64>, Strin
     })
 }
 
-/// Runs a program to its end; returns the peak of its memory \[MB\] where the system tells.
+/// Runs a program to its end. Returns the peak of its memory \[MB\] where the system reports it.
 ///
-/// What a child inherits before it becomes the program would count as its memory in what is told at its end, so the peak is
-/// looked up while it runs.
+/// The peak is read while the program runs. The peak reported at its end would include memory that
+/// the child inherits before it becomes the program.
 fn run(command: &mut Command) -> Result<Option<f64>, String> {
     let failed = |cause: String| format!("gdal_viewshed failed: {cause}");
     command.env("LC_ALL", "C").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
@@ -169,7 +171,7 @@ fn run(command: &mut Command) -> Result<Option<f64>, String> {
     if status.success() { Ok(peak) } else { Err(failed(status.to_string())) }
 }
 
-/// The cells that a mask of 0 and 1 says are in sight.
+/// Reads the visible cells of a mask of 0 and 1.
 fn read_mask(path: &Path, grid: &GeoRef) -> Result<BitGrid, String> {
     let file = RasterFile::open(path, &mut Vec::new()).map_err(|e| e.to_string())?;
     let found = (file.georef().n_rows(), file.georef().n_cols());
@@ -191,7 +193,7 @@ struct Scratch(PathBuf);
 impl Scratch {
     fn new() -> Result<Scratch, String> {
         let path = std::env::temp_dir().join(format!("skyshed-chart-{}", std::process::id()));
-        // A folder that is there belongs to someone else.
+        // An existing folder may belong to another process.
         std::fs::create_dir(&path)
             .map_err(|e| format!("cannot make the folder {}: {}", path.display(), io_words(&e)))?;
         Ok(Scratch(path))

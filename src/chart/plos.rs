@@ -1,4 +1,4 @@
-//! The ways to P_LoS of a generated city, each with its cost and its error.
+//! Methods of P_LoS of a generated city, each with its cost and its error.
 
 use skyshed_request::{Placement, Users};
 
@@ -11,10 +11,10 @@ use crate::error::{OddRun, Result};
 use crate::los_probability::setting::Setting;
 use crate::progress::Progress;
 
-/// What is asked of P_LoS of a generated city.
+/// Plan of a chart of P_LoS of a generated city.
 #[derive(Debug)]
 pub(crate) struct PlosChartPlan {
-    /// The city as it was named, and its parameters.
+    /// City as the user wrote it, and its parameters.
     pub(crate) city: String,
     pub(crate) built_up: BuiltUp,
     /// Elevation angle of the UAV \[deg\].
@@ -30,7 +30,7 @@ pub(crate) struct PlosChartPlan {
 }
 
 impl PlosChartPlan {
-    /// Lets all ways find P_LoS.
+    /// Computes P_LoS by all methods.
     ///
     /// # Errors
     /// E113, E120 for numbers out of range; E503.
@@ -80,7 +80,7 @@ impl PlosChartPlan {
     }
 }
 
-/// A row in words; nothing for one without an answer, of which a warning tells.
+/// Returns a row in words. `None` for a method without an answer, which a warning reports.
 pub(super) fn in_words(row: &PlosChartRow, report: &PlosChartReport) -> Option<String> {
     let (cost, answer) = row.result.as_ref().ok()?;
     let number = |value: Option<f64>| value.map_or("undefined".to_string(), |v| format!("{v:.6}"));

@@ -1,4 +1,5 @@
-//! Effort against accuracy of P_LoS as reported: `skyshed/chart/1` of a generated city, and its table.
+//! Report of effort against accuracy of P_LoS: `skyshed/chart/1` of a generated city, and its
+//! table.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -13,23 +14,23 @@ use crate::los_probability::estimate::Estimate;
 use crate::los_probability::setting::Setting;
 use crate::words::version;
 
-/// One way to P_LoS with its result.
+/// One method of P_LoS with its result.
 #[derive(Debug, Clone)]
 pub(super) struct PlosChartRow {
-    /// The way.
+    /// The method.
     pub(super) way: PlosWay,
-    /// What it costs and what it says, or why it says nothing.
+    /// Cost and answer, or the reason for having no answer.
     pub(super) result: Result<(Cost, PlosAnswer), String>,
 }
 
-/// A chart of the ways to P_LoS as reported.
+/// Report of a chart of the methods of P_LoS.
 #[derive(Debug, Clone)]
 pub(super) struct PlosChartReport {
-    /// The words of the command line.
+    /// Words of the command line.
     pub(super) command: Vec<String>,
-    /// The city as typed.
+    /// City as the user wrote it.
     pub(super) city: String,
-    /// What is asked.
+    /// Setting of P_LoS.
     pub(super) setting: Setting,
     /// Seed of everything random.
     pub(super) seed: u64,
@@ -37,26 +38,26 @@ pub(super) struct PlosChartReport {
     pub(super) threads: u16,
     /// The converged product.
     pub(super) reference: Estimate,
-    /// The ways that had their turn.
+    /// Methods that had their turn.
     pub(super) rows: Vec<PlosChartRow>,
-    /// How many were to have it.
+    /// Number of planned methods.
     pub(super) planned: usize,
     /// Warnings.
     pub(super) warnings: Vec<Warning>,
 }
 
 impl PlosChartReport {
-    /// Whether the user ended the run before all ways had their turn.
+    /// Returns `true` if the user ended the run before all methods had their turn.
     pub(super) fn is_interrupted(&self) -> bool {
         self.rows.len() < self.planned
     }
 
-    /// P_LoS of a row less that of the converged product.
+    /// Returns P_LoS of a row less that of the converged product.
     pub(super) fn p_los_error(&self, row: &PlosChartRow) -> Option<f64> {
         Some(row.result.as_ref().ok()?.1.p_los()? - self.reference.p_los?)
     }
 
-    /// How far a row errs: its standard error, or the size of a model's bias.
+    /// Returns the error of a row: its standard error, or the absolute bias of a model.
     pub(super) fn error(&self, row: &PlosChartRow) -> Option<f64> {
         match &row.result.as_ref().ok()?.1 {
             PlosAnswer::Estimate(estimate) => estimate.std_error,
@@ -64,19 +65,20 @@ impl PlosChartReport {
         }
     }
 
-    /// CPU time \[s\] and error of a row; `None` where one of them is missing.
+    /// Returns the CPU time \[s\] and the error of a row; `None` where one of them is missing.
     pub(super) fn place(&self, row: &PlosChartRow) -> Option<(f64, f64)> {
         let cpu_s = row.result.as_ref().ok()?.0.cpu_s?;
         Some((cpu_s, self.error(row)?)).filter(|(cpu_s, _)| *cpu_s > 0.0)
     }
 
-    /// Rows on the Pareto front of CPU time and error, by rising CPU time.
+    /// Returns the rows on the Pareto front of CPU time and error, by rising CPU time.
     pub(super) fn front(&self) -> Vec<usize> {
         let places = self.rows.iter().map(|row| self.place(row).unwrap_or((f64::NAN, f64::NAN)));
         pareto_front(&places.collect::<Vec<_>>())
     }
 
-    /// The document; without contestants and times it is stored in pictures and beside tables.
+    /// Returns the document. Pictures, and the files beside tables, store it without contestants
+    /// and times.
     pub(super) fn document(&self, with_rows: bool) -> Value {
         let (setting, city) = (&self.setting, self.setting.built_up);
         let front = self.front();
@@ -130,7 +132,7 @@ impl PlosChartReport {
         }
     }
 
-    /// The table: one row per way.
+    /// Returns the table: one row for each method.
     pub(super) fn table(&self) -> Rows {
         rows(self.rows.iter().map(|row| {
             let (cost, answer) = row.result.as_ref().map_or((None, None), |(cost, answer)| (Some(cost), Some(answer)));
@@ -171,9 +173,9 @@ pub(crate) struct PlosChartDocument {
     command: Vec<String>,
     /// p_los, or scene for contestants on a scene.
     kind: &'static str,
-    /// The city as it was named.
+    /// City as the user wrote it.
     city: String,
-    /// Its parameters.
+    /// Parameters of the city.
     built_up: ParametersDocument,
     /// Seed of everything random.
     seed: u64,
@@ -183,22 +185,22 @@ pub(crate) struct PlosChartDocument {
     rx_height_m: f64,
     /// Elevation angle of the UAV [deg].
     theta_deg: Option<f64>,
-    /// Which users are counted.
+    /// Users that count.
     users: &'static str,
-    /// Where the UAV hovers.
+    /// Place of the UAV.
     placement: &'static str,
     /// Threads of the timed runs.
     threads: u16,
-    /// Whether the run ended before all ways had their turn.
+    /// true if the run ended before all methods had their turn.
     interrupted: bool,
     /// The converged product.
     reference: ReferenceDocument,
-    /// What the numbers mean.
+    /// Meaning of the numbers.
     meaning: Meaning,
-    /// The ways; not in what is stored in pictures and beside tables.
+    /// The methods; absent in the copies that pictures and tables store.
     #[serde(skip_serializing_if = "Option::is_none")]
     contestants: Option<Vec<WayDocument>>,
-    /// What was odd.
+    /// Warnings.
     warnings: Vec<WarningFacts>,
 }
 
@@ -218,68 +220,68 @@ struct ParametersDocument {
 struct ReferenceDocument {
     /// product.
     method: &'static str,
-    /// Its value.
+    /// P_LoS.
     p_los: Option<f64>,
-    /// Its standard error.
+    /// Standard error of P_LoS.
     std_error: Option<f64>,
-    /// Links behind it.
+    /// Links behind P_LoS.
     samples: u64,
 }
 
-/// A way to P_LoS.
+/// A method of P_LoS.
 #[derive(Debug, Serialize, JsonSchema)]
 struct WayDocument {
     /// The method.
     method: &'static str,
-    /// Its effort.
+    /// Effort of the method.
     parameters: String,
     #[serde(flatten)]
     cost: CostDocument,
-    /// Its value.
+    /// P_LoS.
     p_los: Option<f64>,
-    /// Its standard error.
+    /// Standard error of P_LoS.
     std_error: Option<f64>,
-    /// Why there is no standard error.
+    /// Reason for having no standard error.
     #[serde(skip_serializing_if = "Option::is_none")]
     std_error_reason: Option<&'static str>,
-    /// Its value less that of the converged product.
+    /// P_LoS less that of the converged product.
     p_los_error: Option<f64>,
-    /// Links behind it.
+    /// Links behind P_LoS.
     samples: Option<u64>,
     /// Independent groups of links.
     clusters: Option<u64>,
-    /// Why there is no value.
+    /// Reason for a missing value.
     #[serde(skip_serializing_if = "Option::is_none")]
     reason: Option<String>,
-    /// Whether nothing beats it in both.
+    /// true if no method is better in both cost and error.
     pareto: bool,
 }
 
-/// A row of the table of ways to P_LoS.
+/// A row of the table of methods of P_LoS.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct PlosChartTableRow {
     /// The method.
     method: &'static str,
-    /// Its effort.
+    /// Effort of the method.
     parameters: String,
     /// User CPU time of one run [s].
     cpu_s: Option<f64>,
-    /// Time on the clock for the same [s].
+    /// Wall time of one run [s].
     wall_s: Option<f64>,
-    /// Largest resident set of the process meanwhile [MB].
+    /// Largest resident set of the process during the first run [MB].
     peak_mb: Option<f64>,
-    /// Its standard error; empty for models.
+    /// Standard error of P_LoS; empty for models.
     std_error: Option<f64>,
-    /// Its value.
+    /// P_LoS.
     p_los: Option<f64>,
-    /// Its value less that of the converged product.
+    /// P_LoS less that of the converged product.
     p_los_error: Option<f64>,
-    /// Links behind it.
+    /// Links behind P_LoS.
     samples: Option<u64>,
     /// Independent groups of links.
     clusters: Option<u64>,
     /// Runs that were timed.
     runs: Option<u32>,
-    /// Why there is no value.
+    /// Reason for a missing value.
     reason: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! Speed against accuracy as reported: `skyshed/chart/1` of a scene, and its table.
+//! Report of speed against accuracy: `skyshed/chart/1` of a scene, and its table.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -14,52 +14,53 @@ use crate::coverage::Uav;
 use crate::digest::Sha256;
 use crate::sight::{SightFacts, SightPlan};
 
-/// The schema of charts.
+/// Schema of charts.
 pub(super) const CHART_SCHEMA: &str = "skyshed/chart/1";
 
-/// What a contestant costs on the machine of the run.
+/// Cost of a contestant on the machine of the run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Cost {
-    /// User CPU time of one run \[s\]; `None` where the system does not tell.
+    /// User CPU time of one run \[s\]; `None` where the system does not report it.
     pub(super) cpu_s: Option<f64>,
     /// Wall time of one run \[s\].
     pub(super) wall_s: f64,
-    /// Peak of resident memory meanwhile \[MB\]; `None` where the system does not tell.
+    /// Peak of resident memory during the first run \[MB\]; `None` where the system does not report
+    /// it.
     pub(super) peak_mb: Option<f64>,
     /// Runs that were timed.
     pub(super) runs: u32,
 }
 
-/// What a contestant costs on the machine of the run.
+/// Cost of a contestant on the machine of the run.
 #[derive(Debug, Default, Serialize, JsonSchema)]
 pub(super) struct CostDocument {
-    /// User CPU time of one run over all UAVs, the scene read and made ready [s].
+    /// User CPU time of one run over all UAVs, with the scene read and prepared before [s].
     cpu_s: Option<f64>,
-    /// Time on the clock for the same [s].
+    /// Wall time of one run [s].
     wall_s: Option<f64>,
-    /// Largest resident set of the process meanwhile [MB].
+    /// Largest resident set of the process during the first run [MB].
     peak_mb: Option<f64>,
     /// Runs that were timed.
     #[serde(skip_serializing_if = "Option::is_none")]
     runs: Option<u32>,
-    /// Why CPU time is missing.
+    /// Reason for missing CPU time.
     #[serde(skip_serializing_if = "Option::is_none")]
     cpu_reason: Option<&'static str>,
-    /// Why the peak of memory is missing.
+    /// Reason for a missing peak of memory.
     #[serde(skip_serializing_if = "Option::is_none")]
     peak_reason: Option<&'static str>,
 }
 
-/// What the numbers of a chart mean.
+/// Meaning of the numbers of a chart.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct Meaning {
-    /// What CPU time is.
+    /// Meaning of CPU time.
     cpu_s: &'static str,
-    /// What wall time is.
+    /// Meaning of wall time.
     wall_s: &'static str,
-    /// What the peak of memory is.
+    /// Meaning of the peak of memory.
     peak_mb: &'static str,
-    /// What runs are.
+    /// Meaning of runs.
     runs: &'static str,
 }
 
@@ -87,23 +88,24 @@ impl Cost {
     }
 }
 
-/// A contestant's result.
+/// Result of a contestant.
 #[derive(Debug, Clone)]
 pub(super) struct ChartRow {
     /// The engine as it is typed, or the program.
     pub(super) method: String,
-    /// What it decides on, and versions; empty for the scene itself.
+    /// Cells of the contestant, and versions; empty for the scene itself.
     pub(super) parameters: String,
-    /// A short name for pictures.
+    /// Short name for pictures.
     pub(super) label: String,
-    /// Which kind it is.
+    /// Family of the contestant.
     pub(super) family: Family,
-    /// What it costs and how far it errs, or why there is no answer.
+    /// Cost and counts, or the reason for having no answer.
     pub(super) result: Result<(Cost, Comparison), String>,
 }
 
 impl ChartRow {
-    /// CPU time per receiver of the scene \[ns\] and share of wrong receivers; `None` where one of them is missing.
+    /// Returns the CPU time per receiver of the scene \[ns\] and the share of wrong receivers;
+    /// `None` where one of them is missing.
     pub(super) fn place(&self) -> Option<(f64, f64)> {
         let (cost, counts) = self.result.as_ref().ok()?;
         let cpu_ns = 1e9 * cost.cpu_s? / (counts.receivers + counts.unanswered) as f64;
@@ -111,47 +113,48 @@ impl ChartRow {
     }
 }
 
-/// A chart of a scene as reported.
+/// Report of a chart of a scene.
 #[derive(Debug, Clone)]
 pub(super) struct ChartReport {
     pub(super) facts: RunFacts,
     pub(super) sight: SightPlan,
-    /// The UAVs, each with longitude and latitude \[deg\] if it was given by these.
+    /// UAVs, each with longitude and latitude \[deg\] if it was read in degrees.
     pub(super) uavs: Vec<(Uav, Option<[f64; 2]>)>,
     /// The exact answer.
     pub(super) truth: Truth,
-    /// Whether a UAV is over no data, so that P_LoS is undefined.
+    /// `true` if a UAV is over no data, which makes P_LoS undefined.
     pub(super) is_over_nodata: bool,
     /// Threads of the timed runs.
     pub(super) threads: u16,
-    /// What it costs to read each height once and to write the mask once, for all UAVs.
+    /// Cost of reading each height once and writing the mask once, for all UAVs.
     pub(super) floor: Cost,
-    /// The contestants that had their turn.
+    /// Contestants that had their turn.
     pub(super) rows: Vec<ChartRow>,
-    /// How many were to have it.
+    /// Number of planned contestants.
     pub(super) planned: usize,
 }
 
 impl ChartReport {
-    /// Whether the user ended the run before all contestants had their turn.
+    /// Returns `true` if the user ended the run before all contestants had their turn.
     pub(super) fn is_interrupted(&self) -> bool {
         self.rows.len() < self.planned
     }
 
-    /// The memory floor per receiver \[ns of CPU time\].
+    /// Returns the memory floor per receiver \[ns of CPU time\].
     pub(super) fn floor_ns(&self) -> Option<f64> {
         let receivers = self.truth.receivers();
         let floor = 1e9 * self.floor.cpu_s? / receivers as f64;
         (receivers > 0 && floor > 0.0).then_some(floor)
     }
 
-    /// Rows on the Pareto front of CPU time and wrong receivers, by rising CPU time.
+    /// Returns the rows on the Pareto front of CPU time and wrong receivers, by rising CPU time.
     pub(super) fn front(&self) -> Vec<usize> {
         let places = self.rows.iter().map(|row| row.place().unwrap_or((f64::NAN, f64::NAN)));
         pareto_front(&places.collect::<Vec<_>>())
     }
 
-    /// SHA-256 of what does not depend on the machine: a line of method, parameters and counts per row.
+    /// Returns the SHA-256 of everything that does not depend on the machine. Each row except peers
+    /// contributes a line of method, parameters and counts.
     fn digest(&self) -> String {
         let mut hasher = Sha256::default();
         for row in self.rows.iter().filter(|row| row.family != Family::Peer) {
@@ -161,7 +164,8 @@ impl ChartReport {
         digest_words(hasher)
     }
 
-    /// The document; without contestants and times it is stored in pictures and beside tables.
+    /// Returns the document. Pictures, and the files beside tables, store it without contestants
+    /// and times.
     pub(super) fn document(&self, with_rows: bool) -> Value {
         let uav = |(uav, lonlat): &(Uav, Option<[f64; 2]>)| UavDocument {
             id: uav.id.clone(),
@@ -175,7 +179,7 @@ impl ChartReport {
         let p_los = self.truth.p_los().filter(|_| !self.is_over_nodata);
         let no_p_los = if self.is_over_nodata { "a UAV is over no data" } else { "no receiver in range" };
         let mut head = self.facts.head(CHART_SCHEMA);
-        // The key stands for the exact answer below.
+        // The document uses this key for the exact answer.
         head.exact = None;
         document_of(&ChartDocument {
             head,
@@ -221,7 +225,7 @@ impl ChartReport {
         }
     }
 
-    /// The table: one row per contestant; what it could not answer is empty, with a reason.
+    /// Returns the table: one row for each contestant. Missing values are empty, with a reason.
     pub(super) fn table(&self) -> Rows {
         rows(self.rows.iter().map(|row| {
             let (cost, counts) = row.result.as_ref().map_or((None, None), |(cost, counts)| (Some(cost), Some(counts)));
@@ -250,7 +254,7 @@ impl ChartReport {
     }
 }
 
-/// The counts, in the order of the table.
+/// Returns the counts in the order of the table.
 fn count_cells(counts: &Comparison) -> [u64; 7] {
     [
         counts.wrong(),
@@ -268,29 +272,29 @@ fn count_cells(counts: &Comparison) -> [u64; 7] {
 pub(crate) struct ChartDocument {
     #[serde(flatten)]
     head: Head,
-    /// scene, or p_los for the ways to P_LoS of a generated city.
+    /// scene, or p_los for the methods of P_LoS of a generated city.
     kind: &'static str,
     #[serde(flatten)]
     sight: SightFacts,
     /// Threads of the timed runs.
     threads: u16,
-    /// Whether the run ended before all contestants had their turn.
+    /// true if the run ended before all contestants had their turn.
     interrupted: bool,
     /// The UAVs.
     uavs: Vec<UavDocument>,
     /// The exact answer.
     exact: ExactDocument,
-    /// What the numbers mean.
+    /// Meaning of the numbers.
     meaning: Meaning,
-    /// What it costs to read each height once and to write the mask once.
+    /// Cost of reading each height once and writing the mask once.
     #[serde(skip_serializing_if = "Option::is_none")]
     memory_floor: Option<CostDocument>,
-    /// The contestants; not in what is stored in pictures and beside tables.
+    /// The contestants; absent in the copies that pictures and tables store.
     #[serde(skip_serializing_if = "Option::is_none")]
     contestants: Option<Vec<ContestantDocument>>,
-    /// What was odd.
+    /// Warnings.
     warnings: Vec<WarningFacts>,
-    /// SHA-256 of what does not depend on the machine.
+    /// SHA-256 of everything that does not depend on the machine.
     digest: String,
 }
 
@@ -303,26 +307,26 @@ struct UavDocument {
     position: PositionFields,
     /// Height above the datum [m].
     height_amsl_m: f64,
-    /// Height above the ground [m]; null where none is known.
+    /// Height above the ground [m]; null where no ground is known.
     height_agl_m: Option<f64>,
-    /// What it hovers over: ground or rooftop.
+    /// Surface below the UAV: ground or rooftop.
     placement: &'static str,
 }
 
 /// The exact answer.
 #[derive(Debug, Serialize, JsonSchema)]
 struct ExactDocument {
-    /// Engine that gave it.
+    /// Engine that computed it.
     method: String,
     /// Receivers of all UAVs.
     receivers: u64,
-    /// Those in line of sight.
+    /// Receivers in line of sight.
     los: u64,
     /// Share of the receivers in line of sight.
     p_los: Option<f64>,
-    /// Links of it that a ray confirms; null where rays decided all.
+    /// Links that a ray confirms; null where rays decided all links.
     links_checked_by_ray: Option<u64>,
-    /// Why there is no share.
+    /// Reason for having no share.
     #[serde(skip_serializing_if = "Option::is_none")]
     reason: Option<&'static str>,
 }
@@ -332,9 +336,9 @@ struct ExactDocument {
 struct ContestantDocument {
     /// The engine as it is typed, or the program.
     method: String,
-    /// What it decides on, and versions.
+    /// Cells of the contestant, and versions.
     parameters: String,
-    /// Which kind it is.
+    /// Family of the contestant.
     family: &'static str,
     #[serde(flatten)]
     cost: CostDocument,
@@ -345,33 +349,33 @@ struct ContestantDocument {
     counts: CountsDocument,
     /// Share of wrong receivers.
     wrong_share: Option<f64>,
-    /// P_LoS over its own receivers.
+    /// P_LoS over the contestant's own receivers.
     p_los: Option<f64>,
     /// P_LoS less that of the exact method.
     p_los_error: Option<f64>,
-    /// Why a value is missing.
+    /// Reason for a missing value.
     #[serde(skip_serializing_if = "Option::is_none")]
     reason: Option<String>,
-    /// Whether nothing beats it in both.
+    /// true if no contestant is better in both cost and error.
     pareto: bool,
 }
 
-/// What a contestant gets wrong.
+/// Errors of a contestant.
 #[derive(Debug, Default, Serialize, JsonSchema)]
 struct CountsDocument {
-    /// Receivers that it decides wrongly.
+    /// Receivers decided wrongly.
     wrong_cells: Option<u64>,
-    /// Receivers that it and the exact answer have in common.
+    /// Receivers that the contestant and the exact answer have in common.
     receivers: Option<u64>,
-    /// Wrong ones that it calls LoS.
+    /// Wrong receivers that the contestant calls LoS.
     false_los: Option<u64>,
-    /// Wrong ones that it calls NLoS.
+    /// Wrong receivers that the contestant calls NLoS.
     false_nlos: Option<u64>,
-    /// Receivers that it does not answer.
+    /// Receivers that the contestant does not answer.
     unanswered: Option<u64>,
-    /// Receivers of its own.
+    /// Receivers of the contestant itself.
     own_receivers: Option<u64>,
-    /// Those in line of sight.
+    /// Its own receivers in line of sight.
     own_los: Option<u64>,
 }
 
@@ -384,41 +388,41 @@ impl CountsDocument {
     }
 }
 
-/// A row of a chart's table.
+/// A row of the table of a chart.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct ChartTableRow {
     /// The engine as it is typed, or the program.
     method: String,
-    /// What it decides on, and versions; empty for the scene itself.
+    /// Cells of the contestant, and versions; empty for the scene itself.
     parameters: String,
     /// User CPU time of one run [s].
     cpu_s: Option<f64>,
-    /// Time on the clock for the same [s].
+    /// Wall time of one run [s].
     wall_s: Option<f64>,
-    /// Largest resident set of the process meanwhile [MB].
+    /// Largest resident set of the process during the first run [MB].
     peak_mb: Option<f64>,
     /// Receivers decided wrongly.
     wrong_cells: Option<u64>,
-    /// Receivers that it and the exact answer have in common.
+    /// Receivers that the contestant and the exact answer have in common.
     receivers: Option<u64>,
-    /// Wrong ones that it calls LoS.
+    /// Wrong receivers that the contestant calls LoS.
     false_los: Option<u64>,
-    /// Wrong ones that it calls NLoS.
+    /// Wrong receivers that the contestant calls NLoS.
     false_nlos: Option<u64>,
-    /// P_LoS over its own receivers.
+    /// P_LoS over the contestant's own receivers.
     p_los: Option<f64>,
     /// P_LoS less that of the exact method.
     p_los_error: Option<f64>,
-    /// Receivers that it does not answer.
+    /// Receivers that the contestant does not answer.
     unanswered: Option<u64>,
-    /// Receivers of its own.
+    /// Receivers of the contestant itself.
     own_receivers: Option<u64>,
-    /// Those in line of sight.
+    /// Its own receivers in line of sight.
     own_los: Option<u64>,
     /// Runs that were timed.
     runs: Option<u32>,
-    /// Which kind it is.
+    /// Family of the contestant.
     family: &'static str,
-    /// Why there is no answer.
+    /// Reason for having no answer.
     reason: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! The contestants on a scene: each prepared, timed and compared with the exact answer.
+//! Contestants on a scene: each is prepared, timed and compared with the exact answer.
 
 use super::measure::{measured, memory_floor};
 use super::report::{ChartReport, ChartRow, Cost};
@@ -17,15 +17,16 @@ use crate::scene::Scene;
 use crate::sight::warn_of_nodata;
 use crate::uav::UavsFound;
 
-/// Bytes that a cell takes beside the scene: the scene once more on other cells, the heights and the mask of the floor, those
-/// of a peer.
+/// Memory of a chart beside the scene \[bytes per cell\]: the scene once more on other cells,
+/// heights and mask of the floor, and those of a peer.
 const BYTES_PER_CELL: usize = FIELD_BYTES_PER_CELL + 5 + 8;
 
 impl ChartPlan {
-    /// Lets all contestants decide the links of some UAVs over a scene.
+    /// Runs all contestants for some UAVs over a scene.
     ///
     /// # Errors
-    /// E116 for receivers in a zone; E2xx for UAVs that cannot be there; E501, E503; E603 if two exact engines differ.
+    /// E116 for receivers in a zone; E2xx for UAVs that cannot be there; E501, E503; E603 if two
+    /// exact engines differ.
     pub(crate) fn run(
         &self,
         mut scene: Scene,
@@ -69,7 +70,7 @@ impl ChartPlan {
     }
 }
 
-/// Where contestants meet.
+/// Inputs that all contestants share.
 struct Arena<'a> {
     plan: &'a ChartPlan,
     scene: &'a Scene,
@@ -80,12 +81,12 @@ struct Arena<'a> {
 }
 
 impl Arena<'_> {
-    /// The memory floor, and the results of all contestants until the user interrupts.
+    /// Returns the memory floor, and the results of all contestants until the user interrupts.
     fn run(&self, contestants: &[Contestant]) -> Result<(Cost, Vec<ChartRow>)> {
         let n_planned = contestants.len() + usize::from(self.plan.peers);
         in_turns(self.plan.threads, n_planned, self.progress, || {
             let floor = memory_floor(self.scene.grid().n_cells(), self.plan.time_s, self.progress);
-            // A map of several UAVs reads and writes everything for each.
+            // A map of several UAVs reads and writes everything once for each.
             let n = self.uavs.len() as f64;
             let floor = Cost { cpu_s: floor.cpu_s.map(|cpu| cpu * n), wall_s: floor.wall_s * n, ..floor };
             let mut rows = Vec::new();
@@ -106,7 +107,7 @@ impl Arena<'_> {
 
     fn row(&self, contestant: &Contestant) -> ChartRow {
         let result = self.result(contestant);
-        // Other cells may call for another exact engine.
+        // Other cells may need another exact engine.
         let method = result.as_ref().map_or(contestant.method, |(method, ..)| *method);
         ChartRow {
             method: method.to_string(),
@@ -117,7 +118,7 @@ impl Arena<'_> {
         }
     }
 
-    /// The engine in use, its cost and its counts, or why there are none.
+    /// Returns the engine in use, its cost and its counts, or the reason for having none.
     fn result(&self, contestant: &Contestant) -> std::result::Result<(Method, Cost, Comparison), String> {
         if let (Method::Ray, Some(checked)) = (contestant.method, self.truth.checked) {
             let n = self.truth.receivers();
@@ -145,7 +146,7 @@ impl Arena<'_> {
     }
 }
 
-/// A row in words.
+/// Returns a row in words.
 pub(super) fn in_words(row: &ChartRow, report: &ChartReport) -> String {
     let (cost, counts) = match &row.result {
         Ok(result) => result,

@@ -1,4 +1,4 @@
-//! The document and the table of placements side by side, as types.
+//! Serialized forms of a comparison of placements: the document and the rows of its table.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -10,40 +10,40 @@ use crate::coverage::MarginStats;
 use crate::height_errors::{HeightErrorsDocument, HeightsOfDifference};
 use crate::sight::SightFacts;
 
-/// Placements side by side.
+/// Comparison of placements.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct CompareDocument {
     #[serde(flatten)]
     pub(super) head: Head,
     #[serde(flatten)]
     pub(super) sight: SightFacts,
-    /// How far heights of buildings may be off, where that was told.
+    /// Standard deviations of building height errors; absent without any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) height_errors: Option<HeightErrorsDocument>,
-    /// How intervals were made.
+    /// Method of the intervals.
     pub(super) intervals: IntervalsDocument,
-    /// Which placement is best, by how much, and whether that is clear.
+    /// Sentence on the best placement, its lead, and the clarity of that lead.
     pub(super) verdict: String,
     /// The placements.
     pub(super) placements: Vec<PlacementDocument>,
     /// All pairs, the first always before the second.
     pub(super) pairs: Vec<PairDocument>,
-    /// What at least one placement sees.
+    /// Receivers that at least one placement sees.
     pub(super) union: Share,
     /// Receivers of any placement that 0, 1, 2 … of them see.
     pub(super) seen_by: Vec<u64>,
-    /// Receivers by the set of placements that see them; null for too many.
+    /// Receivers by the set of placements that see them; null for too many placements.
     pub(super) sets: Option<Vec<SetDocument>>,
-    /// Seconds spent; not in what is stored in pictures and rasters.
+    /// Seconds spent; absent in the copies that pictures and rasters store.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) timing_s: Option<Timing>,
-    /// What was odd.
+    /// Warnings.
     pub(super) warnings: Vec<WarningFacts>,
     /// SHA-256 of columns, rows (u64, little endian) and each placement's mask, north row first.
     pub(super) digest: String,
 }
 
-/// How intervals were made.
+/// Method of the intervals.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct IntervalsDocument {
     /// block bootstrap.
@@ -52,15 +52,15 @@ pub(super) struct IntervalsDocument {
     pub(super) confidence: f64,
     /// Edge of a block of ground [m].
     pub(super) block_m: f64,
-    /// How often blocks were drawn.
+    /// Number of resamplings.
     pub(super) resamplings: u64,
-    /// Seed of the drawing.
+    /// Seed of the resampling.
     pub(super) seed: u64,
-    /// What an interval says.
+    /// Meaning of an interval.
     pub(super) meaning: String,
 }
 
-/// What is said of the receivers of each zone.
+/// Values for the receivers of each zone.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct ByZone<D> {
     pub(super) street: D,
@@ -81,22 +81,22 @@ pub(super) struct PlacementDocument {
     pub(super) position: PositionFields,
     /// Height of the UAV above the datum [m]; null for a saved mask.
     pub(super) height_amsl_m: Option<f64>,
-    /// Height of the UAV above the ground [m]; null where none is known.
+    /// Height of the UAV above the ground [m]; null where no ground is known.
     pub(super) height_agl_m: Option<f64>,
-    /// What the UAV hovers over; null for a saved mask.
+    /// Zone or surface below the UAV; null for a saved mask.
     pub(super) placement: Option<&'static str>,
     #[serde(flatten)]
     pub(super) all: ShareDocument,
-    /// By zone of the receivers; null where none is known.
+    /// Values by zone of the receivers; null where no zone is known.
     pub(super) zones: Option<ByZone<ShareDocument>>,
     /// Margins of a sample of receivers; null for a saved mask.
     pub(super) margins: Option<MarginsDocument>,
-    /// Why there are no margins.
+    /// Reason for having no margins.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) margins_reason: Option<&'static str>,
 }
 
-/// An interval and what is behind it.
+/// An interval and its basis.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub(super) struct IntervalDocument {
     /// Lower end of the interval.
@@ -105,7 +105,7 @@ pub(super) struct IntervalDocument {
     pub(super) ci_high: Option<f64>,
     /// Blocks with receivers.
     pub(super) blocks: u64,
-    /// Why the value, or its interval, is missing.
+    /// Reason for a missing value or interval.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) reason: Option<String>,
 }
@@ -127,7 +127,7 @@ impl IntervalDocument {
 pub(super) struct ShareDocument {
     /// Receivers.
     pub(super) receivers: u64,
-    /// Those in line of sight.
+    /// Receivers in line of sight.
     pub(super) los: u64,
     /// Share of the receivers in line of sight.
     #[serde(rename = "p_los")]
@@ -146,20 +146,20 @@ impl ShareDocument {
 /// Margins: receiver height less the least height in line of sight.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct MarginsDocument {
-    /// Every how manyth receiver in row order was asked.
+    /// Step between sampled receivers, in row order.
     pub(super) every: usize,
-    /// How near to grazing a receiver counts as such [m].
+    /// Largest margin, in absolute value, that counts as near grazing [m].
     pub(super) grazing_within_m: f32,
     #[serde(flatten)]
     pub(super) all: MarginDocument,
-    /// By zone of the receivers; null where none is known.
+    /// Values by zone of the receivers; null where no zone is known.
     pub(super) zones: Option<ByZone<MarginDocument>>,
 }
 
 /// Margins of some receivers.
 #[derive(Debug, Default, Serialize, JsonSchema)]
 pub(super) struct MarginDocument {
-    /// Receivers that were asked.
+    /// Sampled receivers.
     pub(super) receivers: u64,
     /// 5 % quantile [m]; null where no receiver height is enough.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -173,10 +173,10 @@ pub(super) struct MarginDocument {
     /// Receivers near grazing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) grazing: Option<u64>,
-    /// Share of the receivers in line of sight.
+    /// Share of the sampled receivers near grazing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) grazing_share: Option<f64>,
-    /// Why something is missing.
+    /// Reason for a missing value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) reason: Option<&'static str>,
 }
@@ -200,33 +200,33 @@ impl MarginDocument {
     }
 }
 
-/// Two placements compared.
+/// Comparison of two placements.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct PairDocument {
-    /// Name of the first.
+    /// Name of the first placement.
     pub(super) first: String,
-    /// Name of the second.
+    /// Name of the second placement.
     pub(super) second: String,
     #[serde(flatten)]
     pub(super) all: DifferenceDocument,
-    /// By zone of the receivers; null where none is known.
+    /// Values by zone of the receivers; null where no zone is known.
     pub(super) zones: Option<ByZone<DifferenceDocument>>,
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub(super) heights: Option<HeightsOfDifference>,
 }
 
-/// Two placements compared on some receivers.
+/// Comparison of two placements on some receivers.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct DifferenceDocument {
     /// Receivers of both.
     pub(super) compared: u64,
-    /// Those that both see.
+    /// Receivers that both see.
     pub(super) both: u64,
-    /// Those that only the first sees.
+    /// Receivers that only the first sees.
     pub(super) only_first: u64,
-    /// Those that only the second sees.
+    /// Receivers that only the second sees.
     pub(super) only_second: u64,
-    /// Those that neither sees.
+    /// Receivers that neither sees.
     pub(super) neither: u64,
     /// Receivers of the first that are none of the second.
     pub(super) receivers_of_first_only: u64,
@@ -236,7 +236,7 @@ pub(super) struct DifferenceDocument {
     pub(super) difference: Option<f64>,
     #[serde(flatten)]
     pub(super) interval: IntervalDocument,
-    /// Whether the interval does not hold 0; null without one.
+    /// true if the interval excludes 0; null without one.
     pub(super) exceeds: Option<bool>,
 }
 
@@ -261,15 +261,15 @@ impl DifferenceDocument {
 /// Receivers that exactly some placements see.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct SetDocument {
-    /// Bit k for placement k.
+    /// Bits of the set: bit k for placement k.
     pub(super) bits: usize,
-    /// Their names.
+    /// Names of the placements.
     pub(super) seen_by_exactly: Vec<String>,
     /// Receivers.
     pub(super) receivers: u64,
 }
 
-/// A row of a comparison's table: a placement, or a pair of them.
+/// A row of the table of a comparison: a placement, or a pair of them.
 #[derive(Debug, Default, Serialize, JsonSchema)]
 pub(crate) struct CompareRow {
     /// placement or pair.
@@ -286,9 +286,9 @@ pub(crate) struct CompareRow {
     pub(super) height_amsl_m: Option<f64>,
     /// Height of the UAV above the ground [m].
     pub(super) height_agl_m: Option<f64>,
-    /// Receivers; of a pair those of both.
+    /// Receivers; for a pair the receivers of both.
     pub(super) receivers: u64,
-    /// Those in line of sight.
+    /// Receivers in line of sight.
     pub(super) los: Option<u64>,
     /// Share of the receivers in line of sight.
     pub(super) p_los: Option<f64>,
@@ -296,17 +296,17 @@ pub(crate) struct CompareRow {
     pub(super) difference: Option<f64>,
     /// Lower end of the interval of P_LoS, or of the difference.
     pub(super) ci_low: Option<f64>,
-    /// Upper end of the same.
+    /// Upper end of the interval of P_LoS, or of the difference.
     pub(super) ci_high: Option<f64>,
-    /// Whether the interval of a difference does not hold 0.
+    /// true if the interval of a difference excludes 0.
     pub(super) exceeds: Option<bool>,
-    /// Lower end of the interval of the difference with heights redrawn, where they may be off.
+    /// Lower end of the interval of the difference with heights redrawn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) heights_low: Option<f64>,
-    /// Upper end of the same.
+    /// Upper end of the interval of the difference with heights redrawn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) heights_high: Option<f64>,
-    /// Whether it does not hold 0.
+    /// true if the interval with heights redrawn excludes 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) exceeds_heights: Option<bool>,
     /// Blocks with receivers.
@@ -331,13 +331,13 @@ pub(crate) struct CompareRow {
     pub(super) margin_q95_m: Option<f64>,
     /// Share of receivers within 1 m of grazing.
     pub(super) margin_grazing_share: Option<f64>,
-    /// Receivers whose margins were asked for.
+    /// Receivers whose margins were computed.
     pub(super) margin_receivers: Option<u64>,
-    /// Height of the receivers above what they stand on [m].
+    /// Height of the receivers above the surface they stand on [m].
     pub(super) rx_height_m: f64,
     /// Largest horizontal distance from the UAV [m]; empty without a limit.
     pub(super) radius_m: Option<f64>,
-    /// What antennas serve, in words; empty if that is all.
+    /// Limits of the antenna, in words; empty without limits.
     pub(super) antenna: Option<String>,
     /// Edge of a block of ground [m].
     pub(super) block_m: f64,

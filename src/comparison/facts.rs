@@ -1,4 +1,4 @@
-//! What is found of placements and their pairs.
+//! Facts of placements and of their pairs.
 
 use crate::answer::Position;
 use crate::city_statistics::bootstrap::RatioEstimate;
@@ -9,10 +9,10 @@ use crate::map::SiteFacts;
 use crate::quantity::counted;
 use crate::zones::Zone;
 
-/// Groups of receivers: all, and those of each zone in the order of [`Zone::ALL`].
+/// Number of groups of receivers: all, and those of each zone in the order of [`Zone::ALL`].
 pub(crate) const N_GROUPS: usize = 5;
 
-/// The words for the groups of receivers in tables.
+/// Returns the words for the groups of receivers in tables.
 pub(crate) fn group_names() -> [&'static str; N_GROUPS] {
     let [a, b, c, d] = Zone::ALL.map(Zone::name);
     ["all", a, b, c, d]
@@ -23,52 +23,52 @@ pub(crate) fn group_names() -> [&'static str; N_GROUPS] {
 pub(crate) struct GroupShare {
     /// Receivers.
     pub(crate) receivers: u64,
-    /// Those in line of sight.
+    /// Receivers in line of sight.
     pub(crate) los: u64,
     /// Share of the receivers in line of sight.
     pub(crate) p_los: RatioEstimate,
 }
 
-/// Where a placement's mask comes from.
+/// Origin of a placement's mask.
 #[derive(Debug, Clone)]
 pub(crate) enum Origin {
     /// A UAV, mapped in this run.
     Uav(Box<SiteFacts>),
-    /// The mask of an earlier run.
+    /// A mask of an earlier run.
     File {
-        /// Its file.
+        /// Path of the file.
         path: String,
-        /// Where its UAV was, if the file says so.
+        /// Position of the UAV, if the file holds it.
         place: Option<Position>,
     },
 }
 
-/// Margins of a placement, from every so manyth receiver.
+/// Margins of a sample of a placement's receivers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct MarginFacts {
-    /// Every how manyth receiver in row order was asked.
+    /// Step between sampled receivers, in row order.
     pub(crate) every: usize,
-    /// By group; `None` where none of the sample is in it.
+    /// Statistics by group; `None` for a group without a sampled receiver.
     pub(crate) groups: [Option<MarginStats>; N_GROUPS],
 }
 
-/// One placement as reported.
+/// One placement in a report.
 #[derive(Debug, Clone)]
 pub(crate) struct PlacementFacts {
     /// Name, unique in a run.
     pub(crate) id: String,
-    /// Where its mask comes from.
+    /// Origin of the mask.
     pub(crate) origin: Origin,
     /// Counts of the mask.
     pub(crate) tally: Tally,
-    /// By group.
+    /// P_LoS by group.
     pub(crate) groups: [GroupShare; N_GROUPS],
-    /// Margins; a mask alone has none.
+    /// Margins; `None` for a saved mask.
     pub(crate) margins: Option<MarginFacts>,
 }
 
 impl PlacementFacts {
-    /// Where its UAV is, if that is known.
+    /// Returns the position of the UAV, if it is known.
     pub(crate) fn position(&self) -> Option<Position> {
         match &self.origin {
             Origin::Uav(site) => Some(site.position()),
@@ -76,7 +76,7 @@ impl PlacementFacts {
         }
     }
 
-    /// Its heights above the datum and above the ground \[m\], as far as they are known.
+    /// Returns the heights above the datum and above the ground \[m\], as far as they are known.
     pub(super) fn heights(&self) -> [Option<f64>; 2] {
         match &self.origin {
             Origin::Uav(site) => [Some(site.height_amsl_m), site.height_agl_m],
@@ -85,29 +85,29 @@ impl PlacementFacts {
     }
 }
 
-/// Two placements compared on some receivers.
+/// Comparison of two placements on some receivers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct GroupDifference {
-    /// What either sees.
+    /// Receivers, counted by which of the two placements sees them.
     pub(crate) counts: PairCounts,
     /// P_LoS of the second less that of the first, over the receivers of both.
     pub(crate) difference: RatioEstimate,
 }
 
-/// Two placements compared.
+/// Comparison of two placements.
 #[derive(Debug, Clone)]
 pub(crate) struct PairFacts {
-    /// The first, as an index of the placements.
+    /// Index of the first placement.
     pub(crate) first: usize,
-    /// The second.
+    /// Index of the second placement.
     pub(crate) second: usize,
-    /// By group.
+    /// Comparison by group.
     pub(crate) groups: [GroupDifference; N_GROUPS],
-    /// What of the difference errors of heights explain, where heights may be off.
+    /// Interval of the difference with heights redrawn; `None` without height errors.
     pub(crate) heights: Option<HeightsOfDifference>,
 }
 
-/// How intervals were made.
+/// Settings of the intervals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct IntervalFacts {
     /// Confidence, such as 0.95.
@@ -118,7 +118,7 @@ pub(crate) struct IntervalFacts {
     pub(crate) seed: u64,
 }
 
-/// Why a value has no interval.
+/// Returns the reason why a value has no interval.
 pub(super) fn reason_without_interval(estimate: &RatioEstimate) -> String {
     match estimate.blocks {
         n if n > 0 && estimate.value.is_none() => "a UAV is over no data".to_string(),

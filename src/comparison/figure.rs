@@ -1,4 +1,4 @@
-//! What a sheet or a page of placements shows, in words and marks.
+//! Contents of the sheet and the page of a comparison, in words and marks.
 
 use serde_json::Value;
 
@@ -17,16 +17,18 @@ use crate::render::{
 };
 use crate::words::unbreakable;
 
-/// Up to so many placements a sheet shows all pairs of them, beyond that those with the first.
+/// Most placements of a sheet with all pairs. A larger sheet shows only pairs with the first
+/// placement.
 const MOST_WITH_ALL_PAIRS: usize = 6;
 
-/// Words for what is drawn.
+/// Text of a sheet or a page.
 pub(super) struct Figure<'a> {
     of: &'a Comparison,
     title: String,
-    /// By placement: `square · 60 m above ground`.
+    /// Labels by placement: `square · 60 m above ground`.
     labels: Vec<String>,
-    /// By placement: `60 m` where another one is at the same place, so that marks there differ.
+    /// Heights by placement: `60 m` where another one is at the same place, so that marks there
+    /// differ.
     heights: Vec<String>,
     verdict: String,
     caption: Vec<String>,
@@ -57,18 +59,18 @@ impl<'a> Figure<'a> {
         Figure { of, title: unbreakable(&title), labels, heights, verdict, caption: caption(of, look) }
     }
 
-    /// The mark of a UAV, or of an observer, on a grid.
+    /// Returns the mark of a UAV, or of an observer, on a grid.
     fn mark_of<'b>(&self, placement: &'b PlacementFacts, height: &'b str, grid: &GeoRef) -> Option<Mark<'b>> {
         let at = placement.position()?;
         let Comparison { scene, report, .. } = self.of;
-        // Of a saved mask no height is known.
+        // The height of a saved mask is unknown.
         let [height_amsl_m, _] = placement.heights();
         let is_observer = height_amsl_m
             .is_some_and(|height_m| report.sight.receivers().has_observer(&scene.field, (at.x, at.y), height_m));
         Some(Mark { is_observer, ..mark(grid, (at.x, at.y), &placement.id, height) })
     }
 
-    /// Makes the sheet, cropped to the receivers, and hands it to `draw`.
+    /// Makes the sheet, cropped to the receivers, and passes it to `draw`.
     pub(super) fn with_sheet<T>(&self, draw: impl FnOnce(&CompareSheet<'_>) -> T) -> T {
         let Comparison { scene, report, .. } = self.of;
         let grid = scene.field.grid();
@@ -131,7 +133,7 @@ impl<'a> Figure<'a> {
         })
     }
 
-    /// Writes the page, which holds the document.
+    /// Writes the page, which contains the document.
     pub(super) fn page(&self, document: &Value, live: Option<&LivePacked>) -> Result<String, String> {
         let Comparison { scene, report, masks, .. } = self.of;
         let grid = scene.field.grid();
@@ -168,7 +170,7 @@ impl<'a> Figure<'a> {
     }
 }
 
-/// The lines below: what intervals are, for whom the maps are, whom to credit.
+/// Returns the lines of the caption: intervals, receivers, and attribution.
 fn caption(of: &Comparison, look: &Look) -> Vec<String> {
     let Comparison { scene, report, .. } = of;
     let intervals = &report.intervals;
@@ -194,7 +196,8 @@ fn caption(of: &Comparison, look: &Look) -> Vec<String> {
     lines.iter().map(|line| unbreakable(line)).collect()
 }
 
-/// The cells that hold receivers of any placement, with a border of a twentieth; all of them without a receiver.
+/// Returns the cells of receivers of any placement, with a border of a twentieth. Without a
+/// receiver these are all cells.
 fn window_of_receivers(grid: &GeoRef, union: &[u8]) -> CellWindow {
     let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
     let is_receiver = |class: &u8| matches!(*class, class::NLOS | class::LOS);
@@ -215,7 +218,7 @@ fn window_of_receivers(grid: &GeoRef, union: &[u8]) -> CellWindow {
     CellWindow { row: rows.0, col: cols.0, n_rows: rows.1 - rows.0, n_cols: cols.1 - cols.0 }
 }
 
-/// A difference with three decimals and a true minus.
+/// Returns a difference with three decimals and a true minus.
 fn short(difference: f64) -> String {
     quantity::signed(difference, 3)
 }
@@ -224,12 +227,12 @@ fn plain(p_los: f64) -> String {
     format!("{p_los:.4}")
 }
 
-/// An interval in brackets, behind a space; nothing without one.
+/// Returns an interval in brackets, after a space; empty without one.
 fn interval_words(estimate: &RatioEstimate, number: fn(f64) -> String) -> String {
     estimate.interval.map_or(String::new(), |(low, high)| format!(" [{}, {}]", number(low), number(high)))
 }
 
-/// What a caption says of intervals, if there are any.
+/// Returns a remark for captions that a table has intervals, or none.
 fn with_intervals(report: &CompareReport) -> &'static str {
     match report.reason_without_intervals() {
         Some(_) => ", without intervals",
@@ -237,13 +240,13 @@ fn with_intervals(report: &CompareReport) -> &'static str {
     }
 }
 
-/// The head of a table with a column per group.
+/// Returns the head of a table with one column for each group.
 fn head(report: &CompareReport, first: &str) -> Vec<String> {
     let names = group_names().into_iter().take(report.n_told());
     std::iter::once(first).chain(names).map(str::to_string).collect()
 }
 
-/// P_LoS of each placement less that of each other one.
+/// Returns the table of P_LoS of each placement less that of each other one.
 fn matrix(report: &CompareReport) -> PageTable {
     let cell = |row: usize, col: usize| {
         let pair = report.pairs.iter().find(|p| (p.first, p.second) == (row.min(col), row.max(col)));
@@ -270,7 +273,7 @@ fn matrix(report: &CompareReport) -> PageTable {
     }
 }
 
-/// Where the placements are.
+/// Returns the table of the placements' positions.
 fn placements_table(report: &CompareReport) -> PageTable {
     let has_degrees = report.placements.iter().any(|p| p.position().is_some_and(|at| at.lonlat.is_some()));
     let row = |p: &PlacementFacts| {

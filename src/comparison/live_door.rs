@@ -1,4 +1,4 @@
-//! The way from the page of a comparison to the live page of the same place.
+//! Link from the page of a comparison to the live page of the same place.
 
 use super::outcome::Comparison;
 use crate::city::{Antenna, Site};
@@ -7,7 +7,7 @@ use crate::live::LivePage;
 use crate::picture::Look;
 use crate::render::gzip;
 
-/// The live page of a comparison, packed, and what its address says.
+/// Live page of a comparison, compressed, and the parts of its address.
 pub(super) struct LivePacked {
     pub(super) page: Vec<u8>,
     pub(super) sight: String,
@@ -15,7 +15,8 @@ pub(super) struct LivePacked {
 }
 
 impl Comparison {
-    /// The live page of the same place, where the UAVs are known and a page can hold the scene.
+    /// Returns the live page of the same place. `None` without a known UAV, or if a page cannot
+    /// hold the scene.
     pub(super) fn live(&self, look: &Look) -> Option<LivePacked> {
         let run = self.report.sight.antenna();
         // A page has one antenna.
@@ -43,7 +44,8 @@ impl Comparison {
     }
 }
 
-/// An antenna and K of the earth as the address of a live page says them: nothing, or six numbers that may be empty, and K behind them.
+/// Returns an antenna and k of the earth in the form of a live page's address. This is empty, or
+/// six numbers that may be empty, followed by k.
 fn in_address(antenna: Antenna, earth_k: Option<f64>) -> String {
     if antenna == Antenna::default() && earth_k.is_none() {
         return String::new();

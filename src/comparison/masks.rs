@@ -16,31 +16,31 @@ use skyshed_io::error::Pair;
 /// A mask of an earlier run.
 #[derive(Debug)]
 pub(super) struct SavedMask {
-    /// The stem of the file's name, and the site's where a file holds several.
+    /// Stem of the file's name, with the site's name if the file holds several.
     pub(super) id: String,
-    /// The file.
+    /// Path of the file.
     pub(super) path: String,
     /// Classes of [`crate::coverage::class`].
     pub(super) mask: LargeVec<u8>,
-    /// Where its UAV was, if the file says so.
+    /// Position of the UAV, if the file holds it.
     pub(super) place: Option<Position>,
 }
 
-/// For whom this run makes maps.
+/// Scene and receivers of this run.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Setting<'a> {
-    /// The scene's file.
+    /// File of the scene.
     pub(super) scene: &'a Path,
-    /// Its grid.
+    /// Grid of the scene.
     pub(super) grid: &'a GeoRef,
     pub(super) sight: &'a SightPlan,
 }
 
-/// Reads the masks of a file: its only band, or of several those called `SITE.los`.
+/// Reads the masks of a file: its only band, or all bands named `SITE.los`.
 ///
 /// # Errors
-/// If the file cannot be read, lies on another grid than the scene (E312) or in another CRS (E311), or holds no mask
-/// (E302).
+/// E312 for another grid than the scene's; E311 for another CRS; E302 for a file without a mask;
+/// errors of reading the file.
 pub(super) fn read_masks(path: &Path, setting: &Setting<'_>, warnings: &mut Vec<Warning>) -> Result<Vec<SavedMask>> {
     let Setting { scene, grid, .. } = *setting;
     let file = warned(warnings, |odd| RasterFile::open(path, odd))?;
@@ -94,7 +94,8 @@ pub(super) fn read_masks(path: &Path, setting: &Setting<'_>, warnings: &mut Vec<
     sites.into_iter().map(&mut read).collect()
 }
 
-/// Warns where a map was made for other receivers than those of this run, as far as its file tells.
+/// Warns of a map that was made for other receivers than those of this run, as far as its file
+/// holds them.
 fn warn_of_other_receivers(path: &Path, document: &Value, setting: &Setting<'_>, warnings: &mut Vec<Warning>) {
     let own: [(&'static str, Value); 4] = [
         ("rx_height_m", setting.sight.rx_height_m().into()),
@@ -110,7 +111,7 @@ fn warn_of_other_receivers(path: &Path, document: &Value, setting: &Setting<'_>,
     }
 }
 
-/// Values on their way to classes, and the first that is none.
+/// Conversion of values to classes, and the first value that is no class.
 #[derive(Debug, Default)]
 struct Classes {
     n_seen: usize,
@@ -118,7 +119,7 @@ struct Classes {
 }
 
 impl Classes {
-    /// The class of a value; NaN is nodata.
+    /// Returns the class of a value; NaN is nodata.
     fn of(&mut self, value: f64) -> u8 {
         self.n_seen += 1;
         let is = |class: &u8| value.total_cmp(&f64::from(*class)).is_eq();

@@ -1,4 +1,5 @@
-//! Placements side by side: their maps, what changes between them, and whether that is clear.
+//! Comparison of placements: their maps, the differences between them, and the clarity of these
+//! differences.
 
 mod document;
 mod facts;
@@ -46,42 +47,42 @@ use crate::words::p_los_words;
 use crate::zones::{NONE, ZoneMap};
 use facts::{IntervalFacts, Origin, PairFacts, PlacementFacts};
 
-/// Formats of a comparison.
+/// Output formats of a comparison.
 pub(crate) const FORMATS: [Format; 8] =
     [Format::Html, Format::Png, Format::Svg, Format::Pdf, Format::GeoTiff, Format::Csv, Format::Json, Format::Stdout];
 
-/// Most placements: their pairs grow with the square.
+/// Most placements: the number of their pairs grows with the square.
 const MOST_PLACEMENTS: usize = 16;
 /// Most blocks of ground: each is drawn a thousand times.
 const MOST_BLOCKS: usize = 1 << 16;
-/// Receivers per placement whose margins are asked for.
+/// Sampled receivers for each placement, whose margins are computed.
 const MARGIN_SAMPLE: usize = 1 << 16;
 /// Confidence of the intervals.
 const CONFIDENCE: f64 = 0.95;
-/// What all masks laid over each other, the zones and a picture's surface take.
+/// Memory of the overlay of all masks, the zones and a picture's surface \[bytes per cell\].
 const BYTES_PER_CELL: usize = 5 + 1 + 4;
 
-/// Placements to be compared.
+/// Plan of a comparison.
 #[derive(Debug)]
 pub(crate) struct ComparisonPlan {
     pub(crate) sight: SightPlan,
-    /// How far heights of buildings may be off.
+    /// Standard deviations of building height errors.
     pub(crate) heights: HeightErrorsPlan,
     /// Files with masks of earlier runs.
     pub(crate) masks: Vec<PathBuf>,
-    /// Whether these are hashed whatever their size.
+    /// `true` if these files are hashed, however large they are.
     pub(crate) hash: bool,
     /// Edge of the blocks of ground that are resampled \[m\].
     pub(crate) block_m: f64,
     /// Seed of the resampling.
     pub(crate) seed: u64,
-    /// Whether a raster of all pairs is written.
+    /// `true` if a raster of all pairs is written.
     pub(crate) draws_pairs: bool,
-    /// Words of the scene and how it is read, for the live page of a scene whose solids were kept.
+    /// Words of the scene and of its options, for the live page of a scene whose solids were kept.
     pub(crate) scene_words: Vec<String>,
 }
 
-/// A mask, and where it comes from.
+/// A mask and its origin.
 struct Placed {
     id: String,
     origin: Origin,
@@ -90,14 +91,14 @@ struct Placed {
     margins: Option<MarginSample>,
 }
 
-/// What UAVs see, by which engine, and with heights redrawn.
+/// Maps of the UAVs, their engine, and their counts with heights redrawn.
 struct Mapped {
     placed: Vec<Placed>,
     method: Option<Method>,
     redrawn: Option<RedrawnCounts>,
 }
 
-/// A comparison needs two placements, and does not become clearer beyond a number.
+/// Checks the number of placements. A comparison needs two, and becomes unclear above a limit.
 ///
 /// # Errors
 /// E108, E502.
@@ -124,7 +125,8 @@ impl ComparisonPlan {
     /// Maps the UAVs, reads the saved masks, and compares all of them.
     ///
     /// # Errors
-    /// E2xx for UAVs that cannot be there; those of the files; E502 for too many placements or blocks.
+    /// E2xx for UAVs that cannot be there; errors of the files; E108 for fewer than two placements;
+    /// E502 for too many placements or blocks.
     pub(crate) fn compare(
         &self,
         mut scene: Scene,
@@ -155,7 +157,7 @@ impl ComparisonPlan {
         let heights = self.heights.over(&scene.field);
         let (overlay, mut report) = self.report((facts, heights), &placed, &blocks, zones.as_deref());
         if let Some(redrawn) = &redrawn {
-            // Saved masks, which are not redrawn, come last.
+            // Saved masks are not redrawn, and come last.
             for pair in report.pairs.iter_mut().filter(|pair| pair.first.max(pair.second) < uavs.len()) {
                 let is_known = pair.groups[0].difference.value.is_some();
                 pair.heights = HeightsOfDifference::of(redrawn, (pair.first, pair.second)).filter(|_| is_known);
@@ -183,7 +185,7 @@ impl ComparisonPlan {
         let cells = CellGroups { blocks, groups: codes, n_cols: grid.n_cols() };
         let Tables { mut shares, differences } = tables(&masks, &cells, &intervals);
         let mut pairs: Vec<_> = pairs_of(placed.len()).into_iter().zip(differences).collect();
-        // A UAV over no data has counts and no P_LoS.
+        // A UAV over no data has counts, but no P_LoS.
         let is_unknown = |k: usize| placed[k].tally.is_over_nodata;
         let of_unknown = |estimate: &mut RatioEstimate| (estimate.value, estimate.interval) = (None, None);
         for k in (0..placed.len()).filter(|k| is_unknown(*k)) {
@@ -220,7 +222,7 @@ impl ComparisonPlan {
         (overlay, report)
     }
 
-    /// Maps the UAVs and asks a sample of their receivers for margins; says which engine it was, if any was needed.
+    /// Maps the UAVs and samples margins of their receivers. The method is `None` without UAVs.
     fn mapped(
         &self,
         scene: &Scene,
@@ -251,7 +253,7 @@ impl ComparisonPlan {
         Ok(Mapped { placed, method: Some(mapper.method().0), redrawn })
     }
 
-    /// Placements from a file of masks, which becomes a source of the run.
+    /// Returns the placements of a file of masks. The file becomes a source of the run.
     fn saved(&self, path: &Path, scene: &mut Scene) -> Result<Vec<Placed>> {
         let setting = Setting { scene: Path::new(&scene.word), grid: scene.field.grid(), sight: &self.sight };
         let masks = read_masks(path, &setting, &mut scene.warnings)?;

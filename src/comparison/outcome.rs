@@ -1,4 +1,4 @@
-//! Placements that were compared.
+//! Result of a comparison.
 
 use super::report::CompareReport;
 use crate::city::Site;
@@ -6,17 +6,17 @@ use crate::coverage::Overlay;
 use crate::raster::LargeVec;
 use crate::scene::Scene;
 
-/// Placements side by side.
+/// Comparison of placements.
 #[derive(Debug)]
 pub(crate) struct Comparison {
     pub(super) scene: Scene,
-    /// In the order of the report's placements.
+    /// Masks, in the order of the report's placements.
     pub(super) masks: Vec<LargeVec<u8>>,
-    /// All masks together.
+    /// Overlay of all masks.
     pub(super) overlay: Overlay,
     pub(super) report: CompareReport,
-    /// UAVs as they were asked for: those of the first placements; all later ones are saved masks.
+    /// UAVs as requested. They are the first placements; the later ones are saved masks.
     pub(super) uavs: Vec<Site>,
-    /// Words of the scene and how it is read.
+    /// Words of the scene and of its options.
     pub(super) scene_words: Vec<String>,
 }

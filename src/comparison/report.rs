@@ -1,4 +1,4 @@
-//! Placements side by side as reported: the document `skyshed/compare/1` and its table.
+//! Report of a comparison: the document `skyshed/compare/1` and its table.
 
 use serde_json::Value;
 
@@ -17,54 +17,55 @@ use crate::height_errors::HeightErrorsPlan;
 use crate::quantity;
 use crate::sight::{SightPlan, antenna_words};
 
-/// Placements side by side, as reported.
+/// Report of a comparison of placements.
 #[derive(Debug, Clone)]
 pub(crate) struct CompareReport {
-    /// The run.
+    /// Facts of the run.
     pub(crate) facts: RunFacts,
-    /// For whom the maps are.
+    /// Receivers, range and antenna of the maps.
     pub(crate) sight: SightPlan,
-    /// How intervals were made.
+    /// Settings of the intervals.
     pub(crate) intervals: IntervalFacts,
-    /// Whether the zones of the scene are known.
+    /// `true` if the zones of the scene are known.
     pub(crate) has_zones: bool,
     /// The placements.
     pub(crate) placements: Vec<PlacementFacts>,
     /// All pairs, the first always before the second.
     pub(crate) pairs: Vec<PairFacts>,
-    /// How far heights of buildings may be off.
+    /// Standard deviations of building height errors.
     pub(crate) heights: HeightErrorsPlan,
-    /// All placements together.
+    /// Counts of the overlay of all placements.
     pub(crate) union: Tally,
     /// Receivers of any placement that 0, 1, 2 … of them see.
     pub(crate) seen_by: Vec<u64>,
-    /// Receivers that exactly the placements of each set see, bit k for placement k; `None` for too many.
+    /// Receivers by the exact set of placements that see them, bit k for placement k; `None` for
+    /// too many placements.
     pub(crate) sets: Option<Vec<u64>>,
-    /// Digest of the masks in order, see [`super::digest`].
+    /// Digest of the masks in order, see [`crate::map::MaskDigest`].
     pub(crate) digest: String,
 }
 
-/// What an interval of this document says, in words.
+/// Meaning of an interval, in words.
 const MEANING: &str = "blocks of ground are drawn with replacement, the same ones for all placements; an interval says how \
                        far a value would move over other ground of this kind, not how wrong the heights are";
 
-/// A difference of P_LoS with four decimals, its sign, and a true minus.
+/// Returns a difference of P_LoS with four decimals, its sign, and a true minus.
 pub(crate) fn signed(difference: f64) -> String {
     quantity::signed(difference, 4)
 }
 
-/// Why a mask has no margins.
+/// Reason why a saved mask has no margins.
 const NO_MARGINS: &str = "a saved mask says who is in line of sight, not by how much";
 
 impl CompareReport {
-    /// Whether any P_LoS or difference of two has an interval.
+    /// Returns `true` if any P_LoS or difference has an interval.
     pub(crate) fn has_intervals(&self) -> bool {
         let shares = self.placements.iter().flat_map(|p| &p.groups).map(|g| &g.p_los);
         let differences = self.pairs.iter().flat_map(|p| &p.groups).map(|g| &g.difference);
         shares.chain(differences).any(|estimate| estimate.interval.is_some())
     }
 
-    /// The document; without `timing` it is the same for equal runs.
+    /// Returns the document. Without `timing_s` it is the same for equal runs.
     pub(crate) fn document(&self, timing_s: Option<Timing>) -> Value {
         document_of(&CompareDocument {
             head: self.facts.head("skyshed/compare/1"),
@@ -90,7 +91,7 @@ impl CompareReport {
         })
     }
 
-    /// What is said of the receivers of each zone; `None` where no zone is known.
+    /// Returns values for the receivers of each zone; `None` where no zone is known.
     fn by_zone<T, D>(&self, groups: &[T; N_GROUPS], of: impl Fn(&T) -> D) -> Option<ByZone<D>> {
         let [_, street, crossroad, courtyard, rooftop] = groups;
         self.has_zones.then(|| ByZone {
@@ -149,12 +150,12 @@ impl CompareReport {
         Some(told.map(|(bits, n)| SetDocument { bits, seen_by_exactly: ids(bits), receivers: *n }).collect())
     }
 
-    /// The groups that tables tell: those of zones only where zones are known.
+    /// Returns the number of groups in tables: all receivers, and each zone if zones are known.
     pub(crate) fn n_told(&self) -> usize {
         if self.has_zones { N_GROUPS } else { 1 }
     }
 
-    /// The table: a row per placement and zone, then one per pair and zone.
+    /// Returns the table: one row for each placement and zone, then one for each pair and zone.
     pub(crate) fn table(&self) -> Rows {
         let groups = || group_names().into_iter().enumerate().take(self.n_told());
         let of_placement = |placement: &PlacementFacts| {
@@ -201,7 +202,7 @@ impl CompareReport {
         rows(self.placements.iter().flat_map(of_placement).chain(self.pairs.iter().flat_map(of_pair)))
     }
 
-    /// What rows of placements and of pairs have in common.
+    /// Returns the part that rows of placements and of pairs have in common.
     fn row(
         &self,
         (row, first, zone): (&'static str, &str, &'static str),
@@ -225,7 +226,7 @@ impl CompareReport {
         }
     }
 
-    /// What an interval says, and what the maps are worth.
+    /// Returns the meaning of an interval, and the accuracy of the maps.
     pub(crate) fn meaning(&self) -> String {
         let is_saved = self.placements.iter().any(|p| matches!(p.origin, Origin::File { .. }));
         match self.facts.method {
@@ -235,7 +236,7 @@ impl CompareReport {
         }
     }
 
-    /// Why there is no interval at all; `None` if there is any.
+    /// Returns the reason for having no interval at all; `None` if there is one.
     pub(crate) fn reason_without_intervals(&self) -> Option<String> {
         let shares = self.placements.iter().flat_map(|p| p.groups.iter().map(|g| &g.p_los));
         let differences = self.pairs.iter().flat_map(|p| p.groups.iter().map(|g| &g.difference));
@@ -244,7 +245,7 @@ impl CompareReport {
         Some(reason_without_interval(&first.groups[0].p_los))
     }
 
-    /// One sentence: which placement is best, by how much, and whether that is clear.
+    /// Returns one sentence: the best placement, its lead, and the clarity of that lead.
     pub(crate) fn verdict(&self) -> String {
         let share =
             |k: usize| (u128::from(self.placements[k].tally.los), u128::from(self.placements[k].tally.receivers));
@@ -291,7 +292,7 @@ impl CompareReport {
         let clear = match (estimate.interval, estimate.exceeds()) {
             (Some((low, high)), Some(exceeds)) => {
                 let percent = 100.0 * self.intervals.confidence;
-                // Over the receivers of both the other may be ahead.
+                // Over the receivers of both, the other may be ahead.
                 let verdict = match (exceeds, high < 0.0) {
                     (true, true) => format!("over these {} is ahead", id(next)),
                     (true, false) => "the difference is clear".to_string(),
@@ -305,7 +306,7 @@ impl CompareReport {
         format!("{} is best: P_LoS {}, {by}; {clear}.", id(best), p_los(best))
     }
 
-    /// A sentence on a pair: which sees more, by how much, and whether that exceeds its interval.
+    /// Returns a sentence on a pair: the change of P_LoS, and its interval.
     pub(crate) fn sentence(&self, pair: &PairFacts) -> String {
         let [first, second] = [pair.first, pair.second].map(|k| self.placements[k].id.as_str());
         let group = &pair.groups[0];

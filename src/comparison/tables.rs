@@ -1,4 +1,4 @@
-//! From masks to tables: counts by block and zone, resampled together.
+//! Counts of masks by block and zone, and their resampling.
 
 use rayon::prelude::*;
 
@@ -7,24 +7,24 @@ use crate::city_statistics::bootstrap::{RatioEstimate, Share, resampled_ratios};
 use crate::coverage::{CellGroups, MarginSample, MarginStats, PairCounts, count_pairs};
 use crate::zones::N_CODES;
 
-/// What is told of placements and of pairs of them, group by group.
+/// Values of placements and of pairs of them, by group.
 #[derive(Debug)]
 pub(super) struct Tables {
-    /// By placement.
+    /// Values by placement.
     pub(super) shares: Vec<[GroupShare; N_GROUPS]>,
-    /// By pair, in the order of [`pairs_of`].
+    /// Values by pair, in the order of [`pairs_of`].
     pub(super) differences: Vec<[GroupDifference; N_GROUPS]>,
 }
 
-/// All pairs of `n` placements, the first always before the second.
+/// Returns all pairs of `n` placements, the first always before the second.
 pub(super) fn pairs_of(n: usize) -> Vec<(usize, usize)> {
     (0..n).flat_map(|first| (first + 1..n).map(move |second| (first, second))).collect()
 }
 
-/// Counts masks and pairs of them and resamples all of it together.
+/// Counts masks and pairs of masks, and resamples all counts together.
 pub(super) fn tables(masks: &[&[u8]], cells: &CellGroups<'_>, intervals: &IntervalFacts) -> Tables {
     let n = masks.len();
-    // A placement with itself tells its receivers and those in line of sight.
+    // The pair of a placement with itself holds its receivers, and those in line of sight.
     let wanted: Vec<(usize, usize)> = (0..n).map(|k| (k, k)).chain(pairs_of(n)).collect();
     let counted: Vec<([PairCounts; N_GROUPS], [Vec<Share>; N_GROUPS])> = wanted
         .into_par_iter()
@@ -64,17 +64,18 @@ fn signed(n: u64) -> i64 {
     i64::try_from(n).unwrap_or(i64::MAX)
 }
 
-/// Counts by zone code and block, `[block][code]`, as those of all cells and of each zone, `[group][block]`.
+/// Converts counts by zone code and block, `[block][code]`, to counts of all cells and of each
+/// zone, `[group][block]`.
 fn by_group(of_blocks: Vec<[PairCounts; N_CODES]>) -> [Vec<PairCounts>; N_GROUPS] {
     let all = |counts: &[PairCounts; N_CODES]| counts.iter().fold(PairCounts::default(), |sum, c| sum.plus(c));
-    // Zone codes count from 1, as do groups of zones; code 0 is no zone and group 0 is all cells.
+    // Zone codes and groups of zones both count from 1. Code 0 is no zone; group 0 is all cells.
     std::array::from_fn(|group| match group {
         0 => of_blocks.iter().map(all).collect(),
         code => of_blocks.iter().map(|counts| counts[code]).collect(),
     })
 }
 
-/// The margins of a sample by group, from the zone code of every cell.
+/// Returns the margins of a sample by group, from the zone code of every cell.
 pub(super) fn margin_facts(sample: &MarginSample, zones: &[u8]) -> MarginFacts {
     let of_group = |group: usize| {
         let is_in = |(cell, _): &&(usize, f32)| group == 0 || usize::from(zones[*cell]) == group;

@@ -7,12 +7,13 @@ use crate::city::Footprint;
 use crate::quantity::{Frame, meters};
 use crate::raster::GeoRef;
 
-/// Footprints as a GeoJSON FeatureCollection with `height`, `ground` and `z_top` \[m\]; shells counterclockwise, holes
-/// clockwise (RFC 7946), coordinates in the grid's CRS and named so if that has an EPSG code.
+/// Returns footprints as a GeoJSON FeatureCollection with `height`, `ground` and `z_top` \[m\].
+/// Shells are counterclockwise and holes clockwise (RFC 7946). Coordinates are in the grid's CRS,
+/// which is named if it has an EPSG code.
 pub(super) fn of_footprints(footprints: &[Footprint], frame: Frame, grid: &GeoRef, provenance: Value) -> Value {
     let position = |p: &[i32; 2]| {
         let (x, y) = frame.world_from_lattice(f64::from(p[0]), f64::from(p[1]));
-        // Lattice steps are 1/1024 m; a tenth of a millimeter keeps them apart.
+        // Lattice steps are 1/1024 m: a tenth of a millimeter keeps neighboring points apart.
         let tidy = |v: f64| (v * 1e4).round() / 1e4;
         json!([tidy(x), tidy(y)])
     };

@@ -1,4 +1,4 @@
-//! A city in another form: `skyshed city` converts it, and draws it.
+//! Conversion of a city into another form, and pictures of it: `skyshed city`.
 
 mod features;
 
@@ -27,7 +27,7 @@ use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, groupe
 use crate::scene::{Scene, SceneReader};
 use crate::words::{pretty, title_of};
 
-/// Formats of a city.
+/// Output formats of a city.
 pub(crate) const FORMATS: [Format; 10] = [
     Format::Png,
     Format::Svg,
@@ -41,7 +41,7 @@ pub(crate) const FORMATS: [Format; 10] = [
     Format::Stdout,
 ];
 
-/// Nodata of height rasters.
+/// Nodata value of height rasters.
 const NODATA: f32 = -9999.0;
 
 /// A city, ready to be written.
@@ -49,7 +49,7 @@ const NODATA: f32 = -9999.0;
 pub(crate) struct Conversion {
     scene: Scene,
     facts: RunFacts,
-    /// The footprints and their lattice, of a vector scene.
+    /// Footprints and their lattice; `None` for a raster scene.
     footprints: Option<(Vec<Footprint>, Frame)>,
 }
 
@@ -69,7 +69,7 @@ impl Conversion {
         Ok(Conversion { facts: RunFacts { command, ..scene.facts(None) }, scene, footprints })
     }
 
-    /// A city that was read before, with its solids if these are footprints.
+    /// Wraps a scene that was read before, with its solids if these are footprints.
     pub(crate) fn of(scene: Scene, command: Vec<String>) -> Conversion {
         let footprints = match scene.solids.as_deref() {
             Some(Solids::Vector { footprints, frame, .. }) => Some((footprints.clone(), *frame)),
@@ -78,7 +78,7 @@ impl Conversion {
         Conversion { facts: RunFacts { command, ..scene.facts(None) }, scene, footprints }
     }
 
-    /// How large the city is.
+    /// Returns the size of the city, as a line of text.
     fn size_line(&self) -> String {
         let grid = self.scene.field.grid();
         let unit = grid.meters_per_unit();
@@ -92,7 +92,8 @@ impl Conversion {
         }
     }
 
-    /// Why a generated city has as many buildings as it has: rows begin at the south-west corner and end where the city does.
+    /// Explains the number of buildings of a generated city. Rows begin at the south-west corner
+    /// and end at the edge of the city.
     fn rows_in_words(&self, footprints: &[Footprint]) -> String {
         let (Some(built_up), [first, .., last]) = (self.scene.built_up, footprints) else { return String::new() };
         let width = |footprint: &Footprint| {
@@ -100,19 +101,19 @@ impl Conversion {
             xs().max().zip(xs().min()).map_or(0, |(east, west)| east - west)
         };
         let n_rows = footprints.len().isqrt();
-        // Ends are rounded to the lattice.
+        // Rounding to the lattice can move each end by half a unit.
         let cut = if width(last) + 1 < width(first) { "; the edge cuts the last" } else { "" };
         let (period, beta) = (tidy((10.0 * built_up.period()).round() / 10.0), tidy(built_up.buildings_per_km2));
         format!(": {n_rows} rows of {n_rows}, one each {period} m as {beta}/km² asks{cut}")
     }
 
-    /// Where the city lies.
+    /// Returns the position of the city, as a line of text.
     fn place_line(&self) -> String {
         let grid = self.scene.field.grid();
         format!("South-west corner at ({}, {}), {}", tidy(grid.x_min()), tidy(grid.y_min()), crs_words(grid))
     }
 
-    /// The footprints and their lattice, where there are some.
+    /// Returns the footprints and their lattice.
     fn vectors(&self, path: &Path) -> Result<&(Vec<Footprint>, Frame)> {
         self.footprints.as_ref().ok_or_else(|| RequestError::NoFootprints(path.display().to_string()).into())
     }
@@ -154,7 +155,8 @@ impl Conversion {
         let grid = self.scene.field.grid();
         let unit = grid.meters_per_unit();
         let (width, height) = ((grid.x_max() - grid.x_min()) * unit, (grid.y_max() - grid.y_min()) * unit);
-        // Axes count from the south-west corner: projected coordinates have too many digits to be read.
+        // Axes count from the south-west corner, because projected coordinates have too many
+        // digits.
         let local = |[x, y]: [f64; 2]| [(x - grid.x_min()) * unit, (y - grid.y_min()) * unit];
         let (prisms, surface, ground);
         let model = match &self.footprints {
@@ -194,7 +196,7 @@ impl Conversion {
         ground
     }
 
-    /// The highest surface of each cell \[m above the datum\].
+    /// Returns the highest surface of each cell \[m above the datum\].
     fn heights(&self) -> Vec<f32> {
         let surface = self.scene.field.surface_m();
         surface.iter().map(|z| if z.is_nan() { NODATA } else { *z }).collect()
@@ -228,22 +230,22 @@ impl Conversion {
 
 const SCHEMA: &str = "skyshed/city/1";
 
-/// Where a city is from.
+/// Provenance of a city.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct CityDocument {
     #[serde(flatten)]
     provenance: Provenance,
-    /// What the coordinates of a mesh are.
+    /// Coordinate system of a mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     mesh: Option<MeshFacts>,
 }
 
-/// What the coordinates of a mesh are.
+/// Coordinate system of a mesh.
 #[derive(Serialize, JsonSchema)]
 struct MeshFacts {
-    /// Where its x and y are 0, east and north [units of the scene's reference system].
+    /// Origin of the mesh coordinates, east and north [units of the scene's reference system].
     origin: [f64; 2],
-    /// Unit of its coordinates.
+    /// Unit of the coordinates.
     unit: &'static str,
 }
 
@@ -276,7 +278,7 @@ impl Answer for Conversion {
         Ok(format!("{}\n{}\n{}\n{surface}", self.facts.scene_name, self.size_line(), self.place_line()))
     }
 
-    /// The boxes of ns-3.
+    /// Adds the buildings as boxes for ns-3.
     fn add_table(&self, batch: &mut Batch, path: &Path, _: &Look) -> Result<()> {
         let (footprints, frame) = self.vectors(path)?;
         batch.add(path, &encode_table(&ns3_boxes(footprints, *frame, path)?)?)?;
@@ -298,7 +300,7 @@ impl Answer for Conversion {
     }
 }
 
-/// A footprint for drawing.
+/// Converts a footprint for drawing.
 fn prism_of(footprint: &Footprint, frame: Frame, local: &impl Fn([f64; 2]) -> [f64; 2]) -> CityPrism {
     let point = |[x, y, z]: &[i32; 3]| {
         let (x, y) = frame.world_from_lattice(f64::from(*x), f64::from(*y));

@@ -1,14 +1,15 @@
-//! Checks that did not hold.
+//! Failed checks.
 
-/// What does not hold though it should (E6xx).
+/// A check that failed (E6xx).
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
 pub enum CheckError {
-    /// E603: units of work that are not done; how many of how many, one of them with why, and what does them.
+    /// E603: units of work that are not done; their number, the number of all units, one name, its
+    /// fault, and the run that would do them.
     #[error("{n_open} of {n_units} units are not done: {name}: {why}")]
     OpenUnits { n_open: usize, n_units: usize, name: String, why: String, by: Restart },
-    /// E603: units of work whose files do not tell what they hold.
+    /// E603: units of work without a file that describes its contents.
     #[error("no file of {0} tells what it holds, wanted a .tif, .exr, .npz, .png or .json among them")]
     NoDocument(String),
 }
@@ -19,7 +20,7 @@ impl CheckError {
     }
 }
 
-/// What does units of work that are not done.
+/// Run that completes units of work that are not done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Restart {

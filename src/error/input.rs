@@ -1,23 +1,24 @@
-//! Files that are read well, and are not what they were given as.
+//! Input files that can be read but do not fit their purpose.
 
-/// What is wrong with an input (E3xx).
+/// Fault of an input (E3xx).
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
 pub enum InputError {
-    /// E302: a file that cannot be a mask of an earlier run, and why.
+    /// E302: a file that cannot be a mask of an earlier run; the reason.
     #[error("cannot use {name} as a mask: {why}")]
     Mask { name: String, why: String },
-    /// E302: a scene, or a file beside it, that changes while units of work are made of it.
+    /// E302: a scene, or a file beside it, that changed after the run began.
     #[error("{0}, or a file beside it, has changed since the run began: its units would be of two scenes")]
     Changed(String),
-    /// E302: a raster that cannot be weights, and why.
+    /// E302: a raster that cannot hold weights; the reason.
     #[error("cannot use {name} as weights: {why}")]
     Weights { name: String, why: String },
-    /// E312: a mask on another grid than the scene's; both with their grids.
+    /// E312: a mask on another grid than the scene's; both texts name the grids.
     #[error("cannot compare {mask} with maps of {scene}: wanted the same grid")]
     OtherGrid { mask: String, scene: String },
-    /// E313: a table that is no curve of P_LoS, and why; whether some of its rows are good.
+    /// E313: a table that is no curve of P_LoS; the reason, and `true` if some of its rows can be
+    /// used.
     #[error("cannot read the curve {name}: {found}")]
     Curve { name: String, found: String, some_are_good: bool },
 }

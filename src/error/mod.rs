@@ -1,4 +1,5 @@
-//! The error and the warning of the program and of its library: those of the crates below, and its own by what they are about.
+//! Error and warning of the program and its library. Both wrap those of the crates below and add
+//! their own, by subject.
 
 mod check;
 mod input;
@@ -23,43 +24,43 @@ use skyshed_request::Fault;
 
 /// The error of every fallible function of this crate.
 ///
-/// It has a class, which fixes the exit code of the command line, a stable code, and one line of text. `docs/codes.md` in the
-/// repository says what each code is for.
+/// It has a class, which fixes the exit code of the command line, a stable code, and one line of
+/// text. `docs/codes.md` in the repository explains each code.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Of scenes, UAVs and engines.
+    /// An error of scenes, UAVs and engines.
     #[error(transparent)]
     Core(skyshed_core::Error),
-    /// Of P_LoS, placement and comparisons.
+    /// An error of P_LoS, placement and comparisons.
     #[error(transparent)]
     Study(skyshed_study::Error),
-    /// Of files.
+    /// An error of files.
     #[error(transparent)]
     Io(skyshed_io::Error),
     /// A request that makes no sense.
     #[error("{}", one_line(&.0.to_string()))]
     Request(#[from] RequestError),
-    /// Places that are not there.
+    /// A fault of places.
     #[error("{}", one_line(&.0.to_string()))]
     Places(#[from] PlacesError),
-    /// A file that is not what it was given as.
+    /// An input file that does not fit its purpose.
     #[error("{}", one_line(&.0.to_string()))]
     Input(#[from] InputError),
     /// A request that is too large.
     #[error("{}", one_line(&.0.to_string()))]
     Limit(#[from] LimitError),
-    /// A check that does not hold.
+    /// A check that failed.
     #[error("{}", one_line(&.0.to_string()))]
     Check(#[from] CheckError),
-    /// Why a unit of work failed, by the name of the unit.
+    /// The error of a unit of work, with the name of the unit.
     #[error("{name}: {error}")]
     #[expect(missing_docs, reason = "the variant says what its fields are")]
     OfUnit { name: String, error: Box<Error> },
     /// E403: a picture could not be drawn; a fault of the program.
     #[error("{}", one_line(&format!("cannot draw the picture: {_0}")))]
     Drawing(String),
-    /// E902: what should have held whatever was asked.
+    /// E902: a broken invariant; a fault of the program.
     #[error("{0}")]
     Fault(&'static str),
 }
@@ -68,28 +69,28 @@ pub enum Error {
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
-    /// E113: a number out of range.
+    /// Returns E113: a number out of range.
     pub(crate) fn number(what: &'static str, found: f64, wanted: impl Into<String>) -> Self {
         RequestError::Number { what, found, wanted: wanted.into() }.into()
     }
 
-    /// E116: an option that changes nothing.
+    /// Returns E116: an option that changes nothing.
     pub(crate) fn idle(option: impl Into<std::borrow::Cow<'static, str>>, why: impl Into<String>) -> Self {
         RequestError::Idle { option: option.into(), why: why.into() }.into()
     }
 
-    /// E106: an output that is there.
+    /// Returns E106: an output file that exists already.
     pub(crate) fn exists(path: &std::path::Path) -> Self {
         let fault = skyshed_io::error::WriteFault::Exists;
         Error::Io(skyshed_io::Error::Write(path.display().to_string(), fault))
     }
 
-    /// The error of a unit of work, which it names.
+    /// Adds the name of a unit of work, unless the error's text already contains it.
     pub(crate) fn of_unit(self, name: &str) -> Self {
         if self.to_string().contains(name) { self } else { Error::OfUnit { name: name.into(), error: Box::new(self) } }
     }
 
-    /// The cause.
+    /// Returns the class of the error.
     pub fn class(&self) -> ErrorClass {
         match self {
             Error::Core(error) => error.class(),
@@ -105,7 +106,7 @@ impl Error {
         }
     }
 
-    /// The stable code, for example `E301`.
+    /// Returns the stable code, for example `E301`.
     pub fn code(&self) -> String {
         let number = match self {
             Error::Core(error) => return error.code(),
@@ -154,14 +155,14 @@ impl From<NumberFault> for Error {
 }
 
 impl From<skyshed_core::Error> for Error {
-    /// What passed through the core is of the crate above it.
+    /// Unwraps an error that passed through the core, so that it belongs to its own crate.
     fn from(error: skyshed_core::Error) -> Self {
         skyshed_io::Error::from(error).into()
     }
 }
 
 impl From<skyshed_study::Error> for Error {
-    /// What a study only passes on is of the crate below it.
+    /// Unwraps an error of the core that a study passed on.
     fn from(error: skyshed_study::Error) -> Self {
         match error {
             skyshed_study::Error::Core(error) => error.into(),
@@ -171,7 +172,7 @@ impl From<skyshed_study::Error> for Error {
 }
 
 impl From<skyshed_io::Error> for Error {
-    /// What a reader only passes on is of the crate below it.
+    /// Unwraps an error of the core that a reader passed on.
     fn from(error: skyshed_io::Error) -> Self {
         match error {
             skyshed_io::Error::Core(error) => Error::Core(error),

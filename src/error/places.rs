@@ -1,10 +1,10 @@
-//! Places that are not there, or not to be told apart.
+//! Faults of places: missing, unusable, or not distinguishable.
 
 use skyshed_core::error::UavError;
 
 use crate::quantity::{Height, MAX_EXTENT_UNITS};
 
-/// What is wrong with places (E2xx).
+/// Fault of a place (E2xx).
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
@@ -18,10 +18,10 @@ pub enum PlacesError {
         .from.0, .from.1, .to.0, .to.1
     )]
     LongLink { from: (f64, f64), to: (f64, f64), span: f64 },
-    /// E204: users on a kind of ground that is not there.
+    /// E204: users in a zone that the scene does not have.
     #[error("cannot place users on a {zone} of {word}: it has no {zone} cell")]
     NoUsers { zone: &'static str, word: String },
-    /// E204: UAVs over what is not there.
+    /// E204: UAVs over places that the scene does not have.
     #[error("cannot place UAVs over {0}: there is no such place")]
     NoPlace(String),
     /// E207: two sites of one name.
@@ -30,13 +30,13 @@ pub enum PlacesError {
     /// E207: two sites whose files would have one name.
     #[error("sites `{a}` and `{b}` would share {file}")]
     SharedFile { a: String, b: String, file: String },
-    /// E208: weights that are nowhere in the scene.
+    /// E208: weights without a value above 0 in the scene.
     #[error("cannot use {0} as weights: it holds none above 0 in the scene")]
     NoWeights(String),
-    /// E209: no candidate, of so many, for these reasons.
+    /// E209: every candidate was left out; their number and the reasons.
     #[error("no candidate is left of {total}: {reasons}")]
     NoCandidate { total: u64, reasons: String },
-    /// E209: a map of winners, and no winner.
+    /// E209: a map of winners without a winner.
     #[error("cannot write {0}: there is no winner to map")]
     NoWinner(String),
     /// E216: a sample of whole discs, of which none lies in the data.
@@ -45,7 +45,7 @@ pub enum PlacesError {
          discs"
     )]
     NoSampledDisc { word: String, radius_m: String },
-    /// E216: places over a real city, of which none has its disc in the data.
+    /// E216: places over a real city, none of whose discs lies in the data.
     #[error("cannot place UAVs over {0}: no disc of the largest radius lies in its data")]
     NoDisc(String),
 }

@@ -1,95 +1,97 @@
-//! What is odd about a run and stops nothing, over what is odd about scenes and files.
+//! Warnings about runs, and the type that also wraps the warnings about scenes and files.
 
 use skyshed_core::error::one_line;
 
 use crate::quantity::counted;
 
-/// Something odd that did not stop the work: what was found and what was done instead, on one line.
+/// A warning: a finding that did not stop the work, and what was done instead, on one line.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Warning {
-    /// Of scenes.
+    /// A warning about scenes.
     #[error(transparent)]
     Core(#[from] skyshed_core::Warning),
-    /// Of files.
+    /// A warning about files.
     #[error(transparent)]
     Io(#[from] skyshed_io::Warning),
-    /// Of what is asked of them.
+    /// A warning about the run.
     #[error("{}", one_line(&.0.to_string()))]
     Run(#[from] OddRun),
 }
 
-/// What is odd about what is asked of scenes and files, and what is done.
+/// A finding about a run, and what is done instead.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
 pub enum OddRun {
-    /// W201: the earth drops by so much below its tangent plane at the farthest receiver \[m\]; whether it could have been curved.
+    /// W201: an earth taken as flat although it drops by more than 1 m within range; farthest
+    /// distance \[m\], drop \[m\], and `true` if it could be curved.
     #[error("the earth is taken as flat; at {farthest_m:.0} m, the farthest receiver, it drops by {drop_m:.1} m")]
     FlatEarth { farthest_m: f64, drop_m: f64, is_choice: bool },
-    /// W202: a UAV or a placement, by its id, has no receiver.
+    /// W202: a UAV or a placement without a receiver; its id.
     #[error("{what} `{id}` has no receiver: {why}; P_LoS is undefined")]
     NoReceiver { what: &'static str, id: String, why: &'static str },
-    /// W202: no UAV has any.
+    /// W202: UAVs without any receiver.
     #[error("no UAV has a receiver in range; shares and P_LoS are undefined")]
     NoReceivers,
-    /// W202: so many values are none.
+    /// W202: values without P_LoS; their number.
     #[error("{} no P_LoS: {why}", counted(*n, "value has", "values have"))]
     NoValues { n: u64, why: String },
-    /// W202: places on a track hold no receiver.
+    /// W202: places on a track without a receiver.
     #[error(
         "{} of {of} on the track hold no receiver: inside a building, or without a ground",
         counted(*n, "place", "places")
     )]
     OffGround { n: u64, of: usize },
-    /// W203: a UAV, by its id, cannot be at some heights of its curve, below the one that is told.
+    /// W203: a UAV that cannot be at the lower heights of its curve; its id, and the lowest
+    /// possible height.
     #[error("UAV `{id}` cannot be below {lowest}: lower heights of its curve, {n} of {of}, have no P_LoS")]
     LowHeights { id: String, lowest: String, n: usize, of: usize },
-    /// W204: UAVs outside of the grid: their ids, and how far and in which direction.
+    /// W204: UAVs outside the grid; their ids, and the distances and directions.
     #[error("{}", outside(.0))]
     OutsideGrid(Vec<(String, String)>),
-    /// W205: UAVs that are over no data, by their ids.
+    /// W205: UAVs over cells without data; their ids.
     #[error("{}", over_nodata(.0))]
     OverNodata(Vec<String>),
-    /// W210: a method that cannot be asked about a city.
+    /// W210: a method that does not apply to a city.
     #[error("method `{method}` is left out over {city}: {why}")]
     MethodLeftOut { method: String, city: String, why: &'static str },
     /// W210: a contestant without an answer.
     #[error("`{0}` is left out: {1}")]
     LeftOut(String, String),
-    /// W210–W212: a model that is used with caution, or not, over some cities.
+    /// W210–W212: a model that is left out, lacks values, or needs caution over some cities.
     #[error("model `{id}`{caution}; over {}", cities.join(", "))]
     Model { id: String, caution: Caution, cities: Vec<String> },
-    /// W213: so many values have no interval.
+    /// W213: values without an interval; their number.
     #[error("{} no interval: it needs at least 10 clusters (cities, positions, blocks)", counted(*.0, "value has", "values have"))]
     NoIntervals(u64),
-    /// W214: so many intervals are wider than was asked for.
+    /// W214: intervals that are wider than requested; their number.
     #[error("{} wider than ±{until}: the effort was spent before", counted(*n, "interval is", "intervals are"))]
     WideIntervals { n: u64, until: f64 },
-    /// W215: a map was made with another setting.
+    /// W215: a map that was made with another setting.
     #[error("{path} was made with {setting} {found}, this run has {own}: compared as it is")]
     OtherSetting { path: String, setting: &'static str, found: String, own: String },
-    /// W373: a raster is no surface but results, whose schema is told.
+    /// W373: a raster that holds results of this program instead of a surface; their schema.
     #[error("{path}: it holds results of this program ({schema}), not heights; its values are read as heights")]
     Results { path: String, schema: String },
 }
 
-/// What is to be said of a model.
+/// Caution about a model.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
 pub enum Caution {
-    /// W210: a method is left out, and why.
+    /// W210: a model that is left out; the reason.
     #[error(" is left out: {0}")]
     LeftOut(String),
-    /// W211: a method has no value for some settings.
+    /// W211: a model without a value for some settings.
     #[error(" has no value for {n} of {of}: {why}")]
     NoValue { n: usize, of: usize, why: String },
-    /// W212: how far it holds, and how many more such words there are.
+    /// W212: a model that needs caution; one caution, and the number of further ones.
     #[error(": {care}{}", if *n_more > 0 { format!(" (and {} more)", counted(*n_more as u64, "caution", "cautions")) } else { String::new() })]
     Care { care: String, n_more: usize },
 }
 
-/// UAVs that are told one by one.
+/// Most UAVs that a warning lists.
 const MOST_TOLD: usize = 5;
 
 fn over_nodata(ids: &[String]) -> String {
@@ -114,7 +116,7 @@ fn outside(uavs: &[(String, String)]) -> String {
 }
 
 impl Warning {
-    /// The stable code, for example `W320`.
+    /// Returns the stable code, for example `W320`.
     pub fn code(&self) -> String {
         let number = match self {
             Warning::Core(warning) => return warning.code(),
@@ -145,7 +147,7 @@ impl OddRun {
     }
 }
 
-/// Reads something; what is odd about its files joins the warnings of a run.
+/// Runs a reader, and appends its warnings about files to the warnings of the run.
 pub(crate) fn warned<T>(warnings: &mut Vec<Warning>, read: impl FnOnce(&mut Vec<skyshed_io::Warning>) -> T) -> T {
     let mut odd = Vec::new();
     let found = read(&mut odd);

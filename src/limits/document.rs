@@ -1,4 +1,4 @@
-//! What `limits` tells in its document, its table and its lines.
+//! Document, table rows and text lines of `limits`.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -10,32 +10,32 @@ use crate::quantity::{counted, signed, tidy};
 use crate::render::{grouped, percent};
 use crate::sight::SightFacts;
 
-/// What hangs on heights of buildings.
+/// Effect of errors of building heights.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub(crate) struct HeightLimitsDocument {
-    /// How far the height of each building may be off [m].
+    /// Largest error of each building's height [m].
     pub(super) error_m: f64,
-    /// Receivers in range of all UAVs, counted together.
+    /// Receivers in range, summed over all UAVs.
     pub(super) receivers: u64,
-    /// Those that are in line of sight for some of these heights and not for others.
+    /// Receivers that such errors can bring into or out of line of sight.
     pub(super) possibly: u64,
-    /// The buildings of footprints whose heights decide about the most receivers, each alone: those to measure first.
+    /// Footprints whose heights, each alone, decide about the most receivers: measure these first.
     pub(super) buildings: Vec<DecidingBuilding>,
-    /// How far such heights are off, typically; null for a generated city.
+    /// Typical errors of such heights; null for a generated city.
     pub(super) typical: Option<&'static str>,
 }
 
 /// A building whose height decides about receivers.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub(super) struct DecidingBuilding {
-    /// Its id.
+    /// Id of the building.
     pub(super) id: String,
-    /// Receivers whose answer its height alone turns.
+    /// Receivers whose answer depends on its height alone.
     pub(super) receivers: u64,
 }
 
 impl HeightLimitsDocument {
-    /// Lines of the answer.
+    /// Returns the lines of the answer.
     pub(super) fn text(&self) -> String {
         let share = percent(self.possibly, self.receivers);
         let (error, n) = (tidy(self.error_m), grouped(self.possibly));
@@ -51,7 +51,7 @@ impl HeightLimitsDocument {
     }
 }
 
-/// What limits a map.
+/// Limits of a map.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct LimitsDocument {
     #[serde(flatten)]
@@ -60,46 +60,46 @@ pub(crate) struct LimitsDocument {
     pub(super) sight: SightFacts,
     /// Share of receivers in line of sight; null without a receiver.
     pub(super) p_los: Option<f64>,
-    /// Receivers in range of all UAVs, counted together.
+    /// Receivers in range, summed over all UAVs.
     pub(super) receivers: u64,
     /// P_LoS on coarser cells.
     pub(super) cells: Vec<CellDocument>,
-    /// The coarsest cells on which P_LoS hardly changes, in words.
+    /// Coarsest cells on which P_LoS hardly changes, in words.
     pub(super) coarsest_unchanged: Option<String>,
-    /// Changes of P_LoS below this are none.
+    /// Changes of P_LoS below this count as none.
     pub(super) unchanged_below: f64,
-    /// What terrain hides by itself; null where it is flat or not known.
+    /// Receivers that terrain hides by itself; null if terrain is flat or not known.
     pub(super) terrain: Option<TerrainDocument>,
     /// Footprints that can hide no receiver.
     pub(super) footprints: Option<IdleDocument>,
     /// Footprints that are rectangles.
     pub(super) rectangles: Option<Rectangles>,
-    /// What flat roofs, each as high as it is highest, would change; null where all are flat.
+    /// Change if each roof were flat at its highest point; null if all roofs are flat.
     pub(super) roofs: Option<RoofDocument>,
-    /// Why the engine is taken.
+    /// Reason for the choice of the engine.
     pub(super) why: &'static str,
-    /// How long line of sight is expected to take [s].
+    /// Expected time of the line of sight [s].
     pub(super) expected_s: f64,
-    /// What hangs on heights of buildings.
+    /// Effect of errors of building heights.
     pub(super) heights: HeightLimitsDocument,
-    /// What limits P_LoS, the largest first.
+    /// Causes of uncertainty of P_LoS, the largest first.
     pub(super) budget: Vec<LineDocument>,
-    /// What was odd.
+    /// Warnings.
     pub(super) warnings: Vec<WarningFacts>,
 }
 
-/// What flat roofs would change.
+/// Change that flat roofs would make.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct RoofDocument {
     /// Buildings whose roofs are not flat.
     pub(super) shaped: Option<usize>,
-    /// Receivers whose answers they turn.
+    /// Receivers whose answers would change.
     pub(super) turned: Option<u64>,
     /// Receivers of both forms.
     pub(super) receivers: Option<u64>,
-    /// P_LoS with them.
+    /// P_LoS with flat roofs.
     pub(super) p_los: Option<f64>,
-    /// Why that is not known.
+    /// Reason for an unknown change.
     pub(super) reason: Option<String>,
 }
 
@@ -116,7 +116,7 @@ impl RoofDocument {
     }
 }
 
-/// The line of the answer.
+/// Returns the line of the answer about roofs.
 pub(super) fn roofs_in_words(roofs: &std::result::Result<RoofEffect, String>, p_los: f64) -> String {
     match roofs {
         Err(why) => format!("roofs      what flat ones would change is not known: {why}\n"),
@@ -134,35 +134,35 @@ pub(super) fn roofs_in_words(roofs: &std::result::Result<RoofEffect, String>, p_
 pub(super) struct CellDocument {
     /// Width of a cell [m].
     pub(super) cell_m: f64,
-    /// Height of a larger cell among those of the cells in it.
+    /// Rule by which a coarse cell gets its height from the cells in it.
     pub(super) pooling: Option<&'static str>,
-    /// P_LoS on them.
+    /// P_LoS on these cells.
     pub(super) p_los: Option<f64>,
-    /// Its P_LoS less that of the scene itself.
+    /// P_LoS on these cells less that of the scene itself.
     pub(super) change: Option<f64>,
-    /// Why there is none.
+    /// Reason for a missing P_LoS.
     pub(super) reason: Option<String>,
 }
 
-/// What terrain hides by itself.
+/// Receivers that terrain hides by itself.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct TerrainDocument {
-    /// Receivers that it hides.
+    /// Receivers that terrain hides.
     pub(super) hidden: u64,
     /// All receivers.
     pub(super) receivers: u64,
 }
 
-/// Something that limits P_LoS.
+/// A cause of uncertainty of P_LoS.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct LineDocument {
-    /// What is not known exactly.
+    /// Quantity that is not known exactly.
     pub(super) part: &'static str,
-    /// What was changed to find out.
+    /// Change that was tried.
     pub(super) changed: String,
-    /// How much P_LoS changes.
+    /// Change of P_LoS.
     pub(super) p_los_change: Option<f64>,
-    /// Why that is not known.
+    /// Reason for an unknown change.
     pub(super) reason: Option<String>,
 }
 
@@ -177,26 +177,26 @@ impl LineDocument {
     }
 }
 
-/// A row of the table of what limits P_LoS.
+/// A row of the table of causes of uncertainty.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct LimitRow {
-    /// What is not known exactly.
+    /// Quantity that is not known exactly.
     pub(super) part: &'static str,
-    /// What was changed to find out.
+    /// Change that was tried.
     pub(super) changed: String,
     /// P_LoS of the scene itself.
     pub(super) p_los: Option<f64>,
-    /// How much it changes.
+    /// Change of P_LoS.
     pub(super) p_los_change: Option<f64>,
-    /// Why that is not known.
+    /// Reason for an unknown change.
     pub(super) reason: Option<String>,
 }
 
 /// Footprints that are rectangles.
 #[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
 pub(super) struct Rectangles {
-    /// How many are.
+    /// Number of rectangles.
     pub(super) rectangles: usize,
-    /// All of them.
+    /// Number of all footprints.
     pub(super) footprints: usize,
 }

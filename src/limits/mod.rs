@@ -1,5 +1,5 @@
-//! What limits a map: how coarse its cells may be, whether terrain matters, which footprints can hide anyone, how far P_LoS
-//! is off if UAVs or heights are.
+//! Limits of a map: the coarsest sufficient cells, the effect of terrain, footprints that hide no
+//! receiver, and the error of P_LoS if UAVs or heights are off.
 
 mod document;
 
@@ -36,22 +36,22 @@ use document::{
 pub(crate) use document::{LimitRow, LimitsDocument};
 use skyshed_request::{MissingHeights, SetSceneOptions};
 
-/// Formats of what limits a map.
+/// Output formats of `limits`.
 pub(crate) const FORMATS: [Format; 3] = [Format::Csv, Format::Json, Format::Stdout];
 
-/// Whose map is looked at, and what is not known exactly.
+/// Receivers of the map, and errors of the inputs.
 #[derive(Debug)]
 pub(crate) struct LimitsPlan {
     pub(crate) sight: SightPlan,
-    /// How far UAVs may be from where they should be, sideways and in height \[m\].
+    /// Largest error of the position of UAVs, sideways and in height \[m\].
     pub(crate) uav_error_m: f64,
-    /// How far the heights of all buildings may be off \[m\].
+    /// Largest error of the heights of all buildings \[m\].
     pub(crate) height_error_m: f64,
-    /// Other cities of a generated kind that tell how much one city of many matters.
+    /// Number of further generated cities, which show how much the choice of one city matters.
     pub(crate) n_cities: u16,
 }
 
-/// What limits a map.
+/// Limits of a map.
 #[derive(Debug)]
 pub(crate) struct Limits {
     facts: RunFacts,
@@ -63,19 +63,19 @@ pub(crate) struct Limits {
     terrain: TerrainEffect,
     idle: IdleFootprints,
     rectangles: Option<Rectangles>,
-    /// What flat roofs would change, where any is not; or why that is not known.
+    /// Effect of flat roofs, or the reason why it is unknown; `None` if all roofs are flat.
     roofs: Option<std::result::Result<RoofEffect, String>>,
-    /// Why `auto` takes its engine, and how long that is expected to take \[s\].
+    /// Reason for the choice of the engine by `auto`, and its expected time \[s\].
     engine: (&'static str, f64),
     heights: HeightLimitsDocument,
     budget: Vec<BudgetLine>,
 }
 
-/// Buildings that are named for their heights, at most.
+/// Most buildings that are listed for their heights.
 const MOST_NAMED: usize = 12;
 
 impl LimitsPlan {
-    /// Reads a scene, and makes the map of some UAVs in several ways.
+    /// Reads a scene and maps some UAVs in several ways.
     ///
     /// # Errors
     /// As [`SceneReader::open`]; E113 for numbers out of range; E2xx for UAVs that cannot be there.
@@ -156,7 +156,7 @@ impl LimitsPlan {
         })
     }
 
-    /// What hangs on heights of buildings.
+    /// Returns the effect of errors of building heights.
     fn heights(
         &self,
         scene: &Scene,
@@ -189,7 +189,7 @@ impl LimitsPlan {
         })
     }
 
-    /// Cities of the same kind by other seeds, for a generated scene.
+    /// Builds cities of the same kind with other seeds; none unless the scene is generated.
     fn other_cities(&self, options: &SceneReader, scene: &Scene) -> Result<Vec<HeightField>> {
         let Some(built_up) = scene.built_up else { return Ok(Vec::new()) };
         let of = |k: u64| {
@@ -307,7 +307,7 @@ impl Answer for Limits {
     }
 }
 
-/// How far heights of a scene are off, typically, by where they come from; nothing of a generated one.
+/// Returns the typical error of a scene's heights by their source; `None` for a generated scene.
 fn typical_errors(scene: &Scene, options: &SceneReader) -> Option<&'static str> {
     match (scene.built_up, scene.field.prisms()) {
         (Some(_), _) => None,

@@ -1,4 +1,4 @@
-//! One link, decided and explained.
+//! A single link, decided and explained.
 
 mod profile;
 
@@ -23,32 +23,34 @@ use crate::scene::placing::{place_uav, warn_of_uavs_outside};
 use crate::sight::earth_words;
 use crate::uav::Uav;
 
-/// Formats of a link.
+/// Output formats of a link.
 pub(crate) const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Pdf, Format::Json, Format::Stdout];
 
 impl Scene {
-    /// Decides one link, and says what stands in its way. The receiver is at x (east) and y (north) in the scene's reference
-    /// system, at a height.
+    /// Decides one link, and finds what obstructs it. The receiver is at x (east) and y (north) in
+    /// the scene's reference system, at a height.
     ///
     /// ```
     /// use skyshed::prelude::*;
     ///
     /// let city = Scene::options().size(200.0).open("itu:urban")?;
-    /// let link = city.link(Uav::new(100.0, 100.0, Height::agl(60.0)), (10.0, 150.0), Height::agl(1.5))?;
+    /// let uav = Uav::new(100.0, 100.0, Height::agl(60.0));
+    /// let link = city.link(uav, (10.0, 150.0), Height::agl(1.5))?;
     /// assert_eq!(link.los(), link.obstruction().is_none());
     /// # Ok::<(), skyshed::Error>(())
     /// ```
     ///
     /// # Errors
-    /// E2xx if one of the ends cannot be there: inside a building, below the ground, too far from the other.
+    /// E2xx if one of the ends cannot be there: inside a building, below the ground, too far from
+    /// the other.
     pub fn link(&self, uav: Uav, receiver: (f64, f64), height: Height) -> Result<Link> {
         self.curved_link(uav, (receiver, height), None)
     }
 
-    /// One link over a curved earth, or a flat one, as [`Scene::link`].
+    /// Decides one link over a curved or a flat earth, as [`Scene::link`].
     ///
     /// # Errors
-    /// As there; E118 for an earth so curved that heights would leave the lattice.
+    /// As [`Scene::link`]; E118 for an earth so curved that heights would leave the lattice.
     pub(crate) fn curved_link(
         &self,
         uav: Uav,
@@ -71,7 +73,7 @@ impl Scene {
     }
 }
 
-/// One link: whether it is in line of sight, by how much, and what stands in the way.
+/// A link: its line of sight, its margin, and its obstruction.
 #[derive(Debug, Clone)]
 pub struct Link {
     scene: Scene,
@@ -82,24 +84,24 @@ pub struct Link {
     found: LinkFacts,
 }
 
-/// What was found of a link.
+/// Facts of a link.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 struct LinkFacts {
     /// The UAV.
     uav: EndFacts,
     /// The receiver.
     receiver: EndFacts,
-    /// Whether the link is in line of sight.
+    /// true if the link is in line of sight.
     los: bool,
-    /// Receiver height less the least height in line of sight [m]; null if no receiver height is enough.
+    /// Receiver height less the least height in line of sight [m]; null if no height is enough.
     margin_m: Option<f64>,
     /// Horizontal distance [m].
     distance_m: f64,
     /// Elevation angle of the UAV from the receiver [deg].
     elevation_deg: f64,
-    /// What stands in the way; null if nothing does.
+    /// Obstruction of the link; null in line of sight.
     obstruction: Option<LinkObstruction>,
-    /// K by which the radius of the earth is multiplied; null over a flat earth.
+    /// Effective earth radius factor k; null over a flat earth.
     earth_k: Option<f64>,
 }
 
@@ -114,10 +116,10 @@ pub(crate) struct EndFacts {
     pub(crate) height_amsl_m: f64,
 }
 
-/// What stands in the way of a link: the obstacle that asks for the highest receiver.
+/// Obstruction of a link: the obstacle that requires the highest receiver.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct LinkObstruction {
-    /// `building`, `terrain`, `cell` of a surface model, `nodata` that blocks everything, or the `horizon` of flat ground.
+    /// `building`, `terrain`, `cell` of a surface model, blocking `nodata`, or flat `horizon`.
     pub kind: &'static str,
     /// Id of the building.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -145,50 +147,52 @@ pub(crate) struct LinkDocument<'a> {
     head: Head,
     #[serde(flatten)]
     found: &'a LinkFacts,
-    /// What was odd.
+    /// Warnings.
     warnings: Vec<WarningFacts>,
 }
 
 impl Link {
-    /// Whether the link is in line of sight.
+    /// Returns `true` if the link is in line of sight.
     pub fn los(&self) -> bool {
         self.found.los
     }
 
-    /// Receiver height less the least height in line of sight \[m\]; `None` if no receiver height is enough.
+    /// Returns the receiver height less the least height in line of sight \[m\]; `None` if no
+    /// receiver height is enough.
     pub fn margin_m(&self) -> Option<f64> {
         self.found.margin_m
     }
 
-    /// Horizontal distance \[m\].
+    /// Returns the horizontal distance \[m\].
     pub fn distance_m(&self) -> f64 {
         self.found.distance_m
     }
 
-    /// Elevation angle of the UAV from the receiver \[deg\].
+    /// Returns the elevation angle of the UAV from the receiver \[deg\].
     pub fn elevation_deg(&self) -> f64 {
         self.found.elevation_deg
     }
 
-    /// What stands in the way; `None` in line of sight.
+    /// Returns the obstruction; `None` in line of sight.
     pub fn obstruction(&self) -> Option<&LinkObstruction> {
         self.found.obstruction.as_ref()
     }
 
-    /// What was odd.
+    /// Returns the warnings.
     pub fn warnings(&self) -> &[Warning] {
         &self.facts.warnings
     }
 
-    /// The document `skyshed/link/1`.
+    /// Returns the document `skyshed/link/1`.
     pub fn document(&self) -> Value {
         Answer::document(self, None)
     }
 
-    /// Writes the link from the side (.png .svg .pdf) or its document (.json).
+    /// Writes the side view of the link (.png .svg .pdf) or its document (.json).
     ///
     /// # Errors
-    /// E104–E106 for a file that cannot be written so; E109 for a picture of a vertical link; E401 if writing fails.
+    /// E104–E106 for a file that cannot be written so; E109 for a picture of a vertical link; E401
+    /// if writing fails.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         let rules = OutputRules { allowed: &FORMATS, inputs: &[], overwrite: false, bare: false };
         let outputs = check_outputs(&[path.as_ref().into()], rules)?;
@@ -243,7 +247,7 @@ impl Answer for Link {
     }
 }
 
-/// The lattice must hold the link.
+/// Checks that the link fits the lattice.
 pub(crate) fn check_extent(scene: &Scene, site: &Site, (x, y): (f64, f64)) -> Result<()> {
     let frames = [scene.field.prisms_frame(), scene.field.columns_frame()];
     for frame in frames.into_iter().flatten() {
@@ -255,12 +259,12 @@ pub(crate) fn check_extent(scene: &Scene, site: &Site, (x, y): (f64, f64)) -> Re
     Ok(())
 }
 
-/// The receiver's end: on ground or roof that is there, not inside a building.
+/// Places the receiver's end: on ground or roof that exists, not inside a building.
 fn place_receiver(scene: &Scene, at: (f64, f64), height: Height) -> Result<Station> {
     Ok(coverage::place_receiver(&scene.field, at, height).map_err(|why| PlacesError::Receiver { at, height, why })?)
 }
 
-/// Decides a link, and finds what stands in its way.
+/// Decides a link, and finds its obstruction.
 fn explain(scene: Scene, uav: coverage::Uav, receiver: Station, curvature: Option<Curvature>) -> Result<Link> {
     let view = SceneView::of(&scene.field, &uav, curvature)?;
     let ExplainedLink { los, margin_m, distance_m, elevation_deg, obstruction } = view.link(&receiver);

@@ -1,4 +1,4 @@
-//! A link from the side.
+//! Side view of a link.
 
 use super::Link;
 use crate::answer::Answer;
@@ -13,13 +13,14 @@ use crate::words::title_of;
 /// Draws a link.
 ///
 /// # Errors
-/// E109 for a vertical link, which has no side.
+/// E109 for a vertical link, which has no side view.
 pub(super) fn draw(link: &Link, format: Format, look: &Look) -> Result<Vec<u8>> {
     let (scene, found) = (&link.scene, &link.found);
     if found.distance_m <= 0.0 {
         return Err(RequestError::VerticalLink.into());
     }
-    // Over a curved earth all is drawn as the UAV sees it: the ray is straight and the ground falls away.
+    // Over a curved earth the drawing is in the UAV's frame: the ray is straight and the ground
+    // falls away.
     let view = SceneView::of(&scene.field, &link.uav, link.curvature)?;
     let (steps, receiver) = (view.profile(&link.receiver, found.distance_m), view.seen(&link.receiver));
     let (uav_m, receiver_m) = (found.uav.height_amsl_m, i32::try_from(receiver.z).map_or(f64::NAN, meters));
@@ -27,7 +28,7 @@ pub(super) fn draw(link: &Link, format: Format, look: &Look) -> Result<Vec<u8>> 
     let obstruction = found.obstruction.as_ref().map(|o| render::Obstruction {
         distance_m: (o.x - found.uav.x).hypot(o.y - found.uav.y) * scene.grid().meters_per_unit(),
         ray_height_m: o.ray_height_m - fall_m(o.x, o.y),
-        // Nodata that blocks everything is drawn as high as the UAV.
+        // Nodata that blocks everything is drawn as high as the higher end of the link.
         roof_height_m: o.roof_height_m.map_or(uav_m.max(receiver_m), |roof_m| roof_m - fall_m(o.x, o.y)),
     });
     let verdict = if found.los { "line of sight" } else { "no line of sight" };

@@ -1,4 +1,4 @@
-//! The document, the table and the points of a search: where to hover.
+//! Serialized forms of a placement search: the document, the rows of its table and its points.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -7,28 +7,28 @@ use crate::answer::{Head, PositionFields, Timing, WarningFacts};
 use crate::height_errors::{HeightErrorsDocument, HeightsOfDifference};
 use crate::sight::SightFacts;
 
-/// Where to hover.
+/// Document of a placement search.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct SearchDocument<'a> {
     #[serde(flatten)]
     pub(super) head: Head,
     #[serde(flatten)]
     pub(super) sight: SightFacts,
-    /// How far heights of buildings may be off, where that was told.
+    /// Standard deviations of building height errors; absent without any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) height_errors: Option<HeightErrorsDocument>,
-    /// What shares are shares of.
+    /// Receivers that shares are relative to.
     pub(super) share_of: &'static str,
-    /// What is made large.
+    /// Goal that the search maximizes or minimizes.
     pub(super) goal: &'a str,
-    /// The candidates.
+    /// Candidates and the rules that they obey.
     pub(super) candidates: CandidatesDocument<'a>,
     #[serde(flatten)]
     pub(super) found: Option<FoundDocument>,
-    /// Seconds spent; not in what is stored in pictures and rasters.
+    /// Seconds spent; absent in the copies that pictures and rasters store.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) timing_s: Option<Timing>,
-    /// What was odd.
+    /// Warnings.
     pub(super) warnings: Vec<WarningFacts>,
     /// SHA-256 of the values of the ranked places.
     pub(super) digest: &'a str,
@@ -37,52 +37,52 @@ pub(crate) struct SearchDocument<'a> {
 /// Candidates of a search.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct CandidatesDocument<'a> {
-    /// Distance between their places [m]; null for places of a file.
+    /// Distance between neighboring places [m]; null for places of a file.
     pub(super) step_m: Option<f64>,
     /// Heights that were tried; empty where each place has its own.
     pub(super) heights: &'a [String],
     /// Least height above roof or ground directly below [m].
     pub(super) clearance_m: f64,
-    /// Candidates that were asked for.
+    /// Candidates before any was left out.
     pub(super) asked: u64,
-    /// Those that were tried.
+    /// Candidates that were tried.
     pub(super) tried: u64,
-    /// Those that were left out.
+    /// Candidates that were left out, by reason.
     pub(super) skipped: SkippedDocument,
 }
 
-/// Candidates that were left out.
+/// Numbers of candidates that were left out, by reason.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct SkippedDocument {
-    /// Over ground without data.
+    /// Candidates over ground without data.
     pub(super) no_data: u64,
-    /// Outside of the area.
+    /// Candidates outside the area.
     pub(super) outside: u64,
-    /// Over another zone.
+    /// Candidates over another zone.
     pub(super) other_zone: u64,
-    /// Inside of an area to keep out of.
+    /// Candidates inside a keep-out area.
     pub(super) keep_out: u64,
-    /// Without the ground or roof that the height is above.
+    /// Candidates without the ground or roof that their height refers to.
     pub(super) no_base: u64,
-    /// Inside of a building or below the ground.
+    /// Candidates inside a building or below the ground.
     pub(super) inside: u64,
-    /// Too near to roof or ground.
+    /// Candidates below the least clearance above roof or ground.
     pub(super) clearance: u64,
 }
 
-/// What a search found.
+/// Results of a search.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct FoundDocument {
-    /// The best place; null without one.
+    /// Best place; null if there is none.
     pub(super) winner: Option<PlaceDocument>,
-    /// Why there is none.
+    /// Reason for having no best place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) reason: Option<String>,
-    /// Where a search between the candidates ended.
+    /// End point of the local search that starts at the best candidate.
     pub(super) refined: Option<PlaceDocument>,
-    /// The best places.
+    /// Best places, in order.
     pub(super) ranked: Vec<PlaceDocument>,
-    /// Several UAVs together.
+    /// Choice of several UAVs together.
     pub(super) several: Option<SeveralDocument>,
 }
 
@@ -92,21 +92,21 @@ pub(super) struct PlaceDocument {
     /// Rank from 1, or number in the order of choice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) rank: Option<usize>,
-    /// Name, if it has one.
+    /// Name of the place; absent if it has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) id: Option<String>,
     #[serde(flatten)]
     pub(super) position: PositionFields,
     /// Height above the datum [m].
     pub(super) height_amsl_m: f64,
-    /// Height above the ground [m]; null where none is known.
+    /// Height above the ground [m]; null where no ground is known.
     pub(super) height_agl_m: Option<f64>,
-    /// What is below: a zone, or ground or rooftop where zones are not known.
+    /// Zone below the UAV; ground or rooftop where zones are not known.
     pub(super) placement: &'static str,
     /// Receivers of the goal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) receivers: Option<u64>,
-    /// Those in line of sight.
+    /// Receivers in line of sight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) los: Option<u64>,
     /// Share of the receivers in line of sight, by weight where receivers have weights.
@@ -117,19 +117,19 @@ pub(super) struct PlaceDocument {
     /// Margin of the worst receiver [m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) margin_m: Option<Option<f32>>,
-    /// Bound on that margin, of a place that is not among the best [m].
+    /// Upper bound on the worst margin [m], for a place that is not among the best.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) margin_upper_bound_m: Option<Option<f32>>,
-    /// Why a value is missing.
+    /// Reason for a missing value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) reason: Option<&'static str>,
-    /// Places that the search tried.
+    /// Places that the local search tried.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) tried: Option<u64>,
-    /// What a chosen place adds to those before it, as a share of all.
+    /// Share of all wanted receivers that this place adds to the places chosen before it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) gain: Option<Option<f64>>,
-    /// What the chosen places so far cover, as a share of all.
+    /// Share of all wanted receivers that the places chosen so far cover.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) covered: Option<Option<f64>>,
 }
@@ -137,24 +137,24 @@ pub(super) struct PlaceDocument {
 /// Several UAVs together; shares are of all wanted receivers, at any distance.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct SeveralDocument {
-    /// How many were asked for.
+    /// Number of UAVs requested.
     pub(super) count: usize,
-    /// The choice, in its order.
+    /// Chosen places, in the order of choice.
     pub(super) chosen: Vec<PlaceDocument>,
-    /// What they cover.
+    /// Share of all wanted receivers that the choice covers.
     pub(super) p_los: Option<f64>,
-    /// What no choice of as many candidates exceeds.
+    /// Upper bound on the share that any choice of this many candidates covers.
     pub(super) bound: Option<f64>,
-    /// How far the choice may be below the best, as a share of the bound.
+    /// Largest possible distance of the choice from the best one, as a share of the bound.
     pub(super) gap: Option<f64>,
-    /// Why there is no share.
+    /// Reason for having no share.
     pub(super) reason: Option<&'static str>,
 }
 
-/// A row of a search's table.
+/// A row of the table of a search.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct PlaceRow {
-    /// chosen (one of several UAVs), candidate, or refined (where a search between candidates ended).
+    /// chosen (one of several UAVs), candidate, or refined (end of the local search).
     pub(super) kind: &'static str,
     /// Rank from 1, or number in the order of choice.
     pub(super) rank: Option<usize>,
@@ -167,29 +167,29 @@ pub(crate) struct PlaceRow {
     pub(super) height_amsl_m: f64,
     /// Height above the ground [m].
     pub(super) height_agl_m: Option<f64>,
-    /// What is below: a zone, or ground or rooftop where zones are not known.
+    /// Zone below the UAV; ground or rooftop where zones are not known.
     pub(super) placement: &'static str,
     /// Receivers of the goal.
     pub(super) receivers: Option<u64>,
-    /// Those in line of sight.
+    /// Receivers in line of sight.
     pub(super) los: Option<u64>,
     /// Share of the receivers in line of sight, by weight where receivers have weights.
     pub(super) p_los: Option<f64>,
-    /// Lower end of the interval of P_LoS less that of the best with heights redrawn, where they may be off.
+    /// Lower end of the interval of P_LoS less that of the best place, with heights redrawn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) heights_low: Option<f64>,
-    /// Upper end of the same.
+    /// Upper end of the interval of P_LoS less that of the best place, with heights redrawn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) heights_high: Option<f64>,
-    /// Whether it does not hold 0.
+    /// true if that interval excludes 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) exceeds_heights: Option<bool>,
     /// Margin of the worst receiver [m].
     pub(super) margin_m: Option<f64>,
-    /// Bound on that margin, of a place that is not among the best [m].
+    /// Upper bound on the worst margin [m], for a place that is not among the best.
     pub(super) margin_upper_bound_m: Option<f64>,
-    /// What a chosen place adds to those before it, as a share of all.
+    /// Share of all wanted receivers that this place adds to the places chosen before it.
     pub(super) gain: Option<f64>,
-    /// What the chosen places so far cover, as a share of all.
+    /// Share of all wanted receivers that the places chosen so far cover.
     pub(super) covered: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! The picture of a search: where to hover, as colors over the city.
+//! Heat map of a search: the value of each place, as colors over the city.
 
 use skyshed_request::Whom;
 
@@ -61,7 +61,7 @@ pub(super) fn draw(job: &Placements, places: &PlaceGrid, format: Format, look: &
     written(render::draw_map(&picture), &look.form(format), &picture_provenance(&job.provenance()))
 }
 
-/// Heights as typed, in words; of many the first, the last and how many.
+/// Returns heights in words. A long list becomes its length, its first and its last height.
 fn heights_in_words(heights: &[String]) -> String {
     const MOST: usize = 4;
     let words = |typed: &String| match typed.parse::<Height>() {
@@ -79,7 +79,7 @@ fn heights_in_words(heights: &[String]) -> String {
     }
 }
 
-/// Building cells with open ground beside them.
+/// Marks building cells with open ground beside them.
 fn outlines(job: &Placements) -> Vec<bool> {
     let grid = job.scene.field.grid();
     let cells = job.scene.field.cells();

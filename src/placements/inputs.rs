@@ -1,4 +1,4 @@
-//! The areas, weights and candidates of a search, read and checked.
+//! Areas, weights and candidates of a search, read and checked.
 
 use skyshed_io::Input;
 
@@ -19,17 +19,17 @@ use crate::uav::bad_rows;
 use crate::zones::{Zone, ZoneMap};
 use skyshed_io::error::Pair;
 
-/// More candidates than this are refused.
+/// Most candidates of a search.
 const MOST_CANDIDATES: usize = 10_000_000;
 
-/// What the files beside the scene hold.
+/// Contents of the files beside the scene.
 #[derive(Debug)]
 pub(super) struct Inputs {
-    /// The grid of candidates, unless they are from a file.
+    /// Grid of the candidates; `None` if they come from a file.
     pub(super) places: Option<PlaceGrid>,
-    /// The places from a file, by their numbers; empty where they are on a grid.
+    /// Places of a file, by number; empty for candidates on a grid.
     pub(super) sites: Vec<GivenSite>,
-    /// The heights tried, empty where candidates have their own.
+    /// Heights to try; empty where candidates have their own.
     pub(super) heights: Vec<Height>,
     pub(super) area: Option<Area>,
     pub(super) weights: Option<Weights>,
@@ -94,7 +94,7 @@ impl Inputs {
         })
     }
 
-    /// What candidates must comply with.
+    /// Returns the rules that candidates must obey.
     pub(super) fn rules<'a>(
         &'a self,
         over: Option<(&'a [Zone], &'a ZoneMap)>,
@@ -105,7 +105,7 @@ impl Inputs {
         CandidateRules { over, within, keep_out, clearance, radius }
     }
 
-    /// The candidates; at least one.
+    /// Returns the candidates that obey `rules`. Fails if there is none.
     pub(super) fn candidates(&self, field: &HeightField, rules: &CandidateRules<'_>) -> Result<Candidates> {
         let candidates = Candidates::of(&self.spots, field, rules)?;
         if candidates.kept.is_empty() {
@@ -118,7 +118,8 @@ impl Inputs {
     }
 }
 
-/// What each receiver counts: the value of the cell of a raster that holds it; 0 outside and where there is none.
+/// Reads the weights of receivers from a raster. A receiver gets the value of the raster cell that
+/// contains it. It gets 0 outside the raster and on cells without data.
 fn weights(path: &std::path::Path, grid: &GeoRef, odd: &mut Vec<skyshed_io::Warning>) -> Result<Weights> {
     let file = RasterFile::open(path, odd)?;
     refuse_two_crs((path.display(), file.georef().crs()), ("the scene", grid.crs()), Pair::WeightsScene)?;

@@ -1,4 +1,5 @@
-//! Where to hover: candidates ranked, refined, or chosen together, with a bound on what was missed.
+//! Placement of UAVs: candidates are ranked, refined, or chosen together with a bound on the
+//! optimum.
 
 mod document;
 mod heat_map;
@@ -42,7 +43,7 @@ use crate::sight::check_receivers;
 use crate::words::pretty;
 use crate::zones::{Zone, ZoneMap};
 
-/// Formats of a search.
+/// Output formats of a search.
 pub(crate) const FORMATS: [Format; 8] = [
     Format::Png,
     Format::Svg,
@@ -54,13 +55,13 @@ pub(crate) const FORMATS: [Format; 8] = [
     Format::Stdout,
 ];
 
-/// Nodata of rasters.
+/// Nodata value of rasters.
 const NODATA: f32 = -9999.0;
 
-/// What a candidate takes with all that is said of it.
+/// Estimated memory of a candidate and its results \[bytes\].
 const CANDIDATE_BYTES: usize = 400;
 
-/// Places to hover, ranked: where a UAV sees most, and what that is.
+/// Ranked places for a UAV, with the value of each.
 ///
 /// ```
 /// use skyshed::prelude::*;
@@ -76,20 +77,22 @@ pub struct Placements {
     scene: Scene,
     report: PlaceReport,
     over: Vec<Zone>,
-    /// The grid of the candidates, if they are on one.
+    /// Grid of the candidates; `None` if they come from a file.
     places: Option<PlaceGrid>,
-    /// Places with what the picture shows there.
+    /// Places and the value that the heat map shows there.
     heat: Vec<(usize, f32)>,
-    /// The file for a map of what the winners see, and that, if it was asked for.
+    /// File for a map of the winners' coverage; `None` if none was requested.
     map: Option<PathBuf>,
     winner_maps: Option<ManyMaps>,
 }
 
 impl SearchPlan {
-    /// Searches.
+    /// Runs the search.
     ///
     /// # Errors
-    /// Those of the files; E117 for zones of a surface model alone; E209 if no candidate is left; E501, E502.
+    /// Errors of reading the files; E108, E113 and E116 as [`SearchPlan::check`]; E117 if the scene
+    /// is only a surface model and the search needs zones or ground; E209 without a candidate;
+    /// E501, E502.
     pub(crate) fn search(&self, mut scene: Scene, command: Vec<String>, progress: &Progress) -> Result<Placements> {
         self.check()?;
         self.check_heights(self.height_errors.over(&scene.field))?;
@@ -108,7 +111,7 @@ impl SearchPlan {
         let over = zones.as_deref().map(|zones| (self.over.as_slice(), zones));
         let rules = inputs.rules(over, self.clearance()?, radius);
         let candidates = inputs.candidates(&scene.field, &rules)?;
-        // The corners see farthest.
+        // The corner candidates see farthest.
         let farthest: Vec<Uav> =
             candidates.kept.first().iter().chain(&candidates.kept.last()).map(|c| c.uav.clone()).collect();
         check_earth(&farthest, &scene.field, &self.sight, &mut scene.warnings)?;
@@ -176,7 +179,8 @@ impl SearchPlan {
         Ok(Placements { scene, report, over: self.over.clone(), places, heat, map: self.map.clone(), winner_maps })
     }
 
-    /// Says of the best places how much less than the best of all they see with heights redrawn.
+    /// Adds to each listed place the interval of its P_LoS less that of the best, with heights
+    /// redrawn.
     fn compare_heights(
         &self,
         ranked: &mut [PlaceFacts],
@@ -196,7 +200,7 @@ impl SearchPlan {
         let uav = |place: &PlaceFacts| candidates.kept.iter().map(|c| &c.uav).find(|uav| is_at(place, uav)).cloned();
         let Some(uavs) = ranked[..listed].iter().map(uav).collect::<Option<Vec<Uav>>>() else { return Ok(()) };
         let Some(mut counts) = errors.redrawn(mapper, &uavs, progress)? else { return Ok(()) };
-        // Shares are of all wanted receivers, in range or not.
+        // Shares are relative to all wanted receivers, in range or not.
         let wanted = mapper.receiver_cells().count();
         counts.receivers.iter_mut().for_each(|n| *n = wanted);
         for (k, place) in ranked[..listed].iter_mut().enumerate().skip(1) {
@@ -205,7 +209,7 @@ impl SearchPlan {
         Ok(())
     }
 
-    /// The options of the maps: the receivers of the goal.
+    /// Returns the options of the maps: their receivers are the receivers of the goal.
     fn options(&self, scene: &Scene, zones: Option<&ZoneMap>, inputs: &Inputs) -> MapOptions {
         let options = self.sight.options(scene.grid(), zones);
         match self.goal.whom {
@@ -225,7 +229,8 @@ impl SearchPlan {
     }
 }
 
-/// UAVs under the names that were given, if they tell the UAVs apart; else numbered from 1.
+/// Returns the UAVs under their own names. Renames all of them 1, 2, … if a name is empty or occurs
+/// twice.
 fn named(uavs: Vec<Uav>) -> Vec<Uav> {
     let ids: std::collections::HashSet<&str> = uavs.iter().map(|uav| uav.id.as_str()).collect();
     if ids.len() == uavs.len() && !ids.contains("") {
@@ -257,7 +262,7 @@ impl Answer for Placements {
         words::in_words(&self.report).into_iter().chain([last]).collect()
     }
 
-    /// Of thousands of candidates the best are an answer.
+    /// Lists only the best candidates: a search has thousands.
     fn text(&self, look: &Look) -> Result<String> {
         let table = encoded(&self.report.table(self.report.top), look.csv_text)?;
         Ok(String::from_utf8_lossy(&table).into_owned())
@@ -277,7 +282,7 @@ impl Answer for Placements {
 }
 
 impl Placements {
-    /// The value of each place, `none` where there is no candidate.
+    /// Returns the value of each place, `none` where there is no candidate.
     fn values(&self, places: &PlaceGrid, none: f32) -> Vec<f32> {
         let mut values = vec![none; places.grid.n_cells()];
         self.heat.iter().for_each(|(place, value)| values[*place] = *value);
@@ -296,7 +301,7 @@ impl Placements {
         })?)
     }
 
-    /// What is shown over each place, and its unit.
+    /// Returns the name of the quantity shown over each place, and its unit.
     fn quantity(&self) -> (&'static str, &'static str) {
         match (self.report.goal.measure, self.report.goal.at_least) {
             (Measure::Margin, _) => ("Margin of the worst receiver, at most", "m"),

@@ -1,4 +1,4 @@
-//! What the program asks of a search with all defaults filled in, and what belongs together in it.
+//! Plan of a search: the question with all defaults filled in, and checks across its options.
 
 use std::path::PathBuf;
 
@@ -13,58 +13,58 @@ use skyshed_request::{
     FilePath, Goal, Measure, PlaceFiles, PlaceQuestion, Shard, Source, Whom, filled, have_one_reference,
 };
 
-/// Where candidates are from.
+/// Source of the candidates.
 #[derive(Debug, Clone)]
 pub(crate) enum CandidatesFrom {
     /// The centers of square cells over the scene.
     Grid {
-        /// Their distance \[m\].
+        /// Distance between neighboring centers \[m\].
         step_m: f64,
     },
     /// A table or points.
     File {
         input: Input,
-        /// Whether rows that cannot be read are left out.
+        /// `true` if rows that cannot be read are left out.
         skips_bad: bool,
     },
 }
 
-/// What is looked for, and where.
+/// Goal of a search, its candidates and its files.
 #[derive(Debug, Clone)]
 pub(crate) struct SearchPlan {
     pub(crate) sight: SightPlan,
-    /// How far heights of buildings may be off.
+    /// Standard deviations of building height errors.
     pub(crate) height_errors: HeightErrorsPlan,
     pub(crate) goal: Goal,
     pub(crate) from: CandidatesFrom,
     /// Heights to try; empty where candidates have their own.
     pub(crate) heights: Vec<Height>,
-    /// Only candidates over these zones, if there are any.
+    /// Zones that candidates must be over; empty for no restriction.
     pub(crate) over: Vec<Zone>,
-    /// Only candidates inside of these polygons.
+    /// Polygons that candidates must be inside.
     pub(crate) within: Option<Input>,
-    /// No candidates inside of these.
+    /// Polygons that candidates must be outside.
     pub(crate) keep_out: Option<Input>,
     /// Least height above roof or ground directly below \[m\].
     pub(crate) clearance_m: f64,
     /// Polygons whose receivers count.
     pub(crate) area: Option<Input>,
-    /// A raster of what each receiver counts.
+    /// Raster of receiver weights.
     pub(crate) weights: Option<PathBuf>,
-    /// Which part of the candidates is meant, which is not refined; all without one.
+    /// Part of the candidates to search, without refinement; `None` for all candidates.
     pub(crate) shard: Option<Shard>,
-    /// UAVs that are to see most together.
+    /// Number of UAVs to place together.
     pub(crate) count: usize,
-    /// Ranks that documents and points list.
+    /// Number of ranks that documents and points list.
     pub(crate) top: usize,
-    /// Whether files are hashed whatever their size.
+    /// `true` if input files of any size are hashed.
     pub(crate) hash: bool,
-    /// The file for a map of what the winners see.
+    /// File for a map of the winners' coverage.
     pub(crate) map: Option<PathBuf>,
 }
 
 impl SearchPlan {
-    /// Checks a question and fills in its defaults; `files` are those of a run.
+    /// Checks a question and fills in its defaults. `files` are the outputs of the run.
     ///
     /// # Errors
     /// E1xx.
@@ -112,7 +112,7 @@ impl SearchPlan {
         candidates.into_iter().chain(areas).chain(self.weights.as_deref().map(Input::path))
     }
 
-    /// Checks what belongs together, and the numbers, before any work.
+    /// Checks numbers and combinations of options, before any work.
     ///
     /// # Errors
     /// E108, E113, E116.
@@ -168,7 +168,7 @@ impl SearchPlan {
         ))
     }
 
-    /// The clearance on the lattice.
+    /// Returns the clearance in height steps of the lattice.
     pub(super) fn clearance(&self) -> Result<i32> {
         height_steps(self.clearance_m)
             .filter(|c| *c >= 0)

@@ -1,4 +1,4 @@
-//! Where to hover as reported: the document `skyshed/place/1`, its table and its points.
+//! Report of a search: the document `skyshed/place/1`, its table and its points.
 
 use serde_json::Value;
 
@@ -15,44 +15,44 @@ use crate::height_errors::{HeightErrorsPlan, HeightsOfDifference};
 use crate::placement::{Candidate, Cover, Score, Skipped, WorstMargin};
 use crate::sight::SightPlan;
 
-/// What a place is worth.
+/// Value of a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum PlaceValue {
-    /// Receivers in range and how many of them are seen.
+    /// Numbers of receivers in range and in line of sight.
     Counts(Score),
-    /// Weights of the receivers in range and of those that are seen: only the share has a meaning.
+    /// Weights of the receivers in range and in line of sight. Only their ratio has a meaning.
     Weighted(Score),
-    /// The margin of the worst receiver, or a bound on it; `None` without a receiver.
+    /// Margin of the worst receiver, or an upper bound on it; `None` without a receiver.
     Margin(Option<WorstMargin>),
 }
 
-/// A place as reported.
+/// A place in a report.
 #[derive(Debug, Clone)]
 pub(crate) struct PlaceFacts {
-    /// Its rank from 1, or its number in the order of choice.
+    /// Rank from 1, or number in the order of choice.
     pub(crate) rank: usize,
-    /// Its name, if it has one.
+    /// Name of the place; `None` without one.
     pub(crate) id: Option<String>,
     /// East \[CRS units\].
     pub(crate) x: f64,
     /// North \[CRS units\].
     pub(crate) y: f64,
-    /// Longitude and latitude \[deg\], if it was given by these.
+    /// Longitude and latitude \[deg\]; `None` if the place was not read in degrees.
     pub(crate) lonlat: Option<[f64; 2]>,
     /// Height above the datum \[m\].
     pub(crate) height_amsl_m: f64,
-    /// Height above the ground \[m\], if one is known there.
+    /// Height above the ground \[m\]; `None` where no ground is known.
     pub(crate) height_agl_m: Option<f64>,
-    /// The zone below it where zones are known, else `ground` or `rooftop`.
+    /// Zone below the UAV; `ground` or `rooftop` where zones are not known.
     pub(crate) placement: &'static str,
-    /// What it is worth.
+    /// Value of the place.
     pub(crate) value: PlaceValue,
-    /// How much less than the best it sees with heights redrawn, where they may be off.
+    /// Difference of P_LoS to the best place with heights redrawn; `None` without height errors.
     pub(crate) heights: Option<HeightsOfDifference>,
 }
 
 impl PlaceFacts {
-    /// The facts of a candidate, which has no name.
+    /// Returns the facts of a candidate, without a name.
     pub(crate) fn of(rank: usize, candidate: &Candidate, value: PlaceValue) -> Self {
         let uav = &candidate.uav;
         PlaceFacts {
@@ -69,12 +69,12 @@ impl PlaceFacts {
         }
     }
 
-    /// Where it is.
+    /// Returns the position.
     pub(crate) fn position(&self) -> Position {
         Position { x: self.x, y: self.y, lonlat: self.lonlat }
     }
 
-    /// The height in words.
+    /// Returns the height in words.
     pub(crate) fn height_words(&self) -> String {
         crate::words::height_words(self.height_agl_m, self.height_amsl_m)
     }
@@ -140,22 +140,22 @@ impl PlaceFacts {
     }
 }
 
-/// Why nothing is worth anything.
+/// Reason for a missing value without receivers.
 pub(crate) const NO_RECEIVER: &str = "no wanted receiver";
 
-/// Several UAVs together, as reported.
+/// A choice of several UAVs in a report.
 #[derive(Debug, Clone)]
 pub(crate) struct SeveralFacts {
-    /// How many were asked for.
+    /// Number of UAVs requested.
     pub(crate) count: usize,
-    /// The choice, with what it covers and the bound.
+    /// The choice, its coverage and the bound.
     pub(crate) cover: Cover,
-    /// The chosen places, in the order of choice.
+    /// Chosen places, in the order of choice.
     pub(crate) places: Vec<PlaceFacts>,
 }
 
 impl SeveralFacts {
-    /// What a value is of all wanted receivers.
+    /// Returns `value` as a share of all wanted receivers.
     pub(crate) fn share(&self, value: u128) -> Option<f64> {
         Score { wanted: self.cover.wanted, seen: value }.share()
     }
@@ -180,51 +180,53 @@ impl SeveralDocument {
     }
 }
 
-/// A search as reported.
+/// Report of a search.
 #[derive(Debug, Clone)]
 pub(crate) struct PlaceReport {
     pub(crate) facts: RunFacts,
-    /// Whose sight counts.
+    /// Receivers, range and antenna of the maps.
     pub(crate) sight: SightPlan,
     pub(crate) goal: Goal,
-    /// How far heights of buildings may be off.
+    /// Standard deviations of building height errors.
     pub(crate) height_errors: HeightErrorsPlan,
-    /// Distance of the candidate places \[m\], if they are on a grid.
+    /// Distance between neighboring candidate places \[m\]; `None` for places of a file.
     pub(crate) step_m: Option<f64>,
-    /// The heights tried, lowest first; empty where each candidate has its own.
+    /// Heights that were tried, in the order of the plan; empty where each candidate has its own.
     pub(crate) heights: Vec<String>,
-    /// Clearance above what is directly below \[m\].
+    /// Least height above roof or ground directly below \[m\].
     pub(crate) clearance_m: f64,
-    /// How many candidates were left out and why.
+    /// Numbers of candidates that were left out, by reason.
     pub(crate) skipped: Skipped,
-    /// The candidates, best first; with a share to reach, the lowest that reaches it over each place.
+    /// Candidates, best first. For a least height: the lowest candidate over each place that
+    /// reaches the share.
     pub(crate) ranked: Vec<PlaceFacts>,
-    /// How many candidates there are.
+    /// Number of candidates that were tried.
     pub(crate) n_candidates: u64,
-    /// How many ranks documents list.
+    /// Number of ranks that documents list.
     pub(crate) top: usize,
-    /// The best, or why there is none.
+    /// Best place, or the reason for having none.
     pub(crate) winner: Result<PlaceFacts, String>,
-    /// Where a search between the candidates ended, and how many places it tried.
+    /// End point of the local search, and the number of places that it tried.
     pub(crate) refined: Option<(PlaceFacts, u64)>,
-    /// Several UAVs together, if they were asked for.
+    /// Choice of several UAVs; `None` for one UAV.
     pub(crate) several: Option<SeveralFacts>,
-    /// Digest of what was found, see [`place_digest`].
+    /// Digest of the ranked places, see [`place_digest`].
     pub(crate) digest: String,
 }
 
-/// The number that the shortest digits of a margin say.
+/// Returns the `f64` that the shortest decimal form of a margin denotes.
 fn shortest(margin: f32) -> f64 {
     margin.to_string().parse().unwrap_or(f64::from(margin))
 }
 
-/// A number of receivers.
+/// Converts a number of receivers.
 fn count(n: u128) -> u64 {
     u64::try_from(n).unwrap_or(u64::MAX)
 }
 
-/// SHA-256 of the values of the ranked places: per place its x and y (f64), its height above the datum (f64) and its value,
-/// seen and wanted (u64, weights u128) or margin (f32); little endian.
+/// Returns the SHA-256 of the values of the ranked places. Each place contributes x, y and the
+/// height above the datum (f64), then its value. Values are seen and wanted (u64; u128 for weights)
+/// or the margin (f32). Numbers are little endian.
 pub(crate) fn place_digest(ranked: &[PlaceFacts]) -> String {
     let mut hasher = Sha256::default();
     for place in ranked {
@@ -243,14 +245,15 @@ pub(crate) fn place_digest(ranked: &[PlaceFacts]) -> String {
 }
 
 impl PlaceReport {
-    /// The document; without what was found it is stored in pictures and rasters and beside tables.
+    /// Returns the document. Pictures, rasters and the files beside tables store it without places.
     pub(crate) fn document(&self, with_places: bool, timing_s: Option<Timing>) -> Value {
         let s = self.skipped;
         document_of(&SearchDocument {
             head: self.facts.head("skyshed/place/1"),
             sight: self.sight.facts(),
             height_errors: self.height_errors.document(),
-            // A place at the border gains nothing by having few in range.
+            // All wanted receivers, so that a place at the border gains nothing from having few in
+            // range.
             share_of: "all wanted receivers, in range or not",
             goal: &self.goal.text,
             candidates: CandidatesDocument {
@@ -288,7 +291,8 @@ impl PlaceReport {
         }
     }
 
-    /// The table: the choice of several in its order, then the candidates best first, at most so many, then the refined place.
+    /// Returns the table: the choice of several UAVs, then up to `most` candidates, best first,
+    /// then the refined place.
     pub(crate) fn table(&self, most: usize) -> Rows {
         let chosen = |several: &SeveralFacts| {
             let of = |(place, chosen): (&PlaceFacts, &crate::placement::Chosen)| {
@@ -302,8 +306,9 @@ impl PlaceReport {
         rows(self.several.iter().flat_map(chosen).chain(ranked).chain(refined))
     }
 
-    /// The choice of several, the best places and the refined one as GeoJSON points, in the scene's CRS. Their ids are their
-    /// names; one that occurs again, chosen and ranked or at several heights, is told with its kind and rank.
+    /// Returns the choice of several UAVs, the best places and the refined place as GeoJSON points
+    /// in the scene's CRS. A point's id is the name of its place. If a name occurs again, its id
+    /// also holds the kind and the rank.
     pub(crate) fn geojson(&self) -> Value {
         let mut names = std::collections::HashSet::new();
         let mut features: Vec<Value> = Vec::new();

@@ -1,4 +1,4 @@
-//! What a caller of the library asks of a search, setting by setting: it becomes a plan.
+//! Placement request of the library, which becomes a plan.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -22,7 +22,8 @@ use crate::scene::Scene;
 use crate::uav::Uav;
 
 impl Scene {
-    /// Asks where a UAV sees most, at any of some heights, over the centers of square cells.
+    /// Requests a search for the places from which a UAV sees most. Candidates are the centers of
+    /// square cells, at each of the heights.
     pub fn placements(&self, heights: impl IntoIterator<Item = Height>) -> PlacementsRequest {
         let question = PlaceQuestion::default().height(heights.into_iter().collect::<Heights>());
         PlacementsRequest { scene: self.clone(), question, progress: Arc::default() }
@@ -44,16 +45,16 @@ skyshed_request::holds! {
 }
 
 impl PlacementsRequest {
-    /// A token that tells how far the search is, and can stop it from another thread.
+    /// Sets a token that reports the progress of the search and can stop it from another thread.
     pub fn progress(self, progress: &Arc<Progress>) -> Self {
         PlacementsRequest { progress: Arc::clone(progress), ..self }
     }
 
-    /// Searches.
+    /// Runs the search.
     ///
     /// # Errors
-    /// E108, E113 and E116 for a question that makes no sense; E117 for zones of a surface model alone; E209 if no
-    /// candidate is left; E501, E502 for too many.
+    /// E101, E108, E113 and E116 for a question that makes no sense; E117 for zones of a surface
+    /// model alone; E209 without a candidate; E501, E502 for too many candidates.
     pub fn run(self) -> Result<Placements> {
         let plan = SearchPlan::of(&self.question, &PlaceFiles::default(), false)?;
         plan.search(self.scene, Vec::new(), &self.progress)
@@ -61,17 +62,20 @@ impl PlacementsRequest {
 }
 
 impl Placements {
-    /// The candidates, best first, with heights above the datum whatever was asked.
+    /// Returns the candidates, best first. Their heights are above the datum, in whatever way they
+    /// were requested.
     pub fn ranked(&self) -> impl ExactSizeIterator<Item = Uav> {
         self.report.ranked.iter().map(uav_of)
     }
 
-    /// The best candidate, with its height above the datum; `None` if no receiver is wanted, or none reaches the goal.
+    /// Returns the best candidate, with its height above the datum. `None` if no receiver is wanted
+    /// or no candidate reaches the goal.
     pub fn best(&self) -> Option<Uav> {
         self.report.winner.as_ref().ok().map(uav_of)
     }
 
-    /// Those chosen to see most together, in the order of choice; the best alone if one was asked for.
+    /// Returns the UAVs that together see most, in the order of choice. For one UAV this is the
+    /// best candidate.
     pub fn chosen(&self) -> Vec<Uav> {
         match &self.report.several {
             Some(several) => several.places.iter().map(uav_of).collect(),
@@ -79,8 +83,8 @@ impl Placements {
         }
     }
 
-    /// The share of the wanted receivers that a candidate sees; `None` for another goal, or for a UAV that is not among
-    /// [`Placements::ranked`].
+    /// Returns the share of the wanted receivers that a candidate sees. `None` for another goal,
+    /// and for a UAV that is not in [`Placements::ranked`].
     pub fn share(&self, uav: Uav) -> Option<f64> {
         let place = self.report.ranked.iter().find(|place| uav_of(place) == uav)?;
         match place.value {
@@ -89,19 +93,19 @@ impl Placements {
         }
     }
 
-    /// What was odd.
+    /// Returns the warnings.
     pub fn warnings(&self) -> &[Warning] {
         Answer::warnings(self)
     }
 
-    /// The document `skyshed/place/1`.
+    /// Returns the document `skyshed/place/1`.
     pub fn document(&self) -> Value {
         Answer::document(self, Some(Spent::default()))
     }
 
-    /// Writes a file, whose extension says what: a picture of where to hover (.png .svg .pdf), the same as numbers
-    /// (.tif), a
-    /// table (.csv), a document (.json), the best as points (.geojson).
+    /// Writes a file in the format of its extension. A picture (.png .svg .pdf) is a heat map, a
+    /// raster (.tif) holds its values. The others are a table (.csv), a document (.json), and the
+    /// best places as points (.geojson).
     ///
     /// # Errors
     /// E104–E109 for a file that cannot be written so; E106 if it exists; E401 if writing fails.
@@ -114,7 +118,7 @@ impl Placements {
     }
 }
 
-/// A place as a UAV, at its height above the datum.
+/// Returns a place as a UAV, at its height above the datum.
 fn uav_of(place: &PlaceFacts) -> Uav {
     let uav = Uav::new(place.x, place.y, Height::AboveDatum(place.height_amsl_m));
     match &place.id {

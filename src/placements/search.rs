@@ -1,4 +1,5 @@
-//! The search itself: what each candidate is worth, the best, a search around it, and several together.
+//! The search itself: values of all candidates, the best one, a local search around it, and several
+//! UAVs together.
 
 use skyshed_request::{Measure, Whom};
 
@@ -14,7 +15,7 @@ use crate::placement::{
 };
 use crate::progress::Progress;
 
-/// Everything that a search needs.
+/// Inputs of a search.
 #[derive(Debug)]
 pub(super) struct Search<'a> {
     pub(super) plan: &'a SearchPlan,
@@ -23,22 +24,23 @@ pub(super) struct Search<'a> {
     pub(super) candidates: &'a Candidates,
     pub(super) mapper: &'a Mapper<'a>,
     pub(super) weights: Option<&'a Weights>,
-    /// The grid of the candidate places, if they are on one.
+    /// Grid of the candidate places; `None` if they come from a file.
     pub(super) places: Option<&'a PlaceGrid>,
-    /// The places from a file, by their numbers; empty where they are on a grid.
+    /// Places of a file, by number; empty for candidates on a grid.
     pub(super) sites: &'a [GivenSite],
 }
 
-/// What was found.
+/// Results of a search.
 #[derive(Debug)]
 pub(super) struct Found {
     pub(super) ranked: Vec<PlaceFacts>,
     pub(super) winner: std::result::Result<PlaceFacts, String>,
     pub(super) refined: Option<(PlaceFacts, u64)>,
     pub(super) several: Option<SeveralFacts>,
-    /// Places of the candidates with what the picture shows there: the best value over all heights.
+    /// Places of the candidates and the value that the heat map shows there. It is the best value
+    /// over all heights, or the least height that reaches the share.
     pub(super) heat: Vec<(usize, f32)>,
-    /// The winner, or those chosen together.
+    /// The winner, or the UAVs chosen together.
     pub(super) winners: Vec<Uav>,
 }
 
@@ -56,9 +58,9 @@ impl Search<'_> {
         found
     }
 
-    /// About how long one thread searches \[s\], if that is known.
+    /// Estimates the time of the search on one thread \[s\]; `None` if it is unknown.
     pub(super) fn cpu_seconds(&self) -> Option<f64> {
-        /// What a set of seen receivers takes for each UAV, in counts of them.
+        /// Cost of storing the seen receivers of a UAV, relative to counting them.
         const SET: f64 = 2.5;
         match (self.plan.goal.measure, self.plan.goal.at_least) {
             (Measure::Share, None) if self.plan.count > 1 => Some(SET * scoring_s(&self.scorer(), None, self.kept())?),
@@ -79,7 +81,7 @@ impl Search<'_> {
         &self.candidates.kept
     }
 
-    /// What is told of a candidate, with the name and the position that were given.
+    /// Returns the facts of a candidate, with the name and position of its site in a file.
     fn fact(&self, rank: usize, candidate: usize, value: PlaceValue) -> PlaceFacts {
         let candidate = &self.kept()[candidate];
         let given = self.sites.get(candidate.spot.place);
@@ -90,7 +92,7 @@ impl Search<'_> {
         }
     }
 
-    /// The UAV of a candidate, under the name that was given.
+    /// Returns the UAV of a candidate, under the name of its site in a file.
     fn uav(&self, candidate: usize) -> Uav {
         let candidate = &self.kept()[candidate];
         let id = self.sites.get(candidate.spot.place).map_or(String::new(), |site| site.id.clone());
@@ -133,7 +135,8 @@ impl Search<'_> {
         })
     }
 
-    /// The longest and the shortest step of a search around the winner, from the distance of the candidates to a cell.
+    /// Returns the longest and the shortest step of the local search: the distance of the
+    /// candidates, and the size of a cell. Places of a file and parts of the candidates have none.
     fn steps(&self) -> Option<(f64, f64)> {
         let grid = self.field.grid();
         let places = self.places.filter(|_| self.plan.shard.is_none());
@@ -153,7 +156,7 @@ impl Search<'_> {
         let (Some(steps), Some(worst)) = (self.steps(), worst) else {
             return Ok(None);
         };
-        // The receiver that is the worst here mostly shows at once that another place is no better.
+        // The worst receiver of this place usually rules out another place at once.
         let better = |uav: &Uav, best: &WorstReceiver| {
             let view = self.mapper.seen_from(uav).ok()?;
             let at_most = view.least_margin_among(&[best.cell]);
@@ -167,7 +170,7 @@ impl Search<'_> {
         Ok(Some((PlaceFacts::of(0, &found.candidate, PlaceValue::Margin(Some(margin))), found.tried)))
     }
 
-    /// Those of the candidates that together see most.
+    /// Chooses the candidates that together see most.
     fn several(&self, sets: &SeenSets, scores: &[Score], control: &Control) -> Result<(SeveralFacts, Vec<Uav>)> {
         let count = self.plan.count;
         let cover = cover(sets, count, control)?;
@@ -232,7 +235,7 @@ impl Search<'_> {
         })
     }
 
-    /// The largest value over each place.
+    /// Returns the largest value over each place.
     fn heat(&self, values: Vec<Option<f32>>) -> Vec<(usize, f32)> {
         let mut best: std::collections::BTreeMap<usize, f32> = std::collections::BTreeMap::new();
         for (candidate, value) in self.kept().iter().zip(values) {

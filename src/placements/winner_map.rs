@@ -1,4 +1,4 @@
-//! The map of the winner, or of those chosen together.
+//! Coverage map of the winner, or of the UAVs chosen together.
 
 use std::path::Path;
 
@@ -76,7 +76,7 @@ fn picture(job: &Placements, maps: &ManyMaps, format: Format, look: &Look) -> Re
         let (height, at) = (site.height_words(), site.position().in_words());
         format!("UAV {}: {height} at {at}, {}", site.id, share(&site.tally))
     };
-    // The first line stands out, which none of several UAVs does.
+    // Captions print the first line darkest. With several UAVs it holds the share of all together.
     let of_all = maps.overlay.as_ref().map(|o| format!("Seen by at least one: {}", share(&Tally::of_mask(o.union()))));
     let mut caption: Vec<String> = of_all.into_iter().chain(facts.iter().take(MOST_LINES).map(of_site)).collect();
     if facts.len() > MOST_LINES {
@@ -106,5 +106,5 @@ fn picture(job: &Placements, maps: &ManyMaps, format: Format, look: &Look) -> Re
     written(render::draw_map(&picture), &look.form(format), &picture_provenance(&job.provenance()))
 }
 
-/// More UAVs than this are not listed in the caption.
+/// Most UAVs that the caption lists.
 const MOST_LINES: usize = 6;

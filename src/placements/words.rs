@@ -1,11 +1,11 @@
-//! What `skyshed place` prints: the best places, the bound, what was left out.
+//! Text that `skyshed place` prints: the best places, the bound, and the candidates left out.
 
 use skyshed_request::Whom;
 
 use super::report::{PlaceFacts, PlaceReport, PlaceValue};
 use crate::quantity::tidy;
 
-/// What a place is worth in words, over some receivers.
+/// Returns the value of a place in words.
 fn value_words(place: &PlaceFacts, receivers: &str) -> String {
     match place.value {
         PlaceValue::Counts(score) => match score.share() {
@@ -22,19 +22,19 @@ fn value_words(place: &PlaceFacts, receivers: &str) -> String {
     }
 }
 
-/// Where a place is in words, with its name if it has one.
+/// Returns the position of a place in words, with its name if it has one.
 fn at_words(place: &PlaceFacts) -> String {
     let name = place.id.as_ref().map_or(String::new(), |id| format!("{id} "));
     name + &place.position().in_words()
 }
 
-/// A place in words.
+/// Returns a place in words.
 fn place_words(place: &PlaceFacts, receivers: &str) -> String {
     let value = value_words(place, receivers);
     format!("{} at {} over {}: {value}", place.height_words(), at_words(place), place.placement)
 }
 
-/// The receivers that count for a goal.
+/// Returns the receivers that count for a goal, in words.
 fn wanted(report: &PlaceReport) -> String {
     let receivers = report.sight.receivers().name();
     let receivers = if receivers == "all" { "ground and roof" } else { receivers };
@@ -42,18 +42,19 @@ fn wanted(report: &PlaceReport) -> String {
     format!("{receivers} receivers{area}")
 }
 
-/// All of them, at any distance.
+/// Returns all wanted receivers in words, at any distance.
 fn all_wanted(report: &PlaceReport) -> String {
     let weight = if report.goal.whom == Whom::Weights { "the weight of " } else { "" };
     format!("{weight}all {}{}", wanted(report), in_range_or_not(report))
 }
 
-/// Whom a share is a share of, where a range says who may be seen.
+/// Returns a remark that shares include receivers out of range; empty without a range.
 fn in_range_or_not(report: &PlaceReport) -> &'static str {
     if report.sight.is_limited() { ", in range or not" } else { "" }
 }
 
-/// What is said of a search: the winner, the refined place, several together with the bound and the gap, what was left out.
+/// Returns a search in words: the winner, the refined place, several UAVs with bound and gap, and
+/// the candidates left out.
 pub(super) fn in_words(report: &PlaceReport) -> Vec<String> {
     let receivers = wanted(report) + in_range_or_not(report);
     let mut lines = vec![match &report.winner {

@@ -1,4 +1,5 @@
-//! A tolerance over a real city: the coarsest cells for its maps, as measured from some of the positions.
+//! Tolerance over a real city: the coarsest sufficient cells for its maps, measured from some of
+//! the positions.
 
 use rayon::prelude::*;
 
@@ -11,10 +12,10 @@ use crate::error::Result;
 use crate::height_field::{HeightField, Station};
 use crate::los_probability::estimate::Count;
 
-/// Positions from which maps of both kinds are compared.
+/// Most positions of a group from which maps of both forms are compared.
 const COMPARED: usize = 32;
 
-/// The form of a city to map, `None` for the city itself, and what was measured.
+/// Returns the form of a city to map, `None` for the city itself, and the measurements.
 pub(super) fn coarsest_within(
     real: &Real,
     plan: &PlosPlan,
@@ -62,7 +63,7 @@ pub(super) fn coarsest_within(
     Ok((None, facts))
 }
 
-/// Counts `[position][band]` of a group by maps of a form of the city.
+/// Counts the users and the links of a group by maps of a form of the city, `[position][band]`.
 fn totals(
     real: &Real,
     plan: &PlosPlan,
@@ -89,7 +90,7 @@ fn totals(
     Ok(uavs.par_iter().map(of_uav).collect())
 }
 
-/// The largest bound of all values; why there is none where one has none.
+/// Returns the largest bound over all values. Fails with a reason if one value has no bound.
 fn bound(
     coarse: &[Vec<Vec<Count>>],
     exact: &[Vec<Vec<Count>>],

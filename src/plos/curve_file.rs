@@ -1,16 +1,18 @@
-//! Curves of P_LoS in tables.
+//! P_LoS curves in tables.
 
 use crate::error::{Error, InputError, Result};
 use crate::los_probability::models::{CurveAxis, UserCurve};
 use crate::quantity::counted;
 use crate::read::{BadRows, RowFault, Table, readable};
 
-/// Reads a curve from a table separated by commas, semicolons or tabs, with the columns `p_los` (0 to 1) and
-/// `theta_deg` (0 to 90) or `distance_m` (≥ 0), in any order of columns and rows. Other columns are ignored, and
-/// `distance_m` too where `theta_deg` is given; lines that begin with `#` are comments. `name` is what messages call it.
+/// Reads a curve from a table separated by commas, semicolons or tabs.
+///
+/// The table has the columns `p_los` (0 to 1) and `theta_deg` (0 to 90) or `distance_m` (≥ 0).
+/// Columns and rows come in any order. Other columns are ignored, and so is `distance_m` beside
+/// `theta_deg`. Lines that begin with `#` are comments. `name` is the name in messages.
 ///
 /// # Errors
-/// File error E313 that names the lines, what was found there and what was wanted.
+/// E313, with the lines, what was found there and what was wanted.
 pub(super) fn read_curve(name: &str, text: &str, bad: BadRows<'_>) -> Result<UserCurve> {
     let refuse_rows =
         |found, some_are_good| Error::Input(InputError::Curve { name: name.to_string(), found, some_are_good });

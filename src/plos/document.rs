@@ -1,4 +1,4 @@
-//! The document `skyshed/plos/1` and the row of its table, as types of serde.
+//! Serialized forms of a P_LoS study: the document `skyshed/plos/1` and the row of its table.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -19,9 +19,9 @@ pub(crate) struct PlosDocument<'a> {
     pub(super) seed: u64,
     /// Confidence of the intervals.
     pub(super) confidence: f64,
-    /// The methods.
+    /// Methods of the study.
     pub(super) methods: &'a [MethodFacts],
-    /// What a tolerance led to, where one was given.
+    /// Result of a tolerance, where one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) tolerance: Option<ProductToleranceDocument>,
     /// Cities in files.
@@ -29,13 +29,13 @@ pub(crate) struct PlosDocument<'a> {
     pub(super) real_cities: Vec<RealCityDocument>,
     /// Files that were read.
     pub(super) sources: Vec<SourceFacts>,
-    /// The values; not in what is stored in pictures and beside tables.
+    /// The values; absent in the copies that pictures and tables store.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) rows: Option<Vec<PlosRowDocument>>,
-    /// Seconds spent; not there either.
+    /// Seconds spent; absent in the copies that pictures and tables store.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) timing_s: Option<TotalTiming>,
-    /// What was odd.
+    /// Warnings.
     pub(super) warnings: Vec<WarningFacts>,
     /// SHA-256 of the table.
     pub(super) digest: String,
@@ -44,47 +44,47 @@ pub(crate) struct PlosDocument<'a> {
 /// Seconds spent.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct TotalTiming {
-    /// All of it.
+    /// Whole run.
     pub(super) total: f64,
 }
 
-/// How far the product may be off.
+/// Tolerance of the product, and its bound.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct ProductToleranceDocument {
-    /// How far P_LoS may be off.
+    /// Largest allowed error of P_LoS.
     pub(super) tolerance: f64,
-    /// How sure the bound is.
+    /// Confidence of the bound.
     pub(super) confidence: f64,
-    /// How far it is off at most; null without the product.
+    /// Largest error of any value of the product; null without the product.
     pub(super) bound: Option<f64>,
 }
 
 /// A city in a file.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct RealCityDocument {
-    /// As it was named.
+    /// Path as the user wrote it.
     pub(super) city: String,
     /// UAV positions that were mapped.
     pub(super) positions: usize,
-    /// Those inside of a building.
+    /// Positions inside a building.
     pub(super) positions_in_buildings: usize,
-    /// Positions left out because their disc is cut by the border of the data.
+    /// Positions left out because the border of the data cuts their disc.
     pub(super) positions_with_cut_discs: usize,
-    /// P_LoS at an angle is of users within so many degrees of it.
+    /// Half-width of the band of elevation angles around θ whose users count [deg].
     pub(super) theta_band_deg: Option<f64>,
     /// Engine of the maps.
     pub(super) engine: String,
     /// Blocks of ground that are resampled.
     pub(super) blocks: usize,
-    /// Their edge [m].
+    /// Edge of a block [m].
     pub(super) block_m: f64,
-    /// What a tolerance led to.
+    /// Result of a tolerance.
     pub(super) tolerance: Option<ToleranceDocument>,
-    /// The statistical city that is most like it; null where buildings are not known one by one.
+    /// Statistical city most like this one; null where single buildings are not known.
     pub(super) fit: Option<FitDocument>,
 }
 
-/// The statistical city that is most like a real one.
+/// Statistical city most like a real one.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct FitDocument {
     /// Share of the ground that is built on.
@@ -99,22 +99,22 @@ pub(super) struct FitDocument {
     pub(super) buildings: usize,
     /// Largest distance of the two distributions of heights.
     pub(super) kolmogorov_smirnov_distance: f64,
-    /// The height at which they are so far apart [m].
+    /// Height at which that distance occurs [m].
     pub(super) farthest_at_m: f64,
 }
 
-/// What a tolerance led to over a real city.
+/// Result of a tolerance over a real city.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct ToleranceDocument {
-    /// How far P_LoS may be off.
+    /// Largest allowed error of P_LoS.
     pub(super) tolerance: f64,
-    /// How sure the bound is.
+    /// Confidence of the bound.
     pub(super) confidence: f64,
-    /// The form of the city that was taken.
+    /// Form of the city that was mapped.
     pub(super) taken: FormDocument,
-    /// Positions from which maps of both were compared.
+    /// Positions from which maps of both forms were compared.
     pub(super) positions: usize,
-    /// The forms that were tried, the coarsest first.
+    /// Forms that were tried, the coarsest first.
     pub(super) tried: Vec<TriedDocument>,
 }
 
@@ -123,17 +123,17 @@ pub(super) struct ToleranceDocument {
 pub(super) struct TriedDocument {
     #[serde(flatten)]
     pub(super) form: FormDocument,
-    /// How far any P_LoS is off at most.
+    /// Largest error of any P_LoS.
     pub(super) bound: Option<f64>,
-    /// Why there is no bound.
+    /// Reason for having no bound.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) reason: Option<String>,
 }
 
-/// What P_LoS is of. Heights are above ground.
+/// Setting of a value of P_LoS. Heights are above ground.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct SettingDocument {
-    /// The city as it was named.
+    /// City as the user wrote it.
     pub(super) city: String,
     /// Share of the ground that is built on; estimated for a real city.
     pub(super) alpha: Option<f64>,
@@ -147,38 +147,38 @@ pub(super) struct SettingDocument {
     pub(super) height_m: f64,
     /// Height of the receivers [m].
     pub(super) rx_height_m: f64,
-    /// Elevation angle of the UAV [deg]; none for users at many.
+    /// Elevation angle of the UAV [deg]; none if the users have several.
     pub(super) theta_deg: Option<f64>,
     /// Azimuth, 0 across the street [deg]; none for the mean over all.
     pub(super) phi_deg: Option<f64>,
-    /// Ground distance of the users [m]; none for users at many.
+    /// Ground distance of the users [m]; none if the users have several.
     pub(super) distance_m: Option<f64>,
-    /// Where the UAV hovers; none for models.
+    /// Place of the UAV; none for models.
     pub(super) placement: Option<&'static str>,
-    /// Which users are counted; none for models.
+    /// Users that count; none for models.
     pub(super) users: Option<&'static str>,
-    /// What becomes of UAVs inside of buildings: nlos or excluded; none for models.
+    /// Treatment of UAVs inside buildings: nlos or excluded; none for models.
     pub(super) uav_in_building: Option<&'static str>,
 }
 
-/// P_LoS and how sure it is.
+/// P_LoS and its uncertainty.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct ValuesDocument {
     /// P_LoS.
     pub(super) p_los: Option<f64>,
-    /// Lower end of its interval.
+    /// Lower end of the interval of P_LoS.
     pub(super) ci_low: Option<f64>,
-    /// Upper end of its interval.
+    /// Upper end of the interval of P_LoS.
     pub(super) ci_high: Option<f64>,
-    /// Its standard error.
+    /// Standard error of P_LoS.
     pub(super) std_error: Option<f64>,
-    /// Links behind it.
+    /// Links behind P_LoS.
     pub(super) samples: Option<u64>,
     /// Independent groups of links.
     pub(super) clusters: Option<u64>,
 }
 
-/// A value.
+/// A value of P_LoS.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct PlosRowDocument {
     #[serde(flatten)]
@@ -187,7 +187,7 @@ pub(super) struct PlosRowDocument {
     pub(super) radius_m: Option<f64>,
     #[serde(flatten)]
     pub(super) values: ValuesDocument,
-    /// Why a value or its interval is missing.
+    /// Reason for a missing value or interval.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) reason: Option<String>,
 }
@@ -197,21 +197,21 @@ pub(super) struct PlosRowDocument {
 pub(crate) struct PlosTableRow {
     #[serde(flatten)]
     pub(super) setting: SettingDocument,
-    /// P_LoS; empty where there is none.
+    /// P_LoS; empty for a missing value.
     pub(super) p_los: Option<f64>,
-    /// Lower end of its interval; n/a where an estimate has none, empty for models.
+    /// Lower end of the interval of P_LoS; n/a for an estimate without one, empty for models.
     pub(super) ci_low: Option<NumberOr>,
-    /// Upper end of its interval; n/a where an estimate has none, empty for models.
+    /// Upper end of the interval of P_LoS; n/a for an estimate without one, empty for models.
     pub(super) ci_high: Option<NumberOr>,
-    /// Standard error of P_LoS; n/a where an estimate has none, empty for models.
+    /// Standard error of P_LoS; n/a for an estimate without one, empty for models.
     pub(super) std_error: Option<NumberOr>,
-    /// Links behind it.
+    /// Links behind P_LoS.
     pub(super) samples: Option<u64>,
     /// Independent groups of links.
     pub(super) clusters: Option<u64>,
     /// Radius around the UAV that users are within [m].
     pub(super) radius_m: Option<f64>,
-    /// P_LoS at an angle is of users within so many degrees of it.
+    /// Half-width of the band of elevation angles around θ whose users count [deg].
     pub(super) theta_band_deg: Option<f64>,
 }
 
@@ -226,12 +226,12 @@ pub(super) enum NumberOr {
 /// A method of a study.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub(crate) struct MethodFacts {
-    /// Its word.
+    /// Word for the method.
     pub(crate) id: String,
-    /// Its name.
+    /// Name of the method.
     pub(crate) name: String,
-    /// Where it comes from.
+    /// Source of the method.
     pub(crate) source: String,
-    /// Where it is valid, and what it is a function of.
+    /// Range of validity, and the quantities that the method depends on.
     pub(crate) domain: String,
 }

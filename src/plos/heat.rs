@@ -14,7 +14,7 @@ pub(super) fn heat_maps(
     title: &str,
     caption: &[String],
 ) -> Result<Drawn> {
-    // The angle or distance goes up, what it is compared with goes along.
+    // The angle or distance is the vertical axis, the other quantity the horizontal one.
     let [(y, y_values), (x, x_values)] = varying else {
         return Err(Error::Fault("a heat map was asked for without two axes"));
     };

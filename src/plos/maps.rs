@@ -1,5 +1,5 @@
-//! The method `maps` of a P_LoS study: shares and their intervals from maps of a real city, on coarser cells within a
-//! tolerance.
+//! Method `maps` of a P_LoS study: shares and intervals from maps of a real city, on coarser cells
+//! within a tolerance.
 
 use rayon::prelude::*;
 
@@ -16,7 +16,7 @@ use crate::los_probability::real_city::resampled;
 use crate::quantity::MAX_EXTENT_UNITS;
 
 impl Real {
-    /// P_LoS from maps, for each height and each angle or distance.
+    /// Returns P_LoS from maps, for each height and each angle or distance.
     pub(super) fn rows(
         &self,
         plan: &PlosPlan,
@@ -55,7 +55,8 @@ impl Real {
             let city = self.city(plan, (field, zones), group.users, &sight)?;
             n_blocks = city.n_blocks();
             let blocks = city.blocks_with_users();
-            // Where the UAVs may be depends on the radius: each has its own, and none depends on the others asked for.
+            // Possible UAV positions depend on the radius. Each radius has its own, independent of
+            // the other radii.
             let is_alone = |far: &Far| matches!(far, Far::Radius(_));
             for part in sweeps.far.chunk_by(|a, b| !is_alone(a) && !is_alone(b)) {
                 let (uavs, cut) = self.positions(plan, part, &group)?;

@@ -1,4 +1,4 @@
-//! The methods of a study, from their words.
+//! Methods of a study, from their words.
 
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
@@ -14,26 +14,26 @@ use crate::os_words::split;
 use crate::read::read_text;
 use crate::uav::bad_rows;
 
-/// A way to P_LoS.
+/// A method of computing P_LoS.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Way {
     Estimator(Estimator),
-    /// Maps of a real city, by this engine.
+    /// Maps of a real city by this engine.
     Maps(MethodChoice),
     Model(Model),
     Curve(UserCurve),
 }
 
-/// What was asked for.
+/// Methods of a request.
 #[derive(Debug, Clone)]
 pub(super) struct Ways {
     pub(super) ways: Vec<Way>,
-    /// Whether models that do not apply are left out (`models`, `all`) or refused.
+    /// `true` if models that do not apply are left out (`models`, `all`) instead of refused.
     pub(super) leave_out: bool,
 }
 
 impl Ways {
-    /// The ways to P_LoS over a generated city, or over a real one.
+    /// Returns the methods for a generated or a real city.
     pub(super) fn of(plan: &PlosPlan, is_real: bool, curves: &[UserCurve]) -> Result<Ways> {
         let mut ways: Vec<Way> = Vec::new();
         let mut leave_out = false;
@@ -72,7 +72,8 @@ impl Ways {
     }
 }
 
-/// All models once: of two versions of one the published formula, and the one for φ = 0 only where φ is asked for.
+/// Returns all models once. If a model has two versions, the published formula is taken. The model
+/// for φ = 0 is taken only if the request has azimuths.
 fn all_models(plan: &PlosPlan, leave_out: &mut bool) -> Vec<Way> {
     *leave_out = true;
     let twice = [Model::AlHourani2014Table, Model::Tr38811Linear];
@@ -89,10 +90,10 @@ pub(crate) fn curve_path(word: &OsStr) -> Option<PathBuf> {
     named_file(word).map(|(_, path)| path)
 }
 
-/// The curves of the user's own, and the files that they are from.
+/// Reads the curves of the user, each with the path of its file.
 ///
 /// # Errors
-/// E123 for a word that is not `NAME=FILE`, or a name that is taken; those of the files.
+/// E123 for a word that is not `NAME=FILE`, or a name that is taken; errors of the files.
 pub(crate) fn read_curves(
     words: &[OsString],
     skips_bad: bool,
@@ -117,7 +118,7 @@ pub(crate) fn read_curves(
     Ok(curves)
 }
 
-/// The parts of `NAME=FILE`; the file need not be Unicode.
+/// Returns the parts of `NAME=FILE`. The file need not be Unicode.
 fn named_file(word: &OsStr) -> Option<(String, PathBuf)> {
     let parts = split(word, "=");
     let (name, path) = (parts.first()?.to_str()?, parts[1..].join(OsStr::new("=")));
@@ -125,7 +126,7 @@ fn named_file(word: &OsStr) -> Option<(String, PathBuf)> {
 }
 
 impl Way {
-    /// The word in tables.
+    /// Returns the word in tables.
     pub(super) fn id(&self) -> &str {
         match self {
             Way::Estimator(estimator) => estimator.name(),
@@ -135,7 +136,7 @@ impl Way {
         }
     }
 
-    /// A name for legends.
+    /// Returns the name for legends.
     pub(super) fn name(&self) -> &str {
         match self {
             Way::Estimator(Estimator::Product) => "Product over buildings",
@@ -147,7 +148,7 @@ impl Way {
         }
     }
 
-    /// What documents say of it.
+    /// Returns the facts for documents.
     pub(super) fn facts(&self) -> MethodFacts {
         let facts = |source: &str, domain: &str| MethodFacts {
             id: self.id().to_string(),

@@ -46,11 +46,11 @@ use crate::quantity::{counted, tidy};
 use crate::read::source_of;
 use crate::scene::built_up;
 
-/// Formats of a study.
+/// Output formats of a study.
 pub(crate) const FORMATS: [Format; 7] =
     [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Npz, Format::Stdout];
 
-/// What was found.
+/// Results of a study.
 #[derive(Debug)]
 pub(crate) struct PlosStudy {
     plan: PlosPlan,
@@ -61,10 +61,10 @@ pub(crate) struct PlosStudy {
 const UNKNOWN_CITY: &str = "its α, β, γ are unknown, because its buildings are not known one by one";
 
 impl PlosPlan {
-    /// Finds P_LoS of every city by every method.
+    /// Computes P_LoS of every city by every method.
     ///
     /// # Errors
-    /// E113, E116, E118, E12x for what cannot be asked; those of reading the cities; E2xx; E5xx.
+    /// E113, E116, E118, E12x for an impossible request; errors of reading the cities; E2xx; E5xx.
     pub(crate) fn run(self) -> Result<PlosStudy> {
         self.check()?;
         let mut report = PlosReport {
@@ -114,7 +114,7 @@ impl PlosPlan {
         Ok(PlosStudy { plan: self, report, plot })
     }
 
-    /// The rows of a method over a city.
+    /// Returns the rows of a method over a city.
     fn rows(
         &self,
         city: &StudiedCity,
@@ -143,7 +143,7 @@ impl PlosPlan {
         }
     }
 
-    /// Values that a picture shows beside those of the table.
+    /// Adds values that only the picture shows.
     fn add_to_plot(&self, city: &StudiedCity, way: &Way, rows: &[PlosRow], plot: &mut panels::Facts) -> Result<()> {
         let Some(built_up) = city.built_up.filter(|_| self.is_drawn) else { return Ok(()) };
         let city = (city.word.as_str(), built_up);
@@ -177,20 +177,21 @@ impl PlosPlan {
 /// A city of a study.
 struct StudiedCity {
     word: String,
-    /// Of a file.
+    /// City of a file; `None` for a generated one.
     real: Option<Real>,
-    /// Its parameters, if they are known.
+    /// Built-up parameters, if they are known.
     built_up: Option<BuiltUp>,
 }
 
-/// Half-width of an interval at the confidence asked for whose bound, one-sided at that of a tolerance, is the tolerance.
+/// Returns the half-width of an interval at the plan's confidence whose one-sided bound, at the
+/// confidence of tolerances, equals the tolerance.
 fn half_width_within(plan: &PlosPlan) -> Option<f64> {
     let freedom = (SHIFTS - 1) as f64;
     let one_sided = student_quantile(2.0 * CONFIDENCE - 1.0, freedom);
     plan.tolerance.map(|tolerance| tolerance * student_quantile(plan.confidence, freedom) / one_sided)
 }
 
-/// The rows of one method over a city that is known by α, β, γ.
+/// Returns the rows of one method over a city with known α, β, γ.
 fn statistical_rows(
     plan: &PlosPlan,
     sweeps: &Sweeps,
@@ -232,10 +233,10 @@ fn statistical_rows(
     }
 }
 
-/// Rows of the product between some of its rows, where a curve through these turns: users of a street or a crossroad see a
-/// grid of streets, whose period the steps of angles meet again and again.
+/// Returns rows of the product between existing rows, where the curve through these bends. Users of
+/// a street or a crossroad see a periodic grid, which makes the curve bend repeatedly.
 fn between(plan: &PlosPlan, sweeps: &Sweeps, city: (&str, BuiltUp), rows: &[PlosRow]) -> Result<Vec<PlosRow>> {
-    /// Each pass halves the steps next to a turn.
+    /// Number of passes. Each halves the steps next to a bend.
     const PASSES: usize = 3;
     let (mut known, mut found) = (rows.to_vec(), Vec::new());
     for _ in 0..PASSES {
@@ -252,7 +253,8 @@ fn between(plan: &PlosPlan, sweeps: &Sweeps, city: (&str, BuiltUp), rows: &[Plos
     Ok(found)
 }
 
-/// The rows of a model: it knows neither placements nor kinds of users, so it has one row for all of them.
+/// Returns the rows of a model. A model does not distinguish placements and kinds of users, so one
+/// row covers all of them.
 fn model_rows(
     settings: &[Setting],
     (word, id): (&str, &str),
@@ -292,7 +294,7 @@ fn model_rows(
     Ok(rows)
 }
 
-/// What is to be said of models, each once for all cities.
+/// Cautions about models. Each is reported once for all cities.
 #[derive(Debug, Default)]
 struct Cautions(Vec<(String, Caution, Vec<String>)>);
 
@@ -332,7 +334,7 @@ fn row(word: &str, setting: &Setting, method: &str, value: PlosValue) -> PlosRow
     }
 }
 
-/// Says where intervals are missing, or wider than was asked for.
+/// Warns about intervals that are missing, or wider than requested.
 fn warn_of_intervals(plan: &PlosPlan, report: &mut PlosReport) {
     let estimates = || report.rows.iter().filter_map(PlosRow::estimate).filter(|e| e.p_los.is_some());
     let n_missing = estimates().filter(|e| e.interval.is_none()).count() as u64;
@@ -390,7 +392,7 @@ impl Answer for PlosStudy {
     }
 }
 
-/// One array per column of the table.
+/// Encodes one array for each column of the table.
 fn encode_arrays(report: &PlosReport) -> Result<Vec<u8>> {
     let rows = &report.rows;
     let numbers =

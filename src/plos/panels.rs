@@ -1,20 +1,21 @@
-//! What curves and heat maps have in common.
+//! Common parts of curves and heat maps.
 
 use super::report::PlosRow;
 use crate::error::{Error, RequestError};
 use crate::los_probability::models::UserCurve;
 use crate::render::Sheet;
 
-/// What pictures need beside the report.
+/// Inputs of pictures beside the report.
 #[derive(Debug, Default)]
 pub(super) struct Facts {
-    /// Whom pictures must credit.
+    /// Attributions that pictures must show.
     pub(super) attributions: Vec<String>,
-    /// Models between the values of the table, so that their steps and bends are drawn where they are.
+    /// Values of models between those of the table, so that curves show their steps and bends in
+    /// the right place.
     pub(super) fine_rows: Vec<PlosRow>,
-    /// Rows of the product between those that were asked for, where its curve turns.
+    /// Rows of the product between the requested ones, where its curve bends.
     pub(super) between: Vec<PlosRow>,
-    /// Curves of the user's own, whose rows are drawn.
+    /// Curves of the user, drawn at the points of their tables.
     pub(super) curves: Vec<UserCurve>,
 }
 

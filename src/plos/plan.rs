@@ -1,4 +1,4 @@
-//! What the program asks of a P_LoS study with all defaults filled in.
+//! Plan of a P_LoS study: the request with all defaults filled in.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -18,48 +18,48 @@ use crate::los_probability::setting::Setting;
 use crate::map::check_tolerance;
 use crate::scene::{SceneReader, built_up};
 
-/// What is asked of P_LoS.
+/// Plan of a P_LoS study.
 #[derive(Debug, Clone)]
 pub(crate) struct PlosPlan {
-    /// The cities, as they were asked for, and how those in files are read.
+    /// Cities, as the user wrote them.
     pub(crate) scenes: Vec<OsString>,
     pub(crate) options: SceneReader,
-    /// What varies.
+    /// Quantities that vary.
     pub(crate) sweeps: Sweeps,
     /// Words for the methods.
     pub(crate) methods: Vec<String>,
-    /// Curves of the user's own, and the files that they are from.
+    /// Curves of the user, and their files.
     pub(crate) curves: Vec<(UserCurve, PathBuf)>,
-    /// What was said of these files.
+    /// Warnings about these files.
     pub(crate) warnings: Vec<Warning>,
     /// Height of the receivers above ground \[m\].
     pub(crate) rx_height_m: f64,
-    /// Whether UAVs inside of buildings are left out; else they are NLoS to all.
+    /// `true` if UAVs inside buildings are left out. Otherwise they count as NLoS.
     pub(crate) uav_clear_of_roof: bool,
-    /// Half-width of intervals that is enough.
+    /// Half-width at which intervals are narrow enough.
     pub(crate) until: Option<f64>,
-    /// How far any P_LoS may be off.
+    /// Largest allowed error of any P_LoS.
     pub(crate) tolerance: Option<f64>,
     /// Confidence of the intervals.
     pub(crate) confidence: f64,
-    /// Cities that `city` draws, and users in each.
+    /// Numbers of cities that `city` draws, and of users in each.
     pub(crate) n_cities: u64,
     pub(crate) n_users: u32,
-    /// Links that `geometry` draws for each value.
+    /// Number of links that `geometry` draws for each value.
     pub(crate) n_links: u64,
-    /// UAV positions over a real city.
+    /// Number of UAV positions over a real city.
     pub(crate) n_positions: u64,
-    /// Over a real city P_LoS at an angle is of users within so many degrees of it.
+    /// Half-width of the band of elevation angles whose users count over a real city \[deg\].
     pub(crate) theta_band_deg: f64,
     /// Edge of the blocks of a real city that are resampled \[m\].
     pub(crate) block_m: Option<f64>,
     pub(crate) seed: u64,
     pub(crate) plot: PlotKind,
-    /// Whether a picture will be drawn, which takes more values.
+    /// `true` if a picture will be drawn, which needs more values.
     pub(crate) is_drawn: bool,
-    /// Whether files are hashed whatever their size.
+    /// `true` if input files of any size are hashed.
     pub(crate) hash: bool,
-    /// The words of the command line, for documents.
+    /// Words of the command line, for documents.
     pub(crate) command: Vec<String>,
 }
 
@@ -67,7 +67,7 @@ impl PlosPlan {
     /// Checks a request, reads its curves and fills in its defaults.
     ///
     /// # Errors
-    /// E113, E116, E12x; those of the curves.
+    /// E113, E116, E12x; errors of the curves.
     pub(crate) fn of(request: &PlosRequest, is_drawn: bool, command: Vec<String>) -> Result<PlosPlan> {
         let PlosRequest { plos, sweep, receiver, effort, reading, plot, .. } = request;
         let scenes: Vec<OsString> = plos.scenes.iter().map(|word| word.as_os_str().to_os_string()).collect();
@@ -104,7 +104,7 @@ impl PlosPlan {
         Ok(plan)
     }
 
-    /// Checks what does not depend on a city, before any work.
+    /// Checks everything that does not depend on a city, before any work.
     ///
     /// # Errors
     /// E113, E116, E120.
@@ -113,7 +113,7 @@ impl PlosPlan {
             let (what, found, wanted) = ("the confidence", self.confidence, "above 0 and below 1");
             return Err(StudyError::from(LosProbabilityError::OutOfRange { what, found, wanted }).into());
         }
-        // Each height must be possible with the receivers', whatever the sweep.
+        // Every height must be above the receivers.
         for height in &self.sweeps.heights {
             Setting::reach_at_distance(0.0, *height, self.rx_height_m)?;
         }

@@ -1,4 +1,4 @@
-//! Which plot a study calls for: curves, or heat maps.
+//! Plot of a study: curves or heat maps.
 
 use super::heat::heat_maps;
 use super::panels::{Drawn, Facts, MOST_PANELS, too_many};
@@ -20,9 +20,9 @@ use crate::picture::{Look, picture_provenance, written};
 use crate::render::{self, CurveLine, CurvePanel, CurvePoint, CurveSheet, LineLook};
 use crate::words::unbreakable;
 
-/// The most lines of a panel, and panels of a sheet.
+/// Most lines of a panel.
 const MOST_LINES: usize = 24;
-/// Fewer values than this along an axis make no heat map of their own accord.
+/// Fewest values along each axis for an automatic heat map.
 const FEWEST_FOR_HEAT: usize = 3;
 
 /// Draws the plot of a study.
@@ -62,7 +62,7 @@ struct Line {
     method: String,
     rest: String,
     points: Vec<CurvePoint>,
-    /// The points with what lies between them, where that was computed.
+    /// The points and computed values between them; empty if none were computed.
     through: Vec<CurvePoint>,
 }
 
@@ -73,7 +73,7 @@ fn curves(
     caption: &[String],
 ) -> Result<Drawn> {
     let (x, values) = varying.first().cloned().unwrap_or_else(|| {
-        // A single value is a point on the axis of what it was asked for.
+        // A single value becomes a point on the axis of its quantity.
         let first = report.rows.first();
         let x = if first.is_some_and(|r| r.radius_m.is_some()) { Quantity::Radius } else { Quantity::Theta };
         (x, first.and_then(|r| value(r, x)).into_iter().collect())
@@ -91,7 +91,7 @@ fn curves(
         let is_fine = |row: &PlosRow| facts.fine_rows.iter().any(|f| f.city == row.city && f.method == row.method);
         let all = report.rows.iter().filter(|r| !is_fine(r)).chain(&facts.fine_rows);
         let mut rows: Vec<&PlosRow> = all.filter(|r| set.holds(r, others)).collect();
-        // In the order of the table, whichever rows stand for a method.
+        // Keeps the order of the table, whichever rows represent a method.
         let order = |row: &&PlosRow| report.rows.iter().position(|r| r.city == row.city && r.method == row.method);
         rows.sort_by_key(order);
         let along = (x, if set.others.is_some() { &[][..] } else { others });
@@ -144,7 +144,7 @@ fn curves(
             lines,
         })
         .collect();
-    // How well the statistical city describes a real one stands beside the curves that rest on it.
+    // Panels of fits show how well the statistical city describes a real one.
     let fits: Vec<FitLines> =
         report.real_cities.iter().filter_map(|c| c.fit.as_ref().map(|f| FitLines::of(&c.city, f))).collect();
     let fit_lines: Vec<[CurveLine<'_>; 2]> = fits.iter().map(FitLines::lines).collect();
@@ -168,7 +168,8 @@ fn curves(
     Ok(render::draw_curve_sheet(&sheet))
 }
 
-/// The rows of one panel: those of a city, of all of them, and of one value of each of the other quantities, or of all.
+/// Rows of one panel: of one city or of all, and of one value of each of the other quantities or of
+/// all.
 #[derive(Debug, Clone, PartialEq)]
 struct PanelSet {
     city: Option<String>,
@@ -189,8 +190,9 @@ impl PanelSet {
     }
 }
 
-/// The panels of a sheet of curves. Methods are compared within one, so that each has its own look: what else varies has
-/// a panel for each of its values, if those are not too many. Several cities share a panel if each has a single line.
+/// Returns the panels of a sheet of curves. Methods share a panel, where each has its own look.
+/// Each value of another quantity gets a panel of its own, unless there are too many. Several
+/// cities share a panel if each has a single line.
 fn panel_sets(report: &PlosReport, others: &[(Quantity, Vec<f64>)], has_methods: bool) -> Vec<PanelSet> {
     let several =
         |key: &dyn Fn(&PlosRow) -> Option<&'static str>| groups(report, key).into_iter().flatten().count() > 1;
@@ -214,7 +216,7 @@ fn axis_ends(quantity: Quantity, values: &[f64]) -> [f64; 2] {
         Quantity::Theta | Quantity::Phi if high - low >= 45.0 => [0.0, 90.0],
         _ if values.is_empty() => [0.0, 1.0],
         _ if low < high => {
-            // From 0 where that costs little room.
+            // The axis begins at 0 where that costs little room.
             let from = if low > 0.0 && low < 0.25 * high { 0.0 } else { low };
             [from, high]
         }
@@ -222,7 +224,8 @@ fn axis_ends(quantity: Quantity, values: &[f64]) -> [f64; 2] {
     }
 }
 
-/// The lines of a panel: one per method and per combination of everything that varies beside x.
+/// Returns the lines of a panel: one for each method and each combination of the quantities other
+/// than x.
 fn lines_of(
     report: &PlosReport,
     rows: &[&PlosRow],
@@ -268,7 +271,7 @@ fn lines_of(
     lines
 }
 
-/// A curve of the user's own at the rows of its table, where these are along the axis.
+/// Replaces the points of a user's curve by the rows of its table, if these are along the axis.
 fn at_own_rows(line: Line, x: Quantity, curves: &[UserCurve]) -> Line {
     let is_along =
         |axis| matches!((axis, x), (CurveOver::Theta, Quantity::Theta) | (CurveOver::Distance, Quantity::Distance));
@@ -281,20 +284,21 @@ fn at_own_rows(line: Line, x: Quantity, curves: &[UserCurve]) -> Line {
     }
 }
 
-/// Looks that stay with methods and labels over all panels.
+/// Looks of methods and labels, the same in all panels.
 #[derive(Default)]
 struct Looks<'a> {
-    /// The names of curves of the user's own.
+    /// Names of the user's curves.
     own_curves: Vec<&'a str>,
-    /// What varies beside methods, in the order in which it comes.
+    /// Labels of lines beside their method, in the order of their first occurrence.
     varying: Vec<String>,
 }
 
 impl Looks<'_> {
-    /// A method has its look wherever it is drawn; several lines of one method differ in color, marker and pattern.
+    /// Returns the look of a line. A method has the same look everywhere; several lines of one
+    /// method differ in color, marker and pattern.
     fn of(&mut self, line: &Line, is_line: bool) -> (LineLook, usize) {
         let (look, index) = look_of(&line.method, &self.own_curves);
-        // A single value has an error bar where a line has a band.
+        // A single value has an error bar instead of a band.
         let look = if look == LineLook::Solid && !is_line { LineLook::Markers } else { look };
         if line.rest.is_empty() {
             return (look, index);
@@ -308,7 +312,7 @@ impl Looks<'_> {
     }
 }
 
-/// The distribution of heights of a real city, and the one fitted to it.
+/// The height distribution of a real city and its fitted Rayleigh distribution.
 struct FitLines {
     title: String,
     highest: f64,
@@ -318,7 +322,8 @@ struct FitLines {
 
 impl FitLines {
     fn of(city: &str, fit: &BuiltUpFit) -> Self {
-        // The last percent of heights would squeeze all others.
+        // The axis ends near the 99th percentile, because the highest buildings would compress the
+        // rest.
         let n = fit.heights.len();
         let highest = (1.1 * fit.heights[(n * 99 / 100).min(n - 1)]).max(3.5 * fit.built_up.height_scale);
         let point = |x: f64, y: f64| CurvePoint { x, y: Some(y), low_high: None };

@@ -1,4 +1,4 @@
-//! What plots of P_LoS say: titles, captions, names of axes, lines and cities.
+//! Text in plots of P_LoS: titles, captions, names of axes, lines and cities.
 
 use super::panels::Facts;
 use super::report::{PlosReport, PlosRow};
@@ -10,7 +10,7 @@ use crate::quantity::tidy;
 use crate::render::LineLook;
 use crate::words::{capitalized, title_of, unbreakable};
 
-/// The values of a quantity in a row.
+/// Returns the value of a quantity in a row.
 pub(super) fn value(row: &PlosRow, quantity: Quantity) -> Option<f64> {
     match quantity {
         Quantity::Theta => row.theta_deg,
@@ -37,7 +37,7 @@ pub(super) fn axis_name(quantity: Quantity) -> &'static str {
     }
 }
 
-/// A value of a quantity as words, such as `γ = 15 m`.
+/// Returns a value of a quantity in words, such as `γ = 15 m`.
 pub(super) fn words(quantity: Quantity, v: f64) -> String {
     let v = tidy(v);
     let words = match quantity {
@@ -53,7 +53,7 @@ pub(super) fn words(quantity: Quantity, v: f64) -> String {
     unbreakable(&words)
 }
 
-/// The different values of a key, in the order of the rows.
+/// Returns the distinct values of a key, in the order of the rows.
 pub(super) fn groups<K: PartialEq>(report: &PlosReport, key: &dyn Fn(&PlosRow) -> K) -> Vec<K> {
     let mut found: Vec<K> = Vec::new();
     for row in &report.rows {
@@ -65,7 +65,7 @@ pub(super) fn groups<K: PartialEq>(report: &PlosReport, key: &dyn Fn(&PlosRow) -
     found
 }
 
-/// A city's name for readers: `itu:urban` is `Urban`.
+/// Returns a city's name for readers: `itu:urban` is `Urban`.
 pub(super) fn city_name(word: &str) -> String {
     match word.strip_prefix("itu:") {
         Some(name) if name.contains(',') => {
@@ -80,7 +80,7 @@ pub(super) fn city_name(word: &str) -> String {
     }
 }
 
-/// Whether a city's word is its α, β, γ.
+/// Returns `true` if a city's word consists of α, β, γ.
 pub(super) fn is_numbers(word: &str) -> bool {
     word.strip_prefix("itu:").is_some_and(|name| name.contains(','))
 }
@@ -93,7 +93,7 @@ pub(super) fn title(report: &PlosReport, varying: &[(Quantity, Vec<f64>)]) -> St
     let cities = groups(report, &|row| row.city.clone());
     let is_swept = varying.iter().any(|(q, _)| matches!(q, Quantity::Alpha | Quantity::Beta | Quantity::Gamma));
     let over = match &cities[..] {
-        // The numbers of the caption are those that stay.
+        // The word holds values that the sweep replaces.
         [one] if is_swept && is_numbers(one) => String::new(),
         [one] => format!(", {}", city_name(one)),
         _ => String::new(),
@@ -115,19 +115,19 @@ pub(super) fn title(report: &PlosReport, varying: &[(Quantity, Vec<f64>)]) -> St
     unbreakable(&format!("P_LoS{against}{over}"))
 }
 
-/// How a plot draws intervals.
+/// Intervals in a plot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Intervals {
-    /// Not at all.
+    /// No intervals.
     None,
-    /// As bars, of all estimates.
+    /// Bars for all estimates.
     Bars,
-    /// As bands of the estimates that are lines, as bars of the others.
+    /// Bands for estimates drawn as lines, bars for the others.
     BandsOfLines,
 }
 
 impl Intervals {
-    /// What is drawn of the intervals that a report has.
+    /// Returns the word for the intervals that the plot of a report shows.
     fn in_words(self, report: &PlosReport) -> Option<&'static str> {
         let is_line = |row: &PlosRow| self == Intervals::BandsOfLines && look_of(&row.method, &[]).0 == LineLook::Solid;
         let has = |of_lines: bool| {
@@ -144,7 +144,7 @@ impl Intervals {
     }
 }
 
-/// What is the same for all rows, and where the numbers come from.
+/// Returns the caption: values that all rows share, and the origin of the numbers.
 pub(super) fn caption(facts: &Facts, report: &PlosReport, intervals: Intervals, look: &Look) -> Vec<String> {
     let mut said: Vec<String> = Vec::new();
     if let [height] = groups(report, &|r| r.height_m)[..] {
@@ -187,7 +187,7 @@ pub(super) fn caption(facts: &Facts, report: &PlosReport, intervals: Intervals, 
         let own = |of: &dyn Fn(&BuiltUp) -> f64| -> Option<f64> {
             let values = groups(report, &|r| r.built_up.as_ref().filter(|_| r.city == city).map(of));
             let mut values = values.into_iter().flatten();
-            // What is swept is on an axis or in the legend.
+            // Swept parameters are on an axis or in the legend.
             values.next().filter(|_| values.next().is_none())
         };
         let alpha =
@@ -198,7 +198,7 @@ pub(super) fn caption(facts: &Facts, report: &PlosReport, intervals: Intervals, 
             .map(|v| if is_generated { format!("γ = {} m", tidy(v)) } else { format!("γ = {v:.1} m (estimated)") });
         let parameters = [alpha, beta, gamma].into_iter().flatten().collect::<Vec<_>>().join(", ");
         if !parameters.is_empty() {
-            // A name that is made of them says no more, and would be wrong for what is swept.
+            // A name made of the parameters adds nothing, and would be wrong for swept ones.
             let name = if is_numbers(&city) { String::new() } else { format!("{}: ", city_name(&city)) };
             cities.push(unbreakable(&format!("{name}{parameters}")));
         }

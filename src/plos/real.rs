@@ -1,4 +1,4 @@
-//! A city in a file in a P_LoS study: how it is read, where its UAVs are, the statistical city most like it.
+//! A real city of a P_LoS study: reading, UAV positions, and the fitted statistical city.
 
 use std::ffi::OsStr;
 
@@ -33,7 +33,7 @@ pub(super) struct Group {
 }
 
 impl Group {
-    /// All of a sweep, in the order of its rows.
+    /// Returns all groups of a sweep, in the order of its rows.
     pub(super) fn all(sweeps: &Sweeps) -> Vec<Group> {
         let of = |users: Users| {
             let heights = move |placement: &Placement| {
@@ -48,21 +48,21 @@ impl Group {
     }
 }
 
-/// How links are decided and counted.
+/// Engine, blocks and bands of the maps.
 pub(super) struct View {
-    /// What is taken for a scene, which a coarser one may answer otherwise.
+    /// Choice of the engine. It may give another engine for coarser cells.
     pub(super) choice: MethodChoice,
     pub(super) block_m: f64,
     pub(super) bands: Vec<Band>,
 }
 
 impl View {
-    /// Number of angles or distances.
+    /// Returns the number of angles, distances or radii.
     pub(super) fn n_bands(&self) -> usize {
         self.bands.len()
     }
 
-    /// What a UAV sees, `[block][band]`.
+    /// Counts the users in range of a UAV and in line of sight, `[block][band]`.
     pub(super) fn count(&self, city: &RealCity<'_>, uav: &Station) -> Vec<Count> {
         city.count(uav, &self.bands)
     }
@@ -72,17 +72,17 @@ impl View {
 pub(super) struct Real {
     pub(super) word: String,
     pub(super) field: HeightField,
-    /// Its zones, if they are asked for.
+    /// Zones of the city, if the sweep needs them.
     pub(super) zones: Option<ZoneMap>,
     pub(super) fit: Option<BuiltUpFit>,
-    /// What limits the truth of its pictures.
+    /// Limits of the accuracy of its pictures, in words.
     pub(super) limits: Option<String>,
     pub(super) sources: Vec<Source>,
     pub(super) attribution: Option<String>,
 }
 
 impl Real {
-    /// Reads the city of a file and fits α, β, γ to its buildings, if they are known one by one.
+    /// Reads a city and fits α, β, γ to its buildings, if single buildings are known.
     pub(super) fn read(
         options: &SceneReader,
         word: &OsStr,
@@ -115,17 +115,17 @@ impl Real {
         })
     }
 
-    /// The statistical city to lay over: fitted, or as α, β, γ were typed.
+    /// Returns the fitted statistical city.
     pub(super) fn built_up(&self) -> Option<BuiltUp> {
         self.fit.as_ref().map(|fit| fit.built_up)
     }
 
-    /// The zones of a form of the city, if they are asked for.
+    /// Returns the zones of a form of the city, if the sweep needs them.
     pub(super) fn zones_of(&self, field: &HeightField) -> Option<ZoneMap> {
         self.zones.as_ref().and_then(|_| ZoneMap::if_known(field, None))
     }
 
-    /// A form of the city made ready for counting some users.
+    /// Prepares a form of the city for counting some users.
     pub(super) fn city<'a>(
         &self,
         plan: &PlosPlan,
@@ -147,7 +147,7 @@ impl Real {
         RequestError::Engine { word, why: wrong.why, instead }.into()
     }
 
-    /// The cells that users of a zone stand on; `None` for all open ground.
+    /// Returns the cells of a zone's users; `None` for all open ground.
     fn cells_of(&self, users: Users, zones: Option<&ZoneMap>) -> Result<Option<BitGrid>> {
         let zone = match users {
             Users::Outdoor => return Ok(None),
@@ -166,7 +166,7 @@ impl Real {
     ) -> PlosRow {
         let rise = height - plan.rx_height_m;
         let (theta_deg, distance_m, radius_m) = match far {
-            // Over uneven ground an angle and a distance do not tell each other.
+            // Over uneven ground, an angle does not fix a distance.
             Far::Theta(theta) => (Some(theta), None, None),
             Far::Distance(distance) => (Some(rise.atan2(distance).to_degrees()), Some(distance), None),
             Far::Radius(radius) => (None, None, Some(radius)),
@@ -189,7 +189,8 @@ impl Real {
         }
     }
 
-    /// Evenly spread positions over the data of the city, and how many were left out because a disc around them is cut.
+    /// Returns evenly spread positions over the data of the city, and the number of positions with
+    /// cut discs.
     pub(super) fn positions(&self, plan: &PlosPlan, far: &[Far], group: &Group) -> Result<(Vec<Station>, usize)> {
         let Group { placement, height, .. } = *group;
         let grid = self.field.grid();
@@ -218,7 +219,7 @@ impl Real {
         let radius = widest.fold(None, |a: Option<f64>, b| Some(a.map_or(b, |a| a.max(b))));
         let whole = radius.map(|radius| WholeDiscs::of(&self.field, Some(radius)));
         let n = usize::try_from(plan.n_positions).unwrap_or(usize::MAX);
-        // A zone that no place of so many is in is too small to be met by chance.
+        // A zone that so many points miss is too small.
         let most = n.saturating_mul(10_000);
         let mut n_cut = 0;
         let mut found: Vec<Station> = Vec::with_capacity(n.min(most));
@@ -242,7 +243,7 @@ impl Real {
     }
 }
 
-/// The half width of a band of elevation angles [deg].
+/// Checks the half-width of a band of elevation angles \[deg\].
 pub(super) fn checked_theta_band(plan: &PlosPlan) -> Result<f64> {
     let band = plan.theta_band_deg;
     if band > 0.0 && band <= 45.0 {
@@ -251,8 +252,9 @@ pub(super) fn checked_theta_band(plan: &PlosPlan) -> Result<f64> {
     Err(Error::number("the band of elevation angles", band, "above 0° and at most 45°"))
 }
 
-/// A band for each angle, distance or radius, which depends on no other: θ ± the half width, 5 % (at least 0.5 m) to both
-/// sides of a distance, all users within a radius.
+/// Returns a band for each angle, distance or radius, independent of the others. An angle takes θ ±
+/// the half-width. A distance takes 5 %, at least 0.5 m, to both sides. A radius takes all users
+/// within it.
 pub(super) fn bands(far: &[Far], theta_band: f64) -> Vec<Band> {
     let band = |far: &Far| match *far {
         Far::Theta(v) => Band::elevation((v - theta_band).max(0.0), (v + theta_band).min(90.0)),

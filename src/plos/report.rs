@@ -1,4 +1,4 @@
-//! P_LoS studies as found: values, methods, tolerances; and how the document and the table are filled with them.
+//! Report of a P_LoS study: values, methods, tolerances; and the document and table made of them.
 
 use serde_json::Value;
 
@@ -19,52 +19,53 @@ use crate::map::FormDocument;
 use crate::quantity::tidy;
 use crate::words::version;
 
-/// What a method says of P_LoS.
+/// Result of a method.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum PlosValue {
     /// An estimate with its interval.
     Estimate(Estimate),
-    /// The value of a model, which has no error of its own.
+    /// Value of a model, which has no error of its own.
     Model(f64),
-    /// None, and why.
+    /// No value, and the reason.
     None(String),
 }
 
-/// One value of P_LoS and what it is of. Heights are above ground.
+/// One value of P_LoS and its setting. Heights are above ground.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlosRow {
-    /// The city as it was named.
+    /// City as the user wrote it.
     pub(crate) city: String,
-    /// Its built-up parameters, estimated ones for a real city.
+    /// Built-up parameters; estimated ones for a real city.
     pub(crate) built_up: Option<BuiltUp>,
-    /// The method's word.
+    /// Word for the method.
     pub(crate) method: String,
     /// Height of the UAV \[m\].
     pub(crate) height_m: f64,
     /// Height of the receivers \[m\].
     pub(crate) rx_height_m: f64,
-    /// Elevation angle \[deg\]; `None` for users at many.
+    /// Elevation angle \[deg\]; `None` if the users have several.
     pub(crate) theta_deg: Option<f64>,
-    /// How far the angles of the users may be from that \[deg\]; `None` where all have just this one.
+    /// Half-width of the band of elevation angles whose users count \[deg\]; `None` if all have the
+    /// same angle.
     pub(crate) theta_band_deg: Option<f64>,
-    /// Azimuth \[deg\]; `None`: all.
+    /// Azimuth \[deg\]; `None` for the mean over all.
     pub(crate) phi_deg: Option<f64>,
-    /// Ground distance \[m\]; `None` for users at many.
+    /// Ground distance \[m\]; `None` if the users have several.
     pub(crate) distance_m: Option<f64>,
-    /// Radius around the UAV \[m\], for users within one.
+    /// Radius around the UAV that users are within \[m\].
     pub(crate) radius_m: Option<f64>,
-    /// Where the UAV is; `None` for models.
+    /// Place of the UAV; `None` for models.
     pub(crate) placement: Option<&'static str>,
-    /// Which users are counted; `None` for models.
+    /// Users that count; `None` for models.
     pub(crate) users: Option<&'static str>,
-    /// What becomes of UAVs inside buildings, `nlos` or `excluded`; `None` for models.
+    /// Treatment of UAVs inside buildings, `nlos` or `excluded`; `None` for models.
     pub(crate) uav_in_building: Option<&'static str>,
     /// P_LoS.
     pub(crate) value: PlosValue,
 }
 
 impl PlosRow {
-    /// P_LoS, if there is one.
+    /// Returns P_LoS, if there is a value.
     pub(crate) fn p_los(&self) -> Option<f64> {
         match &self.value {
             PlosValue::Estimate(estimate) => estimate.p_los,
@@ -73,7 +74,7 @@ impl PlosRow {
         }
     }
 
-    /// The estimate, if it is one.
+    /// Returns the estimate, if the value is one.
     pub(crate) fn estimate(&self) -> Option<&Estimate> {
         match &self.value {
             PlosValue::Estimate(estimate) => Some(estimate),
@@ -81,7 +82,7 @@ impl PlosRow {
         }
     }
 
-    /// Why there is no P_LoS, or no interval.
+    /// Returns the reason for a missing P_LoS or interval.
     pub(crate) fn reason(&self) -> Option<String> {
         match &self.value {
             PlosValue::None(reason) => Some(reason.clone()),
@@ -94,55 +95,56 @@ impl PlosRow {
     }
 }
 
-/// A real city as reported.
+/// A real city in a report.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct RealCityFacts {
-    /// The city as it was named.
+    /// City as the user wrote it.
     pub(crate) city: String,
-    /// UAV positions that were mapped, and how many of them were inside a building.
+    /// Numbers of UAV positions: mapped, and inside a building.
     pub(crate) positions: (usize, usize),
-    /// Positions that were left out because the disc around them is cut by the border of the data.
+    /// Positions left out because the border of the data cuts their disc.
     pub(crate) cut: usize,
-    /// P_LoS at an angle is of users within so many degrees of it \[deg\], if it is asked for at angles.
+    /// Half-width of the band of elevation angles whose users count \[deg\]; `None` for distances
+    /// and radii.
     pub(crate) theta_band_deg: Option<f64>,
-    /// The engine of the maps.
+    /// Engine of the maps.
     pub(crate) engine: Method,
-    /// Blocks of ground, and their edge \[m\].
+    /// Number of blocks of ground, and their edge \[m\].
     pub(crate) blocks: (usize, f64),
-    /// The statistical city that is most like it, if its buildings are known.
+    /// Statistical city most like this one; `None` where single buildings are not known.
     pub(crate) fit: Option<BuiltUpFit>,
-    /// What limits the truth of its pictures, in words.
+    /// Limits of the accuracy of its pictures, in words.
     pub(crate) limits: Option<String>,
-    /// What a tolerance led to, where one was given.
+    /// Result of a tolerance, where one was given.
     pub(crate) tolerance: Option<PlosToleranceFacts>,
 }
 
 /// A form of a real city that was tried for a tolerance.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlosTried {
-    /// Which one.
+    /// The form.
     pub(crate) form: Simpler,
-    /// The largest bound of all values, or why there is none.
+    /// Largest bound over all values, or the reason for having none.
     pub(crate) bound: std::result::Result<f64, String>,
 }
 
-/// What a tolerance led to over a real city.
+/// Result of a tolerance over a real city.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlosToleranceFacts {
-    /// How far any P_LoS may be off.
+    /// Largest allowed error of any P_LoS.
     pub(crate) tolerance: f64,
     /// Width of a cell of the city itself \[m\].
     pub(crate) cell_m: f64,
-    /// The form that was mapped; the city itself if no simpler one would do.
+    /// Form that was mapped; the city itself if no simpler form is accurate enough.
     pub(crate) taken: Simpler,
-    /// Positions from which maps of both kinds were compared.
+    /// Positions from which maps of both forms were compared.
     pub(crate) positions: usize,
-    /// All forms that were tried, the coarsest first.
+    /// Forms that were tried, the coarsest first.
     pub(crate) tried: Vec<PlosTried>,
 }
 
 impl PlosToleranceFacts {
-    /// What was chosen and what was measured, in a sentence.
+    /// Returns the chosen form and its measured bound, in a sentence.
     pub(crate) fn in_words(&self) -> String {
         let bound = self.tried.last().filter(|t| t.form == self.taken).and_then(|t| t.bound.as_ref().ok());
         let scene = format!("{} m", tidy(self.cell_m));
@@ -175,36 +177,37 @@ impl PlosToleranceFacts {
     }
 }
 
-/// A study as reported.
+/// Report of a study.
 #[derive(Debug, Clone)]
 pub(crate) struct PlosReport {
-    /// The words of the command line.
+    /// Words of the command line.
     pub(crate) command: Vec<String>,
     /// Seed of everything random.
     pub(crate) seed: u64,
     /// Confidence of the intervals.
     pub(crate) confidence: f64,
-    /// The methods.
+    /// Methods of the study.
     pub(crate) methods: Vec<MethodFacts>,
-    /// The real cities.
+    /// Cities in files.
     pub(crate) real_cities: Vec<RealCityFacts>,
-    /// The input files.
+    /// Input files.
     pub(crate) sources: Vec<Source>,
     /// The values.
     pub(crate) rows: Vec<PlosRow>,
-    /// How far any P_LoS of the product or of maps may be off, if that was given.
+    /// Largest allowed error of any P_LoS of the product or of maps, where a tolerance was given.
     pub(crate) tolerance: Option<f64>,
-    /// What was odd.
+    /// Warnings.
     pub(crate) warnings: Vec<Warning>,
 }
 
-/// A number to 12 digits: more are noise, and differ between machines.
+/// Rounds a number to 12 digits. Further digits are noise, and differ between machines.
 fn digits(v: f64) -> f64 {
     format!("{v:.11e}").parse().unwrap_or(v)
 }
 
 impl PlosReport {
-    /// The table: one row per value. Where too few clusters leave no interval its cells say `n/a`; models have none.
+    /// Returns the table, one row for each value. Estimates without an interval have cells `n/a`,
+    /// models have empty cells.
     pub(crate) fn table(&self) -> Rows {
         let row = |row: &PlosRow| {
             let of = |value: Option<f64>| match (row.estimate(), value) {
@@ -227,14 +230,16 @@ impl PlosReport {
         rows(self.rows.iter().map(row))
     }
 
-    /// How far any value of the product may be off, with the confidence of a tolerance; `None` without such a value.
+    /// Returns the largest error of any value of the product, at the confidence of tolerances;
+    /// `None` without such a value.
     pub(crate) fn product_bound(&self) -> Option<f64> {
         let reach = student_quantile(2.0 * CONFIDENCE - 1.0, (SHIFTS - 1) as f64);
         let errors = self.rows.iter().filter(|row| row.method == "product").filter_map(|row| row.estimate()?.std_error);
         errors.map(|error| reach * error).reduce(f64::max)
     }
 
-    /// SHA-256 of the table, cells separated by commas and rows by line breaks.
+    /// Returns the SHA-256 of the table, its cells separated by commas and its rows ended by line
+    /// breaks.
     fn digest(&self) -> String {
         let mut hasher = Sha256::default();
         for row in self.table() {
@@ -244,12 +249,13 @@ impl PlosReport {
         digest_words(hasher)
     }
 
-    /// The document; without `spent` it is the same for equal runs.
+    /// Returns the document. Without `spent` it is the same for equal runs.
     pub(crate) fn document(&self, spent: Option<Spent>) -> Value {
         self.as_document(Some(self.rows.iter().map(PlosRow::document).collect()), spent)
     }
 
-    /// The document without the values, as stored in pictures and beside tables.
+    /// Returns the document without the values, which pictures store and which stands beside
+    /// tables.
     pub(crate) fn provenance(&self) -> Value {
         self.as_document(None, None)
     }

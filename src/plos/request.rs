@@ -1,4 +1,4 @@
-//! What a caller of the library asks of P_LoS, setting by setting: it becomes a plan.
+//! P_LoS request of the library, which becomes a plan.
 
 use std::path::Path;
 
@@ -15,7 +15,8 @@ use crate::error::{Result, Warning};
 use crate::export::{Batch, OutputRules, check_outputs};
 use crate::picture::Look;
 
-/// The probability of line of sight over a city, by some methods, at some heights and angles or distances.
+/// Probability of line of sight over a city, by some methods, at some heights and angles or
+/// distances.
 ///
 /// ```
 /// use skyshed::PLos;
@@ -29,7 +30,7 @@ use crate::picture::Look;
 #[derive(Debug)]
 pub struct PLos(PlosStudy);
 
-/// What is asked of P_LoS: cities, methods, and what varies.
+/// Request of P_LoS: cities, methods, and the quantities that vary.
 #[derive(Debug, Clone)]
 #[must_use = "nothing is computed before `run`"]
 pub struct PLosRequest {
@@ -39,33 +40,34 @@ pub struct PLosRequest {
 /// One value of P_LoS. Heights are above ground.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PLosValue {
-    /// The city as it was named.
+    /// City as the caller wrote it.
     pub city: String,
-    /// The method's word, such as `product`.
+    /// Word for the method, such as `product`.
     pub method: String,
     /// Height of the UAV \[m\].
     pub height_m: f64,
-    /// Elevation angle of the UAV \[deg\]; `None` for users at many.
+    /// Elevation angle of the UAV \[deg\]; `None` if the users have several.
     pub theta_deg: Option<f64>,
-    /// Ground distance of the users \[m\]; `None` for users at many.
+    /// Ground distance of the users \[m\]; `None` if the users have several.
     pub distance_m: Option<f64>,
     /// Radius that users are within \[m\].
     pub radius_m: Option<f64>,
-    /// P_LoS, if there is one.
+    /// P_LoS; `None` for a missing value.
     pub p_los: Option<f64>,
-    /// Its 95 % interval; models and curves have none.
+    /// Interval at the confidence of the request, 95 % by default; models and curves have none.
     pub interval: Option<(f64, f64)>,
-    /// Why a value or its interval is missing.
+    /// Reason for a missing value or interval.
     pub reason: Option<String>,
 }
 
 impl PLos {
-    /// Asks for P_LoS of a city: a generated one, such as `itu:urban` or `itu:0.3,500,15`, or one of a file.
+    /// Requests P_LoS of a city: a generated one, such as `itu:urban` or `itu:0.3,500,15`, or the
+    /// path of a file.
     pub fn of(city: impl IntoValue<FilePath>) -> PLosRequest {
         PLosRequest { request: PlosRequest::default().scenes(vec![city.into_value()]) }
     }
 
-    /// The values, city by city and method by method; angles or distances run fastest.
+    /// Returns the values, city by city and method by method. Angles or distances vary fastest.
     pub fn values(&self) -> impl ExactSizeIterator<Item = PLosValue> {
         self.0.report.rows.iter().map(|row: &PlosRow| PLosValue {
             city: row.city.clone(),
@@ -80,21 +82,22 @@ impl PLos {
         })
     }
 
-    /// What was odd.
+    /// Returns the warnings.
     pub fn warnings(&self) -> &[Warning] {
         Answer::warnings(&self.0)
     }
 
-    /// The document `skyshed/plos/1`.
+    /// Returns the document `skyshed/plos/1`.
     pub fn document(&self) -> Value {
         Answer::document(&self.0, None)
     }
 
-    /// Writes a file, whose extension says what: a plot (.png .svg .pdf), a table (.csv), arrays (.npz), a document
-    /// (.json).
+    /// Writes a file in the format of its extension: a plot (.png .svg .pdf), a table (.csv),
+    /// arrays (.npz), or a document (.json).
     ///
     /// # Errors
-    /// E104–E106 for a file that cannot be written so; E124 for a plot of too much; E401 if writing fails.
+    /// E104–E106 for a file that cannot be written so; E124 for a plot of too much; E401 if writing
+    /// fails.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         let rules = OutputRules { allowed: &FORMATS, inputs: &[], overwrite: false, bare: false };
         let outputs = check_outputs(&[path.as_ref().into()], rules)?;
@@ -110,10 +113,11 @@ skyshed_request::holds! {
 }
 
 impl PLosRequest {
-    /// Computes.
+    /// Computes P_LoS.
     ///
     /// # Errors
-    /// E113, E116, E118, E12x for what cannot be asked; those of reading a city; E2xx; E5xx for what takes too much.
+    /// E113, E116, E118, E12x for an impossible request; errors of reading a city; E2xx; E5xx for
+    /// too large a request.
     pub fn run(self) -> Result<PLos> {
         PlosPlan::of(&self.request, true, Vec::new())?.run().map(PLos)
     }

@@ -1,4 +1,4 @@
-//! The sweeps of a study: what varies as settings, in the order of the table.
+//! Sweeps of a study: the settings, in the order of the table.
 
 use skyshed_request::{NumberList, Placement, SweepOptions, Users, filled};
 
@@ -7,10 +7,10 @@ use crate::city::BuiltUp;
 use crate::error::{LimitError, Result};
 use crate::los_probability::setting::{Reach, Setting};
 
-/// More values than this are refused.
+/// Most values of a study.
 const MOST_VALUES: usize = 1_000_000;
 
-/// How far users are, as it was asked for.
+/// Distance of the users, as an angle, a distance or a radius.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Far {
     Theta(f64),
@@ -18,7 +18,7 @@ pub(crate) enum Far {
     Radius(f64),
 }
 
-/// What varies, beside city and method.
+/// Quantities that vary, beside city and method.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Sweeps {
     pub(crate) placements: Vec<Placement>,
@@ -27,7 +27,7 @@ pub(crate) struct Sweeps {
     pub(crate) betas: Option<Vec<f64>>,
     pub(crate) gammas: Option<Vec<f64>>,
     pub(crate) heights: Vec<f64>,
-    /// `None`: the mean over all azimuths.
+    /// Azimuths; `None` for the mean over all.
     pub(crate) phis: Vec<Option<f64>>,
     pub(crate) far: Vec<Far>,
 }
@@ -62,7 +62,7 @@ impl Sweeps {
     /// Returns the sweeps of a request, with its defaults.
     ///
     /// # Errors
-    /// E113 for values out of range; E502 for too many.
+    /// E120 for an azimuth out of range; E502 for too many combinations.
     pub(crate) fn of(sweep: &SweepOptions, defaults: &SweepOptions) -> Result<Sweeps> {
         let list = |numbers: &Option<NumberList>| numbers.as_ref().map(|n| n.0.clone());
         let far = match (&sweep.distance, &sweep.radius, &sweep.theta) {
@@ -86,7 +86,8 @@ impl Sweeps {
         sweeps.checked()
     }
 
-    /// How far away users are at most \[m\]: as asked for, or where the highest UAV is seen at the lowest angle.
+    /// Returns the largest distance of users \[m\]. At an angle it is the distance at which the
+    /// highest UAV has the lowest angle.
     pub(super) fn farthest_m(&self) -> f64 {
         let highest = self.heights.iter().copied().fold(0.0, f64::max);
         let distance = |far: &Far| match far {
@@ -96,16 +97,16 @@ impl Sweeps {
         self.far.iter().map(distance).fold(0.0, f64::max)
     }
 
-    /// Whether streets and crossroads must be told apart.
+    /// Returns `true` if streets and crossroads must be distinguished.
     pub(super) fn need_zones(&self) -> bool {
         let is_zone = |placement: &Placement| matches!(placement, Placement::Street | Placement::Crossroad);
         self.users.iter().any(|users| *users != Users::Outdoor) || self.placements.iter().any(is_zone)
     }
 
-    /// In ascending order, each value once.
+    /// Sorts the values in ascending order and removes repetitions.
     ///
     /// # Errors
-    /// E120 for an azimuth out of range, E502 for too many combinations.
+    /// E120 for an azimuth out of range; E502 for too many combinations.
     pub(crate) fn checked(self) -> Result<Sweeps> {
         let list = |numbers: Option<Vec<f64>>| numbers.map(|n| sorted(&n));
         let phi = |phi: Option<f64>| phi.map(Setting::checked_phi).transpose();
@@ -144,12 +145,12 @@ impl Sweeps {
         Ok(sweeps)
     }
 
-    /// Whether α, β or γ vary, which they cannot over a real city.
+    /// Returns `true` if α, β or γ are set, which a real city does not allow.
     pub(super) fn vary_the_city(&self) -> bool {
         self.alphas.is_some() || self.betas.is_some() || self.gammas.is_some()
     }
 
-    /// The settings over a city, angles or distances running fastest.
+    /// Returns the settings over a city. Angles or distances vary fastest.
     pub(super) fn settings(
         &self,
         built_up: BuiltUp,
@@ -181,7 +182,7 @@ impl Sweeps {
         Ok(settings)
     }
 
-    /// The city with every α, β, γ that was asked for.
+    /// Returns the city with every requested combination of α, β, γ.
     fn cities(&self, own: BuiltUp) -> Result<Vec<BuiltUp>> {
         let or = |values: &Option<Vec<f64>>, own: f64| values.clone().unwrap_or_else(|| vec![own]);
         let mut cities = Vec::new();
@@ -195,7 +196,8 @@ impl Sweeps {
         Ok(cities)
     }
 
-    /// These sweeps with many more angles or distances, from the first to the last; `None` if there is only one.
+    /// Returns these sweeps with many more angles or distances, from the first to the last. `None`
+    /// for radii and for a single value.
     pub(super) fn refined(&self) -> Option<Sweeps> {
         const STEPS: u32 = 400;
         let between = |a: f64, b: f64| (0..=STEPS).map(move |k| a + (b - a) * f64::from(k) / f64::from(STEPS));
@@ -207,9 +209,10 @@ impl Sweeps {
         Some(Sweeps { far, ..self.clone() })
     }
 
-    /// Angles or distances half-way to the neighbors of those at which a curve through some rows turns by more than it may.
+    /// Returns the midpoints beside the angles or distances where the curve through some rows bends
+    /// too much.
     pub(super) fn turns(&self, rows: &[PlosRow]) -> Vec<Far> {
-        /// How far P_LoS may be from the line between its neighbors.
+        /// Largest allowed distance of P_LoS from the line between its neighbors.
         const STRAIGHT: f64 = 0.01;
         let is_theta = matches!(self.far.first(), Some(Far::Theta(_)));
         if !is_theta && !matches!(self.far.first(), Some(Far::Distance(_))) {
@@ -243,7 +246,7 @@ impl Sweeps {
         sorted(&found).into_iter().map(of).collect()
     }
 
-    /// The quantities with more than one value, and their values.
+    /// Returns the quantities with more than one value, and their values.
     pub(super) fn varying(&self) -> Vec<(Quantity, Vec<f64>)> {
         let values = |quantity: Quantity| -> Vec<f64> {
             let far = |pick: &dyn Fn(&Far) -> Option<f64>| self.far.iter().filter_map(pick).collect();
@@ -264,7 +267,7 @@ impl Sweeps {
 }
 
 impl Far {
-    /// Elevation angles of 5, 10 … 90°.
+    /// Returns elevation angles of 5, 10 … 90°.
     pub(crate) fn every_five_degrees() -> Vec<Far> {
         (1..=18).map(|k| Far::Theta(5.0 * f64::from(k))).collect()
     }
@@ -275,7 +278,7 @@ impl Far {
         }
     }
 
-    /// Where users are, for heights above ground \[m\].
+    /// Returns the reach of users, for heights above ground \[m\].
     pub(super) fn reach(self, uav_height_m: f64, rx_height_m: f64) -> Result<Reach> {
         match self {
             Far::Theta(theta) => Ok(Setting::reach_at_elevation(theta, uav_height_m, rx_height_m)?),
@@ -285,7 +288,7 @@ impl Far {
     }
 }
 
-/// Ascending, each once.
+/// Returns the distinct values in ascending order.
 fn sorted(values: &[f64]) -> Vec<f64> {
     let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! P_LoS by placement zone: what UAVs over streets, crossroads, courtyards and rooftops see on average.
+//! P_LoS by placement zone: mean over UAVs above streets, crossroads, courtyards and rooftops.
 
 mod plot;
 mod report;
@@ -33,37 +33,38 @@ use crate::scene::{Scene, SceneReader};
 use crate::sight::{SightPlan, check_receivers};
 use crate::zones::Zone;
 
-/// Formats of a sample.
+/// Output formats of a sample.
 pub(crate) const FORMATS: [Format; 6] =
     [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];
 
-/// A sample to be taken.
+/// Plan of a sample.
 #[derive(Debug)]
 pub(crate) struct SamplePlan {
-    /// The scene as it was asked for, and how it is read.
+    /// The scene as the user wrote it.
     pub(crate) word: OsString,
     /// The scene, if it was read before.
     pub(crate) given: Option<Scene>,
     pub(crate) scene: SceneReader,
-    /// Edge of the part of a generated city that placements are over \[m\].
+    /// Edge of the part of a generated city that holds the placements \[m\].
     pub(crate) size_m: f64,
     pub(crate) sight: SightPlan,
-    /// Placements over each zone.
+    /// Zones, and the number of placements over each.
     pub(crate) zones: Vec<(Zone, usize)>,
     /// Heights of the UAVs above ground \[m\].
     pub(crate) heights_m: Vec<f64>,
-    /// Whether placements are over the middles of a generated city's crossroads, streets and buildings.
+    /// `true` if UAVs are over the middles of a generated city's crossroads, streets and buildings.
     pub(crate) is_centered: bool,
-    /// Generated cities, from `seed` on.
+    /// Number of generated cities, with consecutive seeds from `seed` on.
     pub(crate) n_cities: u64,
     pub(crate) seed: u64,
     /// Confidence of the intervals.
     pub(crate) confidence: f64,
-    /// Edge of the blocks of ground that are resampled \[m\]; an eighth of the city, at least 100 m.
+    /// Edge of the blocks of ground that are resampled \[m\]. `None` means an eighth of the city,
+    /// at least 100 m.
     pub(crate) block_m: Option<f64>,
 }
 
-/// What was sampled.
+/// Results of a sample.
 #[derive(Debug)]
 pub(crate) struct Sample {
     scene: Scene,
@@ -71,21 +72,21 @@ pub(crate) struct Sample {
     n_mapped: usize,
 }
 
-/// What one city says of each placement zone and height.
+/// Counts of one city, by placement zone and height.
 struct CityCounts {
     method: Method,
-    /// Which receivers are counted together.
+    /// Zones of the receivers that are counted together.
     parts: Vec<Option<Zone>>,
-    /// `[zone × height]`.
+    /// Counts, `[zone × height]`.
     of: Vec<SampledCounts>,
     /// Placements left out inside buildings, `[zone × height]`.
     n_inside: Vec<usize>,
-    /// Placements left out because their disc is cut, `[zone × height]`.
+    /// Placements left out because their disc is cut or they have no ground, `[zone × height]`.
     n_cut: Vec<usize>,
 }
 
 impl SamplePlan {
-    /// Checks what can be checked before any work.
+    /// Checks the numbers and zones, before any work.
     ///
     /// # Errors
     /// E113.
@@ -103,14 +104,15 @@ impl SamplePlan {
         }
     }
 
-    /// Samples.
+    /// Takes the sample.
     ///
     /// # Errors
-    /// E113, E116, E117; those of reading the scene; E216 if no disc lies in the data.
+    /// E113, E116, E117; errors of reading the scene; E216 if no disc lies in the data.
     pub(crate) fn take(&self, command: Vec<String>, progress: &Progress) -> Result<Sample> {
         self.check()?;
-        // A generated city is made as large as whole discs around its places take. Were its walls at the same places of the cells in every
-        // city, the share of cells would be off in all of them alike, and no interval would tell.
+        // A generated city is large enough for whole discs around its places. Cell positions are
+        // drawn anew for each city. With walls at the same place of the cells in every city, all
+        // shares would have the same bias, and no interval would show it.
         let margin_m = self.sight.radius_m().unwrap_or(0.0);
         let around = SceneReader { margin_m, draws_cells: true, ..self.scene.clone() };
         let open = |seed: u64| around.clone().seed(seed).open(&self.word);
@@ -200,7 +202,8 @@ impl SamplePlan {
                     match Uav::place(&site, field, radius) {
                         Ok(uav) => uavs.push(uav),
                         Err(CoreError::Uav { why: UavError::InsideBuilding { .. }, .. }) => {}
-                        // Over a building that stands where the terrain has no height, or beside a cell that blocks all.
+                        // The place has a building where the terrain has no height, or lies beside
+                        // a cell that blocks everything.
                         Err(CoreError::Uav { why: UavError::NoGround | UavError::OverNodata, .. }) => {
                             n_without_ground += 1;
                         }
@@ -210,7 +213,7 @@ impl SamplePlan {
                 n_inside.push(places.len() - uavs.len() - n_without_ground);
                 n_cut.push(cut + n_without_ground);
                 let counts = SampledCounts::of(&mapper, &uavs, &parts, &blocks)?;
-                // Of one among many cities only the totals are asked for.
+                // Several cities need only the totals of each.
                 of.push(if self.n_cities > 1 { counts.summed() } else { counts });
                 (progress.check)()?;
             }
@@ -218,7 +221,7 @@ impl SamplePlan {
         Ok(CityCounts { method: mapper.method().0, parts: parts.zones(), of, n_inside, n_cut })
     }
 
-    /// Refuses a sample of which no placement is left because the discs around all of them are cut.
+    /// Refuses a sample that has no placement left because all discs are cut.
     fn refuse_if_all_are_cut(&self, cities: &[CityCounts]) -> Result<()> {
         let n_cut: usize = cities.iter().flat_map(|city| &city.n_cut).sum();
         let is_left = cities.iter().any(|city| {
@@ -229,7 +232,7 @@ impl SamplePlan {
         Err(PlacesError::NoSampledDisc { word, radius_m }.into())
     }
 
-    /// One row per placement zone, height and part of the receivers.
+    /// Returns one row per placement zone, height and part of the receivers.
     fn rows(&self, cities: &[CityCounts]) -> Vec<SampledRow> {
         let first = &cities[0];
         let settings = self.zones.iter().flat_map(|(zone, _)| self.heights_m.iter().map(move |h| (*zone, *h)));
@@ -287,7 +290,7 @@ impl Answer for Sample {
     }
 }
 
-/// Up to `n` of some places, evenly spread over their order.
+/// Returns up to `n` of some places, evenly spread over their order.
 fn some_of(places: Vec<[f64; 2]>, n: usize) -> Vec<[f64; 2]> {
     if places.len() <= n {
         return places;

@@ -1,4 +1,5 @@
-//! The plot of a sample: P_LoS against height, a panel for each kind of receivers, a line for each placement zone.
+//! Plot of a sample: P_LoS against height, a panel for each kind of receivers, a line for each
+//! placement zone.
 
 use super::Sample;
 use super::report::{SampledReport, SampledRow};
@@ -32,7 +33,7 @@ pub(super) fn draw(sample: &Sample, format: Format, look: &Look) -> Result<Vec<u
         })
         .collect();
     let labels: Vec<String> = placements.iter().map(|zone| format!("UAV over {}", over(*zone))).collect();
-    // One height is a row of points with their intervals, several are lines.
+    // A single height gives points with intervals, several heights give lines.
     let line_look = if heights.len() > 1 { LineLook::Solid } else { LineLook::Markers };
     let lines: Vec<Vec<CurveLine<'_>>> = points
         .iter()
@@ -69,7 +70,7 @@ pub(super) fn draw(sample: &Sample, format: Format, look: &Look) -> Result<Vec<u
     written(render::draw_curve_sheet(&sheet), &look.form(format), &picture_provenance(&report.document(false)))
 }
 
-/// The values of the rows, each once, in the order in which they come.
+/// Returns the distinct values of the rows, in the order of their first occurrence.
 fn in_order<T: PartialEq>(report: &SampledReport, of: impl Fn(&SampledRow) -> T) -> Vec<T> {
     let mut values = Vec::new();
     for value in report.rows.iter().map(of) {
@@ -97,7 +98,7 @@ fn users(zone: Option<Zone>) -> String {
     }
 }
 
-/// The range of some heights, a little wider.
+/// Returns the range of some heights, slightly widened.
 fn ends_of(heights: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
     let low = heights.clone().fold(f64::INFINITY, f64::min);
     let high = heights.fold(f64::NEG_INFINITY, f64::max);

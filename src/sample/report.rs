@@ -1,4 +1,4 @@
-//! P_LoS by zone of sampled placements as reported: the document `skyshed/sample/1` and its table.
+//! Report of a sample by zone: the document `skyshed/sample/1` and its table.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -12,29 +12,30 @@ use crate::zones::Zone;
 /// P_LoS of receivers in one zone from placements over another.
 #[derive(Debug, Clone)]
 pub(crate) struct SampledRow {
-    /// What the UAVs hover over.
+    /// Zone below the UAVs.
     pub(crate) placement: Zone,
     /// Height of the UAVs above ground \[m\].
     pub(crate) height_m: f64,
-    /// Where the receivers are; `None`: all of them.
+    /// Zone of the receivers; `None` for all receivers.
     pub(crate) receivers: Option<Zone>,
     /// Placements that were mapped, in all cities together.
     pub(crate) n_placements: usize,
-    /// Placements that were left out because they are inside a building at this height.
+    /// Placements left out because they are inside a building at this height.
     pub(crate) n_inside: usize,
-    /// Placements that were tried and left out because their disc is cut by the border of the data.
+    /// Placements left out because the border of the data cuts their disc, or because they have no
+    /// ground.
     pub(crate) n_cut: usize,
     /// P_LoS.
     pub(crate) estimate: Estimate,
 }
 
 impl SampledRow {
-    /// The word for the receivers in tables.
+    /// Returns the word for the receivers in tables.
     pub(crate) fn receivers_name(&self) -> &'static str {
         self.receivers.map_or("all", Zone::name)
     }
 
-    /// Why there is no P_LoS, or no interval.
+    /// Returns the reason for a missing P_LoS or interval.
     pub(crate) fn reason(&self) -> Option<String> {
         let zone = self.placement.name();
         match self.estimate {
@@ -54,14 +55,14 @@ impl SampledRow {
     }
 }
 
-/// A study of sampled placements.
+/// Report of sampled placements.
 #[derive(Debug, Clone)]
 pub(crate) struct SampledReport {
     pub(crate) facts: RunFacts,
     pub(crate) sight: SightPlan,
-    /// Cities that were drawn; 1 for a city in a file.
+    /// Number of generated cities; 1 for a city in a file.
     pub(crate) n_cities: u64,
-    /// Whether placements are over the middles of the zones' parts.
+    /// `true` for placements over the middles of the zones' parts.
     pub(crate) is_centered: bool,
     /// Edge of a block of ground \[m\].
     pub(crate) block_m: f64,
@@ -72,12 +73,12 @@ pub(crate) struct SampledReport {
 }
 
 impl SampledReport {
-    /// What is resampled, or is independent, behind the intervals.
+    /// Returns the name of the clusters that the intervals rest on, resampled or independent.
     pub(crate) fn clusters(&self) -> &'static str {
         if self.n_cities > 1 { "cities" } else { "blocks of ground and placements" }
     }
 
-    /// The document; without the rows it is stored in pictures and beside tables.
+    /// Returns the document. Pictures, and the files beside tables, store it without rows.
     pub(crate) fn document(&self, with_rows: bool) -> Value {
         document_of(&SampleDocument {
             head: self.facts.head("skyshed/sample/1"),
@@ -91,7 +92,7 @@ impl SampledReport {
         })
     }
 
-    /// The table: one row per placement zone, height and receivers.
+    /// Returns the table: one row per placement zone, height and receivers.
     pub(crate) fn table(&self) -> Rows {
         rows(self.rows.iter().map(|row| self.row(row)))
     }
@@ -127,36 +128,36 @@ pub(crate) struct SampleDocument {
     head: Head,
     #[serde(flatten)]
     sight: SightFacts,
-    /// Cities that were drawn.
+    /// Number of cities.
     cities: u64,
-    /// Which discs are counted, where a radius is given.
+    /// Discs that count, where a radius is given.
     discs: Option<&'static str>,
-    /// Where placements are in their zone.
+    /// Position of the placements in their zone.
     places: &'static str,
-    /// What is behind the intervals.
+    /// Basis of the intervals.
     interval: IntervalFacts,
-    /// The values; not in what is stored in pictures and beside tables.
+    /// The values; absent in the copies that pictures and tables store.
     #[serde(skip_serializing_if = "Option::is_none")]
     rows: Option<Vec<SampleRow>>,
-    /// What was odd.
+    /// Warnings.
     warnings: Vec<WarningFacts>,
 }
 
-/// What is behind intervals.
+/// Basis of the intervals.
 #[derive(Debug, Serialize, JsonSchema)]
 struct IntervalFacts {
     /// Confidence, such as 0.95.
     confidence: f64,
-    /// What is resampled, or is independent.
+    /// Clusters that are resampled or independent.
     clusters: &'static str,
     /// Edge of a block of ground [m].
     block_m: f64,
 }
 
-/// A row of a sample's table.
+/// A row of the table of a sample.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct SampleRow {
-    /// What the UAVs hover over.
+    /// Zone below the UAVs.
     placement: &'static str,
     /// Height of the UAVs above ground [m].
     height_m: f64,
@@ -164,11 +165,11 @@ pub(crate) struct SampleRow {
     receivers_zone: &'static str,
     /// Largest horizontal distance from the UAV [m]; empty without a limit.
     radius_m: Option<f64>,
-    /// What antennas serve, in words; empty if that is all.
+    /// Limits of the antenna, in words; empty without limits.
     antenna: Option<String>,
-    /// Height of the receivers above what they stand on [m].
+    /// Height of the receivers above the surface they stand on [m].
     rx_height_m: f64,
-    /// Cities that were drawn.
+    /// Number of cities.
     cities: u64,
     /// Placements that were mapped, in all cities together.
     placements: usize,
@@ -176,18 +177,18 @@ pub(crate) struct SampleRow {
     inside_building: usize,
     /// Share of receivers in line of sight.
     p_los: Option<f64>,
-    /// Lower end of its interval.
+    /// Lower end of the interval of that share.
     ci_low: Option<f64>,
-    /// Upper end of its interval.
+    /// Upper end of the interval of that share.
     ci_high: Option<f64>,
-    /// Its standard error.
+    /// Standard error of that share.
     std_error: Option<f64>,
     /// Receivers that were decided.
     samples: u64,
     /// Clusters behind the interval.
     clusters: u64,
-    /// Why a value or its interval is missing.
+    /// Reason for a missing value or interval.
     reason: Option<String>,
-    /// Placements left out because their disc is cut by the border of the data.
+    /// Placements left out because the border of the data cuts their disc, or without ground.
     disc_cut: usize,
 }

@@ -1,4 +1,4 @@
-//! Scenes of what the caller holds in memory, and scenes as bytes.
+//! Scenes built from data in memory, and scenes as bytes.
 
 use std::ffi::OsStr;
 use std::time::Instant;
@@ -13,7 +13,7 @@ use crate::read::{HeldBuilding, HeldHeights, footprints_of, surface_of};
 use skyshed_request::MissingHeights;
 
 impl SceneReader {
-    /// Makes a scene of heights in memory ready for rays: a surface model, and the terrain below it if that is held, too.
+    /// Builds a scene from heights in memory: a surface model, and optionally the terrain below it.
     ///
     /// ```
     /// use skyshed::prelude::*;
@@ -35,7 +35,7 @@ impl SceneReader {
     /// ```
     ///
     /// # Errors
-    /// E1xx for options that have no meaning for it; E3xx for heights that cannot be used; E501.
+    /// E1xx for options that do not apply; E3xx for heights that cannot be used; E501.
     pub fn of_heights(&self, name: &str, surface: HeldHeights, terrain: Option<HeldHeights>) -> Result<Scene> {
         self.refuse("heights in memory", &[("band", self.options.band.is_some())])?;
         self.refuse("heights over a terrain", &[("ground", self.options.ground.is_some() && terrain.is_some())])?;
@@ -45,10 +45,10 @@ impl SceneReader {
         Scene::built(self, (OsStr::new(name), city), warnings, start)
     }
 
-    /// Makes a scene of buildings in memory ready for rays.
+    /// Builds a scene from buildings in memory.
     ///
     /// # Errors
-    /// E1xx for options that have no meaning for it; E3xx for buildings that cannot be used; E501.
+    /// E1xx for options that do not apply; E3xx for buildings that cannot be used; E501.
     pub fn of_buildings(&self, name: &str, buildings: &[HeldBuilding<'_>]) -> Result<Scene> {
         // A building in memory has a height and no other property.
         let of_files = [
@@ -69,12 +69,14 @@ impl SceneReader {
 }
 
 impl Scene {
-    /// What it was built from, as bytes for [`Scene::unpacked`]; `None` of footprints that were not kept.
+    /// Returns the data that the scene was built from, as bytes for [`Scene::unpacked`]. `None` for
+    /// footprints that were not kept.
     pub fn packed(&self) -> Option<Vec<u8>> {
         Some(pack(self.grid(), &*self.solids()?, None))
     }
 
-    /// The scene of such bytes, of the reference system that its text (EPSG:n or WKT) names.
+    /// Builds a scene from bytes of [`Scene::packed`]. `crs` names its reference system (EPSG:n or
+    /// WKT).
     ///
     /// # Errors
     /// E115 for a text that is no reference system; E902 for other bytes.

@@ -1,4 +1,5 @@
-//! What limits the truth of a map, in warnings and captions: the curve of the earth, unknown ground, missing heights.
+//! Limits of the accuracy of a map, in warnings and captions: the curve of the earth, unknown
+//! ground, missing heights.
 
 use crate::city::HeightSources;
 use crate::coverage::{Uav, check_drop};
@@ -11,7 +12,7 @@ use crate::sight::SightPlan;
 use skyshed_io::Warning as OddFiles;
 use skyshed_io::error::{OddFile, OddRaster, Oddity};
 
-/// What limits the truth of a picture of a scene, in words.
+/// Returns the limits of the accuracy of a picture, in words.
 pub(crate) fn limits_in_words(
     heights: Option<&HeightSources>,
     field: &HeightField,
@@ -67,14 +68,15 @@ pub(crate) fn limits_in_words(
     (!limits.is_empty()).then(|| crate::words::title_of(&limits.join("; ")))
 }
 
-/// Warns where a flat earth matters: the horizon's drop d²/2R exceeds a meter.
+/// Warns where a flat earth matters: where the drop d²/2R at the farthest receiver exceeds 1 m.
 pub(crate) fn warn_of_flat_earth(uavs: &[Uav], grid: &GeoRef, sight: &SightPlan, warnings: &mut Vec<Warning>) {
     if sight.curvature().is_none() {
         warn_of_drop(farthest_m(uavs, grid, sight), warnings);
     }
 }
 
-/// Warns likewise; a curved earth must leave all heights of a scene on the lattice.
+/// Warns as [`warn_of_flat_earth`], and checks that a curved earth keeps all heights on the
+/// lattice.
 ///
 /// # Errors
 /// E118.
@@ -89,7 +91,7 @@ pub(crate) fn check_earth(
     Ok(check_drop(drop_m, field.lowest_known())?)
 }
 
-/// How far away receivers of some UAVs may be \[m\].
+/// Returns the largest possible distance of a receiver from some UAVs \[m\].
 fn farthest_m(uavs: &[Uav], grid: &GeoRef, sight: &SightPlan) -> f64 {
     let of = |uav: &Uav| {
         let place = &uav.station.place;
@@ -100,18 +102,18 @@ fn farthest_m(uavs: &[Uav], grid: &GeoRef, sight: &SightPlan) -> f64 {
     uavs.iter().map(of).fold(0.0, f64::max).min(sight.radius_m().unwrap_or(f64::INFINITY))
 }
 
-/// Warns likewise where UAVs and receivers may be anywhere on a grid, but no farther apart than some meters; `is_choice` says
-/// whether the earth could be curved.
+/// Warns as [`warn_of_flat_earth`] where UAVs and receivers are anywhere on a grid, at most
+/// `most_m` apart. `is_choice` is `true` if the user could have curved the earth.
 pub(crate) fn warn_of_drop_across(grid: &GeoRef, most_m: f64, is_choice: bool, warnings: &mut Vec<Warning>) {
     warnings.extend(flat_earth(across_m(grid).min(most_m), is_choice));
 }
 
-/// From corner to corner \[m\].
+/// Returns the diagonal of the grid \[m\].
 pub(crate) fn across_m(grid: &GeoRef) -> f64 {
     (grid.x_max() - grid.x_min()).hypot(grid.y_max() - grid.y_min()) * grid.meters_per_unit()
 }
 
-/// Warns likewise of receivers up to so far away \[m\].
+/// Warns as [`warn_of_flat_earth`] for receivers at most `farthest_m` away.
 pub(crate) fn warn_of_drop(farthest_m: f64, warnings: &mut Vec<Warning>) {
     warnings.extend(flat_earth(farthest_m, true));
 }

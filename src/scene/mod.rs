@@ -1,4 +1,4 @@
-//! A scene made ready for rays, and how it is read.
+//! Scenes, ready for line of sight, and their readers.
 
 pub(crate) mod limits;
 mod held;
@@ -25,11 +25,12 @@ use crate::picture::Look;
 use crate::raster::{CellWindow, GeoRef};
 use crate::zones::ZoneMap;
 
-/// A city ready for rays: footprints, a surface model, a mesh or a generated city, over a grid of cells.
+/// A city ready for line of sight: footprints, a surface model, a mesh or a generated city, over a
+/// grid of cells.
 ///
-/// Copies share the city. Positions and extents are in units of the scene's reference system, names that end in `_m` in
-/// meters. A
-/// file in degrees is refused (E310) unless it is brought into another system.
+/// Copies share the city. Positions and extents are in units of the scene's reference system, names
+/// that end in `_m` in meters. A file in degrees is refused (E310) unless it is brought into
+/// another system.
 ///
 /// ```
 /// use skyshed::prelude::*;
@@ -41,21 +42,21 @@ use crate::zones::ZoneMap;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Scene {
-    /// As it was asked for: a path, or the word for a generated city.
+    /// The word that the user wrote: a path, or a generated city.
     pub(crate) word: String,
     pub(crate) name: String,
     pub(crate) field: Arc<HeightField>,
-    /// Its zones, once they are found.
+    /// Zones, once they are found.
     pub(crate) zones: Arc<OnceLock<Option<Arc<ZoneMap>>>>,
-    /// What it was built from, if that was to be kept.
+    /// The data that the scene was built from, if it was kept.
     pub(crate) solids: Option<Arc<Solids>>,
     pub(crate) sources: Vec<Source>,
-    /// Whom pictures must credit.
+    /// Attribution that pictures must show.
     pub(crate) attribution: Option<String>,
-    /// Footprints without heights, where there are any.
+    /// Sources of the heights of footprints.
     pub(crate) heights: Option<HeightSources>,
     pub(crate) built_up: Option<BuiltUp>,
-    /// The seed of everything random about it.
+    /// Seed of everything random in the scene.
     pub(crate) seed: u64,
     pub(crate) warnings: Vec<Warning>,
     pub(crate) timing: Timing,
@@ -65,7 +66,7 @@ impl Scene {
     /// Opens any scene that the program reads: see [`SceneReader::open`].
     ///
     /// # Errors
-    /// As that.
+    /// As [`SceneReader::open`].
     pub fn open(word: impl AsRef<OsStr>) -> Result<Scene> {
         Scene::options().open(word)
     }
@@ -75,7 +76,7 @@ impl Scene {
         SceneReader::default()
     }
 
-    /// A scene that was read since `start`, with its height field.
+    /// Builds a scene from a city that was read since `start`.
     pub(crate) fn built(
         options: &SceneReader,
         (word, scene): (&OsStr, City),
@@ -84,11 +85,11 @@ impl Scene {
     ) -> Result<Scene> {
         let read_s = start.elapsed().as_secs_f64();
         let City { name, grid, solids, built_up, sources, attribution, heights } = scene;
-        // Heights of a raster are there already.
+        // Heights of a raster are in memory already.
         if matches!(solids, Solids::Vector { .. }) {
             check_memory(&word.display(), &grid, FIELD_BYTES_PER_CELL)?;
         }
-        // Those of a raster are in its field.
+        // The solids of a raster are in its field.
         let is_kept = options.keeps_solids && matches!(solids, Solids::Vector { .. });
         let kept = is_kept.then(|| Arc::new(solids.clone()));
         let Built { field, warnings: odd } = HeightField::build(&grid, solids);
@@ -110,7 +111,7 @@ impl Scene {
         })
     }
 
-    /// A field alone, with what was said of it.
+    /// Wraps a height field, with its warnings.
     pub(crate) fn of_field(name: String, field: HeightField, warnings: Vec<Warning>) -> Scene {
         Scene {
             word: name.clone(),
@@ -128,7 +129,7 @@ impl Scene {
         }
     }
 
-    /// Cuts a raster scene to some of its cells; others are left whole.
+    /// Cuts a raster scene to some of its cells. Other scenes stay whole.
     pub(crate) fn cut(&mut self, window: CellWindow) {
         if window != self.grid().window()
             && let Some(part) = self.field.part(window)
@@ -137,7 +138,8 @@ impl Scene {
         }
     }
 
-    /// Leaves the receivers of a window alone: a raster keeps the cells around, which stand in the way.
+    /// Keeps only the receivers of a window. A raster also keeps the cells `around`, which may
+    /// obstruct.
     pub(crate) fn keep_for(&mut self, receivers: CellWindow, around: CellWindow) {
         match self.field.prisms() {
             Some(_) => self.show(receivers),
@@ -145,7 +147,7 @@ impl Scene {
         }
     }
 
-    /// Leaves the receivers of a window alone, and of a raster nothing else.
+    /// Keeps only the receivers of a window, and only these cells of a raster.
     pub(crate) fn show(&mut self, window: CellWindow) {
         if window != self.grid().window() {
             let shown = self.field.shown(window);
@@ -153,39 +155,40 @@ impl Scene {
         }
     }
 
-    /// What it was built from; `None` of footprints that were not kept.
+    /// Returns the data that the scene was built from; `None` for footprints that were not kept.
     pub(crate) fn solids(&self) -> Option<Cow<'_, Solids>> {
         let of_raster = || self.field.solids_of(self.grid().window()).map(Cow::Owned);
         self.solids.as_deref().map(Cow::Borrowed).or_else(of_raster)
     }
 
-    /// Takes another field for its own.
+    /// Replaces the field, and drops everything derived from the old one.
     pub(crate) fn replace_field(&mut self, field: HeightField) {
         (self.field, self.solids, self.zones) = (Arc::new(field), None, Arc::default());
     }
 
-    /// What it is called in titles.
+    /// Returns the name in titles.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The cells: shape, extent, reference system.
+    /// Returns the grid of cells: shape, extent, reference system.
     pub fn grid(&self) -> &GeoRef {
         self.field.grid()
     }
 
-    /// What was odd about its files.
+    /// Returns the warnings about the scene's files.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
 
-    /// Its zones (streets, crossroads, courtyards, rooftops), found once; `None` where no building is known.
+    /// Returns the zones (streets, crossroads, courtyards, rooftops), computed once. `None` where
+    /// no building is known.
     pub fn zones(&self) -> Option<Arc<ZoneMap>> {
         let find = || ZoneMap::if_known(&self.field, self.built_up.as_ref()).map(Arc::new);
         self.zones.get_or_init(find).clone()
     }
 
-    /// What documents say of a run over it.
+    /// Returns the facts of a run over the scene, for documents.
     pub(crate) fn facts(&self, method: Option<Method>) -> RunFacts {
         RunFacts {
             command: Vec::new(),
@@ -200,12 +203,12 @@ impl Scene {
         }
     }
 
-    /// What limits the truth of a picture of it.
+    /// Returns the limits of the accuracy of its pictures, in words.
     pub(crate) fn limits_in_words(&self) -> Option<String> {
         limits::limits_in_words(self.heights.as_ref(), &self.field, &self.warnings)
     }
 
-    /// The last lines of a caption: what limits the truth of a picture of it, and whom to credit.
+    /// Returns the last lines of a caption: limits of the accuracy, and the attribution.
     pub(crate) fn last_lines(&self, look: &Look) -> Vec<String> {
         self.limits_in_words().into_iter().chain(look.credit(self.attribution.as_ref())).collect()
     }

@@ -1,4 +1,4 @@
-//! Reader of scenes: the options of a question, and what a run adds to them.
+//! Reader of scenes: the options of a question, and settings that a run adds.
 
 use std::sync::{Arc, OnceLock};
 
@@ -6,8 +6,10 @@ use skyshed_request::{GroundChoice, SceneOptions};
 
 use super::reading::FoundRepairs;
 
-/// Reader of scenes. An option that is not set has the default of the program; one without a meaning for
-/// the kind of the scene is an error.
+/// Reader of scenes.
+///
+/// An option that is not set has the default of the program. An option that does not apply to the
+/// kind of scene is an error.
 ///
 /// ```
 /// use skyshed::prelude::*;
@@ -20,24 +22,26 @@ use super::reading::FoundRepairs;
 pub struct SceneReader {
     /// Options of the question.
     pub(crate) options: SceneOptions,
-    /// Ground around a generated city that is read with it \[m\].
+    /// Width of the additional ground around a generated city \[m\].
     pub(crate) margin_m: f64,
-    /// Whether the cells of a generated city begin at a place that is drawn with its heights.
+    /// `true` if the position of a generated city's cells is drawn together with its heights.
     pub(crate) draws_cells: bool,
-    /// Whether footprints are kept as they were read, for a live page and for bytes.
+    /// `true` if footprints are kept as they were read, for a live page and for bytes.
     pub(crate) keeps_solids: bool,
-    /// Box of a raster that is read: west, south, east, north \[CRS units\]; `None` reads all of it.
+    /// Box of a raster that is read: west, south, east, north \[CRS units\]; `None` reads all of
+    /// it.
     pub(crate) around: Option<[f64; 4]>,
     /// Largest distance from the extent at which a footprint matters \[m\].
     pub(crate) reach_m: Option<f64>,
-    /// Whether faults of footprints are reported where the program would refuse them.
+    /// `true` if faults of footprints are reported where the program would refuse them.
     pub(crate) tells_faults: bool,
     /// List of everything that was mended or left out.
     pub(crate) repairs: Option<Arc<OnceLock<FoundRepairs>>>,
 }
 
 impl SceneReader {
-    /// Keeps footprints as they were read, for [`crate::Scene::live_page`] and [`crate::Scene::packed`].
+    /// Keeps footprints as they were read, for [`crate::Scene::live_page`] and
+    /// [`crate::Scene::packed`].
     #[must_use]
     pub fn keeps_footprints(self) -> Self {
         SceneReader { keeps_solids: true, ..self }

@@ -1,4 +1,5 @@
-//! UAVs and receivers placed over a scene. UAVs beside the grid may hover there, but more often a coordinate is wrong.
+//! Placing of UAVs over a scene. A UAV may hover outside the grid, but a wrong coordinate is more
+//! likely, so this warns.
 
 use std::borrow::Borrow;
 
@@ -14,11 +15,12 @@ use crate::sight::{SightPlan, check_receivers};
 use crate::uav::UavsFound;
 
 impl Scene {
-    /// Places UAVs, and keeps where they are from and what was odd about them. `whole` is the grid that the scene is a part of.
+    /// Places UAVs, and keeps their sources and warnings. `whole` is the grid of the whole scene if
+    /// this one is a part.
     ///
     /// # Errors
-    /// E2xx for a UAV that cannot be there; E117 for receivers that the scene does not tell apart; E118 for an earth that is curved where it
-    /// cannot be.
+    /// E2xx for a UAV that cannot be there; E117 for receivers that the scene does not distinguish;
+    /// E118 if a curved earth moves heights off the lattice.
     pub(crate) fn place(&mut self, found: &UavsFound, whole: Option<&GeoRef>, sight: &SightPlan) -> Result<Vec<Uav>> {
         let whole = whole.unwrap_or(self.grid()).clone();
         self.warnings.extend(found.warnings.iter().cloned());
@@ -26,7 +28,8 @@ impl Scene {
         self.place_in_tile(found, &whole, sight)
     }
 
-    /// Places UAVs over a part of a grid without a word of those outside: it is told once of all parts.
+    /// Places UAVs over a part of a grid without warning of UAVs outside. That warning comes once
+    /// for all parts.
     ///
     /// # Errors
     /// As [`Scene::place`].
@@ -41,7 +44,7 @@ impl Scene {
     }
 }
 
-/// Says how far outside the grid UAVs are, and in which direction.
+/// Warns of UAVs outside the grid, with distance and direction.
 pub(crate) fn warn_of_uavs_outside<S: Borrow<Site>>(sites: &[S], grid: &GeoRef, warnings: &mut Vec<Warning>) {
     let sites = sites.iter().map(Borrow::borrow);
     let outside: Vec<_> = sites.filter_map(|site| Some((site.id.clone(), way_outside(site, grid)?))).collect();
@@ -50,7 +53,7 @@ pub(crate) fn warn_of_uavs_outside<S: Borrow<Site>>(sites: &[S], grid: &GeoRef, 
     }
 }
 
-/// Places a UAV; what is wrong outside the grid is told with how far outside.
+/// Places a UAV. The error of a UAV outside the grid holds its distance and direction.
 pub(crate) fn place_uav(site: &Site, field: &HeightField, grid: &GeoRef, radius: Option<f64>) -> Result<Uav> {
     Uav::place_in_part(site, field, grid, radius).map_err(|error| match way_outside(site, grid) {
         Some(way) => error.within(format!("{way} of the grid")).into(),
@@ -58,7 +61,7 @@ pub(crate) fn place_uav(site: &Site, field: &HeightField, grid: &GeoRef, radius:
     })
 }
 
-/// How far and in which direction a site is from the nearest point of the grid; nothing inside.
+/// Returns the distance and direction of a site from the grid; `None` inside.
 fn way_outside(site: &Site, grid: &GeoRef) -> Option<String> {
     let beyond = |v: f64, low: f64, high: f64| (v - high).max(0.0) + (v - low).min(0.0);
     let (east, north) = (beyond(site.x, grid.x_min(), grid.x_max()), beyond(site.y, grid.y_min(), grid.y_max()));

@@ -1,4 +1,4 @@
-//! The reading of scenes: each kind of file takes the options that mean something to it, and refuses the others.
+//! Reading of scenes. Each kind of file takes the options that apply to it, and refuses the others.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -21,19 +21,19 @@ use crate::read::{
     read_footprints, read_footprints_and_repairs, read_mesh, read_mesh_buildings, read_surface, vertical_of,
 };
 
-/// The name of an option, and whether it is set.
+/// Name of an option, and `true` if it is set.
 type Set = (&'static str, bool);
 
 impl SceneReader {
-    /// Reads a scene and makes it ready for rays.
+    /// Reads a scene and prepares it for line of sight.
     ///
-    /// `word` is the path of a file (raster, footprints or mesh, by its extension) or of a folder of raster tiles, or
-    /// the word
-    /// for a generated city: `itu:urban`, `itu:0.3,500,15`.
+    /// `word` is a path or the word for a generated city. A path names a file (raster, footprints
+    /// or mesh, by its extension) or a folder of raster tiles. Words for generated cities are
+    /// `itu:urban` or `itu:0.3,500,15`.
     ///
     /// # Errors
-    /// E1xx for options that have no meaning for this kind of scene, or numbers out of range; E3xx for files that cannot be
-    /// used; E501 for what does not fit in memory.
+    /// E1xx for options that do not apply to this kind of scene, or numbers out of range; E3xx for
+    /// files that cannot be used; E501 for scenes that do not fit in memory.
     pub fn open(&self, word: impl AsRef<OsStr>) -> Result<Scene> {
         let start = Instant::now();
         let mut warnings = Vec::new();
@@ -42,7 +42,7 @@ impl SceneReader {
         Scene::built(self, (&word, read), warnings, start)
     }
 
-    /// Reads a scene without making it ready.
+    /// Reads a scene without preparing it for line of sight.
     pub(crate) fn read(&self, word: &OsStr, warnings: &mut Vec<Warning>) -> Result<crate::city::City> {
         if let Some(built_up) = built_up(word) {
             return self.generate(word, built_up?);
@@ -74,13 +74,13 @@ impl SceneReader {
         if let Some(bytes) = city.memory() {
             check_bytes(&word.display(), "its buildings and cells", bytes)?;
         }
-        // A stream that no kind of zone has.
+        // A random stream that no kind of zone uses.
         const OF_CELLS: u64 = 1 << 32;
         let drawn = self.draws_cells.then(|| Points::new(city.seed, OF_CELLS).next()).flatten();
         Ok(city.city_on_cells_from(drawn.map_or([0.0; 2], |[u, v, ..]| [u, v]))?)
     }
 
-    /// A generated city of these options.
+    /// Returns the generated city of these options.
     pub(crate) fn city(&self, built_up: BuiltUp) -> BuiltUpCity {
         BuiltUpCity {
             built_up,
@@ -146,12 +146,12 @@ impl SceneReader {
         let options = if self.options.roofs.is_some() { self.of_solids()? } else { self.of_vector()? };
         let Some(list) = &self.repairs else { return Ok(read_footprints(path, &options, odd)?) };
         let (scene, repairs) = read_footprints_and_repairs(path, &options, odd)?;
-        // A scene that is read twice is the same.
+        // A second reading gives the same scene, so a list that is already set stays.
         let _ = list.set(FoundRepairs { repairs, facts: facts_of(&scene, odd) });
         Ok(scene)
     }
 
-    /// Warns of what else a raster says of its values than that they are heights, and of what these are above.
+    /// Warns of a raster of results, and of differing vertical datums of a raster and its terrain.
     pub(crate) fn warn_of_raster(&self, path: &Path, warnings: &mut Vec<Warning>) -> Result<()> {
         if !is_raster(path) {
             return Ok(());
@@ -166,14 +166,14 @@ impl SceneReader {
         Ok(warned(warnings, |odd| compare_vertical(a, b, said, odd))?)
     }
 
-    /// The grid of a scene that is a raster in its own system, and the bytes that it takes in memory, by its header.
-    /// What is
-    /// wrong with the file is told where it is read.
+    /// Returns the grid of a raster scene in its own system, and its memory \[bytes\], both by its
+    /// header. Other scenes give `None`, and so does a damaged file, whose fault is reported when
+    /// it is read.
     ///
-    /// These are 5 for each cell, its height and what zone it may be of; what a terrain takes; and an unpacked strip or
-    /// tile.
+    /// The memory is 5 bytes for each cell (height and possible zone), the terrain, and an unpacked
+    /// strip or tile.
     pub(crate) fn size_of_raster(&self, word: &OsStr) -> Option<(GeoRef, u64)> {
-        // What is brought into another system is put together in memory.
+        // A raster that is brought into another system is assembled in memory.
         if !is_raster_scene(word) || self.options.project.is_some() {
             return None;
         }
@@ -183,7 +183,7 @@ impl SceneReader {
         }
         let grid = self.grid_of(&file);
         let n_cells = grid.n_cells() as u64;
-        // All of a terrain is read, and if it is on another grid brought to that of the surface.
+        // A terrain is read whole, and brought to the grid of the surface if it has another one.
         let below = self.options.terrain.as_deref().and_then(|path| RasterFile::open(path, &mut Vec::new()).ok());
         let of_terrain = below.map_or(0, |below| {
             let n_below = self.grid_of(&below).n_cells() as u64;
@@ -194,13 +194,13 @@ impl SceneReader {
         Some((grid, bytes))
     }
 
-    /// The cells of a raster file that are read.
+    /// Returns the cells of a raster file that are read.
     pub(crate) fn grid_of(&self, file: &RasterFile) -> GeoRef {
         let grid = file.georef();
         self.around.map_or_else(|| grid.clone(), |around| grid.part(grid.window_within(around)))
     }
 
-    /// How a raster is read.
+    /// Returns the options of a raster.
     pub(crate) fn of_raster(&self) -> Result<SurfaceOptions> {
         self.refuse("a raster", &[("extent", self.options.extent.is_some()), ("size", self.options.size.is_some())])?;
         self.refuse("a raster", &self.of_footprints())?;
@@ -215,7 +215,7 @@ impl SceneReader {
         })
     }
 
-    /// How any surface is read.
+    /// Returns the options common to all surfaces.
     fn of_surface(&self) -> Result<SurfaceOptions> {
         let defaults = SurfaceOptions::default();
         self.refuse("a surface", &[("ground buildings", self.options.ground == Some(GroundChoice::Buildings))])?;
@@ -235,7 +235,7 @@ impl SceneReader {
         })
     }
 
-    /// How buildings are read whose heights are those of their surfaces.
+    /// Returns the options of buildings whose heights come from their surfaces.
     fn of_solids(&self) -> Result<FootprintOptions> {
         let of_properties = [
             ("height_field", self.options.height_field.is_some()),
@@ -246,7 +246,7 @@ impl SceneReader {
         self.of_vector()
     }
 
-    /// How footprints are read.
+    /// Returns the options of footprints.
     pub(super) fn of_vector(&self) -> Result<FootprintOptions> {
         let threshold = ("building_threshold", self.options.building_threshold.is_some());
         self.refuse(
@@ -267,7 +267,7 @@ impl SceneReader {
             self.refuse("footprints without `missing levels`", &levels)?;
         }
         let missing = self.options.missing.clone().unwrap_or_default();
-        // What is only told of refuses nothing.
+        // Faults that are only reported refuse nothing.
         let missing = if self.tells_faults { missing.with_rest_dropped() } else { missing };
         Ok(FootprintOptions {
             height_field: self.options.height_field.clone(),
@@ -294,7 +294,7 @@ impl SceneReader {
         })
     }
 
-    /// What only footprints can use.
+    /// Lists the options that apply only to footprints.
     fn of_footprints(&self) -> [Set; 12] {
         [
             ("roofs", self.options.roofs.is_some()),
@@ -312,7 +312,7 @@ impl SceneReader {
         ]
     }
 
-    /// An ignored input is an error, never silence.
+    /// Refuses an option that would be ignored.
     pub(super) fn refuse(&self, what: &str, without_meaning: &[Set]) -> Result<()> {
         match without_meaning.iter().find(|(_, is_set)| *is_set) {
             Some((name, _)) => Err(Error::idle(*name, format!("for {what}"))),
@@ -321,14 +321,14 @@ impl SceneReader {
     }
 }
 
-/// What was mended or left out of footprints, and what documents say of these.
+/// Repairs of footprints, and the facts of the scene for documents.
 #[derive(Debug, Clone)]
 pub(crate) struct FoundRepairs {
     pub(crate) repairs: Vec<Repair>,
     pub(crate) facts: RunFacts,
 }
 
-/// What documents say of a scene that was read, whatever is done with it.
+/// Returns the facts of a scene that was read, for documents.
 fn facts_of(scene: &crate::city::City, odd: &[skyshed_io::Warning]) -> RunFacts {
     RunFacts {
         command: Vec::new(),
@@ -343,23 +343,23 @@ fn facts_of(scene: &crate::city::City, odd: &[skyshed_io::Warning]) -> RunFacts 
     }
 }
 
-/// The parameters of the generated city that a word stands for; `None` of a file.
+/// Returns the parameters of the generated city that a word names; `None` for a file.
 pub(crate) fn built_up(word: &OsStr) -> Option<Result<BuiltUp>> {
     Some(BuiltUpCity::parse_built_up(word.to_str()?)?.map_err(Into::into))
 }
 
-/// The extension of a path in lower case.
+/// Returns the extension of a path in lower case.
 fn extension_of(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
-/// Whether a scene of this name is read as a raster: any file that is neither footprints nor a mesh.
+/// Returns `true` for paths that are read as rasters: all files but footprints and meshes.
 pub(crate) fn is_raster(path: &Path) -> bool {
     let extension = extension_of(path);
     VectorFormat::of_extension(&extension).is_none() && !["obj", "ply"].contains(&extension.as_str())
 }
 
-/// Whether a word stands for a raster.
+/// Returns `true` if a word names a raster.
 pub(crate) fn is_raster_scene(word: &OsStr) -> bool {
     built_up(word).is_none() && is_raster(Path::new(word))
 }

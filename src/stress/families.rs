@@ -1,4 +1,4 @@
-//! Methods against the truth on families of scenes.
+//! Comparison of methods with the truth on families of scenes.
 
 use std::path::Path;
 
@@ -14,17 +14,18 @@ use crate::picture::{Look, picture_provenance, program, written};
 use crate::quantity::counted;
 use crate::render::{self, RateColumn, RateSheet, grouped};
 
-/// What methods do on families of scenes.
+/// Errors of methods on families of scenes.
 #[derive(Debug)]
 pub(crate) struct Stress {
     report: StressReport,
 }
 
 impl Stress {
-    /// Tries a method, or all of them, on so many scenes of some families, or of all of them.
+    /// Runs a method on `scenes` scenes of some families. `auto` runs all methods, and no family
+    /// means all families.
     ///
     /// # Errors
-    /// E601 if the truth of a scene is not what is known of it.
+    /// E601 if the computed truth of a scene contradicts its known answer.
     pub(crate) fn run(
         families: &[&'static str],
         method: MethodChoice,
@@ -42,7 +43,7 @@ impl Stress {
         Ok(Stress { report: StressReport { command, effort, methods, scores } })
     }
 
-    /// Whether all exact methods are right.
+    /// Checks that all exact methods are right.
     ///
     /// # Errors
     /// E602 if one is not.
@@ -72,14 +73,14 @@ impl Answer for Stress {
     }
 }
 
-/// What each method got wrong, in a line.
+/// Returns the errors of each method, in a line.
 fn words(report: &StressReport) -> Vec<String> {
     let line = |(k, method): (usize, &Contender)| {
         let Some([wrong, receivers]) = report.total(k) else {
             return format!("{}: decides none of these families", method.name);
         };
         let worst = report.scores.iter().filter_map(|score| Some((score.family, StressReport::rate(score, k)?)));
-        // The larger of two rates, by products.
+        // Compares two rates by products.
         let worst = worst.max_by(|(_, a), (_, b)| (a[0] * b[1]).cmp(&(b[0] * a[1])));
         let worst = worst
             .filter(|_| wrong > 0)

@@ -1,4 +1,5 @@
-//! Where methods fail, on families of scenes; and where the answers of a scene hang by a lattice step.
+//! Failures of methods on families of scenes, and the stability of a scene's answers under moves by
+//! a lattice step.
 
 mod families;
 mod report;
@@ -10,6 +11,6 @@ pub(crate) use scene::StressScene;
 
 use crate::export::Format;
 
-/// Formats of both.
+/// Output formats of both.
 pub(crate) const FORMATS: [Format; 6] =
     [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];

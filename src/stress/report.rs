@@ -1,5 +1,5 @@
-//! Where methods fail, as reported: the documents `skyshed/stress/1` of families and `skyshed/stress-scene/1` of a scene,
-//! and their tables.
+//! Reports of stress tests: the documents `skyshed/stress/1` of families and
+//! `skyshed/stress-scene/1` of a scene, and their tables.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -12,19 +12,19 @@ use crate::digest::Sha256;
 use crate::map::{MapDocument, MapReport};
 use crate::words::version;
 
-/// Methods tried on families of scenes.
+/// Report of methods on families of scenes.
 #[derive(Debug, Clone)]
 pub(super) struct StressReport {
-    /// The words of the command line.
+    /// Words of the command line.
     pub(super) command: Vec<String>,
-    /// Scenes and seed.
+    /// Number of scenes and seed.
     pub(super) effort: Effort,
     pub(super) methods: Vec<Contender>,
-    /// What they did on each family.
+    /// Outcomes of all methods on each family.
     pub(super) scores: Vec<FamilyScore>,
 }
 
-/// A share; `None` of nothing.
+/// Returns a share; `None` without a whole.
 fn share(part: u64, of: u64) -> Option<f64> {
     #[expect(clippy::cast_precision_loss, reason = "counts of receivers are far below 2^53")]
     let share = part as f64 / of as f64;
@@ -32,7 +32,8 @@ fn share(part: u64, of: u64) -> Option<f64> {
 }
 
 impl StressReport {
-    /// Receivers that a method gets wrong on all families that it decides, and how many it decides; `None` if none.
+    /// Returns the wrong receivers of a method over all families that it decides, and all their
+    /// receivers. `None` if it decides no family.
     pub(super) fn total(&self, method: usize) -> Option<[u64; 2]> {
         let decided = self.scores.iter().filter_map(|score| match &score.outcomes[method] {
             Outcome::Decided(wrong) => Some([wrong.total(), score.receivers]),
@@ -41,7 +42,8 @@ impl StressReport {
         decided.reduce(|a, b| [a[0] + b[0], a[1] + b[1]])
     }
 
-    /// Failures and trials of a method on a family; `None` where it cannot decide it.
+    /// Returns the wrong receivers of a method on a family, and all receivers. `None` if it cannot
+    /// decide the family.
     pub(super) fn rate(score: &FamilyScore, method: usize) -> Option<[u64; 2]> {
         match &score.outcomes[method] {
             Outcome::Decided(wrong) => Some([wrong.total(), score.receivers]),
@@ -49,7 +51,7 @@ impl StressReport {
         }
     }
 
-    /// The document; without `spent` it is the same for equal runs.
+    /// Returns the document. Without `spent` it is the same for equal runs.
     pub(super) fn document(&self, spent: Option<Spent>) -> Value {
         let method = |(k, method): (usize, &Contender)| {
             let total = self.total(k);
@@ -96,7 +98,7 @@ impl StressReport {
         }
     }
 
-    /// The table: one row per family and method.
+    /// Returns the table: one row for each family and method.
     pub(super) fn table(&self) -> Rows {
         let of = |score: &FamilyScore| {
             let row = |(method, outcome): (&Contender, &Outcome)| StressRow {
@@ -114,7 +116,7 @@ impl StressReport {
         rows(self.scores.iter().flat_map(of))
     }
 
-    /// SHA-256 of the table, its cells and rows each ended by a line break.
+    /// Returns the SHA-256 of the table, its cells and rows each ended by a line break.
     fn digest(&self) -> String {
         let mut hasher = Sha256::default();
         for cell in self.table().iter().flat_map(|row| row.iter().map(String::as_str).chain([""])) {
@@ -125,7 +127,7 @@ impl StressReport {
     }
 }
 
-/// Why a method cannot decide a family; nothing if it can.
+/// Returns the reason why a method cannot decide a family; empty if it can.
 fn reason(outcome: &Outcome) -> &'static str {
     match outcome {
         Outcome::Decided(_) => "",
@@ -133,25 +135,27 @@ fn reason(outcome: &Outcome) -> &'static str {
     }
 }
 
-/// How stable the answers on a scene are: a map with its stability, and margins near grazing.
+/// Report of the stability of a scene's answers: a map with its stability, and margins near
+/// grazing.
 #[derive(Debug, Clone)]
 pub(super) struct StressSceneReport {
-    /// The map of the one UAV, its stability with it.
+    /// Map of the one UAV, with its stability.
     pub(super) map: MapReport,
     /// Margins of its receivers, or of a sample of them.
     pub(super) margins: MarginSample,
 }
 
-/// How near to grazing receivers are counted \[m\], ascending: a lattice step, then powers of ten.
+/// Distances from grazing at which receivers are counted \[m\], ascending: a lattice step, then
+/// powers of ten.
 pub(super) const NEAR_M: [f32; 5] = [1.0 / 1024.0, 0.01, 0.1, 1.0, 10.0];
 
 impl StressSceneReport {
-    /// How many of the sampled receivers are within each of [`NEAR_M`] of grazing.
+    /// Counts the sampled receivers within each of [`NEAR_M`] of grazing.
     pub(super) fn near(&self) -> [u64; NEAR_M.len()] {
         NEAR_M.map(|reach| self.margins.near(reach))
     }
 
-    /// The document: that of the map, with the margins.
+    /// Returns the document of the map, with the margins.
     pub(super) fn document(&self, timing: Option<Timing>) -> Value {
         let sampled = self.margins.margins.len() as u64;
         let bin = |(within_m, receivers)| BinDocument { within_m, receivers, share: share(receivers, sampled) };
@@ -166,7 +170,8 @@ impl StressSceneReport {
         })
     }
 
-    /// The table: one row per move by a lattice step, then one per distance from grazing.
+    /// Returns the table: one row for each move by a lattice step, then one for each distance from
+    /// grazing.
     pub(super) fn table(&self) -> Rows {
         let of_site = |site: &crate::map::SiteFacts| {
             let receivers = site.tally.receivers;
@@ -201,7 +206,7 @@ impl StressSceneReport {
     }
 }
 
-/// Where methods fail.
+/// Failures of methods.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct StressDocument {
     /// Kind of document and its version.
@@ -214,11 +219,11 @@ pub(crate) struct StressDocument {
     seed: u64,
     /// Scenes of each family.
     scenes_per_family: u32,
-    /// The methods, over all families.
+    /// Methods, over all families.
     methods: Vec<MethodDocument>,
-    /// The families.
+    /// Families of scenes.
     families: Vec<FamilyDocument>,
-    /// Seconds spent; not in what is stored in pictures and beside tables.
+    /// Seconds spent; absent in the copies that pictures and tables store.
     #[serde(skip_serializing_if = "Option::is_none")]
     timing_s: Option<TotalTiming>,
     /// SHA-256 of the table.
@@ -228,20 +233,20 @@ pub(crate) struct StressDocument {
 /// Seconds spent.
 #[derive(Debug, Serialize, JsonSchema)]
 struct TotalTiming {
-    /// All of it.
+    /// Whole run.
     total: f64,
 }
 
 /// A method over all families that it decides.
 #[derive(Debug, Serialize, JsonSchema)]
 struct MethodDocument {
-    /// Its word.
+    /// Word for the method.
     method: String,
-    /// Whether it is exact.
+    /// true if the method is exact.
     exact: bool,
-    /// Receivers that it decides; null for none.
+    /// Receivers that the method decides; null for none.
     receivers: Option<u64>,
-    /// Those that it decides wrongly.
+    /// Receivers that the method decides wrongly.
     wrong: Option<u64>,
     /// Share of the receivers that are wrong.
     failure_rate: Option<f64>,
@@ -250,26 +255,26 @@ struct MethodDocument {
 /// A family of scenes.
 #[derive(Debug, Serialize, JsonSchema)]
 struct FamilyDocument {
-    /// Its name.
+    /// Name of the family.
     family: &'static str,
-    /// What it breaks.
+    /// Assumption that the family breaks.
     breaks: &'static str,
-    /// Receivers of all its scenes.
+    /// Receivers of all scenes of the family.
     receivers: u64,
-    /// Those in line of sight.
+    /// Receivers in line of sight.
     los: u64,
-    /// What each method did.
+    /// Outcome of each method.
     methods: Vec<OutcomeDocument>,
 }
 
-/// What a method did on a family.
+/// Outcome of a method on a family.
 #[derive(Debug, Serialize, JsonSchema)]
 struct OutcomeDocument {
-    /// Its word.
+    /// Word for the method.
     method: String,
     #[serde(flatten)]
     outcome: OutcomeFields,
-    /// The first wrong receiver; null for none.
+    /// First wrong receiver; null for none.
     #[serde(skip_serializing_if = "Option::is_none")]
     first_wrong: Option<Option<FirstWrong>>,
 }
@@ -277,26 +282,26 @@ struct OutcomeDocument {
 /// A wrong receiver.
 #[derive(Debug, Serialize, JsonSchema)]
 struct FirstWrong {
-    /// Its scene.
+    /// Scene of the receiver.
     scene: String,
-    /// Its row.
+    /// Row of the receiver.
     row: usize,
-    /// Its column.
+    /// Column of the receiver.
     col: usize,
 }
 
-/// What a method gets wrong.
+/// Errors of a method on a family.
 #[derive(Debug, Serialize, JsonSchema)]
 struct OutcomeFields {
     /// Receivers decided wrongly; none where the method cannot decide the family.
     wrong: Option<u64>,
     /// Share of the receivers that are wrong.
     failure_rate: Option<f64>,
-    /// Those called LoS.
+    /// Wrong receivers that the method called LoS.
     false_los: Option<u64>,
-    /// Those called NLoS.
+    /// Wrong receivers that the method called NLoS.
     false_nlos: Option<u64>,
-    /// Why the method cannot decide the family.
+    /// Reason why the method cannot decide the family.
     #[serde(skip_serializing_if = "Option::is_none")]
     reason: Option<&'static str>,
 }
@@ -324,7 +329,7 @@ pub(crate) struct StressRow {
     family: &'static str,
     /// Method.
     method: String,
-    /// Whether the method is exact.
+    /// true if the method is exact.
     exact: bool,
     /// Scenes of the family.
     scenes: u32,
@@ -332,13 +337,13 @@ pub(crate) struct StressRow {
     seed: u64,
     /// Receivers of all scenes.
     receivers: u64,
-    /// Those in line of sight.
+    /// Receivers in line of sight.
     los: u64,
     #[serde(flatten)]
     outcome: OutcomeFields,
 }
 
-/// How stable the answers on a scene are: the document of the map, with margins near grazing.
+/// Stability of a scene's answers: the document of the map, with margins near grazing.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct StressSceneDocument {
     #[serde(flatten)]
@@ -350,13 +355,13 @@ pub(crate) struct StressSceneDocument {
 /// Margins near grazing.
 #[derive(Debug, Serialize, JsonSchema)]
 struct NearDocument {
-    /// Every how manyth receiver in row order was asked.
+    /// Step between sampled receivers, in row order.
     every: usize,
-    /// Receivers that were asked.
+    /// Sampled receivers.
     sampled: u64,
-    /// Those near grazing.
+    /// Sampled receivers near grazing, by distance.
     near_grazing: Vec<BinDocument>,
-    /// Why there are none.
+    /// Reason for having no sample.
     #[serde(skip_serializing_if = "Option::is_none")]
     reason: Option<&'static str>,
 }
@@ -364,11 +369,11 @@ struct NearDocument {
 /// Receivers within a distance of grazing.
 #[derive(Debug, Serialize, JsonSchema)]
 struct BinDocument {
-    /// The distance [m].
+    /// Distance [m].
     within_m: f32,
-    /// Receivers.
+    /// Receivers within that distance.
     receivers: u64,
-    /// Share of the receivers that were asked.
+    /// Share of the sampled receivers.
     share: Option<f64>,
 }
 
@@ -377,18 +382,18 @@ struct BinDocument {
 pub(crate) struct StressSceneRow {
     /// move (by one lattice step) or margin (near grazing).
     measure: &'static str,
-    /// Which move, or how near.
+    /// Name of the move, or distance from grazing.
     name: String,
     /// Receivers.
     receivers: u64,
-    /// Those that come into line of sight.
+    /// Receivers that come into line of sight.
     gained: Option<u64>,
-    /// Those that lose it.
+    /// Receivers that lose line of sight.
     lost: Option<u64>,
-    /// Those that turn, or are so near.
+    /// Receivers whose answer changes, or that are within the distance.
     turned: Option<u64>,
-    /// Share of the receivers that turn, or are so near.
+    /// Share of the receivers whose answer changes, or that are within the distance.
     share: Option<f64>,
-    /// Why the move cannot be made.
+    /// Reason why the move is impossible.
     reason: Option<String>,
 }

@@ -1,5 +1,5 @@
-//! The perturbation test of a scene: what turns when the UAV or all roofs move by one lattice step, and how many receivers
-//! are near to grazing.
+//! Perturbation test of a scene: answers that change when the UAV or all roofs move by one lattice
+//! step, and receivers near grazing.
 
 use std::path::Path;
 use std::time::Instant;
@@ -21,10 +21,10 @@ use crate::scene::Scene;
 use crate::sight::SightPlan;
 use crate::uav::UavsFound;
 
-/// Margins are taken of this many receivers at most: each costs a walk.
+/// Most receivers whose margins are computed: each costs a walk.
 const MARGIN_SAMPLE: usize = 65_536;
 
-/// How stable the answers on a scene are.
+/// Stability of the answers on a scene.
 #[derive(Debug)]
 pub(crate) struct StressScene {
     map: Coverages,
@@ -35,7 +35,7 @@ impl StressScene {
     /// Maps a UAV over a scene, and over the scene with each of eight moves.
     ///
     /// # Errors
-    /// As those of a map.
+    /// As for a map.
     pub(crate) fn run(
         scene: Scene,
         found: &UavsFound,
@@ -75,7 +75,7 @@ impl Answer for StressScene {
         &self.report.map.facts.warnings
     }
 
-    /// What turns, and what is near to grazing.
+    /// Returns the changed answers and the receivers near grazing, line by line.
     fn notes(&self, spent: Spent) -> Vec<String> {
         let mut notes = Vec::new();
         for site in &self.report.map.sites {

@@ -12,10 +12,10 @@ use crate::answer::{Provenance, SourceFacts, WarningFacts};
 use crate::city::{BuiltUp, FootprintFault, FootprintFaults, HeightSource, HeightSources, SourceShare};
 use crate::crs::VerticalCrs;
 
-/// The schema of all that `skyshed info` tells.
+/// Schema of all documents of `skyshed info`.
 pub(super) const INFO_SCHEMA: &str = "skyshed/info/1";
 
-/// Any of them, told apart by `kind`; a document that stands beside a picture has none.
+/// Any of these documents, distinguished by `kind`. A document beside a picture has no `kind`.
 #[derive(JsonSchema)]
 #[schemars(untagged)]
 #[expect(dead_code, clippy::large_enum_variant, reason = "a type of its schema alone")]
@@ -26,16 +26,16 @@ pub(crate) enum InfoDocument<'a> {
     Provenance(Provenance),
 }
 
-/// Where tiles are from.
+/// Provenance of tiles.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct TilesProvenance {
     #[serde(flatten)]
     pub(super) provenance: Provenance,
-    /// Tiles, and what holds for all of them together.
+    /// Tiles, and the values of all of them together.
     pub(super) tiles: TilesDocument,
 }
 
-/// What a scene is.
+/// Description of a scene.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct SceneInfo {
     /// Kind of document and its version.
@@ -46,7 +46,7 @@ pub(crate) struct SceneInfo {
     pub(super) command: Vec<String>,
     /// footprints or raster.
     pub(super) kind: &'static str,
-    /// What it is called in titles.
+    /// Name in titles.
     pub(super) name: String,
     /// Columns of cells.
     pub(super) cols: usize,
@@ -60,17 +60,17 @@ pub(crate) struct SceneInfo {
     pub(super) extent: [f64; 4],
     /// Reference system; null for local coordinates in meters.
     pub(super) crs: Option<String>,
-    /// Its name.
+    /// Name of the reference system.
     pub(super) crs_name: Option<String>,
-    /// What the heights of raster files are above.
+    /// Vertical reference of the heights in raster files.
     pub(super) vertical: Vec<VerticalInfo>,
     /// Lowest and highest ground [m above the datum].
     pub(super) ground_m: Option<[f64; 2]>,
     /// Lowest and highest surface [m above the datum].
     pub(super) surface_m: Option<[f64; 2]>,
-    /// Cells by what they are.
+    /// Cells by kind.
     pub(super) cells: CellsInfo,
-    /// Buildings, of footprints.
+    /// Buildings; null unless the scene has footprints.
     pub(super) buildings: Option<usize>,
     /// Convex pieces that footprints are cut into.
     pub(super) convex_pieces: Option<usize>,
@@ -78,28 +78,28 @@ pub(crate) struct SceneInfo {
     pub(super) built_up: Option<GeneratedInfo>,
     /// Parameters estimated from the buildings.
     pub(super) estimated_built_up: Option<BuiltUpInfo>,
-    /// Parameters by tile, where they were asked for.
+    /// Parameters by tile, where requested.
     pub(super) tiles: Option<TilesDocument>,
-    /// Where the heights of footprints come from.
+    /// Sources of the heights of footprints.
     pub(super) height_sources: Option<Vec<HeightSourceInfo>>,
-    /// What was mended or left out of footprints.
+    /// Numbers of footprints that were mended or left out, by fault.
     pub(super) faults: Option<FaultsInfo>,
     /// Files that were read.
     pub(super) sources: Vec<SourceFacts>,
-    /// What was odd.
+    /// Warnings.
     pub(super) warnings: Vec<WarningFacts>,
 }
 
-/// What the heights of a file are above.
+/// Vertical reference of the heights of a file.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct VerticalInfo {
-    /// The file.
+    /// Path of the file.
     pub(super) path: String,
     /// Code of the vertical system; null where it has none.
     pub(super) crs: Option<String>,
     /// Name of the vertical system.
     pub(super) name: Option<String>,
-    /// Why there is no name.
+    /// Reason for a missing name.
     pub(super) reason: Option<&'static str>,
 }
 
@@ -114,14 +114,14 @@ impl VerticalInfo {
     }
 }
 
-/// Cells by what they are.
+/// Cells by kind.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct CellsInfo {
     /// Open ground.
     pub(super) open: u64,
     /// Buildings.
     pub(super) building: u64,
-    /// Without data.
+    /// Cells without data.
     pub(super) nodata: u64,
 }
 
@@ -147,22 +147,22 @@ impl BuiltUpInfo {
 pub(super) struct GeneratedInfo {
     #[serde(flatten)]
     pub(super) parameters: BuiltUpInfo,
-    /// Width of its buildings [m].
+    /// Width of the buildings [m].
     pub(super) building_width_m: f64,
-    /// Width of its streets [m].
+    /// Width of the streets [m].
     pub(super) street_width_m: f64,
-    /// Its seed.
+    /// Seed of the city.
     pub(super) seed: u64,
 }
 
 /// Heights of footprints that come from one source.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct HeightSourceInfo {
-    /// file, storeys, median, number, or nowhere, which are left out.
+    /// file, storeys, median, number, or nowhere (left out).
     pub(super) source: &'static str,
     /// Footprints.
     pub(super) footprints: usize,
-    /// Their share of the area of all.
+    /// Share of the area of all footprints.
     pub(super) area_share: f64,
 }
 
@@ -176,7 +176,7 @@ impl HeightSourceInfo {
     }
 }
 
-/// Footprints by what was wrong with them.
+/// Footprints by fault.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct FaultsInfo {
     /// Features that are no areas.
@@ -185,21 +185,21 @@ pub(super) struct FaultsInfo {
     pub(super) repaired: usize,
     /// Rings that were closed.
     pub(super) unclosed: usize,
-    /// Without area.
+    /// Outlines without area.
     pub(super) degenerate: usize,
-    /// Holes outside of their shell.
+    /// Holes outside their shell.
     pub(super) stray_holes: usize,
-    /// Without a usable height.
+    /// Footprints without a usable height.
     pub(super) missing_height: usize,
-    /// With a negative height.
+    /// Footprints with a negative height.
     pub(super) negative_height: usize,
     /// Heights written with a decimal comma.
     pub(super) decimal_comma: usize,
-    /// Without ground below.
+    /// Footprints without ground below.
     pub(super) no_ground: usize,
-    /// Too far from the others.
+    /// Footprints too far from the others.
     pub(super) too_far: usize,
-    /// With a height from the number of storeys.
+    /// Footprints with a height from the number of storeys.
     pub(super) from_levels: usize,
     /// Features that are no buildings.
     pub(super) not_buildings: usize,
@@ -207,7 +207,7 @@ pub(super) struct FaultsInfo {
     pub(super) floating: usize,
     /// Buildings that are drawn by their parts.
     pub(super) parts: usize,
-    /// With a top at or below the ground.
+    /// Footprints with a top at or below the ground.
     pub(super) below_ground: usize,
 }
 

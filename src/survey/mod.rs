@@ -1,4 +1,5 @@
-//! What a scene is: size, reference system, heights, faults of its files, α, β and γ, also by tile.
+//! Description of a scene: size, reference system, heights, faults of its files, α, β and γ, also
+//! by tile.
 
 mod document;
 mod output;
@@ -34,32 +35,32 @@ use crate::render::{grouped, percent};
 use crate::scene::{Scene, SceneReader, is_raster};
 use crate::words::{capitalized, version};
 
-/// Formats of what a scene is; tiles have two more.
+/// Output formats of a description without tiles.
 pub(crate) const FORMATS: [Format; 2] = [Format::Json, Format::Stdout];
-/// Formats of tiles.
+/// Output formats of a description with tiles.
 pub(crate) const TILE_FORMATS: [Format; 4] = [Format::GeoTiff, Format::Csv, Format::Json, Format::Stdout];
 
-/// What was found of a scene.
+/// Description of a scene.
 #[derive(Debug)]
 pub(crate) struct Survey {
     scene: Scene,
     facts: RunFacts,
     counts: Counts,
-    /// Of footprints.
+    /// Faults of footprints; `None` for a raster.
     faults: Option<FootprintFaults>,
     n_buildings: usize,
     estimate: Option<BuiltUp>,
     tiles: Option<Tiles>,
-    /// The raster files that hold heights, with what these are above.
+    /// Raster files that hold heights, with the vertical reference of each.
     vertical: Vec<(PathBuf, Option<VerticalCrs>)>,
 }
 
 impl Survey {
-    /// Reads a scene and looks at it; with tiles of an edge \[m\], if that is given. What is wrong with the files is told, not
-    /// refused, where a scene can be made without it.
+    /// Reads a scene and describes it; `tile_m` is the edge of tiles \[m\]. Faults of files are
+    /// reported instead of refused where a scene can be built without the faulty part.
     ///
     /// # Errors
-    /// As [`SceneReader::open`]; E113, E117 or E502 for tiles that cannot be.
+    /// As [`SceneReader::open`]; E113, E117 or E502 for impossible tiles.
     pub(crate) fn open(
         options: &SceneReader,
         word: &OsStr,
@@ -98,7 +99,7 @@ impl Survey {
         if self.faults.is_some() { "footprints" } else { "raster" }
     }
 
-    /// Edge lengths of the grid \[m\].
+    /// Returns the edge lengths of the grid \[m\].
     fn size_m(&self) -> [f64; 2] {
         let (grid, unit) = (self.scene.grid(), self.facts.unit_m());
         [(grid.x_max() - grid.x_min()) * unit, (grid.y_max() - grid.y_min()) * unit]
@@ -258,7 +259,7 @@ impl Answer for Survey {
     }
 }
 
-/// Cells by kind and ranges of heights.
+/// Numbers of cells by kind, and ranges of heights.
 #[derive(Debug, Default)]
 struct Counts {
     open: u64,

@@ -1,4 +1,4 @@
-//! What this program wrote: what made it, from what, and what it holds.
+//! Description of a file that this program wrote: its origin, its inputs and its contents.
 
 use std::fs::File;
 use std::io::Read;
@@ -25,23 +25,23 @@ use crate::words::version;
 pub(crate) struct Output {
     command: Vec<String>,
     path: PathBuf,
-    /// What it says of its origin.
+    /// Origin of the file: the document in it or beside it.
     origin: Value,
     bands: Vec<Band>,
-    /// Of the mask of one UAV: cells by class, and whether they give the digest that the file names.
+    /// For the mask of one UAV: cells by class, and `true` if they match the digest of the origin.
     mask: Option<(Map<String, Value>, bool)>,
 }
 
 /// A band of a raster.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 struct Band {
-    /// Its name.
+    /// Name of the band.
     name: String,
     /// Lowest and highest value.
     range: Option<[f64; 2]>,
     /// Cells without a value.
     nodata: u64,
-    /// Why there is no range.
+    /// Reason for having no range.
     reason: Option<&'static str>,
 }
 
@@ -56,26 +56,26 @@ pub(crate) struct OutputInfo<'a> {
     command: &'a [String],
     /// output.
     kind: &'static str,
-    /// The file.
+    /// Path of the file.
     path: String,
-    /// What it says of its origin: a document of the run that made it.
+    /// Origin of the file: a document of the run that made it.
     made_by: &'a Value,
     /// Bands of a raster.
     bands: &'a [Band],
     /// Cells of a mask by class.
     classes: Option<&'a Map<String, Value>>,
-    /// Whether the cells of a mask give the digest that the file names.
+    /// true if the cells of a mask match the digest of the origin.
     digest_agrees: Option<bool>,
-    /// What to do with it.
+    /// Suggested use of the file.
     #[serde(rename = "use")]
     advice: &'static str,
 }
 
-/// Longest beginning of a text that tells whether it is ours \[bytes\].
+/// Length of the beginning of a text that must name one of our schemas \[bytes\].
 const HEAD: u64 = 4096;
 
 impl Output {
-    /// The output that a file is; `None` for the files of others, and for cities, which are scenes.
+    /// Returns the output that a file is. `None` for other files, and for cities, which are scenes.
     pub(crate) fn of(path: &Path, command: &[String]) -> Option<Output> {
         let origin = origin(path)?;
         if is_city(&origin) {
@@ -87,7 +87,7 @@ impl Output {
         Some(output)
     }
 
-    /// Reads the bands of a GeoTIFF; of any other file, or a damaged one, none are told.
+    /// Reads the bands of a GeoTIFF. Other files and damaged ones get no bands.
     fn read_bands(&mut self) {
         let Ok(RasterFile::GeoTiff(tiff)) = RasterFile::open(&self.path, &mut Vec::new()) else { return };
         let names: Vec<String> = tiff.band_names().iter().map(|name| name.unwrap_or("unnamed").to_string()).collect();
@@ -118,7 +118,7 @@ impl Output {
         }
     }
 
-    /// What to do with it.
+    /// Returns the suggested use of the file.
     fn advice(&self) -> &'static str {
         let schema = self.origin["schema"].as_str().unwrap_or_default();
         let extension = self.path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
@@ -205,7 +205,7 @@ fn crs_of(scene: &Value) -> &str {
     scene["crs"].as_str().unwrap_or("local coordinates")
 }
 
-/// What a file says of its origin, in itself or in the document beside it.
+/// Returns the origin of a file, from the file itself or from the document beside it.
 fn origin(path: &Path) -> Option<Value> {
     if let Some(text) = origin_of(path) {
         return serde_json::from_str(&text).ok();
@@ -226,7 +226,7 @@ fn is_ours(origin: &Value) -> bool {
     origin["schema"].as_str().is_some_and(|schema| schema.starts_with("skyshed/"))
 }
 
-/// A JSON document whose beginning names one of our schemas.
+/// Reads a JSON document whose beginning names one of our schemas.
 fn document_of_ours(path: &Path) -> Option<Value> {
     let mut head = Vec::new();
     File::open(path).ok()?.take(HEAD).read_to_end(&mut head).ok()?;
@@ -236,7 +236,7 @@ fn document_of_ours(path: &Path) -> Option<Value> {
     serde_json::from_str(&text).ok()
 }
 
-/// The bytes of a mask with its cells by class; `None` for a raster with other values.
+/// Returns the bytes of a mask and its cells by class. `None` for a raster with other values.
 fn classes(cells: &[f64]) -> Option<(Vec<u8>, Map<String, Value>)> {
     let byte = |value: &f64| {
         let found = class::NAMES.iter().find(|(code, _)| value.total_cmp(&f64::from(*code)).is_eq());

@@ -1,4 +1,4 @@
-//! A file that names places: UAVs, or the track of a user.
+//! Description of a file of places: UAVs, or the track of a user.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
@@ -23,7 +23,7 @@ use crate::raster::{Crs, CrsKind, GeoRef};
 use crate::read::{BadRows, read_sites, read_track};
 use crate::words::version;
 
-/// Places that a file names.
+/// Places of a file.
 #[derive(Debug)]
 pub(crate) struct Places {
     command: Vec<String>,
@@ -38,7 +38,7 @@ enum What {
     Track(Vec<[f64; 2]>),
 }
 
-/// What a file is by its beginning.
+/// Kind of a file, judged by its beginning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Looks {
     Uavs,
@@ -47,10 +47,10 @@ enum Looks {
 }
 
 impl Places {
-    /// The places of a file; `None` if it names none.
+    /// Reads the places of a file; `None` if the file is of another kind.
     ///
     /// # Errors
-    /// Those of [`read_sites`] and [`read_track`]: what is wrong with the file.
+    /// Faults of the file, as [`read_sites`] and [`read_track`].
     pub(crate) fn of(path: &Path, crs: Option<Crs>, command: &[String]) -> Result<Option<Places>> {
         let looks = looks_of(path);
         if looks == Looks::Neither {
@@ -58,7 +58,7 @@ impl Places {
         }
         let places = |what, crs| Places { command: command.to_vec(), path: path.to_path_buf(), what, crs };
         let found = match read(path, looks, crs.clone()) {
-            // Degrees without a scene to bring them into stay degrees.
+            // Without a scene, degrees stay degrees.
             Err(Error::Io(skyshed_io::Error::Read(error))) if matches!(error.fault, ReadFault::NoSceneCrs(_)) => {
                 let degrees = Some(crs::from_epsg(4326)?);
                 places(read(path, looks, degrees.clone())?, degrees)
@@ -75,13 +75,13 @@ impl Places {
         }
     }
 
-    /// West, south, east, north.
+    /// Returns west, south, east, north.
     fn extent(&self) -> [f64; 4] {
         let start = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
         self.positions().iter().fold(start, |[w, s, e, n], [x, y]| [w.min(*x), s.min(*y), e.max(*x), n.max(*y)])
     }
 
-    /// Length of a track \[CRS units\]; none of places in degrees, or of UAVs.
+    /// Returns the length of a track \[CRS units\]; `None` for places in degrees and for UAVs.
     fn length(&self) -> Option<f64> {
         let is_degrees = self.crs.as_ref().is_some_and(|crs| matches!(crs.kind(), CrsKind::Geographic));
         match &self.what {
@@ -92,7 +92,7 @@ impl Places {
         }
     }
 
-    /// Heights by what they are above: their number and range.
+    /// Returns the number and range of the heights, by their reference.
     fn heights(&self) -> BTreeMap<&'static str, (usize, [f64; 2])> {
         let mut heights = BTreeMap::new();
         let What::Uavs(sites) = &self.what else { return heights };
@@ -109,7 +109,7 @@ impl Places {
         heights
     }
 
-    /// What a run with these places would stumble over, or what they say twice.
+    /// Returns faults that a run with these places would refuse, and repeated places.
     fn faults(&self) -> Vec<String> {
         let What::Uavs(sites) = &self.what else { return Vec::new() };
         let (mut ids, mut places) = (BTreeSet::new(), BTreeSet::new());
@@ -141,7 +141,7 @@ impl Places {
     }
 }
 
-/// Places that a file names.
+/// Places of a file.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct PlacesInfo {
     /// Kind of document and its version.
@@ -152,31 +152,31 @@ pub(crate) struct PlacesInfo {
     command: Vec<String>,
     /// uavs or track.
     kind: &'static str,
-    /// The file.
+    /// Path of the file.
     path: String,
-    /// How many there are.
+    /// Number of places.
     places: usize,
     /// West, south, east, north [units of the reference system].
     extent: [f64; 4],
     /// Reference system; null for that of the scene.
     crs: Option<String>,
-    /// Heights of UAVs, by what they are above.
+    /// Heights of UAVs, by reference.
     heights: BTreeMap<&'static str, HeightsInfo>,
     /// Length of a track [units of the reference system].
     length: Option<f64>,
-    /// Why there is no length.
+    /// Reason for having no length.
     reason: Option<&'static str>,
-    /// What a run would stumble over.
+    /// Faults that a run would refuse, and repeated places.
     faults: Vec<String>,
-    /// What to do with it.
+    /// Suggested use of the file.
     #[serde(rename = "use")]
     advice: String,
 }
 
-/// Heights above one thing.
+/// Heights with one reference.
 #[derive(Debug, Serialize, JsonSchema)]
 struct HeightsInfo {
-    /// How many there are.
+    /// Number of places.
     places: usize,
     /// Lowest and highest [m].
     range_m: [f64; 2],
@@ -241,12 +241,12 @@ fn read(path: &Path, looks: Looks, crs: Option<Crs>) -> Result<What> {
     if looks == Looks::Track {
         return Ok(What::Track(read_track(path, crs.as_ref(), BadRows::Refuse)?));
     }
-    // Of a scene only its system is needed: to be told what is in a file, no place must lie in one.
+    // Reading needs only the reference system of a scene: places need not lie in one.
     let grid = GeoRef::new((0.0, 0.0), (1.0, 1.0), (1, 1), crs).ok_or(Error::Fault("a grid of one cell is valid"))?;
     Ok(What::Uavs(read_sites(path, &grid, 1, BadRows::Refuse)?))
 }
 
-/// What a file is by its name and beginning: a table with positions, or GeoJSON without a polygon.
+/// Returns the kind of a file, by its extension and contents.
 fn looks_of(path: &Path) -> Looks {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
@@ -256,7 +256,8 @@ fn looks_of(path: &Path) -> Looks {
     }
 }
 
-/// A table of UAVs has heights; any other is a track, which says what it lacks.
+/// Returns `Uavs` for a table with heights, `Track` for any other. Reading a table that is neither
+/// fails with its fault.
 fn table_looks(path: &Path) -> Option<Looks> {
     let lines = BufReader::new(File::open(path).ok()?.take(1 << 16)).lines();
     let header = lines
@@ -272,7 +273,8 @@ fn table_looks(path: &Path) -> Option<Looks> {
     Some(if has_height { Looks::Uavs } else { Looks::Track })
 }
 
-/// GeoJSON that names a polygon anywhere is a scene; else lines are a track and points are UAVs.
+/// Returns `Neither` for GeoJSON with polygons, which is a scene. Otherwise lines are a track, and
+/// points are UAVs.
 fn geojson_looks(path: &Path) -> Option<Looks> {
     let mut text = String::new();
     File::open(path).ok()?.read_to_string(&mut text).ok()?;

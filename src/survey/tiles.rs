@@ -1,4 +1,4 @@
-//! α, β and γ by tile as a raster or a table.
+//! Parameters α, β and γ by tile, as a raster or a table.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -20,20 +20,20 @@ use crate::quantity::{Frame, tidy};
 use crate::raster::GeoRef;
 use crate::render::{FirstBand, grouped, qgis_style};
 
-/// What tiles hold where a value does not exist.
+/// Value of a tile without data.
 const NODATA: f32 = -9999.0;
 
-/// The tiles that were asked for.
+/// Tiles of a scene.
 #[derive(Debug)]
 pub(super) struct Tiles {
     tiles: BuiltUpTiles,
     edge_m: f64,
 }
 
-/// The size of tiles over a grid, from their edge \[m\].
+/// Returns the size of tiles over a grid, from their edge \[m\].
 ///
 /// # Errors
-/// E113 for a size that is not above 0 or below that of a cell, E502 for too many tiles.
+/// E113 for an edge shorter than a cell, E502 for too many tiles.
 pub(super) fn checked_size(edge_m: f64, grid: &GeoRef, word: &OsStr) -> Result<TileSize> {
     let meters_per_unit = grid.meters_per_unit();
     let cell_m = grid.cell_width().max(grid.cell_height()) * meters_per_unit;
@@ -48,7 +48,7 @@ pub(super) fn checked_size(edge_m: f64, grid: &GeoRef, word: &OsStr) -> Result<T
 }
 
 impl Tiles {
-    /// The tiles of footprints, or else of the cells of a raster scene.
+    /// Computes the tiles of footprints, or of the cells of a raster scene.
     ///
     /// # Errors
     /// E117 if no building is known.
@@ -68,12 +68,12 @@ impl Tiles {
         Ok(Tiles { tiles, edge_m: size.edge * size.meters_per_unit })
     }
 
-    /// The values of a tile: α, β, γ.
+    /// Returns the values of a tile: α, β, γ.
     fn values(&self, tile: &BuiltUpTile) -> [Option<f64>; 3] {
         [tile.built_up_ratio(), self.tiles.buildings_per_km2(tile), tile.height_scale()]
     }
 
-    /// Adds the values of all tiles as a raster, with a style that shows the first.
+    /// Adds the values of all tiles as a raster, with a style that shows the first band.
     pub(super) fn add_raster(&self, batch: &mut Batch, path: &Path, provenance: &Value) -> Result<()> {
         #[expect(clippy::cast_possible_truncation, reason = "bands are f32; counts are exact to 2^24")]
         let band = |value: &dyn Fn(&BuiltUpTile) -> Option<f64>| -> Vec<f32> {
@@ -121,7 +121,7 @@ impl Tiles {
         }
     }
 
-    /// What the document says of the tiles, all of them together.
+    /// Returns the tiles for the document, with the values of all of them together.
     pub(super) fn document(&self) -> TilesDocument {
         TilesDocument {
             tile_m: self.edge_m,
@@ -132,7 +132,7 @@ impl Tiles {
         }
     }
 
-    /// A line for reading.
+    /// Returns a line of text.
     pub(super) fn text(&self) -> String {
         let georef = self.tiles.georef();
         let range = |k: usize, decimals: usize| {
@@ -152,7 +152,7 @@ impl Tiles {
     }
 }
 
-/// Why a tile lacks a value, if it does.
+/// Returns the reason for a missing value of a tile; `None` if no value is missing.
 fn reason(tile: &BuiltUpTile) -> Option<&'static str> {
     if tile.built_up_ratio().is_none() {
         return Some("no open or built ground");
@@ -164,7 +164,7 @@ fn reason(tile: &BuiltUpTile) -> Option<&'static str> {
     }
 }
 
-/// Tiles, and what holds for all of them together.
+/// Tiles, and the values of all of them together.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct TilesDocument {
     /// Edge of a tile [m].
@@ -175,11 +175,11 @@ pub(super) struct TilesDocument {
     rows: usize,
     #[serde(flatten)]
     whole: TileFacts,
-    /// Buildings outside of all tiles.
+    /// Buildings outside all tiles.
     buildings_outside: u64,
 }
 
-/// A row of the table of tiles; what the extent cuts has the values of what is left of it.
+/// A row of the table of tiles; a tile that the extent cuts holds the values of its part inside.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct TileRow {
     /// Row, counted from the north.
@@ -194,12 +194,12 @@ pub(crate) struct TileRow {
     tile: TileFacts,
 }
 
-/// What stands on a tile.
+/// Values of a tile.
 #[derive(Debug, Serialize, JsonSchema)]
 struct TileFacts {
     /// Ground with data [m²].
     area_m2: f64,
-    /// Buildings whose middle is on it.
+    /// Buildings whose middle is on the tile.
     buildings: u64,
     /// Share of the ground that is built on.
     alpha: Option<f64>,
@@ -207,6 +207,6 @@ struct TileFacts {
     beta_per_km2: Option<f64>,
     /// Scale of the Rayleigh distribution of heights [m].
     gamma_m: Option<f64>,
-    /// Why a value is missing.
+    /// Reason for a missing value.
     reason: Option<&'static str>,
 }

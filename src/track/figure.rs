@@ -1,4 +1,5 @@
-//! The picture of a track: where the user has line of sight, and how high would be enough elsewhere.
+//! Picture of a track: stretches with line of sight, and the user height that would be enough
+//! elsewhere.
 
 use super::TrackWalk;
 use crate::answer::Answer;
@@ -60,7 +61,7 @@ pub(super) fn draw(walk: &TrackWalk, format: Format, look: &Look) -> Result<Vec<
     written(render::draw_track_profile(&profile), &look.form(format), &picture_provenance(&walk.provenance()))
 }
 
-/// Where a stretch begins, turns and ends, as columns and rows of a grid.
+/// Returns the start, the turns and the end of a stretch, as columns and rows of a grid.
 fn path_of(walk: &TrackWalk, stretch: &Stretch, grid: &GeoRef) -> Vec<[f64; 2]> {
     let points = &walk.track.points;
     let at = |along: f64| {
@@ -80,7 +81,7 @@ fn path_of(walk: &TrackWalk, stretch: &Stretch, grid: &GeoRef) -> Vec<[f64; 2]> 
     std::iter::once(at(from)).chain(turns).chain([at(to)]).map(cells).collect()
 }
 
-/// The cells around the track and the UAV, with a border of a twelfth.
+/// Returns the cells around the track and the UAV, with a border of a twelfth.
 fn window_around(walk: &TrackWalk) -> CellWindow {
     let around = |[x, y]: [f64; 2]| [x, y, x, y];
     let join = |a: [f64; 4], b: [f64; 4]| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])];
@@ -90,7 +91,7 @@ fn window_around(walk: &TrackWalk) -> CellWindow {
     window_of(walk.scene.grid(), std::iter::once([west - border, south - border, east + border, north + border]))
 }
 
-/// What the cells of a window are.
+/// Returns the classes of the cells of a window.
 fn classes(walk: &TrackWalk, window: CellWindow) -> Vec<u8> {
     let cells = walk.scene.field.cells();
     let class_of = |row: usize, col: usize| match (cells.building.contains(row, col), cells.open.contains(row, col)) {

@@ -26,25 +26,25 @@ use crate::sight::SightPlan;
 use crate::uav::bad_rows;
 use crate::words::p_los_words;
 
-/// Formats of a track.
+/// Output formats of a track.
 pub(crate) const FORMATS: [Format; 6] =
     [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];
 
-/// More places than this are refused.
+/// Most steps along a track.
 const MOST_PLACES: f64 = 1e6;
 
-/// A track to be walked.
+/// Plan of a walk along a track.
 #[derive(Debug)]
 pub(crate) struct TrackPlan {
     pub(crate) uav: Site,
-    /// The table or line of its places.
+    /// File with the places of the track: a table or a line.
     pub(crate) file: PathBuf,
     pub(crate) skips_bad: bool,
-    /// Whether the file is hashed whatever its size.
+    /// `true` if the file is hashed, however large it is.
     pub(crate) hash: bool,
     /// Longest step between two decided places \[m\].
     pub(crate) every_m: f64,
-    /// How high the user is.
+    /// Height of the user, and the shape of the earth.
     pub(crate) sight: SightPlan,
 }
 
@@ -63,7 +63,7 @@ impl TrackPlan {
     /// Walks the track over a scene.
     ///
     /// # Errors
-    /// Those of the file; E2xx for a UAV that cannot be there; E502 for too many steps.
+    /// Errors of reading the file; E2xx for a UAV that cannot be there; E502 for too many steps.
     pub(crate) fn walk(&self, mut scene: Scene, command: Vec<String>) -> Result<TrackWalk> {
         self.check()?;
         let site = &self.uav;
@@ -108,7 +108,7 @@ impl TrackPlan {
     }
 }
 
-/// What a user sees of a UAV along a track.
+/// Line of sight between a UAV and a user who walks a track.
 #[derive(Debug)]
 pub(crate) struct TrackWalk {
     scene: Scene,
@@ -129,39 +129,39 @@ pub(crate) struct TrackDocument {
     uav: EndFacts,
     /// Height of the user above ground [m].
     rx_height_m: f64,
-    /// K by which the radius of the earth is multiplied; null over a flat earth.
+    /// Effective earth radius factor k; null over a flat earth.
     earth_k: Option<f64>,
     /// Longest step between two decided places [m].
     every_m: f64,
     /// Lengths of the track [m].
     length_m: Lengths,
-    /// Share of the track in line of sight, of what holds a receiver; null without any.
+    /// Share of the track in line of sight, of the part with receivers; null without any.
     p_los: Option<f64>,
-    /// Why there is no share.
+    /// Reason for having no share.
     #[serde(skip_serializing_if = "Option::is_none")]
     reason: Option<&'static str>,
-    /// The longest stretch without line of sight [m].
+    /// Longest stretch without line of sight [m].
     longest_without_m: f64,
-    /// Stretches of one state, in order; not in what is stored in pictures and beside tables.
+    /// Stretches of one state, in order; absent in the copies that pictures and tables store.
     #[serde(skip_serializing_if = "Option::is_none")]
     stretches: Option<Vec<StretchDocument>>,
-    /// Decided places, in order; not there either.
+    /// Decided places, in order; absent in the copies that pictures and tables store.
     #[serde(skip_serializing_if = "Option::is_none")]
     points: Option<Vec<PointRow>>,
-    /// What was odd.
+    /// Warnings.
     warnings: Vec<WarningFacts>,
 }
 
 /// Lengths of a track [m].
 #[derive(Debug, Serialize, JsonSchema)]
 struct Lengths {
-    /// All of it.
+    /// Whole track.
     total: f64,
-    /// In line of sight.
+    /// Part in line of sight.
     los: f64,
-    /// Not in line of sight.
+    /// Part not in line of sight.
     nlos: f64,
-    /// Inside of buildings, or without a ground.
+    /// Part inside buildings or without a ground.
     no_receiver: f64,
 }
 
@@ -170,11 +170,11 @@ struct Lengths {
 struct StretchDocument {
     /// los, nlos or no_receiver.
     state: &'static str,
-    /// Its beginning along the track [m].
+    /// Beginning along the track [m].
     from_m: f64,
-    /// Its end along the track [m].
+    /// End along the track [m].
     to_m: f64,
-    /// Its length [m].
+    /// Length [m].
     length_m: f64,
 }
 
@@ -187,7 +187,7 @@ pub(crate) struct PointRow {
     x: f64,
     /// North [units of the scene's reference system].
     y: f64,
-    /// Whether the place is one of the file, not one between two of them.
+    /// true for a place of the file, false for one between two of them.
     vertex: bool,
     /// Height of the user above the datum [m].
     height_amsl_m: Option<f64>,
@@ -201,7 +201,7 @@ pub(crate) struct PointRow {
     elevation_deg: Option<f64>,
 }
 
-/// The word of a state in documents and tables.
+/// Returns the word of a state in documents and tables.
 fn word(state: TrackState) -> &'static str {
     match state {
         TrackState::Los => "los",
@@ -211,18 +211,19 @@ fn word(state: TrackState) -> &'static str {
 }
 
 impl TrackWalk {
-    /// Length of the track in a state \[m\].
+    /// Returns the length of the track in a state \[m\].
     fn length_m(&self, state: TrackState) -> f64 {
         self.track.length(state) * self.facts.unit_m()
     }
 
-    /// The longest stretch without line of sight \[m\].
+    /// Returns the length of the longest stretch without line of sight \[m\].
     fn longest_without_m(&self) -> f64 {
         let without = self.track.stretches.iter().filter(|s| s.state == TrackState::Nlos);
         without.map(|s| (s.along[1] - s.along[0]) * self.facts.unit_m()).fold(0.0, f64::max)
     }
 
-    /// Share of the track with line of sight, of what has receivers; `None` without any.
+    /// Returns the share of the track in line of sight, of the part with receivers; `None` without
+    /// any.
     fn share(&self) -> Option<f64> {
         let (los, nlos) = (self.length_m(TrackState::Los), self.length_m(TrackState::Nlos));
         (los + nlos > 0.0).then(|| los / (los + nlos))
