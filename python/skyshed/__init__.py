@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from skyshed._answers import LOS, NLOS, NO_RECEIVER, NODATA, OUT_OF_RANGE, Answer, Coverage, Coverages, Link
     from skyshed._errors import Error, FileError, SkyshedWarning
     from skyshed._live import LivePage
-    from skyshed._scene import Scene, plos
+    from skyshed._scene import Scene, info, plos
 
 # What stands where; nothing is imported before it is used, so that the program starts at once.
 _WHERE = {
@@ -38,6 +38,7 @@ _WHERE = {
     "LivePage": "_live",
     "Scene": "_scene",
     "plos": "_scene",
+    "info": "_scene",
 }
 
 __all__ = [
@@ -55,6 +56,7 @@ __all__ = [
     "LivePage",
     "Scene",
     "SkyshedWarning",
+    "info",
     "plos",
 ]
 

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     import pandas
     import xarray
+    from typing_extensions import Unpack
 
+    from skyshed._keywords import SaveKeywords
     from skyshed._scene import Scene
     from skyshed._skyshed import Found, Maps, _Place
 
@@ -118,7 +120,7 @@ class _Mapped(Grid):
         found: dict[str, Any] = json.loads(self._maps.document())
         return found
 
-    def save(self, *paths: PathLike, **options: object) -> None:
+    def save(self, *paths: PathLike, **options: Unpack[SaveKeywords]) -> None:
         """Writes files by their extensions: pictures (.png .svg .pdf), rasters (.tif .exr .asc .bil .npz), tables (.csv), documents
         (.json), features (.geojson .fgb), overlays (.kmz).
 
@@ -127,7 +129,7 @@ class _Mapped(Grid):
         """
         self._maps.save([os.fspath(path) for path in paths], as_json(options))
 
-    def picture(self, **options: object) -> Picture:
+    def picture(self, **options: Unpack[SaveKeywords]) -> Picture:
         """The picture of the program, as a notebook shows it; options are those of :meth:`save`."""
         return Picture(self._maps.picture(as_json(options)))
 

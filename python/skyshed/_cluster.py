@@ -54,8 +54,8 @@ class Unit(NamedTuple):
     """A unit of work, as the program cuts it."""
 
     name: str
-    #: Row and column of a tile.
-    tile: Tile | None
+    #: Row and column of a tile; ``None`` of a UAV.
+    tile: Any
     #: Its UAVs, by their places in the list of all.
     uavs: list[int]
     #: About how long it takes on one thread [s].
@@ -294,12 +294,14 @@ def map_some_tiles(
 ) -> tuple[Mapped, list[tuple[str, Error]]]:
     """Files of some tiles; those that fail are told one by one."""
     tiles, uavs = part
-    of_tiles = lambda some: {**options, "tile": [f"{row},{col}" for row, col in some]}  # noqa: E731
+
+    def map_tiles(some: list[Tile]) -> Mapped:
+        return _map(asked, uavs, {**options, "tile": [f"{row},{col}" for row, col in some]})
+
     try:
-        return _map(asked, uavs, of_tiles(tiles)), []
+        return map_tiles(tiles), []
     except (Error, OSError):
-        one = lambda tile: _map(asked, uavs, of_tiles([tile]))  # noqa: E731
-        return _one_by_one((f"tile {tile[0]},{tile[1]}", lambda tile=tile: one(tile)) for tile in tiles)  # type: ignore[misc]
+        return _one_by_one((f"tile {row},{col}", lambda tile=(row, col): map_tiles([tile])) for row, col in tiles)  # type: ignore[misc]
 
 
 def _one_by_one(runs: Iterable[tuple[str, Callable[[], Mapped]]]) -> tuple[Mapped, list[tuple[str, Error]]]:

@@ -55,12 +55,12 @@ def as_json(options: Mapping[str, object]) -> str:
     return json.dumps(plain_options(options))
 
 
-def files_of(output: PathLike | Sequence[PathLike] | None) -> list[str]:
-    """Returns the paths of output files."""
+def output_of(output: PathLike | Sequence[PathLike] | None) -> dict[str, list[str]]:
+    """Returns the option that names output files; none without any."""
     if output is None:
-        return []
+        return {}
     files = [output] if isinstance(output, (str, os.PathLike)) else list(output)
-    return [os.fspath(file) for file in files]
+    return {"output": [os.fspath(file) for file in files]} if files else {}
 
 
 def watch_of(progress: object) -> Callable[[float], object] | None:

@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -14,75 +14,36 @@ from skyshed import _skyshed
 from skyshed._answers import Answer, Coverage, Coverages, Grid, Link
 from skyshed._arrays import Held, crs_text, held, is_xarray, placed
 from skyshed._errors import tell, wrong
-from skyshed._inputs import HeldInput, Uav, inputs_of, uav_of, uavs_of
+from skyshed._inputs import HeldInput, Uav, inputs_of, table_of, uav_of, uavs_of
+from skyshed._keywords import SceneKeywords
 from skyshed._live import LivePage
-from skyshed._options import PathLike, as_json, files_of, plain_options, watch_of
+from skyshed._options import PathLike, as_json, output_of, plain_options, watch_of
 
 if TYPE_CHECKING:
+    from skyshed._keywords import (
+        AnySceneKeywords,
+        CityKeywords,
+        CompareKeywords,
+        FootprintKeywords,
+        InfoKeywords,
+        LimitsKeywords,
+        LinkKeywords,
+        MapKeywords,
+        PlaceKeywords,
+        PlosKeywords,
+        SampleKeywords,
+        SightKeywords,
+        TrackKeywords,
+        ZonesKeywords,
+    )
     import numpy.typing as npt
     from typing_extensions import Self, Unpack
 
 
-class _AnyScene(TypedDict, total=False):
-    ground: float | str | None
-    building_threshold: float | None
-    height_field: str | None
-    top_field: str | None
-    height_unit: str | None
-    base_field: str | None
-    levels_field: str | None
-    height_error_field: str | None
-    roofs: str | None
-    layer: str | None
-    missing: str | float | Sequence[str | float] | None
-    parts: str | None
-    base: str | None
-    data_area: PathLike | None
-    extent: Sequence[float] | None
-    cell: float | None
-    project: object
-    nodata_as: str | None
-    hash: bool
-
-
-class _Footprints(_AnyScene, total=False):
-    terrain: PathLike | None
-
-
-class SceneOptions(_Footprints, total=False):
-    """How a scene is read: the options of the program under *Scene* of ``skyshed map --help``."""
-
-    crs: object
-    band: int | str | None
-
-
 #: Names of the options that say how a scene is read.
-READING = frozenset(SceneOptions.__optional_keys__)
+READING = frozenset(SceneKeywords.__optional_keys__)
 
 _Kind = TypeVar("_Kind", bound=Answer)
-
-
-class Sight(TypedDict, total=False):
-    """For whom, and how far: options of every question."""
-
-    rx_height: float
-    receivers: str
-    radius: float | None
-    min_radius: float | None
-    sector: tuple[float, float] | None
-    elevation: tuple[float, float] | None
-    beam: float | None
-    earth_k: float | str | None
-    curvature_coefficient: float | None
-    method: str
-
-
-class MapOptions(Sight, total=False):
-    """Options of maps."""
-
-    height_error: float | None
-    height_bias: float | None
-    sigma: float | None
 
 
 class Origin(NamedTuple):
@@ -103,7 +64,7 @@ class Scene(Grid):
         self._scene, self._word, self._reading, self._origin = scene, word, reading, origin
 
     @classmethod
-    def open(cls, path: PathLike, *, progress: object = None, **options: Unpack[SceneOptions]) -> Self:
+    def open(cls, path: PathLike, *, progress: object = None, **options: Unpack[SceneKeywords]) -> Self:
         """Opens any file that the program reads: a raster or a folder of tiles, footprints, or a mesh.
 
         >>> munich = Scene.open("maps/munich.geojson")
@@ -117,7 +78,7 @@ class Scene(Grid):
         return scene
 
     @classmethod
-    def itu(cls, kind: str, *, size: float = 1000, seed: int = 1, **options: Unpack[_AnyScene]) -> Self:
+    def itu(cls, kind: str, *, size: float = 1000, seed: int = 1, **options: Unpack[AnySceneKeywords]) -> Self:
         """A generated city of the ITU-R P.1410 model: ``suburban``, ``urban``, ``dense-urban``, ``high-rise``, or
         ``"alpha,beta,gamma"``; ``size`` is its edge [m].
 
@@ -140,7 +101,7 @@ class Scene(Grid):
         terrain_transform: Any = None,
         terrain_nodata: Any = None,
         name: str = "array",
-        **options: Unpack[_AnyScene],
+        **options: Unpack[AnySceneKeywords],
     ) -> Self:
         """A scene of a surface model in memory, heights in meters: an array with a transform, or a DataArray, which has its own.
 
@@ -191,7 +152,7 @@ class Scene(Grid):
         crs: Any = None,
         ids: Iterable[object] | None = None,
         name: str = "buildings",
-        **options: Unpack[_Footprints],
+        **options: Unpack[FootprintKeywords],
     ) -> Self:
         """A scene of buildings in memory: a GeoDataFrame and the name of its column of heights, or geometries and their heights
         above the ground [m].
@@ -239,11 +200,8 @@ class Scene(Grid):
         self,
         uav: Uav,
         *,
-        layers: str | Sequence[str] = "los",
-        tolerance: float | None = None,
-        zones: bool = False,
         progress: object = None,
-        **sight: Unpack[MapOptions],
+        **options: Unpack[MapKeywords],
     ) -> Coverage:
         """What a UAV sees: (x, y, height) in the scene's reference system, the height above ground [m] or in words such as
         ``"30roof"``, ``"150amsl"``, ``"400ft"``.
@@ -257,8 +215,7 @@ class Scene(Grid):
         and ``height_bias`` are
         standard deviations of errors of heights of buildings [m], of each alone and of all together: P_LoS has an interval then.
         """
-        asked = as_json({**sight, "layers": layers, "tolerance": tolerance, "zones": zones})
-        maps = self._scene.maps([uav_of(uav)], asked, True, watch_of(progress))
+        maps = self._scene.maps([uav_of(uav)], as_json(options), True, watch_of(progress))
         tell(maps.warnings, self._scene.warnings)
         return Coverage(maps)
 
@@ -266,26 +223,22 @@ class Scene(Grid):
         self,
         uavs: Iterable[Uav],
         *,
-        layers: str | Sequence[str] = "los",
-        tolerance: float | None = None,
-        zones: bool = False,
         keep: bool = False,
         progress: object = None,
-        **sight: Unpack[MapOptions],
+        **options: Unpack[MapKeywords],
     ) -> Coverages:
         """What each of several UAVs sees, and all together: a list, an array of shape (n, 3), or a table with columns x, y, h.
 
         Masks of single UAVs are made and dropped, or kept with ``keep`` (a byte a cell each).
         """
-        asked = {**sight, "layers": layers, "tolerance": tolerance, "zones": zones}
         listed = uavs_of(uavs, self.crs)
         if not listed:
             raise wrong("uavs", "none", "at least one", "E108")
-        maps = self._scene.maps(listed, as_json(asked), keep, watch_of(progress))
+        maps = self._scene.maps(listed, as_json(options), keep, watch_of(progress))
         tell(maps.warnings, self._scene.warnings)
-        return Coverages(maps, self, listed, asked, keep)
+        return Coverages(maps, self, listed, dict(options), keep)
 
-    def p_los(self, uavs: Iterable[Uav], *, progress: object = None, **sight: Unpack[Sight]) -> npt.NDArray[np.float64]:
+    def p_los(self, uavs: Iterable[Uav], *, progress: object = None, **sight: Unpack[SightKeywords]) -> npt.NDArray[np.float64]:
         """P_LoS of each of some UAVs: the share of receivers in range that it sees, NaN without any, and over no data. No mask is made."""
         return self._scene.p_los(uavs_of(uavs, self.crs), as_json(sight), watch_of(progress))
 
@@ -295,14 +248,14 @@ class Scene(Grid):
         rx: Sequence[float | str],
         *,
         output: PathLike | Sequence[PathLike] | None = None,
-        **options: object,
+        **options: Unpack[LinkKeywords],
     ) -> Link:
         """One link, decided and explained; ``rx`` is (x, y) or (x, y, height). ``output`` draws it from the side."""
         x, y, h, *_ = uav_of(uav)
         if not isinstance(rx, (tuple, list, np.ndarray)) or len(rx) not in (2, 3):
             raise wrong("rx", repr(rx)[:80], "(x, y) or (x, y, height)", "E103")
         ends = {"uav": (x, y, h), "rx": tuple(rx)}
-        return self._asked(Link, "link", {**ends, **_of_question(options), "output": files_of(output)})
+        return self._asked(Link, "link", {**ends, **_of_question(options), **output_of(output)})
 
     def place(
         self,
@@ -314,8 +267,7 @@ class Scene(Grid):
         within: Any = None,
         keep_out: Any = None,
         area: Any = None,
-        weights: PathLike | None = None,
-        **options: object,
+        **options: Unpack[PlaceKeywords],
     ) -> Answer:
         """Where to hover: candidates ranked, refined, or chosen together. Options are those of ``skyshed place``: ``step``,
         ``count``, ``goal``, ``over``, ``clearance``, ``minimize``, ``top``, ``radius``, ``receivers``, ``rx_height`` …
@@ -327,9 +279,9 @@ class Scene(Grid):
         >>> sorted(best["winner"])[:3]
         ['height_agl_m', 'height_amsl_m', 'los']
         """
-        given = {"candidates": candidates, "within": within, "keep_out": keep_out, "area": area, "weights": weights}
+        given = {"candidates": candidates, "within": within, "keep_out": keep_out, "area": area}
         files, held = inputs_of(given, self.crs, height)
-        asked = {"height": height, **files, **_of_question(options), "output": files_of(output)}
+        asked = {"height": height, **files, **_of_question(options), **output_of(output)}
         return self._asked(Answer, "place", asked, progress, held=held)
 
     def sample(
@@ -339,12 +291,12 @@ class Scene(Grid):
         height: float | Sequence[float],
         output: PathLike | Sequence[PathLike] | None = None,
         progress: object = None,
-        **options: object,
+        **options: Unpack[SampleKeywords],
     ) -> Answer:
         """P_LoS averaged over placements of each zone, with intervals: ``{"street": 200, "rooftop": 200}``. Options are those of
         ``skyshed sample``: ``cities``, ``centers``, ``radius``, ``ci``, ``block`` …"""
         of_zones = [f"{zone}:{n}" for zone, n in zones.items()]
-        asked = {"zones": of_zones, "height": height, **_of_question(options), "output": files_of(output)}
+        asked = {"zones": of_zones, "height": height, **_of_question(options), **output_of(output)}
         # Generated cities are made as large as whole discs take.
         return self._asked(Answer, "sample", asked, progress, is_opened=self._origin is not None)
 
@@ -354,10 +306,71 @@ class Scene(Grid):
         heights: tuple[float, float, float] | None = None,
         *,
         progress: object = None,
-        **sight: Unpack[Sight],
+        **options: Unpack[SightKeywords],
     ) -> Answer:
         """P_LoS against the height of a UAV above the ground below it, exact: a table of heights, receivers and P_LoS."""
-        return self.map(uav, **sight).height_curve(heights, progress=progress)
+        return self.map(uav, **options).height_curve(heights, progress=progress)
+
+    def track(
+        self,
+        uav: Uav,
+        track: Any,
+        *,
+        output: PathLike | Sequence[PathLike] | None = None,
+        **options: Unpack[TrackKeywords],
+    ) -> Answer:
+        """Line of sight along a user's way below a UAV, and its stretches without.
+
+        ``track`` is a path of a table or a line, or places (x, y) in order: a sequence, or an array of shape (n, 2).
+        """
+        x, y, h, *_ = uav_of(uav)
+        held: list[HeldInput] = []
+        if not isinstance(track, (str, os.PathLike)):
+            places = np.asarray(track, dtype=np.float64)
+            if places.ndim != 2 or places.shape[1] != 2:
+                raise wrong("track", f"an array of shape {places.shape}", "(n, 2): x, y", "E103")
+            rows = "".join(f"{east!r},{north!r}\n" for east, north in places.tolist())
+            held, track = [("track", "track.csv", f"x,y\n{rows}".encode())], "track.csv"
+        asked = {"uav": (x, y, h), "track": track, **_of_question(options), **output_of(output)}
+        return self._asked(Answer, "track", asked, held=held)
+
+    def limits(
+        self,
+        uavs: Iterable[Uav],
+        *,
+        output: PathLike | Sequence[PathLike] | None = None,
+        **options: Unpack[LimitsKeywords],
+    ) -> Answer:
+        """What limits the P_LoS of a map of some UAVs: cells, terrain, positions, heights; a row for each."""
+        asked, held = self._of_uavs(uavs)
+        return self._asked(Answer, "limits", {**asked, **_of_question(options), **output_of(output)}, held=held)
+
+    def compare(
+        self,
+        uavs: Iterable[Uav] = (),
+        *,
+        masks: Sequence[PathLike] = (),
+        output: PathLike | Sequence[PathLike] | None = None,
+        **options: Unpack[CompareKeywords],
+    ) -> Answer:
+        """UAVs side by side, and saved maps (``masks``): counts, shares, differences with intervals. ``output`` may be a page (.html)."""
+        asked, held = self._of_uavs(uavs) if uavs_of(uavs, self.crs) else ({}, [])
+        of_masks = {"mask": list(masks)} if masks else {}
+        asked = {**asked, **of_masks, **_of_question(options), **output_of(output)}
+        return self._asked(Answer, "compare", asked, held=held)
+
+    def zones(
+        self, *, output: PathLike | Sequence[PathLike] | None = None, **options: Unpack[ZonesKeywords]
+    ) -> Answer:
+        """Streets, crossroads, courtyards and rooftops: cells and shares of each. ``output`` draws a map, or holds polygons."""
+        return self._asked(Answer, "zones", {**_of_question(options), **output_of(output)})
+
+    def _of_uavs(self, uavs: Iterable[Uav]) -> tuple[dict[str, object], list[HeldInput]]:
+        """UAVs as a table in memory."""
+        listed = uavs_of(uavs, self.crs)
+        if not listed:
+            raise wrong("uavs", "none", "at least one", "E108")
+        return {"uavs": "uavs.csv"}, [("uavs", "uavs.csv", table_of(listed))]
 
     def live(self, path: PathLike | None = None, *, uavs: Iterable[Uav] = ()) -> LivePage:
         """A page in which UAVs are dragged over the scene and the exact coverage follows; it is written to ``path``, and shown by a
@@ -367,10 +380,10 @@ class Scene(Grid):
             page.save(path)
         return page
 
-    def save(self, *paths: PathLike, **options: object) -> None:
+    def save(self, *paths: PathLike, **options: Unpack[CityKeywords]) -> None:
         """Writes the city itself: a drawing (.png .svg .pdf), heights (.tif .asc), footprints (.geojson), a scene of Mitsuba and Sionna
         RT (.xml), boxes of ns-3 (.csv), a document (.json). Options are those of ``skyshed city``."""
-        self._asked(Answer, "city", {**_of_question(options), "output": files_of(list(paths))})
+        self._asked(Answer, "city", {**_of_question(options), **output_of(paths)})
 
     def _asked(
         self,
@@ -433,7 +446,7 @@ def _absolute(path: Any) -> Any:
 
 def _of_question(options: Mapping[str, object]) -> Mapping[str, object]:
     """Options of a question; those of a scene are given where it is made."""
-    of_scene = [name for name in options if name in SceneOptions.__annotations__ or name in ("size", "seed")]
+    of_scene = [name for name in options if name in READING or name in ("size", "seed")]
     if of_scene:
         raise wrong(of_scene[0], "an option of scenes", "options of the question: give it where the scene is made", "E116")
     return options
@@ -477,11 +490,11 @@ def _multipolygon(polygons: Any) -> bytes:
 
 
 def plos(
-    *cities: str | PathLike | Scene,
+    *scenes: str | PathLike | Scene,
     height: float | Sequence[float] = 100,
     output: PathLike | Sequence[PathLike] | None = None,
     progress: object = None,
-    **options: object,
+    **options: Unpack[PlosKeywords],
 ) -> Answer:
     """The probability of line of sight over cities that are known by statistics, or over real ones: exact products, simulators,
     models, maps. Options are those of ``skyshed plos``: ``theta``, ``distance``, ``radius``, ``method``, ``placement``, ``users``,
@@ -491,20 +504,32 @@ def plos(
     >>> [round(float(p), 3) for p in found.table["p_los"]]
     [0.467, 0.779]
     """
-    if not cities:
-        raise wrong("cities", "none", 'at least one, such as "itu:urban"', "E108")
-    scenes: list[str] = []
+    if not scenes:
+        raise wrong("scenes", "none", 'at least one, such as "itu:urban"', "E108")
+    words: list[str] = []
     readings: list[dict[str, Any]] = []
-    for city in cities:
+    for city in scenes:
         if isinstance(city, Scene) and city._origin is None:
-            raise wrong("cities", f"{city!r}, made of arrays", "a file or a generated city: save it and open that")
+            raise wrong("scenes", f"{city!r}, made of arrays", "a file or a generated city: save it and open that")
         origin = city._origin if isinstance(city, Scene) else None
-        scenes.append(origin.word if origin else os.fspath(city))  # type: ignore[arg-type]
+        words.append(origin.word if origin else os.fspath(city))  # type: ignore[arg-type]
         reading = origin.options if origin else {}
         readings.append({name: value for name, value in reading.items() if name not in ("size", "seed")})
     if any(reading != readings[0] for reading in readings):
-        raise wrong("cities", "cities that are read in different ways", "one way for all of them, or a call for each")
-    asked = {**readings[0], "scenes": scenes, "height": height, **options, "output": files_of(output)}
+        raise wrong("scenes", "cities that are read in different ways", "one way for all of them, or a call for each")
+    asked = {**readings[0], "scenes": words, "height": height, **options, **output_of(output)}
     found = _skyshed.ask("plos", as_json(asked), None, watch_of(progress))
+    tell(found.warnings)
+    return Answer(found)
+
+
+def info(path: PathLike, *, output: PathLike | Sequence[PathLike] | None = None, **options: Unpack[InfoKeywords]) -> Answer:
+    """Facts of a file, as of ``skyshed info``: size, reference system, heights and faults of a scene; what UAVs or an output hold.
+
+    >>> found = info("itu:urban", size=200)
+    >>> found["cols"], found["rows"]
+    (200, 200)
+    """
+    found = _skyshed.ask("info", as_json({**_reading(options), "scene": os.fspath(path), **output_of(output)}))
     tell(found.warnings)
     return Answer(found)

@@ -81,7 +81,7 @@ def ask(
     options: str,
     scene: Scene | None = None,
     watch: _Watch | None = None,
-    held: Sequence[tuple[str, str, bytes]] = (),
+    held: Sequence[tuple[str, str, bytes]] = ...,
 ) -> Found: ...
 def plan_units(
     options: str, scene: Scene | None, uavs: bytes

@@ -136,7 +136,9 @@ def _layer_of_tile(asked: Any, tile: Tile, uavs: list[AskedUav], options: Option
     _prepare()
     of_tile = as_json({**_cluster.of_scene(asked), **options, "tile": [f"{tile[0]},{tile[1]}"]})
     maps = _skyshed.map_tile(of_tile, _cluster.held_scene(asked), table_of(uavs))
-    return {"union": maps.union, "count": maps.count, "best-server": maps.best_server}[layer]()
+    if layer == "union":
+        return maps.union()
+    return maps.count() if layer == "count" else maps.best_server()
 
 
 def _prepare() -> None:

@@ -21,7 +21,7 @@ from skyshed._scene import Scene
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from skyshed._scene import SceneOptions
+    from skyshed._keywords import SceneKeywords
 
 
 #: How rioxarray brings heights in degrees to meters.
@@ -35,7 +35,7 @@ class SkyshedAccessor:
     def __init__(self, array: xarray.DataArray) -> None:
         self._array = array
 
-    def scene(self, **options: Unpack[SceneOptions]) -> Scene:
+    def scene(self, **options: Unpack[SceneKeywords]) -> Scene:
         """The scene of these heights: see :meth:`skyshed.Scene.from_raster`."""
         name = str(self._array.name or "array")
         scene = Scene._of_raster(self._array, (None, options.pop("crs", None), None), (options.pop("terrain", None), None, None), name, options)

@@ -200,10 +200,10 @@ HOSTILE: list[tuple[Callable[[], Any], str]] = [
     (lambda: raster().save("city.geojson"), "city.geojson"),
     (lambda: CITY.sample({"moon": 3}, height=100), "zones"),
     (lambda: CITY.sample({}, height=100), "zones"),
-    (lambda: skyshed.plos(), "cities"),
+    (lambda: skyshed.plos(), "scenes"),
     (lambda: skyshed.plos("itu:urban", theta=-5), "elevation angle"),
     (lambda: skyshed.plos("itu:urban", method="magic"), "magic"),
-    (lambda: skyshed.plos(raster()), "cities"),
+    (lambda: skyshed.plos(raster()), "scenes"),
 ]
 
 

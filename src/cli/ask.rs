@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, Command, FromArgMatches};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -135,9 +135,25 @@ where
     T: Args + FromArgMatches + Serialize + DeserializeOwned + Default,
 {
     let flags = || T::augment_args(Command::new("skyshed")).disable_help_flag(true);
-    let checked = |members| parsed(flags().try_get_matches_from(json::command_line("skyshed", members)));
+    let words = |members| json::command_line("skyshed", members);
+    let checked = |members| flags().try_get_matches_from(words(members)).map(|_| ());
     match json::from_keywords::<T>(members.clone()) {
-        Ok(request) => checked(json::set_members(&request)).map(|_| request),
+        Ok(request) => {
+            let set = json::set_members(&request);
+            let Err(error) = checked(set.clone()) else { return Ok(request) };
+            let without = |name: &String| -> Members {
+                let others = set.iter().filter(|(other, _)| *other != name);
+                others.map(|(name, value)| (name.clone(), value.clone())).collect()
+            };
+            let culprit = set.keys().find(|name| checked(without(name)).is_ok());
+            match (error.kind(), culprit) {
+                (ErrorKind::MissingRequiredArgument, Some(name)) => {
+                    let needed = missing_in(&error);
+                    Err(Error::idle(name.clone(), format!("without `{needed}`")).into())
+                }
+                _ => Err(refused(&error)),
+            }
+        }
         Err(fault) => {
             let name = fault.member;
             if let Some(reason) = fault.reason.filter(|reason| reason.contains("wanted") || !members[&name].is_number())
@@ -145,9 +161,20 @@ where
                 return Err(refusal(101, format!("`{name}`: {reason}")));
             }
             // The parser of words knows names that are near, and values that are out of range.
-            checked([(name.clone(), members[&name].clone())].into_iter().collect())?;
+            checked([(name.clone(), members[&name].clone())].into_iter().collect()).map_err(|error| refused(&error))?;
             Err(refusal(101, format!("`{name}`: no such option")))
         }
+    }
+}
+
+/// Returns the name of the first option that an error of the parser misses.
+fn missing_in(error: &clap::Error) -> String {
+    match error.get(ContextKind::InvalidArg) {
+        Some(ContextValue::Strings(flags)) => {
+            let flag = flags.first().map_or("", |flag| flag.split(' ').next().unwrap_or_default());
+            flag.trim_start_matches('-').replace('-', "_")
+        }
+        _ => String::new(),
     }
 }
 
@@ -239,13 +266,13 @@ fn prepared(scene: Scene, uavs: &[Uav], question: &CoverageQuestion) -> Result<P
     Ok(MapPlan::of(question)?.prepare(scene, &UavsFound::of(uavs)?, PartOf::default())?)
 }
 
-/// What was parsed; help and versions are for people, and refused.
-fn parsed<T>(read: std::result::Result<T, clap::Error>) -> Result<T> {
-    read.map_err(|error| match error.kind() {
-        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => refusal(101, "help is no option here"),
-        _ => refusal::answer(&error).err().unwrap_or_else(|| refusal::in_words(&error.to_string())),
-    })
+/// Returns what the parser of words refuses.
+fn refused(error: &clap::Error) -> Failure {
+    refusal::answer(error).err().unwrap_or_else(|| refusal::in_words(&error.to_string()))
 }
+
+/// Options of a run of the program alone.
+const OF_THE_PROGRAM: [&str; 5] = ["json", "max_memory", "quiet", "repairs", "threads"];
 
 /// Answers a command with options by their names, such as `place` with `step`: 50. `scene` is used instead of the one that they name,
 /// and `held` are inputs in memory by the names of their options.
@@ -262,6 +289,7 @@ pub fn ask(
     held.into_iter().for_each(|(option, source)| cli.hold(&option, source));
     let run = Run { given: scene, ..Run::asked(line, Instant::now(), progress) };
     if let Some(shared) = cli.shared() {
+        json::refuse(&shared.members, &OF_THE_PROGRAM, "for a caller, who has the answer").map_err(Error::from)?;
         check_use(&shared, cli.draws() || run.given.is_some())?;
         check_text(shared.out, None)?;
     }

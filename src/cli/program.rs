@@ -138,6 +138,7 @@ impl Cli {
             (Command::Map(map), "uavs") => map.uavs.uavs = Some(source),
             (Command::Compare(compare), "uavs") => compare.uavs.uavs = Some(source),
             (Command::Limits(limits), "uavs") => limits.uavs.uavs = Some(source),
+            (Command::Track(track), "track") => track.track.track = Some(source),
             (Command::Live(live), "uavs") => live.uavs.uavs = Some(source),
             (Command::Place(place), _) => {
                 let PlaceQuestion { candidates, goal, .. } = &mut place.question;

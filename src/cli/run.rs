@@ -67,6 +67,18 @@ impl Run {
         self.given.as_ref().map_or_else(read, |given| Ok(given.clone()))
     }
 
+    /// Refuses a data area, unless the scene was read before.
+    ///
+    /// # Errors
+    /// E116.
+    pub(super) fn refuse_data_area(&self, members: &Map<String, Value>) -> Result<()> {
+        match self.given {
+            Some(_) => Ok(()),
+            None => Ok(json::refuse(members, &["data_area"], "for a link: its ends are where they are put")
+                .map_err(Error::from)?),
+        }
+    }
+
     /// Returns a reader of scenes, which lists repairs if that was requested.
     pub(super) fn reader(&self, reading: &Reading) -> SceneReader {
         SceneReader { repairs: self.list_for(reading), ..reading.options.clone().into() }

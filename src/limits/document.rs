@@ -194,7 +194,7 @@ pub(crate) struct LimitRow {
 
 /// Footprints that are rectangles.
 #[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
-pub(super) struct Rectangles {
+pub(crate) struct Rectangles {
     /// Number of rectangles.
     pub(super) rectangles: usize,
     /// Number of all footprints.

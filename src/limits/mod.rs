@@ -85,13 +85,7 @@ impl LimitsPlan {
         asked: &UavsAsked,
         command: Vec<String>,
     ) -> Result<Limits> {
-        for (what, value) in
-            [("the error of the UAVs", self.uav_error_m), ("the error of the heights", self.height_error_m)]
-        {
-            if !(0.0..=1000.0).contains(&value) {
-                return Err(Error::number(what, value, "0 to 1000 m"));
-            }
-        }
+        self.check()?;
         let (start, mut warnings) = (Instant::now(), Vec::new());
         let city = options.read(word, &mut warnings)?;
         let rectangles = match &city.solids {
@@ -101,7 +95,38 @@ impl LimitsPlan {
             }
             Solids::Raster { .. } => None,
         };
-        let mut scene = Scene::built(options, (word, city), warnings, start)?;
+        let scene = Scene::built(options, (word, city), warnings, start)?;
+        self.find_over((scene, options), rectangles, asked, command)
+    }
+
+    /// Checks the numbers, before any work.
+    ///
+    /// # Errors
+    /// E113.
+    fn check(&self) -> Result<()> {
+        for (what, value) in
+            [("the error of the UAVs", self.uav_error_m), ("the error of the heights", self.height_error_m)]
+        {
+            if !(0.0..=1000.0).contains(&value) {
+                return Err(Error::number(what, value, "0 to 1000 m"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Maps some UAVs over a scene in several ways. The options have read it; `rectangles` are those
+    /// of its footprints, if they are known.
+    ///
+    /// # Errors
+    /// E113 for numbers out of range; E2xx for UAVs that cannot be there.
+    pub(crate) fn find_over(
+        &self,
+        (mut scene, options): (Scene, &SceneReader),
+        rectangles: Option<Rectangles>,
+        asked: &UavsAsked,
+        command: Vec<String>,
+    ) -> Result<Limits> {
+        self.check()?;
         let sight = &self.sight;
         let found = asked.read(scene.grid())?;
         let uavs = scene.place(&found, None, sight)?;

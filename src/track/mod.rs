@@ -2,7 +2,7 @@
 
 mod figure;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -25,6 +25,7 @@ use crate::scene::placing::{place_uav, warn_of_uavs_outside};
 use crate::sight::SightPlan;
 use crate::uav::bad_rows;
 use crate::words::p_los_words;
+use skyshed_io::Input;
 
 /// Output formats of a track.
 pub(crate) const FORMATS: [Format; 6] =
@@ -37,10 +38,10 @@ const MOST_PLACES: f64 = 1e6;
 #[derive(Debug)]
 pub(crate) struct TrackPlan {
     pub(crate) uav: Site,
-    /// File with the places of the track: a table or a line.
-    pub(crate) file: PathBuf,
+    /// Places of the track: a table or a line.
+    pub(crate) track: Input,
     pub(crate) skips_bad: bool,
-    /// `true` if the file is hashed, however large it is.
+    /// `true` if the track is hashed, however large it is.
     pub(crate) hash: bool,
     /// Longest step between two decided places \[m\].
     pub(crate) every_m: f64,
@@ -69,9 +70,9 @@ impl TrackPlan {
         let site = &self.uav;
         warn_of_uavs_outside(std::slice::from_ref(site), scene.field.grid(), &mut scene.warnings);
         let crs = scene.field.grid().crs();
-        let read = |odd: &mut _| read_track(&self.file, crs, bad_rows(self.skips_bad, odd));
+        let read = |odd: &mut _| read_track(&self.track, crs, bad_rows(self.skips_bad, odd));
         let places = warned(&mut scene.warnings, read)?;
-        scene.sources.push(source_of(&self.file, self.hash)?);
+        scene.sources.push(source_of(&self.track, self.hash)?);
         let length: f64 = places.windows(2).map(|e| (e[1][0] - e[0][0]).hypot(e[1][1] - e[0][1])).sum();
         let unit = scene.grid().meters_per_unit();
         if length * unit / self.every_m > MOST_PLACES {

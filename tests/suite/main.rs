@@ -121,6 +121,7 @@ mod hint_inputs; // the files that the lines of hints read
 mod plain_tiff; // writes simple GeoTIFFs
 mod polygons; // triangulation and repair of footprints
 mod codes; // the page of codes, from the sources
+mod keywords; // keywords of the Python package, from the requests
 mod schemas; // documents against their JSON Schemas, columns and their meanings
 mod recorder; // digests of all masks, for two builds side by side
 mod referee; // links and whole maps by an engine, by the oracle and by ray

@@ -84,7 +84,11 @@ where
 {
     let names = serde_json::to_value(T::default()).unwrap_or_default();
     let mut members = Map::new();
-    for (name, value) in keywords.into_iter().filter(|(_, value)| !is_unset(value)) {
+    let is_set = |value: &Value| !matches!(value, Value::Null | Value::Bool(false));
+    for (name, value) in keywords.into_iter().filter(|(_, value)| is_set(value)) {
+        if value.as_array().is_some_and(Vec::is_empty) {
+            return Err(MemberFault { member: name, reason: Some("found none, wanted at least one".into()) });
+        }
         if names.get(&name).is_none() {
             return Err(MemberFault { member: name, reason: None });
         }

@@ -4,7 +4,7 @@
 use crate::part::{group, part};
 use crate::{
     Earth, FilePath, HeightErrors, Heights, Meters, OutputOptions, PictureOptions, Reading, Receiver, SceneWord, Sight,
-    Table, Uavs, ZoneCount,
+    Source, Table, Uavs, ZoneCount,
 };
 
 part! {
@@ -59,7 +59,7 @@ part! {
         uav: Option<String>,
         /// The user's places in order, from a table (.csv with x,y or lon,lat; `-` is standard input) or a line (.geojson)
         #[arg(long, value_name = "FILE", required = true)]
-        track: Option<FilePath>,
+        track: Option<Source>,
         /// Leave out rows of the track that cannot be read, with a warning that names them
         #[arg(long)]
         skip_bad: bool,

@@ -56,7 +56,7 @@ pub(in crate::cli) fn run(request: &CompareRequest, run: &Run) -> Result<()> {
     // The page has a link to the live page of the same place.
     let keeps_solids = outputs.iter().any(|(_, format)| *format == Format::Html);
     let options = SceneReader { keeps_solids, ..run.reader(reading) };
-    let scene = options.open(request.scene.word())?;
+    let scene = run.given.clone().map_or_else(|| options.open(request.scene.word()), Ok)?;
     let found = asked.read(scene.grid())?;
     let comparison = plan.compare(scene, &found, run.words(), &run.progress)?;
     run.emit(&comparison, &outputs, (&request.out, &look))

@@ -1,13 +1,14 @@
 //! `skyshed limits`: limits of the P_LoS of a map, and the needs of the map.
 
-use skyshed_request::{LimitsOptions, LimitsRequest, filled};
+use skyshed_request::{LimitsOptions, LimitsRequest, filled, json};
 
 use crate::cli::args::output::{checked_files, plain_look};
 use crate::cli::args::scene::scene_files;
 use crate::cli::failure::Result;
 use crate::cli::run::Run;
+use crate::error::Error;
 use crate::limits::{FORMATS, LimitsPlan};
-use crate::scene::SceneReader;
+use crate::scene::{SceneReader, built_up};
 use crate::sight::SightPlan;
 use crate::uav::UavsAsked;
 
@@ -23,11 +24,18 @@ pub(in crate::cli) fn run(request: &LimitsRequest, run: &Run) -> Result<()> {
         height_error_m: filled(request.limits.height_error, defaults.height_error),
         n_cities: filled(request.limits.cities, defaults.cities),
     };
+    if built_up(request.scene.word()).is_none() {
+        json::refuse(&json::set_members(request), &["cities"], "for a city in a file: it is one")
+            .map_err(Error::from)?;
+    }
     let asked = UavsAsked::some_of(&request.uavs, request.reading.options.hash)?;
     let inputs: Vec<_> = scene_files(request.scene.word(), &request.reading).into_iter().chain(asked.file()).collect();
     let outputs = checked_files(&request.out, None, (&FORMATS, &inputs))?;
     // Faults of a file are reported, not refused.
     let options = SceneReader { tells_faults: true, ..run.reader(&request.reading) };
-    let limits = plan.find((&options, request.scene.word()), &asked, run.words())?;
+    let limits = match &run.given {
+        Some(scene) => plan.find_over((scene.clone(), &options), None, &asked, run.words())?,
+        None => plan.find((&options, request.scene.word()), &asked, run.words())?,
+    };
     run.emit(&limits, &outputs, (&request.out, &plain_look(&request.out)))
 }

@@ -8,7 +8,6 @@ use crate::cli::args::scene::scene_files;
 use crate::cli::args::sight::parse_receiver;
 use crate::cli::failure::{Result, refusal};
 use crate::cli::run::Run;
-use crate::error::Error;
 use crate::link::FORMATS;
 use crate::picture::Look;
 use crate::quantity::tidy;
@@ -20,8 +19,7 @@ use crate::uav::{Uav, site_of};
 /// # Errors
 /// Errors of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &LinkRequest, run: &Run) -> Result<()> {
-    json::refuse(&json::set_members(request), &["data_area"], "for a link: its ends are where they are put")
-        .map_err(Error::from)?;
+    run.refuse_data_area(&json::set_members(request))?;
     let site = site_of(request.link.uav.as_deref().unwrap_or_default(), "1".into())?;
     let range = Range { radius: request.link.radius, ..Range::default() };
     let sight = SightPlan::of(&Sight {

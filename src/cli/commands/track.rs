@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
+use skyshed_io::Input;
 use skyshed_request::{Sight, TrackOptions, TrackRequest, filled, json};
 
 use crate::cli::args::output::checked_files;
 use crate::cli::args::scene::scene_files;
 use crate::cli::failure::Result;
 use crate::cli::run::Run;
-use crate::error::Error;
 use crate::picture::Look;
 use crate::sight::SightPlan;
 use crate::track::{FORMATS, TrackPlan};
@@ -19,12 +19,10 @@ use crate::uav::site_of;
 /// # Errors
 /// Errors of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &TrackRequest, run: &Run) -> Result<()> {
-    json::refuse(&json::set_members(request), &["data_area"], "for a link: its ends are where they are put")
-        .map_err(Error::from)?;
-    let file = request.track.track.clone().map(PathBuf::from).unwrap_or_default();
+    run.refuse_data_area(&json::set_members(request))?;
     let plan = TrackPlan {
         uav: site_of(request.track.uav.as_deref().unwrap_or_default(), "1".into())?,
-        file: file.clone(),
+        track: request.track.track.as_ref().map_or_else(|| Input::path(""), Input::of),
         skips_bad: request.track.skip_bad,
         hash: request.reading.options.hash,
         every_m: filled(request.track.every, TrackOptions::defaults().every),
@@ -35,7 +33,8 @@ pub(in crate::cli) fn run(request: &TrackRequest, run: &Run) -> Result<()> {
         })?,
     };
     plan.check()?;
-    let inputs = [scene_files(request.scene.word(), &request.reading), vec![file]].concat();
+    let track = plan.track.file().map(PathBuf::from);
+    let inputs: Vec<PathBuf> = scene_files(request.scene.word(), &request.reading).into_iter().chain(track).collect();
     let outputs = checked_files(&request.out, None, (&FORMATS, &inputs))?;
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;
     let walk = plan.walk(run.open_word(request.scene.word(), &request.reading)?, run.words())?;

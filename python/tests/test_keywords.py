@@ -1,0 +1,236 @@
+"""No keyword of any question is taken in silence: with it the answer differs, or an error names it."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import os
+import re
+import warnings
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import skyshed
+from skyshed import Scene, _keywords
+
+#: A value of each keyword, other than its default.
+VALUES: dict[str, Any] = {
+    # Scenes.
+    "terrain": "terrain.asc",
+    "ground": np.float64(5.0),
+    "building_threshold": 4,
+    "height_field": "tall",
+    "top_field": "z_top",
+    "height_unit": "ft",
+    "levels_field": "tall",
+    "base_field": "tall",
+    "parts": "join",
+    "height_error_field": "tall",
+    "roofs": "lod2",
+    "layer": "a",
+    "missing": ("levels", 9),
+    "base": "highest",
+    "data_area": Path("part.geojson"),
+    "extent": (0, 0, 48, 48),
+    "cell": 0.5,
+    "crs": "EPSG:25832",
+    # These meters are no degrees.
+    "project": "no system",
+    "size": 210,
+    "seed": np.int64(5),
+    "nodata_as": "block",
+    "band": 2,
+    "hash": True,
+    # Receivers, range, antennas, earth.
+    "rx_height": "30ft",
+    "receivers": "all",
+    "radius": np.float32(25),
+    "method": "xdraw",
+    "min_radius": 15,
+    "sector": np.array([20, 110]),
+    "elevation": (-80, -50),
+    "beam": 50,
+    "earth_k": 1e-4,
+    "curvature_coefficient": 9999,
+    # Maps and their files.
+    "height_error": 3,
+    "height_bias": 2,
+    "sigma": 1,
+    "layers": ["los", "margin"],
+    "tolerance": 0.2,
+    "zones": True,
+    "bare": True,
+    "tif_layout": "plain",
+    "gdal_values": True,
+    "polygons": "los",
+    "simplify": 2,
+    "title": "007",
+    "attribution": "Somebody",
+    "width": 900,
+    "dpi": 150,
+    "overwrite": True,
+    "csv_text": True,
+    # Questions.
+    "every": 3,
+    "uav_error": 2,
+    "cities": 3,
+    "block": 30,
+    "step": 15,
+    "over": "street",
+    "skip_bad": True,
+    "shard": "1/2",
+    "clearance": 45,
+    "goal": "margin",
+    "weights": "terrain.asc",
+    "minimize": "height",
+    "count": 2,
+    "map": "best.png",
+    "top": 1,
+    "centers": True,
+    "ci": 0.8,
+    "tile": 20,
+    "curve": "mine=mine.csv",
+    "theta": [30, 60],
+    "distance": 60,
+    "phi": 10,
+    "alpha": 0.4,
+    "beta": 400,
+    "gamma": 12,
+    "users": "street",
+    "placement": "street",
+    "uav_clear_of_roof": True,
+    "until": 0.2,
+    "users_per_city": 3,
+    "links": 300,
+    "positions": 20,
+    "theta_band": 2,
+    "plot": "heat",
+}
+
+#: Keywords that by their nature change no answer here, and the test that shows what they do.
+QUIET = {
+    "overwrite": "an existing file is replaced with it alone",
+    "csv_text": "no name of these scenes means something to a spreadsheet",
+    "hash": "small inputs are hashed anyway",
+    "parts": "this file has none: building_meaning",
+    "skip_bad": "no row of these tables is bad",
+    "method": "exact engines agree",
+}
+
+
+def building(x: float, y: float, **properties: object) -> dict[str, Any]:
+    ring = [[x, y], [x + 8, y], [x + 8, y + 8], [x, y + 8], [x, y]]
+    return {"type": "Feature", "properties": properties, "geometry": {"type": "Polygon", "coordinates": [ring]}}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("keywords")
+    city = [building(8 + 16 * k, 8 + 16 * j, height=9 + 4 * k, tall=3 + j, z_top=30 + k) for k in range(3) for j in range(3)]
+    city.append(building(50, 50, tall=4))
+    collection = {"type": "FeatureCollection", "features": city}
+    (folder / "city.geojson").write_text(json.dumps(collection))
+    (folder / "part.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": [building(20, 20)]}))
+    head = "ncols 64\nnrows 64\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
+    slope = "\n".join(" ".join(str(1 + (row + col) // 16) for col in range(64)) for row in range(64))
+    (folder / "terrain.asc").write_text(head + slope)
+    (folder / "mine.csv").write_text("theta_deg,p_los\n30,0.5\n60,0.8\n")
+    return folder
+
+
+UAV = (4.0, 4.0, 50.0)
+UAVS = [(4.0, 4.0, 50.0), (45.0, 45.0, 30.0)]
+
+
+def document(answer: Any) -> str:
+    """An answer without what differs between any two runs."""
+
+    def forget(value: Any) -> Any:
+        if isinstance(value, Mapping):
+            return {k: forget(v) for k, v in value.items() if k not in ("command", "request", "timing", "memory")}
+        return [forget(part) for part in value] if isinstance(value, list) else value
+
+    return json.dumps(forget(answer.document))
+
+
+def city(**reading: Any) -> Scene:
+    return Scene.open("city.geojson", **{"missing": "drop", "data_area": "all", **reading})
+
+
+def of_picture(ask: Callable[..., Any]) -> Callable[..., str]:
+    """The answer, and the picture beside it."""
+
+    def asked(**options: Any) -> str:
+        Path("out.svg").unlink(missing_ok=True)
+        answer = ask(output="out.svg", **options)
+        picture = re.sub("<metadata>.*?</metadata>", "", Path("out.svg").read_text(), flags=re.DOTALL)
+        # A map of the winner is another file.
+        return document(answer) + picture + str(sorted(os.listdir()))
+
+    return asked
+
+
+def saved(**options: Any) -> str:
+    coverage = city().map(UAV)
+    for file in Path().glob("saved.*"):
+        file.unlink()
+    coverage.save("saved.png", "saved.tif", "saved.geojson", **options)
+    return "".join(str(Path(name).read_bytes()) for name in ("saved.png", "saved.tif", "saved.geojson"))
+
+
+#: A question of each class of keywords.
+QUESTIONS: dict[str, Callable[..., Any]] = {
+    "SceneKeywords": lambda **o: city(**o).map(UAV).digest + str(city(**o).crs),
+    "SightKeywords": lambda **o: str(city().p_los(UAVS, **o)) + city().map(UAV, **o).digest,
+    "MapKeywords": lambda **o: document(city().map(UAV, **o)),
+    "SaveKeywords": saved,
+    "LinkKeywords": of_picture(lambda **o: city().link(UAV, (41, 40), **o)),
+    "TrackKeywords": of_picture(lambda **o: city().track(UAV, [(2, 2), (60, 58)], **o)),
+    "LimitsKeywords": lambda **o: document(city().limits([UAV], **o)),
+    "CompareKeywords": of_picture(lambda **o: city().compare(UAVS, **o)),
+    "ZonesKeywords": of_picture(lambda **o: city().zones(**o)),
+    "PlaceKeywords": of_picture(lambda **o: city().place(height=(40, 60), **o)),
+    "SampleKeywords": of_picture(lambda **o: Scene.itu("urban", size=200).sample({"street": 4}, height=60, **o)),
+    "InfoKeywords": lambda **o: document(skyshed.info("city.geojson", **{"missing": "drop", **o})),
+    "PlosKeywords": of_picture(lambda **o: skyshed.plos("itu:urban", height=100, **o)),
+}
+#: These only save what another question has.
+ELSEWHERE = {"AnySceneKeywords", "FootprintKeywords", "CityKeywords"}
+
+
+def classes() -> dict[str, type]:
+    found = inspect.getmembers(_keywords, inspect.isclass)
+    return {name: kind for name, kind in found if kind.__module__ == _keywords.__name__}
+
+
+def test_every_question_is_asked_here() -> None:
+    assert set(classes()) == set(QUESTIONS) | ELSEWHERE
+
+
+@pytest.mark.parametrize("name", sorted(QUESTIONS))
+def test_no_keyword_is_taken_in_silence(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(folder)
+    warnings.simplefilter("ignore")
+    ask = QUESTIONS[name]
+    base = ask()
+    silent = []
+    for keyword in sorted(classes()[name].__optional_keys__):  # type: ignore[attr-defined]
+        value = VALUES[keyword]
+        try:
+            if ask(**{keyword: value}) == base and keyword not in QUIET:
+                silent.append(keyword)
+        except (skyshed.Error, TypeError, OSError) as error:
+            words = (keyword, keyword.replace("_", " "), keyword.split("_")[0].rstrip("s"), str(value))
+            assert any(word in str(error) for word in words), f"{keyword}: {error}"
+    assert not silent
+
+
+@pytest.mark.parametrize("name", sorted(QUESTIONS))
+def test_an_unknown_keyword_is_refused(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(folder)
+    warnings.simplefilter("ignore")
+    with pytest.raises((skyshed.Error, TypeError), match="radiuss"):
+        QUESTIONS[name](radiuss=5)
