@@ -183,7 +183,7 @@ def saved(**options: Any) -> str:
 
 #: A question of each class of keywords.
 QUESTIONS: dict[str, Callable[..., Any]] = {
-    "SceneKeywords": lambda **o: city(**o).map(UAV).digest + str(city(**o).crs),
+    "SceneKeywords": lambda **o: document(city(**o).map(UAV)) + str(city(**o).crs),
     "SightKeywords": lambda **o: str(city().p_los(UAVS, **o)) + city().map(UAV, **o).digest,
     "MapKeywords": lambda **o: document(city().map(UAV, **o)),
     "SaveKeywords": saved,
