@@ -6,7 +6,7 @@ use skyshed_request::{PictureOptions, Writing};
 
 use crate::answer::Output;
 use crate::coverage::class;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorRepr, Result};
 use crate::export::Format;
 use crate::height_field::HeightField;
 use crate::raster::{CellWindow, Crs, GeoRef};
@@ -160,5 +160,5 @@ pub(crate) fn written(
 /// # Errors
 /// E403.
 pub(crate) fn drawn(picture: std::result::Result<Vec<u8>, String>) -> Result<Vec<u8>> {
-    picture.map_err(Error::Drawing)
+    picture.map_err(|why| ErrorRepr::Drawing(why).into())
 }

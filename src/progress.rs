@@ -10,15 +10,15 @@ use crate::coverage::Control;
 /// ```
 /// use std::sync::Arc;
 ///
-/// use skyshed::ErrorClass;
+/// use skyshed::ErrorKind;
 /// use skyshed::prelude::*;
 ///
 /// let city = Scene::options().size(100.0).open("itu:urban")?;
 /// let progress = Arc::new(Progress::default());
-/// Another thread may call `share()`, or stop the run. Here it is stopped before it begins.
+/// // Another thread may call `share()`, or stop the run. Here it is stopped before it begins.
 /// progress.stop();
 /// let stopped = city.coverage(Uav::new(50.0, 50.0, Height::agl(100.0))).progress(&progress).run();
-/// assert_eq!(stopped.unwrap_err().class(), ErrorClass::Interrupted);
+/// assert_eq!(stopped.unwrap_err().kind(), ErrorKind::Interrupted);
 /// # Ok::<(), skyshed::Error>(())
 /// ```
 pub struct Progress {

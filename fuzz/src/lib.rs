@@ -10,7 +10,7 @@ use skyshed_core::raster::GeoRef;
 use skyshed_io::read::{FootprintOptions, MeshOptions, SurfaceOptions, read_footprints, read_mesh, read_surface};
 use skyshed_core::city::City;
 use skyshed_io::Error;
-use skyshed_io::error::ErrorClass;
+use skyshed_io::error::ErrorKind;
 
 /// A folder of this process on a memory disk, if the machine has one.
 static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
@@ -36,7 +36,7 @@ pub fn answered<T: Debug>(result: Result<T, impl Into<Error>>) -> Option<T> {
     match result.map_err(Into::<Error>::into) {
         Ok(value) => Some(value),
         Err(error) => {
-            assert_ne!(error.class(), ErrorClass::Internal, "{error}");
+            assert_ne!(error.kind(), ErrorKind::Internal, "{error}");
             assert!(!error.to_string().is_empty());
             None
         }

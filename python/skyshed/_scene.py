@@ -269,7 +269,7 @@ class Scene(Grid):
         area: Any = None,
         **options: Unpack[PlaceKeywords],
     ) -> Answer:
-        """Where to hover: candidates ranked, refined, or chosen together. Options are those of ``skyshed place``: ``step``,
+        """Best places to hover: candidates ranked, refined, or chosen together. Options are those of ``skyshed place``: ``step``,
         ``count``, ``goal``, ``over``, ``clearance``, ``minimize``, ``top``, ``radius``, ``receivers``, ``rx_height`` …
 
         ``candidates`` are a path, or UAVs as for :meth:`maps`; ``within``, ``keep_out`` and ``area`` a path or a geometry. Shares
@@ -341,7 +341,7 @@ class Scene(Grid):
         output: PathLike | Sequence[PathLike] | None = None,
         **options: Unpack[LimitsKeywords],
     ) -> Answer:
-        """What limits the P_LoS of a map of some UAVs: cells, terrain, positions, heights; a row for each."""
+        """Limits of the P_LoS of a map of some UAVs: cells, terrain, positions, heights; a row for each."""
         asked, held = self._of_uavs(uavs)
         return self._asked(Answer, "limits", {**asked, **_of_question(options), **output_of(output)}, held=held)
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::error::{ContextKind, ContextValue, ErrorKind as ParserFault};
 use clap::{Args, Command, FromArgMatches};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -24,7 +24,7 @@ use super::run::{Run, check_text, check_use};
 use super::{hints, refusal};
 use crate::answer::{Answer, Rows, Spent};
 use crate::coverage::Tally;
-use crate::error::{Error, ErrorClass, Warning};
+use crate::error::{Error, ErrorKind, Warning};
 use crate::jobs::Jobs;
 use crate::map::{Coverages, Held, MapJob, MapPlan, Part, PartOf, Prepared, Purpose, UnitRuns};
 use crate::memory;
@@ -38,12 +38,12 @@ use crate::uav::{Uav, UavsFound};
 #[derive(Debug, Clone)]
 pub struct Refusal {
     /// The cause.
-    pub class: ErrorClass,
+    pub kind: ErrorKind,
     /// The stable code, for example `E301`.
     pub code: String,
-    /// What is wrong, on one line.
+    /// Text of the error, on one line.
     pub text: String,
-    /// What to do about it, where that is known.
+    /// Remedy, if one is known.
     pub hint: Option<String>,
 }
 
@@ -55,12 +55,12 @@ fn without_help(remedy: &str) -> Option<String> {
 
 impl From<Failure> for Refusal {
     fn from(failure: Failure) -> Refusal {
-        let (class, code) = (failure.class(), failure.code());
+        let (kind, code) = (failure.kind(), failure.code());
         let hint = match &failure {
             Failure::Library(error) => hints::hint_for_caller(error),
             Failure::Words { remedy, .. } => remedy.as_deref().and_then(without_help),
         };
-        Refusal { class, code, text: failure.to_string(), hint }
+        Refusal { kind, code, text: failure.to_string(), hint }
     }
 }
 
@@ -95,14 +95,14 @@ impl Refusal {
     }
 }
 
-/// What was found, in the forms that need no file, and the files that were written.
+/// Answer in the forms that need no file, and the files that were written.
 #[derive(Debug, Clone)]
 pub struct Found {
     /// The document, as of `--json`.
     pub document: Value,
     /// The table, its header first; empty where there is none.
     pub table: Rows,
-    /// What was odd.
+    /// Warnings.
     pub warnings: Vec<Warning>,
     /// Files that were written.
     pub files: Vec<PathBuf>,
@@ -120,7 +120,7 @@ impl Found {
     }
 }
 
-/// What to do about a warning, where that is known.
+/// Returns the remedy for a warning, if one is known.
 pub fn hint_of(warning: &Warning) -> Option<String> {
     hints::of_warning(warning)
 }
@@ -147,7 +147,7 @@ where
             };
             let culprit = set.keys().find(|name| checked(without(name)).is_ok());
             match (error.kind(), culprit) {
-                (ErrorKind::MissingRequiredArgument, Some(name)) => {
+                (ParserFault::MissingRequiredArgument, Some(name)) => {
                     let needed = missing_in(&error);
                     Err(Error::idle(name.clone(), format!("without `{needed}`")).into())
                 }
@@ -294,7 +294,7 @@ pub fn ask(
         check_text(shared.out, None)?;
     }
     cli.run(&run)?;
-    Ok(run.found.into_inner().ok_or(Error::Fault("a command kept no answer"))?)
+    Ok(run.found.into_inner().ok_or(Error::fault("a command kept no answer"))?)
 }
 
 /// A unit of work of a map.
@@ -341,7 +341,7 @@ pub fn map_tile(
     progress: &Progress,
 ) -> std::result::Result<Coverages, Refusal> {
     let job = job_of_uavs(options, uavs)?;
-    let runs = UnitRuns::of(&job, scene, (Purpose::Tell, progress))?.ok_or(Error::Fault("a tile is a unit"))?;
+    let runs = UnitRuns::of(&job, scene, (Purpose::Tell, progress))?.ok_or(Error::fault("a tile is a unit"))?;
     Ok(runs.map()?)
 }
 

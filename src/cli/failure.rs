@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::hints;
 use super::program::is_flag;
-use crate::error::{Error, ErrorClass, RequestError};
+use crate::error::{Error, ErrorKind, ErrorRepr, RequestError};
 
 /// Failure of a command.
 #[derive(Debug)]
@@ -38,15 +38,15 @@ impl Failure {
     }
 
     /// Returns the class, which sets the exit code of the program.
-    pub(super) fn class(&self) -> ErrorClass {
+    pub(super) fn kind(&self) -> ErrorKind {
         match self {
-            Failure::Library(error) => error.class(),
+            Failure::Library(error) => error.kind(),
             Failure::Words { code, .. } => match code {
-                130 => ErrorClass::Interrupted,
-                402 => ErrorClass::Internal,
-                200..300 => ErrorClass::Site,
-                300..500 => ErrorClass::File,
-                _ => ErrorClass::Usage,
+                130 => ErrorKind::Interrupted,
+                402 => ErrorKind::Internal,
+                200..300 => ErrorKind::Site,
+                300..500 => ErrorKind::File,
+                _ => ErrorKind::Usage,
             },
         }
     }
@@ -85,8 +85,8 @@ impl From<skyshed_io::Error> for Failure {
 /// Returns `true` if the text of an error names an option of the library.
 fn names_option(error: &Error) -> bool {
     use RequestError as R;
-    match error {
-        Error::Request(error) => {
+    match error.repr() {
+        ErrorRepr::Request(error) => {
             matches!(
                 error,
                 R::Uav { .. }
@@ -94,12 +94,13 @@ fn names_option(error: &Error) -> bool {
                     | R::Idle { .. }
                     | R::NoSystem { .. }
                     | R::NothingToResume
+                    | R::HeightOfSample(_)
                     | R::Number { .. }
                     | R::GdalValues { .. }
                     | R::GoalNeeds { .. }
             )
         }
-        Error::Io(error) => matches!(error, skyshed_io::Error::Option(_)),
+        ErrorRepr::Io(error) => matches!(error, skyshed_io::Error::Option(_)),
         _ => false,
     }
 }

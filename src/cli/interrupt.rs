@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use super::say;
 use crate::cli::failure::{Failure, refusal};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::export::abandon_files;
 use crate::memory;
 use crate::progress::Progress;
@@ -106,7 +106,7 @@ pub(super) fn give_up(error: &Error) -> ! {
 fn end(failure: &Failure) -> ! {
     abandon_files();
     say::failure(failure);
-    std::process::exit(i32::from(failure.class().exit_code()));
+    std::process::exit(i32::from(failure.kind().exit_code()));
 }
 
 /// Begins work in pieces: from here on [`wants_to_stop`] decides if a further piece begins.
@@ -161,7 +161,7 @@ pub(super) fn check() -> skyshed_core::Result<()> {
 /// Returns a failure in the words of the run: an interrupt names the files that were written.
 pub(super) fn in_words(failure: Failure) -> Failure {
     match failure {
-        Failure::Library(Error::Core(skyshed_core::Error::Interrupted)) => interrupted(),
+        Failure::Library(error) if error.kind() == ErrorKind::Interrupted => interrupted(),
         failure => failure,
     }
 }

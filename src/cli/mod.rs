@@ -60,7 +60,7 @@ pub fn exit_code(words: impl IntoIterator<Item = OsString>) -> u8 {
         Err(failure) => {
             let failure = interrupt::in_words(failure);
             say::failure(&failure);
-            failure.class().exit_code()
+            failure.kind().exit_code()
         }
     }
 }

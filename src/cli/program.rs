@@ -53,15 +53,15 @@ enum Command {
     Track(Box<TrackRequest>),
     /// Make or convert a city, and draw it
     City(Box<CityRequest>),
-    /// What a file is: size, CRS, heights and faults of a scene; what UAVs or an output hold
+    /// Facts of a file: size, CRS, heights and faults of a scene; content of UAVs and outputs
     Info(Box<InfoRequest>),
     /// Streets, crossroads, courtyards and rooftops: counts, a map, polygons
     Zones(Box<ZonesRequest>),
-    /// What limits the P_LoS of a map: cells, terrain, positions, heights
+    /// Limits of the P_LoS of a map: cells, terrain, positions, heights
     Limits(Box<LimitsRequest>),
     /// Probability of line of sight: exact products, simulators, models, real cities
     Plos(Box<PlosRequest>),
-    /// Where to hover: candidates ranked, refined, or chosen together
+    /// Best places to hover: candidates ranked, refined, or chosen together
     Place(Box<PlaceRequest>),
     /// P_LoS averaged over placements of each zone, with intervals
     Sample(Box<SampleRequest>),
@@ -71,7 +71,7 @@ enum Command {
     Live(Box<LiveRequest>),
     /// Speed against accuracy of every method on a scene
     Chart(Box<ChartRequest>),
-    /// Where methods fail, on small scenes full of ties; what in a scene hangs by a step
+    /// Failures of methods on small scenes full of ties; cells of a scene that hang by a step
     Stress(Box<StressRequest>),
     /// A map in units of work for schedulers: which there are, which are done, what all come to
     Jobs(Box<JobsArgs>),

@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde_json::Value;
+use skyshed_request::{CompareOptions, HeightErrors, SceneOptions, Sight, filled};
 
 use figure::Figure;
 use masks::{SavedMask, Setting, read_masks};
@@ -80,6 +81,31 @@ pub(crate) struct ComparisonPlan {
     pub(crate) draws_pairs: bool,
     /// Words of the scene and of its options, for the live page of a scene whose solids were kept.
     pub(crate) scene_words: Vec<String>,
+}
+
+impl ComparisonPlan {
+    /// Fills in the defaults of a question over a scene that is read with some options.
+    ///
+    /// # Errors
+    /// E113.
+    pub(crate) fn of(
+        (sight, heights): (&Sight, &HeightErrors),
+        compare: &CompareOptions,
+        reading: &SceneOptions,
+    ) -> Result<ComparisonPlan> {
+        let plan = ComparisonPlan {
+            sight: SightPlan::of(sight)?,
+            heights: HeightErrorsPlan::of(heights, None)?,
+            masks: compare.mask.iter().map(|path| path.0.clone()).collect(),
+            hash: reading.hash,
+            block_m: filled(compare.block, CompareOptions::defaults().block),
+            seed: reading.seed_or_default(),
+            scene_words: Vec::new(),
+            draws_pairs: true,
+        };
+        plan.check()?;
+        Ok(plan)
+    }
 }
 
 /// A mask and its origin.

@@ -3,8 +3,7 @@
 /// A check that failed (E6xx).
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
-pub enum CheckError {
+pub(crate) enum CheckError {
     /// E603: units of work that are not done; their number, the number of all units, one name, its
     /// fault, and the run that would do them.
     #[error("{n_open} of {n_units} units are not done: {name}: {why}")]
@@ -23,7 +22,7 @@ impl CheckError {
 /// Run that completes units of work that are not done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Restart {
+pub(crate) enum Restart {
     /// A run that resumes.
     Resumes,
     /// A run that resumes and may replace files of another run or program.

@@ -3,8 +3,7 @@
 /// Fault of an input (E3xx).
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
-pub enum InputError {
+pub(crate) enum InputError {
     /// E302: a file that cannot be a mask of an earlier run; the reason.
     #[error("cannot use {name} as a mask: {why}")]
     Mask { name: String, why: String },

@@ -5,8 +5,7 @@ use crate::quantity::MAX_EXTENT_UNITS;
 /// A limit that a request exceeds (E5xx).
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
-pub enum LimitError {
+pub(crate) enum LimitError {
     /// E501: a program that alone takes more memory than allowed; both amounts in words.
     #[error("cannot start: the program alone takes {resident} of memory, more than {limit}")]
     Program { resident: String, limit: String },
@@ -69,8 +68,7 @@ pub enum LimitError {
 /// larger cells would help.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
-pub enum FitsPage {
+pub(crate) enum FitsPage {
     /// Extent of a part of footprints or of a mesh: west, south, east, north \[CRS units\].
     Extent { extent: [f64; 4], cell_m: Option<f64> },
     /// Edge of a smaller generated city \[m\].

@@ -8,15 +8,16 @@ mod places;
 mod request;
 mod warning;
 
-pub use check::{CheckError, Restart};
-pub use input::InputError;
-pub use limit::{FitsPage, LimitError};
-pub use places::PlacesError;
-pub use request::{OfGenerated, RequestError};
-pub use skyshed_core::error::ErrorClass;
+pub(crate) use check::{CheckError, Restart};
+pub(crate) use input::InputError;
+pub(crate) use limit::{FitsPage, LimitError};
+pub(crate) use places::PlacesError;
+pub(crate) use request::{OfGenerated, RequestError};
+pub use skyshed_core::error::ErrorKind;
 pub(crate) use skyshed_core::error::{MOST_FOUND, escaped, io_words, is_text, one_line, shortened};
+pub use warning::Warning;
 pub(crate) use warning::warned;
-pub use warning::{Caution, OddRun, Warning};
+pub(crate) use warning::{Caution, OddRun, WarningRepr};
 
 use skyshed_core::coverage::NumberFault;
 use skyshed_core::quantity::OutOfRange;
@@ -24,11 +25,29 @@ use skyshed_request::Fault;
 
 /// The error of every fallible function of this crate.
 ///
-/// It has a class, which fixes the exit code of the command line, a stable code, and one line of
-/// text. `docs/codes.md` in the repository explains each code.
+/// It has a kind, which sets the exit code of the program, a stable code such as `E301`, and one line
+/// of text. The text says what is wrong and what was wanted. `docs/codes.md` in the repository
+/// explains each code.
+///
+/// ```
+/// use skyshed::{ErrorKind, Scene};
+///
+/// let error = Scene::open("no/such/city.tif").expect_err("no such file");
+/// assert_eq!((error.kind(), error.code().as_str()), (ErrorKind::File, "E301"));
+/// ```
+#[derive(Clone, PartialEq, thiserror::Error)]
+#[error(transparent)]
+pub struct Error(Box<ErrorRepr>);
+
+impl std::fmt::Debug for Error {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {self}", self.code())
+    }
+}
+
+/// ErrorRepr of an error, by the crate or the question that it is about.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
+pub(crate) enum ErrorRepr {
     /// An error of scenes, UAVs and engines.
     #[error(transparent)]
     Core(skyshed_core::Error),
@@ -55,8 +74,7 @@ pub enum Error {
     Check(#[from] CheckError),
     /// The error of a unit of work, with the name of the unit.
     #[error("{name}: {error}")]
-    #[expect(missing_docs, reason = "the variant says what its fields are")]
-    OfUnit { name: String, error: Box<Error> },
+    OfUnit { name: String, error: Error },
     /// E403: a picture could not be drawn; a fault of the program.
     #[error("{}", one_line(&format!("cannot draw the picture: {_0}")))]
     Drawing(String),
@@ -67,6 +85,12 @@ pub enum Error {
 
 /// The result of every fallible function of this crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+impl<T: Into<ErrorRepr>> From<T> for Error {
+    fn from(cause: T) -> Self {
+        Error(Box::new(cause.into()))
+    }
+}
 
 impl Error {
     /// Returns E113: a number out of range.
@@ -82,70 +106,80 @@ impl Error {
     /// Returns E106: an output file that exists already.
     pub(crate) fn exists(path: &std::path::Path) -> Self {
         let fault = skyshed_io::error::WriteFault::Exists;
-        Error::Io(skyshed_io::Error::Write(path.display().to_string(), fault))
+        skyshed_io::Error::Write(path.display().to_string(), fault).into()
     }
 
     /// Adds the name of a unit of work, unless the error's text already contains it.
     pub(crate) fn of_unit(self, name: &str) -> Self {
-        if self.to_string().contains(name) { self } else { Error::OfUnit { name: name.into(), error: Box::new(self) } }
+        if self.to_string().contains(name) { self } else { ErrorRepr::OfUnit { name: name.into(), error: self }.into() }
     }
 
-    /// Returns the class of the error.
-    pub fn class(&self) -> ErrorClass {
-        match self {
-            Error::Core(error) => error.class(),
-            Error::Study(error) => error.class(),
-            Error::Io(error) => error.class(),
-            Error::Request(_) => ErrorClass::Usage,
-            Error::Places(_) => ErrorClass::Site,
-            Error::Input(_) => ErrorClass::File,
-            Error::Limit(_) => ErrorClass::Limit,
-            Error::Check(_) => ErrorClass::Check,
-            Error::OfUnit { error, .. } => error.class(),
-            Error::Drawing(_) | Error::Fault(_) => ErrorClass::Internal,
+    /// Returns E902: a broken invariant; a fault of the program.
+    pub(crate) fn fault(what: &'static str) -> Self {
+        ErrorRepr::Fault(what).into()
+    }
+
+    /// Returns the cause.
+    pub(crate) fn repr(&self) -> &ErrorRepr {
+        &self.0
+    }
+
+    /// Returns the kind of the error, which sets the exit code of the program.
+    pub fn kind(&self) -> ErrorKind {
+        match self.repr() {
+            ErrorRepr::Core(error) => error.kind(),
+            ErrorRepr::Study(error) => error.kind(),
+            ErrorRepr::Io(error) => error.kind(),
+            ErrorRepr::Request(_) => ErrorKind::Usage,
+            ErrorRepr::Places(_) => ErrorKind::Site,
+            ErrorRepr::Input(_) => ErrorKind::File,
+            ErrorRepr::Limit(_) => ErrorKind::Limit,
+            ErrorRepr::Check(_) => ErrorKind::Check,
+            ErrorRepr::OfUnit { error, .. } => error.kind(),
+            ErrorRepr::Drawing(_) | ErrorRepr::Fault(_) => ErrorKind::Internal,
         }
     }
 
     /// Returns the stable code, for example `E301`.
     pub fn code(&self) -> String {
-        let number = match self {
-            Error::Core(error) => return error.code(),
-            Error::Study(error) => return error.code(),
-            Error::Io(error) => return error.code(),
-            Error::Request(error) => error.code(),
-            Error::Places(error) => error.code(),
-            Error::Input(error) => error.code(),
-            Error::Limit(error) => error.code(),
-            Error::Check(error) => error.code(),
-            Error::OfUnit { error, .. } => return error.code(),
-            Error::Drawing(_) => 403,
-            Error::Fault(_) => 902,
+        let number = match self.repr() {
+            ErrorRepr::Core(error) => return error.code(),
+            ErrorRepr::Study(error) => return error.code(),
+            ErrorRepr::Io(error) => return error.code(),
+            ErrorRepr::Request(error) => error.code(),
+            ErrorRepr::Places(error) => error.code(),
+            ErrorRepr::Input(error) => error.code(),
+            ErrorRepr::Limit(error) => error.code(),
+            ErrorRepr::Check(error) => error.code(),
+            ErrorRepr::OfUnit { error, .. } => return error.code(),
+            ErrorRepr::Drawing(_) => 403,
+            ErrorRepr::Fault(_) => 902,
         };
         format!("E{number}")
     }
 }
 
-impl From<Fault> for Error {
+impl From<Fault> for ErrorRepr {
     fn from(fault: Fault) -> Self {
         match fault {
             Fault::Number(number) => number.into(),
             Fault::Antenna(antenna) => RequestError::Antenna(antenna).into(),
-            Fault::Idle { option, why } => Error::idle(option, why),
+            Fault::Idle { option, why } => RequestError::Idle { option, why }.into(),
             Fault::ShareWanted(goal) => RequestError::ShareWanted(goal).into(),
             Fault::MinimizeWanted(goal) => RequestError::MinimizeWanted(goal).into(),
             Fault::MixedHeights => RequestError::MixedHeights.into(),
-            _ => Error::Fault("a request has a fault of an unknown kind"),
+            _ => ErrorRepr::Fault("a request has a fault of an unknown kind"),
         }
     }
 }
 
-impl From<OutOfRange> for Error {
+impl From<OutOfRange> for ErrorRepr {
     fn from(OutOfRange { what, found, wanted }: OutOfRange) -> Self {
-        Error::number(what, found, wanted)
+        RequestError::Number { what, found, wanted: wanted.into() }.into()
     }
 }
 
-impl From<NumberFault> for Error {
+impl From<NumberFault> for ErrorRepr {
     fn from(fault: NumberFault) -> Self {
         match fault {
             NumberFault::Range(number) => number.into(),
@@ -154,29 +188,29 @@ impl From<NumberFault> for Error {
     }
 }
 
-impl From<skyshed_core::Error> for Error {
+impl From<skyshed_core::Error> for ErrorRepr {
     /// Unwraps an error that passed through the core, so that it belongs to its own crate.
     fn from(error: skyshed_core::Error) -> Self {
         skyshed_io::Error::from(error).into()
     }
 }
 
-impl From<skyshed_study::Error> for Error {
+impl From<skyshed_study::Error> for ErrorRepr {
     /// Unwraps an error of the core that a study passed on.
     fn from(error: skyshed_study::Error) -> Self {
         match error {
             skyshed_study::Error::Core(error) => error.into(),
-            error => Error::Study(error),
+            error => ErrorRepr::Study(error),
         }
     }
 }
 
-impl From<skyshed_io::Error> for Error {
+impl From<skyshed_io::Error> for ErrorRepr {
     /// Unwraps an error of the core that a reader passed on.
     fn from(error: skyshed_io::Error) -> Self {
         match error {
-            skyshed_io::Error::Core(error) => Error::Core(error),
-            error => Error::Io(error),
+            skyshed_io::Error::Core(error) => ErrorRepr::Core(error),
+            error => ErrorRepr::Io(error),
         }
     }
 }

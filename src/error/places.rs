@@ -7,8 +7,7 @@ use crate::quantity::{Height, MAX_EXTENT_UNITS};
 /// Fault of a place (E2xx).
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
-pub enum PlacesError {
+pub(crate) enum PlacesError {
     /// E201, E202, E204, E205: a receiver cannot be at a position \[CRS units\] and a height.
     #[error("cannot place the receiver at ({}, {}) with height {height}: {why}", .at.0, .at.1)]
     Receiver { at: (f64, f64), height: Height, why: UavError },

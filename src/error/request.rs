@@ -4,8 +4,7 @@ use std::borrow::Cow;
 
 /// Options that exist only for generated cities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[expect(missing_docs, reason = "the texts say it")]
-pub enum OfGenerated {
+pub(crate) enum OfGenerated {
     #[error("a sweep of α, β or γ")]
     Sweep,
     #[error("an azimuth")]
@@ -17,8 +16,7 @@ pub enum OfGenerated {
 /// Fault of a request (E1xx). Options have their names in this library.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
-pub enum RequestError {
+pub(crate) enum RequestError {
     /// E101: a goal without the share that the least height is to reach.
     #[error("the goal is `{0}`, wanted a share to reach with `minimize height`")]
     ShareWanted(String),
@@ -102,6 +100,9 @@ pub enum RequestError {
     /// E113: heights above different references, which cannot be compared.
     #[error("`minimize height` compares the heights of `height`: wanted all above the same")]
     MixedHeights,
+    /// E113: heights of a sample that are not above the ground.
+    #[error("`height` is `{0}`, wanted heights above ground: places of a sample differ")]
+    HeightOfSample(String),
     /// E115: a text that is no reference system, and the option that holds it.
     #[error("`{option}`: {error}")]
     NoSystem { option: &'static str, error: Box<skyshed_io::Error> },
@@ -192,6 +193,7 @@ impl RequestError {
             | R::Tolerance(_)
             | R::CurveHeights { .. }
             | R::MixedHeights
+            | R::HeightOfSample(_)
             | R::ZoneTwice(_) => 113,
             R::Idle { .. }
             | R::NothingToResume

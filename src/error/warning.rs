@@ -5,9 +5,27 @@ use skyshed_core::error::one_line;
 use crate::quantity::counted;
 
 /// A warning: a finding that did not stop the work, and what was done instead, on one line.
+///
+/// It has a stable code such as `W325`, which `docs/codes.md` in the repository explains.
+#[derive(Clone, PartialEq, thiserror::Error)]
+#[error(transparent)]
+pub struct Warning(Box<WarningRepr>);
+
+impl std::fmt::Debug for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {self}", self.code())
+    }
+}
+
+impl<T: Into<WarningRepr>> From<T> for Warning {
+    fn from(odd: T) -> Self {
+        Warning(Box::new(odd.into()))
+    }
+}
+
+/// Finding of a warning, by the crate that it comes from.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum Warning {
+pub(crate) enum WarningRepr {
     /// A warning about scenes.
     #[error(transparent)]
     Core(#[from] skyshed_core::Warning),
@@ -22,8 +40,7 @@ pub enum Warning {
 /// A finding about a run, and what is done instead.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
-pub enum OddRun {
+pub(crate) enum OddRun {
     /// W201: an earth taken as flat although it drops by more than 1 m within range; farthest
     /// distance \[m\], drop \[m\], and `true` if it could be curved.
     #[error("the earth is taken as flat; at {farthest_m:.0} m, the farthest receiver, it drops by {drop_m:.1} m")]
@@ -78,8 +95,7 @@ pub enum OddRun {
 
 /// Caution about a model.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[expect(missing_docs, reason = "the docs of a variant say what its fields are")]
-pub enum Caution {
+pub(crate) enum Caution {
     /// W210: a model that is left out; the reason.
     #[error(" is left out: {0}")]
     LeftOut(String),
@@ -118,12 +134,17 @@ fn outside(uavs: &[(String, String)]) -> String {
 impl Warning {
     /// Returns the stable code, for example `W320`.
     pub fn code(&self) -> String {
-        let number = match self {
-            Warning::Core(warning) => return warning.code(),
-            Warning::Io(warning) => return warning.code(),
-            Warning::Run(odd) => odd.number(),
+        let number = match self.repr() {
+            WarningRepr::Core(warning) => return warning.code(),
+            WarningRepr::Io(warning) => return warning.code(),
+            WarningRepr::Run(odd) => odd.number(),
         };
         format!("W{number}")
+    }
+
+    /// Returns the finding.
+    pub(crate) fn repr(&self) -> &WarningRepr {
+        &self.0
     }
 }
 
@@ -151,6 +172,6 @@ impl OddRun {
 pub(crate) fn warned<T>(warnings: &mut Vec<Warning>, read: impl FnOnce(&mut Vec<skyshed_io::Warning>) -> T) -> T {
     let mut odd = Vec::new();
     let found = read(&mut odd);
-    warnings.extend(odd.into_iter().map(Warning::Io));
+    warnings.extend(odd.into_iter().map(Warning::from));
     found
 }

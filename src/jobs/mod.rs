@@ -17,11 +17,19 @@ pub(crate) use status::StatusDocument;
 use std::path::{Path, PathBuf};
 
 use crate::answer::{Output, RunFacts, document_of};
-use crate::error::{RequestError, Result};
-use crate::map::{MapJob, Part, Purpose, UnitRuns, Units};
+use skyshed_request::MapRequest;
+
+use crate::error::{Error, RequestError, Result};
+use crate::export::Format;
+use crate::map::{Given, MapJob, Outcome, Part, Purpose, UnitRuns, Units};
 use crate::progress::Progress;
+use crate::report::Report;
 use crate::scene::Scene;
 use forecast::forecast;
+
+/// Formats that all units are merged into.
+pub(crate) const FORMATS: [Format; 6] =
+    [Format::Csv, Format::Parquet, Format::Json, Format::Vrt, Format::GeoJson, Format::Stdout];
 
 /// Map in units of work.
 pub(crate) struct Jobs<'a> {
@@ -32,21 +40,21 @@ pub(crate) struct Jobs<'a> {
 
 /// Unit of work before it is run.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
-pub(crate) struct PlannedUnit {
+pub struct PlannedUnit {
     /// Kind of document and its version.
-    schema: &'static str,
+    pub schema: &'static str,
     /// Name of the unit: the name of its UAV, or `tile ROW,COL`.
-    pub(crate) name: String,
+    pub name: String,
     /// Hash of all that its files depend on.
-    unit: String,
+    pub unit: String,
     /// Value of `--shard` that runs this unit alone; null if a shard or a tile was requested.
-    shard: Option<String>,
+    pub shard: Option<String>,
     /// Files of the unit.
-    files: Vec<String>,
+    pub files: Vec<String>,
     /// Estimated time on one thread [s].
-    pub(crate) seconds: f64,
+    pub seconds: f64,
     /// Estimated memory [bytes].
-    memory_bytes: u64,
+    pub memory_bytes: u64,
 }
 
 impl PlannedUnit {
@@ -121,5 +129,101 @@ impl<'a> Jobs<'a> {
             request: None,
             unit: None,
         }
+    }
+}
+
+/// A whole request of a map: scene, UAVs, question and files, as the program runs it. It runs at once
+/// or, with `{site}` or `{row}` and `{col}` in the names of its files, in units of work.
+///
+/// ```
+/// use skyshed::prelude::*;
+/// use skyshed::{Job, MapRequest};
+///
+/// let folder = std::env::temp_dir().join("skyshed-job");
+/// std::fs::create_dir_all(&folder).expect("a folder");
+/// let file = folder.join("{site}.csv");
+/// let request = MapRequest::default().scene("itu:urban").size(200.0).uav(["50,50,80", "150,50,80"]);
+/// let job = Job::of(request.output([file]).overwrite(true))?;
+/// assert_eq!(job.units()?.len(), 2);
+/// assert_eq!(job.run()?.mapped, 2);
+/// # Ok::<(), skyshed::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Job {
+    job: MapJob,
+    progress: std::sync::Arc<Progress>,
+}
+
+/// Counts of the units of a job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct JobCounts {
+    /// Units whose files were made.
+    pub mapped: u64,
+    /// Units whose files existed, made by the same run.
+    pub existing: u64,
+}
+
+impl Job {
+    /// Checks a request.
+    ///
+    /// # Errors
+    /// E1xx for values that are wrong by themselves, and for options that change nothing.
+    pub fn of(request: MapRequest) -> Result<Job> {
+        Ok(Job { job: MapJob::of(request, Vec::new())?, progress: std::sync::Arc::default() })
+    }
+
+    /// Sets a token that reports the progress, and can stop the work from another thread.
+    #[must_use]
+    pub fn progress(self, progress: &std::sync::Arc<Progress>) -> Job {
+        Job { progress: std::sync::Arc::clone(progress), ..self }
+    }
+
+    /// Maps everything, and writes the files. A map without units counts as one.
+    ///
+    /// # Errors
+    /// Errors of the scene, the UAVs, the question and the files; of units the first error, after all
+    /// others are done.
+    pub fn run(&self) -> Result<JobCounts> {
+        let mut counts = JobCounts::default();
+        let Some(runs) = UnitRuns::of(&self.job, None, (Purpose::Map, &self.progress))? else {
+            self.job.run(Given::default(), &self.progress)?;
+            return Ok(JobCounts { mapped: 1, existing: 0 });
+        };
+        runs.run(&mut |outcome| {
+            match outcome {
+                Outcome::Done(..) | Outcome::Together(_) => counts.mapped += 1,
+                Outcome::There | Outcome::AllThere => counts.existing += 1,
+                Outcome::Warnings(_) | Outcome::Abandoned | Outcome::Failed(_) => {}
+            }
+            Ok::<(), Error>(())
+        })?;
+        Ok(counts)
+    }
+
+    /// Returns the units of work, without running them.
+    ///
+    /// # Errors
+    /// E116 for a map without units; errors of the scene and of the UAVs.
+    pub fn units(&self) -> Result<Vec<PlannedUnit>> {
+        let jobs = Jobs::of(&self.job, None, &self.progress)?;
+        Ok(jobs.planned().map(|(_, unit)| unit).collect())
+    }
+
+    /// Returns the units that are done, missing and broken. The document is `skyshed/jobs-status/1`.
+    ///
+    /// # Errors
+    /// As [`Job::units`].
+    pub fn status(&self) -> Result<Report> {
+        let jobs = Jobs::of(&self.job, None, &self.progress)?;
+        Ok(Report::new(jobs.status(Vec::new()), &[Format::Json, Format::Stdout]))
+    }
+
+    /// Returns all units together: a table of the UAVs, or of tiles a mosaic.
+    ///
+    /// # Errors
+    /// As [`Job::units`]; E6xx if a unit is missing or broken.
+    pub fn merged(&self) -> Result<Report> {
+        let jobs = Jobs::of(&self.job, None, &self.progress)?;
+        Ok(Report::new(jobs.merged(Vec::new())?, &FORMATS))
     }
 }

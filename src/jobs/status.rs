@@ -138,6 +138,6 @@ impl Answer for Status {
     }
 
     fn add(&self, _: &mut Batch, _: &Path, _: Format, _: &Look) -> Result<()> {
-        Err(Error::Fault("a status is a document or words"))
+        Err(Error::fault("a status is a document or words"))
     }
 }

@@ -26,7 +26,7 @@ use crate::quantity::{signed, tidy};
 use crate::render::grouped;
 use crate::scene::{Scene, SceneReader};
 use crate::sight::{SightPlan, warn_of_nodata};
-use crate::uav::UavsAsked;
+use crate::uav::{UavsAsked, UavsFound};
 use crate::words::idle_in_words;
 use crate::zones::ZoneMap;
 use document::{
@@ -34,7 +34,7 @@ use document::{
     roofs_in_words,
 };
 pub(crate) use document::{LimitRow, LimitsDocument};
-use skyshed_request::{MissingHeights, SetSceneOptions};
+use skyshed_request::{LimitsOptions, MissingHeights, SetSceneOptions, Sight, filled};
 
 /// Output formats of `limits`.
 pub(crate) const FORMATS: [Format; 3] = [Format::Csv, Format::Json, Format::Stdout];
@@ -75,6 +75,20 @@ pub(crate) struct Limits {
 const MOST_NAMED: usize = 12;
 
 impl LimitsPlan {
+    /// Fills in the defaults of a question.
+    ///
+    /// # Errors
+    /// E113.
+    pub(crate) fn of(sight: &Sight, limits: &LimitsOptions) -> Result<LimitsPlan> {
+        let defaults = LimitsOptions::defaults();
+        Ok(LimitsPlan {
+            sight: SightPlan::of(sight)?,
+            uav_error_m: filled(limits.uav_error, defaults.uav_error),
+            height_error_m: filled(limits.height_error, defaults.height_error),
+            n_cities: filled(limits.cities, defaults.cities),
+        })
+    }
+
     /// Reads a scene and maps some UAVs in several ways.
     ///
     /// # Errors
@@ -96,7 +110,8 @@ impl LimitsPlan {
             Solids::Raster { .. } => None,
         };
         let scene = Scene::built(options, (word, city), warnings, start)?;
-        self.find_over((scene, options), rectangles, asked, command)
+        let found = asked.read(scene.grid())?;
+        self.find_over(scene, rectangles, &found, command)
     }
 
     /// Checks the numbers, before any work.
@@ -114,22 +129,21 @@ impl LimitsPlan {
         Ok(())
     }
 
-    /// Maps some UAVs over a scene in several ways. The options have read it; `rectangles` are those
-    /// of its footprints, if they are known.
+    /// Maps some UAVs over a scene in several ways. `rectangles` are those of its footprints, if they
+    /// are known.
     ///
     /// # Errors
     /// E113 for numbers out of range; E2xx for UAVs that cannot be there.
     pub(crate) fn find_over(
         &self,
-        (mut scene, options): (Scene, &SceneReader),
+        mut scene: Scene,
         rectangles: Option<Rectangles>,
-        asked: &UavsAsked,
+        found: &UavsFound,
         command: Vec<String>,
     ) -> Result<Limits> {
         self.check()?;
         let sight = &self.sight;
-        let found = asked.read(scene.grid())?;
-        let uavs = scene.place(&found, None, sight)?;
+        let uavs = scene.place(found, None, sight)?;
         let (field, built_up) = (std::sync::Arc::clone(&scene.field), scene.built_up);
         let options_over = |field: &HeightField| {
             let zones = sight.receivers().zone().and_then(|_| ZoneMap::if_known(field, built_up.as_ref()));
@@ -157,11 +171,11 @@ impl LimitsPlan {
             (uavs.len(), HeightLayers::default()),
             1,
         );
-        let heights = self.heights(&scene, options, &own, &uavs)?;
+        let heights = self.heights(&scene, &own, &uavs)?;
         let meters_per_unit = field.grid().meters_per_unit();
         let uncertain = Uncertain { uav_m: self.uav_error_m, roofs_m: self.height_error_m, meters_per_unit };
         let budget = match p_los {
-            Some(p_los) => error_budget(&setup, p_los, &uncertain, &self.other_cities(options, &scene)?)?,
+            Some(p_los) => error_budget(&setup, p_los, &uncertain, &self.other_cities(&scene)?)?,
             None => Vec::new(),
         };
         Ok(Limits {
@@ -182,13 +196,7 @@ impl LimitsPlan {
     }
 
     /// Returns the effect of errors of building heights.
-    fn heights(
-        &self,
-        scene: &Scene,
-        options: &SceneReader,
-        own: &MapOptions,
-        uavs: &[Uav],
-    ) -> Result<HeightLimitsDocument> {
+    fn heights(&self, scene: &Scene, own: &MapOptions, uavs: &[Uav]) -> Result<HeightLimitsDocument> {
         let field = &scene.field;
         let mapper = Mapper::new(field, own)?;
         let (mut receivers, mut possibly) = (0, 0);
@@ -210,15 +218,16 @@ impl LimitsPlan {
             receivers,
             possibly,
             buildings: named.iter().take(MOST_NAMED).map(document).collect(),
-            typical: typical_errors(scene, options),
+            typical: typical_errors(scene),
         })
     }
 
     /// Builds cities of the same kind with other seeds; none unless the scene is generated.
-    fn other_cities(&self, options: &SceneReader, scene: &Scene) -> Result<Vec<HeightField>> {
+    fn other_cities(&self, scene: &Scene) -> Result<Vec<HeightField>> {
         let Some(built_up) = scene.built_up else { return Ok(Vec::new()) };
+        let options = &scene.options;
         let of = |k: u64| {
-            let other = options.clone().seed(options.options.seed_or_default().wrapping_add(k));
+            let other = SceneReader::clone(options).seed(options.options.seed_or_default().wrapping_add(k));
             let city = other.city(built_up).city()?;
             Ok(HeightField::build(&city.grid, city.solids).field)
         };
@@ -333,11 +342,11 @@ impl Answer for Limits {
 }
 
 /// Returns the typical error of a scene's heights by their source; `None` for a generated scene.
-fn typical_errors(scene: &Scene, options: &SceneReader) -> Option<&'static str> {
+fn typical_errors(scene: &Scene) -> Option<&'static str> {
     match (scene.built_up, scene.field.prisms()) {
         (Some(_), _) => None,
         (None, None) => Some("0.3 to 1 m for a laser scan"),
-        (None, Some(_)) if options.options.missing.as_ref().is_some_and(MissingHeights::counts_storeys) => {
+        (None, Some(_)) if scene.options.options.missing.as_ref().is_some_and(MissingHeights::counts_storeys) => {
             Some("2 m where heights are 3 m to a level, 0.3 to 1 m where they were measured")
         }
         (None, Some(_)) => Some("0.3 to 1 m where they were measured, 4 m for a global product"),

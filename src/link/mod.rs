@@ -8,15 +8,16 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::answer::{Answer, Head, RunFacts, Spent, WarningFacts, add_outputs, document_of, warnings_of};
+use crate::answer::{Answer, Head, RunFacts, Spent, WarningFacts, document_of, warnings_of};
 use crate::city::Site;
 use crate::coverage::{self, ExplainedLink, LinkObstacle, ObstacleKind, SceneView};
 use crate::error::{PlacesError, Result, Warning};
-use crate::export::{Batch, Format, OutputRules, check_outputs};
+use crate::export::{Batch, Format};
 use crate::height_field::{Curvature, Station};
 use crate::los::Method;
 use crate::picture::Look;
 use crate::quantity::{Height, MAX_EXTENT_UNITS, fixed, meters, tidy};
+use crate::report::saved;
 use crate::scene::Scene;
 use crate::scene::limits::warn_of_drop;
 use crate::scene::placing::{place_uav, warn_of_uavs_outside};
@@ -194,11 +195,7 @@ impl Link {
     /// E104–E106 for a file that cannot be written so; E109 for a picture of a vertical link; E401
     /// if writing fails.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        let rules = OutputRules { allowed: &FORMATS, inputs: &[], overwrite: false, bare: false };
-        let outputs = check_outputs(&[path.as_ref().into()], rules)?;
-        let mut batch = Batch::new(false);
-        add_outputs(self, &mut batch, &outputs, (&Look::default(), Spent::default()))?;
-        Ok(batch.commit().map(|_| ())?)
+        saved(self, &FORMATS, path.as_ref(), Default::default())
     }
 }
 

@@ -103,7 +103,7 @@ impl Writer<'_> {
     pub(super) fn png(&self, look: &Look) -> Result<Vec<u8>> {
         if self.options.forms.bare {
             let first = self.bare(Path::new("map.png"))?.into_iter().next();
-            return first.map(|(_, png)| png).ok_or(Error::Fault("no picture was drawn"));
+            return first.map(|(_, png)| png).ok_or(Error::fault("no picture was drawn"));
         }
         MapDrawing { of: self.of, look, counts: None, note: None }.draw(Format::Png, &self.provenance_words())
     }
@@ -157,7 +157,7 @@ impl Writer<'_> {
     fn polygons(&self) -> Result<Vec<CoveragePolygon>> {
         let grid = self.of.scene.field.grid();
         let Some(classes) = self.options.forms.polygons.map(PolygonClasses::classes) else {
-            return Err(Error::Fault("polygons were not asked for"));
+            return Err(Error::fault("polygons were not asked for"));
         };
         let options = PolygonOptions {
             classes: classes.to_vec(),

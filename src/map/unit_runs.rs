@@ -18,7 +18,7 @@ use super::tiles::{ROW_AND_COL, check_tiles};
 use super::units::{Found, Part, SITE, Unit, check_names, found, inputs, unit_of_all};
 use crate::answer::digest_words;
 use crate::digest::Sha256;
-use crate::error::{Error, ErrorClass, InputError, RequestError, Result, Warning};
+use crate::error::{Error, ErrorKind, ErrorRepr, InputError, RequestError, Result, Warning};
 use crate::export::{Format, check_folder, check_layers};
 use crate::formats::RasterFile;
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
@@ -180,7 +180,7 @@ impl<'a> UnitRuns<'a> {
             match self.run_unit(self.unit(&units, part), &mut scenes, &units) {
                 Ok(Some(done)) => each(Outcome::Done(part, &done))?,
                 Ok(None) => each(Outcome::There)?,
-                Err(error) if error.class() == ErrorClass::Interrupted => {
+                Err(error) if error.kind() == ErrorKind::Interrupted => {
                     failed.into_iter().try_for_each(|first| each(Outcome::Failed(&first)))?;
                     return Err(error.into());
                 }
@@ -332,9 +332,7 @@ impl<'a> UnitRuns<'a> {
         self.check_inputs(units)?;
         match job.run(given, self.progress) {
             // Another process was faster.
-            Err(Error::Io(skyshed_io::Error::Write(_, WriteFault::Exists | WriteFault::ExistsMeanwhile)))
-                if job.request.units.resume && is_made_by_another(&job, &hash)? =>
-            {
+            Err(error) if exists_already(&error) && job.request.units.resume && is_made_by_another(&job, &hash)? => {
                 Ok(None)
             }
             Ok(done) => match self.check_inputs(units) {
@@ -355,7 +353,7 @@ impl<'a> UnitRuns<'a> {
     /// Those of the scene, the UAVs and the plan; a fault of several units.
     pub(crate) fn map(&self) -> Result<Coverages> {
         let (mut scenes, units) = self.scenes_and_units()?;
-        let [part] = &units.parts[..] else { return Err(Error::Fault("one unit is mapped at a time")) };
+        let [part] = &units.parts[..] else { return Err(Error::fault("one unit is mapped at a time")) };
         let job = self.unit(&units, part).job;
         job.map(self.given_of((part, &job), &mut scenes, &units)?, self.progress)
     }
@@ -426,6 +424,12 @@ impl<'a> UnitRuns<'a> {
     }
 }
 
+/// Returns `true` for a file that another run has written.
+fn exists_already(error: &Error) -> bool {
+    use WriteFault::{Exists, ExistsMeanwhile};
+    matches!(error.repr(), ErrorRepr::Io(skyshed_io::Error::Write(_, Exists | ExistsMeanwhile)))
+}
+
 /// Waits a limited time until another process has completed the files of a unit.
 fn is_made_by_another(job: &MapJob, hash: &str) -> Result<bool> {
     /// Limits with some of its files there, and without. Files get their names one right after the
@@ -451,7 +455,7 @@ fn make_folders(job: &MapJob) -> Result<()> {
         if let Some(folder) = folder {
             let refused = |e| WriteFault::Refused(format!("folder {} cannot be made: {e}", folder.display()));
             std::fs::create_dir_all(folder)
-                .map_err(|e| Error::Io(skyshed_io::Error::Write(path.display().to_string(), refused(e))))?;
+                .map_err(|e| Error::from(skyshed_io::Error::Write(path.display().to_string(), refused(e))))?;
         }
     }
     Ok(())

@@ -228,7 +228,7 @@ pub(super) fn found(job: &MapJob, unit: &str) -> Result<Found> {
     for file in &there {
         if file.is_dir() {
             let fault = WriteFault::Folder;
-            return Err(Error::Io(skyshed_io::Error::Write(file.display().to_string(), fault)));
+            return Err(Error::from(skyshed_io::Error::Write(file.display().to_string(), fault)));
         }
         match maker_of(file, unit, job.save.forms.bare) {
             Maker::Unit => {}

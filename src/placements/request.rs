@@ -12,12 +12,11 @@ use skyshed_request::{
 
 use super::report::{PlaceFacts, PlaceValue};
 use super::{FORMATS, Placements, SearchPlan};
-use crate::answer::{Answer, Spent, add_outputs};
+use crate::answer::{Answer, Spent};
 use crate::error::{Result, Warning};
-use crate::export::{Batch, OutputRules, check_outputs};
-use crate::picture::Look;
 use crate::progress::Progress;
 use crate::quantity::Height;
+use crate::report::saved;
 use crate::scene::Scene;
 use crate::uav::Uav;
 
@@ -110,11 +109,7 @@ impl Placements {
     /// # Errors
     /// E104–E109 for a file that cannot be written so; E106 if it exists; E401 if writing fails.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        let rules = OutputRules { allowed: &FORMATS, inputs: &[], overwrite: false, bare: false };
-        let outputs = check_outputs(&[path.as_ref().into()], rules)?;
-        let mut batch = Batch::new(false);
-        add_outputs(self, &mut batch, &outputs, (&Look::default(), Spent::default()))?;
-        Ok(batch.commit().map(|_| ())?)
+        saved(self, &FORMATS, path.as_ref(), Default::default())
     }
 }
 

@@ -15,7 +15,7 @@ use crate::read::{BadRows, RowFault, Table, readable};
 /// E313, with the lines, what was found there and what was wanted.
 pub(super) fn read_curve(name: &str, text: &str, bad: BadRows<'_>) -> Result<UserCurve> {
     let refuse_rows =
-        |found, some_are_good| Error::Input(InputError::Curve { name: name.to_string(), found, some_are_good });
+        |found, some_are_good| Error::from(InputError::Curve { name: name.to_string(), found, some_are_good });
     let refuse = |found: String| refuse_rows(found, false);
     let table = Table::parse(text).map_err(refuse)?;
     let column = |name: &str| table.column(&[name]);

@@ -16,7 +16,7 @@ pub(super) fn heat_maps(
 ) -> Result<Drawn> {
     // The angle or distance is the vertical axis, the other quantity the horizontal one.
     let [(y, y_values), (x, x_values)] = varying else {
-        return Err(Error::Fault("a heat map was asked for without two axes"));
+        return Err(Error::fault("a heat map was asked for without two axes"));
     };
     type Kind = (String, String, Option<&'static str>, Option<&'static str>);
     let kind = |r: &PlosRow| -> Kind { (r.city.clone(), r.method.clone(), r.placement, r.users) };

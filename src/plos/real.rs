@@ -94,7 +94,7 @@ impl Real {
         let heights = scene.solids.building_heights();
         check_memory(&word.display(), &grid, 2 * FIELD_BYTES_PER_CELL)?;
         let Built { field, warnings: odd } = HeightField::build(&grid, scene.solids);
-        warnings.extend(odd.into_iter().map(Warning::Core));
+        warnings.extend(odd.into_iter().map(Warning::from));
         let zones = if sweeps.need_zones() { ZoneMap::if_known(&field, None) } else { None };
         let (open, building) = (field.cells().open.count(), field.cells().building.count());
         let unit = grid.meters_per_unit();

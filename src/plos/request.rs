@@ -10,10 +10,9 @@ use skyshed_request::{
 
 use super::report::PlosRow;
 use super::{FORMATS, PlosPlan, PlosStudy};
-use crate::answer::{Answer, Spent, add_outputs};
+use crate::answer::Answer;
 use crate::error::{Result, Warning};
-use crate::export::{Batch, OutputRules, check_outputs};
-use crate::picture::Look;
+use crate::report::saved;
 
 /// Probability of line of sight over a city, by some methods, at some heights and angles or
 /// distances.
@@ -99,11 +98,7 @@ impl PLos {
     /// E104–E106 for a file that cannot be written so; E124 for a plot of too much; E401 if writing
     /// fails.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        let rules = OutputRules { allowed: &FORMATS, inputs: &[], overwrite: false, bare: false };
-        let outputs = check_outputs(&[path.as_ref().into()], rules)?;
-        let mut batch = Batch::new(false);
-        add_outputs(&self.0, &mut batch, &outputs, (&Look::default(), Spent::default()))?;
-        Ok(batch.commit().map(|_| ())?)
+        saved(&self.0, &FORMATS, path.as_ref(), Default::default())
     }
 }
 

@@ -3,7 +3,7 @@
 mod plot;
 mod report;
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 use serde_json::Value;
@@ -13,7 +13,7 @@ use skyshed_core::error::UavError;
 pub(crate) use report::{SampleDocument, SampleRow};
 use report::{SampledReport, SampledRow};
 
-use skyshed_request::SetSceneOptions;
+use skyshed_request::{SampleOptions, SceneOptions, SetSceneOptions, Sight, filled};
 
 use crate::answer::{Answer, Rows, RunFacts, Spent};
 use crate::city::Site;
@@ -29,7 +29,7 @@ use crate::progress::Progress;
 use crate::quantity::{Height, counted, tidy};
 use crate::raster::CellBlocks;
 use crate::scene::limits::{across_m, warn_of_drop_across};
-use crate::scene::{Scene, SceneReader};
+use crate::scene::{Scene, SceneReader, built_up};
 use crate::sight::{SightPlan, check_receivers};
 use crate::zones::Zone;
 
@@ -62,6 +62,44 @@ pub(crate) struct SamplePlan {
     /// Edge of the blocks of ground that are resampled \[m\]. `None` means an eighth of the city,
     /// at least 100 m.
     pub(crate) block_m: Option<f64>,
+}
+
+impl SamplePlan {
+    /// Fills in the defaults of a question. A scene that is given was read with the same options.
+    ///
+    /// # Errors
+    /// E113; E116 for ground below a generated city.
+    pub(crate) fn of(
+        (word, given): (&OsStr, Option<Scene>),
+        scene: SceneReader,
+        (sight, sample): (&Sight, &SampleOptions),
+    ) -> Result<SamplePlan> {
+        let (defaults, reading) = (SampleOptions::defaults(), &scene.options);
+        if built_up(word).is_some() && reading.ground.is_some() {
+            return Err(Error::idle("ground", "for heights above the ground of a generated city"));
+        }
+        let above_ground = |height: &Height| match height {
+            Height::AboveGround(h) => Ok(*h),
+            other => Err(Error::from(RequestError::HeightOfSample(other.to_string()))),
+        };
+        let heights = sample.height.clone().unwrap_or_default();
+        let plan = SamplePlan {
+            word: word.to_os_string(),
+            given,
+            size_m: reading.size.unwrap_or(SceneOptions::SIZE_M),
+            sight: SightPlan::of(sight)?,
+            zones: sample.zones.iter().map(|zone| (zone.zone, zone.count)).collect(),
+            heights_m: heights.0.iter().map(above_ground).collect::<Result<_>>()?,
+            is_centered: sample.centers,
+            n_cities: filled(sample.cities, defaults.cities),
+            seed: reading.seed_or_default(),
+            confidence: filled(sample.ci, defaults.ci),
+            block_m: sample.block,
+            scene,
+        };
+        plan.check()?;
+        Ok(plan)
+    }
 }
 
 /// Results of a sample.

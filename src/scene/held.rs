@@ -83,7 +83,7 @@ impl Scene {
     pub fn unpacked(name: &str, bytes: &[u8], crs: Option<&str>) -> Result<Scene> {
         let start = Instant::now();
         let PackedCity { grid, solids, .. } =
-            unpack(bytes).map_err(|_| Error::Fault("these bytes are no packed scene"))?;
+            unpack(bytes).map_err(|_| Error::fault("these bytes are no packed scene"))?;
         // The bytes hold the length of a unit where the scene lies.
         let unit = grid.meters_per_unit();
         let crs = crs.map(crs::parse).transpose()?.map(|crs| crs.with_true_meters_per_unit(unit));

@@ -3,7 +3,7 @@
 
 use crate::city::HeightSources;
 use crate::coverage::{Uav, check_drop};
-use crate::error::{OddRun, Result, Warning};
+use crate::error::{OddRun, Result, Warning, WarningRepr};
 use crate::height_field::{EARTH_RADIUS_M, HeightField};
 use crate::quantity::{counted, fixed, tidy};
 use crate::raster::GeoRef;
@@ -23,8 +23,8 @@ pub(crate) fn limits_in_words(
         let share = 100.0 * heights.missing().area_share;
         limits.push(format!("{} % of the footprint area has no height: {}", fixed(share, 1), heights.treated()));
     }
-    let of_files = warnings.iter().filter_map(|warning| match warning {
-        Warning::Io(OddFiles::File(_, odd)) => Some(odd),
+    let of_files = warnings.iter().filter_map(|warning| match warning.repr() {
+        WarningRepr::Io(OddFiles::File(_, odd)) => Some(odd),
         _ => None,
     });
     limits.extend(of_files.filter_map(|odd| match odd {
@@ -48,8 +48,8 @@ pub(crate) fn limits_in_words(
         )),
         _ => None,
     }));
-    let stretched = warnings.iter().find_map(|warning| match warning {
-        Warning::Io(OddFiles::Raster(Oddity { odd: OddRaster::WebMercator { largest_error, .. }, .. })) => {
+    let stretched = warnings.iter().find_map(|warning| match warning.repr() {
+        WarningRepr::Io(OddFiles::Raster(Oddity { odd: OddRaster::WebMercator { largest_error, .. }, .. })) => {
             Some(*largest_error)
         }
         _ => None,
@@ -62,7 +62,7 @@ pub(crate) fn limits_in_words(
     if field.is_surface_only() {
         limits.push("a surface model alone: receivers stand on roofs and trees too".into());
     }
-    if warnings.iter().any(|warning| matches!(warning, Warning::Run(OddRun::FlatEarth { .. }))) {
+    if warnings.iter().any(|warning| matches!(warning.repr(), WarningRepr::Run(OddRun::FlatEarth { .. }))) {
         limits.push("the earth is taken as flat".into());
     }
     (!limits.is_empty()).then(|| crate::words::title_of(&limits.join("; ")))

@@ -45,6 +45,8 @@ pub struct Scene {
     /// The word that the user wrote: a path, or a generated city.
     pub(crate) word: String,
     pub(crate) name: String,
+    /// Options that the scene was read with.
+    pub(crate) options: Arc<SceneReader>,
     pub(crate) field: Arc<HeightField>,
     /// Zones, once they are found.
     pub(crate) zones: Arc<OnceLock<Option<Arc<ZoneMap>>>>,
@@ -93,11 +95,12 @@ impl Scene {
         let is_kept = options.keeps_solids && matches!(solids, Solids::Vector { .. });
         let kept = is_kept.then(|| Arc::new(solids.clone()));
         let Built { field, warnings: odd } = HeightField::build(&grid, solids);
-        warnings.extend(odd.into_iter().map(Warning::Core));
+        warnings.extend(odd.into_iter().map(Warning::from));
         let build = start.elapsed().as_secs_f64() - read_s;
         Ok(Scene {
             word: word.display().to_string(),
             name,
+            options: Arc::new(options.clone()),
             field: Arc::new(field),
             zones: Arc::default(),
             solids: kept,
@@ -116,6 +119,7 @@ impl Scene {
         Scene {
             word: name.clone(),
             name,
+            options: Arc::default(),
             field: Arc::new(field),
             zones: Arc::default(),
             solids: None,

@@ -337,7 +337,7 @@ fn facts_of(scene: &crate::city::City, odd: &[skyshed_io::Warning]) -> RunFacts 
         grid: scene.grid.clone(),
         sources: scene.sources.clone(),
         seed: None,
-        warnings: odd.iter().cloned().map(Warning::Io).collect(),
+        warnings: odd.iter().cloned().map(Warning::from).collect(),
         request: None,
         unit: None,
     }

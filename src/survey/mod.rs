@@ -16,8 +16,8 @@ use document::{
     BuiltUpInfo, CellsInfo, FaultsInfo, GeneratedInfo, HeightSourceInfo, INFO_SCHEMA, SceneInfo, VerticalInfo,
 };
 pub(crate) use document::{InfoDocument, TilesProvenance};
-pub(crate) use output::Output;
-pub(crate) use places::Places;
+use output::Output;
+use places::Places;
 pub(crate) use tiles::TileRow;
 use tiles::Tiles;
 
@@ -39,6 +39,37 @@ use crate::words::{capitalized, version};
 pub(crate) const FORMATS: [Format; 2] = [Format::Json, Format::Stdout];
 /// Output formats of a description with tiles.
 pub(crate) const TILE_FORMATS: [Format; 4] = [Format::GeoTiff, Format::Csv, Format::Json, Format::Stdout];
+
+/// Returns the options that describe a file of UAVs, a track or an output of this program; `None` for
+/// a scene, which can use all.
+pub(crate) fn options_of_other(path: &Path) -> Option<&'static [&'static str]> {
+    match (Output::is_one(path), Places::is_one(path)) {
+        (true, _) => Some(&["scene"]),
+        (false, true) => Some(&["scene", "crs"]),
+        (false, false) => None,
+    }
+}
+
+/// Describes a file: an output of this program, UAVs, a track, or a scene. `tile_m` is the edge of
+/// tiles of a scene \[m\].
+///
+/// # Errors
+/// As [`Survey::open`].
+pub(crate) fn facts_of(
+    options: &SceneReader,
+    word: &OsStr,
+    tile_m: Option<f64>,
+    command: &[String],
+) -> Result<Box<dyn Answer + Send + Sync>> {
+    let path = Path::new(word);
+    if let Some(output) = Output::of(path, command) {
+        return Ok(Box::new(output));
+    }
+    if let Some(places) = Places::of(path, options.crs()?, command)? {
+        return Ok(Box::new(places));
+    }
+    Ok(Box::new(Survey::open(options, word, tile_m, command.to_vec())?))
+}
 
 /// Description of a scene.
 #[derive(Debug)]

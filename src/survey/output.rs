@@ -75,6 +75,11 @@ pub(crate) struct OutputInfo<'a> {
 const HEAD: u64 = 4096;
 
 impl Output {
+    /// Returns `true` for an output of this program that is no city.
+    pub(crate) fn is_one(path: &Path) -> bool {
+        origin(path).is_some_and(|origin| !is_city(&origin))
+    }
+
     /// Returns the output that a file is. `None` for other files, and for cities, which are scenes.
     pub(crate) fn of(path: &Path, command: &[String]) -> Option<Output> {
         let origin = origin(path)?;

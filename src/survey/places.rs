@@ -15,7 +15,7 @@ use skyshed_io::error::ReadFault;
 
 use crate::city::GivenSite;
 use crate::crs;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorRepr, Result};
 use crate::export::{Batch, Format};
 use crate::picture::Look;
 use crate::quantity::{Height, counted, tidy};
@@ -47,6 +47,11 @@ enum Looks {
 }
 
 impl Places {
+    /// Returns `true` for a file of UAVs or of a track, judged by its beginning.
+    pub(crate) fn is_one(path: &Path) -> bool {
+        looks_of(path) != Looks::Neither
+    }
+
     /// Reads the places of a file; `None` if the file is of another kind.
     ///
     /// # Errors
@@ -59,7 +64,7 @@ impl Places {
         let places = |what, crs| Places { command: command.to_vec(), path: path.to_path_buf(), what, crs };
         let found = match read(path, looks, crs.clone()) {
             // Without a scene, degrees stay degrees.
-            Err(Error::Io(skyshed_io::Error::Read(error))) if matches!(error.fault, ReadFault::NoSceneCrs(_)) => {
+            Err(error) if lacks_scene_crs(&error) => {
                 let degrees = Some(crs::from_epsg(4326)?);
                 places(read(path, looks, degrees.clone())?, degrees)
             }
@@ -242,7 +247,7 @@ fn read(path: &Path, looks: Looks, crs: Option<Crs>) -> Result<What> {
         return Ok(What::Track(read_track(path, crs.as_ref(), BadRows::Refuse)?));
     }
     // Reading needs only the reference system of a scene: places need not lie in one.
-    let grid = GeoRef::new((0.0, 0.0), (1.0, 1.0), (1, 1), crs).ok_or(Error::Fault("a grid of one cell is valid"))?;
+    let grid = GeoRef::new((0.0, 0.0), (1.0, 1.0), (1, 1), crs).ok_or(Error::fault("a grid of one cell is valid"))?;
     Ok(What::Uavs(read_sites(path, &grid, 1, BadRows::Refuse)?))
 }
 
@@ -286,4 +291,12 @@ fn geojson_looks(path: &Path) -> Option<Looks> {
         return Some(Looks::Track);
     }
     Some(if has("Point") { Looks::Uavs } else { Looks::Neither })
+}
+
+/// Returns `true` for degrees in a file of a scene that names no reference system.
+fn lacks_scene_crs(error: &Error) -> bool {
+    match error.repr() {
+        ErrorRepr::Io(skyshed_io::Error::Read(error)) => matches!(error.fault, ReadFault::NoSceneCrs(_)),
+        _ => false,
+    }
 }

@@ -64,7 +64,7 @@ impl Tiles {
             Some((footprints, frame)) => BuiltUpTiles::of_footprints(footprints, *frame, field, size),
             None => BuiltUpTiles::of_cells(field, size),
         };
-        let tiles = tiles.ok_or(Error::Fault("a checked scene has tiles"))?;
+        let tiles = tiles.ok_or(Error::fault("a checked scene has tiles"))?;
         Ok(Tiles { tiles, edge_m: size.edge * size.meters_per_unit })
     }
 

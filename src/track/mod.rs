@@ -26,6 +26,7 @@ use crate::sight::SightPlan;
 use crate::uav::bad_rows;
 use crate::words::p_los_words;
 use skyshed_io::Input;
+use skyshed_request::{Earth, Receiver, Sight, TrackOptions, filled};
 
 /// Output formats of a track.
 pub(crate) const FORMATS: [Format; 6] =
@@ -50,6 +51,29 @@ pub(crate) struct TrackPlan {
 }
 
 impl TrackPlan {
+    /// Fills in the defaults of a question about a UAV and the places of a track.
+    ///
+    /// # Errors
+    /// E113.
+    pub(crate) fn of(
+        uav: Site,
+        (track, hash): (Input, bool),
+        options: &TrackOptions,
+        (receiver, earth): (&Receiver, &Earth),
+    ) -> Result<TrackPlan> {
+        let sight = Sight { receiver: receiver.clone(), earth: earth.clone(), ..Sight::default() };
+        let plan = TrackPlan {
+            uav,
+            track,
+            skips_bad: options.skip_bad,
+            hash,
+            every_m: filled(options.every, TrackOptions::defaults().every),
+            sight: SightPlan::of(&sight)?,
+        };
+        plan.check()?;
+        Ok(plan)
+    }
+
     /// Checks the numbers, before any work.
     ///
     /// # Errors

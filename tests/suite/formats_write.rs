@@ -297,7 +297,7 @@ fn a_full_disk_is_an_error_of_the_output() {
     let (georef, mask, bits) = (grid(None), classes(), bit_sets());
     let image = image_of(&georef, Bands::Byte(vec![("los".to_string(), &mask)]));
     let error = write_geotiff(&mut Full, &image).unwrap_err();
-    assert_eq!((error.code().as_str(), error.class().exit_code()), ("E401", 3), "{error}");
+    assert_eq!((error.code().as_str(), error.kind().exit_code()), ("E401", 3), "{error}");
     let channels = [("a".to_string(), ExrChannel::UInt(&bits))];
     assert_eq!(write_exr(&mut Full, &georef, &channels, &[]).unwrap_err().code(), "E401");
 }

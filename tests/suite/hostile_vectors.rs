@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use skyshed_core::ErrorClass;
+use skyshed_core::ErrorKind;
 use skyshed_core::city::City;
 use skyshed_core::height_field::HeightField;
 use skyshed_io::Warning;
@@ -70,8 +70,8 @@ fn survives(damaged: &Path, how: &str) -> bool {
         }
         // A height or a number of cells may become too large; nothing else is the user's fault.
         Err(e) => {
-            let class = e.class();
-            assert!([ErrorClass::File, ErrorClass::Site, ErrorClass::Limit].contains(&class), "{how}: {e}");
+            let class = e.kind();
+            assert!([ErrorKind::File, ErrorKind::Site, ErrorKind::Limit].contains(&class), "{how}: {e}");
             assert!(!e.to_string().is_empty());
             false
         }

@@ -16,7 +16,7 @@ const BASES: &[&str] = &[
     "city city.geojson --json -o c.geojson",
     "info city.geojson --json",
     "zones city.geojson --top-field z_top --ground 10 --json",
-    "limits city.geojson --data-area all --uav 2,2,50amsl --cities 2 --json",
+    "limits city.geojson --data-area all --uav 2,2,50amsl --json",
     "plos itu:urban --height 100 --distance 50 --method product --json",
     "place city.geojson --height 40,60 --step 20 --json",
     "sample itu:urban --size 200 --zones street:4 --height 60 --json",

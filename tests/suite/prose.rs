@@ -118,8 +118,9 @@ const LONGEST_OF_COMMENTS: usize = 30;
 
 /// Sources whose doc comments are checked.
 fn checked_sources() -> Vec<PathBuf> {
-    let crates = ["core", "io", "render", "request", "study"].map(|name| format!("crates/{name}/src"));
-    crates.iter().flat_map(|folder| files(folder, ".rs")).collect()
+    let crates =
+        ["core", "io", "live", "python", "render", "request", "study"].map(|name| format!("crates/{name}/src"));
+    crates.iter().map(String::as_str).chain(["src"]).flat_map(|folder| files(folder, ".rs")).collect()
 }
 
 /// The paragraphs and list items of a doc comment, without code and tables.

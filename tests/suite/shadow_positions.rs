@@ -302,7 +302,7 @@ fn whoever_wants_to_stop_is_heard() {
         1
     };
     let error = mapper.count_grid(&grid, &weight, &control).unwrap_err();
-    assert_eq!(error.class(), skyshed_core::error::ErrorClass::Interrupted);
+    assert_eq!(error.kind(), skyshed_core::error::ErrorKind::Interrupted);
     let n_threads = rayon::current_num_threads() as u64;
     let n_asked = n_asked.into_inner();
     assert!(n_asked <= n_threads * 64 * 64, "{n_asked} receivers of {}", mapper.receiver_cells().count());

@@ -228,7 +228,7 @@ fn a_wrong_known_answer_is_told() {
     let mut scene = Family::named("cell-cliffs").unwrap().scene(1, 0).unwrap();
     scene.known[0].is_los = !scene.known[0].is_los;
     let error = truth(&scene, &scene.ready().unwrap()).unwrap_err();
-    assert_eq!((error.code().as_str(), error.class().exit_code()), ("E601", 6), "{error}");
+    assert_eq!((error.code().as_str(), error.kind().exit_code()), ("E601", 6), "{error}");
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn an_exact_method_that_is_wrong_fails_the_check() {
     check_exact(&methods, &scores).unwrap();
     scores[0].outcomes.swap(0, 1);
     let error = check_exact(&methods, &scores).unwrap_err();
-    assert_eq!((error.code().as_str(), error.class().exit_code()), ("E602", 6));
+    assert_eq!((error.code().as_str(), error.kind().exit_code()), ("E602", 6));
     assert!(error.to_string().contains("`ray`, which is exact, decides") && error.to_string().contains("cell-slits"));
 }
 

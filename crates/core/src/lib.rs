@@ -22,4 +22,4 @@ pub mod words;
 pub mod city;
 pub mod zones;
 
-pub use error::{Error, ErrorClass, Result, Warning};
+pub use error::{Error, ErrorKind, Result, Warning};

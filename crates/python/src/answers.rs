@@ -16,7 +16,7 @@ use crate::members;
 use crate::pool::watched;
 use crate::scene::{Place, place_of};
 
-/// What was odd: code and text.
+/// A warning: code and text.
 pub(crate) type Told = (String, String);
 
 pub(crate) fn told(warnings: &[Warning]) -> Vec<Told> {
@@ -44,7 +44,7 @@ impl From<cli::Found> for Found {
     }
 }
 
-/// What some UAVs see.
+/// Coverage of some UAVs.
 #[pyclass(frozen, module = "skyshed._skyshed")]
 pub(crate) struct Maps(Arc<Coverages>);
 
@@ -94,7 +94,7 @@ impl Maps {
         Maps::lent(slf, slf.get().0.union_mask().ok_or_else(no_such)?)
     }
 
-    /// How many UAVs see each cell.
+    /// Number of UAVs that see each cell.
     fn count<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         let grid = self.0.grid();
         let counts = numpy::PyArray1::from_vec(py, self.0.count());

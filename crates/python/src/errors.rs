@@ -4,14 +4,14 @@ use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyType;
-use skyshed::ErrorClass;
+use skyshed::ErrorKind;
 use skyshed::cli::Refusal;
 
 /// Why something has no answer.
 #[derive(Debug)]
 pub(crate) enum Failure {
     Refused(Refusal),
-    /// What Python said.
+    /// An exception of Python.
     Python(PyErr),
     /// A fault of this library.
     Fault(String),
@@ -54,11 +54,11 @@ impl From<Failure> for PyErr {
 fn raised(py: Python<'_>, refusal: &Refusal) -> PyErr {
     static ERROR: PyOnceLock<Py<PyType>> = PyOnceLock::new();
     static FILE_ERROR: PyOnceLock<Py<PyType>> = PyOnceLock::new();
-    if refusal.class == ErrorClass::Interrupted {
+    if refusal.kind == ErrorKind::Interrupted {
         return PyKeyboardInterrupt::new_err(());
     }
-    let class = match refusal.class {
-        ErrorClass::File => FILE_ERROR.import(py, "skyshed._errors", "FileError"),
+    let class = match refusal.kind {
+        ErrorKind::File => FILE_ERROR.import(py, "skyshed._errors", "FileError"),
         _ => ERROR.import(py, "skyshed._errors", "Error"),
     };
     let hint = refusal.hint.as_deref().map(in_python);
@@ -82,7 +82,7 @@ pub(crate) fn in_python(text: &str) -> String {
 
 /// Options with their values as arguments.
 fn arguments(options: &str) -> String {
-    /// What is on or off.
+    /// Options that are on or off.
     const SWITCHES: [&str; 5] = ["overwrite", "skip_bad", "resume", "strips", "hash"];
     let mut words = options.split(' ').peekable();
     let mut arguments = Vec::new();

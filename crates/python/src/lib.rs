@@ -98,5 +98,5 @@ fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
     py.detach(|| skyshed::cli::exit_code(words))
 }
 
-/// What a run is watched by.
+/// Token that watches a run.
 type Watched = Arc<skyshed::Progress>;

@@ -11,7 +11,7 @@ use rayon::ThreadPool;
 use crate::Watched;
 use crate::errors::Failure;
 
-/// How often a run is looked at.
+/// Time between two looks at a run.
 const GLANCE: Duration = Duration::from_millis(50);
 
 /// The threads that work, of the process that made them: one that was forked has none of its parent's.

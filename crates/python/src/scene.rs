@@ -28,7 +28,7 @@ pub(crate) enum AskedHeight {
     Said(String),
 }
 
-/// What an antenna serves: from which distance, azimuths, elevations, the beam.
+/// Limits of an antenna: least distance, azimuths, elevations, beam.
 type AskedAntenna = (Option<f64>, Option<[f64; 2]>, Option<[f64; 2]>, Option<f64>);
 
 /// A UAV as it is asked for: east, north, height, name, its own antenna.
@@ -156,7 +156,7 @@ impl Scene {
         watched(py, None, move |_| Ok(Scene(skyshed::Scene::unpacked(&name, &bytes, crs.as_deref())?)))
     }
 
-    /// What the scene was built from, as bytes.
+    /// Data that the scene was built from, as bytes.
     fn packed(&self, py: Python<'_>) -> PyResult<Py<PyBytes>> {
         let scene = self.0.clone();
         let packed =
@@ -164,7 +164,7 @@ impl Scene {
         Ok(PyBytes::new(py, &packed).unbind())
     }
 
-    /// What some UAVs see.
+    /// Coverage of some UAVs.
     #[pyo3(signature = (uavs, options, keeps_masks, watch=None))]
     fn maps(
         &self,

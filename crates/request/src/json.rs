@@ -73,8 +73,8 @@ pub fn from_members<T: Serialize + DeserializeOwned>(members: Map<String, Value>
     }
 }
 
-/// Reads a request from the keywords of another language. They may be written in the ways that its users
-/// expect: a number for a text with a unit, one value for a list, a list for a text with commas.
+/// Reads a request from the keywords of another language. A number may stand for a text with a unit, one
+/// value for a list, and a list for a text with commas.
 ///
 /// # Errors
 /// The first keyword that does not exist, or has a value that cannot be.

@@ -210,7 +210,7 @@ group! {
     }
 }
 
-crate::holds!(MapRequest: reading.options SceneOptions, reading.list crate::Repairs, uavs Uavs, coverage.sight.receiver Receiver,
+crate::holds!(MapRequest: scene SceneWord, reading.options SceneOptions, reading.list crate::Repairs, uavs Uavs, coverage.sight.receiver Receiver,
     coverage.sight.range Range, coverage.sight.antenna Antenna, coverage.sight.earth Earth, coverage.heights HeightErrors,
     coverage.map MapOptions, curve HeightCurve, out.files crate::Files, out.writing Writing, out.effort crate::Effort,
     forms MapForms, units MapUnits, memory MapMemory, picture PictureOptions);

@@ -68,9 +68,9 @@ impl<T> IntoValue<T> for T {
     }
 }
 
-impl<T, const N: usize> IntoValue<Vec<T>> for [T; N] {
+impl<T, U: IntoValue<T>, const N: usize> IntoValue<Vec<T>> for [U; N] {
     fn into_value(self) -> Vec<T> {
-        self.into()
+        self.into_iter().map(IntoValue::into_value).collect()
     }
 }
 

@@ -5,7 +5,7 @@
 
 use std::borrow::Cow;
 
-use skyshed_core::ErrorClass;
+use skyshed_core::ErrorKind;
 use skyshed_core::error::one_line;
 
 /// Error of every fallible function of this crate.
@@ -100,22 +100,22 @@ pub enum StressError {
 }
 
 impl Error {
-    fn class_and_code(&self) -> (ErrorClass, u16) {
+    fn class_and_code(&self) -> (ErrorKind, u16) {
         use LosProbabilityError as P;
         match self {
-            Error::Core(error) => (error.class(), error.number()),
-            Error::LosProbability(P::OutOfRange { .. } | P::BelowReceivers { .. }) => (ErrorClass::Usage, 120),
-            Error::LosProbability(P::TooFar { .. } | P::CityTooLarge { .. }) => (ErrorClass::Limit, 502),
-            Error::Chart(ChartError::Method { .. }) => (ErrorClass::Usage, 118),
-            Error::Chart(ChartError::EnginesDiffer { .. }) => (ErrorClass::Check, 603),
-            Error::Stress(StressError::Truth { .. }) => (ErrorClass::Check, 601),
-            Error::Stress(StressError::ExactIsWrong { .. }) => (ErrorClass::Check, 602),
-            Error::Stress(_) => (ErrorClass::Internal, 902),
+            Error::Core(error) => (error.kind(), error.number()),
+            Error::LosProbability(P::OutOfRange { .. } | P::BelowReceivers { .. }) => (ErrorKind::Usage, 120),
+            Error::LosProbability(P::TooFar { .. } | P::CityTooLarge { .. }) => (ErrorKind::Limit, 502),
+            Error::Chart(ChartError::Method { .. }) => (ErrorKind::Usage, 118),
+            Error::Chart(ChartError::EnginesDiffer { .. }) => (ErrorKind::Check, 603),
+            Error::Stress(StressError::Truth { .. }) => (ErrorKind::Check, 601),
+            Error::Stress(StressError::ExactIsWrong { .. }) => (ErrorKind::Check, 602),
+            Error::Stress(_) => (ErrorKind::Internal, 902),
         }
     }
 
     /// Returns the class.
-    pub fn class(&self) -> ErrorClass {
+    pub fn kind(&self) -> ErrorKind {
         self.class_and_code().0
     }
 

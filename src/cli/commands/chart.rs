@@ -9,7 +9,7 @@ use crate::cli::args::output::checked_files;
 use crate::cli::args::scene::scene_files;
 use crate::cli::failure::{Failure, Result, refusal_with};
 use crate::cli::run::Run;
-use crate::error::{Error, RequestError};
+use crate::error::{Error, ErrorRepr, RequestError};
 use crate::picture::Look;
 use crate::scene::built_up;
 use crate::sight::SightPlan;
@@ -60,11 +60,12 @@ pub(in crate::cli) fn run(request: &ChartRequest, run: &Run) -> Result<()> {
             let plan = ChartPlan { sight, peers, time_s, threads };
             plan.check()?;
             let without = "`--plos` charts the P_LoS methods of a generated city without one";
-            let asked =
-                UavsAsked::some_of(&request.uavs, request.reading.options.hash).map_err(|error| match error {
-                    Error::Request(RequestError::NoUav) => refusal_with(108, Failure::from(error).to_string(), without),
-                    error => error.into(),
-                })?;
+            let asked = UavsAsked::some_of(&request.uavs, request.reading.options.hash).map_err(|error| match error
+                .repr()
+            {
+                ErrorRepr::Request(RequestError::NoUav) => refusal_with(108, Failure::from(error).to_string(), without),
+                _ => error.into(),
+            })?;
             let scene = run.open_word(request.scene.word(), &request.reading)?;
             let found = asked.read(scene.grid())?;
             plan.run(scene, &found, run.words(), &run.progress)?

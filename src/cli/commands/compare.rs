@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use skyshed_request::{CompareOptions, CompareRequest, filled, json};
+use skyshed_request::{CompareRequest, json};
 
 use crate::cli::args::output::checked_files;
 use crate::cli::args::scene::{scene_files, scene_words};
@@ -11,10 +11,8 @@ use crate::cli::run::Run;
 use crate::comparison::{ComparisonPlan, FORMATS, check_number};
 use crate::error::Error;
 use crate::export::Format;
-use crate::height_errors::HeightErrorsPlan;
 use crate::picture::Look;
 use crate::scene::SceneReader;
-use crate::sight::SightPlan;
 use crate::uav::UavsAsked;
 
 /// Answers a request.
@@ -22,26 +20,19 @@ use crate::uav::UavsAsked;
 /// # Errors
 /// Errors of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &CompareRequest, run: &Run) -> Result<()> {
-    let masks: Vec<PathBuf> = request.compare.mask.iter().map(|path| path.0.clone()).collect();
     let csv = request.table.csv.clone().map(PathBuf::from);
     let reading = &request.reading;
     let asked = UavsAsked::of(&request.uavs, reading.options.hash)?;
+    let masks = request.compare.mask.iter().map(|path| path.0.clone()).collect();
     let inputs =
-        [scene_files(request.scene.word(), &request.reading), masks.clone(), asked.file().into_iter().collect()]
-            .concat();
+        [scene_files(request.scene.word(), &request.reading), masks, asked.file().into_iter().collect()].concat();
     let outputs = checked_files(&request.out, csv.as_ref(), (&FORMATS, &inputs))?;
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;
     let plan = ComparisonPlan {
-        sight: SightPlan::of(&request.sight)?,
-        heights: HeightErrorsPlan::of(&request.heights, None)?,
-        masks,
-        hash: reading.options.hash,
-        block_m: filled(request.compare.block, CompareOptions::defaults().block),
-        seed: reading.options.seed_or_default(),
         scene_words: scene_words(request.scene.word(), &request.reading),
         draws_pairs: outputs.iter().any(|(_, format)| *format == Format::GeoTiff),
+        ..ComparisonPlan::of((&request.sight, &request.heights), &request.compare, &reading.options)?
     };
-    plan.check()?;
     if request.uavs.uav.len() < 2 && request.uavs.uavs.is_none() {
         json::refuse(
             &json::set_members(request),

@@ -16,8 +16,7 @@ use crate::cli::program::Cli;
 use crate::cli::run::{Run, check_scenes};
 use crate::cli::say;
 use crate::error::Error;
-use crate::export::Format;
-use crate::jobs::Jobs;
+use crate::jobs::{FORMATS, Jobs};
 use crate::memory;
 use crate::threads::in_pool;
 use skyshed_request::words::one_of;
@@ -27,16 +26,13 @@ skyshed_core::words! {
     enum Asked {
         /// A line of JSON for each unit: its name, its files, the word for `--shard` that runs it, time and memory
         Plan = "plan",
-        /// Which units are done, missing and broken; exit code 6 unless all are done
+        /// Units that are done, missing and broken; exit code 6 unless all are done
         Status = "status",
-        /// What all units come to: a table of the UAVs (.csv, .parquet), a document (.json), and of tiles a mosaic (.vrt) and a
+        /// All units together: a table of the UAVs (.csv, .parquet), a document (.json), and of tiles a mosaic (.vrt) and a
         /// STAC item (.geojson)
         Merge = "merge",
     }
 }
-
-/// Formats of merged results.
-const FORMATS: [Format; 6] = [Format::Csv, Format::Parquet, Format::Json, Format::Vrt, Format::GeoJson, Format::Stdout];
 
 #[derive(Debug, Args)]
 #[command(mut_arg("output", |a| a.help("File to merge into: .csv .parquet .json .vrt .geojson; repeat for more").long_help("File \
@@ -45,7 +41,7 @@ to merge into, by extension: a table of the UAVs (.csv, .parquet), a document (.
 #[command(after_help = "\
 Example: skyshed jobs plan map maps/munich.geojson --uavs maps/sites.csv --radius 300 -o '{site}.tif'")]
 pub(in crate::cli) struct JobsArgs {
-    /// What to tell of the units
+    /// Answer about the units
     #[arg(value_name = "WHAT", value_parser = one_of::<Asked>())]
     asked: Asked,
     #[command(flatten)]

@@ -1,6 +1,6 @@
 //! `skyshed limits`: limits of the P_LoS of a map, and the needs of the map.
 
-use skyshed_request::{LimitsOptions, LimitsRequest, filled, json};
+use skyshed_request::{LimitsRequest, json};
 
 use crate::cli::args::output::{checked_files, plain_look};
 use crate::cli::args::scene::scene_files;
@@ -9,7 +9,6 @@ use crate::cli::run::Run;
 use crate::error::Error;
 use crate::limits::{FORMATS, LimitsPlan};
 use crate::scene::{SceneReader, built_up};
-use crate::sight::SightPlan;
 use crate::uav::UavsAsked;
 
 /// Answers a request.
@@ -17,13 +16,7 @@ use crate::uav::UavsAsked;
 /// # Errors
 /// Errors of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &LimitsRequest, run: &Run) -> Result<()> {
-    let defaults = LimitsOptions::defaults();
-    let plan = LimitsPlan {
-        sight: SightPlan::of(&request.sight)?,
-        uav_error_m: filled(request.limits.uav_error, defaults.uav_error),
-        height_error_m: filled(request.limits.height_error, defaults.height_error),
-        n_cities: filled(request.limits.cities, defaults.cities),
-    };
+    let plan = LimitsPlan::of(&request.sight, &request.limits)?;
     if built_up(request.scene.word()).is_none() {
         json::refuse(&json::set_members(request), &["cities"], "for a city in a file: it is one")
             .map_err(Error::from)?;
@@ -34,7 +27,7 @@ pub(in crate::cli) fn run(request: &LimitsRequest, run: &Run) -> Result<()> {
     // Faults of a file are reported, not refused.
     let options = SceneReader { tells_faults: true, ..run.reader(&request.reading) };
     let limits = match &run.given {
-        Some(scene) => plan.find_over((scene.clone(), &options), None, &asked, run.words())?,
+        Some(scene) => plan.find_over(scene.clone(), None, &asked.read(scene.grid())?, run.words())?,
         None => plan.find((&options, request.scene.word()), &asked, run.words())?,
     };
     run.emit(&limits, &outputs, (&request.out, &plain_look(&request.out)))

@@ -11,7 +11,7 @@ use crate::cli::failure::{Failure, Result, refusal_with};
 use crate::cli::interrupt;
 use crate::cli::run::Run;
 use crate::cli::say::{self, WarningsOfRuns};
-use crate::error::ErrorClass;
+use crate::error::ErrorKind;
 use crate::map::{Done, Given, MapJob, Outcome, Purpose, SITE, UnitRuns, names_tile};
 use crate::quantity::counted;
 use crate::scene::SceneReader;
@@ -83,7 +83,7 @@ fn run_sites(job: &MapJob, run: &Run, runs: &UnitRuns<'_>) -> Result<()> {
         is_of_tiles: !job.tiles.only.is_empty() || job.outputs.iter().any(|path| names_tile(path)),
     };
     let outcome = runs.run(&mut |outcome| sites.add(outcome));
-    let is_interrupted = outcome.as_ref().is_err_and(|e| e.class() == ErrorClass::Interrupted);
+    let is_interrupted = outcome.as_ref().is_err_and(|e| e.kind() == ErrorKind::Interrupted);
     sites.tell(outcome.is_err(), is_interrupted);
     outcome
 }

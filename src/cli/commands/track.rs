@@ -3,14 +3,13 @@
 use std::path::PathBuf;
 
 use skyshed_io::Input;
-use skyshed_request::{Sight, TrackOptions, TrackRequest, filled, json};
+use skyshed_request::{TrackRequest, json};
 
 use crate::cli::args::output::checked_files;
 use crate::cli::args::scene::scene_files;
 use crate::cli::failure::Result;
 use crate::cli::run::Run;
 use crate::picture::Look;
-use crate::sight::SightPlan;
 use crate::track::{FORMATS, TrackPlan};
 use crate::uav::site_of;
 
@@ -20,19 +19,11 @@ use crate::uav::site_of;
 /// Errors of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &TrackRequest, run: &Run) -> Result<()> {
     run.refuse_data_area(&json::set_members(request))?;
-    let plan = TrackPlan {
-        uav: site_of(request.track.uav.as_deref().unwrap_or_default(), "1".into())?,
-        track: request.track.track.as_ref().map_or_else(|| Input::path(""), Input::of),
-        skips_bad: request.track.skip_bad,
-        hash: request.reading.options.hash,
-        every_m: filled(request.track.every, TrackOptions::defaults().every),
-        sight: SightPlan::of(&Sight {
-            receiver: request.receiver.clone(),
-            earth: request.earth.clone(),
-            ..Sight::default()
-        })?,
-    };
-    plan.check()?;
+    let options = &request.track;
+    let uav = site_of(options.uav.as_deref().unwrap_or_default(), "1".into())?;
+    let track = options.track.as_ref().map_or_else(|| Input::path(""), Input::of);
+    let of_user = (&request.receiver, &request.earth);
+    let plan = TrackPlan::of(uav, (track, request.reading.options.hash), options, of_user)?;
     let track = plan.track.file().map(PathBuf::from);
     let inputs: Vec<PathBuf> = scene_files(request.scene.word(), &request.reading).into_iter().chain(track).collect();
     let outputs = checked_files(&request.out, None, (&FORMATS, &inputs))?;

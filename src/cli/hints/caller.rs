@@ -1,18 +1,18 @@
-//! Remedies for who calls the library from another program, where those of the command line lead nowhere: who reads a scene once,
-//! whole and into memory, writes no standard output and sets no limits of memory and threads.
+//! Remedies for callers of the library, where those of the command line are of no use. A caller reads
+//! a scene once, whole and into memory, writes no standard output, and limits no memory or threads.
 
 use skyshed_core::error::{Error as Core, UavAttempt, UavError};
 use skyshed_io::Error as Io;
 use skyshed_io::error::{Cause, CombineError, WriteFault};
 
 use super::io::part_of_raster;
-use crate::error::{Error, FitsPage, LimitError};
+use crate::error::{Error, ErrorRepr, FitsPage, LimitError};
 use crate::scene::is_raster_scene;
 
 /// The remedy for an error, where one is known.
 pub(in crate::cli) fn hint_for_caller(error: &Error) -> Option<String> {
-    match error {
-        Error::Core(error) => match error.innermost() {
+    match error.repr() {
+        ErrorRepr::Core(error) => match error.innermost() {
             Core::Uav { attempt: UavAttempt::Place { x, y, .. }, why: UavError::TooFar { has_crs: true, .. } }
                 if x.abs() <= 180.0 && y.abs() <= 90.0 =>
             {
@@ -20,10 +20,10 @@ pub(in crate::cli) fn hint_for_caller(error: &Error) -> Option<String> {
             }
             _ => super::core::hint(error),
         },
-        Error::Io(error) => of_files(error),
-        Error::Limit(error) => of_limit(error),
-        Error::OfUnit { error, .. } => hint_for_caller(error),
-        error => super::hint(error),
+        ErrorRepr::Io(error) => of_files(error),
+        ErrorRepr::Limit(error) => of_limit(error),
+        ErrorRepr::OfUnit { error, .. } => hint_for_caller(error),
+        _ => super::hint(error),
     }
 }
 

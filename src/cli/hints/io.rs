@@ -1,4 +1,4 @@
-//! What to do about files that cannot be read, combined or written.
+//! Remedies for files that cannot be read, combined or written.
 
 use std::path::{Path, PathBuf};
 
@@ -233,7 +233,7 @@ pub(super) fn with_skipping(hint: &str, some_are_good: bool) -> String {
     if some_are_good { format!("{hint}; a run with `--skip-bad` goes on without bad rows") } else { hint.to_string() }
 }
 
-/// What each policy would do about missing heights.
+/// Returns the effect of each policy for missing heights.
 fn of_missing(name: &str, missing: &HeightsMissing) -> String {
     let HeightsMissing { n_missing, n_storeys, median_m, rules, is_top, .. } = missing;
     let before = if rules.is_empty() { String::new() } else { format!("{rules},") };
@@ -256,7 +256,7 @@ fn of_missing(name: &str, missing: &HeightsMissing) -> String {
     ways.join("; ")
 }
 
-/// Whether what has this name is held in memory, so that it has one property alone.
+/// Returns `true` for the name of buildings in memory, which have one property alone.
 pub(super) fn is_held(name: &str) -> bool {
     !Path::new(name).exists() && !is_remote(Path::new(name))
 }
@@ -353,7 +353,7 @@ fn of_output(fault: &WriteFault) -> Option<String> {
     Some(words.to_string())
 }
 
-/// What may be written.
+/// Returns the formats that can be written.
 fn listed(allowed: &[Format]) -> String {
     let files: Vec<String> = allowed.iter().filter_map(|f| f.extension()).map(|e| format!(".{e}")).collect();
     let stream = if allowed.contains(&Format::Stdout) { ", and `-` for standard output" } else { "" };
@@ -399,7 +399,7 @@ fn near_name(path: &Path) -> Option<PathBuf> {
     near.min().map(|(_, file)| file)
 }
 
-/// How many letters must be put in, left out or changed to make one word of another (Levenshtein).
+/// Returns the edit distance of two words (Levenshtein).
 fn edits_between(from: &str, to: &str) -> usize {
     let to: Vec<char> = to.chars().collect();
     let mut row: Vec<usize> = (0..=to.len()).collect();

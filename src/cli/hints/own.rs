@@ -128,7 +128,7 @@ pub(super) fn less_memory(word: &str, is_typed: bool) -> String {
     if is_typed { format!("allow more with `--max-memory SIZE`, or {less}") } else { less }
 }
 
-/// What of a city a page could hold, as flags.
+/// Returns flags that read the part of a city that a page can hold.
 fn what_fits(fits: &FitsPage) -> String {
     let with_cells = |part: String, cell_m: &Option<f64>| match cell_m {
         Some(cell_m) => format!("`--cell {cell_m}`, or a part: {part}"),

@@ -1,4 +1,4 @@
-//! What to do about what is odd: the words that follow a warning in parentheses.
+//! Remedies for warnings: the words that follow a warning in parentheses.
 
 use std::path::Path;
 
@@ -7,22 +7,22 @@ use skyshed_io::Warning as OddFiles;
 use skyshed_io::error::{OddFile, OddRaster, Oddity};
 
 use super::io::{beside, is_held, shell_word};
-use crate::error::{OddRun, Warning};
+use crate::error::{OddRun, Warning, WarningRepr};
 use crate::quantity::tidy;
 
 /// The flag that a warning is about, or a remedy, where one is known.
 pub(in crate::cli) fn of_warning(warning: &Warning) -> Option<String> {
-    let hint = match warning {
-        Warning::Core(OddScene::UnknownGround { .. }) => "`--nodata-as block|clear`",
-        Warning::Core(OddScene::LittleOpenGround) | Warning::Io(OddFiles::WholeExtent) => {
+    let hint = match warning.repr() {
+        WarningRepr::Core(OddScene::UnknownGround { .. }) => "`--nodata-as block|clear`",
+        WarningRepr::Core(OddScene::LittleOpenGround) | WarningRepr::Io(OddFiles::WholeExtent) => {
             "`--data-area all` says so, `--data-area FILE` limits it"
         }
-        Warning::Io(OddFiles::Raster(oddity)) => return of_raster(oddity),
-        Warning::Io(OddFiles::File(name, odd)) => return of_file(name, odd),
-        Warning::Run(OddRun::FlatEarth { is_choice: true, .. }) => {
+        WarningRepr::Io(OddFiles::Raster(oddity)) => return of_raster(oddity),
+        WarningRepr::Io(OddFiles::File(name, odd)) => return of_file(name, odd),
+        WarningRepr::Run(OddRun::FlatEarth { is_choice: true, .. }) => {
             "`--earth-k 4/3` for radio, `--earth-k 7/6` for light"
         }
-        Warning::Run(OddRun::Results { .. }) => "`skyshed info` tells what it is",
+        WarningRepr::Run(OddRun::Results { .. }) => "`skyshed info` tells what it is",
         _ => return None,
     };
     Some(hint.to_string())

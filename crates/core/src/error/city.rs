@@ -1,6 +1,6 @@
 //! Errors of generated cities.
 
-use super::class::ErrorClass;
+use super::kind::ErrorKind;
 use crate::quantity::MAX_EXTENT_UNITS;
 
 /// The reason why no city can be generated.
@@ -35,13 +35,13 @@ pub enum CityError {
 }
 
 impl CityError {
-    pub(super) fn class_and_code(&self) -> (ErrorClass, u16) {
+    pub(super) fn class_and_code(&self) -> (ErrorKind, u16) {
         match self {
-            CityError::Parameter { .. } => (ErrorClass::Usage, 110),
-            CityError::Word { .. } => (ErrorClass::Usage, 111),
-            CityError::Length { .. } => (ErrorClass::Usage, 112),
-            CityError::Ground { .. } => (ErrorClass::Usage, 113),
-            CityError::Size { .. } | CityError::Cells { .. } | CityError::Buildings { .. } => (ErrorClass::Limit, 502),
+            CityError::Parameter { .. } => (ErrorKind::Usage, 110),
+            CityError::Word { .. } => (ErrorKind::Usage, 111),
+            CityError::Length { .. } => (ErrorKind::Usage, 112),
+            CityError::Ground { .. } => (ErrorKind::Usage, 113),
+            CityError::Size { .. } | CityError::Cells { .. } | CityError::Buildings { .. } => (ErrorKind::Limit, 502),
         }
     }
 }

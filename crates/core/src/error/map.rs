@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::class::ErrorClass;
+use super::kind::ErrorKind;
 use crate::quantity::MAX_EXTENT_UNITS;
 
 /// The reason why the requested map cannot be made.
@@ -47,10 +47,10 @@ pub enum MapError {
 }
 
 impl MapError {
-    pub(super) fn class_and_code(&self) -> (ErrorClass, u16) {
+    pub(super) fn class_and_code(&self) -> (ErrorKind, u16) {
         match self {
-            MapError::StreamedCells { .. } => (ErrorClass::Limit, 502),
-            _ => (ErrorClass::Usage, 118),
+            MapError::StreamedCells { .. } => (ErrorKind::Limit, 502),
+            _ => (ErrorKind::Usage, 118),
         }
     }
 }

@@ -39,7 +39,7 @@
 //! | W380 | rows of a table that were left out |
 
 mod city;
-mod class;
+mod kind;
 mod map;
 mod uav;
 mod warning;
@@ -49,7 +49,7 @@ use std::fmt;
 use std::sync::Arc;
 
 pub use city::CityError;
-pub use class::ErrorClass;
+pub use kind::ErrorKind;
 pub use map::MapError;
 pub use uav::{UavAttempt, UavError};
 pub use warning::Warning;
@@ -89,7 +89,7 @@ pub enum Error {
 #[error("{error}")]
 #[expect(missing_docs, reason = "the docs of the type say what its fields are")]
 pub struct PassedError {
-    pub class: ErrorClass,
+    pub class: ErrorKind,
     pub number: u16,
     pub error: Arc<dyn std::error::Error + Send + Sync>,
 }
@@ -131,20 +131,20 @@ impl Error {
         }
     }
 
-    fn class_and_code(&self) -> (ErrorClass, u16) {
+    fn class_and_code(&self) -> (ErrorKind, u16) {
         match self.innermost() {
             Error::City(error) => error.class_and_code(),
-            Error::Uav { why, .. } => (ErrorClass::Site, why.code()),
+            Error::Uav { why, .. } => (ErrorKind::Site, why.code()),
             Error::Map(error) => error.class_and_code(),
-            Error::Interrupted | Error::Within { .. } => (ErrorClass::Interrupted, 130),
-            Error::Fault(Fault::CityGrid) => (ErrorClass::Internal, 901),
-            Error::Fault(Fault::NoRaster) => (ErrorClass::Internal, 902),
+            Error::Interrupted | Error::Within { .. } => (ErrorKind::Interrupted, 130),
+            Error::Fault(Fault::CityGrid) => (ErrorKind::Internal, 901),
+            Error::Fault(Fault::NoRaster) => (ErrorKind::Internal, 902),
             Error::Passed(error) => (error.class, error.number),
         }
     }
 
     /// Returns the class of the cause.
-    pub fn class(&self) -> ErrorClass {
+    pub fn kind(&self) -> ErrorKind {
         self.class_and_code().0
     }
 
@@ -168,6 +168,6 @@ mod tests {
         let error = Error::from(CityError::Word { word: "a\nb".into(), found: "a".into() }).within("in t.vrt\n");
         let text = "cannot read scene `a\\nb`: found `a`, wanted a named environment or `α,β,γ` (in t.vrt\\n)";
         assert_eq!(error.to_string(), text);
-        assert_eq!((error.code().as_str(), error.class().exit_code()), ("E111", 2));
+        assert_eq!((error.code().as_str(), error.kind().exit_code()), ("E111", 2));
     }
 }

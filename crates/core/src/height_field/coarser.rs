@@ -145,8 +145,8 @@ impl HeightField {
         is_shaped.into_iter().filter(|is_shaped| *is_shaped).count()
     }
 
-    /// Returns a vector scene as the raster of its receivers' grid: each cell as high as the roof
-    /// over its center, or as the ground there: *approximate*. `None` for a raster scene.
+    /// Returns a vector scene as the raster of its receivers' grid: *approximate*. Each cell is as
+    /// high as the roof over its center, or as the ground there. `None` for a raster scene.
     pub fn rasterized(&self) -> Option<HeightField> {
         let roofs = &self.solid.vector()?.roofs;
         let (grid, n_cols, positions) = (self.grid(), self.grid().n_cols(), self.positions());

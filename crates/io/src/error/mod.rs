@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 pub use read::{Cause, HeightOf, HeightsMissing, InputKind, Namer, Place, PlacesIn, ReadError, ReadFault, Wanted};
 
-pub use skyshed_core::error::{ErrorClass, MOST_FOUND, io_words, is_text, shortened};
+pub use skyshed_core::error::{ErrorKind, MOST_FOUND, io_words, is_text, shortened};
 use skyshed_core::error::{PassedError, one_line};
 use thiserror::Error as Words;
 pub use warning::{CellsFound, OddFile, OddPair, OddRaster, Oddity, Warning};
@@ -206,17 +206,17 @@ impl Error {
     }
 
     /// Returns the class, which fixes the exit code of the command line.
-    pub fn class(&self) -> ErrorClass {
+    pub fn kind(&self) -> ErrorKind {
         match self {
-            Error::Core(error) => error.class(),
-            Error::Within(error, _) => error.class(),
-            Error::Write(_, WriteFault::Encode(_)) => ErrorClass::Internal,
+            Error::Core(error) => error.kind(),
+            Error::Within(error, _) => error.kind(),
+            Error::Write(_, WriteFault::Encode(_)) => ErrorKind::Internal,
             _ => match self.number() / 100 {
-                1 => ErrorClass::Usage,
-                2 => ErrorClass::Site,
-                5 => ErrorClass::Limit,
-                9 => ErrorClass::Internal,
-                _ => ErrorClass::File,
+                1 => ErrorKind::Usage,
+                2 => ErrorKind::Site,
+                5 => ErrorKind::Limit,
+                9 => ErrorKind::Internal,
+                _ => ErrorKind::File,
             },
         }
     }
@@ -253,7 +253,7 @@ impl From<Error> for skyshed_core::Error {
         match error {
             Error::Core(error) => error,
             error => {
-                let (class, number) = (error.class(), error.number());
+                let (class, number) = (error.kind(), error.number());
                 skyshed_core::Error::Passed(PassedError { class, number, error: Arc::new(error) })
             }
         }

@@ -1,9 +1,9 @@
-//! The class of an error, which fixes the exit code of the command line.
+//! Kind of an error, which fixes the exit code of the command line.
 
 /// The cause of an [`super::Error`], one per exit code of the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum ErrorClass {
+pub enum ErrorKind {
     /// A fault of the program: exit code 1.
     Internal,
     /// The request itself makes no sense: exit code 2.
@@ -20,17 +20,17 @@ pub enum ErrorClass {
     Interrupted,
 }
 
-impl ErrorClass {
-    /// Returns the process exit code for this class.
+impl ErrorKind {
+    /// Returns the process exit code for this kind.
     pub fn exit_code(self) -> u8 {
         match self {
-            ErrorClass::Internal => 1,
-            ErrorClass::Usage => 2,
-            ErrorClass::File => 3,
-            ErrorClass::Site => 4,
-            ErrorClass::Limit => 5,
-            ErrorClass::Check => 6,
-            ErrorClass::Interrupted => 130,
+            ErrorKind::Internal => 1,
+            ErrorKind::Usage => 2,
+            ErrorKind::File => 3,
+            ErrorKind::Site => 4,
+            ErrorKind::Limit => 5,
+            ErrorKind::Check => 6,
+            ErrorKind::Interrupted => 130,
         }
     }
 }
