@@ -180,6 +180,7 @@
 //! | `parquet` | yes | tables in columns (.parquet) |
 //! | `exr` | yes | rasters in OpenEXR (.exr) |
 //! | `meshes` | yes | meshes in PLY |
+//! | `shapefiles` | yes | footprints in Shapefiles |
 //! | `remote` | no | scenes at addresses: `http://`, `https://`, `s3://` |
 //!
 //! The crates below hold types for experts: `skyshed_core` the engines, `skyshed_study` P_LoS,

@@ -2,14 +2,11 @@
 
 use std::fmt;
 
-#[cfg(not(any(feature = "ring", feature = "sha2")))]
-compile_error!("digests need the feature `ring`, or `sha2`, which is without C");
-
 /// SHA-256 digest in progress.
 ///
 /// PERF: `ring` is faster than other libraries on processors without instructions for SHA-256,
-/// where the digest of a mask is a quarter of a whole run. The feature `sha2` alone selects a
-/// library without C.
+/// where the digest of a mask is a quarter of a whole run. Without this feature the library is `sha2`,
+/// which has no C.
 #[cfg(feature = "ring")]
 #[derive(Clone)]
 pub struct Sha256(ring::digest::Context);

@@ -19,6 +19,9 @@ pub enum WriteFault {
     /// E105: a format of other commands; the allowed formats.
     #[error("this command does not write that format")]
     NotThisFormat(Vec<Format>),
+    /// E105: a format that is a feature of the build, which was left out.
+    #[error("this build does not write that format")]
+    NotBuilt,
     /// E105: an output that is named twice.
     #[error("it is named twice")]
     Twice,

@@ -60,6 +60,9 @@ pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<
         if !rules.allowed.contains(&format) {
             return Err(refuse(WriteFault::NotThisFormat(rules.allowed.to_vec())));
         }
+        if !format.is_built() {
+            return Err(refuse(WriteFault::NotBuilt));
+        }
         if format == Format::Stdout {
             if checked.iter().any(|(_, f)| *f == Format::Stdout) {
                 return Err(refuse(WriteFault::Twice));

@@ -69,6 +69,15 @@ impl Format {
         EXTENSIONS.iter().find(|(known, _)| *known == extension).map(|(_, format)| *format)
     }
 
+    /// Returns `true` if this build can write the format: some are features.
+    pub(super) fn is_built(self) -> bool {
+        match self {
+            Format::Exr => cfg!(feature = "exr"),
+            Format::Parquet => cfg!(feature = "parquet"),
+            _ => true,
+        }
+    }
+
     /// Returns `true` for a picture.
     pub fn is_picture(self) -> bool {
         matches!(self, Format::Png | Format::Svg | Format::Pdf)

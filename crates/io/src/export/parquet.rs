@@ -10,31 +10,18 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use crate::error::{Error, Result};
+use super::columns::Column;
 
-/// The cells of a column; `None` where there is no value.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Column {
-    /// Texts.
-    Text(Vec<Option<String>>),
-    /// Whole numbers.
-    Whole(Vec<Option<i64>>),
-    /// Numbers.
-    Number(Vec<Option<f64>>),
-}
-
-impl Column {
-    fn field(&self, name: &str) -> std::result::Result<Type, ParquetError> {
-        let (physical, logical) = match self {
-            Column::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
-            Column::Whole(_) => (Physical::INT64, None),
-            Column::Number(_) => (Physical::DOUBLE, None),
-        };
-        Type::primitive_type_builder(name, physical)
-            .with_repetition(Repetition::OPTIONAL)
-            .with_logical_type(logical)
-            .build()
-    }
+fn field(column: &Column, name: &str) -> std::result::Result<Type, ParquetError> {
+    let (physical, logical) = match column {
+        Column::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+        Column::Whole(_) => (Physical::INT64, None),
+        Column::Number(_) => (Physical::DOUBLE, None),
+    };
+    Type::primitive_type_builder(name, physical)
+        .with_repetition(Repetition::OPTIONAL)
+        .with_logical_type(logical)
+        .build()
 }
 
 /// Returns the values of all cells that have one, and for each cell 1 if it has one, else 0.
@@ -42,16 +29,9 @@ fn present<T: Clone>(cells: &[Option<T>]) -> (Vec<T>, Vec<i16>) {
     (cells.iter().flatten().cloned().collect(), cells.iter().map(|cell| i16::from(cell.is_some())).collect())
 }
 
-/// Encodes a table of named columns of one length, with its provenance under the key `skyshed`.
-///
-/// # Errors
-/// E402 if the columns are not equally long.
-pub fn encode_parquet(columns: &[(String, Column)], provenance: &str) -> Result<Vec<u8>> {
-    encoded(columns, provenance).map_err(|e| Error::encode("a table in columns", e.to_string()))
-}
-
-fn encoded(columns: &[(String, Column)], provenance: &str) -> std::result::Result<Vec<u8>, ParquetError> {
-    let fields = columns.iter().map(|(name, column)| Ok(Arc::new(column.field(name)?)));
+/// Encodes columns of one length.
+pub(super) fn encoded(columns: &[(String, Column)], provenance: &str) -> std::result::Result<Vec<u8>, ParquetError> {
+    let fields = columns.iter().map(|(name, column)| Ok(Arc::new(field(column, name)?)));
     let fields = fields.collect::<std::result::Result<Vec<_>, ParquetError>>()?;
     let schema = Arc::new(Type::group_type_builder("skyshed").with_fields(fields).build()?);
     let origin = KeyValue::new("skyshed".to_string(), provenance.to_string());

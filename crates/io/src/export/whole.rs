@@ -13,7 +13,7 @@ use serde_json::value::RawValue;
 
 use super::format::Format;
 use crate::error::{Error, ReadFault};
-use crate::formats::RasterFile;
+use crate::formats::{RasterFile, is_whole_exr};
 
 /// State of a file that was written earlier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -114,12 +114,6 @@ fn is_whole_bil(path: &Path) -> io::Result<bool> {
     };
     let bytes = number("NROWS ").zip(number("TOTALROWBYTES ")).map(|(n_rows, bytes)| n_rows.saturating_mul(bytes));
     Ok(bytes == Some(std::fs::metadata(path)?.len()))
-}
-
-fn is_whole_exr(path: &Path) -> bool {
-    let Ok(file) = File::open(path) else { return false };
-    let chunks = exr::block::read(BufReader::new(file), false).and_then(|reader| reader.all_chunks(false));
-    chunks.is_ok_and(|mut chunks| chunks.all(|chunk| chunk.is_ok()))
 }
 
 /// Returns `true` when features follow one another up to the end of the file, as many as its header

@@ -13,28 +13,24 @@
 //! OpenEXR file layout (openexr.com, version 3); the EXR driver of GDAL,
 //! `frmts/exr/exrdataset.cpp`.
 
-use std::io::{Cursor, Write};
+use std::fs::File;
+use std::io::{BufReader, Cursor, Write};
+use std::path::Path;
 
 use exr::block::BlockIndex;
 use exr::image::write::WritableImage;
 use exr::image::write::channels::{ChannelsWriter, WritableChannels};
 use exr::image::{Encoding, Image, Layer};
 use exr::math::RoundingMode;
+use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, ChannelDescription, ChannelList, LevelMode, LineOrder, SampleType, Text};
 use exr::meta::header::{Header, LayerAttributes};
 use exr::prelude::{Blocks, Compression};
 
+use super::ExrChannel;
 use crate::error::{Error, Result};
+use crate::input::Input;
 use crate::raster::GeoRef;
-
-/// Values of a channel, row by row from the north-west cell.
-#[derive(Debug, Clone, Copy)]
-pub enum ExrChannel<'a> {
-    /// Measures; NaN where there is none.
-    Float(&'a [f32]),
-    /// Classes, counts or sets of bits.
-    UInt(&'a [u32]),
-}
 
 /// Writes channels and metadata as an OpenEXR file, compressed with ZIP in blocks of 16 rows.
 ///
@@ -188,6 +184,25 @@ fn sort_attributes(file: &mut [u8]) -> Option<()> {
     attributes.sort();
     file[start..at].copy_from_slice(&attributes.concat());
     Some(())
+}
+
+/// Returns the first text attribute of a file that begins with some words.
+pub(super) fn exr_text(input: &Input, beginning: &str) -> Option<String> {
+    let headers = MetaData::read_from_buffered(BufReader::new(input.open().ok()?.0), false).ok()?.headers;
+    let mut attributes = headers.first()?.own_attributes.other.values();
+    attributes.find_map(|value| match value {
+        AttributeValue::Text(text) => {
+            std::str::from_utf8(text.bytes()).ok().filter(|text| text.starts_with(beginning)).map(str::to_string)
+        }
+        _ => None,
+    })
+}
+
+/// Returns `true` if all blocks of a file can be read.
+pub(crate) fn is_whole_exr(path: &Path) -> bool {
+    let Ok(file) = File::open(path) else { return false };
+    let chunks = exr::block::read(BufReader::new(file), false).and_then(|reader| reader.all_chunks(false));
+    chunks.is_ok_and(|mut chunks| chunks.all(|chunk| chunk.is_ok()))
 }
 
 #[cfg(test)]

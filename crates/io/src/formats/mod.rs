@@ -6,6 +6,10 @@ mod ascii_grid;
 mod band;
 mod bil_file;
 mod cell_sources;
+#[cfg(feature = "exr")]
+mod exr_file;
+#[cfg(not(feature = "exr"))]
+#[path = "no_exr.rs"]
 mod exr_file;
 mod file;
 mod geotiff;
@@ -25,7 +29,8 @@ mod xml;
 pub use ascii_grid::{AsciiGrid, write_ascii_grid};
 pub use bil_file::{BilValues, bil_header};
 pub use cell_sources::{CellSources, bounds_through, half_diagonal_through, suggested_grid};
-pub use exr_file::{ExrChannel, write_exr};
+pub(crate) use exr_file::is_whole_exr;
+pub use exr_file::write_exr;
 pub use file::RasterFile;
 pub use geotiff::xml_text;
 pub use geotiff::{
@@ -40,3 +45,12 @@ pub use origin::origin_of;
 pub(crate) use reserve::reserve_cells;
 pub use tile_store::{TileStore, TileStoreWriter};
 pub use world_file::world_file;
+
+/// Values of a channel, row by row from the north-west cell.
+#[derive(Debug, Clone, Copy)]
+pub enum ExrChannel<'a> {
+    /// Measures; NaN where there is none.
+    Float(&'a [f32]),
+    /// Classes, counts or sets of bits.
+    UInt(&'a [u32]),
+}

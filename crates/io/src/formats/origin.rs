@@ -2,10 +2,8 @@
 
 use std::io::{BufReader, Read};
 
-use exr::meta::MetaData;
-use exr::meta::attribute::AttributeValue;
-
 use super::RasterFile;
+use super::exr_file::exr_text;
 use crate::input::Input;
 
 /// Longest text that is read \[bytes\].
@@ -22,7 +20,7 @@ pub fn origin_of(input: impl Into<Input>) -> Option<String> {
     input.open().ok()?.0.read_exact(&mut head).ok()?;
     let text = match &head {
         b"\x89PNG" => of_png(input),
-        b"v/1\x01" => of_exr(input),
+        b"v/1\x01" => exr_text(input, BEGINNING),
         b"PK\x03\x04" => of_npz(input),
         [b'I', b'I', ..] | [b'M', b'M', ..] => match RasterFile::open(input, &mut Vec::new()).ok()? {
             RasterFile::GeoTiff(tiff) => tiff.provenance().map(str::to_string),
@@ -37,17 +35,6 @@ fn of_png(input: &Input) -> Option<String> {
     let reader = png::Decoder::new(BufReader::new(input.open().ok()?.0)).read_info().ok()?;
     let chunk = reader.info().utf8_text.iter().find(|chunk| chunk.keyword == "skyshed")?;
     chunk.get_text().ok()
-}
-
-fn of_exr(input: &Input) -> Option<String> {
-    let headers = MetaData::read_from_buffered(BufReader::new(input.open().ok()?.0), false).ok()?.headers;
-    let mut attributes = headers.first()?.own_attributes.other.values();
-    attributes.find_map(|value| match value {
-        AttributeValue::Text(text) => {
-            std::str::from_utf8(text.bytes()).ok().filter(|text| text.starts_with(BEGINNING)).map(str::to_string)
-        }
-        _ => None,
-    })
 }
 
 /// Reads the entry `meta` of an archive: a numpy array of one text in UTF-32.

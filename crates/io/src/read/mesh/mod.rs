@@ -12,6 +12,7 @@
 mod connected;
 mod faces;
 mod obj;
+#[cfg(feature = "meshes")]
 mod ply;
 mod top_surface;
 
@@ -104,9 +105,17 @@ pub fn read_mesh_buildings(
     footprints::scene_of(input, (set, vec![source]), options, Listing::CountsOnly, warnings).map(|(city, _)| city)
 }
 
+#[cfg(feature = "meshes")]
+use ply::read as read_ply;
+
+#[cfg(not(feature = "meshes"))]
+fn read_ply(input: &Input) -> Result<Mesh> {
+    Err(Error::unsupported(input, "this build reads no PLY").because(crate::error::Cause::NotBuilt))
+}
+
 /// Reads the mesh of a file, whose vertices must be finite.
 fn mesh_of(input: &Input) -> Result<Mesh> {
-    let mesh = if input.extension() == "ply" { ply::read(input)? } else { obj::read(input)? };
+    let mesh = if input.extension() == "ply" { read_ply(input)? } else { obj::read(input)? };
     match mesh.vertices.iter().position(|v| !v.iter().all(|c| c.is_finite())) {
         None => Ok(mesh),
         Some(k) => {

@@ -10,17 +10,20 @@ mod flatgeobuf;
 pub(super) mod geojson;
 #[cfg(feature = "geopackage")]
 mod geopackage;
+#[cfg(feature = "shapefiles")]
 mod rings;
+#[cfg(feature = "shapefiles")]
 mod shapefile;
 pub(super) mod wkb;
 
-pub(super) use feature::{Feature, FeatureSet, Polygon, Property, Selection, SolidHeight, bounds, opened};
-pub(super) use rings::doubled_area;
+pub(super) use feature::{
+    Feature, FeatureSet, Polygon, Property, Selection, SolidHeight, bounds, doubled_area, opened,
+};
 
 use std::path::Path;
 
 use crate::error::Result;
-#[cfg(not(feature = "geopackage"))]
+#[cfg(not(all(feature = "geopackage", feature = "shapefiles")))]
 use crate::error::{Cause, Error};
 use crate::input::Input;
 
@@ -64,7 +67,12 @@ impl VectorFormat {
 pub(super) fn read_features(input: &Input, selection: Selection<'_>) -> Result<FeatureSet> {
     let mut set = match VectorFormat::of(input) {
         VectorFormat::Json => geojson::read(input),
+        #[cfg(feature = "shapefiles")]
         VectorFormat::Shapefile => shapefile::read(input),
+        #[cfg(not(feature = "shapefiles"))]
+        VectorFormat::Shapefile => {
+            Err(Error::unsupported(input, "this build reads no Shapefile").because(Cause::NotBuilt))
+        }
         VectorFormat::FlatGeobuf => flatgeobuf::read(input, selection.bounds),
         #[cfg(feature = "geopackage")]
         VectorFormat::GeoPackage => geopackage::read(input, selection.layer),

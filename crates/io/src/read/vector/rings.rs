@@ -1,16 +1,7 @@
 //! Rings into polygons, for formats that distinguish shells and holes only by their sense of
 //! rotation.
 
-use super::feature::Polygon;
-
-/// Returns twice the area of a ring, positive where it runs counterclockwise. Points are taken
-/// relative to the first, so that large coordinates lose nothing.
-pub(in crate::read) fn doubled_area(ring: &[[f64; 2]]) -> f64 {
-    let Some(origin) = ring.first() else { return 0.0 };
-    let from_origin = |p: &[f64; 2]| [p[0] - origin[0], p[1] - origin[1]];
-    let pairs = ring.iter().zip(ring.iter().cycle().skip(1));
-    pairs.map(|(a, b)| (from_origin(a), from_origin(b))).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum()
-}
+use super::feature::{Polygon, doubled_area};
 
 /// Assembles polygons from shells and holes in any order. Each hole goes to the smallest shell
 /// around it. A hole without a shell around it is a shell itself, written in the wrong sense.
