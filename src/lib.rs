@@ -198,6 +198,7 @@ mod chart;
 pub mod cli;
 mod comparison;
 mod conversion;
+mod earth;
 mod error;
 mod expected;
 mod height_errors;

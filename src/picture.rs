@@ -4,7 +4,6 @@ use serde_json::Value;
 
 use skyshed_request::{PictureOptions, Writing};
 
-use crate::answer::Output;
 use crate::coverage::class;
 use crate::error::{Error, ErrorRepr, Result};
 use crate::export::Format;
@@ -12,6 +11,9 @@ use crate::height_field::HeightField;
 use crate::raster::{CellWindow, Crs, GeoRef};
 use crate::render::{Mark, OPEN_GROUND, PictureForm, PictureFormat, Sheet};
 use crate::words::version;
+
+/// A file to write and its format, checked before any work.
+pub(crate) type Output = (std::path::PathBuf, Format);
 
 /// Look of output files, where their extension leaves a choice.
 #[derive(Debug, Clone, Default)]

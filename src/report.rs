@@ -12,11 +12,11 @@ use skyshed_request::{
     TrackOptions, Writing,
 };
 
-use crate::answer::{Answer, Output, Spent, add_outputs};
+use crate::answer::{Answer, saved};
 use crate::comparison::{self, ComparisonPlan, check_number};
 use crate::conversion::{self, Conversion};
 use crate::error::{Result, Warning};
-use crate::export::{Batch, Format, OutputRules, check_outputs};
+use crate::export::Format;
 use crate::limits::{self, LimitsPlan};
 use crate::picture::Look;
 use crate::progress::Progress;
@@ -92,24 +92,6 @@ impl Report {
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         saved(&*self.answer, self.formats, path.as_ref(), (PictureOptions::default(), Writing::default()))
     }
-}
-
-/// Writes an answer to a file in the format of its extension.
-///
-/// # Errors
-/// As [`Report::save`].
-pub(crate) fn saved(
-    answer: &dyn Answer,
-    formats: &[Format],
-    path: &Path,
-    (picture, writing): (PictureOptions, Writing),
-) -> Result<()> {
-    let rules = OutputRules { allowed: formats, inputs: &[], overwrite: writing.overwrite, bare: false };
-    let outputs: Vec<Output> = check_outputs(&[path.to_path_buf()], rules)?;
-    let look = Look::checked(&picture, &writing, &outputs)?;
-    let mut batch = Batch::new(writing.overwrite);
-    add_outputs(answer, &mut batch, &outputs, (&look, Spent::default()))?;
-    Ok(batch.commit().map(|_| ())?)
 }
 
 /// Request of a report about a scene. Its options are set by the traits of [`crate::prelude`].

@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from skyshed._keywords import SaveKeywords
-    from skyshed._scene import Scene
     from skyshed._skyshed import Found, Maps, _Place
 
 #: Classes of a mask.
@@ -250,11 +249,23 @@ class Coverage(_Mapped):
         return f"Coverage(p_los={self.p_los:.4f}, receivers={self.receivers}, cells={n_rows}×{n_cols})"
 
 
+class Mapper(Protocol):
+    """A scene that is mapped once more."""
+
+    @property
+    def map(self) -> Any:
+        """Maps one UAV."""
+
+    @property
+    def maps(self) -> Any:
+        """Maps several."""
+
+
 class Coverages(_Mapped):
     """What several UAVs see, each and together. Iterating makes one map after another, each on the cells in range of its own UAV,
     and keeps none."""
 
-    def __init__(self, maps: Maps, scene: Scene, uavs: list[Any], asked: dict[str, Any], is_kept: bool) -> None:
+    def __init__(self, maps: Maps, scene: Mapper, uavs: list[Any], asked: dict[str, Any], is_kept: bool) -> None:
         super().__init__(maps)
         self._scene, self._uavs, self._asked, self._is_kept = scene, uavs, asked, is_kept
 

@@ -10,9 +10,10 @@ mod features;
 mod position;
 mod table;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::Value;
+use skyshed_request::{PictureOptions, Writing};
 
 pub(crate) use document::{
     Head, Provenance, RunFacts, Share, SourceFacts, Spent, Timing, WarningFacts, digest_words, document_of, warnings_of,
@@ -22,12 +23,11 @@ pub(crate) use position::{Position, PositionFields};
 pub(crate) use table::{Rows, columns_of, encoded, rows};
 
 use crate::error::{Result, Warning};
-use crate::export::{Batch, Format, with_suffix};
+use crate::export::{Batch, Format, OutputRules, check_outputs, with_suffix};
 use crate::picture::Look;
 use crate::words::pretty;
 
-/// A file to write and its format, checked before any work.
-pub(crate) type Output = (PathBuf, Format);
+pub(crate) use crate::picture::Output;
 
 /// Results of a question, ready to be printed and written.
 pub(crate) trait Answer {
@@ -111,4 +111,23 @@ pub(crate) fn add_outputs(
         }
     }
     Ok(())
+}
+
+/// Writes an answer to a file in the format of its extension.
+///
+/// # Errors
+/// E104–E109 for a file that cannot be written so; E106 if it exists; E116 for looks without a picture;
+/// E401 if writing fails.
+pub(crate) fn saved(
+    answer: &dyn Answer,
+    formats: &[Format],
+    path: &Path,
+    (picture, writing): (PictureOptions, Writing),
+) -> Result<()> {
+    let rules = OutputRules { allowed: formats, inputs: &[], overwrite: writing.overwrite, bare: false };
+    let outputs: Vec<Output> = check_outputs(&[path.to_path_buf()], rules)?;
+    let look = Look::checked(&picture, &writing, &outputs)?;
+    let mut batch = Batch::new(writing.overwrite);
+    add_outputs(answer, &mut batch, &outputs, (&look, Spent::default()))?;
+    Ok(batch.commit().map(|_| ())?)
 }

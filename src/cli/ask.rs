@@ -6,10 +6,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use clap::error::{ContextKind, ContextValue, ErrorKind as ParserFault};
-use clap::{Args, Command, FromArgMatches};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 use serde_json::Value;
 use skyshed_request::{CoverageQuestion, MapOptions, MapRequest, Reading, SaveOptions, SceneOptions, Source, json};
 
@@ -18,11 +14,13 @@ use crate::export::Format;
 use crate::picture::Look;
 
 use super::args::scene::scene_words;
-use super::failure::{Failure, Result, refusal, refusal_with};
+use super::failure::{Failure, Result, refusal_with};
+use super::found::Found;
+use super::hints;
+use super::keywords::{Members, read};
 use super::program::Cli;
 use super::run::{Run, check_text, check_use};
-use super::{hints, refusal};
-use crate::answer::{Answer, Rows, Spent};
+use crate::answer::Spent;
 use crate::coverage::Tally;
 use crate::error::{Error, ErrorKind, Warning};
 use crate::jobs::Jobs;
@@ -95,87 +93,9 @@ impl Refusal {
     }
 }
 
-/// Answer in the forms that need no file, and the files that were written.
-#[derive(Debug, Clone)]
-pub struct Found {
-    /// The document, as of `--json`.
-    pub document: Value,
-    /// The table, its header first; empty where there is none.
-    pub table: Rows,
-    /// Warnings.
-    pub warnings: Vec<Warning>,
-    /// Files that were written.
-    pub files: Vec<PathBuf>,
-}
-
-impl Found {
-    /// Of an answer that was written to some files.
-    pub(super) fn of(answer: &dyn Answer, spent: Spent, files: Vec<PathBuf>) -> Found {
-        Found {
-            document: answer.document(Some(spent)),
-            table: answer.table(),
-            warnings: answer.warnings().to_vec(),
-            files,
-        }
-    }
-}
-
 /// Returns the remedy for a warning, if one is known.
 pub fn hint_of(warning: &Warning) -> Option<String> {
     hints::of_warning(warning)
-}
-
-/// Options by their names, as JSON.
-pub type Members = serde_json::Map<String, Value>;
-
-/// Reads a request, or a part of one, from options by their names. Flags check what their types do not: ranges, and options that need
-/// or exclude each other.
-pub(super) fn read<T>(members: Members) -> Result<T>
-where
-    T: Args + FromArgMatches + Serialize + DeserializeOwned + Default,
-{
-    let flags = || T::augment_args(Command::new("skyshed")).disable_help_flag(true);
-    let words = |members| json::command_line("skyshed", members);
-    let checked = |members| flags().try_get_matches_from(words(members)).map(|_| ());
-    match json::from_keywords::<T>(members.clone()) {
-        Ok(request) => {
-            let set = json::set_members(&request);
-            let Err(error) = checked(set.clone()) else { return Ok(request) };
-            let without = |name: &String| -> Members {
-                let others = set.iter().filter(|(other, _)| *other != name);
-                others.map(|(name, value)| (name.clone(), value.clone())).collect()
-            };
-            let culprit = set.keys().find(|name| checked(without(name)).is_ok());
-            match (error.kind(), culprit) {
-                (ParserFault::MissingRequiredArgument, Some(name)) => {
-                    let needed = missing_in(&error);
-                    Err(Error::idle(name.clone(), format!("without `{needed}`")).into())
-                }
-                _ => Err(refused(&error)),
-            }
-        }
-        Err(fault) => {
-            let name = fault.member;
-            if let Some(reason) = fault.reason.filter(|reason| reason.contains("wanted") || !members[&name].is_number())
-            {
-                return Err(refusal(101, format!("`{name}`: {reason}")));
-            }
-            // The parser of words knows names that are near, and values that are out of range.
-            checked([(name.clone(), members[&name].clone())].into_iter().collect()).map_err(|error| refused(&error))?;
-            Err(refusal(101, format!("`{name}`: no such option")))
-        }
-    }
-}
-
-/// Returns the name of the first option that an error of the parser misses.
-fn missing_in(error: &clap::Error) -> String {
-    match error.get(ContextKind::InvalidArg) {
-        Some(ContextValue::Strings(flags)) => {
-            let flag = flags.first().map_or("", |flag| flag.split(' ').next().unwrap_or_default());
-            flag.trim_start_matches('-').replace('-', "_")
-        }
-        _ => String::new(),
-    }
 }
 
 /// Returns a reader of scenes with options such as `height_field`: `levels`.
@@ -264,11 +184,6 @@ pub fn p_los(
 
 fn prepared(scene: Scene, uavs: &[Uav], question: &CoverageQuestion) -> Result<Prepared> {
     Ok(MapPlan::of(question)?.prepare(scene, &UavsFound::of(uavs)?, PartOf::default())?)
-}
-
-/// Returns what the parser of words refuses.
-fn refused(error: &clap::Error) -> Failure {
-    refusal::answer(error).err().unwrap_or_else(|| refusal::in_words(&error.to_string()))
 }
 
 /// Options of a run of the program alone.

@@ -3,7 +3,6 @@
 use std::fmt;
 
 use super::hints;
-use super::program::is_flag;
 use crate::error::{Error, ErrorKind, ErrorRepr, RequestError};
 
 /// Failure of a command.
@@ -108,7 +107,7 @@ fn names_option(error: &Error) -> bool {
 /// Returns the text of an error, with the options in it as they are typed.
 fn with_flags(error: &Error) -> String {
     let text = error.to_string();
-    let is_flag = |name: &str| is_flag(&name.replace('-', "_"));
+    let is_flag = |name: &str| skyshed_request::is_option(&name.replace('-', "_"));
     // Every other part is between two marks.
     let parts = text.split('`').enumerate().map(|(k, part)| {
         let name = part.split(' ').next().unwrap_or_default();

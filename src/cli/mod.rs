@@ -15,9 +15,12 @@ mod args;
 mod ask;
 mod commands;
 mod failure;
+mod found;
 mod hints;
 mod interrupt;
+mod keywords;
 mod program;
+mod progress_line;
 mod refusal;
 mod run;
 mod say;
@@ -33,9 +36,11 @@ use crate::cli::failure::Result;
 use crate::memory;
 use crate::threads::in_pool;
 pub use ask::{
-    Found, Members, PlannedUnit, Refusal, ask, coverages, height_curves, hint_of, limit_memory, live_page, map_tile,
-    p_los, plan_units, raster_grid, save_options, scene_reader,
+    PlannedUnit, Refusal, ask, coverages, height_curves, hint_of, limit_memory, live_page, map_tile, p_los, plan_units,
+    raster_grid, save_options, scene_reader,
 };
+pub use found::Found;
+pub use keywords::Members;
 use program::Cli;
 use run::{RepairsFile, Run, check_scenes, check_text, check_use};
 
@@ -78,6 +83,6 @@ fn execute(cli: &Cli, command: Vec<String>) -> Result<()> {
     let repairs = RepairsFile::of(&shared)?;
     check_text(out, repairs.as_ref())?;
     let files: Vec<PathBuf> = shared.scenes.iter().flat_map(|scene| scene_files(scene, shared.reading)).collect();
-    in_pool(out.effort.threads, || say::with_progress(&run.progress, is_quiet, &files, || cli.run(&run)))??;
+    in_pool(out.effort.threads, || progress_line::with_progress(&run.progress, is_quiet, &files, || cli.run(&run)))??;
     repairs.map_or(Ok(()), |repairs| repairs.write(&run))
 }

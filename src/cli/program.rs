@@ -16,8 +16,8 @@ use super::commands::{
     CompletionsArgs, JobsArgs, chart, city, compare, info, limits, link, live, map, place, plos, sample, stress, track,
     zones,
 };
+use super::keywords::{Members, read};
 use super::run::{Run, Shared};
-use crate::cli::ask::{Members, read};
 use crate::cli::failure::{Result, refusal};
 use crate::error::Error;
 
@@ -87,11 +87,6 @@ fn standard_inputs(members: &Map<String, Value>) -> usize {
     tables.chain(curves).filter(is_standard_input).count()
 }
 
-/// Returns `true` if any command has a flag of this name.
-pub(super) fn is_flag(name: &str) -> bool {
-    Cli::command().get_subcommands().any(|command| command.get_arguments().any(|flag| flag.get_id() == name))
-}
-
 impl Cli {
     /// Returns the program with its commands, flags and defaults.
     pub(super) fn program() -> clap::Command {
@@ -152,11 +147,6 @@ impl Cli {
             }
             _ => {}
         }
-    }
-
-    /// Returns the request of a map; `None` for other commands.
-    pub(super) fn map(&self) -> Option<&MapRequest> {
-        if let Command::Map(args) = &self.command { Some(args) } else { None }
     }
 
     /// Returns the parts that requests share; `None` for a command that has none.

@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 
 use skyshed_request::{OutputOptions, Reading, json};
 
-use super::ask::Found;
+use super::found::Found;
 use super::{interrupt, say};
 use crate::answer::{Answer, Output, Spent, add_outputs};
 use crate::cli::args::output::{is_told, plain_look};

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use skyshed_request::{ANSWERS_VERSION, Position, SceneWord, TileIndex, Uavs, json};
+use skyshed_request::{ANSWERS_VERSION, Layer, Position, SceneWord, TileIndex, Uavs, json};
 
 use super::job::{MapJob, PartWords};
 use super::tiles::{ROW_AND_COL, Tile};
@@ -19,6 +19,7 @@ use crate::digest::Sha256;
 use crate::error::{Error, PlacesError, RequestError, Result};
 use crate::export::{Format, Left, left_of, sidecars, site_in_names, with_suffix};
 use crate::formats::{RasterFile, origin_of};
+use crate::los::MethodChoice;
 use crate::os_words::split;
 use crate::read::source_of;
 use crate::scene::built_up;
@@ -138,6 +139,43 @@ pub(super) fn check_names(sites: &[GivenSite]) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Refuses what files of tiles cannot hold: values of one UAV, and values that only the whole scene
+/// gives.
+pub(super) fn check_tiles(job: &MapJob) -> Result<()> {
+    let formats = job.outputs.iter().map(|path| Ok((path, Format::of(path)?))).collect::<Result<Vec<_>>>()?;
+    let tells = |format: &Format| matches!(format, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout);
+    let of_one = job.plan.layers.iter().find(|layer| !layer.is_of_all());
+    if let Some((path, _)) = formats.iter().find(|(_, format)| of_one.is_some() && !tells(format)) {
+        let layer = of_one.copied().unwrap_or(Layer::Los).name();
+        return Err(RequestError::LayerOfTile { path: path.display().to_string(), layer }.into());
+    }
+    let why = "with tiles, which hold all UAVs together";
+    let asked = [
+        ("tolerance", job.plan.tolerance.is_some()),
+        ("height_error", job.plan.heights.own_m > 0.0),
+        ("height_bias", job.plan.heights.shared_m > 0.0),
+        ("height_error_field", job.scene.options.height_error_field.is_some()),
+        ("zones", job.plan.tells_zones),
+        ("height_curve", job.curve.is_wanted()),
+        ("polygons", job.save.forms.polygons.is_some()),
+        ("bare", job.save.forms.bare),
+        ("gdal_values", job.save.forms.gdal_values),
+    ];
+    if let Some((option, _)) = asked.iter().find(|(_, is_asked)| *is_asked) {
+        return Err(Error::idle(*option, why));
+    }
+    if matches!(job.plan.sight.method(), MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2) {
+        return Err(Error::idle(
+            "method",
+            "with tiles, if it is approximate: it errs otherwise on a part than on the whole",
+        ));
+    }
+    match job.plan.sight.receivers().zone() {
+        Some(_) => Err(Error::idle("receivers", "of one zone with tiles: zones are found in the whole")),
+        None => Ok(()),
+    }
 }
 
 /// Returns the hash of one UAV's unit, over all that its files depend on.

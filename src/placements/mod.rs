@@ -28,6 +28,7 @@ use skyshed_request::{Measure, TiffLayout, Whom};
 
 use crate::answer::{Answer, Rows, RunFacts, Spent, encoded};
 use crate::coverage::{Control, KeepMasks, ManyMaps, MapOptions, Mapper, Receivers, Together, Uav, UavGrid};
+use crate::earth::check_earth;
 use crate::error::{RequestError, Result, Warning};
 use crate::expected::Expected;
 use crate::export::{Batch, Format};
@@ -38,7 +39,6 @@ use crate::picture::Look;
 use crate::placement::{Candidates, PlaceGrid, Weights};
 use crate::progress::Progress;
 use crate::scene::Scene;
-use crate::scene::limits::check_earth;
 use crate::sight::check_receivers;
 use crate::words::pretty;
 use crate::zones::{Zone, ZoneMap};

@@ -12,11 +12,10 @@ use skyshed_request::{
 
 use super::report::{PlaceFacts, PlaceValue};
 use super::{FORMATS, Placements, SearchPlan};
-use crate::answer::{Answer, Spent};
+use crate::answer::{Answer, Spent, saved};
 use crate::error::{Result, Warning};
 use crate::progress::Progress;
 use crate::quantity::Height;
-use crate::report::saved;
 use crate::scene::Scene;
 use crate::uav::Uav;
 

@@ -9,6 +9,7 @@ use super::report::{PlosRow, PlosValue};
 use super::sweep::{Far, Sweeps};
 use crate::city::{BuiltUp, Source};
 use crate::city_statistics::fit::BuiltUpFit;
+use crate::earth::warn_of_drop_across;
 use crate::error::{Error, PlacesError, RequestError, Result, Warning};
 use crate::height_field::{Built, HeightField, Place, Station};
 use crate::los::{MethodChoice, WrongMethod};
@@ -20,7 +21,7 @@ use crate::placement::{MOST_CUT, WholeDiscs};
 use crate::quantity::{VOID, height_steps};
 use crate::raster::BitGrid;
 use crate::scene::SceneReader;
-use crate::scene::limits::{limits_in_words, warn_of_drop_across};
+use crate::scene::limits::limits_in_words;
 use crate::sight::receivers_height;
 use crate::zones::{Zone, ZoneMap};
 

@@ -10,9 +10,8 @@ use skyshed_request::{
 
 use super::report::PlosRow;
 use super::{FORMATS, PlosPlan, PlosStudy};
-use crate::answer::Answer;
+use crate::answer::{Answer, saved};
 use crate::error::{Result, Warning};
-use crate::report::saved;
 
 /// Probability of line of sight over a city, by some methods, at some heights and angles or
 /// distances.

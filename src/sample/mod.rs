@@ -18,6 +18,7 @@ use skyshed_request::{SampleOptions, SceneOptions, SetSceneOptions, Sight, fille
 use crate::answer::{Answer, Rows, RunFacts, Spent};
 use crate::city::Site;
 use crate::coverage::{Mapper, Uav, check_drop};
+use crate::earth::{across_m, warn_of_drop_across};
 use crate::error::{Error, OddRun, PlacesError, RequestError, Result, Warning};
 use crate::export::{Batch, Format};
 use crate::los::Method;
@@ -28,7 +29,6 @@ use crate::placement::{Drawn, DrawnPlaces, ReceiverParts, SampledCounts, middles
 use crate::progress::Progress;
 use crate::quantity::{Height, counted, tidy};
 use crate::raster::CellBlocks;
-use crate::scene::limits::{across_m, warn_of_drop_across};
 use crate::scene::{Scene, SceneReader, built_up};
 use crate::sight::{SightPlan, check_receivers};
 use crate::zones::Zone;

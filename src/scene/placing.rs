@@ -4,9 +4,9 @@
 use std::borrow::Borrow;
 
 use super::Scene;
-use super::limits::check_earth;
 use crate::city::Site;
 use crate::coverage::Uav;
+use crate::earth::check_earth;
 use crate::error::{OddRun, Result, Warning};
 use crate::height_field::HeightField;
 use crate::quantity::tidy;

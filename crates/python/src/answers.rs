@@ -13,8 +13,8 @@ use skyshed::{Coverages, Layer, Warning};
 
 use crate::errors::{Failure, in_python};
 use crate::members;
+use crate::place::{Place, place_of};
 use crate::pool::watched;
-use crate::scene::{Place, place_of};
 
 /// A warning: code and text.
 pub(crate) type Told = (String, String);

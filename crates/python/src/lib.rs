@@ -4,6 +4,7 @@
 mod arrays;
 mod answers;
 mod errors;
+mod place;
 mod pool;
 mod scene;
 
@@ -81,9 +82,9 @@ fn map_tile(py: Python<'_>, options: &str, scene: Option<&scene::Scene>, uavs: V
 
 /// Returns the grid of a raster that is read in parts; ``None`` of any other scene.
 #[pyfunction]
-fn raster_grid(py: Python<'_>, word: OsString, options: &str) -> PyResult<Option<scene::Place>> {
+fn raster_grid(py: Python<'_>, word: OsString, options: &str) -> PyResult<Option<place::Place>> {
     let options = members(options)?;
-    pool::watched(py, None, move |_| Ok(skyshed::cli::raster_grid(&word, options)?.map(|grid| scene::place_of(&grid))))
+    pool::watched(py, None, move |_| Ok(skyshed::cli::raster_grid(&word, options)?.map(|grid| place::place_of(&grid))))
 }
 
 /// Refuses work that would take this process above so many bytes.

@@ -113,3 +113,21 @@ pub fn defaults_of(command: &str) -> serde_json::Map<String, serde_json::Value> 
     };
     defaults().into_iter().chain(own).collect()
 }
+
+/// Returns `true` if any request has an option of this name.
+pub fn is_option(name: &str) -> bool {
+    fn has<T: serde::Serialize + Default>(name: &str) -> bool {
+        serde_json::to_value(T::default()).is_ok_and(|members| members.get(name).is_some())
+    }
+    has::<MapRequest>(name)
+        || has::<PlaceRequest>(name)
+        || has::<PlosRequest>(name)
+        || has::<SampleRequest>(name)
+        || has::<CompareRequest>(name)
+        || has::<LimitsRequest>(name)
+        || has::<ChartRequest>(name)
+        || has::<TrackRequest>(name)
+        || has::<LinkRequest>(name)
+        || has::<InfoRequest>(name)
+        || has::<StressRequest>(name)
+}

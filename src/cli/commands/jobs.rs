@@ -3,16 +3,15 @@
 
 use std::ffi::OsString;
 
-use clap::Args;
+use clap::{Args, Command, FromArgMatches};
 
-use skyshed_request::{OutputOptions, json};
+use skyshed_request::{MapRequest, OutputOptions, json};
 
 use super::map::job_of;
 use crate::answer::Answer;
 use crate::cli::args::output::{checked_files, plain_look};
 use crate::cli::failure::{Result, refusal, refusal_with};
 use crate::cli::interrupt;
-use crate::cli::program::Cli;
 use crate::cli::run::{Run, check_scenes};
 use crate::cli::say;
 use crate::error::Error;
@@ -75,9 +74,8 @@ impl JobsArgs {
     }
 
     fn answer(&self, run: &Run) -> Result<()> {
-        let words: Vec<OsString> = std::iter::once("skyshed".into()).chain(self.map.iter().cloned()).collect();
-        let cli = Cli::from_words(&words).map_err(|e| refusal(101, first_line(&e)))?;
-        let Some(map) = cli.map() else {
+        let words: Vec<_> = self.map.iter().map(|word| skyshed_io::told(word)).collect();
+        let Some((_, words)) = words.split_first().filter(|(first, _)| &***first == "map") else {
             let found = self.map.first().map_or_else(String::new, |word| word.display().to_string());
             return Err(refusal_with(
                 101,
@@ -85,6 +83,9 @@ impl JobsArgs {
                 "jobs are those of a map: `skyshed jobs plan map SCENE --uavs FILE -o NAME-{site}.tif`",
             ));
         };
+        let flags = MapRequest::augment_args(Command::new("map")).no_binary_name(true);
+        let parsed = flags.try_get_matches_from(words).and_then(|matches| MapRequest::from_arg_matches(&matches));
+        let map = &parsed.map_err(|e| refusal(101, first_line(&e)))?;
         check_scenes(&[map.scene.word()])?;
         let command = self.map.iter().map(|word| skyshed_io::told(word).to_string_lossy().into_owned()).collect();
         let job = job_of(map, run, command)?;

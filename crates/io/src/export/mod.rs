@@ -17,6 +17,9 @@ mod map_result;
 mod mask_strips;
 mod mitsuba;
 mod ns3_boxes;
+#[cfg(not(feature = "parquet"))]
+#[path = "no_parquet.rs"]
+mod parquet;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod columns;
@@ -30,7 +33,7 @@ mod zones;
 pub use self::flatgeobuf::{PolygonFile, add_flatgeobuf};
 pub use batch::Batch;
 pub use city_mesh::{CityMesh, Mesh, city_mesh};
-pub use columns::{Column, encode_parquet};
+pub use columns::Column;
 pub use compare::{Comparison, add_comparison};
 pub use files::{OutputRules, check_folder, check_outputs, sidecars, with_suffix};
 pub use format::Format;
@@ -40,6 +43,7 @@ pub use map_result::{MapResult, MaskValues, n_bands};
 pub use mask_strips::MaskStrips;
 pub use mitsuba::{MitsubaScene, add_mitsuba};
 pub use ns3_boxes::ns3_boxes;
+pub use parquet::encode_parquet;
 pub use table::{as_text, encode_table};
 pub use temporary::abandon_files;
 pub use vrt::{MosaicTile, Near, vrt};

@@ -11,6 +11,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
 use super::columns::Column;
+use crate::error::{Error, Result};
 
 fn field(column: &Column, name: &str) -> std::result::Result<Type, ParquetError> {
     let (physical, logical) = match column {
@@ -29,8 +30,16 @@ fn present<T: Clone>(cells: &[Option<T>]) -> (Vec<T>, Vec<i16>) {
     (cells.iter().flatten().cloned().collect(), cells.iter().map(|cell| i16::from(cell.is_some())).collect())
 }
 
-/// Encodes columns of one length.
-pub(super) fn encoded(columns: &[(String, Column)], provenance: &str) -> std::result::Result<Vec<u8>, ParquetError> {
+/// Encodes a table of named columns of one length as Parquet, with its provenance under the key
+/// `skyshed`.
+///
+/// # Errors
+/// E402 if the columns are not equally long.
+pub fn encode_parquet(columns: &[(String, Column)], provenance: &str) -> Result<Vec<u8>> {
+    encoded(columns, provenance).map_err(|e| Error::encode("a table in columns", e.to_string()))
+}
+
+fn encoded(columns: &[(String, Column)], provenance: &str) -> std::result::Result<Vec<u8>, ParquetError> {
     let fields = columns.iter().map(|(name, column)| Ok(Arc::new(field(column, name)?)));
     let fields = fields.collect::<std::result::Result<Vec<_>, ParquetError>>()?;
     let schema = Arc::new(Type::group_type_builder("skyshed").with_fields(fields).build()?);

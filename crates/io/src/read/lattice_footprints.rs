@@ -12,7 +12,8 @@ use skyshed_request::{GroundChoice, WithoutHeight};
 
 use super::footprint_options::FootprintOptions;
 use super::height_value::FoundHeight;
-use super::outline::{Shaped, polygon_area, shape};
+use super::lattice_polygon::polygon_area;
+use super::outline::{Shaped, shape};
 use super::parts::{Grouping, rest_of};
 use super::repairs::FaultLog;
 use crate::city::{Footprint, FootprintFault, Ground, HeightSource};

@@ -13,7 +13,7 @@ use std::collections::HashMap;
 
 use super::box_index::BoxIndex;
 use super::building::{PartOf, RawFootprint};
-use super::outline::lattice_polygons;
+use super::lattice_polygon::lattice_polygons;
 use super::vector::bounds;
 use crate::overlay::{Polygon, Ring, difference, doubled_area, intersection, union, wound};
 use crate::quantity::Frame;

@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 
-use super::outline::{enclosing, lattice_point, region_of};
+use super::lattice_polygon::{enclosing, lattice_point, region_of};
 use super::solid::Face;
 use crate::city::RoofTriangle;
 use crate::height_field::{ConvexPieces, MAX_ROOF_STEPS, convex_pieces, triangles};

@@ -6,7 +6,7 @@
 //! flat at the lowest height below another one. Where several lie on one another the highest
 //! counts, so that floors and the undersides of roofs do no harm.
 
-use super::vector::{Polygon, doubled_area};
+use super::polygon::{Polygon, doubled_area};
 
 /// A surface: rings of positions \[CRS units\] with heights \[m above the datum\], the shell first.
 pub(super) type Face = Vec<Vec<[f64; 3]>>;

@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 use rayon::prelude::*;
 
-use super::cover::SeenSets;
+use super::seen_sets::SeenSets;
 use crate::coverage::Control;
 use crate::error::Result;
 

@@ -29,9 +29,10 @@ mod over_grid;
 mod refine;
 mod sampled;
 mod score;
+mod seen_sets;
 
 pub use candidates::{Candidate, CandidateRules, Candidates, PlaceGrid, Skipped, Spot};
-pub use cover::{Chosen, Cover, SeenSets, cover, greedy_cover};
+pub use cover::{Chosen, Cover, cover, greedy_cover};
 pub use least_height::{LeastHeight, least_heights};
 pub use margin::{WorstMargin, ranked_margins, worst_margins};
 pub use over_grid::{scores_over_grid, scoring_s};
@@ -40,3 +41,4 @@ pub use sampled::{
     Drawn, DrawnPlaces, MOST_CUT, ReceiverParts, SampledCounts, WholeDiscs, count_by_part, middles_of, over_cities,
 };
 pub use score::{Score, Scorer, Weights, ranked, scores};
+pub use seen_sets::SeenSets;

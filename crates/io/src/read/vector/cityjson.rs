@@ -216,7 +216,7 @@ fn properties(attributes: &Map<String, Value>) -> Properties {
 
 #[cfg(test)]
 mod tests {
-    use super::super::feature::doubled_area;
+    use super::super::super::polygon::doubled_area;
     use super::*;
 
     /// Returns a house of 10 × 6 m from (100, 200, 50) with its ridge at 59 m, in integers of a

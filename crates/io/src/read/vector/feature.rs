@@ -4,14 +4,12 @@ use std::sync::Arc;
 
 use serde_json::{Map, Value};
 
+use super::super::polygon::Polygon;
 use super::super::solid::{Face, Solid};
 use crate::crs;
 use crate::error::{Error, ReadFault, Result};
 use crate::input::Input;
 use crate::raster::Crs;
-
-/// Rings of positions \[CRS units\], the shell first; inside by the even-odd rule.
-pub(in crate::read) type Polygon = Vec<Vec<[f64; 2]>>;
 
 /// Content of a file of vector data.
 #[derive(Debug)]
@@ -181,13 +179,4 @@ pub(in crate::read) fn opened(mut polygons: Vec<Polygon>) -> (Vec<Polygon>, usiz
         }
     }
     (polygons, unclosed)
-}
-
-/// Returns twice the area of a ring, positive where it runs counterclockwise. Points are taken
-/// relative to the first, so that large coordinates lose nothing.
-pub(in crate::read) fn doubled_area(ring: &[[f64; 2]]) -> f64 {
-    let Some(origin) = ring.first() else { return 0.0 };
-    let from_origin = |p: &[f64; 2]| [p[0] - origin[0], p[1] - origin[1]];
-    let pairs = ring.iter().zip(ring.iter().cycle().skip(1));
-    pairs.map(|(a, b)| (from_origin(a), from_origin(b))).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum()
 }

@@ -16,7 +16,8 @@ use flatgeobuf::{
     size_prefixed_root_as_header,
 };
 
-use super::feature::{Feature, FeatureSet, Polygon, Property, crs_of, malformed};
+use super::super::polygon::Polygon;
+use super::feature::{Feature, FeatureSet, Property, crs_of, malformed};
 use crate::error::{Cause, Error, Result};
 use crate::input::{Input, Reader, cannot_read};
 use crate::raster::Crs;

@@ -13,8 +13,9 @@ use rayon::prelude::*;
 use serde_json::value::RawValue;
 use serde_json::{Map, Value};
 
+use super::super::polygon::Polygon;
 use super::cityjson;
-use super::feature::{self, FeatureSet, Polygon, Property};
+use super::feature::{self, FeatureSet, Property};
 use crate::crs;
 use crate::error::{Cause, Error, MOST_FOUND, Place, ReadFault, Result, shortened};
 use crate::input::Input;

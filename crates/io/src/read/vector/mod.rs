@@ -16,9 +16,7 @@ mod rings;
 mod shapefile;
 pub(super) mod wkb;
 
-pub(super) use feature::{
-    Feature, FeatureSet, Polygon, Property, Selection, SolidHeight, bounds, doubled_area, opened,
-};
+pub(super) use feature::{Feature, FeatureSet, Property, Selection, SolidHeight, bounds, opened};
 
 use std::path::Path;
 

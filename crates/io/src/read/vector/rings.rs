@@ -1,7 +1,7 @@
 //! Rings into polygons, for formats that distinguish shells and holes only by their sense of
 //! rotation.
 
-use super::feature::{Polygon, doubled_area};
+use super::super::polygon::{Polygon, doubled_area};
 
 /// Assembles polygons from shells and holes in any order. Each hole goes to the smallest shell
 /// around it. A hole without a shell around it is a shell itself, written in the wrong sense.

@@ -12,7 +12,8 @@ use shapefile::record::polygon::GenericPolygon;
 use shapefile::record::traits::HasXY;
 use shapefile::{PolygonRing, Shape, ShapeReader};
 
-use super::feature::{Feature, FeatureSet, Polygon, Properties, Property, crs_of, malformed};
+use super::super::polygon::Polygon;
+use super::feature::{Feature, FeatureSet, Properties, Property, crs_of, malformed};
 use super::rings::assembled;
 use crate::error::{Cause, Error, ReadFault, Result};
 use crate::input::Input;

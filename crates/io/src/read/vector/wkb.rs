@@ -4,7 +4,7 @@
 //! Counts are never trusted: a geometry must have the bytes that its count requires, so that
 //! nothing is reserved for missing data. Collections may nest only to a limit.
 
-use super::feature::Polygon;
+use super::super::polygon::Polygon;
 
 /// Deepest nesting of collections; a multipolygon in a collection is two.
 const MOST_NESTED: usize = 16;

@@ -1,5 +1,6 @@
 //! Stress scene: a board of cells or some footprints, one UAV, receivers in cells, on the lattice.
 
+pub(super) use super::served::CELL;
 use super::served::Served;
 use crate::city::{DataArea, Footprint, FootprintFaults, Ground, RoofTriangle, Site, Solids};
 use crate::coverage::{MapOptions, MovedRoofs, Receivers, Uav};
@@ -8,9 +9,6 @@ use crate::height_field::{Built, CellKind, Curvature, EARTH_RADIUS_M, HeightFiel
 use crate::overlay::even_odd;
 use crate::quantity::{Frame, Height, LatticePoint, STEPS_PER_UNIT, VOID, meters};
 use crate::raster::{GeoRef, Raster};
-
-/// Edge of a cell of a board in lattice steps, which is also the number of steps to the meter.
-pub(super) const CELL: i64 = STEPS_PER_UNIT as i64;
 
 /// Columns over the cells of a board.
 #[derive(Debug, Clone, PartialEq, Eq)]

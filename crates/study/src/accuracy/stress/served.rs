@@ -1,8 +1,10 @@
 //! Receivers that an antenna serves, in integers: they lie exactly on its directions and distances.
 
-use super::scene::CELL;
 use crate::city::Antenna;
-use crate::quantity::LatticePoint;
+use crate::quantity::{LatticePoint, STEPS_PER_UNIT};
+
+/// Edge of a cell of a board in lattice steps, which is also the number of steps to the meter.
+pub(super) const CELL: i64 = STEPS_PER_UNIT as i64;
 
 /// Receivers that an antenna serves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
