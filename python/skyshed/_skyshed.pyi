@@ -74,7 +74,7 @@ class Found:
     @property
     def files(self) -> list[PathLike[str]]: ...
 
-__all__ = ["Found", "Maps", "Scene", "ask", "limit_memory", "main", "map_tile", "plan_units", "raster_grid"]
+__all__ = ["Found", "Maps", "Scene", "ask", "limit_memory", "main", "map_tile", "normalized", "plan_units", "raster_grid"]
 
 def ask(
     command: str,
@@ -83,6 +83,7 @@ def ask(
     watch: _Watch | None = None,
     held: Sequence[tuple[str, str, bytes]] = ...,
 ) -> Found: ...
+def normalized(command: str, options: str) -> str: ...
 def plan_units(
     options: str, scene: Scene | None, uavs: bytes
 ) -> list[tuple[str, tuple[int, int] | None, list[int], float]]: ...

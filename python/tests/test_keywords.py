@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 import pytest
 import skyshed
-from skyshed import Scene, _keywords
+from skyshed import Scene, _keywords, _skyshed
+from skyshed._options import as_json
 
 #: A value of each keyword, other than its default.
 VALUES: dict[str, Any] = {
@@ -234,3 +235,57 @@ def test_an_unknown_keyword_is_refused(name: str, folder: Path, monkeypatch: pyt
     warnings.simplefilter("ignore")
     with pytest.raises((skyshed.Error, TypeError), match="radiuss"):
         QUESTIONS[name](radiuss=5)
+
+
+#: A command, and options without which it has no request.
+REQUESTS: dict[str, tuple[str, dict[str, object]]] = {
+    "MapKeywords": ("map", {"scene": "itu:urban"}),
+    "LinkKeywords": ("link", {"scene": "itu:urban", "uav": "1,2,30", "rx": "5,6"}),
+    "TrackKeywords": ("track", {"scene": "itu:urban", "uav": "1,2,30", "track": "walk.csv"}),
+    "LimitsKeywords": ("limits", {"scene": "itu:urban"}),
+    "CompareKeywords": ("compare", {"scene": "itu:urban"}),
+    "ZonesKeywords": ("zones", {"scene": "itu:urban"}),
+    "CityKeywords": ("city", {"scene": "itu:urban"}),
+    "PlaceKeywords": ("place", {"scene": "itu:urban", "height": (60, "30roof")}),
+    "SampleKeywords": ("sample", {"scene": "itu:urban", "zones": ["street:3"], "height": 60}),
+    "InfoKeywords": ("info", {"scene": "city.geojson"}),
+    "PlosKeywords": ("plos", {"scenes": ["itu:urban"], "height": [60, 100.5]}),
+}
+
+
+def spellings(value: object) -> list[object]:
+    """A value as users of Python write it."""
+    if isinstance(value, (bool, np.bool_)):
+        return [True, np.True_]
+    if isinstance(value, (int, float, np.number)):
+        number = float(value)
+        whole = [int(number), np.int32(number), np.uint8(number)] if number == int(number) and 0 <= number < 256 else []
+        floats = [] if whole else [number, np.float64(number), np.asarray(number)]
+        return [*floats, *whole]
+    if isinstance(value, (str, os.PathLike)):
+        text = os.fspath(value)
+        return [text, Path(text)] if "." in text and "=" not in text else [text]
+    parts = list(value)  # type: ignore[call-overload]
+    of_numbers = [np.array(parts)] if all(isinstance(part, (int, float)) for part in parts) else []
+    return [tuple(parts), parts, *of_numbers]
+
+
+@pytest.mark.parametrize("name", sorted(REQUESTS))
+def test_all_spellings_of_keywords_are_one_request(name: str) -> None:
+    command, base = REQUESTS[name]
+    keywords = sorted(classes()[name].__optional_keys__)  # type: ignore[attr-defined]
+    numbers = np.random.default_rng(7)
+    n_read = 0
+    for _ in range(10_000 if "SKYSHED_LONG" in os.environ else 100):
+        some = numbers.choice(keywords, size=numbers.integers(0, 5), replace=False)
+        found = set()
+        for _ in range(2):
+            chosen = {str(keyword): spellings(VALUES[keyword]) for keyword in some}
+            asked = {keyword: of[numbers.integers(len(of))] for keyword, of in chosen.items()}
+            try:
+                found.add(_skyshed.normalized(command, as_json({**base, **asked, "radiuss": None})))
+                n_read += 1
+            except skyshed.Error as error:
+                found.add(str(error))
+        assert len(found) == 1, (some, found)
+    assert n_read > 50

@@ -186,6 +186,14 @@ fn prepared(scene: Scene, uavs: &[Uav], question: &CoverageQuestion) -> Result<P
     Ok(MapPlan::of(question)?.prepare(scene, &UavsFound::of(uavs)?, PartOf::default())?)
 }
 
+/// Returns the options of a request that are set, in the one form that documents record.
+///
+/// # Errors
+/// E101 for options that cannot be.
+pub fn normalized(command: &str, options: Members) -> std::result::Result<Members, Refusal> {
+    Ok(Cli::of_request(command, options)?.shared().map(|shared| shared.members).unwrap_or_default())
+}
+
 /// Options of a run of the program alone.
 const OF_THE_PROGRAM: [&str; 5] = ["json", "max_memory", "quiet", "repairs", "threads"];
 

@@ -36,8 +36,8 @@ use crate::cli::failure::Result;
 use crate::memory;
 use crate::threads::in_pool;
 pub use ask::{
-    PlannedUnit, Refusal, ask, coverages, height_curves, hint_of, limit_memory, live_page, map_tile, p_los, plan_units,
-    raster_grid, save_options, scene_reader,
+    PlannedUnit, Refusal, ask, coverages, height_curves, hint_of, limit_memory, live_page, map_tile, normalized, p_los,
+    plan_units, raster_grid, save_options, scene_reader,
 };
 pub use found::Found;
 pub use keywords::Members;

@@ -24,7 +24,7 @@ mod _skyshed {
     #[pymodule_export]
     use super::scene::Scene;
     #[pymodule_export]
-    use super::{ask, limit_memory, main, map_tile, plan_units, raster_grid};
+    use super::{ask, limit_memory, main, map_tile, normalized, plan_units, raster_grid};
 }
 
 /// An input in memory: the option that it stands for, its name, its bytes.
@@ -53,6 +53,15 @@ fn ask(
     let held = held.into_iter().map(|(option, name, bytes)| (option, Source::held(name, bytes))).collect();
     let ask = move |progress: &Watched| Ok(skyshed::cli::ask((&command, options), (scene, held), progress)?);
     pool::watched(py, watch, ask).map(answers::Found::from)
+}
+
+/// Returns the options of a request as documents record them.
+#[pyfunction]
+fn normalized(py: Python<'_>, command: String, options: &str) -> PyResult<String> {
+    let options = members(options)?;
+    pool::watched(py, None, move |_| {
+        Ok(serde_json::Value::Object(skyshed::cli::normalized(&command, options)?).to_string())
+    })
 }
 
 /// Returns the units of work of a map of the UAVs of a table.
