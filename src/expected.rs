@@ -6,6 +6,7 @@ use crate::coverage::HeightLayers;
 use crate::height_field::HeightField;
 use crate::los::Method;
 use crate::memory::{FIELD_BYTES_PER_CELL, memory_words};
+use crate::progress::Progress;
 use crate::read::VectorFormat;
 
 /// Estimated time and memory of a run.
@@ -81,6 +82,11 @@ impl Expected {
             let memory = memory_words(self.bytes);
             format!("expect about {memory} of memory and {:.0} s for the line of sight", self.seconds.max(1.0))
         })
+    }
+
+    /// Prints the message before a long or large run.
+    pub(crate) fn tell(&self, progress: &Progress) {
+        self.words().iter().for_each(|words| (progress.note)(words));
     }
 }
 

@@ -225,20 +225,20 @@ impl Prepared {
             // For counts, masks are added to the overlay and dropped.
             _ => (KeepMasks::UntilTold, uavs.len().min(maps_at_once())),
         };
+        let layers = options.layers;
+        let of_fields = [layers.stability, layers.sure].iter().filter(|is_made| **is_made).count();
         let bytes_per_cell = n_held
             .saturating_mul(1 + 4 * n_measures)
             .saturating_add(overlay_bytes_per_cell(&plan.layers, tile.as_ref().map_or(uavs.len(), |(_, n)| *n)))
             .saturating_add(held.bytes_per_cell)
             .saturating_add(if n_measures > 0 { n_held.max(1).saturating_mul(LEAST_HEIGHTS_BYTES_PER_CELL) } else { 0 })
-            .saturating_add(if options.layers.stability { 2 * FIELD_BYTES_PER_CELL } else { 0 })
-            .saturating_add(if options.layers.sure { 2 * FIELD_BYTES_PER_CELL } else { 0 });
+            .saturating_add(2 * of_fields * FIELD_BYTES_PER_CELL);
         check_memory(&scene.word, scene.grid(), bytes_per_cell)?;
         let field = Arc::clone(&scene.field);
         let mut mapper = Mapper::new(&field, &options)?.with_height_errors()?;
         let idle = mapper.drop_idle(&uavs);
         let (method, why) = mapper.method();
-        let expected = Expected::over(&field, method, options.radius, (uavs.len(), options.layers), bytes_per_cell);
-        expected.words().iter().for_each(|words| (progress.note)(words));
+        Expected::over(&field, method, options.radius, (uavs.len(), layers), bytes_per_cell).tell(progress);
         scene.timing.build += began.elapsed().as_secs_f64();
         let before_los = Instant::now();
         progress.begin(field.grid().n_cells() as u64 * uavs.len() as u64);

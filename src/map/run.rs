@@ -86,20 +86,7 @@ impl MapJob {
         let is_by_zone = self.plan.tells_zones || self.plan.sight.receivers().zone().is_some();
         let direct = written_at_once(&outputs, &self.plan.layers, &self.save)
             .filter(|_| n_sites == 1 && tile.is_none() && !is_by_zone && !self.curve.is_wanted());
-        let shows_masks = |format: Format| {
-            Coverages::needs_masks(format, &self.plan.layers, &self.save)
-                || format.is_picture() && draws_each(&self.plan.layers)
-        };
-        let held = Held {
-            keeps_masks: n_sites == 1
-                || self.save.forms.bare
-                || self.curve.is_wanted()
-                || outputs.iter().any(|(_, f)| shows_masks(*f)),
-            is_handed_over: direct.is_some(),
-            bytes_per_cell: encoding_bytes_per_cell(&outputs, &self.plan.layers, n_sites)
-                .saturating_add(if self.save.forms.polygons.is_some() { OUTLINE_BYTES_PER_CELL } else { 0 })
-                .saturating_add(self.curve.bytes_per_cell()),
-        };
+        let held = self.held(&outputs, n_sites, direct.is_some());
         let mut batch = Batch::new(self.save.writing.overwrite).asking(progress.check);
         let mut file = direct.map(|path| MaskFile::new(path, mask_values(&self.save)));
         let grid = prepared.scene.grid().clone();
@@ -136,6 +123,24 @@ impl MapJob {
         let write = before_write.elapsed().as_secs_f64();
         let timing = Timing { write, total: start.elapsed().as_secs_f64(), ..map.scene.timing };
         Ok(Done::of(map.report, timing, map.why, curves, written))
+    }
+
+    /// Returns how much of a run of some UAVs is held for its files.
+    fn held(&self, outputs: &[Output], n_sites: usize, is_handed_over: bool) -> Held {
+        let layers = &self.plan.layers;
+        let shows_masks = |format: Format| {
+            Coverages::needs_masks(format, layers, &self.save) || format.is_picture() && draws_each(layers)
+        };
+        Held {
+            keeps_masks: n_sites == 1
+                || self.save.forms.bare
+                || self.curve.is_wanted()
+                || outputs.iter().any(|(_, f)| shows_masks(*f)),
+            is_handed_over,
+            bytes_per_cell: encoding_bytes_per_cell(outputs, layers, n_sites)
+                .saturating_add(if self.save.forms.polygons.is_some() { OUTLINE_BYTES_PER_CELL } else { 0 })
+                .saturating_add(self.curve.bytes_per_cell()),
+        }
     }
 
     /// Returns the files of the map and of its curves with their formats, checked before any work.

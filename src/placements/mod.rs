@@ -87,6 +87,17 @@ pub struct Placements {
 }
 
 impl SearchPlan {
+    /// Returns the memory of a search over some candidates \[bytes per cell\].
+    fn bytes_per_cell(&self, inputs: &Inputs, n_uavs: usize, n_cells: usize) -> usize {
+        let sets = if self.count > 1 { n_uavs.saturating_mul(n_cells.div_ceil(8)) } else { 0 };
+        let (held, of_place) = match &inputs.weights {
+            Some(_) => (Weights::BYTES_PER_CELL, UavGrid::BYTES_PER_WEIGHED_PLACE_AND_THREAD),
+            None => (0, UavGrid::BYTES_PER_PLACE_AND_THREAD),
+        };
+        let of_candidate = CANDIDATE_BYTES + of_place * rayon::current_num_threads();
+        held + (sets + n_uavs.saturating_mul(of_candidate)).div_ceil(n_cells)
+    }
+
     /// Runs the search.
     ///
     /// # Errors
@@ -116,14 +127,8 @@ impl SearchPlan {
             candidates.kept.first().iter().chain(&candidates.kept.last()).map(|c| c.uav.clone()).collect();
         check_earth(&farthest, &scene.field, &self.sight, &mut scene.warnings)?;
         let options = self.options(&scene, zones.as_deref(), &inputs);
-        let (n_uavs, n_cells) = (candidates.kept.len(), scene.grid().n_cells());
-        let sets = if self.count > 1 { n_uavs.saturating_mul(n_cells.div_ceil(8)) } else { 0 };
-        let (held, of_place) = match &inputs.weights {
-            Some(_) => (Weights::BYTES_PER_CELL, UavGrid::BYTES_PER_WEIGHED_PLACE_AND_THREAD),
-            None => (0, UavGrid::BYTES_PER_PLACE_AND_THREAD),
-        };
-        let of_candidate = CANDIDATE_BYTES + of_place * rayon::current_num_threads();
-        let per_cell = held + (sets + n_uavs.saturating_mul(of_candidate)).div_ceil(n_cells);
+        let n_uavs = candidates.kept.len();
+        let per_cell = self.bytes_per_cell(&inputs, n_uavs, scene.grid().n_cells());
         check_memory(&scene.word, scene.grid(), per_cell)?;
         let field = std::sync::Arc::clone(&scene.field);
         let mapper = Mapper::new(&field, &options)?;
@@ -138,8 +143,7 @@ impl SearchPlan {
             places: inputs.places.as_ref(),
             sites: &inputs.sites,
         };
-        let expected = expected.with_cpu_seconds(search.cpu_seconds());
-        expected.words().iter().for_each(|words| (progress.note)(words));
+        expected.with_cpu_seconds(search.cpu_seconds()).tell(progress);
         let before_los = Instant::now();
         let Found { mut ranked, winner, refined, several, heat, winners } = search.run(progress)?;
         self.compare_heights(&mut ranked, &candidates, &mapper, progress)?;

@@ -82,6 +82,37 @@ fn within_reach(options: &FootprintOptions) -> Option<[f64; 4]> {
     Some([west - LONGEST, south - LONGEST, east + LONGEST, north + LONGEST])
 }
 
+/// Reads the terrain below footprints, if one was given, and adds its files to the sources.
+fn terrain_below(
+    input: &Input,
+    file_crs: Option<&Crs>,
+    options: &FootprintOptions,
+    (sources, warnings): (&mut Vec<Source>, &mut Vec<Warning>),
+) -> Result<Option<Raster<i32>>> {
+    let Some(path) = &options.terrain else { return Ok(None) };
+    let mut heights = terrain_heights(path, file_crs, options, warnings)?;
+    let found = (path, heights.raster.georef().crs());
+    refuse_two_crs((input, file_crs), found, Pair::FootprintsTerrain)?;
+    sources.append(&mut heights.sources);
+    Ok(Some(heights.raster))
+}
+
+/// Returns the ground of footprints: a terrain, a plane, or a terrain through the bases of buildings,
+/// which `through` makes.
+fn ground_below(
+    (terrain, choice): (Option<Raster<i32>>, Option<GroundChoice>),
+    heights: &FileHeights,
+    through: impl FnOnce() -> Result<Raster<i32>>,
+) -> Result<Ground> {
+    Ok(match (terrain, choice, heights.bases) {
+        (Some(terrain), ..) => Ground::Terrain(terrain),
+        (None, Some(GroundChoice::Flat(m)), _) => Ground::Flat(ground_steps(m)?),
+        (None, Some(GroundChoice::Buildings), Some(_)) => Ground::Terrain(through()?),
+        (None, None, Some(bases)) if heights.has_tops => Ground::Flat(ground_steps(bases.middle)?),
+        (None, ..) => Ground::Flat(ground_steps(0.0)?),
+    })
+}
+
 /// Returns the scene of features, and everything that was repaired or left out.
 pub(super) fn scene_of(
     input: &Input,
@@ -116,17 +147,7 @@ pub(super) fn scene_of(
     check_degrees(input, file_crs.as_ref(), bounds)?;
     refuse_web_mercator(input, file_crs.as_ref(), Namer::Footprints)?;
 
-    let terrain = match &options.terrain {
-        None => None,
-        Some(terrain_path) => {
-            let mut heights = terrain_heights(terrain_path, file_crs.as_ref(), options, warnings)?;
-            let terrain = heights.raster;
-            let found = (terrain_path, terrain.georef().crs());
-            refuse_two_crs((input, file_crs.as_ref()), found, Pair::FootprintsTerrain)?;
-            sources.append(&mut heights.sources);
-            Some(terrain)
-        }
-    };
+    let terrain = terrain_below(input, file_crs.as_ref(), options, (&mut sources, warnings))?;
     let crs = file_crs.or_else(|| terrain.as_ref().and_then(|t| t.georef().crs().cloned()));
     refuse_web_mercator(input, crs.as_ref(), Namer::Terrain)?;
     if crs.is_none() {
@@ -151,16 +172,9 @@ pub(super) fn scene_of(
     let grouping = Grouping::of(&raw.footprints, options.parts, frame);
     let heights = FileHeights::of(&raw.footprints, &grouping, &options.missing);
     let near = options.extent.zip(options.reach_m).map(|(extent, reach_m)| grown(extent, Some(reach_m)));
-    let mut ground = match (terrain, options.ground, heights.bases) {
-        (Some(terrain), ..) => Ground::Terrain(terrain),
-        (None, Some(GroundChoice::Flat(m)), _) => Ground::Flat(ground_steps(m)?),
-        (None, Some(GroundChoice::Buildings), Some(_)) => {
-            let is_near = |footprint: &&RawFootprint| near.is_none_or(|near| footprint.meets(near));
-            Ground::Terrain(terrain_through(input, raw.footprints.iter().filter(is_near), &grid)?)
-        }
-        (None, None, Some(bases)) if heights.has_tops => Ground::Flat(ground_steps(bases.middle)?),
-        (None, ..) => Ground::Flat(ground_steps(0.0)?),
-    };
+    let is_near = |footprint: &&RawFootprint| near.is_none_or(|near| footprint.meets(near));
+    let through = || terrain_through(input, raw.footprints.iter().filter(is_near), &grid);
+    let mut ground = ground_below((terrain, options.ground), &heights, through)?;
     warn_of_the_ground(input, &heights, (options, &ground), warnings);
     let making = Making {
         input,
