@@ -94,6 +94,10 @@ impl RowElevations<'_> {
             return;
         }
         let uav_above_of_lanes = S::i32s::splat(simd, uav_above);
+        // PERF: receivers at one height, as over flat ground, have one rise.
+        let are_level = lowest == highest;
+        let mut below = if none_above_uav { 0 } else { !0 };
+        let mut squared = [least * least; 64];
         for (k, (receivers, los)) in receivers.iter().zip(los).enumerate().filter(|(_, (r, _))| **r != 0) {
             let mut count = |is_below: bool, steps: usize, set: u64| {
                 let count = &mut counts[band(is_below, steps)];
@@ -109,22 +113,25 @@ impl RowElevations<'_> {
             // How far the UAV is above the receivers \[1/1024 m\]; cells without a receiver may
             // hold anything.
             let mut rises = [0; 64];
-            self.receivers.copy_bases(first, &mut rises[..n_here]);
-            let mut below = 0_u64;
-            for i in (0..64).step_by(S::i32s::LEN) {
-                let rise = uav_above_of_lanes - S::i32s::from_slice(simd, &rises[i..i + S::i32s::LEN]);
-                rise.store_slice(&mut rises[i..i + S::i32s::LEN]);
-                below |= rise.simd_lt(0).to_bitmask() << i;
+            if !are_level {
+                self.receivers.copy_bases(first, &mut rises[..n_here]);
+                below = 0;
+                for i in (0..64).step_by(S::i32s::LEN) {
+                    let rise = uav_above_of_lanes - S::i32s::from_slice(simd, &rises[i..i + S::i32s::LEN]);
+                    rise.store_slice(&mut rises[i..i + S::i32s::LEN]);
+                    below |= rise.simd_lt(0).to_bitmask() << i;
+                }
             }
             if is_flat {
                 count(false, 0, !below);
                 count(true, 0, below);
                 continue;
             }
-            let mut squared = [0.0; 64];
-            for (squared, rise) in squared.iter_mut().zip(&rises) {
-                let rise = f64::from(*rise) / f64::from(STEPS_PER_UNIT);
-                *squared = rise * rise;
+            if !are_level {
+                for (squared, rise) in squared.iter_mut().zip(&rises) {
+                    let rise = f64::from(*rise) / f64::from(STEPS_PER_UNIT);
+                    *squared = rise * rise;
+                }
             }
             let mut distances = [0.0; 64];
             let xs = &self.xs[64 * k..64 * k + 64];

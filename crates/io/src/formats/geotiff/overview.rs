@@ -95,8 +95,8 @@ fn counts_of(class: u8, cells: &[u8], n_cols: usize) -> Vec<u16> {
         for (sum, cell) in sums.iter_mut().zip(lower) {
             *sum += u8::from(*cell == class);
         }
-        for (count, pair) in counts.iter_mut().zip(sums.chunks_exact(2)) {
-            *count = u16::from(pair[0] + pair[1]);
+        for (count, [west, east]) in counts.iter_mut().zip(sums.as_chunks().0) {
+            *count = u16::from(west + east);
         }
     }
     counts
@@ -115,8 +115,8 @@ fn halved(counts: &[u16], n_cols: usize, sums: &mut [u16]) -> Vec<u16> {
         for (sum, count) in sums.iter_mut().zip(lower) {
             *sum += count;
         }
-        for (count, pair) in larger.iter_mut().zip(sums.chunks_exact(2)) {
-            *count = pair[0] + pair[1];
+        for (count, [west, east]) in larger.iter_mut().zip(sums.as_chunks().0) {
+            *count = west + east;
         }
     }
     larger
