@@ -83,6 +83,7 @@ impl SeenReceivers<'_> {
     /// Returns the least visible height over a receiver's cell \[m\], not below what the receiver
     /// stands on, and its margin \[m\], whose sign is exact. Taken from heights that were found at
     /// once, if they settle it; else one walk finds it.
+    #[inline(always)]
     pub(super) fn least_height_and_margin(
         &self,
         cell: (usize, usize),
@@ -95,6 +96,7 @@ impl SeenReceivers<'_> {
     }
 
     /// Returns the same as [`SeenReceivers::least_height_and_margin`], by one walk.
+    #[inline(never)]
     pub(super) fn walked_height_and_margin(&self, cell: (usize, usize)) -> (f32, f32) {
         let (receiver, scene) = (self.station(cell), self.view.scene());
         let least = link_least_receiver_heights(scene.field(), &scene.uav().station, &receiver);
