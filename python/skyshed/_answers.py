@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import xarray
     from typing_extensions import Unpack
 
-    from skyshed._keywords import SaveKeywords
+    from skyshed.keywords import SaveKeywords
     from skyshed._skyshed import Found, Maps, _Place
 
 #: Classes of a mask.
@@ -142,7 +142,10 @@ class _Mapped(Grid):
 
         ``heights`` are from, to and step [m], by default some 150 round ones.
         """
-        asked = None if heights is None else [float(height) for height in heights]
+        try:
+            asked = None if heights is None else [float(height) for height in heights]
+        except (TypeError, ValueError):
+            raise wrong("heights", repr(heights), "three numbers: from, to and step [m]") from None
         if asked is not None and len(asked) != 3:
             raise wrong("heights", repr(heights), "from, to and step [m]")
         return Answer(self._maps.height_curves(asked, watch_of(progress)))
@@ -335,6 +338,10 @@ class Coverages(_Mapped):
         return f"Coverages({len(self)} UAVs, union_p_los={self.union_p_los:.4f})"
 
 
+#: Parts that every document has.
+HEAD = ("schema", "version", "command", "request", "method", "scene", "timing", "warnings")
+
+
 class Answer:
     """An answer as a document, and as a table where it has one."""
 
@@ -348,6 +355,8 @@ class Answer:
         return found
 
     def __getitem__(self, name: str) -> Any:
+        if name not in self.document:
+            raise KeyError(f"no part {name!r}, there are: {', '.join(self.document)}")
         return self.document[name]
 
     def keys(self) -> list[str]:
@@ -389,7 +398,8 @@ class Answer:
         return f"<table>{row(header, 'th')}{shown}</table>{more}"
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({self.document.get('schema')}, {max(len(self._found.table) - 1, 0)} rows)"
+        parts = ", ".join(name for name in self.document if name not in HEAD)
+        return f"{type(self).__name__}({self.document.get('schema')}, {max(len(self._found.table) - 1, 0)} rows; {parts})"
 
 
 class Link(Answer):

@@ -66,6 +66,7 @@ def uav_of(uav: Uav) -> AskedUav:
     name: object = None
     antenna = antenna_of({})
     if isinstance(uav, Mapping):
+        uav = {"h" if name == "height" else name: value for name, value in uav.items()}
         unknown = set(uav) - {"x", "y", "h", "id", *ANTENNA}
         if unknown or not {"x", "y", "h"} <= set(uav):
             wanted = f"x, y, h and, if you like, id, {', '.join(ANTENNA)}"
@@ -116,8 +117,9 @@ def uavs_of(uavs: Any, crs: str | None = None, height: Height | None = None) -> 
     A table of geopandas has points instead of x and y, and is brought into the system ``crs``. What the package answers has
     height_agl_m or height_amsl_m instead of h. ``height`` is that of tables without one.
     """
-    if isinstance(uavs, (str, bytes, Mapping)):
-        raise wrong("uavs", type(uavs).__name__, "several of (x, y, height)", "E102")
+    is_one = isinstance(uavs, Mapping) or isinstance(uavs, tuple) and len(uavs) in (3, 4) and isinstance(uavs[0], (int, float))
+    if is_one or isinstance(uavs, (str, bytes)):
+        raise wrong("uavs", "one UAV" if is_one else type(uavs).__name__, "several: [(x, y, height), …]", "E102")
     names = getattr(uavs, "columns", None) if getattr(uavs, "dtype", None) is None else uavs.dtype.names
     points = getattr(located("uavs", uavs, crs), "geometry", None)
     if names is None and points is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
@@ -15,29 +16,33 @@ from skyshed._answers import Answer, Coverage, Coverages, Grid, Link
 from skyshed._arrays import Held, crs_text, held, is_xarray, placed
 from skyshed._errors import tell, wrong
 from skyshed._inputs import HeldInput, Uav, inputs_of, table_of, uav_of, uavs_of
-from skyshed._keywords import SceneKeywords
 from skyshed._live import LivePage
 from skyshed._options import PathLike, as_json, output_of, plain_options, watch_of
+from skyshed.keywords import (
+    AnySceneKeywords,
+    CityKeywords,
+    CompareKeywords,
+    FootprintKeywords,
+    InfoKeywords,
+    LimitsKeywords,
+    LinkKeywords,
+    MapKeywords,
+    PlaceKeywords,
+    PlosKeywords,
+    SampleKeywords,
+    SceneKeywords,
+    SightKeywords,
+    TrackKeywords,
+    ZonesKeywords,
+)
+
+if sys.version_info >= (3, 11):
+    from typing import Self, Unpack
+elif TYPE_CHECKING:
+    from typing_extensions import Self, Unpack
 
 if TYPE_CHECKING:
-    from skyshed._keywords import (
-        AnySceneKeywords,
-        CityKeywords,
-        CompareKeywords,
-        FootprintKeywords,
-        InfoKeywords,
-        LimitsKeywords,
-        LinkKeywords,
-        MapKeywords,
-        PlaceKeywords,
-        PlosKeywords,
-        SampleKeywords,
-        SightKeywords,
-        TrackKeywords,
-        ZonesKeywords,
-    )
     import numpy.typing as npt
-    from typing_extensions import Self, Unpack
 
 
 #: Names of the options that say how a scene is read.
@@ -66,6 +71,9 @@ class Scene(Grid):
     @classmethod
     def open(cls, path: PathLike, *, progress: object = None, **options: Unpack[SceneKeywords]) -> Self:
         """Opens any file that the program reads: a raster or a folder of tiles, footprints, or a mesh.
+
+        ``cell`` is the size of the cells of footprints [m], ``extent`` = (west, south, east, north) keeps that part alone; ``terrain``,
+        ``data_area``, ``missing``, ``roofs``, ``project`` and more: ``help(skyshed.keywords.SceneKeywords)``.
 
         >>> munich = Scene.open("maps/munich.geojson")
         >>> munich.shape
@@ -269,8 +277,12 @@ class Scene(Grid):
         area: Any = None,
         **options: Unpack[PlaceKeywords],
     ) -> Answer:
-        """Best places to hover: candidates ranked, refined, or chosen together. Options are those of ``skyshed place``: ``step``,
-        ``count``, ``goal``, ``over``, ``clearance``, ``minimize``, ``top``, ``radius``, ``receivers``, ``rx_height`` …
+        """Best places to hover: candidates ranked, refined, or chosen together.
+
+        ``height`` is needed unless ``candidates`` have their own. ``goal`` is ``p_los`` or ``margin``, alone or with ``(street)``,
+        ``(crossroad)``, ``(courtyard)``, ``(rooftop)``, ``(area)``: ``place(height=90, goal="p_los(area)", area=polygon)``.
+        ``answer["winner"]`` is the best candidate; ``answer["refined"]``, if there is one, is a better place found around it;
+        with ``count``, ``answer["several"]`` are those chosen together. Keywords: ``help(skyshed.keywords.PlaceKeywords)``.
 
         ``candidates`` are a path, or UAVs as for :meth:`maps`; ``within``, ``keep_out`` and ``area`` a path or a geometry. Shares
         are of all receivers of the goal, in range or not.
@@ -321,10 +333,14 @@ class Scene(Grid):
     ) -> Answer:
         """Line of sight along a user's way below a UAV, and its stretches without.
 
-        ``track`` is a path of a table or a line, or places (x, y) in order: a sequence, or an array of shape (n, 2).
+        ``track`` is a path of a table or a line, a line of shapely, or places (x, y) in order: a sequence, or an array of shape (n, 2).
+        ``answer["length_m"]`` has lengths [m]: ``los``, ``nlos``, ``no_receiver`` (inside of buildings); ``answer["stretches"]`` has
+        the stretches. Keywords: ``help(skyshed.keywords.TrackKeywords)``.
         """
         x, y, h, *_ = uav_of(uav)
         held: list[HeldInput] = []
+        # A line of shapely has its points apart.
+        track = getattr(track, "coords", track)
         if not isinstance(track, (str, os.PathLike)):
             places = np.asarray(track, dtype=np.float64)
             if places.ndim != 2 or places.shape[1] != 2:
@@ -341,7 +357,11 @@ class Scene(Grid):
         output: PathLike | Sequence[PathLike] | None = None,
         **options: Unpack[LimitsKeywords],
     ) -> Answer:
-        """Limits of the P_LoS of a map of some UAVs: cells, terrain, positions, heights; a row for each."""
+        """Limits of the P_LoS of a map of some UAVs: cells, terrain, positions, heights; a row for each.
+
+        ``p_los_change`` is the change of P_LoS where a part is as the column ``changed`` says. ``output`` is .csv or .json. Keywords:
+        ``help(skyshed.keywords.LimitsKeywords)``.
+        """
         asked, held = self._of_uavs(uavs)
         return self._asked(Answer, "limits", {**asked, **_of_question(options), **output_of(output)}, held=held)
 
@@ -353,7 +373,11 @@ class Scene(Grid):
         output: PathLike | Sequence[PathLike] | None = None,
         **options: Unpack[CompareKeywords],
     ) -> Answer:
-        """UAVs side by side, and saved maps (``masks``): counts, shares, differences with intervals. ``output`` may be a page (.html)."""
+        """UAVs side by side, and saved maps (``masks``): counts, shares, differences with intervals. ``output`` may be a page (.html).
+
+        ``answer["placements"]`` has the counts, ``answer["pairs"]`` the differences of two with intervals of 95 %, ``answer["verdict"]``
+        the best in words. Keywords: ``help(skyshed.keywords.CompareKeywords)``.
+        """
         asked, held = self._of_uavs(uavs) if uavs_of(uavs, self.crs) else ({}, [])
         of_masks = {"mask": list(masks)} if masks else {}
         asked = {**asked, **of_masks, **_of_question(options), **output_of(output)}

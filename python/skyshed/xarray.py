@@ -21,7 +21,7 @@ from skyshed._scene import Scene
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from skyshed._keywords import SceneKeywords
+    from skyshed.keywords import SceneKeywords
 
 
 #: How rioxarray brings heights in degrees to meters.

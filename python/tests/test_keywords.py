@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import skyshed
-from skyshed import Scene, _keywords, _skyshed
+from skyshed import Scene, _skyshed, keywords
 from skyshed._options import as_json
 
 #: A value of each keyword, other than its default.
@@ -203,8 +203,8 @@ ELSEWHERE = {"AnySceneKeywords", "FootprintKeywords", "CityKeywords"}
 
 
 def classes() -> dict[str, type]:
-    found = inspect.getmembers(_keywords, inspect.isclass)
-    return {name: kind for name, kind in found if kind.__module__ == _keywords.__name__}
+    found = inspect.getmembers(keywords, inspect.isclass)
+    return {name: kind for name, kind in found if kind.__module__ == keywords.__name__}
 
 
 def test_every_question_is_asked_here() -> None:

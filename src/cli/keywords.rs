@@ -42,15 +42,35 @@ where
         }
         Err(fault) => {
             let name = fault.member;
-            if let Some(reason) = fault.reason.filter(|reason| reason.contains("wanted") || !members[&name].is_number())
-            {
-                return Err(refusal(101, format!("`{name}`: {reason}")));
+            let Some(reason) = fault.reason else {
+                let known = serde_json::to_value(T::default()).unwrap_or_default();
+                let names = known.as_object().into_iter().flat_map(|members| members.keys().map(String::as_str));
+                let mut names: Vec<&str> = names.collect();
+                names.sort_unstable();
+                return Err(refusal(101, format!("found the option `{name}`, wanted one of {}", names.join(", "))));
+            };
+            if !reason.contains("wanted") && members[&name].is_number() {
+                // The parser of words knows numbers that are out of range.
+                checked([(name.clone(), members[&name].clone())].into_iter().collect()).map_err(|e| refused(&e))?;
             }
-            // The parser of words knows names that are near, and values that are out of range.
-            checked([(name.clone(), members[&name].clone())].into_iter().collect()).map_err(|error| refused(&error))?;
-            Err(refusal(101, format!("`{name}`: no such option")))
+            Err(refusal(101, format!("`{name}`: {}", in_plain_words(&reason))))
         }
     }
+}
+
+/// Returns the reason of a value that has another type, without the names of types.
+fn in_plain_words(reason: &str) -> String {
+    const WORDS: [(&str, &str); 8] = [
+        ("invalid type: ", "found "),
+        ("invalid value: ", "found "),
+        ("expected f64", "wanted a number"),
+        ("expected u64", "wanted a whole number"),
+        ("expected u32", "wanted a whole number"),
+        ("expected u16", "wanted a whole number"),
+        ("expected a boolean", "wanted True or False"),
+        ("expected an array of length", "wanted numbers, as many as"),
+    ];
+    WORDS.iter().fold(reason.to_string(), |text, (from, to)| text.replace(from, to))
 }
 
 /// Returns the name of the first option that an error of the parser misses.

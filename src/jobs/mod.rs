@@ -39,6 +39,7 @@ pub(crate) struct Jobs<'a> {
 }
 
 /// Unit of work before it is run.
+#[allow(rustdoc::broken_intra_doc_links, reason = "schemas name units in brackets")]
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct PlannedUnit {
     /// Kind of document and its version.

@@ -26,7 +26,7 @@ impl Keywords {
         let fields = schema["properties"].as_object().expect("fields");
         let members = fields.iter().filter(|(field, _)| !left_out.contains(&field.as_str())).map(|(field, schema)| {
             let meaning = schema["description"].as_str().expect("a description");
-            let meaning = meaning.lines().next().unwrap_or_default().to_string();
+            let meaning = meaning.split("\n\n").next().unwrap_or_default().replace('\n', " ");
             let hint = hint(schema, &defs, field);
             // A field that is set has a value.
             let hint = if hint.contains("None") { hint } else { format!("{hint} | None") };
@@ -36,9 +36,16 @@ impl Keywords {
     }
 
     fn text(&self) -> String {
-        let mut text = format!("\n\nclass {}({}, total=False):\n    \"\"\"{}\"\"\"\n", self.name, self.base, self.doc);
-        for (field, hint, meaning) in &self.members {
-            write!(text, "\n    #: {}\n    {field}: {hint}\n", python_words(meaning)).expect("a text");
+        let mut text = format!("\n\nclass {}({}, total=False):\n    \"\"\"{}\n", self.name, self.base, self.doc);
+        for (field, _, meaning) in &self.members {
+            write!(text, "\n    * ``{field}``: {}", python_words(meaning)).expect("a text");
+        }
+        if self.base != "TypedDict" {
+            write!(text, "\n\n    And those of :class:`{}`.", self.base).expect("a text");
+        }
+        text += "\n    \"\"\"\n\n";
+        for (field, hint, _) in &self.members {
+            writeln!(text, "    {field}: {hint}").expect("a text");
         }
         text
     }
@@ -189,7 +196,7 @@ fn module() -> String {
 
 #[test]
 fn keywords_of_python_are_those_of_the_requests() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("python/skyshed/_keywords.py");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("python/skyshed/keywords.py");
     let wanted = module();
     if std::env::var_os("SKYSHED_WRITE_DOCS").is_some() {
         std::fs::write(&path, &wanted).expect("the module");
