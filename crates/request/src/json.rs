@@ -96,7 +96,7 @@ where
             serde_json::from_value::<T>(Value::Object([(name.clone(), value.clone())].into_iter().collect()))
         };
         let mut reasons: Vec<String> = Vec::new();
-        let fitting = spellings(value).into_iter().find(|value| match read(value) {
+        let fitting = spellings(&name, value).into_iter().find(|value| match read(value) {
             Ok(_) => true,
             Err(error) => {
                 reasons.push(error.to_string());
@@ -112,8 +112,9 @@ where
     from_members(members)
 }
 
-/// Returns the values that a keyword may mean, as it is written first.
-fn spellings(value: Value) -> Vec<Value> {
+/// Returns the values that a keyword may mean, as it is written first. Commas part the members of a list,
+/// unless these may hold commas themselves.
+fn spellings(name: &str, value: Value) -> Vec<Value> {
     let parts = |parts: Vec<Value>| Value::Array(parts);
     let as_text = |value: &Value| Value::String(text(value));
     let others = match &value {
@@ -121,7 +122,9 @@ fn spellings(value: Value) -> Vec<Value> {
         Value::String(list) => {
             let number = list.trim().parse::<serde_json::Number>().ok().map(Value::Number);
             let of_list = parts(list.split(',').map(|part| Value::String(part.trim().into())).collect());
-            number.into_iter().chain([parts(vec![value.clone()]), of_list]).collect()
+            let one = parts(vec![value.clone()]);
+            let lists = if REPEATED.contains(&name) { [one, of_list] } else { [of_list, one] };
+            number.into_iter().chain(lists).collect()
         }
         Value::Array(members) => vec![parts(members.iter().map(as_text).collect()), as_text(&value)],
         _ => Vec::new(),
@@ -273,6 +276,11 @@ mod tests {
         assert_eq!(heights(r#"{"height": 60}"#), wanted("60"));
         assert_eq!(heights(r#"{"height": [60, "30roof"]}"#), wanted("60,30roof"));
         assert_eq!(heights(r#"{"height": "60:120:20"}"#), wanted("60:120:20"));
+        let plos: crate::PlosRequest = from_keywords(
+            serde_json::from_str(r#"{"method": "product,itu", "curve": "a=b,c.csv"}"#).expect("an object"),
+        )
+        .expect("a request");
+        assert_eq!((plos.plos.method.len(), plos.plos.curve.len()), (2, 1));
         let fault = of(r#"{"receivers": 5}"#).expect_err("no such word");
         assert!(
             fault.member == "receivers"
