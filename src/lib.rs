@@ -262,10 +262,10 @@ use skyshed_study::{accuracy, city_statistics, los_probability, placement};
 pub mod prelude {
     pub use crate::{Antenna, Height, Layer, Progress, Receivers, Scene, Uav};
     pub use skyshed_request::{
-        SetAntenna, SetCandidateOptions, SetCompareOptions, SetEarth, SetEffort, SetFiles, SetGoalOptions,
-        SetHeightCurve, SetHeightErrors, SetLimitsOptions, SetMapForms, SetMapMemory, SetMapOptions, SetMapUnits,
-        SetPictureOptions, SetPlosEffort, SetPlosOptions, SetRange, SetReceiver, SetSampleOptions, SetSceneOptions,
-        SetSceneWord, SetSweepOptions, SetTrackOptions, SetUavs, SetWriting,
+        SetAntenna, SetCandidateOptions, SetCompareOptions, SetEarth, SetFiles, SetGoalOptions, SetHeightCurve,
+        SetHeightErrors, SetLimitsOptions, SetMapForms, SetMapMemory, SetMapOptions, SetMapUnits, SetPictureOptions,
+        SetPlosEffort, SetPlosOptions, SetRange, SetReceiver, SetSampleOptions, SetSceneOptions, SetSceneWord,
+        SetSweepOptions, SetTrackOptions, SetUavs, SetWriting,
     };
 }
 

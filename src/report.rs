@@ -9,11 +9,11 @@ use serde_json::Value;
 use skyshed_io::Input;
 use skyshed_request::{
     Antenna, CompareOptions, Earth, HeightErrors, LimitsOptions, PictureOptions, Range, Receiver, SampleOptions, Sight,
-    TrackOptions, Writing,
+    TrackOptions, Writing, json,
 };
 
 use crate::answer::{Answer, saved};
-use crate::comparison::{self, ComparisonPlan, check_number};
+use crate::comparison::{self, ComparisonPlan, check_heights, check_number};
 use crate::conversion::{self, Conversion};
 use crate::error::{Result, Warning};
 use crate::export::Format;
@@ -106,16 +106,19 @@ pub struct ReportRequest<Options> {
     progress: Arc<Progress>,
 }
 
-skyshed_request::holds!(ReportRequest<Options> where Options: sight.receiver Receiver, sight.range Range, sight.antenna Antenna,
-    sight.earth Earth, heights HeightErrors);
-skyshed_request::holds!(ReportRequest<LimitsOptions>: options LimitsOptions);
-skyshed_request::holds!(ReportRequest<CompareOptions>: options CompareOptions);
-skyshed_request::holds!(ReportRequest<SampleOptions>: options SampleOptions);
-skyshed_request::holds!(ReportRequest<Track>: options.options TrackOptions);
+// Each request holds the parts that change its answer, and no others.
+skyshed_request::holds!(ReportRequest<LimitsOptions>: sight.receiver Receiver, sight.range Range,
+    sight.antenna Antenna, sight.earth Earth, options LimitsOptions);
+skyshed_request::holds!(ReportRequest<CompareOptions>: sight.receiver Receiver, sight.range Range,
+    sight.antenna Antenna, sight.earth Earth, heights HeightErrors, options CompareOptions);
+skyshed_request::holds!(ReportRequest<SampleOptions>: sight.receiver Receiver, sight.range Range,
+    sight.antenna Antenna, sight.earth Earth, options SampleOptions);
+skyshed_request::holds!(ReportRequest<Track>: sight.receiver Receiver, sight.earth Earth, options.options TrackOptions);
 
-/// Places of a user in order, and options of a walk along them.
+/// UAV above a user, the user's places in order, and options of a walk along them.
 #[derive(Debug, Clone)]
 pub struct Track {
+    uav: Uav,
     places: Input,
     options: TrackOptions,
 }
@@ -130,11 +133,6 @@ impl<Options> ReportRequest<Options> {
             options,
             progress: Arc::default(),
         }
-    }
-
-    /// Sets a token that reports the progress, and can stop the work from another thread.
-    pub fn progress(self, progress: &Arc<Progress>) -> Self {
-        ReportRequest { progress: Arc::clone(progress), ..self }
     }
 }
 
@@ -171,8 +169,8 @@ impl Scene {
     /// ```
     pub fn track(&self, uav: Uav, places: impl IntoIterator<Item = (f64, f64)>) -> ReportRequest<Track> {
         let rows = places.into_iter().fold(String::from("x,y\n"), |rows, (x, y)| format!("{rows}{x},{y}\n"));
-        let track = Track { places: Input::bytes("track.csv", rows.into_bytes()), options: TrackOptions::default() };
-        ReportRequest::new(self, [uav], track)
+        let places = Input::bytes("track.csv", rows.into_bytes());
+        ReportRequest::new(self, [], Track { uav, places, options: TrackOptions::default() })
     }
 
     /// Returns streets, crossroads, courtyards and rooftops: cells, areas and shares. Files hold a
@@ -211,19 +209,25 @@ impl SceneReader {
 }
 
 impl ReportRequest<LimitsOptions> {
-    /// Maps the UAVs in several ways.
+    /// Maps the UAVs in several ways. Rectangular footprints are counted in a scene that was opened
+    /// with [`SceneReader::keeps_footprints`].
     ///
     /// # Errors
     /// E113 for numbers out of range; E118 for an engine that cannot decide the scene; E2xx for UAVs
     /// that cannot be there.
     pub fn run(self) -> Result<Report> {
         let plan = LimitsPlan::of(&self.sight, &self.options)?;
-        let limits = plan.find_over(self.scene, None, &UavsFound::of(&self.uavs)?, Vec::new())?;
+        let limits = plan.find_over(self.scene, &UavsFound::of(&self.uavs)?, Vec::new())?;
         Ok(Report::new(limits, &limits::FORMATS))
     }
 }
 
 impl ReportRequest<CompareOptions> {
+    /// Sets a token that reports the progress, and can stop the work from another thread.
+    pub fn progress(self, progress: &Arc<Progress>) -> Self {
+        ReportRequest { progress: Arc::clone(progress), ..self }
+    }
+
     /// Maps the UAVs and compares them.
     ///
     /// # Errors
@@ -233,6 +237,7 @@ impl ReportRequest<CompareOptions> {
         let reading = &self.scene.options.options;
         let plan = ComparisonPlan::of((&self.sight, &self.heights), &self.options, reading)?;
         check_number(self.uavs.len() + plan.masks.len())?;
+        check_heights(&json::set_members(&self.heights), self.uavs.len())?;
         let found = UavsFound::of(&self.uavs)?;
         let comparison = plan.compare(self.scene, &found, Vec::new(), &self.progress)?;
         Ok(Report::new(comparison, &comparison::FORMATS))
@@ -240,6 +245,11 @@ impl ReportRequest<CompareOptions> {
 }
 
 impl ReportRequest<SampleOptions> {
+    /// Sets a token that reports the progress, and can stop the work from another thread.
+    pub fn progress(self, progress: &Arc<Progress>) -> Self {
+        ReportRequest { progress: Arc::clone(progress), ..self }
+    }
+
     /// Maps the placements. A generated city is made as large as whole discs need.
     ///
     /// # Errors
@@ -260,11 +270,9 @@ impl ReportRequest<Track> {
     /// E113 for a step out of range; E2xx for a UAV or a place that cannot be there; E502 for too
     /// many steps.
     pub fn run(self) -> Result<Report> {
-        let site =
-            self.uavs.first().map_or_else(|| Uav::new(0.0, 0.0, crate::Height::agl(0.0)).site(0), |uav| uav.site(0));
-        let Track { places, options } = &self.options;
-        let plan =
-            TrackPlan::of(site.site, (places.clone(), false), options, (&self.sight.receiver, &self.sight.earth))?;
+        let Track { uav, places, options } = &self.options;
+        let of_user = (&self.sight.receiver, &self.sight.earth);
+        let plan = TrackPlan::of(uav.site(0).site, (places.clone(), false), options, of_user)?;
         Ok(Report::new(plan.walk(self.scene, Vec::new())?, &track::FORMATS))
     }
 }

@@ -208,36 +208,18 @@ class TrackKeywords(TypedDict, total=False):
     dpi: int | None
 
 
-class LimitsKeywords(TypedDict, total=False):
+class LimitsKeywords(SightKeywords, total=False):
     """Question of limits.
 
-    * ``rx_height``: Height of the receivers above ground or roof [m]
-    * ``receivers``: Cells that hold receivers: ground, street, roof, all …
-    * ``radius``: Largest horizontal distance from the UAV to a receiver [m]
-    * ``method``: Engine; auto is the fastest exact one
-    * ``min_radius``: Least horizontal distance from the UAV to a receiver [m]
-    * ``sector``: Azimuths of receivers in range, clockwise from grid north [deg]: 90,180 is the south-east
-    * ``elevation``: Elevations of receivers in range, from the UAV's horizontal, negative below [deg]
-    * ``beam``: Full angle of a cone straight down with the receivers in range [deg]
-    * ``earth_k``: Curved earth of K times its radius: 4/3 for radio, 7/6 for light, 1 without refraction, inf for none
-    * ``curvature_coefficient``: 1/K of a curved earth, GDAL's word for it: 0.85714 for light, 0.75 for radio, 0 for none
     * ``uav_error``: Distance of the UAV from where it should be, sideways and in height [m]
     * ``height_error``: Error of the heights of all buildings [m]
     * ``cities``: Other cities of a generated kind that tell how much one city of many matters
     * ``overwrite``: Replace files that exist
     * ``csv_text``: Write cells of tables that a spreadsheet would run (they begin with =, +, - or @ and are no numbers) as text, behind a ' (docs/tables.md)
+
+    And those of :class:`SightKeywords`.
     """
 
-    rx_height: float | str | None
-    receivers: Literal["ground", "street", "crossroad", "courtyard", "roof", "all", "air"] | None
-    radius: float | None
-    method: float | str | Sequence[float | str] | None
-    min_radius: float | None
-    sector: Sequence[float] | None
-    elevation: Sequence[float] | None
-    beam: float | None
-    earth_k: float | str | None
-    curvature_coefficient: float | None
     uav_error: float | None
     height_error: float | None
     cities: int | None
@@ -245,20 +227,10 @@ class LimitsKeywords(TypedDict, total=False):
     csv_text: bool | None
 
 
-class CompareKeywords(TypedDict, total=False):
+class CompareKeywords(SightKeywords, total=False):
     """Question of placements side by side.
 
     * ``block``: Edge of the blocks of ground that are resampled for intervals [m]
-    * ``rx_height``: Height of the receivers above ground or roof [m]
-    * ``receivers``: Cells that hold receivers: ground, street, roof, all …
-    * ``radius``: Largest horizontal distance from the UAV to a receiver [m]
-    * ``method``: Engine; auto is the fastest exact one
-    * ``min_radius``: Least horizontal distance from the UAV to a receiver [m]
-    * ``sector``: Azimuths of receivers in range, clockwise from grid north [deg]: 90,180 is the south-east
-    * ``elevation``: Elevations of receivers in range, from the UAV's horizontal, negative below [deg]
-    * ``beam``: Full angle of a cone straight down with the receivers in range [deg]
-    * ``earth_k``: Curved earth of K times its radius: 4/3 for radio, 7/6 for light, 1 without refraction, inf for none
-    * ``curvature_coefficient``: 1/K of a curved earth, GDAL's word for it: 0.85714 for light, 0.75 for radio, 0 for none
     * ``height_error``: Standard deviation of the error of each building's height [m]; default 0
     * ``height_bias``: Standard deviation of an error that all heights of buildings share [m]; default 0
     * ``overwrite``: Replace files that exist
@@ -267,19 +239,11 @@ class CompareKeywords(TypedDict, total=False):
     * ``attribution``: Attribution line in the caption; default: the `attribution` member of the GeoJSON file
     * ``width``: Width of the picture, 100 to 10000 [px]; the height follows, and words grow with it. Default: as it is laid out
     * ``dpi``: Pixels of the width per inch of paper, 10 to 2400: the size in print, of .svg and .pdf too; default 200
+
+    And those of :class:`SightKeywords`.
     """
 
     block: float | None
-    rx_height: float | str | None
-    receivers: Literal["ground", "street", "crossroad", "courtyard", "roof", "all", "air"] | None
-    radius: float | None
-    method: float | str | Sequence[float | str] | None
-    min_radius: float | None
-    sector: Sequence[float] | None
-    elevation: Sequence[float] | None
-    beam: float | None
-    earth_k: float | str | None
-    curvature_coefficient: float | None
     height_error: float | None
     height_bias: float | None
     overwrite: bool | None
@@ -328,7 +292,7 @@ class CityKeywords(TypedDict, total=False):
     dpi: int | None
 
 
-class PlaceKeywords(TypedDict, total=False):
+class PlaceKeywords(SightKeywords, total=False):
     """Question of where to hover.
 
     * ``step``: Distance between candidate places: the centers of square cells over the scene [m]
@@ -340,16 +304,6 @@ class PlaceKeywords(TypedDict, total=False):
     * ``weights``: Raster of scores for the goal p_los(weights): each receiver counts the whole value of the cell that holds it
     * ``minimize``: Instead of the largest share, the least height that reaches the share of the goal
     * ``count``: Number of UAVs that are to see most together, of all receivers of the goal whatever the radius
-    * ``rx_height``: Height of the receivers above ground or roof [m]
-    * ``receivers``: Cells that hold receivers: ground, street, roof, all …
-    * ``radius``: Largest horizontal distance from the UAV to a receiver [m]
-    * ``method``: Engine; auto is the fastest exact one
-    * ``min_radius``: Least horizontal distance from the UAV to a receiver [m]
-    * ``sector``: Azimuths of receivers in range, clockwise from grid north [deg]: 90,180 is the south-east
-    * ``elevation``: Elevations of receivers in range, from the UAV's horizontal, negative below [deg]
-    * ``beam``: Full angle of a cone straight down with the receivers in range [deg]
-    * ``earth_k``: Curved earth of K times its radius: 4/3 for radio, 7/6 for light, 1 without refraction, inf for none
-    * ``curvature_coefficient``: 1/K of a curved earth, GDAL's word for it: 0.85714 for light, 0.75 for radio, 0 for none
     * ``height_error``: Standard deviation of the error of each building's height [m]; default 0
     * ``height_bias``: Standard deviation of an error that all heights of buildings share [m]; default 0
     * ``overwrite``: Replace files that exist
@@ -360,6 +314,8 @@ class PlaceKeywords(TypedDict, total=False):
     * ``attribution``: Attribution line in the caption; default: the `attribution` member of the GeoJSON file
     * ``width``: Width of the picture, 100 to 10000 [px]; the height follows, and words grow with it. Default: as it is laid out
     * ``dpi``: Pixels of the width per inch of paper, 10 to 2400: the size in print, of .svg and .pdf too; default 200
+
+    And those of :class:`SightKeywords`.
     """
 
     step: float | None
@@ -371,16 +327,6 @@ class PlaceKeywords(TypedDict, total=False):
     weights: PathLike | None
     minimize: Literal["height"] | None
     count: int | None
-    rx_height: float | str | None
-    receivers: Literal["ground", "street", "crossroad", "courtyard", "roof", "all", "air"] | None
-    radius: float | None
-    method: float | str | Sequence[float | str] | None
-    min_radius: float | None
-    sector: Sequence[float] | None
-    elevation: Sequence[float] | None
-    beam: float | None
-    earth_k: float | str | None
-    curvature_coefficient: float | None
     height_error: float | None
     height_bias: float | None
     overwrite: bool | None
@@ -393,45 +339,27 @@ class PlaceKeywords(TypedDict, total=False):
     dpi: int | None
 
 
-class SampleKeywords(TypedDict, total=False):
+class SampleKeywords(SightKeywords, total=False):
     """Samples of placements.
 
     * ``centers``: Placements stand over the middles of a generated city's crossroads, streets and buildings
     * ``cities``: Generated cities to sample, from `seed` on; intervals are over cities
     * ``ci``: Confidence of the intervals
     * ``block``: Edge of the blocks of ground that are resampled for the intervals over one city [m]; default: an eighth of the city, at least 100 m
-    * ``rx_height``: Height of the receivers above ground or roof [m]
-    * ``receivers``: Cells that hold receivers: ground, street, roof, all …
-    * ``radius``: Largest horizontal distance from the UAV to a receiver [m]
-    * ``method``: Engine; auto is the fastest exact one
-    * ``min_radius``: Least horizontal distance from the UAV to a receiver [m]
-    * ``sector``: Azimuths of receivers in range, clockwise from grid north [deg]: 90,180 is the south-east
-    * ``elevation``: Elevations of receivers in range, from the UAV's horizontal, negative below [deg]
-    * ``beam``: Full angle of a cone straight down with the receivers in range [deg]
-    * ``earth_k``: Curved earth of K times its radius: 4/3 for radio, 7/6 for light, 1 without refraction, inf for none
-    * ``curvature_coefficient``: 1/K of a curved earth, GDAL's word for it: 0.85714 for light, 0.75 for radio, 0 for none
     * ``overwrite``: Replace files that exist
     * ``csv_text``: Write cells of tables that a spreadsheet would run (they begin with =, +, - or @ and are no numbers) as text, behind a ' (docs/tables.md)
     * ``title``: Title of the picture, or of the page
     * ``attribution``: Attribution line in the caption; default: the `attribution` member of the GeoJSON file
     * ``width``: Width of the picture, 100 to 10000 [px]; the height follows, and words grow with it. Default: as it is laid out
     * ``dpi``: Pixels of the width per inch of paper, 10 to 2400: the size in print, of .svg and .pdf too; default 200
+
+    And those of :class:`SightKeywords`.
     """
 
     centers: bool | None
     cities: int | None
     ci: float | None
     block: float | None
-    rx_height: float | str | None
-    receivers: Literal["ground", "street", "crossroad", "courtyard", "roof", "all", "air"] | None
-    radius: float | None
-    method: float | str | Sequence[float | str] | None
-    min_radius: float | None
-    sector: Sequence[float] | None
-    elevation: Sequence[float] | None
-    beam: float | None
-    earth_k: float | str | None
-    curvature_coefficient: float | None
     overwrite: bool | None
     csv_text: bool | None
     title: str | None

@@ -7,7 +7,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use serde_json::Value;
-use skyshed_request::{CoverageQuestion, MapOptions, MapRequest, Reading, SaveOptions, SceneOptions, Source, json};
+use skyshed_request::{
+    CoverageQuestion, MapOptions, MapRequest, PROGRAM_OPTIONS, Reading, SaveOptions, SceneOptions, Source, json,
+};
 
 use crate::answer::Output;
 use crate::export::Format;
@@ -32,7 +34,7 @@ use crate::read::surface_grid;
 use crate::scene::{Scene, SceneReader, is_raster_scene};
 use crate::uav::{Uav, UavsFound};
 
-/// Why a question has no answer.
+/// Reason why a question has no answer.
 #[derive(Debug, Clone)]
 pub struct Refusal {
     /// The cause.
@@ -109,7 +111,7 @@ pub fn scene_reader(options: Members) -> std::result::Result<SceneReader, Refusa
 /// Returns the live page of a scene, and the command line that it shows: a name of the scene, and the options that read it.
 ///
 /// # Errors
-/// Those of [`Scene::live_page`]; E101 for options that cannot be.
+/// As [`Scene::live_page`]; E101 for options that cannot be.
 pub fn live_page(
     (scene, uavs): (&Scene, &[Uav]),
     (word, options): (&OsStr, Members),
@@ -151,7 +153,7 @@ pub fn save_options(options: Members, files: &[PathBuf]) -> std::result::Result<
 /// Returns maps of what some UAVs see of a scene, with options such as `radius`; each mask is kept if that is asked for.
 ///
 /// # Errors
-/// Those of the options, the UAVs and the method.
+/// Errors of the options, the UAVs and the method.
 pub fn coverages(
     (scene, uavs): (Scene, &[Uav]),
     options: Members,
@@ -194,14 +196,11 @@ pub fn normalized(command: &str, options: Members) -> std::result::Result<Member
     Ok(Cli::of_request(command, options)?.shared().map(|shared| shared.members).unwrap_or_default())
 }
 
-/// Options of a run of the program alone.
-const OF_THE_PROGRAM: [&str; 5] = ["json", "max_memory", "quiet", "repairs", "threads"];
-
 /// Answers a command with options by their names, such as `place` with `step`: 50. `scene` is used instead of the one that they name,
 /// and `held` are inputs in memory by the names of their options.
 ///
 /// # Errors
-/// Those of the options and of the answer.
+/// Errors of the options and of the answer.
 pub fn ask(
     (command, options): (&str, Members),
     (scene, held): (Option<Scene>, Vec<(String, Source)>),
@@ -212,7 +211,7 @@ pub fn ask(
     held.into_iter().for_each(|(option, source)| cli.hold(&option, source));
     let run = Run { given: scene, ..Run::asked(line, Instant::now(), progress) };
     if let Some(shared) = cli.shared() {
-        json::refuse(&shared.members, &OF_THE_PROGRAM, "for a caller, who has the answer").map_err(Error::from)?;
+        json::refuse(&shared.members, &PROGRAM_OPTIONS, "for a caller, who has the answer").map_err(Error::from)?;
         check_use(&shared, cli.draws() || run.given.is_some())?;
         check_text(shared.out, None)?;
     }
@@ -236,7 +235,7 @@ pub struct PlannedUnit {
 /// Returns the units of work of a map: one for each UAV, or for each tile, as `skyshed jobs plan` lists them.
 ///
 /// # Errors
-/// Those of the options, the scene and the UAVs; E116 for a map without units.
+/// Errors of the options, the scene and the UAVs; E116 for a map without units.
 pub fn plan_units(
     options: Members,
     (scene, uavs): (Option<Scene>, Source),
@@ -257,7 +256,7 @@ pub fn plan_units(
 /// Returns what all UAVs see together of one tile of a map, without a file.
 ///
 /// # Errors
-/// Those of the options, the scene and the UAVs.
+/// Errors of the options, the scene and the UAVs.
 pub fn map_tile(
     options: Members,
     (scene, uavs): (Option<Scene>, Source),

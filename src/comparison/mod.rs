@@ -15,8 +15,8 @@ pub(crate) use document::{CompareDocument, CompareRow};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use serde_json::Value;
-use skyshed_request::{CompareOptions, HeightErrors, SceneOptions, Sight, filled};
+use serde_json::{Map, Value};
+use skyshed_request::{CompareOptions, HeightErrors, SceneOptions, Sight, filled, json};
 
 use figure::Figure;
 use masks::{SavedMask, Setting, read_masks};
@@ -122,6 +122,18 @@ struct Mapped {
     placed: Vec<Placed>,
     method: Option<Method>,
     redrawn: Option<RedrawnCounts>,
+}
+
+/// Refuses errors of heights without two UAVs to map. `members` are those of the request that are set.
+///
+/// # Errors
+/// E116.
+pub(crate) fn check_heights(members: &Map<String, Value>, n_uavs: usize) -> Result<()> {
+    const OPTIONS: [&str; 3] = ["height_error", "height_bias", "height_error_field"];
+    match n_uavs < 2 {
+        true => Ok(json::refuse(members, &OPTIONS, "without two UAVs: saved maps are not made anew")?),
+        false => Ok(()),
+    }
 }
 
 /// Checks the number of placements. A comparison needs two, and becomes unclear above a limit.

@@ -17,7 +17,7 @@ pub(crate) use status::StatusDocument;
 use std::path::{Path, PathBuf};
 
 use crate::answer::{Output, RunFacts, document_of};
-use skyshed_request::MapRequest;
+use skyshed_request::{MapRequest, PROGRAM_OPTIONS, json};
 
 use crate::error::{Error, RequestError, Result};
 use crate::export::Format;
@@ -170,6 +170,7 @@ impl Job {
     /// # Errors
     /// E1xx for values that are wrong by themselves, and for options that change nothing.
     pub fn of(request: MapRequest) -> Result<Job> {
+        json::refuse(&json::set_members(&request), &PROGRAM_OPTIONS, "for a caller, who has the answer")?;
         Ok(Job { job: MapJob::of(request, Vec::new())?, progress: std::sync::Arc::default() })
     }
 

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::accuracy::{BudgetLine, RoofEffect};
 use crate::answer::{Head, WarningFacts};
+use crate::city::Solids;
 use crate::map::IdleDocument;
 use crate::quantity::{counted, signed, tidy};
 use crate::render::{grouped, percent};
@@ -199,4 +200,13 @@ pub(crate) struct Rectangles {
     pub(super) rectangles: usize,
     /// Number of all footprints.
     pub(super) footprints: usize,
+}
+
+impl Rectangles {
+    /// Counts them among footprints; `None` for a raster.
+    pub(super) fn of(solids: &Solids) -> Option<Rectangles> {
+        let Solids::Vector { footprints, .. } = solids else { return None };
+        let rectangles = footprints.iter().filter(|footprint| footprint.is_rectangle()).count();
+        Some(Rectangles { rectangles, footprints: footprints.len() })
+    }
 }

@@ -5,7 +5,6 @@ mod document;
 
 use std::ffi::OsStr;
 use std::path::Path;
-use std::time::Instant;
 
 use serde_json::Value;
 
@@ -14,7 +13,6 @@ use crate::accuracy::{
     coarsest_unchanged, error_budget, roof_effect, terrain_effect,
 };
 use crate::answer::{Answer, Rows, RunFacts, Spent, document_of, rows, warnings_of};
-use crate::city::Solids;
 use crate::coverage::{Control, HeightLayers, IdleFootprints, MapOptions, Mapper, Uav};
 use crate::error::{Error, Result, Warning};
 use crate::expected::Expected;
@@ -49,6 +47,8 @@ pub(crate) struct LimitsPlan {
     pub(crate) height_error_m: f64,
     /// Number of further generated cities, which show how much the choice of one city matters.
     pub(crate) n_cities: u16,
+    /// `true` if that number was requested.
+    are_cities_set: bool,
 }
 
 /// Limits of a map.
@@ -86,6 +86,7 @@ impl LimitsPlan {
             uav_error_m: filled(limits.uav_error, defaults.uav_error),
             height_error_m: filled(limits.height_error, defaults.height_error),
             n_cities: filled(limits.cities, defaults.cities),
+            are_cities_set: limits.cities.is_some(),
         })
     }
 
@@ -100,18 +101,9 @@ impl LimitsPlan {
         command: Vec<String>,
     ) -> Result<Limits> {
         self.check()?;
-        let (start, mut warnings) = (Instant::now(), Vec::new());
-        let city = options.read(word, &mut warnings)?;
-        let rectangles = match &city.solids {
-            Solids::Vector { footprints, .. } => {
-                let rectangles = footprints.iter().filter(|f| f.is_rectangle()).count();
-                Some(Rectangles { rectangles, footprints: footprints.len() })
-            }
-            Solids::Raster { .. } => None,
-        };
-        let scene = Scene::built(options, (word, city), warnings, start)?;
+        let scene = options.clone().keeps_footprints().open(word)?;
         let found = asked.read(scene.grid())?;
-        self.find_over(scene, rectangles, &found, command)
+        self.find_over(scene, &found, command)
     }
 
     /// Checks the numbers, before any work.
@@ -129,19 +121,16 @@ impl LimitsPlan {
         Ok(())
     }
 
-    /// Maps some UAVs over a scene in several ways. `rectangles` are those of its footprints, if they
-    /// are known.
+    /// Maps some UAVs over a scene in several ways. Rectangles are counted where the scene keeps its
+    /// footprints.
     ///
     /// # Errors
     /// E113 for numbers out of range; E2xx for UAVs that cannot be there.
-    pub(crate) fn find_over(
-        &self,
-        mut scene: Scene,
-        rectangles: Option<Rectangles>,
-        found: &UavsFound,
-        command: Vec<String>,
-    ) -> Result<Limits> {
+    pub(crate) fn find_over(&self, mut scene: Scene, found: &UavsFound, command: Vec<String>) -> Result<Limits> {
         self.check()?;
+        if self.are_cities_set && scene.built_up.is_none() {
+            return Err(Error::idle("cities", "for a city in a file: it is one"));
+        }
         let sight = &self.sight;
         let uavs = scene.place(found, None, sight)?;
         let (field, built_up) = (std::sync::Arc::clone(&scene.field), scene.built_up);
@@ -186,7 +175,7 @@ impl LimitsPlan {
             terrain: terrain_effect(&setup)?,
             roofs: roof_effect(&setup).map_err(|e| e.to_string()).transpose(),
             idle,
-            rectangles,
+            rectangles: scene.solids.as_deref().and_then(Rectangles::of),
             engine: (why, expected.seconds()),
             heights,
             budget,

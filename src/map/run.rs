@@ -44,7 +44,7 @@ impl MapJob {
     /// Maps all UAVs together in memory, without a file.
     ///
     /// # Errors
-    /// Those of the scene, the UAVs and the plan.
+    /// Errors of the scene, the UAVs and the plan.
     pub(crate) fn map(&self, given: Given<'_>, progress: &Progress) -> Result<Coverages> {
         let Given { uavs, scene, grid: whole, tile, .. } = given;
         let scene = match scene {

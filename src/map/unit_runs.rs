@@ -350,7 +350,7 @@ impl<'a> UnitRuns<'a> {
     /// Maps the only unit in memory, without a file.
     ///
     /// # Errors
-    /// Those of the scene, the UAVs and the plan; a fault of several units.
+    /// Errors of the scene, the UAVs and the plan; a fault of several units.
     pub(crate) fn map(&self) -> Result<Coverages> {
         let (mut scenes, units) = self.scenes_and_units()?;
         let [part] = &units.parts[..] else { return Err(Error::fault("one unit is mapped at a time")) };

@@ -54,3 +54,80 @@ fn a_link_is_that_of_the_program() -> Result<(), skyshed::Error> {
     assert!(!link.los() && link.obstruction().is_some());
     Ok(())
 }
+
+/// A document without what differs between any two doors: words, times, names of tables.
+fn answer(mut document: serde_json::Value) -> serde_json::Value {
+    fn forget(value: &mut serde_json::Value) {
+        match value {
+            serde_json::Value::Object(members) => {
+                ["command", "request", "timing", "timing_s", "sources", "memory"]
+                    .iter()
+                    .for_each(|name| drop(members.remove(*name)));
+                members.values_mut().for_each(forget);
+            }
+            serde_json::Value::Array(values) => values.iter_mut().for_each(forget),
+            _ => {}
+        }
+    }
+    forget(&mut document);
+    document
+}
+
+#[test]
+fn reports_are_those_of_the_program() -> Result<(), skyshed::Error> {
+    let folder = Folder::new();
+    folder.write("walk.csv", "x,y\n20,10\n180,10\n180,150\n");
+    let city = Scene::options().size(200.0).seed(3).keeps_footprints().open("itu:urban")?;
+    let uavs = [(40.0, 60.0), (150.0, 110.0)].map(|(x, y)| Uav::new(x, y, Height::agl(90.0)));
+    let [first, second] = uavs.clone();
+    let zones = ["street:3", "rooftop:2"].map(|zone| zone.parse::<skyshed::ZoneCount>().unwrap());
+    let reports = [
+        ("zones SCENE", city.zone_report()?),
+        (
+            "limits SCENE --uav 40,60,90 --uav-error 2 --radius 120",
+            city.limits([first.clone()]).uav_error(2.0).radius(120.0).run()?,
+        ),
+        (
+            "compare SCENE --uav 40,60,90 --uav 150,110,90 --height-error 2 --block 30",
+            city.compare([first.clone(), second]).height_error(2.0).block(30.0).run()?,
+        ),
+        (
+            "track SCENE --uav 40,60,90 --track walk.csv --every 2 --rx-height 3",
+            city.track(first, [(20.0, 10.0), (180.0, 10.0), (180.0, 150.0)]).every(2.0).rx_height(3.0).run()?,
+        ),
+        (
+            "sample SCENE --zones street:3,rooftop:2 --height 60 --radius 50",
+            city.sample().zones(zones).height([Height::agl(60.0)]).radius(50.0).run()?,
+        ),
+        ("info SCENE", Scene::options().size(200.0).seed(3).info("itu:urban")?),
+    ];
+    for (line, report) in reports {
+        let line = format!("{} --json -q", line.replace("SCENE", "itu:urban --size 200 --seed 3"));
+        assert_eq!(answer(report.document()), answer(folder.type_in(&line).done().json()), "{line}");
+    }
+    Ok(())
+}
+
+#[test]
+fn options_that_change_no_answer_of_the_library_are_refused() -> Result<(), skyshed::Error> {
+    use skyshed::request::SetEffort;
+    use skyshed::{Job, MapRequest};
+
+    let folder = Folder::new();
+    folder.write("wall.asc", "ncols 3\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 1\n");
+    let wall = Scene::options().ground(0.0).open(folder.join("wall.asc"))?;
+    let uav = || Uav::new(0.5, 0.5, Height::agl(9.0));
+    let mask = folder.join("mask.tif");
+    wall.coverage(uav()).run()?.save(&mask)?;
+    let map = || MapRequest::default().scene("itu:urban").uav(["9,9,90"]);
+    let refused = [
+        wall.limits([uav()]).cities(3_u16).run().expect_err("one city"),
+        wall.compare([uav()]).mask([mask]).height_error(2.0).run().expect_err("one UAV"),
+        Job::of(map().threads(2_u16)).expect_err("threads"),
+        Job::of(map().json(true)).expect_err("a document"),
+    ];
+    for error in refused {
+        assert_eq!(error.code(), "E116", "{error}");
+    }
+    Ok(())
+}

@@ -7,8 +7,13 @@ use schemars::{JsonSchema, schema_for};
 use serde_json::{Map, Value};
 use skyshed_request as request;
 
-/// Options that Python has no use for: the caller has the answer, the scene and the threads.
-const OF_THE_PROGRAM: [&str; 8] = ["scene", "repairs", "output", "json", "quiet", "threads", "max_memory", "csv"];
+/// Options that are parameters of their own, or the scene itself.
+const PARAMETERS: [&str; 3] = ["scene", "output", "csv"];
+
+/// Returns the options that no question of Python has.
+fn no_keywords() -> Vec<&'static str> {
+    [&PARAMETERS[..], &request::PROGRAM_OPTIONS].concat()
+}
 
 /// A class of keywords: its name, the class that it extends, its doc, and its members.
 struct Keywords {
@@ -130,9 +135,12 @@ fn names<T: JsonSchema>() -> Vec<String> {
 
 /// Returns the keywords of a request over a scene in memory, without some.
 fn of_request<T: JsonSchema>(name: &'static str, doc: &'static str, own: &[&str]) -> Keywords {
-    let of_scene = names::<request::SceneOptions>();
-    let left_out = of_scene.iter().map(String::as_str).chain(OF_THE_PROGRAM).chain(own.iter().copied());
-    Keywords::of::<T>((name, "TypedDict"), doc, &left_out.collect::<Vec<_>>())
+    let (of_scene, sight, all) = (names::<request::SceneOptions>(), names::<request::Sight>(), names::<T>());
+    let has_sight = sight.iter().all(|field| all.contains(field));
+    let of_base: &[String] = if has_sight { &sight } else { &[] };
+    let left_out = of_scene.iter().chain(of_base).map(String::as_str).chain(no_keywords()).chain(own.iter().copied());
+    let base = if has_sight { "SightKeywords" } else { "TypedDict" };
+    Keywords::of::<T>((name, base), doc, &left_out.collect::<Vec<_>>())
 }
 
 /// Returns the module of keywords.
@@ -180,11 +188,11 @@ fn module() -> String {
             &["height", "candidates", "within", "keep_out", "area"],
         ),
         of_request::<request::SampleRequest>("SampleKeywords", "Samples of placements.", &["zones", "height"]),
-        Keywords::of::<request::InfoRequest>(("InfoKeywords", "TypedDict"), "Facts of a file.", &OF_THE_PROGRAM),
+        Keywords::of::<request::InfoRequest>(("InfoKeywords", "TypedDict"), "Facts of a file.", &no_keywords()),
         Keywords::of::<request::PlosRequest>(
             ("PlosKeywords", "TypedDict"),
             "Question of P_LoS over whole cities.",
-            &[&OF_THE_PROGRAM[..], &["scenes", "height"]].concat(),
+            &[no_keywords(), vec!["scenes", "height"]].concat(),
         ),
     ];
     let head = "\"\"\"Keywords of the questions, with their types: made from the requests of the program.\"\"\"\n\n\

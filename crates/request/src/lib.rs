@@ -83,6 +83,9 @@ pub use values::{EarthFactor, FilePath, HeightRange, Meters};
 /// a unit of work, so that files of another version are not taken for its own.
 pub const ANSWERS_VERSION: u32 = 1;
 
+/// Options of a run of the program. A caller of the library has the answer, the threads and the memory.
+pub const PROGRAM_OPTIONS: [&str; 5] = ["json", "max_memory", "quiet", "repairs", "threads"];
+
 /// Returns the defaults of all parts by the names of their fields: the table that help texts and plans
 /// have in common.
 pub fn defaults() -> serde_json::Map<String, serde_json::Value> {

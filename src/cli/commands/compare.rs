@@ -8,8 +8,7 @@ use crate::cli::args::output::checked_files;
 use crate::cli::args::scene::{scene_files, scene_words};
 use crate::cli::failure::Result;
 use crate::cli::run::Run;
-use crate::comparison::{ComparisonPlan, FORMATS, check_number};
-use crate::error::Error;
+use crate::comparison::{ComparisonPlan, FORMATS, check_heights, check_number};
 use crate::export::Format;
 use crate::picture::Look;
 use crate::scene::SceneReader;
@@ -33,13 +32,8 @@ pub(in crate::cli) fn run(request: &CompareRequest, run: &Run) -> Result<()> {
         draws_pairs: outputs.iter().any(|(_, format)| *format == Format::GeoTiff),
         ..ComparisonPlan::of((&request.sight, &request.heights), &request.compare, &reading.options)?
     };
-    if request.uavs.uav.len() < 2 && request.uavs.uavs.is_none() {
-        json::refuse(
-            &json::set_members(request),
-            &["height_error", "height_bias", "height_error_field"],
-            "without two UAVs: saved maps are not made anew",
-        )
-        .map_err(Error::from)?;
+    if request.uavs.uavs.is_none() {
+        check_heights(&json::set_members(request), request.uavs.uav.len())?;
     }
     if asked.table.is_none() && request.compare.mask.is_empty() {
         check_number(asked.typed.len())?;
