@@ -26,6 +26,7 @@ use crate::scene::{Scene, SceneReader, built_up, is_raster_scene};
 use crate::sight::{SightFacts, SightPlan};
 use crate::uav::{Uav, UavsAsked, UavsFound};
 use crate::words::title_of;
+use skyshed_request::json::set_members;
 use skyshed_request::{SetSceneOptions, Sight};
 
 /// Output formats of a page.
@@ -187,8 +188,8 @@ impl LivePage {
 
     /// Returns the facts for the script of the page.
     fn facts_of_page(&self, title: &str, look: &Look) -> Value {
-        let SightFacts { rx_height_m, receivers, radius_m, antenna, earth_k } = self.sight.facts();
-        let sight = json!({"rx_height_m": rx_height_m, "receivers": receivers, "radius_m": radius_m, "antenna": antenna, "earth_k": earth_k, "height_error_m": null});
+        let sight = questions::PageSight { sight: self.sight.asked(), ..Default::default() };
+        let defaults = SightPlan::of(&Sight::default()).map(|plan| set_members(&plan.asked())).unwrap_or_default();
         let grid = self.scene.grid();
         let crs = grid
             .crs()
@@ -212,6 +213,7 @@ impl LivePage {
             "is_part": self.is_part,
             "surface_only": self.scene.field.is_surface_only(),
             "most_uavs": MOST_UAVS,
+            "defaults": defaults,
             "start": {"uavs": self.uavs, "sight": sight, "layer": layer},
         })
     }

@@ -3,10 +3,10 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use skyshed_request::{Receivers, Sight};
+use skyshed_request::{Earth, Range, Receiver, Receivers, Sight};
 
 use crate::city::{Antenna, GivenSite};
-use crate::coverage::{self, CheckedNumbers, HoversOver, MapOptions, SightNumbers, Tally, Uav};
+use crate::coverage::{self, CheckedNumbers, HoversOver, MapOptions, Tally, Uav};
 use crate::error::{OddRun, RequestError, Result, Warning};
 use crate::height_field::Curvature;
 use crate::los::{Method, MethodChoice};
@@ -97,12 +97,10 @@ impl SightPlan {
     /// # Errors
     /// E113 for numbers out of range; E116 for two options that set the curve of the earth.
     pub(crate) fn of(sight: &Sight) -> Result<SightPlan> {
-        let Sight { receiver, range, antenna, earth } = sight;
-        earth.check()?;
-        let (rx_height_m, radius_m, antenna) = (receiver.rx_height_m(), range.radius, antenna.served());
-        let numbers = SightNumbers { rx_height_m, radius_m, antenna, earth_k: earth.k() };
+        let numbers = sight.numbers()?;
+        let (rx_height_m, radius_m) = (numbers.rx_height_m, numbers.radius_m);
         let CheckedNumbers { rx_height, antenna, curvature } = numbers.checked()?;
-        let (receivers, method) = (range.receiver_cells(), range.engine());
+        let (receivers, method) = (sight.range.receiver_cells(), sight.range.engine());
         Ok(SightPlan { receivers, rx_height_m, rx_height, radius_m, antenna, curvature, method })
     }
 
@@ -184,6 +182,16 @@ impl SightPlan {
             meters_per_unit: grid.meters_per_unit(),
             method: self.method,
             ..MapOptions::default()
+        }
+    }
+
+    /// Returns the sight as a question.
+    pub(crate) fn asked(&self) -> Sight {
+        Sight {
+            receiver: Receiver { rx_height: Some(self.rx_height_m.into()) },
+            range: Range { receivers: Some(self.receivers), radius: self.radius_m, method: None },
+            antenna: self.antenna.into(),
+            earth: Earth { earth_k: self.curvature.map(|c| c.earth_k().into()), ..Earth::default() },
         }
     }
 

@@ -40,7 +40,7 @@ pub(crate) fn ask(page: &str, driver: Option<&str>, questions: &[Value]) -> Vec<
 pub(crate) fn map(uavs: &[(f64, f64, f64)]) -> Value {
     let uav = |(k, (x, y, m)): (usize, &(f64, f64, f64))| json!({"id": (k + 1).to_string(), "x": x, "y": y, "height": {"kind": "agl", "m": m}});
     let uavs: Vec<Value> = uavs.iter().enumerate().map(uav).collect();
-    let sight = json!({"rx_height_m": 1.5, "receivers": "ground", "radius_m": null});
+    let sight = json!({"rx_height": 1.5, "receivers": "ground", "radius": null});
     json!({"do": "map", "uavs": uavs, "sight": sight, "shown": {"layer": "one", "which": 0}, "picture": false})
 }
 
@@ -114,7 +114,7 @@ fn masks_of_all_receivers_and_ranges_are_those_of_the_program() {
         .flat_map(|(receivers, rx_height_m, radius_m)| {
             // The second is near the border, where much of what is in range holds no data.
             let mut map = map(&[(691_549.7, 5_334_762.2, 60.0), (690_950.0, 5_334_900.0, 90.0)]);
-            map["sight"] = json!({"rx_height_m": rx_height_m, "receivers": receivers, "radius_m": radius_m});
+            map["sight"] = json!({"rx_height": rx_height_m, "receivers": receivers, "radius": radius_m});
             [map, json!({"do": "digest"})]
         })
         .collect();
@@ -139,14 +139,14 @@ fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
     folder.type_in("live itu:urban --size 300 -o page.html -q").done();
     let places = [(150.0, 150.0, 100.0), (40.0, 220.0, 60.0), (30.0, 30.0, 1.0)];
     let mut radius = map(&places[..2]);
-    radius["sight"] = json!({"rx_height_m": 2.0, "receivers": "street", "radius_m": 90.0});
+    radius["sight"] = json!({"rx_height": 2.0, "receivers": "street", "radius": 90.0});
     let mut antenna = map(&places[..2]);
-    antenna["sight"] = json!({"rx_height_m": 1.5, "receivers": "ground", "radius_m": null, "antenna":
-        [7.0, 20.0, 200.0, -80.0, -20.0, 130.0]});
+    antenna["sight"] = json!({"min_radius": 7.0, "sector": [20.0, 200.0], "elevation": [-80.0, -20.0],
+        "beam": 130.0});
     let mut curved = map(&places[..2]);
-    curved["sight"] = json!({"rx_height_m": 60.0, "receivers": "air", "radius_m": null, "earth_k": 0.0005});
+    curved["sight"] = json!({"rx_height": 60.0, "receivers": "air", "earth_k": 0.0005});
     let mut off = map(&places[..2]);
-    off["sight"] = json!({"rx_height_m": 1.5, "receivers": "ground", "radius_m": null, "height_error_m": 2.5});
+    off["sight"] = json!({"height_error": 2.5});
     let questions = [
         map(&places[..2]),
         json!({"do": "digest"}),
@@ -247,7 +247,7 @@ fn a_page_is_one_small_file_and_says_what_it_begins_with() {
     let munich = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson");
     let uavs = "--uav 691600,5334700,120 --uav 691549.7,5334762.2,60amsl --rx-height 2 --radius 400";
     folder.type_in(&format!("live {} {uavs} -o page.html -o page.json -q", munich.display())).done();
-    assert!(folder.read("page.html").len() <= 890_000, "{}", folder.read("page.html").len());
+    assert!(folder.read("page.html").len() <= 920_000, "{}", folder.read("page.html").len());
     let document = folder.json("page.json");
     assert_eq!(document["schema"], "skyshed/live/1");
     assert_eq!((&document["uavs"][1]["id"], &document["uavs"][1]["height"]), (&json!("2"), &json!("60amsl")));
@@ -323,7 +323,7 @@ fn what_a_page_cannot_hold_is_refused_with_what_would_fit() {
     folder.type_in(&format!("map {uav} -o m-{{site}}.json -q")).done();
     if has_program("node") {
         let mut part = map(&[(700.0, 900.0, 90.0)]);
-        part["sight"]["radius_m"] = json!(150.0);
+        part["sight"]["radius"] = json!(150.0);
         let answers = ask(&folder.word("page.html"), None, &[part, json!({"do": "digest"})]);
         assert_eq!(answers[2]["digest"], folder.json("m-1.json")["digest"]);
     }

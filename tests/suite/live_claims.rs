@@ -230,7 +230,7 @@ fn a_uav_over_no_data_has_no_share_in_the_page() {
     let [known, unknown] = [(80.0, 80.0, 60.0), (330.0, 80.0, 60.0)];
     let mut questions: Vec<Value> = [known, unknown].iter().map(|place| map(&[*place])).collect();
     let kept = |(x, y, m): (f64, f64, f64)| {
-        let sight = json!({"rx_height_m": 1.5, "receivers": "ground", "radius_m": null});
+        let sight = json!({"rx_height": 1.5, "receivers": "ground", "radius": null});
         json!({"uavs": [{"id": "1", "x": x, "y": y, "height": {"kind": "agl", "m": m}}], "sight": sight})
     };
     questions.push(json!({"do": "compare", "kept": [kept(known), kept(unknown)], "base": 0}));

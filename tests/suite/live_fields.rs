@@ -139,8 +139,8 @@ fn numbers_mean_in_a_page_what_they_mean_to_the_program() {
         ("height_error", "5000", NO),
     ];
     let mut base = map(&[(150.0, 150.0, 100.0)]);
-    base["sight"]["radius_m"] = json!(200.0);
-    base["sight"]["antenna"] = json!([30.0, null, null, null, null, null]);
+    base["sight"]["radius"] = json!(200.0);
+    base["sight"]["min_radius"] = json!(30.0);
     let mut questions = vec![base];
     questions.extend(cases.iter().map(|(field, text, _)| read(field, text, (150.0, 150.0))));
     // What limits nothing is empty.
@@ -175,6 +175,33 @@ fn numbers_mean_in_a_page_what_they_mean_to_the_program() {
     let rest = &answers[cases.len()..];
     assert!(rest[..4].iter().all(|answer| answer["ok"] == true && answer["value"].is_null()), "{rest:?}");
     assert!(rest[4..].iter().all(|answer| answer["ok"] == false && answer["words"].is_string()), "{rest:?}");
+}
+
+#[test]
+fn options_that_change_nothing_on_a_page_are_refused() {
+    if !has_program("node") {
+        return;
+    }
+    let folder = Folder::new();
+    folder.type_in("live itu:urban --size 300 -o page.html -q").done();
+    let asked = |sight: Value| {
+        let mut map = map(&[(150.0, 150.0, 100.0)]);
+        map["sight"] = sight;
+        map
+    };
+    let wrong = [
+        json!({"radiuss": 5}),
+        json!({"method": "step:2"}),
+        json!({"height_bias": 2}),
+        json!({"earth_k": 1.2, "curvature_coefficient": 0.8}),
+        json!({"radius": "far"}),
+    ];
+    let right = [json!({"radius": 90.0}), json!({"radius": 90.0, "method": null, "earth_k": null})];
+    let questions: Vec<Value> = wrong.iter().chain(&right).cloned().map(asked).collect();
+    let answers = ask(&folder.word("page.html"), None, &questions);
+    assert!(answers[1..=wrong.len()].iter().all(|answer| answer.get("uavs").is_none()), "{answers:?}");
+    let [one, other] = &answers[1 + wrong.len()..] else { panic!("{answers:?}") };
+    assert_eq!(one["uavs"], other["uavs"]);
 }
 
 /// What is typed into a field either holds, or changes nothing and is told beside the field.
@@ -251,8 +278,8 @@ fn what_is_typed_holds_or_is_told_beside_its_field() {
     script.extend([json!({"press": ["#beam", "Escape"]}), told("beam")]);
     let answers = steps(&driver, &folder.word("page.html"), DESK, &script);
     assert!(answers[1]["text"].as_str().unwrap().contains("at most the radius, 300 m"), "{}", answers[1]);
-    assert_eq!(answers[1]["sight"]["antenna"], Value::Null);
-    assert_eq!((&answers[3]["text"], &answers[3]["sight"]["antenna"]["min_radius_m"]), (&json!(""), &json!(500)));
+    assert_eq!(answers[1]["sight"]["min_radius"], Value::Null);
+    assert_eq!((&answers[3]["text"], &answers[3]["sight"]["min_radius"]), (&json!(""), &json!(500)));
     assert!(answers[4]["text"].as_str().unwrap().contains("`wide`, which is not a number"), "{}", answers[4]);
     assert_eq!((&answers[5]["text"], &answers[5]["value"]), (&json!(""), &json!("")));
 }
@@ -303,7 +330,7 @@ fn what_an_address_says_wrongly_is_told() {
     let Some(driver) = driver() else { return };
     let folder = Folder::new();
     folder.type_in("live itu:urban --size 300 --uav 150,150,100 -o page.html -q").done();
-    let ask = json!({"ask": "[document.getElementById('toast-words').textContent, skyshed.state.uavs, skyshed.state.sight.radius_m]"});
+    let ask = json!({"ask": "[document.getElementById('toast-words').textContent, skyshed.state.uavs, skyshed.state.sight.radius]"});
     let open = |fragment: &str| [json!({"open": fragment}), ask.clone()];
     let wrong =
         ["#uavs=150,150,400ft,1", "#uavs=9150,150,80agl,1", "#sight=x,ground,", "#layer=all", "#sight=1.5,ground,-5"];

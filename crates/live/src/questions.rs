@@ -2,11 +2,15 @@
 //!
 //! Positions are in units of the scene's reference system. Names that end in `_m` are in meters.
 
-use serde::{Deserialize, Serialize};
-use skyshed_core::city::{Antenna, Site};
-use skyshed_core::coverage::SightNumbers;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::{Map, Value};
+use skyshed_core::city::Site;
 use skyshed_core::height_field::Curvature;
 use skyshed_core::quantity::Height;
+use skyshed_core::raster::GeoRef;
+use skyshed_request::json::{MemberFault, from_members};
+use skyshed_request::{HeightErrors, Range, Receiver, Receivers, Sight};
 
 /// A question of the page.
 #[derive(Debug, Clone, Deserialize)]
@@ -17,7 +21,8 @@ pub enum Question {
         /// UAVs, in order.
         uavs: Vec<Uav>,
         /// Receivers, range, antennas and earth.
-        sight: Sight,
+        #[serde(deserialize_with = "read_sight")]
+        sight: PageSight,
         /// Layer that the picture shows.
         shown: Shown,
     },
@@ -30,8 +35,8 @@ pub enum Question {
     /// Text of a field, read as the program reads its command line; nothing changes. A number has
     /// to fit all others of the last map.
     Read {
-        /// Field.
-        field: Field,
+        /// Option of the sight, `height` of a UAV, or `search_radius` around the best place.
+        field: String,
         /// Text as typed.
         text: String,
         /// East of the UAV whose height is read.
@@ -88,24 +93,6 @@ pub enum Question {
         /// Index of the UAV; all without one.
         which: Option<usize>,
     },
-}
-
-/// Field of the page for a height, a number or two.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[expect(missing_docs, reason = "as the program calls them")]
-pub enum Field {
-    Height,
-    RxHeight,
-    Radius,
-    MinRadius,
-    Sector,
-    Elevation,
-    Beam,
-    EarthK,
-    HeightError,
-    /// Radius of the search for the best place around a UAV.
-    SearchRadius,
 }
 
 /// UAV as the page knows it.
@@ -170,59 +157,64 @@ impl From<Height> for AskedHeight {
     }
 }
 
-/// Receivers, range, antennas and earth of a map.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-pub struct Sight {
-    /// Height of the receivers above the ground or roof below them.
-    pub rx_height_m: f64,
-    /// Kind of cells that hold receivers.
-    pub receivers: Receivers,
-    /// Largest horizontal distance, if there is one.
-    pub radius_m: Option<f64>,
-    /// Limits of the antennas of all UAVs: the least distance \[m\], two azimuths, two elevations
-    /// and the beam \[deg\]. `None` without limits.
-    #[serde(default)]
-    pub antenna: Option<[Option<f64>; 6]>,
-    /// Factor k of a curved earth; `None` for a flat one.
-    #[serde(default)]
-    pub earth_k: Option<f64>,
-    /// Largest error of the heights of buildings \[m\], if its effect on a UAV is to be shown.
-    #[serde(default)]
-    pub height_error_m: Option<f64>,
+/// Sight of a map of the page: options of the program.
+///
+/// `height_error` is the largest error of the heights of buildings here, if its effect on a UAV is
+/// to be shown.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct PageSight {
+    /// Receivers, range, antennas and earth.
+    #[serde(flatten)]
+    pub sight: Sight,
+    /// Errors of the heights of buildings.
+    #[serde(flatten)]
+    pub heights: HeightErrors,
 }
 
-impl Sight {
+impl PageSight {
+    /// Returns the sight that a page starts with, unless it is told another.
+    pub(crate) fn start() -> PageSight {
+        let mut start = PageSight::default();
+        start.sight.receiver = Receiver::DEFAULTS;
+        start.sight.range.receivers = Range::DEFAULTS.receivers;
+        start
+    }
+
+    /// Reads the members of a sight.
+    ///
+    /// # Errors
+    /// Words about a member that does not exist, changes nothing on the page, or has a value that
+    /// cannot be.
+    pub(crate) fn from_members(members: Map<String, Value>) -> Result<PageSight, String> {
+        let idle =
+            members.iter().find(|(name, value)| ["height_bias", "method"].contains(&name.as_str()) && !value.is_null());
+        if let Some((name, _)) = idle {
+            return Err(format!("`{name}`, which changes nothing on a page"));
+        }
+        from_members(members).map_err(|MemberFault { member, reason }| {
+            reason.unwrap_or_else(|| format!("`{member}`, which is no option of a page"))
+        })
+    }
+
     /// Returns the curvature of the earth, if it has one.
     pub(crate) fn curvature(&self) -> Option<Curvature> {
-        self.earth_k.and_then(Curvature::of_earth_k)
+        self.sight.earth.k().and_then(Curvature::of_earth_k)
     }
 
-    /// Returns its numbers, not yet checked.
-    pub(crate) fn numbers(&self) -> SightNumbers {
-        let Sight { rx_height_m, radius_m, earth_k, .. } = *self;
-        SightNumbers { rx_height_m, radius_m, antenna: self.antenna(), earth_k }
+    /// Returns the cells that hold receivers.
+    pub(crate) fn receivers(&self) -> Receivers {
+        self.sight.range.receiver_cells()
     }
 
-    /// Returns the limits of the antennas of all UAVs.
-    pub(crate) fn antenna(&self) -> Antenna {
-        let [min_radius_m, from, to, low, high, beam_deg] = self.antenna.unwrap_or_default();
-        let pair = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| [a, b]);
-        Antenna { min_radius_m, sector_deg: pair(from, to), elevation_deg: pair(low, high), beam_deg }
+    /// Returns the range in units of a grid; `None` without a limit.
+    pub(crate) fn radius_on(&self, grid: &GeoRef) -> Option<f64> {
+        self.sight.range.radius.map(|r| r / grid.meters_per_unit())
     }
 }
 
-/// Kind of cells that hold receivers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-#[expect(missing_docs, reason = "as the program calls them")]
-pub enum Receivers {
-    Ground,
-    Street,
-    Crossroad,
-    Courtyard,
-    Roof,
-    All,
-    Air,
+fn read_sight<'de, D: Deserializer<'de>>(deserializer: D) -> Result<PageSight, D::Error> {
+    PageSight::from_members(Map::deserialize(deserializer)?).map_err(D::Error::custom)
 }
 
 /// Content of the picture.
@@ -254,5 +246,6 @@ pub struct Kept {
     /// UAVs.
     pub uavs: Vec<Uav>,
     /// Receivers, range, antennas and earth.
-    pub sight: Sight,
+    #[serde(deserialize_with = "read_sight")]
+    pub sight: PageSight,
 }

@@ -1,6 +1,6 @@
 //! Receivers, range and earth: the parts of every question about line of sight.
 
-use skyshed_core::coverage;
+use skyshed_core::coverage::{self, SightNumbers};
 use skyshed_core::height_field::HeightField;
 use skyshed_core::los::MethodChoice;
 use skyshed_core::quantity::{VOID, meters};
@@ -135,6 +135,22 @@ group! {
 }
 
 crate::holds!(Sight: receiver Receiver, range Range, antenna Antenna, earth Earth);
+
+impl Sight {
+    /// Returns the numbers, for engines to check.
+    ///
+    /// # Errors
+    /// E116 for two options that set the curve of the earth.
+    pub fn numbers(&self) -> crate::Result<SightNumbers> {
+        self.earth.check()?;
+        Ok(SightNumbers {
+            rx_height_m: self.receiver.rx_height_m(),
+            radius_m: self.range.radius,
+            antenna: self.antenna.served(),
+            earth_k: self.earth.k(),
+        })
+    }
+}
 
 impl Receivers {
     /// Returns the zone that these receivers are limited to, if they are.

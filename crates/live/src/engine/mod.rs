@@ -21,7 +21,7 @@ use crate::backdrop::backdrop;
 use crate::best_place::Search;
 use crate::cell_picture::{CellPicture, seen_by};
 use crate::pack::{NotPacked, PackedCity, unpack};
-use crate::questions::{Field, Layer, Question, Receivers, Shown, Sight, Uav};
+use crate::questions::{Layer, PageSight, Question, Shown, Uav};
 
 /// Largest number of UAVs of a page: the picture of counts can tell apart no more.
 pub const MOST_UAVS: usize = 32;
@@ -34,7 +34,7 @@ pub struct Engine {
     /// PERF: kept for the life of the page, so that data prepared for it can be kept, too.
     field: &'static HeightField,
     zones: Option<Zones>,
-    sight: Sight,
+    sight: PageSight,
     mapper: Mapper<'static>,
     /// Cells that hold receivers, in range or not.
     receivers: BitGrid,
@@ -84,14 +84,7 @@ impl Engine {
     pub fn open(bytes: &[u8]) -> Result<Engine, NotPacked> {
         let PackedCity { grid, solids, zones } = unpack(bytes)?;
         let field: &'static HeightField = Box::leak(Box::new(HeightField::build(&grid, solids).field));
-        let sight = Sight {
-            rx_height_m: 1.5,
-            receivers: Receivers::Ground,
-            radius_m: None,
-            antenna: None,
-            earth_k: None,
-            height_error_m: None,
-        };
+        let sight = PageSight::start();
         let zones = zones.and_then(|zones| {
             let CellSets { open, building } = field.cells();
             let mut codes = zones.codes(open);
@@ -150,8 +143,8 @@ impl Engine {
         match question {
             Question::Map { uavs, sight, shown } => self.map(uavs, sight, shown).map(|mapped| json!(mapped)),
             Question::Digest { which } => Ok(json!({ "digest": self.digest(which) })),
-            Question::Read { field: Field::Height, text, x, y } => Ok(self.read_height(&text, (x, y))),
-            Question::Read { field, text, .. } => Ok(self.read_number(field, &text)),
+            Question::Read { field, text, x, y } if field == "height" => Ok(self.read_height(&text, (x, y))),
+            Question::Read { field, text, .. } => Ok(self.read_number(&field, &text)),
             Question::Cell { x, y, which } => Ok(json!(self.cell(x, y, which))),
             Question::Link { which, x, y } => Ok(json!(self.link(which, x, y))),
             Question::Curve { which } => self.begin_curve(which).map(|()| json!({ "share": 0.0 })),
@@ -182,23 +175,23 @@ impl Engine {
 
     /// Returns the radius in units of the grid.
     fn mapper_radius(&self) -> Option<f64> {
-        self.sight.radius_m.map(|r| r / self.field.grid().meters_per_unit())
+        self.sight.radius_on(self.field.grid())
     }
 
-    fn map(&mut self, uavs: Vec<Uav>, sight: Sight, shown: Shown) -> Result<Mapped, String> {
+    fn map(&mut self, uavs: Vec<Uav>, sight: PageSight, shown: Shown) -> Result<Mapped, String> {
         if uavs.len() > MOST_UAVS {
             return Err(format!("{} UAVs; a page has at most {MOST_UAVS}", uavs.len()));
         }
         if sight != self.sight {
             let mapper = mapper(self.field, &sight, self.zones.as_ref())?;
             // Steps that may fail come before steps that change the engine.
-            if sight.height_error_m != self.sight.height_error_m {
+            if sight.heights != self.sight.heights {
                 let of = |m: f64| {
                     check_height_error("the error of heights", m).map_err(|e| e.to_string())?;
                     let bounds = HeightBounds::of(self.field, m);
                     bounds.ok_or_else(|| format!("heights that are off by {m} m"))
                 };
-                self.bounds = sight.height_error_m.map(of).transpose()?;
+                self.bounds = sight.heights.height_error.map(of).transpose()?;
             }
             self.mapper = mapper;
             self.receivers = self.mapper.receiver_cells();
@@ -414,25 +407,6 @@ impl Map {
     }
 }
 
-fn zone_of(receivers: Receivers) -> Option<Zone> {
-    match receivers {
-        Receivers::Street => Some(Zone::Street),
-        Receivers::Crossroad => Some(Zone::Crossroad),
-        Receivers::Courtyard => Some(Zone::Courtyard),
-        Receivers::Ground | Receivers::Roof | Receivers::All | Receivers::Air => None,
-    }
-}
-
-/// Returns the kind of cells that hold receivers, apart from zones.
-fn receivers_of(sight: &Sight) -> coverage::Receivers {
-    match sight.receivers {
-        Receivers::Roof => coverage::Receivers::Roof,
-        Receivers::All => coverage::Receivers::All,
-        Receivers::Air => coverage::Receivers::Air,
-        _ => coverage::Receivers::Ground,
-    }
-}
-
 /// Returns P_LoS, and the reason why there is none though there are receivers.
 fn p_los_of((receivers, los): (u64, u64), is_over_nodata: bool) -> (Option<f64>, Option<&'static str>) {
     let mut tally = Tally::of_receivers(receivers, los);
@@ -441,20 +415,21 @@ fn p_los_of((receivers, los): (u64, u64), is_over_nodata: bool) -> (Option<f64>,
 }
 
 /// Returns the mapper of a question.
-fn mapper(field: &'static HeightField, sight: &Sight, zones: Option<&Zones>) -> Result<Mapper<'static>, String> {
+fn mapper(field: &'static HeightField, sight: &PageSight, zones: Option<&Zones>) -> Result<Mapper<'static>, String> {
     let meters_per_unit = field.grid().meters_per_unit();
-    let CheckedNumbers { rx_height, antenna, curvature } = sight.numbers().checked().map_err(|e| e.to_string())?;
+    let numbers = sight.sight.numbers().map_err(|_| "`curvature_coefficient` says what `earth_k` says")?;
+    let CheckedNumbers { rx_height, antenna, curvature } = numbers.checked().map_err(|e| e.to_string())?;
     if let Some(curvature) = curvature {
         let grid = field.grid();
         let across = (grid.x_max() - grid.x_min()).hypot(grid.y_max() - grid.y_min()) * meters_per_unit;
-        let reach = sight.radius_m.map_or(across, |r| r.min(across));
+        let reach = sight.sight.range.radius.map_or(across, |r| r.min(across));
         check_drop(curvature.drop_m(2.0 * reach), field.lowest_known()).map_err(|e| e.to_string())?;
     }
     let options = MapOptions {
         rx_height,
-        receivers: receivers_of(sight),
-        within: zone_of(sight.receivers).and_then(|zone| zones.and_then(|zones| zones.cells(zone))),
-        radius: sight.radius_m.map(|r| r / meters_per_unit),
+        receivers: sight.receivers().cells(),
+        within: sight.receivers().zone().and_then(|zone| zones.and_then(|zones| zones.cells(zone))),
+        radius: sight.radius_on(field.grid()),
         antenna,
         curvature,
         meters_per_unit,

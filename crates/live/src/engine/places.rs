@@ -5,10 +5,10 @@ use skyshed_core::error::Result;
 use skyshed_core::height_field::{CellKind, Station};
 use skyshed_core::quantity::{Height, VOID, meters};
 use skyshed_core::zones::Zone;
+use skyshed_request::Receivers;
 
 use super::Engine;
 use crate::answers::{CellFacts, End, False, LinkFacts, Obstruction, Step, True};
-use crate::questions::Receivers;
 
 impl Engine {
     pub(super) fn cell(&self, x: f64, y: f64, which: usize) -> CellFacts {
@@ -52,9 +52,9 @@ impl Engine {
     /// Returns the receiver of a cell; in a building, on its roof.
     fn receiver_at(&self, row: usize, col: usize) -> std::result::Result<Station, String> {
         let (x, y) = self.field.grid().world_from_cell(row, col);
-        let height_m = self.sight.rx_height_m;
+        let height_m = self.sight.sight.receiver.rx_height_m();
         let is_building = self.field.cells().building.contains(row, col);
-        let is_on_roof = is_building && self.sight.receivers != Receivers::Air;
+        let is_on_roof = is_building && self.sight.receivers() != Receivers::Air;
         let height = if is_on_roof { Height::roof(height_m) } else { Height::agl(height_m) };
         place_receiver(self.field, (x, y), height).map_err(|why| why.to_string())
     }

@@ -111,7 +111,7 @@ impl Engine {
         let (n_cols, n_rows) = self.shape();
         let none = || BitGrid::new(n_rows, n_cols);
         let mut sum = SeenTogether { receivers: none(), los: none(), is_over_nodata: false };
-        let radius = kept.sight.radius_m.map(|r| r / self.field.grid().meters_per_unit());
+        let radius = kept.sight.radius_on(self.field.grid());
         for asked in &kept.uavs {
             let uav = coverage::Uav::place(&asked.site(), self.field, radius).map_err(|e| e.to_string())?;
             let seen = mapper.seen_from(&uav).map_err(|e| e.to_string())?.seen();

@@ -11,18 +11,19 @@ const uavWord = (uav) => [uav.x, uav.y, heightTyped(uav.height), encodeURICompon
 /** Several UAVs, separated by semicolons. @param {Uav[]} uavs */
 const uavsWord = (uavs) => uavs.map(uavWord).join(";");
 
-/** An antenna as six numbers or nulls: from which distance, azimuths, elevations, beam. @param {Antenna} antenna */
-const antennaNumbers = ({ min_radius_m, sector_deg, elevation_deg, beam_deg }) =>
-  [min_radius_m, ...(sector_deg ?? [null, null]), ...(elevation_deg ?? [null, null]), beam_deg];
+/** Options of a sight in the order of the address; two words for two angles. */
+const IN_ORDER = ["rx_height", "receivers", "radius", "min_radius", "sector", "elevation", "beam", "earth_k", "height_error"];
+const ARE_PAIRS = ["sector", "elevation"];
 
 /**
- * A sight as height,where,range and, if it has any, its antenna, K of the earth and the error of heights; all but the first two may be empty.
+ * A sight as the words of options in order, separated by commas; all but the first two may be empty. Other options follow as name=JSON.
  * @param {Sight} sight
  */
-function sightWord({ rx_height_m, receivers, radius_m, antenna, earth_k, height_error_m }) {
-  const more = antenna || earth_k || height_error_m ? antennaNumbers(antenna ?? NO_ANTENNA) : [];
-  const last = height_error_m ? [earth_k ?? "", height_error_m] : earth_k ? [earth_k] : [];
-  return [rx_height_m, receivers, radius_m ?? "", ...more, ...last].join(",");
+function sightWord(sight) {
+  const words = IN_ORDER.flatMap((name) => sight[name] ?? (ARE_PAIRS.includes(name) ? ["", ""] : ""));
+  while (words.length > 3 && words.at(-1) === "") words.pop();
+  const others = Object.entries(sight).filter(([name, value]) => !IN_ORDER.includes(name) && value !== null && value !== false);
+  return [...words, ...others.map(([name, value]) => `${name}=${encodeURIComponent(JSON.stringify(value))}`)].join(",");
 }
 
 /** The fragment of the state, without its #. */
@@ -75,19 +76,35 @@ function uavsOf(word) {
 /** @type {Receivers[]} */
 const RECEIVERS = ["ground", "street", "crossroad", "courtyard", "roof", "all", "air"];
 
+/** A value as JSON; null for a word that is none. @param {string} word */
+function valueOf(word) {
+  try {
+    return JSON.parse(decodeURIComponent(word));
+  } catch {
+    return null;
+  }
+}
+
 /** @param {string} word @returns {Sight | null} */
 function sightOf(word) {
-  const [heightWord, where, ...words] = word.split(",");
-  const receivers = RECEIVERS.find((name) => name === where);
-  const numbers = words.map(finite);
-  const [rx_height_m, radius_m = null, min = null, from = null, to = null, low = null, high = null, beam_deg = null, earth_k = null, error = null] = [finite(heightWord), ...numbers];
-  // A word that is no number, and one end of two without the other.
-  const isWrong = words.some((text, k) => text && numbers[k] === null) || (from === null) !== (to === null) || (low === null) !== (high === null);
-  if (rx_height_m === null || !receivers || isWrong || words.length > 9) return null;
-  const sector_deg = from === null || to === null ? null : /** @type {[number, number]} */ ([from, to]);
-  const elevation_deg = low === null || high === null ? null : /** @type {[number, number]} */ ([low, high]);
-  const antenna = antennaWith(null, { min_radius_m: min, sector_deg, elevation_deg, beam_deg });
-  return { rx_height_m, receivers, radius_m, antenna, earth_k, height_error_m: error };
+  const sight = { ...structuredClone(facts.start.sight), ...Object.fromEntries(IN_ORDER.map((name) => [name, null])) };
+  const words = word.split(",");
+  const others = words.filter((text) => text.includes("=")).map((text) => text.split("="));
+  const inOrder = words.filter((text) => !text.includes("="));
+  for (const name of IN_ORDER) {
+    const texts = inOrder.splice(0, ARE_PAIRS.includes(name) ? 2 : 1);
+    if (texts.every((text) => !text)) continue;
+    /** @type {(string | number | null)[]} */
+    const values = name === "receivers" ? RECEIVERS.filter((receivers) => receivers === texts[0]) : texts.map(finite);
+    if (values.length === 0 || values.includes(null) || (ARE_PAIRS.includes(name) && values.length === 1)) return null;
+    sight[name] = ARE_PAIRS.includes(name) ? values : values[0];
+  }
+  for (const [name, text] of others) {
+    const value = valueOf(text);
+    if (value === null || !(name in sight)) return null;
+    sight[name] = value;
+  }
+  return sight.rx_height === null || !sight.receivers || inOrder.length > 0 ? null : sight;
 }
 
 /** @param {string} word @returns {Kept | null} */

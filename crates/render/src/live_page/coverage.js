@@ -47,7 +47,7 @@ async function sendMap() {
   /** @type {MapAnswer} */
   let answer;
   try {
-    answer = await ask({ do: "map", uavs, sight: sightAsked(sight), shown: { layer, which }, picture: true });
+    answer = await ask({ do: "map", uavs, sight, shown: { layer, which }, picture: true });
   } catch (error) {
     coverage.isAsking = false;
     if (coverage.isStale) void sendMap();

@@ -10,7 +10,7 @@ const askCompare = newestOnly(
   () => {
     if (state.kept.length === 0) return null;
     const rows = [...state.kept, { name: "", uavs: state.uavs, sight: state.sight }];
-    return { do: "compare", kept: rows.map(({ uavs, sight }) => ({ uavs, sight: sightAsked(sight) })), base: state.base };
+    return { do: "compare", kept: rows.map(({ uavs, sight }) => ({ uavs, sight })), base: state.base };
   },
   (/** @type {{rows: ComparedRow[]}} */ answer) => {
     compared = answer.rows;

@@ -140,7 +140,7 @@ function placeLines() {
   place(lineParts.frame, mapFrame);
   place(mapClip, mapFrame);
 
-  const radius = state.sight.radius_m;
+  const radius = state.sight.radius;
   const { circles } = lineParts;
   const wanted = radius === null ? 0 : state.uavs.length;
   while (circles.childElementCount > wanted) circles.lastElementChild?.remove();

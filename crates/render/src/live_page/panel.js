@@ -188,8 +188,8 @@ function settleNewcomer(answer) {
 const LONGEST_RANGE = Math.ceil((Math.hypot(X_MAX - grid.x_min, grid.y_max - Y_MIN) * grid.meters_per_unit) / 20) * 10;
 
 /** Heights of a pilot's eyes and of the drone, and those that a page goes back to [m]. */
-const IN_AIR = { uav_m: 1.7, rx_height_m: 100 };
-const ON_GROUND = { uav_m: 120, rx_height_m: 1.5 };
+const IN_AIR = { uav_m: 1.7, rx_height: 100 };
+const ON_GROUND = { uav_m: 120, rx_height: 1.5 };
 
 /**
  * Takes other receivers. To places of a drone UAVs become observers on the ground, and back, unless their heights, and that of the
@@ -202,7 +202,7 @@ function setReceivers(receivers) {
   const part = { receivers };
   if (was !== is) {
     const to = is ? IN_AIR : ON_GROUND;
-    if (state.sight.rx_height_m < OBSERVER_BELOW === is) part.rx_height_m = to.rx_height_m;
+    if (state.sight.rx_height < OBSERVER_BELOW === is) part.rx_height = to.rx_height;
     for (const uav of state.uavs) if (uav.height.m < OBSERVER_BELOW !== is) uav.height = { kind: "agl", m: to.uav_m };
     changed("place");
   }
@@ -212,24 +212,22 @@ function setReceivers(receivers) {
 
 /** Texts of two angles, or of none. @param {[number, number] | null} pair */
 const pairTexts = (pair) => (pair ?? [null, null]).map(fieldText);
-/** Takes another part of the antenna. @param {Partial<Antenna>} part */
-const setAntenna = (part) => setSight({ antenna: antennaWith(state.sight.antenna, part) });
 
 /** A height as it is typed: a bare number is above the ground. @param {Height} height */
 const heightText = ({ kind, m }) => fieldText(m) + (kind === "agl" ? "" : kind);
 const heightField = makeField("height", ["height"], (height, since) => setHeight(state.selected, height, since), () => [heightText(selectedUav().height)]);
-const radiusField = makeField("radius", ["radius"], (radius_m) => setSight({ radius_m }), () => [fieldText(state.sight.radius_m)]);
+const radiusField = makeField("radius", ["radius"], (radius) => setSight({ radius }), () => [fieldText(state.sight.radius)]);
 /** The fields that are read with each letter; all others are when they are left. */
 const QUICK_FIELDS = [
   heightField,
-  makeField("rx_height", ["rx-height"], (rx_height_m) => setSight({ rx_height_m }), () => [fieldText(state.sight.rx_height_m)]),
+  makeField("rx_height", ["rx-height"], (rx_height) => setSight({ rx_height }), () => [fieldText(state.sight.rx_height)]),
 ];
-makeField("min_radius", ["min-radius"], (min_radius_m) => setAntenna({ min_radius_m }), () => [fieldText(state.sight.antenna?.min_radius_m ?? null)]);
-makeField("sector", ["sector-from", "sector-to"], (sector_deg) => setAntenna({ sector_deg }), () => pairTexts(state.sight.antenna?.sector_deg ?? null));
-makeField("elevation", ["elevation-from", "elevation-to"], (elevation_deg) => setAntenna({ elevation_deg }), () => pairTexts(state.sight.antenna?.elevation_deg ?? null));
-makeField("beam", ["beam"], (beam_deg) => setAntenna({ beam_deg }), () => [fieldText(state.sight.antenna?.beam_deg ?? null)]);
+makeField("min_radius", ["min-radius"], (min_radius) => setSight({ min_radius }), () => [fieldText(state.sight.min_radius)]);
+makeField("sector", ["sector-from", "sector-to"], (sector) => setSight({ sector }), () => pairTexts(state.sight.sector));
+makeField("elevation", ["elevation-from", "elevation-to"], (elevation) => setSight({ elevation }), () => pairTexts(state.sight.elevation));
+makeField("beam", ["beam"], (beam) => setSight({ beam }), () => [fieldText(state.sight.beam)]);
 makeField("earth_k", ["earth-k"], (earth_k) => setSight({ earth_k }), () => [kText(state.sight.earth_k)]);
-makeField("height_error", ["height-error"], (height_error_m) => setSight({ height_error_m }), () => [fieldText(state.sight.height_error_m || null)]);
+makeField("height_error", ["height-error"], (height_error) => setSight({ height_error }), () => [fieldText(state.sight.height_error || null)]);
 
 /** K of the earth as a fraction where it is one of few parts. @param {number | null} k */
 function kText(k) {
@@ -245,16 +243,16 @@ function showTitle() {
 
 function showSight() {
   showTitle();
-  const { receivers, rx_height_m, radius_m, antenna, earth_k, height_error_m } = state.sight;
+  const { receivers, rx_height, radius } = state.sight;
   setValue(selectById("receivers"), receivers);
-  inputById("radius-limited").checked = radius_m === null;
-  const radius = inputById("radius-slider");
-  radius.max = String(Math.max(LONGEST_RANGE, radius_m ?? 0));
-  setValue(radius, String(radius_m ?? radius.max));
-  radius.setAttribute("aria-valuetext", radius_m === null ? say().unlimited : meters(radius_m));
-  radius.style.setProperty("--part", `${(100 * Number(radius.value)) / Number(radius.max)}%`);
-  const range = radius_m === null ? say().unlimited : lengthWords(radius_m);
-  setText(htmlById("sight-says"), [say().receiversChoice[receivers], meters(rx_height_m, 2), range, ...antennaSays(antenna), ...earthSays(earth_k), ...heightErrorSays(height_error_m)].join(" · "));
+  inputById("radius-limited").checked = radius === null;
+  const slider = inputById("radius-slider");
+  slider.max = String(Math.max(LONGEST_RANGE, radius ?? 0));
+  setValue(slider, String(radius ?? slider.max));
+  slider.setAttribute("aria-valuetext", radius === null ? say().unlimited : meters(radius));
+  slider.style.setProperty("--part", `${(100 * Number(slider.value)) / Number(slider.max)}%`);
+  const range = radius === null ? say().unlimited : lengthWords(radius);
+  setText(htmlById("sight-says"), [say().receiversChoice[receivers], meters(rx_height, 2), range, ...limitsSay(state.sight)].join(" · "));
   for (const field of fields) if (field !== heightField) showField(field);
   for (const input of document.querySelectorAll('input[name="layer"]')) {
     if (input instanceof HTMLInputElement) input.checked = input.value === shown().layer;

@@ -306,9 +306,9 @@ function captionLines(answer) {
   const { all } = answer;
   if (state.uavs.length > 1 && all.receivers > 0 && !all.reason) uavs.push(words.captionAll(fixed(all.los / all.receivers, 4)));
   const cell = number(grid.cell_width * grid.meters_per_unit, 3);
-  const { rx_height_m, radius_m, antenna, earth_k, height_error_m } = state.sight;
+  const { rx_height, radius } = state.sight;
   const how = [
-    (isInAir() ? words.captionAir : words.captionCells)(cell, number(rx_height_m, 3), receiversAbove()) + [...(radius_m === null ? [] : [words.captionRadius(number(radius_m, 3))]), ...antennaSays(antenna), ...earthSays(earth_k), ...heightErrorSays(height_error_m)].map((part) => `, ${part}`).join(""),
+    (isInAir() ? words.captionAir : words.captionCells)(cell, number(rx_height, 3), receiversAbove()) + [...(radius === null ? [] : [words.captionRadius(number(radius, 3))]), ...limitsSay(state.sight)].map((part) => `, ${part}`).join(""),
     facts.crs ? facts.crs.label : words.localCoordinates,
     facts.program,
   ];

@@ -63,7 +63,7 @@ function sightOfCell({ sees, margin_m }) {
   const words = say();
   const { which } = shown();
   const one = sees[which];
-  const margin = margin_m !== null && one !== null ? marginWords(margin_m, state.sight.rx_height_m) : "";
+  const margin = margin_m !== null && one !== null ? marginWords(margin_m, state.sight.rx_height) : "";
   if (one === null || one === undefined) return words.cellNone;
   const short = `${one ? words.cellSees : words.cellBlocked}${margin && `, ${margin}`}`;
   if (state.uavs.length === 1) return short;

@@ -85,7 +85,7 @@ function describeLink(link) {
   const isEmpty = linkCell?.inside && linkCell.kind !== "void" && linkCell.sees[which] === null;
   const parts = !link.ok ? [] : [
     ...(isEmpty ? [linkCell?.kind === "building" ? words.shownOnRoof : words.shownOnGround] : []),
-    link.margin_m === null ? "" : marginWords(link.margin_m, state.sight.rx_height_m),
+    link.margin_m === null ? "" : marginWords(link.margin_m, state.sight.rx_height),
     `${words.distance} ${lengthWords(link.distance_m)}`,
     `${words.elevation} ${number(link.elevation_deg, 1)}°`,
   ];

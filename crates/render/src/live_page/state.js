@@ -174,15 +174,6 @@ function renameUav(k, id) {
   changed("uavs");
 }
 
-/** An antenna without limits. @type {Antenna} */
-const NO_ANTENNA = { min_radius_m: null, sector_deg: null, elevation_deg: null, beam_deg: null };
-
-/** An antenna with another part; null without any limit. @param {Antenna | null} antenna @param {Partial<Antenna>} part @returns {Antenna | null} */
-function antennaWith(antenna, part) {
-  const changed = { ...(antenna ?? NO_ANTENNA), ...part };
-  return Object.values(changed).some((limit) => limit !== null) ? changed : null;
-}
-
 /** @param {Partial<Sight>} part */
 function setSight(part) {
   Object.assign(state.sight, part);

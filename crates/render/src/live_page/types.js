@@ -8,10 +8,9 @@
  * @typedef {{kind: HeightKind, m: number}} Height
  * @typedef {{id: string, x: number, y: number, height: Height}} Uav
  * @typedef {'ground' | 'street' | 'crossroad' | 'courtyard' | 'roof' | 'all' | 'air'} Receivers
- * @typedef {{min_radius_m: number | null, sector_deg: [number, number] | null, elevation_deg: [number, number] | null,
- *   beam_deg: number | null}} Antenna null is not limited
- * @typedef {{rx_height_m: number, receivers: Receivers, radius_m: number | null, antenna: Antenna | null, earth_k: number | null,
- *   height_error_m: number | null}} Sight
+ * @typedef {{rx_height: number, receivers: Receivers, radius: number | null, min_radius: number | null, sector: [number, number] | null,
+ *   elevation: [number, number] | null, beam: number | null, earth_k: number | null, height_error: number | null}} SightSet
+ * @typedef {SightSet & {[option: string]: any}} Sight options of the program, by their names; null is not set
  * @typedef {'one' | 'union' | 'count' | 'who'} Layer
  *
  * @typedef {{receivers: number, los: number}} Share
@@ -49,7 +48,7 @@
  *   meters_per_unit: number}} Grid
  * @typedef {{label: string, name: string, epsg: number | null, wkt: string | null, geographic: boolean}} Crs
  * @typedef {{name: string, word: string, title: string, program: string, command: string[], grid: Grid, crs: Crs | null,
- *   limits: string[], is_part: boolean, surface_only: boolean, most_uavs: number, attribution: string | null, start: {uavs: Uav[], sight: Sight, layer: Layer}}} Facts
+ *   limits: string[], is_part: boolean, surface_only: boolean, most_uavs: number, attribution: string | null, defaults: {[option: string]: any}, start: {uavs: Uav[], sight: Sight, layer: Layer}}} Facts
  *
  * @typedef {{name: string, uavs: Uav[], sight: Sight}} Kept a placement that is kept
  * @typedef {{x: number, y: number, scale: number}} View the place in the middle, and CSS pixels per unit

@@ -64,31 +64,28 @@ const ofSelected = () => (state.uavs.length > 1 ? `: ${uavName(selectedUav())}` 
 
 /** The range as a part of a sentence: empty where it is unlimited. */
 const withinRange = () =>
-  (state.sight.radius_m === null ? "" : ` ${say().within(lengthWords(state.sight.radius_m))}`) + (state.sight.antenna ? ` ${say().inAntenna}` : "");
+  (state.sight.radius === null ? "" : ` ${say().within(lengthWords(state.sight.radius))}`) + (antennaSays(state.sight).length > 0 ? ` ${say().inAntenna}` : "");
 
 const degrees = (/** @type {number} */ deg) => `${number(deg, 2)}°`;
 
-/** A sight as the engine is asked for it: the antenna as numbers. @param {Sight} sight */
-const sightAsked = (sight) => ({ ...sight, antenna: sight.antenna && antennaNumbers(sight.antenna) });
-
-/** What an antenna serves, thing by thing. @param {Antenna | null} antenna */
-function antennaSays(antenna) {
+/** What the antenna of a sight serves, thing by thing. @param {Sight} sight */
+function antennaSays({ min_radius, sector, elevation, beam }) {
   const words = say();
-  const { min_radius_m = null, sector_deg = null, elevation_deg = null, beam_deg = null } = antenna ?? {};
   const pair = (/** @type {[number, number]} */ [a, b]) => words.fromTo(degrees(a), degrees(b));
   return [
-    min_radius_m === null ? "" : words.fromOn(lengthWords(min_radius_m)),
-    sector_deg === null ? "" : `${words.sector} ${pair(sector_deg)}`,
-    elevation_deg === null ? "" : `${words.elevations} ${pair(elevation_deg)}`,
-    beam_deg === null ? "" : `${words.beamShort} ${degrees(beam_deg)}`,
+    min_radius === null ? "" : words.fromOn(lengthWords(min_radius)),
+    sector === null ? "" : `${words.sector} ${pair(sector)}`,
+    elevation === null ? "" : `${words.elevations} ${pair(elevation)}`,
+    beam === null ? "" : `${words.beamShort} ${degrees(beam)}`,
   ].filter((part) => part);
 }
 
-/** That the earth is curved, if it is. @param {number | null} k */
-const earthSays = (k) => (k ? [say().curvedEarth(number(k, 4))] : []);
-
-/** That heights of buildings may be off, if they may. @param {number | null} m */
-const heightErrorSays = (m) => (m ? [say().heightsOff(lengthWords(m))] : []);
+/** What is said of a sight beside receivers and range: its antenna, the curve of the earth, errors of heights. @param {Sight} sight */
+const limitsSay = (sight) => [
+  ...antennaSays(sight),
+  ...(sight.earth_k ? [say().curvedEarth(number(sight.earth_k, 4))] : []),
+  ...(sight.height_error ? [say().heightsOff(lengthWords(sight.height_error))] : []),
+];
 
 /** What the height of receivers is measured from. */
 const receiversAbove = () => say().above[state.sight.receivers === "all" ? "all" : state.sight.receivers === "roof" ? "roof" : "ground"];
@@ -135,16 +132,11 @@ const shellWord = (word) => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.rep
 /** The options of a placement and a sight, with values that are not the default. @param {Uav[]} uavs @param {Sight} sight */
 function optionWords(uavs, sight) {
   const words = uavs.flatMap((uav) => ["--uav", `${uav.x},${uav.y},${heightTyped(uav.height)}`]);
-  if (sight.rx_height_m !== 1.5) words.push("--rx-height", String(sight.rx_height_m));
-  if (sight.receivers !== "ground") words.push("--receivers", sight.receivers);
-  if (sight.radius_m !== null) words.push("--radius", String(sight.radius_m));
-  const { min_radius_m = null, sector_deg = null, elevation_deg = null, beam_deg = null } = sight.antenna ?? {};
-  if (min_radius_m !== null) words.push("--min-radius", String(min_radius_m));
-  if (sector_deg !== null) words.push("--sector", sector_deg.join(","));
-  if (elevation_deg !== null) words.push("--elevation", elevation_deg.join(","));
-  if (beam_deg !== null) words.push("--beam", String(beam_deg));
-  if (sight.earth_k) words.push("--earth-k", String(sight.earth_k));
-  return words;
+  // The error of heights is an option of a layer.
+  const { height_error: _, ...options } = sight;
+  const isSet = (/** @type {[string, any]} */ [name, value]) => value !== null && value !== false && value !== facts.defaults[name];
+  const typed = (/** @type {[string, any]} */ [name, value]) => [`--${name.replaceAll("_", "-")}`, ...(value === true ? [] : [String(value)])];
+  return [...words, ...Object.entries(options).filter(isSet).flatMap(typed)];
 }
 
 /** The UAVs whose map is on screen: the one that is shown, or all that hover. */
@@ -164,8 +156,8 @@ function commandWords() {
 /** The options of the layer on screen, of so many UAVs. @param {number} nUavs */
 function layerWords(nUavs) {
   const { layer } = shown();
-  const { height_error_m } = state.sight;
-  if (layer === "one" && height_error_m) return ["--height-error", String(height_error_m), "--sigma", "1", "--layers", "sure"];
+  const { height_error } = state.sight;
+  if (layer === "one" && height_error) return ["--height-error", String(height_error), "--sigma", "1", "--layers", "sure"];
   // What one UAV sees is the same in all layers.
   return layer === "one" || nUavs === 1 ? [] : ["--layers", { union: "union", count: "count", who: "which" }[layer]];
 }
