@@ -90,8 +90,30 @@ fn write(path: &str, n: usize, (block_rows, block_cols): (usize, usize)) -> std:
             file.write_all(&bytes)?;
         }
     }
+    let tags = tags(n, block_rows > 1, &offsets, &lengths);
+    // Values of more than 8 bytes come before the directory.
+    let mut entries = Vec::new();
+    for (code, kind, count, mut value) in tags {
+        if value.len() > 8 {
+            let start = at;
+            file.write_all(&value)?;
+            at += value.len() as u64;
+            value = start.to_le_bytes().to_vec();
+        }
+        value.resize(8, 0);
+        entries.push([&code.to_le_bytes()[..], &kind.to_le_bytes(), &count.to_le_bytes(), &value].concat());
+    }
+    file.write_all(&(entries.len() as u64).to_le_bytes())?;
+    file.write_all(&entries.concat())?;
+    file.write_all(&0_u64.to_le_bytes())?;
+    file.seek(SeekFrom::Start(8))?;
+    file.write_all(&at.to_le_bytes())?;
+    file.flush()
+}
+
+/// Returns the tags of the directory: code, type, number of values, and their bytes.
+fn tags(n: usize, is_tiled: bool, offsets: &[u64], lengths: &[u64]) -> Vec<(u16, u16, u64, Vec<u8>)> {
     let n = n as u64;
-    let is_tiled = block_rows > 1;
     let (short, long8, double) = (3_u16, 16_u16, 12_u16);
     let le = |numbers: &[u64]| numbers.iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<u8>>();
     let shorts = |numbers: &[u16]| numbers.iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<u8>>();
@@ -116,30 +138,13 @@ fn write(path: &str, n: usize, (block_rows, block_cols): (usize, usize)) -> std:
         true => vec![
             (322, long8, 1, le(&[TILE as u64])),
             (323, long8, 1, le(&[TILE as u64])),
-            (324, long8, count, le(&offsets)),
-            (325, long8, count, le(&lengths)),
+            (324, long8, count, le(offsets)),
+            (325, long8, count, le(lengths)),
         ],
         false => {
-            vec![(273, long8, count, le(&offsets)), (278, long8, 1, le(&[1])), (279, long8, count, le(&lengths))]
+            vec![(273, long8, count, le(offsets)), (278, long8, 1, le(&[1])), (279, long8, count, le(lengths))]
         }
     });
     tags.sort_by_key(|tag| tag.0);
-    // Values of more than 8 bytes come before the directory.
-    let mut entries = Vec::new();
-    for (code, kind, count, mut value) in tags {
-        if value.len() > 8 {
-            let start = at;
-            file.write_all(&value)?;
-            at += value.len() as u64;
-            value = start.to_le_bytes().to_vec();
-        }
-        value.resize(8, 0);
-        entries.push([&code.to_le_bytes()[..], &kind.to_le_bytes(), &count.to_le_bytes(), &value].concat());
-    }
-    file.write_all(&(entries.len() as u64).to_le_bytes())?;
-    file.write_all(&entries.concat())?;
-    file.write_all(&0_u64.to_le_bytes())?;
-    file.seek(SeekFrom::Start(8))?;
-    file.write_all(&at.to_le_bytes())?;
-    file.flush()
+    tags
 }

@@ -71,6 +71,18 @@ impl MapPlan {
         Ok(MapPlan { sight, heights, layers: map.wanted_layers(), tolerance: map.tolerance, tells_zones: map.zones })
     }
 
+    /// Returns the bytes that layers take for each cell, with as many maps held at once as `n_held`.
+    fn bytes_per_cell(&self, layers: HeightLayers, n_held: usize, n_uavs: usize) -> usize {
+        let n_measures = self.layers.iter().filter(|layer| layer.is_measure()).count();
+        let of_fields = [layers.stability, layers.sure].iter().filter(|is_made| **is_made).count();
+        let of_heights = if n_measures > 0 { n_held.max(1).saturating_mul(LEAST_HEIGHTS_BYTES_PER_CELL) } else { 0 };
+        n_held
+            .saturating_mul(1 + 4 * n_measures)
+            .saturating_add(overlay_bytes_per_cell(&self.layers, n_uavs))
+            .saturating_add(of_heights)
+            .saturating_add(2 * of_fields * FIELD_BYTES_PER_CELL)
+    }
+
     /// Returns the layers that are made for each UAV beside its mask.
     pub(crate) fn height_layers(&self) -> HeightLayers {
         HeightLayers {
@@ -218,7 +230,6 @@ impl Prepared {
         mut each: impl FnMut(&SiteCoverage),
     ) -> Result<Coverages> {
         let Prepared { plan, mut scene, uavs, lonlats, zones, mut options, tolerance, tile, began } = self;
-        let n_measures = plan.layers.iter().filter(|layer| layer.is_measure()).count();
         let (keep, n_held) = match held {
             Held { is_handed_over: true, .. } => (KeepMasks::Never, 0),
             Held { keeps_masks: true, .. } => (KeepMasks::Always, uavs.len()),
@@ -226,13 +237,8 @@ impl Prepared {
             _ => (KeepMasks::UntilTold, uavs.len().min(maps_at_once())),
         };
         let layers = options.layers;
-        let of_fields = [layers.stability, layers.sure].iter().filter(|is_made| **is_made).count();
-        let bytes_per_cell = n_held
-            .saturating_mul(1 + 4 * n_measures)
-            .saturating_add(overlay_bytes_per_cell(&plan.layers, tile.as_ref().map_or(uavs.len(), |(_, n)| *n)))
-            .saturating_add(held.bytes_per_cell)
-            .saturating_add(if n_measures > 0 { n_held.max(1).saturating_mul(LEAST_HEIGHTS_BYTES_PER_CELL) } else { 0 })
-            .saturating_add(2 * of_fields * FIELD_BYTES_PER_CELL);
+        let n_uavs = tile.as_ref().map_or(uavs.len(), |(_, n)| *n);
+        let bytes_per_cell = held.bytes_per_cell.saturating_add(plan.bytes_per_cell(layers, n_held, n_uavs));
         check_memory(&scene.word, scene.grid(), bytes_per_cell)?;
         let field = Arc::clone(&scene.field);
         let mut mapper = Mapper::new(&field, &options)?.with_height_errors()?;

@@ -66,6 +66,12 @@ struct Line {
     through: Vec<CurvePoint>,
 }
 
+impl Line {
+    fn drawn(&self, look: LineLook, color_index: usize) -> CurveLine<'_> {
+        CurveLine { label: &self.label, color_index, look, points: &self.points, through: &self.through }
+    }
+}
+
 fn curves(
     (report, facts): (&PlosReport, &Facts),
     varying: &[(Quantity, Vec<f64>)],
@@ -85,51 +91,22 @@ fn curves(
     if sets.len() > MOST_PANELS {
         return Err(too_many(sets.len(), "cities", MOST_PANELS));
     }
-    let mut looks = Looks { own_curves: facts.curves.iter().map(UserCurve::name).collect(), ..Looks::default() };
+    let own_curves = facts.curves.iter().map(UserCurve::name).collect();
+    let mut looks = Looks { own_curves, ..Looks::default() };
     let mut panels: Vec<Vec<(Line, LineLook, usize)>> = Vec::new();
     for set in &sets {
-        let is_fine = |row: &PlosRow| facts.fine_rows.iter().any(|f| f.city == row.city && f.method == row.method);
-        let all = report.rows.iter().filter(|r| !is_fine(r)).chain(&facts.fine_rows);
-        let mut rows: Vec<&PlosRow> = all.filter(|r| set.holds(r, others)).collect();
-        // Keeps the order of the table, whichever rows represent a method.
-        let order = |row: &&PlosRow| report.rows.iter().position(|r| r.city == row.city && r.method == row.method);
-        rows.sort_by_key(order);
         let along = (x, if set.others.is_some() { &[][..] } else { others });
         let names = (set.city.is_none() && cities.len() > 1, methods.len() > 1);
-        let mut lines = lines_of(report, &rows, along, names);
-        let between: Vec<&PlosRow> = facts.between.iter().filter(|r| set.holds(r, others)).collect();
-        for more in lines_of(report, &[rows.as_slice(), &between].concat(), along, names) {
-            let line = lines.iter_mut().find(|line| line.label == more.label && line.method == more.method);
-            if let Some(line) = line.filter(|line| line.points.len() < more.points.len()) {
-                line.through = more.points;
-            }
-        }
-        if lines.len() > MOST_LINES {
-            return Err(too_many(lines.len(), "lines in one plot", MOST_LINES));
-        }
-        panels.push(
-            lines
-                .into_iter()
-                .map(|line| {
-                    let (look, index) = looks.of(&line, values.len() > 1);
-                    (at_own_rows(line, x, &facts.curves), look, index)
-                })
-                .collect(),
-        );
+        let lines = lines_of_set((report, facts), (set, others), along, names)?.into_iter().map(|line| {
+            let (look, index) = looks.of(&line, values.len() > 1);
+            (at_own_rows(line, x, &facts.curves), look, index)
+        });
+        panels.push(lines.collect());
     }
     let ends = axis_ends(x, &values);
     let drawn: Vec<Vec<CurveLine<'_>>> = panels
         .iter()
-        .map(|lines| {
-            let drawn = lines.iter().map(|(line, look, index)| CurveLine {
-                label: &line.label,
-                color_index: *index,
-                look: *look,
-                points: &line.points,
-                through: &line.through,
-            });
-            drawn.collect()
-        })
+        .map(|lines| lines.iter().map(|(line, look, index)| line.drawn(*look, *index)).collect())
         .collect();
     let titles: Vec<String> = sets.iter().map(|set| set.title(others)).collect();
     let mut sheet_panels: Vec<CurvePanel<'_>> = drawn
@@ -166,6 +143,33 @@ fn curves(
     };
     let sheet = CurveSheet { title, caption, panels: &sheet_panels, columns };
     Ok(render::draw_curve_sheet(&sheet))
+}
+
+/// Returns the lines of a panel, with the computed values between their points.
+///
+/// # Errors
+/// E124 for too many lines.
+fn lines_of_set(
+    (report, facts): (&PlosReport, &Facts),
+    (set, others): (&PanelSet, &[(Quantity, Vec<f64>)]),
+    along: (Quantity, &[(Quantity, Vec<f64>)]),
+    names: (bool, bool),
+) -> Result<Vec<Line>> {
+    let is_fine = |row: &PlosRow| facts.fine_rows.iter().any(|f| f.city == row.city && f.method == row.method);
+    let all = report.rows.iter().filter(|r| !is_fine(r)).chain(&facts.fine_rows);
+    let mut rows: Vec<&PlosRow> = all.filter(|r| set.holds(r, others)).collect();
+    // Keeps the order of the table, whichever rows represent a method.
+    let order = |row: &&PlosRow| report.rows.iter().position(|r| r.city == row.city && r.method == row.method);
+    rows.sort_by_key(order);
+    let mut lines = lines_of(report, &rows, along, names);
+    let between: Vec<&PlosRow> = facts.between.iter().filter(|r| set.holds(r, others)).collect();
+    for more in lines_of(report, &[rows.as_slice(), &between].concat(), along, names) {
+        let line = lines.iter_mut().find(|line| line.label == more.label && line.method == more.method);
+        if let Some(line) = line.filter(|line| line.points.len() < more.points.len()) {
+            line.through = more.points;
+        }
+    }
+    if lines.len() > MOST_LINES { Err(too_many(lines.len(), "lines in one plot", MOST_LINES)) } else { Ok(lines) }
 }
 
 /// Rows of one panel: of one city or of all, and of one value of each of the other quantities or of

@@ -1,7 +1,7 @@
 //! Text in plots of P_LoS: titles, captions, names of axes, lines and cities.
 
 use super::panels::Facts;
-use super::report::{PlosReport, PlosRow};
+use super::report::{PlosReport, PlosRow, RealCityFacts};
 use super::sweep::Quantity;
 use crate::city::BuiltUp;
 use crate::method_looks::look_of;
@@ -146,6 +146,32 @@ impl Intervals {
 
 /// Returns the caption: values that all rows share, and the origin of the numbers.
 pub(super) fn caption(facts: &Facts, report: &PlosReport, intervals: Intervals, look: &Look) -> Vec<String> {
+    let mut lines = vec![title_of(&shared_values(report).join("; ")), city_parameters(report).join("; ")];
+    if !facts.between.is_empty() {
+        lines
+            .push("Markers are what was asked for; lines of the product go through more values where they turn".into());
+    }
+    for real in &report.real_cities {
+        lines.push(unbreakable(&positions_words(real)));
+        lines.extend(real.limits.clone());
+        lines.extend(real.tolerance.as_ref().map(|t| unbreakable(&t.in_words())));
+    }
+    let drawn = intervals.in_words(report);
+    let drawn = drawn.map(|words| format!("{words}: {} % intervals", tidy(100.0 * report.confidence)));
+    let has_estimates = report.rows.iter().any(|r| r.estimate().is_some());
+    let seed = has_estimates.then(|| format!("seed {}", report.seed));
+    let parts: Vec<String> = drawn.into_iter().chain(seed).chain([program()]).collect();
+    lines.push(title_of(&parts.join("; ")));
+    match &look.attribution {
+        Some(attribution) => lines.push(attribution.clone()),
+        None => lines.extend(facts.attributions.iter().cloned()),
+    }
+    lines.retain(|line| !line.is_empty());
+    lines
+}
+
+/// Returns the values that all rows share, in words.
+fn shared_values(report: &PlosReport) -> Vec<String> {
     let mut said: Vec<String> = Vec::new();
     if let [height] = groups(report, &|r| r.height_m)[..] {
         said.push(format!("UAV {} m above ground", tidy(height)));
@@ -180,7 +206,11 @@ pub(super) fn caption(facts: &Facts, report: &PlosReport, intervals: Intervals, 
     if let [Some(radius)] = groups(report, &|r| r.radius_m)[..] {
         said.push(format!("users within {} m", centimeters(radius)));
     }
-    let mut lines = vec![title_of(&said.join("; "))];
+    said
+}
+
+/// Returns α, β, γ of each city, in words.
+fn city_parameters(report: &PlosReport) -> Vec<String> {
     let mut cities: Vec<String> = Vec::new();
     for city in groups(report, &|r| r.city.clone()) {
         let is_generated = city.starts_with("itu:");
@@ -203,52 +233,36 @@ pub(super) fn caption(facts: &Facts, report: &PlosReport, intervals: Intervals, 
             cities.push(unbreakable(&format!("{name}{parameters}")));
         }
     }
-    lines.push(cities.join("; "));
-    if !facts.between.is_empty() {
-        lines
-            .push("Markers are what was asked for; lines of the product go through more values where they turn".into());
+    cities
+}
+
+/// Returns the UAV positions over a real city, and its fit, in words.
+fn positions_words(real: &RealCityFacts) -> String {
+    let mut line = format!(
+        "{}: {} UAV positions ({} inside buildings), {} blocks of {} m, engine {}",
+        city_name(&real.city),
+        real.positions.0,
+        real.positions.1,
+        real.blocks.0,
+        tidy(real.blocks.1),
+        real.engine
+    );
+    if let Some(band) = real.theta_band_deg {
+        line += &format!("; P_LoS at θ is of users within θ ± {}°", tidy(band));
     }
-    for real in &report.real_cities {
-        let mut line = format!(
-            "{}: {} UAV positions ({} inside buildings), {} blocks of {} m, engine {}",
-            city_name(&real.city),
-            real.positions.0,
-            real.positions.1,
-            real.blocks.0,
-            tidy(real.blocks.1),
-            real.engine
+    if real.cut > 0 {
+        line += "; only positions whose discs lie in the data";
+    }
+    if let Some(fit) = &real.fit {
+        line += &format!(
+            "; {} buildings, γ = {:.2} ± {:.2} m, Kolmogorov–Smirnov distance {:.3}",
+            fit.heights.len(),
+            fit.built_up.height_scale,
+            fit.height_scale_error,
+            fit.distance
         );
-        if let Some(band) = real.theta_band_deg {
-            line += &format!("; P_LoS at θ is of users within θ ± {}°", tidy(band));
-        }
-        if real.cut > 0 {
-            line += "; only positions whose discs lie in the data";
-        }
-        if let Some(fit) = &real.fit {
-            line += &format!(
-                "; {} buildings, γ = {:.2} ± {:.2} m, Kolmogorov–Smirnov distance {:.3}",
-                fit.heights.len(),
-                fit.built_up.height_scale,
-                fit.height_scale_error,
-                fit.distance
-            );
-        }
-        lines.push(unbreakable(&line));
-        lines.extend(real.limits.clone());
-        lines.extend(real.tolerance.as_ref().map(|t| unbreakable(&t.in_words())));
     }
-    let drawn = intervals.in_words(report);
-    let drawn = drawn.map(|words| format!("{words}: {} % intervals", tidy(100.0 * report.confidence)));
-    let has_estimates = report.rows.iter().any(|r| r.estimate().is_some());
-    let seed = has_estimates.then(|| format!("seed {}", report.seed));
-    let parts: Vec<String> = drawn.into_iter().chain(seed).chain([program()]).collect();
-    lines.push(title_of(&parts.join("; ")));
-    match &look.attribution {
-        Some(attribution) => lines.push(attribution.clone()),
-        None => lines.extend(facts.attributions.iter().cloned()),
-    }
-    lines.retain(|line| !line.is_empty());
-    lines
+    line
 }
 
 pub(super) fn placement_words(placement: &str) -> String {

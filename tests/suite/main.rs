@@ -1,6 +1,7 @@
 //! What skyshed promises, proved: one binary, its modules in the order of the argument. See tests/README.md.
 
 #![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+#![expect(clippy::too_many_lines, reason = "tables of cases are long")]
 
 mod oracle; // line of sight in exact rational arithmetic, sharing no geometry code with the crate
 mod oracle_proof; // the oracle proves itself on cases computed by hand

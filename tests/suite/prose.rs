@@ -231,3 +231,13 @@ fn no_sentence_of_a_doc_comment_is_long() {
     }
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
+
+#[test]
+fn no_source_file_is_long() {
+    const MOST_LINES: usize = 500;
+    let long = ["crates", "src", "tests", "examples"]
+        .into_iter()
+        .flat_map(|folder| files(folder, ".rs"))
+        .filter(|path| text_of(path).lines().count() > MOST_LINES);
+    assert_eq!(long.collect::<Vec<_>>(), Vec::<PathBuf>::new());
+}

@@ -16,6 +16,7 @@ mod engine;
 #[cfg(target_family = "wasm")]
 pub mod exports;
 pub mod pack;
+mod packed_bytes;
 mod packed_zones;
 pub mod questions;
 

@@ -175,24 +175,7 @@ fn of_fault(ReadError { name, fault, .. }: &ReadError) -> Option<String> {
         }
         ReadFault::NoFaceInGrid(_) => "check `--extent`; a mesh with y up has to be turned first".into(),
         ReadFault::NoHeightProperty { like_heights, like_storeys, others, has_bases, .. } => {
-            match (quoted(like_heights), quoted(like_storeys), quoted(others)) {
-                (Some(found), ..) if *has_bases => format!(
-                    "{found} may hold heights: `--top-field NAME` if above the datum, or `--height-field NAME` above the ground"
-                ),
-                (Some(found), ..) => {
-                    format!("{found} may hold heights: `--height-field NAME`, or `--top-field NAME` above the datum")
-                }
-                (None, Some(found), _) => format!(
-                    "{found} may count storeys: `--missing levels,9 --levels-field NAME` takes {METERS_PER_LEVEL} m for each, and 9 m where there are none"
-                ),
-                (None, None, Some(others)) => {
-                    format!("no property looks like a height; there are {others}; `--missing 9` gives each one 9 m")
-                }
-                (None, None, None) => {
-                    "no feature has any property; heights come as one of each footprint, or `--missing 9` gives each one 9 m"
-                        .into()
-                }
-            }
+            of_properties([like_heights, like_storeys, others], *has_bases)
         }
         ReadFault::Layers(_) => "`--layer NAME` says which".into(),
         ReadFault::HeightRange(HeightOf::Cell, _) => format!(
@@ -211,6 +194,28 @@ fn of_fault(ReadError { name, fault, .. }: &ReadError) -> Option<String> {
         ReadFault::Tangle(..) => "mend or leave out the feature; is it one building?".into(),
         _ => return None,
     })
+}
+
+/// The remedy where no property is known to hold heights: properties like heights, like storeys, and others.
+fn of_properties([like_heights, like_storeys, others]: [&[String]; 3], has_bases: bool) -> String {
+    match (quoted(like_heights), quoted(like_storeys), quoted(others)) {
+        (Some(found), ..) if has_bases => format!(
+            "{found} may hold heights: `--top-field NAME` if above the datum, or `--height-field NAME` above the ground"
+        ),
+        (Some(found), ..) => {
+            format!("{found} may hold heights: `--height-field NAME`, or `--top-field NAME` above the datum")
+        }
+        (None, Some(found), _) => format!(
+            "{found} may count storeys: `--missing levels,9 --levels-field NAME` takes {METERS_PER_LEVEL} m for each, and 9 m where there are none"
+        ),
+        (None, None, Some(others)) => {
+            format!("no property looks like a height; there are {others}; `--missing 9` gives each one 9 m")
+        }
+        (None, None, None) => {
+            "no feature has any property; heights come as one of each footprint, or `--missing 9` gives each one 9 m"
+                .into()
+        }
+    }
 }
 
 fn of_places(of: PlacesIn) -> &'static str {

@@ -129,20 +129,7 @@ pub(super) fn scene_of(
     let mut log = FaultLog::new(listing);
     warn_of_flat_roofs(input, &set, options, warnings);
     let mut raw = Buildings::of(input, set, options, &mut log)?;
-    // Local coordinates have no place on earth.
-    if file_crs.is_some() || options.project.is_some() {
-        let crs = said_or_degrees(file_crs.as_ref(), raw.bounds())?;
-        crs.into_iter().for_each(|crs| bring_together(&mut raw, &crs));
-    }
-    let file_crs = match &options.project {
-        Some(projection) => {
-            let (from, bounds) = (file_crs.clone(), raw.bounds());
-            let to = project(input, &mut raw, file_crs, projection, warnings)?;
-            move_listed(&mut log, from, to.as_ref(), bounds)?;
-            to
-        }
-        None => file_crs,
-    };
+    let file_crs = in_one_system(input, &mut raw, (file_crs, options), &mut log, warnings)?;
     let bounds = raw.bounds();
     check_degrees(input, file_crs.as_ref(), bounds)?;
     refuse_web_mercator(input, file_crs.as_ref(), Namer::Footprints)?;
@@ -201,6 +188,30 @@ pub(super) fn scene_of(
         heights: Some(heights.sources),
     };
     Ok((scene, log.into_list()))
+}
+
+/// Brings positions together over 180 degrees, and into the projection of the options. Returns the
+/// reference system that they are in then.
+///
+/// # Errors
+/// Of the reference system of the file or of the projection.
+fn in_one_system(
+    input: &Input,
+    raw: &mut Buildings,
+    (file_crs, options): (Option<Crs>, &FootprintOptions),
+    log: &mut FaultLog,
+    warnings: &mut Vec<Warning>,
+) -> Result<Option<Crs>> {
+    // Local coordinates have no place on earth.
+    if file_crs.is_some() || options.project.is_some() {
+        let crs = said_or_degrees(file_crs.as_ref(), raw.bounds())?;
+        crs.into_iter().for_each(|crs| bring_together(raw, &crs));
+    }
+    let Some(projection) = &options.project else { return Ok(file_crs) };
+    let (from, bounds) = (file_crs.clone(), raw.bounds());
+    let to = project(input, raw, file_crs, projection, warnings)?;
+    move_listed(log, from, to.as_ref(), bounds)?;
+    Ok(to)
 }
 
 /// Moves positions on both sides of 180 degrees side by side, so that their middle lies between

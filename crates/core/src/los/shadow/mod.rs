@@ -82,6 +82,7 @@
 //! projection of the near edges. Everything else is as above.
 
 mod band;
+mod between;
 mod cast;
 mod caster_heights;
 mod ceiling;
