@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use skyshed_live::pack::{MOST_CELLS, MOST_FOOTPRINTS, PackedZones, is_small_enough, pack};
 use skyshed_live::{MOST_UAVS, questions};
 
-use crate::answer::{Answer, Head, RunFacts, Spent, WarningFacts, document_of, warnings_of};
+use crate::answer::{Answer, CommandFacts, Head, RunFacts, Spent, WarningFacts, document_of, warnings_of};
 use crate::city::{GivenSite, Site, Solids};
 use crate::coverage;
 use crate::crs::wkt_of;
@@ -46,8 +46,8 @@ pub(crate) struct LivePlan {
     pub(crate) sight: SightPlan,
     /// Words of the scene and of its options, for a command line.
     pub(crate) scene_words: Vec<String>,
-    /// Words of the command line.
-    pub(crate) command: Vec<String>,
+    /// Command line and question.
+    pub(crate) command: CommandFacts,
 }
 
 /// Live page of a scene.

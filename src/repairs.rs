@@ -6,7 +6,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::answer::{Answer, Provenance, Rows, RunFacts, Spent, document_of, feature, feature_collection, rows};
+use crate::answer::{
+    Answer, CommandFacts, Provenance, Rows, RunFacts, Spent, document_of, feature, feature_collection, rows,
+};
 use crate::error::Result;
 use crate::export::{Batch, Format};
 use crate::picture::Look;
@@ -57,7 +59,7 @@ pub(crate) struct RepairRow {
 }
 
 impl Repairs {
-    pub(crate) fn of(found: &FoundRepairs, layer: String, command: Vec<String>) -> Repairs {
+    pub(crate) fn of(found: &FoundRepairs, layer: String, command: CommandFacts) -> Repairs {
         let FoundRepairs { repairs, facts } = found.clone();
         Repairs { facts: RunFacts { command, ..facts }, repairs, layer }
     }

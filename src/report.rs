@@ -12,7 +12,7 @@ use skyshed_request::{
     TrackOptions, Writing, json,
 };
 
-use crate::answer::{Answer, saved};
+use crate::answer::{Answer, CommandFacts, saved};
 use crate::comparison::{self, ComparisonPlan, check_heights, check_number};
 use crate::conversion::{self, Conversion};
 use crate::error::{Result, Warning};
@@ -179,14 +179,14 @@ impl Scene {
     /// # Errors
     /// E117 for a surface model alone.
     pub fn zone_report(&self) -> Result<Report> {
-        Ok(Report::new(ZoneFiles::of(self.clone(), Vec::new())?, &zone_files::FORMATS))
+        Ok(Report::new(ZoneFiles::of(self.clone(), CommandFacts::default())?, &zone_files::FORMATS))
     }
 
     /// Returns the city itself, whose files are a drawing (.png .svg .pdf), heights (.tif .asc),
     /// footprints (.geojson), a scene of Mitsuba (.xml) or boxes of ns-3 (.csv). Footprints need
     /// [`SceneReader::keeps_footprints`].
     pub fn city_report(&self) -> Report {
-        Report::new(Conversion::of(self.clone(), Vec::new()), &conversion::FORMATS)
+        Report::new(Conversion::of(self.clone(), CommandFacts::default()), &conversion::FORMATS)
     }
 }
 
@@ -203,7 +203,7 @@ impl SceneReader {
     /// # Errors
     /// As [`SceneReader::open`]; E116 for options that such a file cannot use.
     pub fn info(&self, word: impl AsRef<OsStr>) -> Result<Report> {
-        let answer = survey::facts_of(self, word.as_ref(), None, &[])?;
+        let answer = survey::facts_of(self, word.as_ref(), None, &CommandFacts::default())?;
         Ok(Report { answer, formats: &survey::FORMATS })
     }
 }
@@ -217,7 +217,7 @@ impl ReportRequest<LimitsOptions> {
     /// that cannot be there.
     pub fn run(self) -> Result<Report> {
         let plan = LimitsPlan::of(&self.sight, &self.options)?;
-        let limits = plan.find_over(self.scene, &UavsFound::of(&self.uavs)?, Vec::new())?;
+        let limits = plan.find_over(self.scene, &UavsFound::of(&self.uavs)?, CommandFacts::default())?;
         Ok(Report::new(limits, &limits::FORMATS))
     }
 }
@@ -239,7 +239,7 @@ impl ReportRequest<CompareOptions> {
         check_number(self.uavs.len() + plan.masks.len())?;
         check_heights(&json::set_members(&self.heights), self.uavs.len())?;
         let found = UavsFound::of(&self.uavs)?;
-        let comparison = plan.compare(self.scene, &found, Vec::new(), &self.progress)?;
+        let comparison = plan.compare(self.scene, &found, CommandFacts::default(), &self.progress)?;
         Ok(Report::new(comparison, &comparison::FORMATS))
     }
 }
@@ -259,7 +259,7 @@ impl ReportRequest<SampleOptions> {
         let given = self.scene.built_up.is_none().then(|| self.scene.clone());
         let options = SceneReader::clone(&self.scene.options);
         let plan = SamplePlan::of((OsStr::new(&word), given), options, (&self.sight, &self.options))?;
-        Ok(Report::new(plan.take(Vec::new(), &self.progress)?, &sample::FORMATS))
+        Ok(Report::new(plan.take(CommandFacts::default(), &self.progress)?, &sample::FORMATS))
     }
 }
 
@@ -273,6 +273,6 @@ impl ReportRequest<Track> {
         let Track { uav, places, options } = &self.options;
         let of_user = (&self.sight.receiver, &self.sight.earth);
         let plan = TrackPlan::of(uav.site(0).site, (places.clone(), false), options, of_user)?;
-        Ok(Report::new(plan.walk(self.scene, Vec::new())?, &track::FORMATS))
+        Ok(Report::new(plan.walk(self.scene, CommandFacts::default())?, &track::FORMATS))
     }
 }

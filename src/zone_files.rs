@@ -8,7 +8,8 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::answer::{
-    Answer, Head, RunFacts, Spent, WarningFacts, closed_rings, document_of, feature, feature_collection, warnings_of,
+    Answer, CommandFacts, Head, RunFacts, Spent, WarningFacts, closed_rings, document_of, feature, feature_collection,
+    warnings_of,
 };
 use crate::coverage::class;
 use crate::error::{RequestError, Result, Warning};
@@ -69,7 +70,7 @@ impl ZoneFiles {
     ///
     /// # Errors
     /// E117 if the scene is only a surface model, where no building is known.
-    pub(crate) fn of(scene: Scene, command: Vec<String>) -> Result<ZoneFiles> {
+    pub(crate) fn of(scene: Scene, command: CommandFacts) -> Result<ZoneFiles> {
         let Some(zones) = scene.zones() else {
             return Err(RequestError::NoZones.into());
         };

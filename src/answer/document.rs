@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
+use super::command::CommandFacts;
 use crate::city::Source;
 use crate::coverage::Tally;
 use crate::digest::Sha256;
@@ -18,8 +19,8 @@ use crate::words::version;
 /// Facts of a run over a scene, for the head of its document.
 #[derive(Debug, Clone)]
 pub(crate) struct RunFacts {
-    /// Words of the command line; empty for a call of the library.
-    pub(crate) command: Vec<String>,
+    /// Command line and question.
+    pub(crate) command: CommandFacts,
     /// Engine that decided line of sight; `None` if the run decided no link.
     pub(crate) method: Option<Method>,
     pub(crate) scene_name: String,
@@ -30,8 +31,6 @@ pub(crate) struct RunFacts {
     /// Seed of a generated city.
     pub(crate) seed: Option<u64>,
     pub(crate) warnings: Vec<Warning>,
-    /// Question of the run, where documents hold it.
-    pub(crate) request: Option<Value>,
     /// Hash of all that the run depends on; `None` if the run cannot be resumed.
     pub(crate) unit: Option<String>,
 }
@@ -72,7 +71,6 @@ impl RunFacts {
             schema,
             version: version(),
             command: self.command.clone(),
-            request: self.request.clone(),
             method: self.method_name(),
             exact: self.method.map(Method::is_exact),
             scene,
@@ -93,11 +91,8 @@ pub(crate) struct Head {
     schema: &'static str,
     /// Version of the program.
     version: &'static str,
-    /// Words of the command line after the program's name; empty for a call of the library.
-    command: Vec<String>,
-    /// The question: every option that was set, by the name of its flag.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    request: Option<Value>,
+    #[serde(flatten)]
+    command: CommandFacts,
     /// Engine that decided line of sight; `none` where no link was decided.
     method: String,
     /// true if the answer is exact on the scene as it is.

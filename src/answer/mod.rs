@@ -5,6 +5,7 @@
 //! of serde. One definition gives the document, its JSON Schema, the table and the dictionary of
 //! its columns.
 
+mod command;
 mod document;
 mod features;
 mod position;
@@ -15,6 +16,7 @@ use std::path::Path;
 use serde_json::Value;
 use skyshed_request::{PictureOptions, Writing};
 
+pub(crate) use command::CommandFacts;
 pub(crate) use document::{
     Head, Provenance, RunFacts, Share, SourceFacts, Spent, Timing, WarningFacts, digest_words, document_of, warnings_of,
 };

@@ -6,6 +6,7 @@ use super::measure::measured;
 use super::plos_report::{PlosChartReport, PlosChartRow};
 use super::{Chart, Contest, in_turns};
 use crate::accuracy::plos_cost::{PlosWay, reference};
+use crate::answer::CommandFacts;
 use crate::city::BuiltUp;
 use crate::error::{OddRun, Result};
 use crate::los_probability::setting::Setting;
@@ -34,7 +35,7 @@ impl PlosChartPlan {
     ///
     /// # Errors
     /// E113, E120 for numbers out of range; E503.
-    pub(crate) fn run(&self, command: Vec<String>, progress: &Progress) -> Result<Chart> {
+    pub(crate) fn run(&self, command: CommandFacts, progress: &Progress) -> Result<Chart> {
         super::check_time(self.time_s)?;
         let setting = Setting {
             built_up: self.built_up,

@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::report::{CHART_SCHEMA, Cost, CostDocument, MEANING, Meaning};
 use crate::accuracy::front::pareto_front;
 use crate::accuracy::plos_cost::{PlosAnswer, PlosWay};
-use crate::answer::{Rows, WarningFacts, document_of, rows, warnings_of};
+use crate::answer::{CommandFacts, Rows, WarningFacts, document_of, rows, warnings_of};
 use crate::error::Warning;
 use crate::los_probability::estimate::Estimate;
 use crate::los_probability::setting::Setting;
@@ -26,8 +26,8 @@ pub(super) struct PlosChartRow {
 /// Report of a chart of the methods of P_LoS.
 #[derive(Debug, Clone)]
 pub(super) struct PlosChartReport {
-    /// Words of the command line.
-    pub(super) command: Vec<String>,
+    /// Command line and question.
+    pub(super) command: CommandFacts,
     /// City as the user wrote it.
     pub(super) city: String,
     /// Setting of P_LoS.
@@ -169,8 +169,8 @@ pub(crate) struct PlosChartDocument {
     schema: &'static str,
     /// Version of the program.
     version: &'static str,
-    /// Words of the command line after the program's name.
-    command: Vec<String>,
+    #[serde(flatten)]
+    command: CommandFacts,
     /// p_los, or scene for contestants on a scene.
     kind: &'static str,
     /// City as the user wrote it.

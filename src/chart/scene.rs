@@ -5,7 +5,7 @@ use super::report::{ChartReport, ChartRow, Cost};
 use super::{Chart, ChartPlan, Contest, in_turns, peers};
 use crate::accuracy::chart::{Contestant, Family, MOST_RAYS, Truth};
 use crate::accuracy::comparison::Comparison;
-use crate::answer::RunFacts;
+use crate::answer::{CommandFacts, RunFacts};
 use crate::coverage::{MapOptions, Uav};
 use crate::error::{OddRun, RequestError, Result};
 use crate::los::Method;
@@ -31,7 +31,7 @@ impl ChartPlan {
         &self,
         mut scene: Scene,
         found: &UavsFound,
-        command: Vec<String>,
+        command: CommandFacts,
         progress: &Progress,
     ) -> Result<Chart> {
         self.check()?;

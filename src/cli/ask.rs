@@ -11,7 +11,7 @@ use skyshed_request::{
     CoverageQuestion, MapOptions, MapRequest, PROGRAM_OPTIONS, Reading, SaveOptions, SceneOptions, Source, json,
 };
 
-use crate::answer::Output;
+use crate::answer::{CommandFacts, Output};
 use crate::export::Format;
 use crate::picture::Look;
 
@@ -209,7 +209,8 @@ pub fn ask(
     let mut cli = Cli::of_request(command, options)?;
     let line = json::command_line(command, cli.shared().map(|shared| shared.members).unwrap_or_default());
     held.into_iter().for_each(|(option, source)| cli.hold(&option, source));
-    let run = Run { given: scene, ..Run::asked(line, Instant::now(), progress) };
+    let command = CommandFacts::of(line, cli.shared().map(|shared| shared.members));
+    let run = Run { given: scene, ..Run::asked(command, Instant::now(), progress) };
     if let Some(shared) = cli.shared() {
         json::refuse(&shared.members, &PROGRAM_OPTIONS, "for a caller, who has the answer").map_err(Error::from)?;
         check_use(&shared, cli.draws() || run.given.is_some())?;
@@ -272,7 +273,8 @@ fn job_of_uavs(options: Members, uavs: Source) -> Result<MapJob> {
     let options = options.into_iter().chain([("uavs".to_string(), Value::from("uavs.csv"))]).collect();
     let mut request: MapRequest = read(options)?;
     request.uavs.uavs = Some(uavs);
-    Ok(MapJob::of(request, Vec::new())?)
+    let command = CommandFacts::of(Vec::new(), Some(json::set_members(&request)));
+    Ok(MapJob::of(request, command)?)
 }
 
 /// P_LoS against the height of each UAV, from, to and in steps of some heights above the ground below it \[m\]; by default some

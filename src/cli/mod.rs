@@ -31,6 +31,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::answer::CommandFacts;
 use crate::cli::args::scene::scene_files;
 use crate::cli::failure::Result;
 use crate::memory;
@@ -74,6 +75,8 @@ fn execute(cli: &Cli, command: Vec<String>) -> Result<()> {
     let shared = cli.shared();
     let is_quiet = cli.is_quiet();
     let progress = Arc::new(interrupt::progress(is_quiet));
+    let members = shared.as_ref().map(|shared| shared.members.clone());
+    let command = CommandFacts::of(command, members);
     let run = Run { is_quiet, keeps: false, ..Run::asked(command, Instant::now(), &progress) };
     let Some(shared) = shared else { return cli.run(&run) };
     let out = shared.out;

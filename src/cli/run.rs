@@ -12,7 +12,7 @@ use skyshed_request::{OutputOptions, Reading, json};
 
 use super::found::Found;
 use super::{interrupt, say};
-use crate::answer::{Answer, Output, Spent, add_outputs};
+use crate::answer::{Answer, CommandFacts, Output, Spent, add_outputs};
 use crate::cli::args::output::{is_told, plain_look};
 use crate::cli::args::scene::{layer_of, scene_files};
 use crate::cli::failure::{Result, refusal, refusal_with};
@@ -28,8 +28,8 @@ use crate::words::pretty;
 
 /// Run of a command.
 pub(super) struct Run {
-    /// Words of the command line after the program's name, for documents.
-    pub(super) command: Vec<String>,
+    /// Command line and question, for documents.
+    pub(super) command: CommandFacts,
     pub(super) start: Instant,
     pub(super) progress: Arc<Progress>,
     pub(super) is_quiet: bool,
@@ -44,7 +44,7 @@ pub(super) struct Run {
 
 impl Run {
     /// Returns a run whose answer is kept for another program.
-    pub(super) fn asked(command: Vec<String>, start: Instant, progress: &Arc<Progress>) -> Run {
+    pub(super) fn asked(command: CommandFacts, start: Instant, progress: &Arc<Progress>) -> Run {
         let progress = Arc::clone(progress);
         Run {
             command,
@@ -89,8 +89,8 @@ impl Run {
         reading.list.repairs.is_some().then(|| Arc::clone(&self.found_repairs))
     }
 
-    /// Returns the words of the command line, for a document.
-    pub(super) fn words(&self) -> Vec<String> {
+    /// Returns the command line and the question, for a document.
+    pub(super) fn command(&self) -> CommandFacts {
         self.command.clone()
     }
 
@@ -259,7 +259,7 @@ impl<'a> RepairsFile<'a> {
         let Some(found) = run.found_repairs.get() else {
             return Err(refusal(116, "`--repairs` has no meaning here: no footprints were read"));
         };
-        let repairs = Repairs::of(found, layer_of(self.scene, self.reading), run.words());
+        let repairs = Repairs::of(found, layer_of(self.scene, self.reading), run.command());
         let outputs = [self.output.clone()];
         let (written, spent) =
             run.write(&repairs, Batch::new(self.out.writing.overwrite), &outputs, &plain_look(self.out))?;

@@ -24,7 +24,7 @@ pub(crate) use outcome::Comparison;
 use report::CompareReport;
 use tables::{Tables, margin_facts, pairs_of, tables};
 
-use crate::answer::{Answer, Rows, RunFacts, Spent};
+use crate::answer::{Answer, CommandFacts, Rows, RunFacts, Spent};
 use crate::city_statistics::bootstrap::RatioEstimate;
 use crate::coverage::{
     CellGroups, KeepMasks, Mapper, MarginSample, Overlay, RedrawnCounts, SiteCoverage, Tally, Together, count_sets,
@@ -169,7 +169,7 @@ impl ComparisonPlan {
         &self,
         mut scene: Scene,
         found: &UavsFound,
-        command: Vec<String>,
+        command: CommandFacts,
         progress: &Progress,
     ) -> Result<Comparison> {
         self.check()?;

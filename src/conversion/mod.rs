@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use skyshed_request::TiffLayout;
 
-use crate::answer::{Answer, Provenance, RunFacts, Spent, document_of};
+use crate::answer::{Answer, CommandFacts, Provenance, RunFacts, Spent, document_of};
 use crate::city::{Footprint, Solids};
 use crate::crs::wkt_of;
 use crate::error::{RequestError, Result, Warning};
@@ -58,7 +58,7 @@ impl Conversion {
     ///
     /// # Errors
     /// As [`SceneReader::open`].
-    pub(crate) fn open(options: &SceneReader, word: &OsStr, command: Vec<String>) -> Result<Conversion> {
+    pub(crate) fn open(options: &SceneReader, word: &OsStr, command: CommandFacts) -> Result<Conversion> {
         let (start, mut warnings) = (Instant::now(), Vec::new());
         let city = options.read(word, &mut warnings)?;
         let footprints = match &city.solids {
@@ -70,7 +70,7 @@ impl Conversion {
     }
 
     /// Wraps a scene that was read before, with its solids if these are footprints.
-    pub(crate) fn of(scene: Scene, command: Vec<String>) -> Conversion {
+    pub(crate) fn of(scene: Scene, command: CommandFacts) -> Conversion {
         let footprints = match scene.solids.as_deref() {
             Some(Solids::Vector { footprints, frame, .. }) => Some((footprints.clone(), *frame)),
             _ => None,

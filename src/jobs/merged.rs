@@ -13,7 +13,7 @@ use skyshed_request::{Layer, TiffLayout};
 use super::Jobs;
 use super::stac::item;
 use crate::answer::{
-    Answer, Head, Rows, RunFacts, Share, Spent, WarningFacts, columns_of, document_of, rows, warnings_of,
+    Answer, CommandFacts, Head, Rows, RunFacts, Share, Spent, WarningFacts, columns_of, document_of, rows, warnings_of,
 };
 use crate::city::GivenSite;
 use crate::coverage::Tally;
@@ -221,7 +221,7 @@ impl Jobs<'_> {
     ///
     /// # Errors
     /// E116 for a part of the units; E603 unless all of them are done.
-    pub(crate) fn merged(&self, command: Vec<String>) -> Result<Merged> {
+    pub(crate) fn merged(&self, command: CommandFacts) -> Result<Merged> {
         // A mosaic of some tiles would have holes that look like nodata.
         if self.job.uavs.shard.is_some() || !self.job.tiles.only.is_empty() {
             return Err(RequestError::PartOfUnits.into());

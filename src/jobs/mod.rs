@@ -16,7 +16,7 @@ pub(crate) use status::StatusDocument;
 
 use std::path::{Path, PathBuf};
 
-use crate::answer::{Output, RunFacts, document_of};
+use crate::answer::{CommandFacts, Output, RunFacts, document_of};
 use skyshed_request::{MapRequest, PROGRAM_OPTIONS, json};
 
 use crate::error::{Error, RequestError, Result};
@@ -118,7 +118,7 @@ impl<'a> Jobs<'a> {
     }
 
     /// Returns the facts about the run for documents.
-    fn facts(&self, command: Vec<String>) -> RunFacts {
+    fn facts(&self, command: CommandFacts) -> RunFacts {
         RunFacts {
             command,
             method: None,
@@ -127,7 +127,6 @@ impl<'a> Jobs<'a> {
             sources: self.units.uavs.sources.clone(),
             seed: None,
             warnings: self.units.uavs.warnings.clone(),
-            request: None,
             unit: None,
         }
     }
@@ -171,7 +170,8 @@ impl Job {
     /// E1xx for values that are wrong by themselves, and for options that change nothing.
     pub fn of(request: MapRequest) -> Result<Job> {
         json::refuse(&json::set_members(&request), &PROGRAM_OPTIONS, "for a caller, who has the answer")?;
-        Ok(Job { job: MapJob::of(request, Vec::new())?, progress: std::sync::Arc::default() })
+        let command = CommandFacts::of(Vec::new(), Some(json::set_members(&request)));
+        Ok(Job { job: MapJob::of(request, command)?, progress: std::sync::Arc::default() })
     }
 
     /// Sets a token that reports the progress, and can stop the work from another thread.
@@ -217,7 +217,7 @@ impl Job {
     /// As [`Job::units`].
     pub fn status(&self) -> Result<Report> {
         let jobs = Jobs::of(&self.job, None, &self.progress)?;
-        Ok(Report::new(jobs.status(Vec::new()), &[Format::Json, Format::Stdout]))
+        Ok(Report::new(jobs.status(CommandFacts::default()), &[Format::Json, Format::Stdout]))
     }
 
     /// Returns all units together: a table of the UAVs, or of tiles a mosaic.
@@ -226,6 +226,6 @@ impl Job {
     /// As [`Job::units`]; E6xx if a unit is missing or broken.
     pub fn merged(&self) -> Result<Report> {
         let jobs = Jobs::of(&self.job, None, &self.progress)?;
-        Ok(Report::new(jobs.merged(Vec::new())?, &FORMATS))
+        Ok(Report::new(jobs.merged(CommandFacts::default())?, &FORMATS))
     }
 }

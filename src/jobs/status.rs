@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::Jobs;
-use crate::answer::{Answer, Head, RunFacts, Spent, document_of};
+use crate::answer::{Answer, CommandFacts, Head, RunFacts, Spent, document_of};
 use crate::error::{CheckError, Error, Restart, Result, Warning};
 use crate::export::{Batch, Format};
 use crate::map::Found;
@@ -54,7 +54,7 @@ struct BrokenUnit {
 
 impl Jobs<'_> {
     /// Returns the state of all units, read from their files.
-    pub(crate) fn status(&self, command: Vec<String>) -> Status {
+    pub(crate) fn status(&self, command: CommandFacts) -> Status {
         let of_part = |part| {
             let unit = self.runs.unit(&self.units, part);
             let state = unit.found();

@@ -12,7 +12,7 @@ use crate::accuracy::{
     BudgetLine, CellEffect, NO_CHANGE, RoofEffect, Setup, Simpler, TerrainEffect, Uncertain, cell_effects,
     coarsest_unchanged, error_budget, roof_effect, terrain_effect,
 };
-use crate::answer::{Answer, Rows, RunFacts, Spent, document_of, rows, warnings_of};
+use crate::answer::{Answer, CommandFacts, Rows, RunFacts, Spent, document_of, rows, warnings_of};
 use crate::coverage::{Control, HeightLayers, IdleFootprints, MapOptions, Mapper, Uav};
 use crate::error::{Error, Result, Warning};
 use crate::expected::Expected;
@@ -98,7 +98,7 @@ impl LimitsPlan {
         &self,
         (options, word): (&SceneReader, &OsStr),
         asked: &UavsAsked,
-        command: Vec<String>,
+        command: CommandFacts,
     ) -> Result<Limits> {
         self.check()?;
         let scene = options.clone().keeps_footprints().open(word)?;
@@ -126,7 +126,7 @@ impl LimitsPlan {
     ///
     /// # Errors
     /// E113 for numbers out of range; E2xx for UAVs that cannot be there.
-    pub(crate) fn find_over(&self, mut scene: Scene, found: &UavsFound, command: Vec<String>) -> Result<Limits> {
+    pub(crate) fn find_over(&self, mut scene: Scene, found: &UavsFound, command: CommandFacts) -> Result<Limits> {
         self.check()?;
         if self.are_cities_set && scene.built_up.is_none() {
             return Err(Error::idle("cities", "for a city in a file: it is one"));

@@ -3,7 +3,6 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use serde_json::Value;
 use skyshed_request::{FilePath, Layer, MapRequest, Position, SaveOptions, TileIndex, Uavs, json};
 
 use super::curve::{CurvePlan, Curves};
@@ -11,7 +10,7 @@ use super::plan::MapPlan;
 use super::report::MapReport;
 use super::tiles::{ROW_AND_COL, Tile, TilesAsked};
 use super::tolerance::in_words as tolerance_in_words;
-use crate::answer::{Answer, Output, Rows, Spent, Timing};
+use crate::answer::{Answer, CommandFacts, Output, Rows, Spent, Timing};
 use crate::city::{Antenna, GivenSite, Site};
 use crate::error::{Error, Result, Warning};
 use crate::export::{Batch, Format};
@@ -50,7 +49,7 @@ pub(crate) struct MapJob {
     /// tiles are named.
     pub(crate) tiles: TilesAsked,
     /// Words of the command line, for documents.
-    pub(crate) command: Vec<String>,
+    pub(crate) command: CommandFacts,
 }
 
 /// Inputs that a run receives from its caller instead of reading them.
@@ -158,7 +157,7 @@ impl MapJob {
     ///
     /// # Errors
     /// E1xx for values that are wrong by themselves, and for options that change nothing.
-    pub(crate) fn of(request: MapRequest, command: Vec<String>) -> Result<MapJob> {
+    pub(crate) fn of(request: MapRequest, command: CommandFacts) -> Result<MapJob> {
         let word = PathBuf::from(request.scene.word());
         let paths = |files: &[FilePath]| files.iter().map(|path| path.0.clone()).collect::<Vec<PathBuf>>();
         let options = &request.reading.options;
@@ -215,11 +214,6 @@ impl MapJob {
         self.request.out.files.json || self.outputs.is_empty() && self.curve.outputs.is_empty()
     }
 
-    /// Returns the question as documents record it.
-    pub(super) fn request_members(&self) -> Value {
-        Value::Object(json::set_members(&self.request.question()))
-    }
-
     /// Returns the job of one UAV or of one tile; `files` gives its outputs names of their own.
     ///
     /// Its request and its command hold no table and no batch. The command lists the flags of the
@@ -245,7 +239,8 @@ impl MapJob {
         let tile = part.tile.map(|tile| ["--tile".into(), tile.to_string()]);
         let scene = request.scene.word().display().to_string();
         let words = ["map".into(), scene].into_iter().chain(json::words(&flags)).chain(json::words(&antenna));
-        let command = words.chain(uav.into_iter().chain(tile).flatten()).collect();
+        let words = words.chain(uav.into_iter().chain(tile).flatten()).collect();
+        let command = CommandFacts::of(words, Some(json::set_members(&request)));
         let curve = CurvePlan { outputs: files(&self.curve.outputs), ..self.curve.clone() };
         MapJob { request, outputs: files(&self.outputs), curve, command, ..self.clone() }
     }

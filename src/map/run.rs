@@ -99,7 +99,6 @@ impl MapJob {
         let file = file.map(MaskFile::written).transpose()?.flatten();
         let mut map = made?;
         (map.report.facts.command, map.report.facts.unit) = (self.command.clone(), unit);
-        map.report.facts.request = Some(self.request_members());
         let curves = self.curve.make(&map, progress)?;
         let before_write = Instant::now();
         // The time of writing is not known before the files are written.

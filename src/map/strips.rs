@@ -272,7 +272,6 @@ impl StripsRun<'_> {
                 sources: [scene.sources.clone(), found.sources].concat(),
                 seed: None,
                 warnings,
-                request: Some(self.job.request_members()),
                 unit: self.unit.clone(),
             },
             sight: plan.sight,

@@ -26,7 +26,7 @@ use search::{Found, Search};
 
 use skyshed_request::{Measure, TiffLayout, Whom};
 
-use crate::answer::{Answer, Rows, RunFacts, Spent, encoded};
+use crate::answer::{Answer, CommandFacts, Rows, RunFacts, Spent, encoded};
 use crate::coverage::{Control, KeepMasks, ManyMaps, MapOptions, Mapper, Receivers, Together, Uav, UavGrid};
 use crate::earth::check_earth;
 use crate::error::{RequestError, Result, Warning};
@@ -104,7 +104,7 @@ impl SearchPlan {
     /// Errors of reading the files; E108, E113 and E116 as [`SearchPlan::check`]; E117 if the scene
     /// is only a surface model and the search needs zones or ground; E209 without a candidate;
     /// E501, E502.
-    pub(crate) fn search(&self, mut scene: Scene, command: Vec<String>, progress: &Progress) -> Result<Placements> {
+    pub(crate) fn search(&self, mut scene: Scene, command: CommandFacts, progress: &Progress) -> Result<Placements> {
         self.check()?;
         self.check_heights(self.height_errors.over(&scene.field))?;
         let asked = self.sight.receivers();

@@ -12,7 +12,7 @@ use skyshed_request::{
 
 use super::report::{PlaceFacts, PlaceValue};
 use super::{FORMATS, Placements, SearchPlan};
-use crate::answer::{Answer, Spent, saved};
+use crate::answer::{Answer, CommandFacts, Spent, saved};
 use crate::error::{Result, Warning};
 use crate::progress::Progress;
 use crate::quantity::Height;
@@ -55,7 +55,7 @@ impl PlacementsRequest {
     /// model alone; E209 without a candidate; E501, E502 for too many candidates.
     pub fn run(self) -> Result<Placements> {
         let plan = SearchPlan::of(&self.question, &PlaceFiles::default(), false)?;
-        plan.search(self.scene, Vec::new(), &self.progress)
+        plan.search(self.scene, CommandFacts::default(), &self.progress)
     }
 }
 

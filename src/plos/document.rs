@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::answer::{SourceFacts, WarningFacts};
+use crate::answer::{CommandFacts, SourceFacts, WarningFacts};
 use crate::map::FormDocument;
 
 /// P_LoS by every method.
@@ -13,8 +13,8 @@ pub(crate) struct PlosDocument<'a> {
     pub(super) schema: &'static str,
     /// Version of the program.
     pub(super) version: &'static str,
-    /// Words of the command line after the program's name; empty for a call of the library.
-    pub(super) command: &'a [String],
+    #[serde(flatten)]
+    pub(super) command: &'a CommandFacts,
     /// Seed of everything random.
     pub(super) seed: u64,
     /// Confidence of the intervals.

@@ -9,6 +9,7 @@ use skyshed_study::error::LosProbabilityError;
 use skyshed_request::{PlosRequest, PlotKind};
 
 use super::read_curves;
+use crate::answer::CommandFacts;
 
 use super::sweep::Sweeps;
 use crate::error::{RequestError, Result, Warning};
@@ -60,7 +61,7 @@ pub(crate) struct PlosPlan {
     /// `true` if input files of any size are hashed.
     pub(crate) hash: bool,
     /// Words of the command line, for documents.
-    pub(crate) command: Vec<String>,
+    pub(crate) command: CommandFacts,
 }
 
 impl PlosPlan {
@@ -68,7 +69,7 @@ impl PlosPlan {
     ///
     /// # Errors
     /// E113, E116, E12x; errors of the curves.
-    pub(crate) fn of(request: &PlosRequest, is_drawn: bool, command: Vec<String>) -> Result<PlosPlan> {
+    pub(crate) fn of(request: &PlosRequest, is_drawn: bool, command: CommandFacts) -> Result<PlosPlan> {
         let PlosRequest { plos, sweep, receiver, effort, reading, plot, .. } = request;
         let scenes: Vec<OsString> = plos.scenes.iter().map(|word| word.as_os_str().to_os_string()).collect();
         request.check(scenes.iter().any(|word| built_up(word).is_none()), is_drawn)?;

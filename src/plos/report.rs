@@ -7,7 +7,7 @@ use super::document::{
     RealCityDocument, SettingDocument, ToleranceDocument, TotalTiming, TriedDocument, ValuesDocument,
 };
 use crate::accuracy::{CONFIDENCE, Simpler};
-use crate::answer::{Rows, SourceFacts, Spent, digest_words, document_of, rows, warnings_of};
+use crate::answer::{CommandFacts, Rows, SourceFacts, Spent, digest_words, document_of, rows, warnings_of};
 use crate::city::{BuiltUp, Source};
 use crate::city_statistics::fit::BuiltUpFit;
 use crate::digest::Sha256;
@@ -180,8 +180,8 @@ impl PlosToleranceFacts {
 /// Report of a study.
 #[derive(Debug, Clone)]
 pub(crate) struct PlosReport {
-    /// Words of the command line.
-    pub(crate) command: Vec<String>,
+    /// Command line and question.
+    pub(crate) command: CommandFacts,
     /// Seed of everything random.
     pub(crate) seed: u64,
     /// Confidence of the intervals.

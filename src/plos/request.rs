@@ -10,7 +10,7 @@ use skyshed_request::{
 
 use super::report::PlosRow;
 use super::{FORMATS, PlosPlan, PlosStudy};
-use crate::answer::{Answer, saved};
+use crate::answer::{Answer, CommandFacts, saved};
 use crate::error::{Result, Warning};
 
 /// Probability of line of sight over a city, by some methods, at some heights and angles or
@@ -113,6 +113,6 @@ impl PLosRequest {
     /// E113, E116, E118, E12x for an impossible request; errors of reading a city; E2xx; E5xx for
     /// too large a request.
     pub fn run(self) -> Result<PLos> {
-        PlosPlan::of(&self.request, true, Vec::new())?.run().map(PLos)
+        PlosPlan::of(&self.request, true, CommandFacts::default())?.run().map(PLos)
     }
 }

@@ -15,7 +15,7 @@ use report::{SampledReport, SampledRow};
 
 use skyshed_request::{SampleOptions, SceneOptions, SetSceneOptions, Sight, filled};
 
-use crate::answer::{Answer, Rows, RunFacts, Spent};
+use crate::answer::{Answer, CommandFacts, Rows, RunFacts, Spent};
 use crate::city::Site;
 use crate::coverage::{Mapper, Uav, check_drop};
 use crate::earth::{across_m, warn_of_drop_across};
@@ -146,7 +146,7 @@ impl SamplePlan {
     ///
     /// # Errors
     /// E113, E116, E117; errors of reading the scene; E216 if no disc lies in the data.
-    pub(crate) fn take(&self, command: Vec<String>, progress: &Progress) -> Result<Sample> {
+    pub(crate) fn take(&self, command: CommandFacts, progress: &Progress) -> Result<Sample> {
         self.check()?;
         // A generated city is large enough for whole discs around its places. Cell positions are
         // drawn anew for each city. With walls at the same place of the cells in every city, all

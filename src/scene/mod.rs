@@ -16,7 +16,7 @@ use crate::city::{BuiltUp, City, HeightSources, Solids, Source};
 pub use options::SceneReader;
 pub(crate) use reading::{FoundRepairs, built_up, is_raster, is_raster_scene};
 
-use crate::answer::{RunFacts, Timing};
+use crate::answer::{CommandFacts, RunFacts, Timing};
 use crate::error::{Result, Warning};
 use crate::height_field::{Built, HeightField};
 use crate::los::Method;
@@ -195,14 +195,13 @@ impl Scene {
     /// Returns the facts of a run over the scene, for documents.
     pub(crate) fn facts(&self, method: Option<Method>) -> RunFacts {
         RunFacts {
-            command: Vec::new(),
+            command: CommandFacts::default(),
             method,
             scene_name: self.name.clone(),
             grid: self.grid().clone(),
             sources: self.sources.clone(),
             seed: self.built_up.map(|_| self.seed),
             warnings: self.warnings.clone(),
-            request: None,
             unit: None,
         }
     }

@@ -8,7 +8,7 @@ use skyshed_request::{DataAreaChoice, GroundChoice, MissingHeights, SceneOptions
 
 use super::results::results_in;
 use super::{Scene, SceneReader};
-use crate::answer::RunFacts;
+use crate::answer::{CommandFacts, RunFacts};
 use crate::city::{BuiltUp, BuiltUpCity};
 use crate::crs;
 use crate::error::{Error, OddRun, RequestError, Result, Warning, warned};
@@ -331,14 +331,13 @@ pub(crate) struct FoundRepairs {
 /// Returns the facts of a scene that was read, for documents.
 fn facts_of(scene: &crate::city::City, odd: &[skyshed_io::Warning]) -> RunFacts {
     RunFacts {
-        command: Vec::new(),
+        command: CommandFacts::default(),
         method: None,
         scene_name: scene.name.clone(),
         grid: scene.grid.clone(),
         sources: scene.sources.clone(),
         seed: None,
         warnings: odd.iter().cloned().map(Warning::from).collect(),
-        request: None,
         unit: None,
     }
 }

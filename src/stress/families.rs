@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::report::StressReport;
 use crate::accuracy::stress::{Contender, Effort, FAMILIES, Family, check_exact, stress};
-use crate::answer::{Answer, Rows, Spent};
+use crate::answer::{Answer, CommandFacts, Rows, Spent};
 use crate::error::Result;
 use crate::export::{Batch, Format};
 use crate::los::MethodChoice;
@@ -30,7 +30,7 @@ impl Stress {
         families: &[&'static str],
         method: MethodChoice,
         (scenes, seed): (u32, u64),
-        command: Vec<String>,
+        command: CommandFacts,
     ) -> Result<Stress> {
         let is_wanted = |f: &&Family| families.is_empty() || families.contains(&f.name);
         let families: Vec<&Family> = FAMILIES.iter().filter(is_wanted).collect();

@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::accuracy::stress::{Contender, Effort, FamilyScore, Outcome};
-use crate::answer::{Rows, Spent, Timing, digest_words, document_of, rows};
+use crate::answer::{CommandFacts, Rows, Spent, Timing, digest_words, document_of, rows};
 use crate::coverage::MarginSample;
 use crate::digest::Sha256;
 use crate::map::{MapDocument, MapReport};
@@ -15,8 +15,8 @@ use crate::words::version;
 /// Report of methods on families of scenes.
 #[derive(Debug, Clone)]
 pub(super) struct StressReport {
-    /// Words of the command line.
-    pub(super) command: Vec<String>,
+    /// Command line and question.
+    pub(super) command: CommandFacts,
     /// Number of scenes and seed.
     pub(super) effort: Effort,
     pub(super) methods: Vec<Contender>,
@@ -213,8 +213,8 @@ pub(crate) struct StressDocument {
     schema: &'static str,
     /// Version of the program.
     version: &'static str,
-    /// Words of the command line after the program's name.
-    command: Vec<String>,
+    #[serde(flatten)]
+    command: CommandFacts,
     /// Seed of the scenes.
     seed: u64,
     /// Scenes of each family.

@@ -9,7 +9,7 @@ use serde_json::Value;
 use skyshed_request::Layer;
 
 use super::report::{NEAR_M, StressSceneReport};
-use crate::answer::{Answer, Rows, Spent};
+use crate::answer::{Answer, CommandFacts, Rows, Spent};
 use crate::error::{Result, Warning};
 use crate::export::{Batch, Format};
 use crate::height_errors::HeightErrorsPlan;
@@ -40,7 +40,7 @@ impl StressScene {
         scene: Scene,
         found: &UavsFound,
         sight: SightPlan,
-        command: Vec<String>,
+        command: CommandFacts,
         progress: &Progress,
     ) -> Result<StressScene> {
         let plan = MapPlan {

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::output::OutputInfo;
 use super::places::PlacesInfo;
 use super::tiles::TilesDocument;
-use crate::answer::{Provenance, SourceFacts, WarningFacts};
+use crate::answer::{CommandFacts, Provenance, SourceFacts, WarningFacts};
 use crate::city::{BuiltUp, FootprintFault, FootprintFaults, HeightSource, HeightSources, SourceShare};
 use crate::crs::VerticalCrs;
 
@@ -42,8 +42,8 @@ pub(crate) struct SceneInfo {
     pub(super) schema: &'static str,
     /// Version of the program.
     pub(super) version: &'static str,
-    /// Words of the command line after the program's name.
-    pub(super) command: Vec<String>,
+    #[serde(flatten)]
+    pub(super) command: CommandFacts,
     /// footprints or raster.
     pub(super) kind: &'static str,
     /// Name in titles.

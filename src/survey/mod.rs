@@ -21,7 +21,7 @@ use places::Places;
 pub(crate) use tiles::TileRow;
 use tiles::Tiles;
 
-use crate::answer::{Answer, Rows, RunFacts, SourceFacts, Spent, document_of, warnings_of};
+use crate::answer::{Answer, CommandFacts, Rows, RunFacts, SourceFacts, Spent, document_of, warnings_of};
 use crate::city::{BuiltUp, Footprint, FootprintFaults, HeightSource, Solids};
 use crate::crs::VerticalCrs;
 use crate::error::{Result, Warning};
@@ -59,7 +59,7 @@ pub(crate) fn facts_of(
     options: &SceneReader,
     word: &OsStr,
     tile_m: Option<f64>,
-    command: &[String],
+    command: &CommandFacts,
 ) -> Result<Box<dyn Answer + Send + Sync>> {
     let path = Path::new(word);
     if let Some(output) = Output::of(path, command) {
@@ -68,7 +68,7 @@ pub(crate) fn facts_of(
     if let Some(places) = Places::of(path, options.crs()?, command)? {
         return Ok(Box::new(places));
     }
-    Ok(Box::new(Survey::open(options, word, tile_m, command.to_vec())?))
+    Ok(Box::new(Survey::open(options, word, tile_m, command.clone())?))
 }
 
 /// Description of a scene.
@@ -96,7 +96,7 @@ impl Survey {
         options: &SceneReader,
         word: &OsStr,
         tile_m: Option<f64>,
-        command: Vec<String>,
+        command: CommandFacts,
     ) -> Result<Survey> {
         let (start, mut warnings) = (Instant::now(), Vec::new());
         let city = SceneReader { tells_faults: true, ..options.clone() }.read(word, &mut warnings)?;

@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::INFO_SCHEMA;
-use crate::answer::{Answer, Spent, document_of};
+use crate::answer::{Answer, CommandFacts, Spent, document_of};
 use crate::coverage::class;
 use crate::error::Result;
 use crate::export::{Batch, Format, with_suffix};
@@ -23,7 +23,7 @@ use crate::words::version;
 /// An output of this program.
 #[derive(Debug)]
 pub(crate) struct Output {
-    command: Vec<String>,
+    command: CommandFacts,
     path: PathBuf,
     /// Origin of the file: the document in it or beside it.
     origin: Value,
@@ -52,8 +52,8 @@ pub(crate) struct OutputInfo<'a> {
     schema: &'static str,
     /// Version of the program.
     version: &'static str,
-    /// Words of the command line after the program's name.
-    command: &'a [String],
+    #[serde(flatten)]
+    command: &'a CommandFacts,
     /// output.
     kind: &'static str,
     /// Path of the file.
@@ -81,12 +81,12 @@ impl Output {
     }
 
     /// Returns the output that a file is. `None` for other files, and for cities, which are scenes.
-    pub(crate) fn of(path: &Path, command: &[String]) -> Option<Output> {
+    pub(crate) fn of(path: &Path, command: &CommandFacts) -> Option<Output> {
         let origin = origin(path)?;
         if is_city(&origin) {
             return None;
         }
-        let command = command.to_vec();
+        let command = command.clone();
         let mut output = Output { command, path: path.to_path_buf(), origin, bands: Vec::new(), mask: None };
         output.read_bands();
         Some(output)

@@ -10,7 +10,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::INFO_SCHEMA;
-use crate::answer::{Answer, Spent, document_of};
+use crate::answer::{Answer, CommandFacts, Spent, document_of};
 use skyshed_io::error::ReadFault;
 
 use crate::city::GivenSite;
@@ -26,7 +26,7 @@ use crate::words::version;
 /// Places of a file.
 #[derive(Debug)]
 pub(crate) struct Places {
-    command: Vec<String>,
+    command: CommandFacts,
     path: PathBuf,
     what: What,
     crs: Option<Crs>,
@@ -56,12 +56,12 @@ impl Places {
     ///
     /// # Errors
     /// Faults of the file, as [`read_sites`] and [`read_track`].
-    pub(crate) fn of(path: &Path, crs: Option<Crs>, command: &[String]) -> Result<Option<Places>> {
+    pub(crate) fn of(path: &Path, crs: Option<Crs>, command: &CommandFacts) -> Result<Option<Places>> {
         let looks = looks_of(path);
         if looks == Looks::Neither {
             return Ok(None);
         }
-        let places = |what, crs| Places { command: command.to_vec(), path: path.to_path_buf(), what, crs };
+        let places = |what, crs| Places { command: command.clone(), path: path.to_path_buf(), what, crs };
         let found = match read(path, looks, crs.clone()) {
             // Without a scene, degrees stay degrees.
             Err(error) if lacks_scene_crs(&error) => {
@@ -153,8 +153,8 @@ pub(crate) struct PlacesInfo {
     schema: &'static str,
     /// Version of the program.
     version: &'static str,
-    /// Words of the command line after the program's name.
-    command: Vec<String>,
+    #[serde(flatten)]
+    command: CommandFacts,
     /// uavs or track.
     kind: &'static str,
     /// Path of the file.

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::answer::{Answer, Head, Rows, RunFacts, Spent, WarningFacts, document_of, rows, warnings_of};
+use crate::answer::{Answer, CommandFacts, Head, Rows, RunFacts, Spent, WarningFacts, document_of, rows, warnings_of};
 use crate::city::Site;
 use crate::coverage::{SceneView, Stretch, Track, TrackPoint, TrackState};
 use crate::earth::warn_of_drop;
@@ -89,7 +89,7 @@ impl TrackPlan {
     ///
     /// # Errors
     /// Errors of reading the file; E2xx for a UAV that cannot be there; E502 for too many steps.
-    pub(crate) fn walk(&self, mut scene: Scene, command: Vec<String>) -> Result<TrackWalk> {
+    pub(crate) fn walk(&self, mut scene: Scene, command: CommandFacts) -> Result<TrackWalk> {
         self.check()?;
         let site = &self.uav;
         warn_of_uavs_outside(std::slice::from_ref(site), scene.field.grid(), &mut scene.warnings);

@@ -74,6 +74,47 @@ fn answer(mut document: serde_json::Value) -> serde_json::Value {
 }
 
 #[test]
+fn a_document_holds_its_question() {
+    let folder = Folder::new();
+    folder.write("walk.csv", "x,y\n20,10\n180,10\n");
+    let city = "itu:urban --size 200 --seed 3 --overwrite --threads 1 -o d.json -q";
+    let lines = [
+        "chart CITY --uav 40,60,90 --method sweep",
+        "city CITY",
+        "compare CITY --uav 40,60,90 --uav 150,110,90 --block 30",
+        "info CITY",
+        "limits CITY --uav 40,60,90 --uav-error 2 --radius 120",
+        "link CITY --uav 40,60,90 --rx 180,20",
+        "live CITY --uav 40,60,90",
+        "map CITY --uav 40,60,90 --sector 10,200 --zones",
+        "place CITY --step 50 --height 60,90 --top 2",
+        "plos itu:urban --method product --theta 30,60 -o d.json --overwrite -q",
+        "sample CITY --zones street:3,rooftop:2 --height 60 --radius 50",
+        "stress --scenes 2 --method ray --seed 5 -o d.json -q",
+        "track CITY --uav 40,60,90 --track walk.csv --every 2",
+        "zones CITY",
+    ];
+    for line in lines {
+        let command = line.split(' ').next().unwrap();
+        let asked = |line: &str| {
+            folder.type_in(line).done();
+            let document = folder.json("d.json");
+            folder.remove(&["d.json".to_string()]);
+            document
+        };
+        let first = asked(&line.replace("CITY", city));
+        let request = first["request"].as_object().unwrap_or_else(|| panic!("{line}: no request"));
+        let words = skyshed::request::json::command_line(command, request.clone());
+        let again = asked(&format!("{} --threads 1 -o d.json -q", words.join(" ")));
+        assert_eq!(request, again["request"].as_object().unwrap(), "{line}");
+        // Times of a chart are those of its runs.
+        if command != "chart" {
+            assert_eq!(answer(first), answer(again), "{line}");
+        }
+    }
+}
+
+#[test]
 fn reports_are_those_of_the_program() -> Result<(), skyshed::Error> {
     let folder = Folder::new();
     folder.write("walk.csv", "x,y\n20,10\n180,10\n180,150\n");

@@ -30,6 +30,23 @@ fn is_unset(value: &Value) -> bool {
     }
 }
 
+/// Returns the members of a question: those of a request without its run, which are names of files to
+/// write, rules of writing, effort, units of work and memory.
+pub fn question(members: Map<String, Value>) -> Map<String, Value> {
+    let parts = [
+        serde_json::to_value(crate::Files::default()),
+        serde_json::to_value(crate::Effort::default()),
+        serde_json::to_value(crate::Table::default()),
+        serde_json::to_value(crate::Repairs::default()),
+        serde_json::to_value(crate::MapUnits::default()),
+        serde_json::to_value(crate::MapMemory::default()),
+    ];
+    let is_of_run = |name: &str| {
+        ["overwrite", "height_curve"].contains(&name) || parts.iter().flatten().any(|part| part.get(name).is_some())
+    };
+    members.into_iter().filter(|(name, _)| !is_of_run(name)).collect()
+}
+
 /// Refuses the members of a list that are set.
 ///
 /// # Errors
@@ -194,10 +211,9 @@ fn texts(value: &Value) -> Vec<&str> {
 /// Returns a command line: the command, its scenes, and the flags that set other members.
 pub fn command_line(command: &str, mut members: Map<String, Value>) -> Vec<String> {
     let scenes: Vec<String> =
-        ["scene", "scenes"].iter().filter_map(|name| members.remove(*name)).fold(Vec::new(), |scenes, named| {
-            let named = texts(&named);
-            scenes.into_iter().chain(named.into_iter().map(String::from)).collect()
-        });
+        ["scene", "scenes"].iter().filter_map(|name| members.get(*name)).flat_map(texts).map(String::from).collect();
+    // The scenes of `stress` are a number.
+    members.retain(|name, value| !["scene", "scenes"].contains(&name.as_str()) || value.is_number());
     std::iter::once(command.to_string()).chain(scenes).chain(words(&members)).collect()
 }
 

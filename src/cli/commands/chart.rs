@@ -54,7 +54,7 @@ pub(in crate::cli) fn run(request: &ChartRequest, run: &Run) -> Result<()> {
     // Methods are timed with one thread, unless more are requested.
     let threads = request.out.effort.threads.unwrap_or(1);
     let chart = match options.plos {
-        true => plan_of_p_los(request, threads)?.run(run.words(), &run.progress)?,
+        true => plan_of_p_los(request, threads)?.run(run.command(), &run.progress)?,
         false => {
             let (sight, peers) = (SightPlan::of(&request.sight)?, options.peers);
             let plan = ChartPlan { sight, peers, time_s, threads };
@@ -68,7 +68,7 @@ pub(in crate::cli) fn run(request: &ChartRequest, run: &Run) -> Result<()> {
             })?;
             let scene = run.open_word(request.scene.word(), &request.reading)?;
             let found = asked.read(scene.grid())?;
-            plan.run(scene, &found, run.words(), &run.progress)?
+            plan.run(scene, &found, run.command(), &run.progress)?
         }
     };
     run.emit(&chart, &outputs, (&request.out, &look))

@@ -17,8 +17,8 @@ pub(in crate::cli) fn run(request: &CityRequest, run: &Run) -> Result<()> {
     let outputs = checked_files(&request.out, None, (&FORMATS, &scene_files(request.scene.word(), &request.reading)))?;
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;
     let city = match &run.given {
-        Some(scene) => Conversion::of(scene.clone(), run.words()),
-        None => Conversion::open(&run.reader(&request.reading), request.scene.word(), run.words())?,
+        Some(scene) => Conversion::of(scene.clone(), run.command()),
+        None => Conversion::open(&run.reader(&request.reading), request.scene.word(), run.command())?,
     };
     run.emit(&city, &outputs, (&request.out, &look))
 }

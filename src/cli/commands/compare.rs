@@ -43,6 +43,6 @@ pub(in crate::cli) fn run(request: &CompareRequest, run: &Run) -> Result<()> {
     let options = SceneReader { keeps_solids, ..run.reader(reading) };
     let scene = run.given.clone().map_or_else(|| options.open(request.scene.word()), Ok)?;
     let found = asked.read(scene.grid())?;
-    let comparison = plan.compare(scene, &found, run.words(), &run.progress)?;
+    let comparison = plan.compare(scene, &found, run.command(), &run.progress)?;
     run.emit(&comparison, &outputs, (&request.out, &look))
 }

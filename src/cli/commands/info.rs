@@ -24,6 +24,6 @@ pub(in crate::cli) fn run(request: &InfoRequest, run: &Run) -> Result<()> {
     }
     let formats = if request.info.tile.is_some() { &TILE_FORMATS[..] } else { &FORMATS[..] };
     let outputs = checked_files(&request.out, None, (formats, &scene_files(word, &request.reading)))?;
-    let facts = facts_of(&reader, word, request.info.tile, &run.words())?;
+    let facts = facts_of(&reader, word, request.info.tile, &run.command())?;
     run.emit(&*facts, &outputs, (&request.out, &plain_look(&request.out)))
 }

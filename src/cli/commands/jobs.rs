@@ -8,7 +8,7 @@ use clap::{Args, Command, FromArgMatches};
 use skyshed_request::{MapRequest, OutputOptions, json};
 
 use super::map::job_of;
-use crate::answer::Answer;
+use crate::answer::{Answer, CommandFacts};
 use crate::cli::args::output::{checked_files, plain_look};
 use crate::cli::failure::{Result, refusal, refusal_with};
 use crate::cli::interrupt;
@@ -87,13 +87,14 @@ impl JobsArgs {
         let parsed = flags.try_get_matches_from(words).and_then(|matches| MapRequest::from_arg_matches(&matches));
         let map = &parsed.map_err(|e| refusal(101, first_line(&e)))?;
         check_scenes(&[map.scene.word()])?;
-        let command = self.map.iter().map(|word| skyshed_io::told(word).to_string_lossy().into_owned()).collect();
+        let words = self.map.iter().map(|word| skyshed_io::told(word).to_string_lossy().into_owned()).collect();
+        let command = CommandFacts::of(words, Some(json::set_members(map)));
         let job = job_of(map, run, command)?;
         let jobs = Jobs::of(&job, None, &run.progress)?;
         match self.asked {
             Asked::Plan => jobs.plan().try_for_each(|line| say::plain_answer(format!("{line}\n").as_bytes())),
             Asked::Status => {
-                let status = jobs.status(run.words());
+                let status = jobs.status(run.command());
                 run.emit(&status, &[], (&self.out, &plain_look(&self.out)))?;
                 Ok(status.check()?)
             }
@@ -101,7 +102,7 @@ impl JobsArgs {
                 let inputs = [job.inputs.clone(), job.uavs.file().into_iter().collect()].concat();
                 let outputs = checked_files(&self.out, None, (&FORMATS, &inputs))?;
                 jobs.refuse_own_files(&outputs)?;
-                let merged = jobs.merged(run.words())?;
+                let merged = jobs.merged(run.command())?;
                 run.emit(&merged as &dyn Answer, &outputs, (&self.out, &plain_look(&self.out)))
             }
         }

@@ -22,8 +22,8 @@ pub(in crate::cli) fn run(request: &LimitsRequest, run: &Run) -> Result<()> {
     // Faults of a file are reported, not refused.
     let options = SceneReader { tells_faults: true, ..run.reader(&request.reading) };
     let limits = match &run.given {
-        Some(scene) => plan.find_over(scene.clone(), &asked.read(scene.grid())?, run.words())?,
-        None => plan.find((&options, request.scene.word()), &asked, run.words())?,
+        Some(scene) => plan.find_over(scene.clone(), &asked.read(scene.grid())?, run.command())?,
+        None => plan.find((&options, request.scene.word()), &asked, run.command())?,
     };
     run.emit(&limits, &outputs, (&request.out, &plain_look(&request.out)))
 }

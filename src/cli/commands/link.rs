@@ -39,7 +39,7 @@ pub(in crate::cli) fn run(request: &LinkRequest, run: &Run) -> Result<()> {
         (receiver, height),
         sight.curvature(),
     )?;
-    link.facts.command = run.words();
+    link.facts.command = run.command();
     if let Some(radius) = radius_m.filter(|radius| link.distance_m() > *radius) {
         let distance = tidy(link.distance_m());
         let text = format!("the receiver is {distance} m from the UAV, wanted within `--radius {radius}`");

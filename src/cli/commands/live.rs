@@ -37,7 +37,7 @@ pub(in crate::cli) fn run(request: &LiveRequest, run: &Run) -> Result<()> {
         uavs: UavsAsked::of(&request.uavs, request.reading.options.hash)?,
         sight: SightPlan::of(&request.sight)?,
         scene_words: scene_words(request.scene.word(), &request.reading),
-        command: run.words(),
+        command: run.command(),
     };
     let page = LivePage::open(&run.reader(&request.reading), request.scene.word(), plan)?;
     if !opens {

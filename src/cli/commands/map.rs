@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde_json::json;
 use skyshed_request::MapRequest;
 
-use crate::answer::{Answer, Spent};
+use crate::answer::{Answer, CommandFacts, Spent};
 use crate::cli::args::output::{is_told, plain_look};
 use crate::cli::failure::{Failure, Result, refusal_with};
 use crate::cli::interrupt;
@@ -23,7 +23,7 @@ use crate::words::pretty;
 /// Errors of the request, the scene, the UAVs and the files.
 pub(in crate::cli) fn run(request: &MapRequest, run: &Run) -> Result<()> {
     let names_units = |path: &PathBuf| path.to_string_lossy().contains(SITE) || names_tile(path);
-    let job = job_of(request, run, run.words())?;
+    let job = job_of(request, run, run.command())?;
     let runs = UnitRuns::of(&job, run.given.clone(), (Purpose::Map, &run.progress))?;
     if request.out.files.json && job.outputs.iter().chain(&job.curve.outputs).any(names_units) {
         let text = "`--json` has no meaning beside files that are named after UAVs or tiles";
@@ -43,7 +43,7 @@ pub(in crate::cli) fn run(request: &MapRequest, run: &Run) -> Result<()> {
 ///
 /// # Errors
 /// Errors of the request.
-pub(super) fn job_of(request: &MapRequest, run: &Run, command: Vec<String>) -> Result<MapJob> {
+pub(super) fn job_of(request: &MapRequest, run: &Run, command: CommandFacts) -> Result<MapJob> {
     let job = MapJob::of(request.clone(), command)?;
     let repairs = run.list_for(&request.reading);
     Ok(MapJob { scene: SceneReader { repairs, ..job.scene }, ..job })

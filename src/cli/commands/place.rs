@@ -25,7 +25,7 @@ pub(in crate::cli) fn run(request: &PlaceRequest, run: &Run) -> Result<()> {
     let (outputs, map) = outputs(request, &inputs)?;
     let all: Vec<Output> = outputs.iter().chain(&map).cloned().collect();
     let look = Look::checked(&request.picture, &request.out.writing, &all)?;
-    let found = plan.search(run.open_word(scene, &request.reading)?, run.words(), &run.progress)?;
+    let found = plan.search(run.open_word(scene, &request.reading)?, run.command(), &run.progress)?;
     run.emit(&found, &all, (&request.out, &look))
 }
 

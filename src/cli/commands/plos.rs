@@ -26,6 +26,6 @@ pub(in crate::cli) fn run(request: &PlosRequest, run: &Run) -> Result<()> {
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;
     let is_drawn = outputs.iter().any(|(_, format)| format.is_picture());
     let options = run.reader(&request.reading);
-    let plan = PlosPlan { options, ..PlosPlan::of(request, is_drawn, run.words())? };
+    let plan = PlosPlan { options, ..PlosPlan::of(request, is_drawn, run.command())? };
     run.emit(&plan.run()?, &outputs, (&request.out, &look))
 }

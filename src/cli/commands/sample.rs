@@ -22,6 +22,6 @@ pub(in crate::cli) fn run(request: &SampleRequest, run: &Run) -> Result<()> {
     let outputs =
         checked_files(&request.out, csv.as_ref(), (&FORMATS, &scene_files(request.scene.word(), &request.reading)))?;
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;
-    let sample = plan.take(run.words(), &run.progress)?;
+    let sample = plan.take(run.command(), &run.progress)?;
     run.emit(&sample, &outputs, (&request.out, &look))
 }

@@ -48,7 +48,7 @@ pub(in crate::cli) fn run(request: &StressRequest, run: &Run) -> Result<()> {
         let families = options.families.iter().map(|name| family(name)).collect::<Result<Vec<_>>>()?;
         let n_scenes = filled(options.scenes, StressOptions::defaults().scenes);
         let effort = (n_scenes, request.reading.options.seed_or_default());
-        let stress = Stress::run(&families, request.sight.range.engine(), effort, run.words())?;
+        let stress = Stress::run(&families, request.sight.range.engine(), effort, run.command())?;
         run.emit(&stress, &outputs, (&request.out, &look))?;
         return Ok(stress.check()?);
     };
@@ -56,7 +56,7 @@ pub(in crate::cli) fn run(request: &StressRequest, run: &Run) -> Result<()> {
     let found = UavsFound { sites, ..UavsFound::default() };
     let sight = SightPlan::of(&request.sight)?;
     let scene = run.reader(&request.reading).open(word)?;
-    let stability = StressScene::run(scene, &found, sight, run.words(), &run.progress)?;
+    let stability = StressScene::run(scene, &found, sight, run.command(), &run.progress)?;
     run.emit(&stability, &outputs, (&request.out, &look))
 }
 

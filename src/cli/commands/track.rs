@@ -28,6 +28,6 @@ pub(in crate::cli) fn run(request: &TrackRequest, run: &Run) -> Result<()> {
     let inputs: Vec<PathBuf> = scene_files(request.scene.word(), &request.reading).into_iter().chain(track).collect();
     let outputs = checked_files(&request.out, None, (&FORMATS, &inputs))?;
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;
-    let walk = plan.walk(run.open_word(request.scene.word(), &request.reading)?, run.words())?;
+    let walk = plan.walk(run.open_word(request.scene.word(), &request.reading)?, run.command())?;
     run.emit(&walk, &outputs, (&request.out, &look))
 }

@@ -16,6 +16,6 @@ use crate::zone_files::{FORMATS, ZoneFiles};
 pub(in crate::cli) fn run(request: &ZonesRequest, run: &Run) -> Result<()> {
     let outputs = checked_files(&request.out, None, (&FORMATS, &scene_files(request.scene.word(), &request.reading)))?;
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;
-    let zones = ZoneFiles::of(run.open_word(request.scene.word(), &request.reading)?, run.words())?;
+    let zones = ZoneFiles::of(run.open_word(request.scene.word(), &request.reading)?, run.command())?;
     run.emit(&zones, &outputs, (&request.out, &look))
 }
