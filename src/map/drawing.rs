@@ -2,7 +2,7 @@
 
 use skyshed_request::{Layer, Receivers};
 
-use super::classes::{ClassMap, MOST_COLORS, least_heights, nearest, seen_alone, what_is_sure, who_sees};
+use super::class_pictures::{ClassMap, MOST_COLORS, least_heights, nearest, seen_alone, what_is_sure, who_sees};
 use super::coverages::Coverages;
 use super::report::SiteFacts;
 use super::tolerance::in_words as tolerance_in_words;

@@ -11,7 +11,7 @@ use super::raster_files::add_raster;
 use super::report::{MapReport, MaskDigest};
 use skyshed_request::PolygonClasses;
 
-use super::save_options::{mask_values, no_crs};
+use super::save_checks::{mask_values, no_crs};
 use crate::answer::{Answer, Output, Rows, Spent};
 use crate::coverage::{CoveragePolygon, PolygonOptions, Tally, class, coverage_polygons};
 use crate::crs::wkt_of;

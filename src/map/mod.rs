@@ -1,6 +1,6 @@
 //! Coverage maps: requests, plans, maps in memory, and the files that they are written to.
 
-mod classes;
+mod class_pictures;
 mod coverages;
 mod curve;
 mod curve_report;
@@ -13,9 +13,9 @@ mod raster_files;
 mod report;
 mod request;
 mod run;
-mod save_options;
+mod save_checks;
 mod saving;
-mod stability;
+mod stability_report;
 mod strips;
 mod table;
 mod tiles;

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::stability::{StabilityDocument, StabilityFacts};
+use super::stability_report::{StabilityDocument, StabilityFacts};
 use super::tiles::TileFacts;
 use super::tolerance::{ToleranceDocument, ToleranceFacts};
 use crate::answer::{

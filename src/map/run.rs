@@ -10,7 +10,7 @@ use super::drawing::draws_each;
 use super::files::{MaskFile, Writer, written_at_once};
 use super::job::{Done, Given, GivenScene, MapJob, encoding_bytes_per_cell};
 use super::plan::{Held, PartOf};
-use super::save_options::{check_formats, check_forms, check_values, look_of, mask_values};
+use super::save_checks::{check_formats, check_forms, check_values, look_of, mask_values};
 use super::strips::{StripsRun, reason_for_strips};
 use crate::answer::{Output, Spent, Timing, add_outputs};
 use crate::city::GivenSite;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::coverages::{Coverage, Coverages};
 use super::files::Writer;
-use super::save_options::{check_formats, check_forms, look_of};
+use super::save_checks::{check_formats, check_forms, look_of};
 use crate::answer::{Spent, add_outputs};
 use crate::error::Result;
 use crate::export::{Batch, Format, OutputRules, check_layers, check_outputs};

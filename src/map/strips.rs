@@ -11,9 +11,9 @@ use super::job::{Done, MapJob, encoding_bytes_per_cell};
 use super::plan::LEAST_HEIGHTS_BYTES_PER_CELL;
 use super::raster_files::add_raster;
 use super::report::{MapReport, MaskDigest, SiteFacts};
-use super::save_options::{look_of, mask_values};
+use super::save_checks::{look_of, mask_values};
 use crate::answer::{Answer, Output, Rows, RunFacts, Spent, Timing, add_outputs};
-use crate::city::{GivenSite, WindowedBase, WindowedSolids};
+use crate::city::{GivenSite, STRIP_ROWS, WindowedBase, WindowedSolids};
 use crate::coverage::{MapOptions, SiteCoverage, StreamedMapper, Uav};
 use crate::earth::warn_of_flat_earth;
 use crate::error::{LimitError, RequestError, Result, Warning, warned};
@@ -45,7 +45,7 @@ pub(crate) fn reason_for_strips(job: &MapJob) -> Option<String> {
         let of_cells = (grid.n_cells() as u64).saturating_mul(per_cell);
         lacking(bytes.saturating_add(of_cells).saturating_add(ANY_WORK))
     };
-    // The mask with its outputs counts only if strips could make them.
+    // Bytes of outputs are a reason for strips only where strips can make them.
     let of_outputs = || {
         let format = |path: &PathBuf| Some((path.clone(), Format::of(path).ok()?));
         let outputs: Vec<_> = job.outputs.iter().filter_map(format).collect();
@@ -72,7 +72,7 @@ impl Shown {
     /// Returns the picture of a mask of this grid without any rows.
     fn new(grid: &GeoRef) -> Self {
         const LARGEST: usize = 2048;
-        let factor = grid.n_rows().max(grid.n_cols()).div_ceil(LARGEST).next_power_of_two().min(256);
+        let factor = grid.n_rows().max(grid.n_cols()).div_ceil(LARGEST).next_power_of_two().min(STRIP_ROWS);
         Shown { factor, n_cols: grid.n_cols(), classes: Vec::new() }
     }
 
@@ -181,7 +181,7 @@ fn strip_memory(job: &MapJob) -> Result<u64> {
     // A strip as it is read, as lines, and as it is written, with the terrain below it; then the
     // tiles of a GeoTIFF.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate")]
-    let strips = ((4.0 + finer) * (4 * 256 * n_rows.max(n_cols)) as f64) as u64;
+    let strips = ((4.0 + finer) * (4 * STRIP_ROWS * n_rows.max(n_cols)) as f64) as u64;
     let remembered = REMEMBERED_BYTES * n_rows.max(n_cols) as u64;
     Ok(n_cells / 8 * n_sets
         + n_cells * layer_bytes_per_cell(job)

@@ -2,7 +2,7 @@
 //!
 //! With `{site}` in the names of its files each UAV is a unit of work, with `{row}` and `{col}`
 //! each tile. The files of a unit hold `unit`, a hash of the inputs, the options, and the UAV or
-//! the tile. They appear once all of them are complete. A run that resumes keeps the files that
+//! the tile. All files of a unit appear at once, when the last is complete. A run that resumes keeps the files that
 //! exist.
 //!
 //! So an interrupted run continues at the unit where it stopped. Another program may start units
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::coverages::Coverages;
-use super::job::{Done, Given, GivenScene, MapJob};
+use super::job::{Done, Given, GivenScene, MapJob, names_tile};
 use super::strips::{check_strips, on_disk, reason_for_strips};
 use super::tiles::ROW_AND_COL;
 use super::units::{Found, Part, SITE, Unit, check_names, check_tiles, found, inputs, unit_of_all};
@@ -119,7 +119,6 @@ impl<'a> UnitRuns<'a> {
         let files: Vec<&PathBuf> = job.outputs.iter().chain(&job.curve.outputs).collect();
         let holds = |path: &Path, word: &str| path.to_string_lossy().contains(word);
         let names_site = |path: &Path| holds(path, SITE);
-        let names_tile = |path: &Path| ROW_AND_COL.iter().any(|word| holds(path, word));
         let n_sites = files.iter().filter(|path| names_site(path)).count();
         let n_tiles = files.iter().filter(|path| names_tile(path)).count();
         let kind = match (n_sites, n_tiles) {

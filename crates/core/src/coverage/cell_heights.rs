@@ -1,7 +1,7 @@
 //! Layers of heights, cell by cell: least receiver height, margin, and least height of the UAV.
 
 use super::HeightLayers;
-use super::row_bands::Row;
+use super::output_rows::Row;
 use super::view::{SeenReceivers, Threads, View};
 use crate::height_field::{HeightField, Place};
 use crate::los::{GridHeights, link_least_height, link_least_receiver_heights};

@@ -1,4 +1,5 @@
-//! Values of a mask. 255 wins over 3, 3 over 2, 2 over 0 and 1.
+//! Values of the mask of one UAV. A cell of several kinds has the first of 255, 3, 2 that holds;
+//! 0 and 1 are receivers in range.
 
 /// The receiver is not in line of sight.
 pub const NLOS: u8 = 0;

@@ -13,11 +13,11 @@ use crate::raster::CellWindow;
 pub enum KeepMasks {
     /// With the maps.
     Always,
-    /// Until all has been told of a map, so that memory does not grow with the number of UAVs: at
-    /// most [`maps_at_once`] are held.
+    /// Until `each` has returned, so that memory does not grow with the number of UAVs: at most
+    /// [`maps_at_once`] masks are held.
     UntilTold,
-    /// The mask of the only UAV is handed over part by part and never held, and layers of heights
-    /// are not made; of several UAVs as `UntilTold`.
+    /// One UAV: its mask is handed over part by part and never held, and no layers of heights are
+    /// made. Several UAVs: as `UntilTold`.
     Never,
 }
 
@@ -26,8 +26,7 @@ pub enum KeepMasks {
 pub struct ManyMaps {
     /// The maps; without masks and layers where they were not to be kept.
     pub sites: Vec<SiteCoverage>,
-    /// All masks laid over each other, for more than one UAV and for none, and where it is asked
-    /// for.
+    /// Layers over all UAVs. `None` for a single UAV, unless [`Together::even_of_one`] asks for them.
     pub overlay: Option<Overlay>,
 }
 

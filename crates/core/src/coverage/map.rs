@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::cell_classes::{RowSets, write_classes};
 use super::cell_heights::{CellHeights, FoundHeights};
-use super::row_bands::{BAND_CELLS, EachPart, HeightRows, Row, in_turns, summed};
+use super::output_rows::{BAND_CELLS, EachPart, HeightRows, Row, in_turns, summed};
 use super::stability::stability;
 use super::view::{Decided, Mapper, SeenReceivers, Threads, View};
 use super::{Control, HeightLayers, MapOptions, Stability, Tally, Uav};

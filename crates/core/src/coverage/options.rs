@@ -74,8 +74,8 @@ pub struct MapOptions {
     pub receivers: Receivers,
     /// Only cells of this set hold receivers, if there is one: those of a zone or an area.
     pub within: Option<BitGrid>,
-    /// The window of cells that is told of, all others only stand in the way; all cells without
-    /// one. Masks, layers and counts are those of the window.
+    /// Window of the cells with answers: masks, layers and counts hold these alone. Cells outside of
+    /// it can still hide receivers. `None` for all cells.
     pub window: Option<CellWindow>,
     /// Largest horizontal distance from the UAV to a cell center \[CRS units\].
     pub radius: Option<f64>,

@@ -11,10 +11,10 @@ use super::cell_heights::with_margin;
 use super::elevation::{RowElevations, padded_xs};
 use super::options::Stand;
 use super::range::{Heights, Range};
-use super::row_bands::{HeightRows, Row, summed};
+use super::output_rows::{HeightRows, Row, summed};
 use super::view::WindowedView;
 use super::{Control, MapOptions, SiteCoverage, Tally, Uav};
-use crate::city::{Ground, Solids, WindowedBase, WindowedSolids, row_bands};
+use crate::city::{Ground, Solids, WindowedBase, WindowedSolids, strips};
 use crate::error::{Error, Fault, MapError, Result};
 use crate::height_field::{GridPositions, HeightField, Station};
 use crate::los::{
@@ -128,7 +128,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let mut cells: Vec<BitGrid> = stands.iter().map(|_| BitGrid::new(grid.n_rows(), grid.n_cols())).collect();
         let mut ranges = vec![(i32::MAX, i32::MIN); stands.len()];
         let (mut max_top, mut lowest_known) = (VOID, None);
-        for window in row_bands(grid) {
+        for window in strips(grid) {
             control.check()?;
             let field = HeightField::build(&grid.part(window), scene.solids(window)?).field;
             max_top = max_top.max(field.max_top());
@@ -181,7 +181,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let mut heights = HeightRows::new(self.options.layers, grid.n_rows(), grid.n_cols());
         let mut total = Tally::default();
         let mut mask = Vec::new();
-        for window in row_bands(grid) {
+        for window in strips(grid) {
             control.check()?;
             let field = self.band(&view, window)?;
             let of_kind = |of: &StreamedReceivers| receivers_of(&field, of.stand, self.options.rx_height);
@@ -239,7 +239,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let mut wanted = range.cut_between(&receivers.cells, heights);
         if heights.0 < heights.1 && range.limits_elevations() {
             // The heights of single receivers are in the scene alone.
-            for window in row_bands(self.scene.grid()) {
+            for window in strips(self.scene.grid()) {
                 let field = self.band(view, window)?;
                 let receivers = receivers_of(&field, receivers.stand, self.options.rx_height);
                 range.drop_beyond(&receivers, window.row, &mut wanted);

@@ -12,7 +12,7 @@ use super::surface::{
 use super::systems::refuse_two_crs;
 use super::terrain::{Placed, looked_up, no_terrain_below, warning_of_other_grid};
 use crate::city::{City, Ground, NodataAs, Solids, Source};
-use crate::city::{WindowedBase, WindowedSolids, row_bands};
+use crate::city::{WindowedBase, WindowedSolids, strips};
 use crate::error::{OddFile, Pair, Result, Warning};
 use crate::formats::TileStore;
 use crate::input::Input;
@@ -136,7 +136,7 @@ impl StreamedSurface {
             }
         };
         let (mut surface, mut ground) = (Vec::new(), Vec::new());
-        for window in row_bands(&self.grid) {
+        for window in strips(&self.grid) {
             let Solids::Raster { surface: tops, ground: below, .. } = self.solids(window)? else { continue };
             highest(tops.cells(), &mut surface);
             if let Ground::Terrain(terrain) = below {
@@ -161,7 +161,7 @@ impl StreamedSurface {
             return Ok(());
         }
         let (mut above, mut n_void) = (0, 0);
-        for window in row_bands(&self.grid) {
+        for window in strips(&self.grid) {
             let mut cells = Vec::new();
             self.surface.read(window, &mut cells)?;
             let known = cells.iter().enumerate().filter(|(_, s)| **s != VOID);

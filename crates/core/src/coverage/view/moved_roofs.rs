@@ -68,8 +68,8 @@ impl MovedRoofs {
 /// Scene with all buildings as low, and as high, as errors of their heights let them be. Of a
 /// surface model alone, where buildings are not known, all columns are lower and higher.
 ///
-/// A receiver on a roof of a raster is as high as it may be where roofs are low, and as low where
-/// they are high. That bounds what is sure of it, whatever its own roof is.
+/// A receiver that stands on a roof of a raster moves the other way: up where roofs are low, down
+/// where they are high. So both bounds hold whatever the error of its own roof is.
 #[derive(Debug)]
 pub struct HeightBounds {
     pub(in crate::coverage) low: MovedRoofs,

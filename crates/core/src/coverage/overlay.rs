@@ -11,7 +11,7 @@ pub struct Together {
     pub which: bool,
     /// Nearest UAV that sees a cell.
     pub best_server: bool,
-    /// Layers even of the mask of a single UAV.
+    /// `true` for layers over a single UAV, too.
     pub even_of_one: bool,
     /// Place of each UAV in a list of all of them, of which some are mapped here, and its length.
     /// Without one, UAVs are numbered as they come.
@@ -151,7 +151,7 @@ impl Overlay {
     }
 }
 
-/// Returns the rank of a class: of several the lowest wins.
+/// Returns the rank of a class: a cell of the union has the class of the lowest rank in any mask.
 fn rank(class: u8) -> u8 {
     match class {
         class::LOS => 0,
