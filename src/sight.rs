@@ -3,7 +3,7 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use skyshed_request::{Earth, Range, Receiver, Receivers, Sight};
+use skyshed_request::{Earth, Receivers, Sight};
 
 use crate::city::{Antenna, GivenSite};
 use crate::coverage::{self, CheckedNumbers, HoversOver, MapOptions, Tally, Uav};
@@ -40,6 +40,8 @@ pub(crate) fn receivers_height(height_m: f64) -> Result<i32> {
 /// Checked question of line of sight, with all defaults filled in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SightPlan {
+    /// Question as it was asked.
+    asked: Sight,
     receivers: Receivers,
     rx_height_m: f64,
     /// Height of the receivers on the lattice \[1/1024 m\].
@@ -101,7 +103,7 @@ impl SightPlan {
         let (rx_height_m, radius_m) = (numbers.rx_height_m, numbers.radius_m);
         let CheckedNumbers { rx_height, antenna, curvature } = numbers.checked()?;
         let (receivers, method) = (sight.range.receiver_cells(), sight.range.engine());
-        Ok(SightPlan { receivers, rx_height_m, rx_height, radius_m, antenna, curvature, method })
+        Ok(SightPlan { asked: *sight, receivers, rx_height_m, rx_height, radius_m, antenna, curvature, method })
     }
 
     /// Returns the cells that hold receivers.
@@ -185,14 +187,15 @@ impl SightPlan {
         }
     }
 
-    /// Returns the sight as a question.
+    /// Returns the sight as a question of the live page, which has no choice of engines.
     pub(crate) fn asked(&self) -> Sight {
-        Sight {
-            receiver: Receiver { rx_height: Some(self.rx_height_m.into()) },
-            range: Range { receivers: Some(self.receivers), radius: self.radius_m, method: None },
-            antenna: self.antenna.into(),
-            earth: Earth { earth_k: self.curvature.map(|c| c.earth_k().into()), ..Earth::default() },
-        }
+        let mut asked = self.asked;
+        asked.receiver.rx_height = Some(self.rx_height_m.into());
+        asked.range.receivers = Some(self.receivers);
+        asked.range.method = None;
+        asked.antenna = self.antenna.into();
+        asked.earth = Earth { earth_k: self.curvature.map(|c| c.earth_k().into()), ..Earth::default() };
+        asked
     }
 
     /// Returns the facts for documents.

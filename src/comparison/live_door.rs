@@ -1,8 +1,10 @@
 //! Link from the page of a comparison to the live page of the same place.
 
+use serde_json::Value;
+use skyshed_request::{Sight, json};
+
 use super::outcome::Comparison;
 use crate::city::{Antenna, Site};
-use crate::height_field::Curvature;
 use crate::live::LivePage;
 use crate::picture::Look;
 use crate::render::gzip;
@@ -30,29 +32,33 @@ impl Comparison {
         let (scene, sight) = (&self.scene, self.report.sight);
         let page =
             LivePage::of(scene, &[first], sight, self.scene_words.clone()).and_then(|page| page.html(look)).ok()?;
-        let range = sight.radius_m().map(|r| r.to_string()).unwrap_or_default();
         Some(LivePacked {
             page: gzip(page.as_bytes()),
-            sight: format!(
-                "{},{},{range}{}",
-                sight.rx_height_m(),
-                sight.receivers().name(),
-                in_address(sight.antenna(), sight.curvature().map(Curvature::earth_k))
-            ),
+            sight: in_address(&sight.asked()),
             uavs: sites.iter().map(|site| site.as_ref().map(|s| format!("{},{},{}", s.x, s.y, s.height))).collect(),
         })
     }
 }
 
-/// Returns an antenna and k of the earth in the form of a live page's address. This is empty, or
-/// six numbers that may be empty, followed by k.
-fn in_address(antenna: Antenna, earth_k: Option<f64>) -> String {
-    if antenna == Antenna::default() && earth_k.is_none() {
-        return String::new();
+/// Returns a sight in the form of a live page's address: options in order, an empty word for one that
+/// is not set, then others as `name=JSON`.
+fn in_address(sight: &Sight) -> String {
+    const IN_ORDER: [&str; 8] =
+        ["rx_height", "receivers", "radius", "min_radius", "sector", "elevation", "beam", "earth_k"];
+    let mut members = json::set_members(sight);
+    let mut words: Vec<String> = Vec::new();
+    for name in IN_ORDER {
+        match (members.remove(name), name) {
+            (Some(Value::Array(pair)), _) => words.extend(pair.iter().map(Value::to_string)),
+            (Some(Value::String(text)), _) => words.push(text),
+            (Some(value), _) => words.push(value.to_string()),
+            (None, "sector" | "elevation") => words.extend([String::new(), String::new()]),
+            (None, _) => words.push(String::new()),
+        }
     }
-    let number = |v: Option<f64>| v.map_or(String::new(), |v| v.to_string());
-    let pair = |v: Option<[f64; 2]>| v.map_or(",".to_string(), |[a, b]| format!("{a},{b}"));
-    let Antenna { min_radius_m, sector_deg, elevation_deg, beam_deg } = antenna;
-    let k = earth_k.map_or(String::new(), |k| format!(",{k}"));
-    format!(",{},{},{},{}{k}", number(min_radius_m), pair(sector_deg), pair(elevation_deg), number(beam_deg))
+    while words.len() > 3 && words.last().is_some_and(String::is_empty) {
+        words.pop();
+    }
+    words.extend(members.iter().map(|(name, value)| format!("{name}={value}")));
+    words.join(",")
 }

@@ -6,6 +6,7 @@ use crate::part::part;
 
 part! {
     /// Receivers that the antennas of UAVs serve, unless a table of UAVs says so.
+    #[derive(Copy)]
     pub struct Antenna, SetAntenna {
         /// Least horizontal distance from the UAV to a receiver [m]
         #[arg(long, value_name = "M", value_parser = crate::words::number, allow_hyphen_values = true, hide_short_help = true)]

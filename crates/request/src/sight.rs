@@ -34,6 +34,7 @@ words! {
 
 part! {
     /// Height of the receivers.
+    #[derive(Copy)]
     pub struct Receiver, SetReceiver {
         /// Height of the receivers above ground or roof [m]
         #[arg(long, value_name = "M", allow_hyphen_values = true)]
@@ -53,6 +54,7 @@ impl Receiver {
 
 part! {
     /// Cells that hold receivers, the range of UAVs and the engine.
+    #[derive(Copy)]
     pub struct Range, SetRange {
         /// Cells that hold receivers: ground, street, roof, all …
         ///
@@ -89,6 +91,7 @@ impl Range {
 
 part! {
     /// Curve of the earth.
+    #[derive(Copy)]
     pub struct Earth, SetEarth {
         /// Curved earth of K times its radius: 4/3 for radio, 7/6 for light, 1 without refraction, inf for none
         ///
@@ -133,6 +136,8 @@ group! {
         earth: Earth,
     }
 }
+
+impl Copy for Sight {}
 
 crate::holds!(Sight: receiver Receiver, range Range, antenna Antenna, earth Earth);
 

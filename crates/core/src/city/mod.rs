@@ -24,4 +24,4 @@ pub use generated::BuiltUpCity;
 pub use height_sources::{HeightSource, HeightSources, SourceShare};
 pub use scene::{City, DataArea, Ground, NodataAs, Solids, Source};
 pub use site::{GivenSite, Site};
-pub use windowed::{WindowedBase, WindowedSolids, STRIP_ROWS, strips};
+pub use windowed::{STRIP_ROWS, WindowedBase, WindowedSolids, strips};

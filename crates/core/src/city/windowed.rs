@@ -33,5 +33,10 @@ pub const STRIP_ROWS: usize = 256;
 /// Splits a grid into strips of whole rows from the north, the last of what is left.
 pub fn strips(grid: &GeoRef) -> impl Iterator<Item = CellWindow> {
     let (n_rows, n_cols) = (grid.n_rows(), grid.n_cols());
-    (0..n_rows).step_by(STRIP_ROWS).map(move |row| CellWindow { row, col: 0, n_rows: STRIP_ROWS.min(n_rows - row), n_cols })
+    (0..n_rows).step_by(STRIP_ROWS).map(move |row| CellWindow {
+        row,
+        col: 0,
+        n_rows: STRIP_ROWS.min(n_rows - row),
+        n_cols,
+    })
 }
