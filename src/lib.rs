@@ -36,9 +36,9 @@
 //! | maps in units of work | [`Job`] | files |
 //!
 //! Options are the flags of the program: `--rx-height 2` is `.rx_height(2)`. The traits of the
-//! [`prelude`] set them on every request that has them; [`request`] has all types of options. Every
-//! answer has a document (JSON, with schemas in `docs/schema` of the repository), its warnings, and
-//! `save`, which writes the format of a file's extension.
+//! [`prelude`] set them on every request that has them; [`request`] has all types of options, and
+//! [`request::defaults`] their defaults. Every answer has a document (JSON, with schemas in `docs/schema`
+//! of the repository), its warnings, and `save`, which writes the format of a file's extension.
 //!
 //! Names that end in `_m` are in meters. Positions are in units of the scene's reference system.
 //! Heights of UAVs are above the ground, a roof or the datum: [`Height`]. Rasters have the shape
@@ -74,8 +74,6 @@
 //! ```no_run
 //! # use skyshed::prelude::*;
 //! # let seen = Scene::open("itu:urban")?.coverage(Uav::new(9.0, 9.0, Height::agl(80.0))).run()?;
-//! use skyshed::SaveOptions;
-//!
 //! seen.save("coverage.tif")?;
 //! seen.save_with("coverage.png", &SaveOptions::default().title("North tower").overwrite(true))?;
 //! # Ok::<(), skyshed::Error>(())
@@ -100,21 +98,32 @@
 //! let link = city.link(Uav::new(150.0, 100.0, Height::agl(60.0)), (30.0, 9.0), Height::agl(1.5))?;
 //! match link.obstruction() {
 //!     Some(obstacle) => println!("blocked at ({:.1}, {:.1})", obstacle.x, obstacle.y),
-//!     None => println!("clear by {:.1} m", link.margin_m().unwrap_or(f64::INFINITY)),
+//!     None => println!("a receiver {:.1} m lower would do", link.margin_m().unwrap_or(f64::INFINITY)),
 //! }
 //! # Ok::<(), skyshed::Error>(())
 //! ```
 //!
-//! Find the best place for streets:
+//! Find the best place for streets; `.goal("p_los(area)".parse()?)` with `.area("area.geojson")` counts a polygon's:
 //!
 //! ```
 //! # use skyshed::prelude::*;
 //! # let city = Scene::options().size(150.0).open("itu:urban")?;
-//! use skyshed::request::Goal;
-//!
 //! let streets: Goal = "p_los(street)".parse().expect("a goal");
 //! let found = city.placements([Height::agl(80.0)]).step(50.0).goal(streets).run()?;
-//! println!("{:?}", found.best());
+//! println!("{:?}, refined {:?}", found.best(), found.refined());
+//! # Ok::<(), skyshed::Error>(())
+//! ```
+//!
+//! Compare two placements: a negative difference is a second one that sees less.
+//!
+//! ```
+//! # use skyshed::prelude::*;
+//! # let city = Scene::options().size(200.0).open("itu:urban")?;
+//! let uavs = [40.0, 160.0].map(|x| Uav::new(x, 100.0, Height::agl(80.0)));
+//! let compared = city.compare(uavs).block(40.0).run()?.document();
+//! println!("{}", compared["verdict"]);
+//! println!("{} to {}", compared["pairs"][0]["ci_low"], compared["pairs"][0]["ci_high"]);
+//! # assert!(compared["pairs"][0]["difference"].is_f64());
 //! # Ok::<(), skyshed::Error>(())
 //! ```
 //!
@@ -140,7 +149,7 @@
 //! # Ok::<(), skyshed::Error>(())
 //! ```
 //!
-//! Show progress, and stop from another thread: [`Progress`].
+//! Show progress, and stop from another thread: see [`Progress`].
 //!
 //! Read a question from JSON, where members have the names of options:
 //!
@@ -240,14 +249,14 @@ pub use scene::{Scene, SceneReader};
 pub use skyshed_core::city::{Antenna, AntennaFault};
 pub use skyshed_core::coverage::Tally;
 pub use skyshed_core::coverage::class;
-pub use skyshed_core::los::MethodChoice;
+pub use skyshed_core::los::{MethodChoice, StepLength};
 pub use skyshed_core::quantity::Height;
-pub use skyshed_core::raster::GeoRef;
+pub use skyshed_core::raster::{Crs, GeoRef};
 pub use skyshed_core::zones::{Zone, ZoneMap};
 pub use skyshed_io::read::{HeldBuilding, HeldHeights};
 pub use skyshed_request as request;
 pub use skyshed_request::{
-    BaseRule, CompareOptions, CoverageQuestion, DataAreaChoice, GroundChoice, HeightErrors, HeightUnit, Layer,
+    BaseRule, CompareOptions, CoverageQuestion, DataAreaChoice, Goal, GroundChoice, HeightErrors, HeightUnit, Layer,
     LimitsOptions, MapRequest, MissingHeights, Parts, PictureOptions, Placement, PolygonClasses, Receivers, Roofs,
     SampleOptions, SaveOptions, SceneOptions, Sight, Source, TiffLayout, TrackOptions, Users, Writing, ZoneCount,
 };
@@ -260,7 +269,7 @@ use skyshed_study::{accuracy, city_statistics, los_probability, placement};
 
 /// Names that most programs need: types of questions, and the setters of their options.
 pub mod prelude {
-    pub use crate::{Antenna, Height, Layer, Progress, Receivers, Scene, Uav};
+    pub use crate::{Antenna, Goal, Height, Layer, Progress, Receivers, SaveOptions, Scene, Uav};
     pub use skyshed_request::{
         SetAntenna, SetCandidateOptions, SetCompareOptions, SetEarth, SetFiles, SetGoalOptions, SetHeightCurve,
         SetHeightErrors, SetLimitsOptions, SetMapForms, SetMapMemory, SetMapOptions, SetMapUnits, SetPictureOptions,

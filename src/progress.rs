@@ -15,10 +15,17 @@ use crate::coverage::Control;
 ///
 /// let city = Scene::options().size(100.0).open("itu:urban")?;
 /// let progress = Arc::new(Progress::default());
-/// // Another thread may call `share()`, or stop the run. Here it is stopped before it begins.
-/// progress.stop();
-/// let stopped = city.coverage(Uav::new(50.0, 50.0, Height::agl(100.0))).progress(&progress).run();
-/// assert_eq!(stopped.unwrap_err().kind(), ErrorKind::Interrupted);
+/// let request = city.coverage(Uav::new(50.0, 50.0, Height::agl(100.0))).progress(&progress);
+/// let stopped = std::thread::scope(|scope| {
+///     let run = scope.spawn(|| request.run());
+///     while !run.is_finished() {
+///         println!("{:.0} %", 100.0 * progress.share().unwrap_or(0.0));
+///         // Here for its own sake.
+///         progress.stop();
+///     }
+///     run.join().expect("no panic")
+/// });
+/// assert!(stopped.is_ok() || stopped.is_err_and(|error| error.kind() == ErrorKind::Interrupted));
 /// # Ok::<(), skyshed::Error>(())
 /// ```
 pub struct Progress {
@@ -58,14 +65,14 @@ impl fmt::Debug for Progress {
 
 impl Progress {
     /// Returns the share of the current work that is done, 0 to 1; `None` while no work is under
-    /// way.
+    /// way. Preparation before the first cell, such as bending a scene, counts as no work.
     pub fn share(&self) -> Option<f64> {
         let total = self.total.load(Ordering::Relaxed);
         #[expect(clippy::cast_precision_loss, reason = "a share for reading")]
         (total > 0).then(|| (self.done() as f64 / total as f64).min(1.0))
     }
 
-    /// Stops the run, which then returns an error of the class `Interrupted`.
+    /// Stops the run, which then returns an error of the kind `Interrupted`.
     pub fn stop(&self) {
         self.control.stop.store(true, Ordering::Relaxed);
     }

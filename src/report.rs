@@ -8,8 +8,8 @@ use std::sync::Arc;
 use serde_json::Value;
 use skyshed_io::Input;
 use skyshed_request::{
-    Antenna, CompareOptions, Earth, HeightErrors, LimitsOptions, PictureOptions, Range, Receiver, SampleOptions, Sight,
-    TrackOptions, Writing, json,
+    Antenna, CompareOptions, Earth, HeightErrors, LimitsOptions, Range, Receiver, SampleOptions, SaveOptions, Sight,
+    TrackOptions, json,
 };
 
 use crate::answer::{Answer, CommandFacts, saved};
@@ -64,20 +64,13 @@ impl Report {
         self.answer.table()
     }
 
-    /// Returns the answer in words, as the program prints it.
+    /// Returns the answer as the program prints it: in words, or as a table (CSV) of `compare` and
+    /// `sample`. The verdict of `compare` is the member `verdict` of the document.
     ///
     /// # Errors
     /// If a table cannot be written.
     pub fn text(&self) -> Result<String> {
         self.answer.text(&Look::default())
-    }
-
-    /// Writes a file, with the look of pictures and the rules of writing.
-    ///
-    /// # Errors
-    /// As [`Report::save`]; E116 for a look without a picture.
-    pub fn save_with(&self, path: impl AsRef<Path>, picture: PictureOptions, writing: Writing) -> Result<()> {
-        saved(&*self.answer, self.formats, path.as_ref(), (picture, writing))
     }
 
     /// Returns the warnings.
@@ -90,11 +83,26 @@ impl Report {
     /// # Errors
     /// E104–E109 for a file that cannot be written so; E106 if it exists; E401 if writing fails.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        saved(&*self.answer, self.formats, path.as_ref(), (PictureOptions::default(), Writing::default()))
+        saved(&*self.answer, self.formats, path.as_ref(), &SaveOptions::default())
+    }
+
+    /// Writes a file as `save` does, with options of pictures and of writing.
+    ///
+    /// # Errors
+    /// As `save`; E116 for options of maps, and for a look without a picture.
+    pub fn save_with(&self, path: impl AsRef<Path>, options: &SaveOptions) -> Result<()> {
+        saved(&*self.answer, self.formats, path.as_ref(), options)
     }
 }
 
-/// Request of a report about a scene. Its options are set by the traits of [`crate::prelude`].
+/// Request of a report about a scene. Traits of [`crate::prelude`] set its options, [`crate::request`]
+/// describes them:
+///
+/// | request | options |
+/// |---|---|
+/// | [`Scene::limits`], [`Scene::sample`] | [receiver](crate::request::Receiver), [range](crate::request::Range), [antenna](crate::request::Antenna), [earth](crate::request::Earth), and [`LimitsOptions`] or [`SampleOptions`] |
+/// | [`Scene::compare`] | the same, [errors of heights](HeightErrors), and [`CompareOptions`] |
+/// | [`Scene::track`] | [receiver](crate::request::Receiver), [earth](crate::request::Earth), and [`TrackOptions`] |
 #[derive(Debug, Clone)]
 #[must_use = "nothing is computed before `run`"]
 pub struct ReportRequest<Options> {

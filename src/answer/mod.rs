@@ -14,7 +14,7 @@ mod table;
 use std::path::Path;
 
 use serde_json::Value;
-use skyshed_request::{PictureOptions, Writing};
+use skyshed_request::{SaveOptions, json};
 
 pub(crate) use command::CommandFacts;
 pub(crate) use document::{
@@ -118,17 +118,14 @@ pub(crate) fn add_outputs(
 /// Writes an answer to a file in the format of its extension.
 ///
 /// # Errors
-/// E104–E109 for a file that cannot be written so; E106 if it exists; E116 for looks without a picture;
-/// E401 if writing fails.
-pub(crate) fn saved(
-    answer: &dyn Answer,
-    formats: &[Format],
-    path: &Path,
-    (picture, writing): (PictureOptions, Writing),
-) -> Result<()> {
+/// E104–E109 for a file that cannot be written so; E106 if it exists; E116 for looks without a picture,
+/// and for forms of a map; E401 if writing fails.
+pub(crate) fn saved(answer: &dyn Answer, formats: &[Format], path: &Path, options: &SaveOptions) -> Result<()> {
+    let SaveOptions { forms, picture, writing } = options;
+    json::refuse_others(&json::set_members(forms), &[], "but for files of a map")?;
     let rules = OutputRules { allowed: formats, inputs: &[], overwrite: writing.overwrite, bare: false };
     let outputs: Vec<Output> = check_outputs(&[path.to_path_buf()], rules)?;
-    let look = Look::checked(&picture, &writing, &outputs)?;
+    let look = Look::checked(picture, writing, &outputs)?;
     let mut batch = Batch::new(writing.overwrite);
     add_outputs(answer, &mut batch, &outputs, (&look, Spent::default()))?;
     Ok(batch.commit().map(|_| ())?)

@@ -7,6 +7,7 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
+use skyshed_request::SaveOptions;
 
 use crate::answer::{Answer, Head, RunFacts, Spent, WarningFacts, document_of, saved, warnings_of};
 use crate::city::Site;
@@ -140,6 +141,14 @@ pub struct LinkObstruction {
     pub roof_height_m: Option<f64>,
 }
 
+impl LinkObstruction {
+    /// Returns the height of the obstacle above the ray at the obstructing point \[m\]; `None` for
+    /// nodata that blocks everything.
+    pub fn depth_m(&self) -> Option<f64> {
+        self.roof_height_m.map(|roof_m| roof_m - self.ray_height_m)
+    }
+}
+
 /// One link.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct LinkDocument<'a> {
@@ -157,8 +166,10 @@ impl Link {
         self.found.los
     }
 
-    /// Returns the receiver height less the least height in line of sight \[m\]; `None` if no
-    /// receiver height is enough.
+    /// Returns the height by which the receiver could sink and stay in line of sight \[m\]: never more
+    /// than its own height. Negative: the height by which it would have to rise over its place. `None`
+    /// if no receiver height is enough. [`LinkObstruction::depth_m`] is how deep the ray runs below the
+    /// obstacle.
     pub fn margin_m(&self) -> Option<f64> {
         self.found.margin_m
     }
@@ -194,7 +205,15 @@ impl Link {
     /// E104–E106 for a file that cannot be written so; E109 for a picture of a vertical link; E401
     /// if writing fails.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        saved(self, &FORMATS, path.as_ref(), Default::default())
+        saved(self, &FORMATS, path.as_ref(), &SaveOptions::default())
+    }
+
+    /// Writes a file as `save` does, with options of pictures and of writing.
+    ///
+    /// # Errors
+    /// As `save`; E116 for options of maps, and for a look without a picture.
+    pub fn save_with(&self, path: impl AsRef<Path>, options: &SaveOptions) -> Result<()> {
+        saved(self, &FORMATS, path.as_ref(), options)
     }
 }
 

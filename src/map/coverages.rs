@@ -39,8 +39,9 @@ impl Coverages {
         &self.report.union
     }
 
-    /// Returns the number of UAVs that see each cell; 0 where there is no receiver. The shape is
-    /// `[n_rows, n_cols]`, columns running fastest, row 0 north.
+    /// Returns the number of UAVs that see each cell; 0 where there is no receiver, too. The shape is
+    /// `[n_rows, n_cols]`, columns running fastest, row 0 north. Shares of receivers are shares of
+    /// [`Coverages::union`]; [`Coverages::seen_by`] counts them.
     pub fn count(&self) -> Vec<u32> {
         match (&self.overlay, self.sites.first()) {
             (Some(overlay), _) => overlay.count().to_vec(),
@@ -49,6 +50,16 @@ impl Coverages {
             }
             (None, None) => vec![0; self.grid().n_cells()],
         }
+    }
+
+    /// Returns the numbers of receivers in range that no UAV, one UAV, two UAVs … see, as many as there
+    /// are UAVs and one more.
+    pub fn seen_by(&self) -> Vec<u64> {
+        let mut receivers = vec![0_u64; self.n_uavs() + 1];
+        self.count().into_iter().for_each(|n| receivers[n as usize] += 1);
+        let seen: u64 = receivers[1..].iter().sum();
+        receivers[0] = self.report.union.receivers - seen;
+        receivers
     }
 
     /// Returns the number of the nearest UAV that sees each cell, from 1 in the list of all, 0 where
@@ -90,7 +101,8 @@ impl Coverages {
         self.overlay.as_ref().map(Overlay::union).or_else(|| self.mask(0))
     }
 
-    /// Returns the grid of the cells: shape, extent, reference system.
+    /// Returns the grid of the cells: shape, extent, reference system. Of a raster and a range it is the
+    /// window in range, otherwise that of the scene.
     pub fn grid(&self) -> &GeoRef {
         self.scene.grid()
     }
@@ -172,7 +184,8 @@ impl Coverage {
     }
 
     /// Returns the class of each cell, of [`crate::class`]: 0 NLoS, 1 LoS, 2 no receiver, 3 out of
-    /// range, 255 no data. The shape is `[n_rows, n_cols]`, columns running fastest, row 0 north.
+    /// range, 255 no data. The shape is `[n_rows, n_cols]` of [`Coverage::grid`], columns running
+    /// fastest, row 0 north. Of a raster and a range this grid is the window in range.
     pub fn mask(&self) -> &[u8] {
         &self.0.sites[0].mask
     }
@@ -184,7 +197,8 @@ impl Coverage {
         self.0.layer(0, layer)
     }
 
-    /// Returns the grid of the cells: shape, extent, reference system.
+    /// Returns the grid of the cells: shape, extent, reference system. Of a raster and a range it is the
+    /// window in range, otherwise that of the scene.
     pub fn grid(&self) -> &GeoRef {
         self.0.grid()
     }

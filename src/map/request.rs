@@ -38,6 +38,11 @@ impl Scene {
 
 /// Request of a map: receivers, range, layers. `Answer` is [`Coverage`] of one UAV, [`Coverages`]
 /// of many.
+///
+/// Traits of [`crate::prelude`] set its options: [receiver](skyshed_request::Receiver),
+/// [range](skyshed_request::Range), [antenna](skyshed_request::Antenna), [earth](skyshed_request::Earth),
+/// [errors of heights](skyshed_request::HeightErrors), [layers](skyshed_request::MapOptions). Unset ones
+/// have the defaults of [`crate::request::defaults`].
 #[derive(Debug, Clone)]
 #[must_use = "nothing is made before `run`"]
 pub struct CoverageRequest<Answer> {

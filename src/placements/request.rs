@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use skyshed_request::{
     Antenna, CandidateOptions, Earth, GoalOptions, HeightErrors, Heights, PlaceFiles, PlaceQuestion, Range, Receiver,
-    SetCandidateOptions,
+    SaveOptions, SetCandidateOptions,
 };
 
 use super::report::{PlaceFacts, PlaceValue};
@@ -28,7 +28,10 @@ impl Scene {
     }
 }
 
-/// Request of placement over a scene.
+/// Request of placement over a scene. Traits of [`crate::prelude`] set its options:
+/// [candidates](CandidateOptions), [goal](GoalOptions), [receiver](Receiver), [range](Range),
+/// [antenna](Antenna), [earth](Earth), [errors of heights](HeightErrors). Unset ones have the defaults of
+/// [`crate::request::defaults`].
 #[derive(Debug, Clone)]
 #[must_use = "nothing is searched before `run`"]
 pub struct PlacementsRequest {
@@ -61,15 +64,24 @@ impl PlacementsRequest {
 
 impl Placements {
     /// Returns the candidates, best first. Their heights are above the datum, in whatever way they
-    /// were requested.
+    /// were requested. Candidates inside of buildings are left out; the document counts them as
+    /// `skipped`.
     pub fn ranked(&self) -> impl ExactSizeIterator<Item = Uav> {
         self.report.ranked.iter().map(uav_of)
     }
 
     /// Returns the best candidate, with its height above the datum. `None` if no receiver is wanted
-    /// or no candidate reaches the goal.
+    /// or no candidate reaches the goal. A finer search around it is [`Placements::refined`].
     pub fn best(&self) -> Option<Uav> {
         self.report.winner.as_ref().ok().map(uav_of)
+    }
+
+    /// Returns the end of a search around the best candidate, in steps down to a cell, and its share
+    /// of the wanted receivers.
+    ///
+    /// There is none for several UAVs, for goals that are no shares, and for candidates of a file.
+    pub fn refined(&self) -> Option<(Uav, Option<f64>)> {
+        self.report.refined.as_ref().map(|(place, _)| (uav_of(place), share_of(place)))
     }
 
     /// Returns the UAVs that together see most, in the order of choice. For one UAV this is the
@@ -84,11 +96,7 @@ impl Placements {
     /// Returns the share of the wanted receivers that a candidate sees. `None` for another goal,
     /// and for a UAV that is not in [`Placements::ranked`].
     pub fn share(&self, uav: Uav) -> Option<f64> {
-        let place = self.report.ranked.iter().find(|place| uav_of(place) == uav)?;
-        match place.value {
-            PlaceValue::Counts(score) | PlaceValue::Weighted(score) => score.share(),
-            PlaceValue::Margin(_) => None,
-        }
+        share_of(self.report.ranked.iter().find(|place| uav_of(place) == uav)?)
     }
 
     /// Returns the warnings.
@@ -108,7 +116,22 @@ impl Placements {
     /// # Errors
     /// E104–E109 for a file that cannot be written so; E106 if it exists; E401 if writing fails.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        saved(self, &FORMATS, path.as_ref(), Default::default())
+        saved(self, &FORMATS, path.as_ref(), &SaveOptions::default())
+    }
+
+    /// Writes a file as `save` does, with options of pictures and of writing.
+    ///
+    /// # Errors
+    /// As `save`; E116 for options of maps, and for a look without a picture.
+    pub fn save_with(&self, path: impl AsRef<Path>, options: &SaveOptions) -> Result<()> {
+        saved(self, &FORMATS, path.as_ref(), options)
+    }
+}
+
+fn share_of(place: &PlaceFacts) -> Option<f64> {
+    match place.value {
+        PlaceValue::Counts(score) | PlaceValue::Weighted(score) => score.share(),
+        PlaceValue::Margin(_) => None,
     }
 }
 

@@ -5,7 +5,8 @@ use std::path::Path;
 use serde_json::Value;
 
 use skyshed_request::{
-    FilePath, IntoValue, PlosEffort, PlosOptions, PlosRequest, Receiver, SceneOptions, SetPlosOptions, SweepOptions,
+    FilePath, IntoValue, PlosEffort, PlosOptions, PlosRequest, Receiver, SaveOptions, SceneOptions, SetPlosOptions,
+    SweepOptions,
 };
 
 use super::report::PlosRow;
@@ -28,7 +29,9 @@ use crate::error::{Result, Warning};
 #[derive(Debug)]
 pub struct PLos(PlosStudy);
 
-/// Request of P_LoS: cities, methods, and the quantities that vary.
+/// Request of P_LoS: cities, methods, and the quantities that vary. Traits of [`crate::prelude`] set its
+/// options: [methods and users](PlosOptions), [quantities that vary](SweepOptions), [receiver](Receiver),
+/// [effort](PlosEffort), [cities in files](SceneOptions). Without a height the UAV is 100 m above ground.
 #[derive(Debug, Clone)]
 #[must_use = "nothing is computed before `run`"]
 pub struct PLosRequest {
@@ -97,7 +100,15 @@ impl PLos {
     /// E104–E106 for a file that cannot be written so; E124 for a plot of too much; E401 if writing
     /// fails.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        saved(&self.0, &FORMATS, path.as_ref(), Default::default())
+        saved(&self.0, &FORMATS, path.as_ref(), &SaveOptions::default())
+    }
+
+    /// Writes a file as `save` does, with options of pictures and of writing.
+    ///
+    /// # Errors
+    /// As `save`; E116 for options of maps, and for a look without a picture.
+    pub fn save_with(&self, path: impl AsRef<Path>, options: &SaveOptions) -> Result<()> {
+        saved(&self.0, &FORMATS, path.as_ref(), options)
     }
 }
 

@@ -17,8 +17,7 @@ impl SceneReader {
     ///
     /// ```
     /// use skyshed::prelude::*;
-    /// use skyshed_core::raster::GeoRef;
-    /// use skyshed_io::read::HeldHeights;
+    /// use skyshed::{GeoRef, HeldHeights};
     ///
     /// let georef = GeoRef::new((0.0, 50.0), (1.0, 1.0), (50, 60), None).expect("a grid");
     /// // A wall of 9 m from north to south, on flat ground.

@@ -55,6 +55,35 @@ fn a_link_is_that_of_the_program() -> Result<(), skyshed::Error> {
     Ok(())
 }
 
+#[test]
+fn answers_tell_what_their_documents_tell() -> Result<(), skyshed::Error> {
+    let folder = Folder::new();
+    let city = Scene::options().size(200.0).seed(3).open("itu:urban")?;
+    let uavs = [40.0, 150.0].map(|x| Uav::new(x, 60.0, Height::agl(90.0)));
+    let seen = city.coverages(uavs.clone()).run()?;
+    let compared = city.compare(uavs).run()?.document();
+    assert_eq!(serde_json::json!(seen.seen_by()), compared["seen_by"]);
+
+    let found = city.placements([Height::agl(90.0)]).step(50.0).run()?;
+    let (refined, share) = found.refined().unwrap();
+    let best = found.share(found.best().unwrap());
+    assert!(share >= best && share.is_some(), "{refined:?}: {share:?}, {best:?}");
+    assert_eq!(found.document()["refined"]["p_los"].as_f64(), share);
+
+    let link = city.link(Uav::new(40.0, 60.0, Height::agl(60.0)), (190.0, 190.0), Height::agl(1.5))?;
+    let told = link.document();
+    let above = |name: &str| told["obstruction"][name].as_f64().unwrap();
+    let depth = link.obstruction().and_then(skyshed::LinkObstruction::depth_m);
+    assert_eq!(depth, Some(above("roof_height_m") - above("ray_height_m")));
+
+    let (path, look) = (folder.join("link.png"), || SaveOptions::default().title("A link").overwrite(true));
+    link.save_with(&path, &look())?;
+    link.save_with(&path, &look())?;
+    let refused = link.save_with(&path, &look().bare(true)).expect_err("a link has no bare picture");
+    assert_eq!(refused.code(), "E116");
+    Ok(())
+}
+
 /// A document without what differs between any two doors: words, times, names of tables.
 fn answer(mut document: serde_json::Value) -> serde_json::Value {
     fn forget(value: &mut serde_json::Value) {

@@ -57,6 +57,10 @@ impl Field for bool {
 /// A value that a setter takes for a `T`.
 ///
 /// Unlike `Into`, one type alone takes whole numbers, so that `seed(7)` needs no suffix.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no value of this option",
+    note = "the option takes a value of `{T}`; lists are arrays, as in `.height([100.0])`"
+)]
 pub trait IntoValue<T> {
     /// Converts the value.
     fn into_value(self) -> T;
@@ -107,6 +111,13 @@ pub fn filled<T: Default>(given: Option<T>, default: Option<T>) -> T {
     given.or(default).unwrap_or_default()
 }
 
+/// The type of a set value of a field: signatures of setters show it as it is.
+macro_rules! value {
+    (Option<$Value:ty>) => { $Value };
+    (Vec<$Value:ty>) => { Vec<$Value> };
+    (bool) => { bool };
+}
+
 /// Defines a part of a question: a struct whose fields are options.
 ///
 /// A field has its documentation, which is the help of its flag and the description in JSON Schema, and
@@ -119,7 +130,7 @@ macro_rules! part {
     (
         $(#[$attribute:meta])*
         pub struct $Name:ident, $Setters:ident {
-            $($(#[doc = $doc:literal])* $(#[arg($($arg:tt)*)])? $field:ident: $Type:ty),* $(,)?
+            $($(#[doc = $doc:literal])* $(#[arg($($arg:tt)*)])? $field:ident: $Kind:ident $(<$Inner:ty>)?),* $(,)?
         }
     ) => {
         #[derive(Debug, Clone, Default, PartialEq, ::serde::Serialize, ::serde::Deserialize, ::schemars::JsonSchema)]
@@ -128,7 +139,7 @@ macro_rules! part {
         #[serde(default)]
         $(#[$attribute])*
         pub struct $Name {
-            $($(#[doc = $doc])* $(#[cfg_attr(feature = "words", arg($($arg)*))])? pub $field: $Type),*
+            $($(#[doc = $doc])* $(#[cfg_attr(feature = "words", arg($($arg)*))])? pub $field: $Kind $(<$Inner>)?),*
         }
 
         impl AsMut<$Name> for $Name {
@@ -141,7 +152,7 @@ macro_rules! part {
         pub trait $Setters: AsMut<$Name> + Sized {
             $($(#[doc = $doc])*
             #[must_use]
-            fn $field(mut self, value: impl $crate::IntoValue<<$Type as $crate::Field>::Value>) -> Self {
+            fn $field(mut self, value: impl $crate::IntoValue<$crate::part::value!($Kind $(<$Inner>)?)>) -> Self {
                 $crate::Field::set(&mut AsMut::<$Name>::as_mut(&mut self).$field, value.into_value());
                 self
             })*
@@ -208,4 +219,4 @@ macro_rules! group {
     };
 }
 
-pub(crate) use {group, part};
+pub(crate) use {group, part, value};

@@ -9,6 +9,9 @@ use sha2::{Digest, Sha256};
 
 /// A file by its path, or the bytes of one in memory under a name.
 ///
+/// Setters take a path as it is: `.area("zone.geojson")`. Bytes in memory are
+/// `.area(Source::held("zone.geojson", bytes))`.
+///
 /// JSON holds the path, or the name and the SHA-256 of the bytes. So a request over inputs in memory has an
 /// identity, and names no temporary file; it cannot be read back.
 #[derive(Debug, Clone, PartialEq, Eq)]
