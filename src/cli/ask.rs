@@ -174,7 +174,7 @@ pub fn p_los(
     progress: &Progress,
 ) -> std::result::Result<Vec<Option<f64>>, Refusal> {
     let question: CoverageQuestion = read(options)?;
-    let sight = CoverageQuestion { sight: question.sight.clone(), ..CoverageQuestion::default() };
+    let sight = CoverageQuestion { sight: question.sight, ..CoverageQuestion::default() };
     let counted =
         CoverageQuestion { map: MapOptions { tolerance: question.map.tolerance, ..sight.map.clone() }, ..sight };
     let names: Members = json::set_members(&counted);

@@ -61,7 +61,7 @@ impl TrackPlan {
         options: &TrackOptions,
         (receiver, earth): (&Receiver, &Earth),
     ) -> Result<TrackPlan> {
-        let sight = Sight { receiver: receiver.clone(), earth: earth.clone(), ..Sight::default() };
+        let sight = Sight { receiver: *receiver, earth: *earth, ..Sight::default() };
         let plan = TrackPlan {
             uav,
             track,

@@ -23,9 +23,9 @@ pub(in crate::cli) fn run(request: &LinkRequest, run: &Run) -> Result<()> {
     let site = site_of(request.link.uav.as_deref().unwrap_or_default(), "1".into())?;
     let range = Range { radius: request.link.radius, ..Range::default() };
     let sight = SightPlan::of(&Sight {
-        receiver: request.receiver.clone(),
+        receiver: request.receiver,
         range,
-        earth: request.earth.clone(),
+        earth: request.earth,
         ..Sight::default()
     })?;
     let radius_m = sight.radius_m();
