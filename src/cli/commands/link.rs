@@ -22,12 +22,7 @@ pub(in crate::cli) fn run(request: &LinkRequest, run: &Run) -> Result<()> {
     run.refuse_data_area(&json::set_members(request))?;
     let site = site_of(request.link.uav.as_deref().unwrap_or_default(), "1".into())?;
     let range = Range { radius: request.link.radius, ..Range::default() };
-    let sight = SightPlan::of(&Sight {
-        receiver: request.receiver,
-        range,
-        earth: request.earth,
-        ..Sight::default()
-    })?;
+    let sight = SightPlan::of(&Sight { receiver: request.receiver, range, earth: request.earth, ..Sight::default() })?;
     let radius_m = sight.radius_m();
     let (receiver, height) =
         parse_receiver(request.link.rx.as_deref().unwrap_or_default(), request.receiver.rx_height_m())?;
