@@ -216,8 +216,10 @@ def test_tables_are_those_of_the_program(tmp_path: Path) -> None:
     words = ["sample", "itu:urban", "--size", 300, "--zones", "street:20,rooftop:10", "--height", 100, "--radius", 150]
     by_program = program(*words)
     sample = Scene.itu("urban", size=300).sample({"street": 20, "rooftop": 10}, height=100, radius=150)
-    parts = [name for name in by_program if name not in ("command", "timing_s")]
+    parts = [name for name in by_program if name not in ("command", "request", "timing_s")]
     assert len(parts) > 5 and all(sample[name] == by_program[name] for name in parts)
+    # Cities in Python always name their seed.
+    assert sample["request"] == {**by_program["request"], "seed": 1}
     by_program = program("plos", "itu:urban", "--height", 100, "--theta", "30,60")
     found = skyshed.plos("itu:urban", height=100, theta=[30, 60])
     assert {k: v for k, v in found.document.items() if k not in ("command", "timing_s")} == {
