@@ -188,8 +188,8 @@ impl LivePage {
 
     /// Returns the facts for the script of the page.
     fn facts_of_page(&self, title: &str, look: &Look) -> Value {
-        let sight = questions::PageSight { sight: self.sight.asked(), ..Default::default() };
-        let defaults = SightPlan::of(&Sight::default()).map(|plan| set_members(&plan.asked())).unwrap_or_default();
+        let sight = questions::PageSight { sight: self.sight.of_page(), ..Default::default() };
+        let defaults = SightPlan::of(&Sight::default()).map(|plan| set_members(&plan.of_page())).unwrap_or_default();
         let grid = self.scene.grid();
         let crs = grid
             .crs()

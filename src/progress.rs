@@ -16,16 +16,16 @@ use crate::coverage::Control;
 /// let city = Scene::options().size(100.0).open("itu:urban")?;
 /// let progress = Arc::new(Progress::default());
 /// let request = city.coverage(Uav::new(50.0, 50.0, Height::agl(100.0))).progress(&progress);
-/// let stopped = std::thread::scope(|scope| {
-///     let run = scope.spawn(|| request.run());
+/// std::thread::scope(|scope| {
+///     let run = scope.spawn(|| request.clone().run());
 ///     while !run.is_finished() {
 ///         println!("{:.0} %", 100.0 * progress.share().unwrap_or(0.0));
-///         // Here for its own sake.
-///         progress.stop();
+///         std::thread::sleep(std::time::Duration::from_millis(20));
 ///     }
-///     run.join().expect("no panic")
 /// });
-/// assert!(stopped.is_ok() || stopped.is_err_and(|error| error.kind() == ErrorKind::Interrupted));
+/// // Any thread may stop the run; here it is stopped before it begins.
+/// progress.stop();
+/// assert_eq!(request.run().unwrap_err().kind(), ErrorKind::Interrupted);
 /// # Ok::<(), skyshed::Error>(())
 /// ```
 pub struct Progress {

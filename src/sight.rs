@@ -40,8 +40,7 @@ pub(crate) fn receivers_height(height_m: f64) -> Result<i32> {
 /// Checked question of line of sight, with all defaults filled in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SightPlan {
-    /// Question as it was asked.
-    asked: Sight,
+    question: Sight,
     receivers: Receivers,
     rx_height_m: f64,
     /// Height of the receivers on the lattice \[1/1024 m\].
@@ -103,7 +102,7 @@ impl SightPlan {
         let (rx_height_m, radius_m) = (numbers.rx_height_m, numbers.radius_m);
         let CheckedNumbers { rx_height, antenna, curvature } = numbers.checked()?;
         let (receivers, method) = (sight.range.receiver_cells(), sight.range.engine());
-        Ok(SightPlan { asked: *sight, receivers, rx_height_m, rx_height, radius_m, antenna, curvature, method })
+        Ok(SightPlan { question: *sight, receivers, rx_height_m, rx_height, radius_m, antenna, curvature, method })
     }
 
     /// Returns the cells that hold receivers.
@@ -187,15 +186,15 @@ impl SightPlan {
         }
     }
 
-    /// Returns the sight as a question of the live page, which has no choice of engines.
-    pub(crate) fn asked(&self) -> Sight {
-        let mut asked = self.asked;
-        asked.receiver.rx_height = Some(self.rx_height_m.into());
-        asked.range.receivers = Some(self.receivers);
-        asked.range.method = None;
-        asked.antenna = self.antenna.into();
-        asked.earth = Earth { earth_k: self.curvature.map(|c| c.earth_k().into()), ..Earth::default() };
-        asked
+    /// Returns the question as a live page asks it, whose engine is its own.
+    pub(crate) fn of_page(&self) -> Sight {
+        let mut question = self.question;
+        question.receiver.rx_height = Some(self.rx_height_m.into());
+        question.range.receivers = Some(self.receivers);
+        question.range.method = None;
+        question.antenna = self.antenna.into();
+        question.earth = Earth { earth_k: self.curvature.map(|c| c.earth_k().into()), ..Earth::default() };
+        question
     }
 
     /// Returns the facts for documents.

@@ -179,7 +179,7 @@ pub(super) fn check_use(shared: &Shared<'_>, draws: bool) -> Result<()> {
     if !draws && options.seed.is_some() && !shared.scenes.iter().any(is_generated) {
         return Err(Error::idle("seed", "for a city in a file: nothing is drawn").into());
     }
-    if options.hash && shared.scenes.iter().all(is_generated) && json::files_read(&shared.members).is_empty() {
+    if options.hash && shared.scenes.iter().all(is_generated) && json::files_read(&(shared.members)()).is_empty() {
         return Err(Error::idle("hash", "without a file that is read").into());
     }
     Ok(())
@@ -191,8 +191,8 @@ pub(super) struct Shared<'a> {
     pub(super) scenes: Vec<&'a OsStr>,
     pub(super) reading: &'a Reading,
     pub(super) out: &'a OutputOptions,
-    /// All options that were set.
-    pub(super) members: Map<String, Value>,
+    /// Returns all options that were set.
+    pub(super) members: Box<dyn Fn() -> Map<String, Value> + 'a>,
 }
 
 /// Refuses a scene that is no file but the name of a built-up environment, which needs the prefix
@@ -244,7 +244,7 @@ impl<'a> RepairsFile<'a> {
             bare: false,
         };
         let output = check_outputs(std::slice::from_ref(&path.0), rules)?.pop();
-        if let Some(other) = json::files(members).into_iter().find(|other| is_same_file(path, Path::new(other))) {
+        if let Some(other) = json::files(&members()).into_iter().find(|other| is_same_file(path, Path::new(other))) {
             let text = format!("cannot write {}: it is {other}, which this run needs too", path.display());
             return Err(refusal_with(105, text, "give the repairs a name of their own"));
         }

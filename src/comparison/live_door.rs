@@ -34,31 +34,17 @@ impl Comparison {
             LivePage::of(scene, &[first], sight, self.scene_words.clone()).and_then(|page| page.html(look)).ok()?;
         Some(LivePacked {
             page: gzip(page.as_bytes()),
-            sight: in_address(&sight.asked()),
+            sight: in_address(&sight.of_page()),
             uavs: sites.iter().map(|site| site.as_ref().map(|s| format!("{},{},{}", s.x, s.y, s.height))).collect(),
         })
     }
 }
 
-/// Returns a sight in the form of a live page's address: options in order, an empty word for one that
-/// is not set, then others as `name=JSON`.
+/// Returns a sight in the form of a live page's address: `name=JSON` for each option that is set.
 fn in_address(sight: &Sight) -> String {
-    const IN_ORDER: [&str; 8] =
-        ["rx_height", "receivers", "radius", "min_radius", "sector", "elevation", "beam", "earth_k"];
-    let mut members = json::set_members(sight);
-    let mut words: Vec<String> = Vec::new();
-    for name in IN_ORDER {
-        match (members.remove(name), name) {
-            (Some(Value::Array(pair)), _) => words.extend(pair.iter().map(Value::to_string)),
-            (Some(Value::String(text)), _) => words.push(text),
-            (Some(value), _) => words.push(value.to_string()),
-            (None, "sector" | "elevation") => words.extend([String::new(), String::new()]),
-            (None, _) => words.push(String::new()),
-        }
-    }
-    while words.len() > 3 && words.last().is_some_and(String::is_empty) {
-        words.pop();
-    }
-    words.extend(members.iter().map(|(name, value)| format!("{name}={value}")));
-    words.join(",")
+    let word = |(name, value): (String, Value)| {
+        let json = value.to_string();
+        format!("{name}={}", json.replace('"', "%22").replace(',', "%2C").replace('[', "%5B").replace(']', "%5D"))
+    };
+    json::set_members(sight).into_iter().map(word).collect::<Vec<_>>().join(",")
 }

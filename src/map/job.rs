@@ -228,11 +228,11 @@ impl MapJob {
         request.reading.options.hash = false;
         request.uavs = Uavs { uav: part.uav.iter().map(ToString::to_string).collect(), ..Uavs::default() };
         request.coverage.sight.antenna = antenna.into();
-        let mut flags = request.question();
-        flags.units.tile_size = request.units.tile_size;
-        (flags.scene, flags.uavs, flags.out) = Default::default();
+        request.units.tile = part.tile.into_iter().collect();
+        let mut flags = request.clone();
+        (flags.scene, flags.uavs, flags.out, flags.units.tile) = Default::default();
         flags.coverage.sight.antenna = Default::default();
-        let mut flags = json::set_members(&flags);
+        let mut flags = json::question(json::set_members(&flags));
         flags.sort_keys();
         let antenna = json::set_members(&request.coverage.sight.antenna);
         let uav = part.uav.map(|uav| ["--uav".into(), uav.to_string()]);

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use skyshed_request::{ANSWERS_VERSION, Layer, Position, SceneWord, TileIndex, Uavs, json};
+use skyshed_request::{ANSWERS_VERSION, Layer, MapUnits, Position, SceneWord, TileIndex, Uavs, json};
 
 use super::job::{MapJob, PartWords};
 use super::tiles::{ROW_AND_COL, Tile};
@@ -211,15 +211,16 @@ fn identity_of(given: &GivenSite) -> Value {
 /// The hashed text is canonical JSON. Equal questions have equal hashes, whatever was typed and
 /// whatever this program calls its types.
 fn unit(job: &MapJob, part: &Value, inputs: &str) -> String {
-    let mut question = job.request.question();
+    let mut question = job.request.clone();
     question.uavs = Uavs::default();
+    question.units = MapUnits::default();
     // A file has many names; the inputs identify it by one.
     if built_up(&job.word).is_none() {
         question.scene = SceneWord::default();
     }
     question.reading.options.terrain = None;
     question.reading.options.hash = false;
-    let question = json::filled_members(&question);
+    let question = json::question(json::filled_members(&question));
     let identity = json!({ "answers": ANSWERS_VERSION, "question": question, "of": part, "inputs": inputs });
     let mut hasher = Sha256::default();
     hasher.update(json::canonical(&identity));

@@ -96,7 +96,7 @@ fn with_value(like: Height, value: f64) -> Height {
 /// Refuses a range of which some numbers are in feet and others are not.
 ///
 /// # Errors
-/// What was found and wanted.
+/// The text that was found, and the form wanted.
 pub fn one_unit(range: &str) -> Result<(), String> {
     let parts: Vec<&str> = range.split(':').collect();
     match parts.iter().filter(|part| part.contains("ft")).count() {

@@ -30,19 +30,19 @@ fn is_unset(value: &Value) -> bool {
     }
 }
 
-/// Returns the members of a question: those of a request without its run, which are names of files to
-/// write, rules of writing, effort, units of work and memory.
+/// Returns the members of a question: those of a request without its run. Of the run are names of files to
+/// write, replacing them, effort, memory, and how units of work are handed out.
 pub fn question(members: Map<String, Value>) -> Map<String, Value> {
     let parts = [
         serde_json::to_value(crate::Files::default()),
         serde_json::to_value(crate::Effort::default()),
         serde_json::to_value(crate::Table::default()),
         serde_json::to_value(crate::Repairs::default()),
-        serde_json::to_value(crate::MapUnits::default()),
         serde_json::to_value(crate::MapMemory::default()),
     ];
     let is_of_run = |name: &str| {
-        ["overwrite", "height_curve"].contains(&name) || parts.iter().flatten().any(|part| part.get(name).is_some())
+        ["height_curve", "overwrite", "resume", "shard"].contains(&name)
+            || parts.iter().flatten().any(|part| part.get(name).is_some())
     };
     members.into_iter().filter(|(name, _)| !is_of_run(name)).collect()
 }

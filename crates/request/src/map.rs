@@ -216,22 +216,6 @@ crate::holds!(MapRequest: scene SceneWord, reading.options SceneOptions, reading
     forms MapForms, units MapUnits, memory MapMemory, picture PictureOptions);
 
 impl MapRequest {
-    /// Returns the question without its run: without names of files, effort, units of work and memory.
-    #[must_use]
-    pub fn question(&self) -> MapRequest {
-        MapRequest {
-            reading: Reading { options: self.reading.options.clone(), ..Reading::default() },
-            curve: HeightCurve { height_curve: Vec::new(), ..self.curve.clone() },
-            out: OutputOptions {
-                writing: Writing { csv_text: self.out.writing.csv_text, ..Writing::default() },
-                ..OutputOptions::default()
-            },
-            units: MapUnits::default(),
-            memory: MapMemory::default(),
-            ..self.clone()
-        }
-    }
-
     /// Returns the options of files.
     pub fn save_options(&self) -> SaveOptions {
         let MapRequest { forms, picture, out, .. } = self;

@@ -158,7 +158,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
     /// north. The coverage that is returned holds the layers of heights, but no mask.
     ///
     /// # Errors
-    /// Those of the scene and of `visit`, E118 for an earth so curved that heights would leave the
+    /// Errors of the scene and of `visit`, E118 for an earth so curved that heights would leave the
     /// lattice, and that of [`super::View::map`] when `control.stop` was set.
     pub fn map(
         &self,

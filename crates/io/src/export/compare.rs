@@ -35,7 +35,7 @@ pub struct Comparison<'a> {
 /// * `count`: number of placements that see a cell. Nodata where it is a receiver of none.
 ///
 /// # Errors
-/// Those of [`Batch::add`] and of the encoder.
+/// Errors of [`Batch::add`] and of the encoder.
 pub fn add_comparison(batch: &mut Batch, comparison: &Comparison<'_>, path: &Path) -> Result<()> {
     let Comparison { ids, masks, overlay, .. } = comparison;
     let differences: Vec<(String, Vec<u8>)> = comparison

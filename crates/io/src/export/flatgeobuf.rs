@@ -28,7 +28,7 @@ pub struct PolygonFile<'a> {
 /// CRS is stored by its EPSG code and as WKT, the provenance as the metadata of the file.
 ///
 /// # Errors
-/// Those of [`Batch::add`]; E402 if the polygons cannot be encoded.
+/// Errors of [`Batch::add`]; E402 if the polygons cannot be encoded.
 pub fn add_flatgeobuf(batch: &mut Batch, file: &PolygonFile<'_>, path: &Path) -> Result<()> {
     let bytes = encode(file).map_err(|cause| Error::encode(path.display(), cause))?;
     batch.add(path, &bytes)

@@ -133,7 +133,7 @@ fn add_geotiff(batch: &mut Batch, result: &MapResult<'_>, path: &Path) -> Result
 /// Adds the GeoTIFF of one UAV's mask, of which all rows were pushed, and the names of its classes.
 ///
 /// # Errors
-/// Those of [`Batch::add`]; internal errors from the encoder.
+/// Errors of [`Batch::add`]; internal errors from the encoder.
 pub fn add_mask_geotiff(
     batch: &mut Batch,
     path: &Path,

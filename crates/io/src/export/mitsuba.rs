@@ -33,7 +33,7 @@ pub struct MitsubaScene<'a> {
 /// batch.
 ///
 /// # Errors
-/// Those of [`Batch::add`].
+/// Errors of [`Batch::add`].
 pub fn add_mitsuba(batch: &mut Batch, scene: &MitsubaScene<'_>, path: &Path) -> Result<()> {
     let meshes = [scene.ground, scene.buildings];
     // Mitsuba refuses a mesh without triangles.

@@ -13,7 +13,7 @@ use crate::zones::{NONE, Zone, ZoneMap};
 /// that names them.
 ///
 /// # Errors
-/// Those of [`Batch::add`]; internal errors from the encoder.
+/// Errors of [`Batch::add`]; internal errors from the encoder.
 pub fn add_zones(batch: &mut Batch, zones: &ZoneMap, provenance: &str, path: &Path) -> Result<()> {
     let palette: Vec<ClassColor> = Zone::ALL
         .into_iter()

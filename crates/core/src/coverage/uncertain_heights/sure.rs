@@ -49,7 +49,7 @@ impl View<'_> {
     /// roof of footprints.
     ///
     /// # Errors
-    /// Those of [`Mapper::seen_from`](crate::coverage::Mapper::seen_from).
+    /// Errors of [`Mapper::seen_from`](crate::coverage::Mapper::seen_from).
     pub fn sure(&self, bounds: &HeightBounds) -> Result<Sure> {
         let in_range: Vec<_> = self.receivers().map(|of_kind| of_kind.in_range()).collect();
         self.sure_of(bounds, &in_range)

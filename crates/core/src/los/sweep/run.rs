@@ -127,7 +127,7 @@ pub fn sweep_los(
 /// result is meaningless. Threads of the current pool share each strip.
 ///
 /// # Errors
-/// Those of the reader.
+/// Errors of the reader.
 pub fn streamed_sweep_los(scene: &StreamedScene<'_>, passed: &(dyn Fn(u64) -> bool + Sync)) -> Result<Swept> {
     let StreamedScene { columns, uav, receivers, wanted, window, limits, level, heights_from, .. } = *scene;
     let Some(asked) = asked(columns.shape(), (uav, scene.max_top), receivers.range(), window, heights_from) else {
