@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn of_city(city: &BuiltUpCity) -> skyshed::Result<Vec<Vec<Count>>> {
     let scene = city.city()?;
     let field = HeightField::build(&scene.grid, scene.solids).field;
-    let zones = ZoneMap::of(&field, scene.built_up.as_ref());
+    let zones = ZoneMap::of(&field, scene.built_up.as_ref())?;
     let options = MapOptions { radius: Some(RADIUS_M), ..MapOptions::default() };
     let mapper = Mapper::new(&field, &options)?;
     let parts = ReceiverParts::new(&mapper.receiver_cells(), &zones);

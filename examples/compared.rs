@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let details: Vec<String> =
         maps.iter().map(|map| format!("P_LoS = {:.4}", map.tally.p_los().unwrap_or(f64::NAN))).collect();
-    let zones = ZoneMap::of(&field, None);
+    let zones = ZoneMap::of(&field, None)?;
     let blocks = CellBlocks::new(grid, 1.0, 2000.0);
     let cells = CellGroups { groups: zones.codes(), blocks: &blocks, n_cols: grid.n_cols() };
     let mut words = Vec::new();

@@ -158,7 +158,7 @@ impl LivePage {
         }
         let sight = one_antenna(uavs, sight)?;
         let solids = scene.solids().ok_or(Error::fault("a live page needs the solids of its scene"))?;
-        let zones = scene.zones().map(|zones| PackedZones::of(zones.codes(), &scene.field.cells().open));
+        let zones = scene.zones()?.map(|zones| PackedZones::of(zones.codes(), &scene.field.cells().open));
         let packed = pack(scene.grid(), &solids, zones.as_ref());
         let scene = Scene { solids: None, ..scene.clone() };
         let uavs = uavs.iter().map(asked).collect();

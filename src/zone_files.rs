@@ -71,7 +71,7 @@ impl ZoneFiles {
     /// # Errors
     /// E117 if the scene is only a surface model, where no building is known.
     pub(crate) fn of(scene: Scene, command: CommandFacts) -> Result<ZoneFiles> {
-        let Some(zones) = scene.zones() else {
+        let Some(zones) = scene.zones()? else {
             return Err(RequestError::NoZones.into());
         };
         Ok(ZoneFiles { facts: RunFacts { command, ..scene.facts(None) }, scene, zones })

@@ -181,7 +181,7 @@ impl ComparisonPlan {
         }
         let n_bands = if self.draws_pairs { pairs_of(uavs.len()).len() + 1 } else { 0 };
         check_memory(&scene.word, &grid, uavs.len() + self.masks.len() + n_bands + BYTES_PER_CELL)?;
-        let zones = scene.zones();
+        let zones = scene.zones()?;
         let before_los = Instant::now();
         let Mapped { mut placed, method, redrawn } = self.mapped(&scene, zones.as_deref(), (found, &uavs), progress)?;
         scene.timing.los = before_los.elapsed().as_secs_f64();

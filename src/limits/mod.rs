@@ -135,11 +135,12 @@ impl LimitsPlan {
         let uavs = scene.place(found, None, sight)?;
         let (field, built_up) = (std::sync::Arc::clone(&scene.field), scene.built_up);
         let options_over = |field: &HeightField| {
-            let zones = sight.receivers().zone().and_then(|_| ZoneMap::if_known(field, built_up.as_ref()));
-            sight.options(field.grid(), zones.as_ref())
+            let zones =
+                sight.receivers().zone().map(|_| ZoneMap::if_known(field, built_up.as_ref())).transpose()?.flatten();
+            Ok(sight.options(field.grid(), zones.as_ref()))
         };
         let setup = Setup { field: &field, uavs: &uavs, options: &options_over };
-        let own = options_over(&field);
+        let own = options_over(&field)?;
         let mut mapper = Mapper::new(&field, &own)?;
         let (method, why) = mapper.method();
         let idle = mapper.drop_idle(&uavs);

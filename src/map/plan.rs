@@ -150,7 +150,7 @@ impl MapPlan {
         };
         // Zones cost as much as a map: they are found only if they are reported or hold the
         // receivers.
-        let zones = if self.needs_zones() { scene.zones() } else { None };
+        let zones = if self.needs_zones() { scene.zones()? } else { None };
         let options = self.sight.options(scene.grid(), zones.as_deref());
         let window = part.tile.and_then(|(tile, _)| scene.grid().window_of(&whole.part(tile.window)));
         let window = window.filter(|window| *window != scene.grid().window());

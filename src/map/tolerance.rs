@@ -152,8 +152,9 @@ pub(crate) fn simplify(
 ) -> Result<ToleranceFacts> {
     let (built_up, seed) = (scene.built_up, scene.seed);
     let options = |field: &HeightField| {
-        let zones = sight.receivers().zone().and_then(|_| ZoneMap::if_known(field, built_up.as_ref()));
-        sight.options(field.grid(), zones.as_ref())
+        let zones =
+            sight.receivers().zone().map(|_| ZoneMap::if_known(field, built_up.as_ref())).transpose()?.flatten();
+        Ok(sight.options(field.grid(), zones.as_ref()))
     };
     let choice = coarsest_within(&Question { field: &scene.field, uavs, tolerance, seed }, &options)?;
     let grid = scene.field.grid();

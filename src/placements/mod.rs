@@ -113,7 +113,7 @@ impl SearchPlan {
             return Err(RequestError::NoZones.into());
         }
         check_receivers(asked, scene.field.is_surface_only())?;
-        let zones = scene.zones();
+        let zones = scene.zones()?;
         let mut warnings = Vec::new();
         let inputs = Inputs::read(self, &scene, &mut warnings)?;
         scene.warnings.append(&mut warnings);

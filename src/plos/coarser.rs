@@ -70,7 +70,7 @@ fn totals(
     (field, sight): (&HeightField, &View),
     (group, uavs): (&Group, &[Station]),
 ) -> Result<Vec<Vec<Count>>> {
-    let zones = real.zones_of(field);
+    let zones = real.zones_of(field)?;
     let city = real.city(plan, (field, zones.as_ref()), group.users, sight)?;
     let of_uav = |uav: &Station| {
         let uav = Station { place: field.place(uav.place.x, uav.place.y), z: uav.z };

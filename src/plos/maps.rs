@@ -47,7 +47,7 @@ impl Real {
         };
         let field = coarse.as_ref().unwrap_or(&self.field);
         let (method, _) = Method::choose(field, choice).map_err(|wrong| self.refuse(wrong))?;
-        let coarse_zones = coarse.as_ref().and_then(|coarse| self.zones_of(coarse));
+        let coarse_zones = coarse.as_ref().map(|coarse| self.zones_of(coarse)).transpose()?.flatten();
         let zones = if coarse.is_some() { coarse_zones.as_ref() } else { self.zones.as_ref() };
         let mut rows = Vec::new();
         let (mut n_positions, mut n_inside, mut n_cut, mut n_blocks) = (0, 0, 0, 0);

@@ -96,7 +96,7 @@ impl Real {
         check_memory(&word.display(), &grid, 2 * FIELD_BYTES_PER_CELL)?;
         let Built { field, warnings: odd } = HeightField::build(&grid, scene.solids);
         warnings.extend(odd.into_iter().map(Warning::from));
-        let zones = if sweeps.need_zones() { ZoneMap::if_known(&field, None) } else { None };
+        let zones = if sweeps.need_zones() { ZoneMap::if_known(&field, None)? } else { None };
         let (open, building) = (field.cells().open.count(), field.cells().building.count());
         let unit = grid.meters_per_unit();
         let area_km2 = (building + open) as f64 * grid.cell_width() * grid.cell_height() * unit * unit / 1e6;
@@ -122,8 +122,9 @@ impl Real {
     }
 
     /// Returns the zones of a form of the city, if the sweep needs them.
-    pub(super) fn zones_of(&self, field: &HeightField) -> Option<ZoneMap> {
-        self.zones.as_ref().and_then(|_| ZoneMap::if_known(field, None))
+    pub(super) fn zones_of(&self, field: &HeightField) -> Result<Option<ZoneMap>> {
+        let zones = self.zones.as_ref().map(|_| ZoneMap::if_known(field, None)).transpose()?;
+        Ok(zones.flatten())
     }
 
     /// Prepares a form of the city for counting some users.

@@ -207,7 +207,7 @@ impl SamplePlan {
     fn count(&self, scene: &Scene, block_m: f64, progress: &Progress) -> Result<CityCounts> {
         let field = &scene.field;
         let size = self.size_m;
-        let Some(zones) = scene.zones() else {
+        let Some(zones) = scene.zones()? else {
             return Err(RequestError::NoZones.into());
         };
         let options = self.sight.options(scene.grid(), Some(&zones));

@@ -49,7 +49,7 @@ pub struct Scene {
     pub(crate) options: Arc<SceneReader>,
     pub(crate) field: Arc<HeightField>,
     /// Zones, once they are found.
-    pub(crate) zones: Arc<OnceLock<Option<Arc<ZoneMap>>>>,
+    pub(crate) zones: Arc<OnceLock<skyshed_core::Result<Option<Arc<ZoneMap>>>>>,
     /// The data that the scene was built from, if it was kept.
     pub(crate) solids: Option<Arc<Solids>>,
     pub(crate) sources: Vec<Source>,
@@ -187,9 +187,12 @@ impl Scene {
 
     /// Returns the zones (streets, crossroads, courtyards, rooftops), computed once. `None` where
     /// no building is known.
-    pub fn zones(&self) -> Option<Arc<ZoneMap>> {
-        let find = || ZoneMap::if_known(&self.field, self.built_up.as_ref()).map(Arc::new);
-        self.zones.get_or_init(find).clone()
+    ///
+    /// # Errors
+    /// E504 for outlines that cross one another too often.
+    pub fn zones(&self) -> Result<Option<Arc<ZoneMap>>> {
+        let find = || Ok(ZoneMap::if_known(&self.field, self.built_up.as_ref())?.map(Arc::new));
+        Ok(self.zones.get_or_init(find).clone()?)
     }
 
     /// Returns the facts of a run over the scene, for documents.

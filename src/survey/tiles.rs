@@ -61,7 +61,7 @@ impl Tiles {
             return Err(RequestError::NoTiles.into());
         }
         let tiles = match footprints {
-            Some((footprints, frame)) => BuiltUpTiles::of_footprints(footprints, *frame, field, size),
+            Some((footprints, frame)) => BuiltUpTiles::of_footprints(footprints, *frame, field, size)?,
             None => BuiltUpTiles::of_cells(field, size),
         };
         let tiles = tiles.ok_or(Error::fault("a checked scene has tiles"))?;

@@ -57,7 +57,7 @@ fn from_maps(name: &str, n_cities: u64) -> Vec<Vec<Estimate>> {
     let mut totals = vec![vec![Vec::new(); RADII_M.len()]; PLACEMENTS.len()];
     for seed in 1..=n_cities {
         let field = built(&generated(name, seed, size_m));
-        let zones = ZoneMap::of(&field, Some(&built_up));
+        let zones = ZoneMap::of(&field, Some(&built_up)).unwrap();
         let parts = ReceiverParts::new(&field.cells().open, &zones);
         let blocks = CellBlocks::new(field.grid(), 1.0, size_m);
         for (of_radius, radius) in RADII_M.into_iter().enumerate() {

@@ -87,7 +87,7 @@ fn p_los(field: &HeightField, uav: &Uav) -> Option<f64> {
 
 fn choose(field: &HeightField, uav: &Uav, tolerance: f64, seed: u64) -> Choice {
     let question = Question { field, uavs: std::slice::from_ref(uav), tolerance, seed };
-    coarsest_within(&question, &|_| MapOptions::default()).unwrap()
+    coarsest_within(&question, &|_| Ok(MapOptions::default())).unwrap()
 }
 
 #[test]

@@ -63,7 +63,7 @@ fn check(rows: &[&str]) {
     let footprints = drawn(rows);
     let raster = as_raster(&footprints, (1.0, 1.0));
     for (field, how) in [(footprints, "footprints"), (raster, "raster")] {
-        let map = ZoneMap::of(&field, None);
+        let map = ZoneMap::of(&field, None).unwrap();
         let seen: Vec<String> = (0..rows.len())
             .map(|row| {
                 let letter = |col: usize| match map.of_cell(5 * row + 2, 5 * col + 2) {
@@ -214,7 +214,7 @@ fn a_square_where_streets_meet_is_one_crossroad_but_a_park_is_not() {
             _ => wall.as_str(),
         })
         .collect();
-    let map = ZoneMap::of(&drawn(&rows), None);
+    let map = ZoneMap::of(&drawn(&rows), None).unwrap();
     assert_eq!(map.at(150.0, 150.0), Some(Zone::Street));
     assert_eq!(map.at(10.0, 155.0), Some(Zone::Street));
 }
@@ -223,7 +223,7 @@ fn a_square_where_streets_meet_is_one_crossroad_but_a_park_is_not() {
 fn a_kiosk_in_a_street_does_not_divide_it() {
     let houses = [[0, 0, 100, 30], [0, 50, 100, 80], [48, 38, 52, 42]];
     let field = vector_scene(houses.map(|sides| rectangle(sides.map(|v| v * STEPS))).to_vec(), 100, 80);
-    let map = ZoneMap::of(&field, None);
+    let map = ZoneMap::of(&field, None).unwrap();
     assert_eq!((map.count(Zone::Crossroad), map.count(Zone::Courtyard)), (0, 0));
     assert_eq!(map.at(50.0, 40.0), Some(Zone::Rooftop));
 }
@@ -261,8 +261,8 @@ fn the_open_ground_of_generated_cities_has_the_zones_of_their_construction() {
         .flat_map(|alpha| [100.0, 300.0, 750.0, 2000.0].map(|beta| BuiltUp::new(alpha, beta, 15.0).unwrap()));
     for built_up in named.into_iter().chain(others) {
         let field = city(built_up, 400.0);
-        let truth = ZoneMap::of(&field, Some(&built_up));
-        let ours = ZoneMap::of_open_ground(&field);
+        let truth = ZoneMap::of(&field, Some(&built_up)).unwrap();
+        let ours = ZoneMap::of_open_ground(&field).unwrap();
         assert_eq!((truth.basis(), ours.basis()), (ZoneBasis::StreetGrid, ZoneBasis::OpenGround));
         let (all, inner) = agreement(&truth, &ours, built_up.period());
         assert!(all >= 0.999, "{built_up}: {all}, {inner} a period from the frame");
@@ -274,7 +274,7 @@ fn the_open_ground_of_generated_cities_has_the_zones_of_their_construction() {
 fn crossroads_of_a_generated_city_have_their_share_of_the_open_ground() {
     let built_up = BuiltUp::named("urban").unwrap();
     // Eleven whole periods, so that the shares are those of the unbounded grid.
-    let map = ZoneMap::of(&city(built_up, 11.0 * built_up.period()), Some(&built_up));
+    let map = ZoneMap::of(&city(built_up, 11.0 * built_up.period()), Some(&built_up)).unwrap();
     let (street, crossroad) = (map.count(Zone::Street) as f64, map.count(Zone::Crossroad) as f64);
     let (s, t) = (built_up.street_width(), built_up.period());
     assert!((crossroad / (street + crossroad) - s / (2.0 * t - s)).abs() < 0.01);
@@ -316,8 +316,8 @@ fn a_turned_generated_city_keeps_its_zones_as_footprints_and_as_a_raster() {
         }
         let field = vector_scene(rings, 360, 360);
         for (ours, how, wanted) in [
-            (ZoneMap::of(&field, None), "footprints", 0.999),
-            (ZoneMap::of(&as_raster(&field, (1.0, 1.0)), None), "raster", 0.9),
+            (ZoneMap::of(&field, None).unwrap(), "footprints", 0.999),
+            (ZoneMap::of(&as_raster(&field, (1.0, 1.0)), None).unwrap(), "raster", 0.9),
         ] {
             let (mut n, mut n_same) = (0, 0);
             for (row, col) in (40..320).flat_map(|r| (40..320).map(move |c| (r, c))) {
@@ -339,7 +339,7 @@ fn a_turned_generated_city_keeps_its_zones_as_footprints_and_as_a_raster() {
 #[test]
 fn zones_do_not_depend_on_odd_sizes_of_cells() {
     let field = build(&munich());
-    let map = |cell| ZoneMap::of(&as_raster(&field, cell), None);
+    let map = |cell| ZoneMap::of(&as_raster(&field, cell), None).unwrap();
     let square = map((2.0, 2.0));
     assert!(square.count(Zone::Crossroad) > 0);
     for cell in [(2.000_6, 2.000_1), (1.999_9, 2.0)] {
@@ -359,7 +359,7 @@ fn a_laser_scan_of_a_city_has_crossroads_and_courtyards() {
     let options = SurfaceOptions { terrain, building_threshold_m: 2.0, ..SurfaceOptions::default() };
     let scene = read_surface(path("dsm_2.5m.tif"), &options, &mut Vec::new()).unwrap();
     let field = build(&scene);
-    let map = ZoneMap::of(&field, None);
+    let map = ZoneMap::of(&field, None).unwrap();
     check_cells(&field, &map);
     assert!(map.count(Zone::Crossroad) > 5000, "{}", map.count(Zone::Crossroad));
     assert!(map.count(Zone::Courtyard) > 1000, "{}", map.count(Zone::Courtyard));
@@ -395,7 +395,7 @@ fn build(scene: &City) -> HeightField {
 #[test]
 fn munich_has_all_zones_in_plausible_shares_on_any_number_of_threads() {
     let field = build(&munich());
-    let map = ZoneMap::of(&field, None);
+    let map = ZoneMap::of(&field, None).unwrap();
     check_cells(&field, &map);
     let open = field.cells().open.count() as f64;
     let share = |zone: Zone| map.count(zone) as f64 / open;
@@ -403,7 +403,7 @@ fn munich_has_all_zones_in_plausible_shares_on_any_number_of_threads() {
     assert!((0.1..0.35).contains(&share(Zone::Courtyard)), "{}", share(Zone::Courtyard));
     for n_threads in [1, 2, 3] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-        assert_eq!(pool.install(|| ZoneMap::of(&build(&munich()), None)), map);
+        assert_eq!(pool.install(|| ZoneMap::of(&build(&munich()), None).unwrap()), map);
     }
 }
 
@@ -423,9 +423,9 @@ fn no_footprints_make_it_stumble() {
             })
             .collect();
         let field = vector_scene(rings, 40, random.index(1, 44));
-        let map = ZoneMap::of(&field, None);
+        let map = ZoneMap::of(&field, None).unwrap();
         check_cells(&field, &map);
-        assert_eq!(map, ZoneMap::of(&field, None), "round {round}");
+        assert_eq!(map, ZoneMap::of(&field, None).unwrap(), "round {round}");
     }
 }
 
@@ -446,8 +446,8 @@ fn no_surface_model_makes_it_stumble_and_one_alone_has_no_zones() {
         for ground in [Ground::Flat(0), Ground::Surface] {
             let is_known = matches!(ground, Ground::Flat(_));
             let field = surface_field(&grid, heights.clone(), ground);
-            let map = ZoneMap::of(&field, None);
-            assert_eq!(ZoneMap::if_known(&field, None), is_known.then(|| map.clone()));
+            let map = ZoneMap::of(&field, None).unwrap();
+            assert_eq!(ZoneMap::if_known(&field, None).unwrap(), is_known.then(|| map.clone()));
             if is_known {
                 check_cells(&field, &map);
             } else {

@@ -109,7 +109,7 @@ fn on_walls(scene: &City) -> BitGrid {
 
 /// Returns the number of cells whose zone is another in an image of a scene.
 fn n_different(field: &HeightField, aside: &BitGrid, image: Image, of_image: &HeightField) -> usize {
-    let (map, other) = (ZoneMap::of_open_ground(field), ZoneMap::of_open_ground(of_image));
+    let (map, other) = (ZoneMap::of_open_ground(field).unwrap(), ZoneMap::of_open_ground(of_image).unwrap());
     let size = [map.grid().n_rows(), map.grid().n_cols()];
     let cells = (0..size[0]).flat_map(|row| (0..size[1]).map(move |col| [row, col]));
     let differs = |cell: &[usize; 2]| {
@@ -341,7 +341,7 @@ fn a_shifted_city_and_one_listed_in_another_order_have_the_same_zones() {
         scenes.extend((0..5).map(|_| city(draw(&mut random, [50, 40]), [50, 40])));
     }
     for scene in scenes {
-        let map = ZoneMap::of_open_ground(&build(&scene));
+        let map = ZoneMap::of_open_ground(&build(&scene)).unwrap();
         let mut other = scene.clone();
         let Solids::Vector { footprints, .. } = &mut other.solids else { panic!("footprints") };
         footprints.reverse();
@@ -356,6 +356,6 @@ fn a_shifted_city_and_one_listed_in_another_order_have_the_same_zones() {
         let corner = (grid.x_min() + 96.0, grid.y_max() - 160.0);
         other.grid =
             GeoRef::new(corner, (grid.cell_width(), grid.cell_height()), (grid.n_rows(), grid.n_cols()), None).unwrap();
-        assert_eq!(ZoneMap::of_open_ground(&build(&other)).codes(), map.codes());
+        assert_eq!(ZoneMap::of_open_ground(&build(&other)).unwrap().codes(), map.codes());
     }
 }

@@ -82,7 +82,7 @@ fn of_cause(ReadError { name, cause, fault, .. }: &ReadError) -> Option<String> 
         Cause::Multipatch => "give the buildings as CityJSON, or as a mesh in .obj or .ply".into(),
         Cause::OpenDatabase => "close the program that has it open".into(),
         Cause::BesideScene => return of_other_file(name, fault),
-        Cause::NotBuilt => {
+        Cause::NotBuilt | Cause::GeneratedColumn => {
             let converted = shell_word(&beside(name, ".fgb"));
             format!("convert it, for example with `ogr2ogr {converted} {}`", shell_word(name))
         }

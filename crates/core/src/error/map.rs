@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use super::kind::ErrorKind;
+use crate::overlay::Tangle;
 use crate::quantity::MAX_EXTENT_UNITS;
 
 /// The reason why the requested map cannot be made.
@@ -44,12 +45,16 @@ pub enum MapError {
     /// More cells a side than the lattice has.
     #[error("cannot map {n_cols} × {n_rows} cells strip by strip: wanted at most {MAX_EXTENT_UNITS} a side")]
     StreamedCells { n_cols: usize, n_rows: usize },
+    /// Outlines of buildings that cross one another too often to be joined: the reason to join them.
+    #[error("cannot {attempt}: the buildings have {tangle}")]
+    Tangled { attempt: &'static str, tangle: Tangle },
 }
 
 impl MapError {
     pub(super) fn class_and_code(&self) -> (ErrorKind, u16) {
         match self {
             MapError::StreamedCells { .. } => (ErrorKind::Limit, 502),
+            MapError::Tangled { .. } => (ErrorKind::Limit, 504),
             _ => (ErrorKind::Usage, 118),
         }
     }

@@ -21,7 +21,7 @@
 //! | E313 | a curve of P_LoS given as a table |
 //! | E365 | a property of heights that no feature has |
 //! | E401–E403 | an output cannot be written (a bad file), encoded, drawn (faults of the program) |
-//! | E501–E504 | memory, extent, threads, edges of a footprint that cross too often |
+//! | E501–E504 | memory, extent, threads, edges of footprints that cross too often |
 //! | E601–E602 | a stress scene: its truth is not what is known of it, an exact method is wrong |
 //! | E603 | a chart: two exact engines differ |
 //! | W201–W204 | flat earth, no receiver, heights at which a UAV cannot be, UAVs outside the grid |

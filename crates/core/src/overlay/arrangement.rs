@@ -11,7 +11,7 @@
 
 use std::ops::ControlFlow;
 
-use super::crossings::{Edge, edges_once, for_each_crossing, turn};
+use super::crossings::{Edge, Tangle, edges_once, for_each_crossing, most_crossings, turn};
 use super::rings::{FineRing, Ring};
 
 /// Steps of the finer lattice per lattice step. Coordinates within ±2^28 are exact in an f64 on
@@ -22,18 +22,25 @@ pub(crate) const FINER: i64 = 1 << 20;
 /// its end.
 ///
 /// Cost: n log n for n edges, the pairs of edges side by side, and the crossings.
-pub(crate) fn arranged(rings: &[Ring]) -> Vec<FineRing> {
+///
+/// # Errors
+/// Edges that cross too often.
+pub(crate) fn arranged(rings: &[Ring]) -> Result<Vec<FineRing>, Tangle> {
     let edges = edges_once(rings);
     // New corners: the edge, the distance along it, the corner.
     let mut corners: Vec<(usize, i128, [i64; 2])> = Vec::new();
-    let all_pairs = for_each_crossing(&edges, usize::MAX, |a, b| {
+    let (most, mut n_crossings) = (most_crossings(edges.len()), 0);
+    let met = for_each_crossing(&edges, |a, b| {
         split(&edges, a, b, &mut corners);
-        ControlFlow::Continue(())
+        n_crossings += 1;
+        if n_crossings > most { ControlFlow::Break(Tangle::Crossings(most)) } else { ControlFlow::Continue(()) }
     });
-    debug_assert!(all_pairs.is_continue(), "no pair is too many");
+    if let ControlFlow::Break(tangle) = met {
+        return Err(tangle);
+    }
     corners.sort_unstable();
     corners.dedup();
-    rings.iter().map(|ring| with_corners(ring, &edges, &corners)).collect()
+    Ok(rings.iter().map(|ring| with_corners(ring, &edges, &corners)).collect())
 }
 
 /// Returns a ring on the finer lattice with the new corners of its edges,
@@ -107,7 +114,7 @@ mod tests {
     fn corners(rings: &[Ring]) -> Vec<Vec<[f64; 2]>> {
         #[expect(clippy::cast_precision_loss, reason = "small")]
         let coarse = |p: &[i64; 2]| p.map(|v| v as f64 / FINER as f64);
-        arranged(rings).iter().map(|ring| ring.iter().map(coarse).collect()).collect()
+        arranged(rings).expect("few crossings").iter().map(|ring| ring.iter().map(coarse).collect()).collect()
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use super::rings::Ring;
 
 /// Crossings allowed in any region, in addition to [`CROSSINGS_PER_EDGE`].
-const MOST_CROSSINGS: usize = 100_000;
+const MOST_CROSSINGS: usize = 30_000;
 
 /// Crossings allowed in any region for each edge.
 const CROSSINGS_PER_EDGE: usize = 4;
@@ -17,13 +17,15 @@ const MOST_PAIRS: usize = 20_000_000;
 /// Pairs of edges that may be compared, for each edge.
 const PAIRS_PER_EDGE: usize = 256;
 
-/// Rings whose edges cross too often to be mended.
+/// Edges that cross too often for an overlay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tangle {
     /// More crossings than this.
     Crossings(usize),
     /// More pairs of edges than this lie beside one another.
     Pairs(usize),
+    /// More pairs of outlines than this lie on one another.
+    Outlines(usize),
 }
 
 impl fmt::Display for Tangle {
@@ -31,32 +33,42 @@ impl fmt::Display for Tangle {
         match self {
             Tangle::Crossings(most) => write!(f, "edges that cross one another more than {most} times"),
             Tangle::Pairs(most) => write!(f, "more than {most} pairs of long edges side by side"),
+            Tangle::Outlines(most) => write!(f, "more than {most} pairs of outlines on one another"),
         }
     }
 }
 
-/// Returns the limit that a polygon's edges exceed, if they cross too often to be mended. The limit
-/// is 100 000 crossings plus 4 for each edge.
+/// Returns the limit that edges exceed, if they cross too often for an overlay. The limit is 30 000
+/// crossings plus 4 for each edge.
 ///
 /// Two edges cross if they share more than an end; equal edges do not cross. Cost: n log n, plus
 /// comparisons of pairs, at most 20 million and 256 for each edge.
-pub fn tangle(rings: &[Ring]) -> Option<Tangle> {
-    let n_edges: usize = rings.iter().map(Vec::len).sum();
-    let most = MOST_CROSSINGS + CROSSINGS_PER_EDGE * n_edges;
+pub fn tangle<'a>(rings: impl IntoIterator<Item = &'a Ring> + Clone) -> Option<Tangle> {
+    let n_edges: usize = rings.clone().into_iter().map(Vec::len).sum();
+    let most = most_crossings(n_edges);
     // The number of all pairs.
     if n_edges * n_edges.saturating_sub(1) / 2 <= most {
         return None;
     }
-    exceeds(&mut edges_of(rings), most)
+    count(rings, most).err()
+}
+
+/// Returns the number of crossings that an overlay pays for.
+pub(super) fn most_crossings(n_edges: usize) -> usize {
+    MOST_CROSSINGS + CROSSINGS_PER_EDGE * n_edges
 }
 
 /// Returns `true` if rings cross so often that joining them by halves costs less.
 ///
 /// Pairs of edges side by side do not count: halves have as many.
-pub(crate) fn are_many<'a>(rings: impl IntoIterator<Item = &'a Ring>) -> bool {
-    let mut edges = edges_of(rings);
-    let most = 1000 + CROSSINGS_PER_EDGE * edges.len();
-    matches!(exceeds(&mut edges, most), Some(Tangle::Crossings(_)))
+pub(crate) fn are_many<'a>(rings: impl IntoIterator<Item = &'a Ring> + Clone) -> bool {
+    let n_edges: usize = rings.clone().into_iter().map(Vec::len).sum();
+    matches!(count(rings, few_crossings(n_edges)), Err(Tangle::Crossings(_)))
+}
+
+/// Returns the number of crossings above which rings are joined by halves.
+pub(super) fn few_crossings(n_edges: usize) -> usize {
+    1000 + CROSSINGS_PER_EDGE * n_edges
 }
 
 /// An edge from its smaller end.
@@ -75,28 +87,27 @@ fn edges_of<'a>(rings: impl IntoIterator<Item = &'a Ring>) -> Vec<Edge> {
     rings.into_iter().flat_map(of_ring).collect()
 }
 
-/// Counts crossings of edges and compared pairs until one exceeds its limit.
-fn exceeds(edges: &mut Vec<Edge>, most: usize) -> Option<Tangle> {
-    edges.sort_unstable();
-    edges.dedup();
-    let most_pairs = MOST_PAIRS + PAIRS_PER_EDGE * edges.len();
+/// Counts the crossings of edges.
+///
+/// # Errors
+/// More than `most`, or too many pairs of edges side by side.
+pub(super) fn count<'a>(rings: impl IntoIterator<Item = &'a Ring>, most: usize) -> Result<usize, Tangle> {
     let mut n_crossings = 0;
-    let met = for_each_crossing(edges, most_pairs, |_, _| {
+    let met = for_each_crossing(&edges_once(rings), |_, _| {
         n_crossings += 1;
         if n_crossings > most { ControlFlow::Break(Tangle::Crossings(most)) } else { ControlFlow::Continue(()) }
     });
-    met.break_value()
+    met.break_value().map_or(Ok(n_crossings), Err)
 }
 
-/// Calls `visit` with the numbers of every two edges that cross, until it breaks or more than
-/// `most_pairs` pairs were compared.
+/// Calls `visit` with the numbers of every two edges that cross, until it breaks or more pairs were
+/// compared than 20 million and 256 for each edge.
 ///
 /// `edges` are in ascending order. The plane is cut into strips about as high as an edge, or at
 /// most as many as the root of the number of edges. In each strip edges are visited from west to
 /// east. Each is compared with the earlier edges that reach as far east as it begins.
 pub(super) fn for_each_crossing(
     edges: &[Edge],
-    most_pairs: usize,
     mut visit: impl FnMut(usize, usize) -> ControlFlow<Tangle>,
 ) -> ControlFlow<Tangle> {
     let n = edges.len();
@@ -114,6 +125,7 @@ pub(super) fn for_each_crossing(
         let [low, high] = ys(edge);
         in_strips[strip(low)..=strip(high)].iter_mut().for_each(|numbers| numbers.push(number));
     }
+    let most_pairs = MOST_PAIRS + PAIRS_PER_EDGE * n;
     let mut n_pairs = 0;
     let mut before: Vec<usize> = Vec::new();
     for (k, numbers) in in_strips.iter().enumerate() {
@@ -201,11 +213,10 @@ mod tests {
             })
             .take(n)
             .collect();
-            let mut edges: Vec<Edge> = edges_of([&ring]).into_iter().filter(|[a, b]| a != b).collect();
-            let truth = counted(&edges);
+            let truth = counted(&edges_of([&ring]));
             assert!(truth > 10);
-            assert_eq!(exceeds(&mut edges, truth), None);
-            assert_eq!(exceeds(&mut edges, truth - 1), Some(Tangle::Crossings(truth - 1)));
+            assert_eq!(count([&ring], truth), Ok(truth));
+            assert_eq!(count([&ring], truth - 1), Err(Tangle::Crossings(truth - 1)));
         }
     }
 }

@@ -1,8 +1,7 @@
 //! Regions of the lattice: repaired, joined and cut, in integers (i_overlay).
 //!
 //! The overlay compares all edges whose boxes meet, and takes time and memory for each crossing. So
-//! [`tangle`] counts both before a polygon is repaired, and [`union`] joins overlapping outlines by
-//! halves. A crossing off the lattice is rounded to it, so that edges bend by less than a step.
+//! [`tangle`] counts both first, and [`union`] joins overlapping outlines by halves. A crossing off the lattice is rounded to it, so that edges bend by less than a step.
 //! Coordinates are within ±2^28.
 
 mod arrangement;
@@ -19,27 +18,41 @@ use i_overlay::i_float::int::point::IntPoint;
 pub(crate) use arrangement::{FINER, arranged, finer};
 pub(crate) use crossings::are_many;
 pub use crossings::{Tangle, tangle};
+use crossings::{few_crossings, most_crossings};
 pub(crate) use rings::{FinePolygon, FineRing, bounds_of};
 pub use rings::{Polygon, Ring, doubled_area};
 pub(crate) use triangulation::{Cdt, corners_and_edges, inside_faces, triangulated};
 
-/// Returns the region that rings enclose by the even-odd rule.
+/// Returns the region that rings enclose by the even-odd rule. Their crossings are not counted: see
+/// [`tangle`].
 pub fn even_odd(rings: &[Ring]) -> Vec<Polygon> {
     polygons_of(Overlay::<i32>::from_subj(&contours(rings)), OverlayRule::Subject, FillRule::EvenOdd)
 }
 
 /// Returns the region that `rings` enclose and `less` do not. Overlapping rings of one side are
 /// wound alike.
-pub fn difference(rings: &[Ring], less: &[Ring]) -> Vec<Polygon> {
+///
+/// # Errors
+/// Edges that cross too often.
+pub fn difference(rings: &[Ring], less: &[Ring]) -> Result<Vec<Polygon>, Tangle> {
+    check(rings.iter().chain(less))?;
     let overlay = Overlay::<i32>::from_subj_and_clip(&contours(rings), &contours(less));
-    polygons_of(overlay, OverlayRule::Difference, FillRule::NonZero)
+    Ok(polygons_of(overlay, OverlayRule::Difference, FillRule::NonZero))
 }
 
 /// Returns the region that both sets of rings enclose. Overlapping rings of one side are wound
 /// alike.
-pub fn intersection(rings: &[Ring], with: &[Ring]) -> Vec<Polygon> {
+///
+/// # Errors
+/// Edges that cross too often.
+pub fn intersection(rings: &[Ring], with: &[Ring]) -> Result<Vec<Polygon>, Tangle> {
+    check(rings.iter().chain(with))?;
     let overlay = Overlay::<i32>::from_subj_and_clip(&contours(rings), &contours(with));
-    polygons_of(overlay, OverlayRule::Intersect, FillRule::NonZero)
+    Ok(polygons_of(overlay, OverlayRule::Intersect, FillRule::NonZero))
+}
+
+fn check<'a>(rings: impl Iterator<Item = &'a Ring> + Clone) -> Result<(), Tangle> {
+    tangle(rings).map_or(Ok(()), Err)
 }
 
 /// Returns the region that any of the polygons covers. Shells are wound alike, and holes the other
@@ -48,12 +61,23 @@ pub fn intersection(rings: &[Ring], with: &[Ring]) -> Vec<Polygon> {
 /// Cost: n log n for n edges, plus the crossings of their outlines, plus the pairs of edges whose
 /// boxes meet. Joining by halves keeps crossings few where outlines lie on one another. Pairs are
 /// many only for long edges side by side that run along no axis.
-pub fn union(mut polygons: Vec<Polygon>) -> Vec<Polygon> {
+///
+/// # Errors
+/// Edges of two halves that cross too often.
+pub fn union(polygons: Vec<Polygon>) -> Result<Vec<Polygon>, Tangle> {
+    let most = 4 * most_crossings(n_edges(&polygons));
+    let mut left = most;
+    let too_many = |tangle| if let Tangle::Crossings(_) = tangle { Tangle::Crossings(most) } else { tangle };
+    union_within(polygons, &mut left).map_err(too_many)
+}
+
+/// Joins polygons whose overlays pay for at most as many crossings as are `left`.
+fn union_within(mut polygons: Vec<Polygon>, left: &mut usize) -> Result<Vec<Polygon>, Tangle> {
     // Outlines on one another cross far more often than the outline of their union has edges.
-    let is_tangled = polygons.len() > 1 && crossings::are_many(polygons.iter().flatten());
-    if !is_tangled {
-        let rings = contours(polygons.iter().flatten());
-        return polygons_of(Overlay::<i32>::from_subj(&rings), OverlayRule::Subject, FillRule::NonZero);
+    let few = if polygons.len() > 1 { few_crossings(n_edges(&polygons)).min(*left) } else { *left };
+    match joined(&polygons, few, left) {
+        Err(Tangle::Crossings(_)) if polygons.len() > 1 && few < *left => {}
+        found => return found,
     }
     let bounds = |axis: usize| {
         let values = || polygons.iter().flatten().flatten().map(move |p| p[axis]);
@@ -63,8 +87,19 @@ pub fn union(mut polygons: Vec<Polygon>) -> Vec<Polygon> {
     let middle = |polygon: &Polygon| polygon.first().map_or(0, |shell| shell.iter().map(|p| i64::from(p[axis])).sum());
     polygons.sort_by_cached_key(middle);
     let rest = polygons.split_off(polygons.len() / 2);
-    let halves = [union(polygons), union(rest)].concat();
-    polygons_of(Overlay::<i32>::from_subj(&contours(halves.iter().flatten())), OverlayRule::Subject, FillRule::NonZero)
+    let halves = [union_within(polygons, left)?, union_within(rest, left)?].concat();
+    joined(&halves, *left, left)
+}
+
+fn n_edges(polygons: &[Polygon]) -> usize {
+    polygons.iter().flatten().map(Vec::len).sum()
+}
+
+/// Joins polygons with at most `most` crossings, which are taken from those that are `left`.
+fn joined(polygons: &[Polygon], most: usize, left: &mut usize) -> Result<Vec<Polygon>, Tangle> {
+    *left -= crossings::count(polygons.iter().flatten(), most)?;
+    let rings = contours(polygons.iter().flatten());
+    Ok(polygons_of(Overlay::<i32>::from_subj(&rings), OverlayRule::Subject, FillRule::NonZero))
 }
 
 /// Joins rings that were [`arranged`] together. Shells are wound alike, and holes the other way.
@@ -121,8 +156,8 @@ mod tests {
         // those two share one square.
         let mut court = square(0, 0, 8);
         court.push(vec![[2, 2], [2, 6], [6, 6], [6, 2]]);
-        let united = union(vec![court, square(3, 3, 8), square(2, 2, 2)]);
+        let united = union(vec![court, square(3, 3, 8), square(2, 2, 2)]).expect("few crossings");
         assert_eq!(doubled(&united), 2 * (48 + 64 - (25 - 9) + 4 - 1));
-        assert_eq!(union(Vec::new()), Vec::<Polygon>::new());
+        assert_eq!(union(Vec::new()), Ok(Vec::new()));
     }
 }

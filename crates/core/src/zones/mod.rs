@@ -86,6 +86,7 @@ mod zone;
 pub use zone::{N_CODES, NONE, Zone};
 
 use crate::city::BuiltUp;
+use crate::error::{MapError, Result};
 use crate::height_field::HeightField;
 use crate::outlines::{CellPart, cell_parts, n_cell_parts};
 use crate::raster::{BitGrid, GeoRef};
@@ -128,6 +129,9 @@ impl ZoneMap {
     /// Cost: a triangulation of all corners, and a few operations per cell; 0.1 s for 1000
     /// buildings and 10^6 cells.
     ///
+    /// # Errors
+    /// E504 for outlines that cross one another too often.
+    ///
     /// # Examples
     ///
     /// ```
@@ -138,31 +142,39 @@ impl ZoneMap {
     /// let built_up = BuiltUp::new(0.3, 500.0, 15.0)?;
     /// let scene = BuiltUpCity { built_up, size_m: 300.0, margin_m: 0.0, cell_m: 1.0, seed: 1, ground_m: 0.0 }.city()?;
     /// let field = HeightField::build(&scene.grid, scene.solids).field;
-    /// let zones = ZoneMap::of(&field, scene.built_up.as_ref());
+    /// let zones = ZoneMap::of(&field, scene.built_up.as_ref())?;
     /// assert_eq!(zones.at(10.0, 10.0), Some(Zone::Crossroad));
     /// assert_eq!(zones.at(10.0, 30.0), Some(Zone::Street));
     /// assert_eq!(zones.at(30.0, 30.0), Some(Zone::Rooftop));
     /// assert_eq!(zones.count(Zone::Courtyard), 0);
     /// # Ok::<(), skyshed_core::Error>(())
     /// ```
-    pub fn of(field: &HeightField, built_up: Option<&BuiltUp>) -> Self {
+    pub fn of(field: &HeightField, built_up: Option<&BuiltUp>) -> Result<Self> {
         match built_up.filter(|_| field.prisms().is_some()) {
-            Some(built_up) => ZoneMap::new(field, grid::codes(field, built_up), ZoneBasis::StreetGrid),
+            Some(built_up) => Ok(ZoneMap::new(field, grid::codes(field, built_up), ZoneBasis::StreetGrid)),
             None => ZoneMap::of_open_ground(field),
         }
     }
 
     /// Finds the zones of a scene. For a surface model alone, returns `None` without any work.
-    pub fn if_known(field: &HeightField, built_up: Option<&BuiltUp>) -> Option<Self> {
-        (!field.is_surface_only()).then(|| ZoneMap::of(field, built_up))
+    ///
+    /// # Errors
+    /// E504, as [`ZoneMap::of`].
+    pub fn if_known(field: &HeightField, built_up: Option<&BuiltUp>) -> Result<Option<Self>> {
+        (!field.is_surface_only()).then(|| ZoneMap::of(field, built_up)).transpose()
     }
 
     /// Finds the zones of a scene from its open ground, even for a generated city.
-    pub fn of_open_ground(field: &HeightField) -> Self {
+    ///
+    /// # Errors
+    /// E504, as [`ZoneMap::of`].
+    pub fn of_open_ground(field: &HeightField) -> Result<Self> {
         if field.is_surface_only() {
-            return ZoneMap::new(field, vec![NONE; field.grid().n_cells()], ZoneBasis::Unknown);
+            return Ok(ZoneMap::new(field, vec![NONE; field.grid().n_cells()], ZoneBasis::Unknown));
         }
-        ZoneMap::new(field, open_space::codes(field), ZoneBasis::OpenGround)
+        let codes = open_space::codes(field)
+            .map_err(|tangle| MapError::Tangled { attempt: "find streets and crossroads", tangle })?;
+        Ok(ZoneMap::new(field, codes, ZoneBasis::OpenGround))
     }
 
     /// Returns zones found earlier, from the code of every cell of a scene, as in

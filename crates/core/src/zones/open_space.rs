@@ -8,10 +8,14 @@ use super::mesh::Mesh;
 use super::outline::Outlines;
 use super::zone::{NONE, Zone};
 use crate::height_field::HeightField;
+use crate::overlay::Tangle;
 
 /// Returns the zone codes of the cells, row by row from the north-west.
-pub(super) fn codes(field: &HeightField) -> Vec<u8> {
-    let ground = Outlines::of(field).open_ground();
+///
+/// # Errors
+/// Outlines that cross too often.
+pub(super) fn codes(field: &HeightField) -> Result<Vec<u8>, Tangle> {
+    let ground = Outlines::of(field).open_ground()?;
     let [xs, ys] = ground.centers.clone();
     let mesh = Mesh::of(ground);
     let zones = zones_of(&mesh);
@@ -39,7 +43,7 @@ pub(super) fn codes(field: &HeightField) -> Vec<u8> {
         }
     }
     spread(&mut codes, left_over, (n_rows, n_cols));
-    codes
+    Ok(codes)
 }
 
 /// Compares a point with the line through two others, the second farther north: `Greater` is east

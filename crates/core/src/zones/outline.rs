@@ -6,7 +6,7 @@ use super::cell_outline::rings_around;
 use crate::disjoint_sets::DisjointSets;
 use crate::height_field::HeightField;
 use crate::overlay::{
-    FINER, FineRing, Polygon, Ring, are_many, arranged, doubled_area, fine_difference, fine_union, finer, union,
+    FINER, FineRing, Polygon, Ring, Tangle, are_many, arranged, doubled_area, fine_difference, fine_union, finer, union,
 };
 use crate::quantity::STEPS_PER_UNIT;
 
@@ -100,24 +100,27 @@ impl Outlines {
     }
 
     /// Returns the frame without the blocks that are large enough to divide a street.
-    pub(super) fn open_ground(self) -> OpenGround {
+    ///
+    /// # Errors
+    /// Outlines that cross too often.
+    pub(super) fn open_ground(self) -> Result<OpenGround, Tangle> {
         // Outlines on one another would have too many crossings. They are joined first. This rounds
         // the crossings to the coarse lattice, and not alike from all sides.
         let is_tangled = self.pieces.len() > 1 && are_many(self.pieces.iter().flatten());
-        let pieces = if is_tangled { union(self.pieces) } else { self.pieces };
+        let pieces = if is_tangled { union(self.pieces)? } else { self.pieces };
         let [west, south, east, north] = self.frame;
         let frame: Ring = vec![[west, south], [east, south], [east, north], [west, north]];
         let rings: Vec<Ring> = pieces.into_iter().flatten().chain([frame]).collect();
-        let mut rings = arranged(&rings);
+        let mut rings = arranged(&rings)?;
         let frame = rings.split_off(rings.len() - 1);
         let step_m = self.step_m / FINER as f64;
         let blocks = large_blocks(fine_union(&rings), step_m);
-        OpenGround {
+        Ok(OpenGround {
             rings: fine_difference(&frame, &blocks).concat(),
             frame: self.frame.map(|v| finer([v, 0])[0]),
             step_m,
             centers: self.centers.map(|centers| centers.into_iter().map(|v| v * (FINER / 2)).collect()),
-        }
+        })
     }
 }
 

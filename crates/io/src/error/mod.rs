@@ -20,6 +20,7 @@ use thiserror::Error as Words;
 pub use warning::{CellsFound, OddFile, OddPair, OddRaster, Oddity, Warning};
 pub use write::WriteFault;
 
+use crate::overlay::Tangle;
 use crate::raster::Crs;
 
 /// The result of every fallible function of this crate.
@@ -146,6 +147,11 @@ impl Error {
     /// Returns the error of a file that cannot be read or used.
     pub(crate) fn read(name: impl Display, fault: ReadFault) -> Error {
         Error::Read(Box::new(ReadError { name: name.to_string(), place: None, fault, cause: Cause::AsSaid }))
+    }
+
+    /// Returns the error of a feature whose edges cross too often.
+    pub(crate) fn tangled(name: impl Display, id: &str, tangle: Tangle) -> Error {
+        Error::read(name, ReadFault::Tangle(id.to_string(), tangle.to_string()))
     }
 
     pub(crate) fn malformed(name: impl Display, what: impl Into<String>) -> Error {

@@ -327,6 +327,8 @@ pub enum Cause {
     Multipatch,
     /// A database that another program has open.
     OpenDatabase,
+    /// A column that is computed when it is read.
+    GeneratedColumn,
     /// A format that the program was built without.
     NotBuilt,
     /// A file of places or of an area: the options of the scene do not concern it.

@@ -236,10 +236,13 @@ fn refuse_unknown_property(
         return Ok(());
     }
     const MOST: usize = 12;
+    // A longer name is none that can be typed.
+    const LONGEST: usize = 64;
     let mut like_heights: Vec<&str> = Vec::new();
     let mut like_storeys: Vec<&str> = Vec::new();
     let mut others: Vec<&str> = Vec::new();
-    for (name, value) in areas().take(100).flat_map(|feature| &feature.properties) {
+    let properties = areas().take(100).flat_map(|feature| &feature.properties);
+    for (name, value) in properties.filter(|(name, _)| name.len() <= LONGEST) {
         let list = match likeness(name, value) {
             Some(Likeness::Height) => &mut like_heights,
             Some(Likeness::Storeys) => &mut like_storeys,

@@ -156,7 +156,8 @@ pub(super) fn scene_of(
     if let (Some(extent), Some(_)) = (options.extent, &options.project) {
         raw.footprints.iter_mut().for_each(|footprint| footprint.is_asked = footprint.meets(extent));
     }
-    let grouping = Grouping::of(&raw.footprints, options.parts, frame);
+    let grouping = Grouping::of(&raw.footprints, options.parts, frame)
+        .map_err(|(k, tangle)| Error::tangled(input, &raw.footprints[k].id, tangle))?;
     let heights = FileHeights::of(&raw.footprints, &grouping, &options.missing);
     let near = options.extent.zip(options.reach_m).map(|(extent, reach_m)| grown(extent, Some(reach_m)));
     let is_near = |footprint: &&RawFootprint| near.is_none_or(|near| footprint.meets(near));

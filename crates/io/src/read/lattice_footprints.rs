@@ -114,8 +114,7 @@ impl Making<'_> {
             shaped.iter_mut().for_each(|s| s.base = s.raw.base_m.and_then(height_steps).or(s.base));
         }
         if let Some((found, tangle)) = shaped.iter().find_map(|s| Some((s, s.tangle?))) {
-            let fault = ReadFault::Tangle(found.raw.id.clone(), tangle.to_string());
-            return Err(Error::read(self.input, fault));
+            return Err(Error::tangled(self.input, &found.raw.id, tangle));
         }
         if let Some((found, height)) = shaped.iter().find_map(|s| Some((s, s.bad_height?))) {
             let of = HeightOf::Feature(found.raw.id.clone());
@@ -166,7 +165,8 @@ impl Making<'_> {
         let Some((lowest, highest)) = tops().min().zip(tops().max()) else { return self.whole(shaped, k, log) };
         let is_standing = |part: &&usize| standing[**part].is_some();
         let covered = parts.iter().filter(is_standing).map(|part| shaped[*part].polygons.as_slice());
-        let rest = rest_of(&shaped[k].polygons, covered);
+        let rest = rest_of(&shaped[k].polygons, covered)
+            .map_err(|tangle| Error::tangled(self.input, &shaped[k].raw.id, tangle))?;
         if rest.is_empty() {
             return Ok(None);
         }

@@ -1,6 +1,6 @@
 //! Polygons on the lattice: positions, rings, and regions without crossings.
 
-use crate::overlay::{Polygon, Ring, difference, doubled_area, even_odd, tangle};
+use crate::overlay::{Polygon, Ring, Tangle, difference, doubled_area, even_odd, tangle};
 use crate::quantity::Frame;
 
 /// Largest coordinate of a position \[lattice steps\].
@@ -38,13 +38,8 @@ pub(super) fn enclosing(mut rings: Vec<Ring>) -> Vec<Ring> {
 /// Returns polygons on the lattice and repaired; none beyond it.
 pub(super) fn lattice_polygons(polygons: &[Vec<Vec<[f64; 2]>>], frame: Frame) -> Vec<Polygon> {
     let rings = polygons.iter().map(|polygon| lattice_rings(polygon, frame)).collect::<Option<Vec<_>>>();
-    let is_sound = |rings: &Vec<Ring>| tangle(rings).is_none();
-    rings
-        .unwrap_or_default()
-        .iter()
-        .filter(|rings| is_sound(rings))
-        .flat_map(|rings| region_of(rings).polygons)
-        .collect()
+    let regions = rings.unwrap_or_default().into_iter().filter_map(|rings| region_of(&rings).ok());
+    regions.flat_map(|region| region.polygons).collect()
 }
 
 /// Repaired region of a polygon.
@@ -64,7 +59,13 @@ pub struct Region {
 ///
 /// Where edges cross off the lattice, the crossing is rounded to it and the edges bend by less than
 /// a step. Coordinates are within ±2^26.
-pub fn region_of(rings: &[Ring]) -> Region {
+///
+/// # Errors
+/// Edges that cross too often.
+pub fn region_of(rings: &[Ring]) -> Result<Region, Tangle> {
+    if let Some(tangle) = tangle(rings) {
+        return Err(tangle);
+    }
     let polygons = even_odd(rings);
     // A valid polygon comes back with the area of its shell minus that of its holes, and with as
     // many rings. A hole outside of the shell would have added its area.
@@ -73,17 +74,17 @@ pub fn region_of(rings: &[Ring]) -> Region {
     let after: i128 = polygons.iter().map(|p| area(&p[0]) - p[1..].iter().map(area).sum::<i128>()).sum();
     let n_rings: usize = polygons.iter().map(Vec::len).sum();
     if before == after && n_rings == rings.len() {
-        return Region { polygons, is_repaired: false, has_stray_hole: false };
+        return Ok(Region { polygons, is_repaired: false, has_stray_hole: false });
     }
     let Some((shell, holes)) = rings.split_first().filter(|(_, holes)| !holes.is_empty()) else {
-        return Region { polygons, is_repaired: true, has_stray_hole: false };
+        return Ok(Region { polygons, is_repaired: true, has_stray_hole: false });
     };
     // Each ring is resolved by itself, wound alike, so that regions add up by their winding
     // numbers.
     let shell = even_odd(std::slice::from_ref(shell)).concat();
     let holes: Vec<_> = holes.iter().flat_map(|hole| even_odd(std::slice::from_ref(hole)).concat()).collect();
-    let has_stray_hole = !difference(&holes, &shell).is_empty();
-    Region { polygons: difference(&shell, &holes), is_repaired: true, has_stray_hole }
+    let has_stray_hole = !difference(&holes, &shell)?.is_empty();
+    Ok(Region { polygons: difference(&shell, &holes)?, is_repaired: true, has_stray_hole })
 }
 
 #[expect(clippy::cast_precision_loss, reason = "reported as a share of area")]
@@ -116,7 +117,7 @@ mod tests {
             (vec![square(0, 10, 30)], 10_000 - 900, false),
         ] {
             let rings: Vec<_> = std::iter::once(shell.clone()).chain(holes).collect();
-            let region = region_of(&rings);
+            let region = region_of(&rings).expect("few crossings");
             assert_eq!((area(&region), region.has_stray_hole), (wanted, is_stray), "{rings:?}");
         }
     }

@@ -5,7 +5,7 @@ use super::lattice_polygon::{lattice_rings, region_of};
 use super::roof::{LatticeRoof, RoofFault, lattice_roof};
 use crate::city::Ground;
 use crate::outlines::{covered_shares, overlapped_cells};
-use crate::overlay::{Polygon, Ring, Tangle, difference, doubled_area, tangle};
+use crate::overlay::{Polygon, Ring, Tangle, difference, doubled_area};
 use crate::quantity::{Frame, VOID};
 use crate::raster::{CellLattice, Raster};
 use skyshed_request::BaseRule;
@@ -57,11 +57,8 @@ pub(super) fn shape(raw: RawFootprint, (ground, rule): (&Ground, BaseRule), fram
         bares_ground: false,
         raw,
     };
-    if shaped.raw.roof.is_empty() {
-        shape_polygons(&mut shaped, frame);
-    } else {
-        shape_roof(&mut shaped, frame);
-    }
+    let shapes = if shaped.raw.roof.is_empty() { shape_polygons } else { shape_roof };
+    shaped.tangle = shapes(&mut shaped, frame).err();
     shaped.base = match ground {
         Ground::Surface => None,
         Ground::Flat(z) => Some(*z),
@@ -71,14 +68,14 @@ pub(super) fn shape(raw: RawFootprint, (ground, rule): (&Ground, BaseRule), fram
 }
 
 /// Fills in the triangles of the roof, and the polygons that they cover.
-fn shape_roof(shaped: &mut Shaped, frame: Frame) {
+fn shape_roof(shaped: &mut Shaped, frame: Frame) -> Result<(), Tangle> {
     match lattice_roof(&shaped.raw.roof, frame) {
         Ok(roof) => shaped.roof = roof,
-        Err(RoofFault::Tangle(tangle)) => shaped.tangle = Some(tangle),
+        Err(RoofFault::Tangle(tangle)) => return Err(tangle),
         Err(RoofFault::TooFar) => shaped.too_far = true,
         Err(RoofFault::Height(m)) => shaped.bad_height = Some(m),
     }
-    shaped.polygons = shaped.roof.polygons();
+    shaped.polygons = shaped.roof.polygons()?;
     if shaped.polygons.is_empty() {
         shaped.degenerate.push(0);
     }
@@ -86,35 +83,28 @@ fn shape_roof(shaped: &mut Shaped, frame: Frame) {
     for rings in &shaped.raw.ground {
         let Some(rings) = lattice_rings(rings, frame) else {
             shaped.too_far = true;
-            return;
+            return Ok(());
         };
-        shaped.tangle = shaped.tangle.or_else(|| tangle(&rings));
-        if shaped.tangle.is_some() {
-            return;
-        }
-        ground.extend(region_of(&rings).polygons.into_iter().flatten());
+        ground.extend(region_of(&rings)?.polygons.into_iter().flatten());
     }
     if !ground.is_empty() {
         let roof: Vec<Ring> = shaped.polygons.iter().flatten().cloned().collect();
         let area =
             |polygons: Vec<Polygon>| polygons.iter().flatten().map(|ring| doubled_area(ring)).sum::<i128>().abs();
-        shaped.overhangs = area(difference(&roof, &ground)) > 2 * LEAST_OVERHANG;
-        shaped.bares_ground = area(difference(&ground, &roof)) > 2 * LEAST_OVERHANG;
+        shaped.overhangs = area(difference(&roof, &ground)?) > 2 * LEAST_OVERHANG;
+        shaped.bares_ground = area(difference(&ground, &roof)?) > 2 * LEAST_OVERHANG;
     }
+    Ok(())
 }
 
 /// Repairs the polygons.
-fn shape_polygons(shaped: &mut Shaped, frame: Frame) {
+fn shape_polygons(shaped: &mut Shaped, frame: Frame) -> Result<(), Tangle> {
     for (k, polygon) in shaped.raw.polygons.iter().enumerate() {
         let Some(rings) = lattice_rings(polygon, frame) else {
             shaped.too_far = true;
-            return;
+            return Ok(());
         };
-        shaped.tangle = tangle(&rings);
-        if shaped.tangle.is_some() {
-            return;
-        }
-        let region = region_of(&rings);
+        let region = region_of(&rings)?;
         if region.polygons.is_empty() {
             shaped.degenerate.push(k);
         } else if region.is_repaired {
@@ -125,6 +115,7 @@ fn shape_polygons(shaped: &mut Shaped, frame: Frame) {
         }
         shaped.polygons.extend(region.polygons);
     }
+    Ok(())
 }
 
 /// Returns the ground that a footprint stands on, by the terrain columns that its area overlaps;

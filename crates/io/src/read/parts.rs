@@ -15,7 +15,7 @@ use super::box_index::BoxIndex;
 use super::building::{PartOf, RawFootprint};
 use super::lattice_polygon::lattice_polygons;
 use super::vector::bounds;
-use crate::overlay::{Polygon, Ring, difference, doubled_area, intersection, union, wound};
+use crate::overlay::{Polygon, Ring, Tangle, difference, doubled_area, intersection, union, wound};
 use crate::quantity::Frame;
 use skyshed_request::Parts;
 
@@ -32,11 +32,15 @@ pub(super) struct Grouping {
 impl Grouping {
     /// Groups footprints; the grouping is empty for [`Parts::Join`].
     ///
-    /// Cost: the overlay of each part with the outlines whose boxes meet its own.
-    pub(super) fn of(footprints: &[RawFootprint], rule: Parts, frame: Frame) -> Grouping {
+    /// Cost: the overlay of each part with the outlines whose boxes meet its own, from the smallest on
+    /// to the first that holds it.
+    ///
+    /// # Errors
+    /// The part whose edges and those of outlines cross too often.
+    pub(super) fn of(footprints: &[RawFootprint], rule: Parts, frame: Frame) -> Result<Grouping, (usize, Tangle)> {
         let mut grouping = Grouping::default();
         if rule == Parts::Join || footprints.iter().all(|of| of.part_of.is_none()) {
-            return grouping;
+            return Ok(grouping);
         }
         let outlines = || footprints.iter().enumerate().filter(|(_, of)| of.part_of.is_none());
         let mut by_name: HashMap<&str, usize> = HashMap::new();
@@ -44,7 +48,7 @@ impl Grouping {
             by_name.entry(of.id.as_str()).or_insert(k);
         });
         let boxes = BoxIndex::new(outlines().filter_map(|(k, of)| Some((k, bounds(of.polygons.iter())?))));
-        let mut outlines = Outlines { footprints, frame, boxes, regions: HashMap::new() };
+        let mut outlines = Outlines { footprints, frame, boxes, regions: HashMap::new(), n_compared: 0 };
         let mut groups: HashMap<String, u32> = HashMap::new();
         for (k, part) in footprints.iter().enumerate() {
             let Some(part_of) = &part.part_of else { continue };
@@ -52,7 +56,10 @@ impl Grouping {
                 PartOf::Named(name) => by_name.get(name.as_str()).copied(),
                 PartOf::Outline => None,
             };
-            let outline = named.or_else(|| outlines.holding(part));
+            let outline = match named {
+                Some(named) => Some(named),
+                None => outlines.holding(part).map_err(|tangle| (k, tangle))?,
+            };
             let key = match (outline, part_of) {
                 (Some(outline), _) => format!("#{outline}"),
                 (None, PartOf::Named(name)) => format!("={name}"),
@@ -64,13 +71,13 @@ impl Grouping {
             if let Some(outline) = outline {
                 grouping.group.insert(outline, group);
                 // A part beside its building, such as an annex, takes nothing from it.
-                if named.is_none() || outlines.covers(outline, part) {
+                if named.is_none() || outlines.covers(outline, part).map_err(|tangle| (k, tangle))? {
                     grouping.outline.insert(k, outline);
                     grouping.parts.entry(outline).or_default().push(k);
                 }
             }
         }
-        grouping
+        Ok(grouping)
     }
 
     /// Returns `true` when every footprint is a building by itself.
@@ -101,30 +108,50 @@ struct Outlines<'a> {
     boxes: BoxIndex<f64>,
     /// Regions of the outlines that were looked up.
     regions: HashMap<usize, Vec<Ring>>,
+    /// Number of outlines that parts were compared with.
+    n_compared: usize,
 }
+
+/// Outlines that parts may be compared with, in addition to [`COMPARED_PER_FOOTPRINT`].
+const MOST_COMPARED: usize = 100_000;
+
+/// Outlines that parts may be compared with, for each footprint.
+const COMPARED_PER_FOOTPRINT: usize = 16;
 
 impl Outlines<'_> {
     /// Returns the smallest outline that holds most of a part.
-    fn holding(&mut self, part: &RawFootprint) -> Option<usize> {
+    fn holding(&mut self, part: &RawFootprint) -> Result<Option<usize>, Tangle> {
+        let Some(bounds) = bounds(part.polygons.iter()) else { return Ok(None) };
         let region = region_of(part, self.frame);
-        let mut smallest: Option<(i128, usize)> = None;
-        for k in self.boxes.meeting(bounds(part.polygons.iter())?) {
-            let (footprints, frame) = (self.footprints, self.frame);
-            let outline = self.regions.entry(k).or_insert_with(|| region_of(&footprints[k], frame));
-            let found = (doubled(outline), k);
-            let is_smaller = smallest.is_none_or(|smallest| found < smallest);
-            if is_smaller && 2 * doubled(&intersection(&region, outline).concat()) > doubled(&region) {
-                smallest = Some(found);
+        let meeting: Vec<usize> = self.boxes.meeting(bounds).collect();
+        let mut by_area =
+            meeting.into_iter().map(|k| Ok((doubled(self.region(k)?), k))).collect::<Result<Vec<_>, _>>()?;
+        by_area.sort_unstable();
+        // A smaller outline holds less than half of the part.
+        let first = by_area.partition_point(|(area, _)| 2 * area <= doubled(&region));
+        for (_, k) in by_area.drain(first..) {
+            if 2 * doubled(&intersection(&region, self.region(k)?)?.concat()) > doubled(&region) {
+                return Ok(Some(k));
             }
         }
-        smallest.map(|(_, k)| k)
+        Ok(None)
     }
 
     /// Returns `true` when an outline covers any of a part.
-    fn covers(&mut self, outline: usize, part: &RawFootprint) -> bool {
+    fn covers(&mut self, outline: usize, part: &RawFootprint) -> Result<bool, Tangle> {
+        let part = region_of(part, self.frame);
+        Ok(doubled(&intersection(&part, self.region(outline)?)?.concat()) > 0)
+    }
+
+    /// Returns the region of an outline to compare a part with.
+    fn region(&mut self, outline: usize) -> Result<&[Ring], Tangle> {
+        let most = MOST_COMPARED + COMPARED_PER_FOOTPRINT * self.footprints.len();
+        self.n_compared += 1;
+        if self.n_compared > most {
+            return Err(Tangle::Outlines(most));
+        }
         let (footprints, frame) = (self.footprints, self.frame);
-        let outline = self.regions.entry(outline).or_insert_with(|| region_of(&footprints[outline], frame));
-        doubled(&intersection(&region_of(part, frame), outline).concat()) > 0
+        Ok(self.regions.entry(outline).or_insert_with(|| region_of(&footprints[outline], frame)))
     }
 }
 
@@ -134,11 +161,17 @@ fn region_of(footprint: &RawFootprint, frame: Frame) -> Vec<Ring> {
 }
 
 /// Returns the rest of an outline beside its parts; nothing if they cover nine tenths of it.
-pub(super) fn rest_of<'a>(outline: &[Polygon], parts: impl Iterator<Item = &'a [Polygon]>) -> Vec<Polygon> {
+///
+/// # Errors
+/// Edges that cross too often.
+pub(super) fn rest_of<'a>(
+    outline: &[Polygon],
+    parts: impl Iterator<Item = &'a [Polygon]>,
+) -> Result<Vec<Polygon>, Tangle> {
     let parts: Vec<Polygon> = parts.flatten().map(wound).collect();
     let rings = rings_of(outline);
-    let rest = difference(&rings, &union(parts).concat());
-    if 10 * doubled(&rest.concat()) <= doubled(&rings) { Vec::new() } else { rest }
+    let rest = difference(&rings, &union(parts)?.concat())?;
+    Ok(if 10 * doubled(&rest.concat()) <= doubled(&rings) { Vec::new() } else { rest })
 }
 
 /// Returns all rings: shells wound alike, holes the other way.

@@ -6,9 +6,10 @@
 
 use std::borrow::Cow;
 use std::cell::Cell;
+use std::collections::HashSet;
 use std::fmt::Display;
 
-use crate::error::{OddFile, Warning, shortened};
+use crate::error::{MOST_FOUND, OddFile, Warning, shortened};
 use crate::quantity::{Height, parse_meters, parse_number};
 
 /// Treatment of rows that cannot be read.
@@ -64,6 +65,10 @@ impl Table {
             .flexible(true)
             .from_reader(text.as_bytes());
         let headers = reader.headers().map_err(|e| e.to_string())?.clone();
+        let mut names = HashSet::new();
+        if let Some(twice) = headers.iter().find(|name| !name.is_empty() && !names.insert(name.to_lowercase())) {
+            return Err(format!("line 1: found the column `{}` twice, wanted each name once", shortened(twice, MOST_FOUND)));
+        }
         let mut rows = Vec::new();
         for record in reader.records() {
             let fields = record.map_err(|e| e.to_string())?;
@@ -85,7 +90,7 @@ impl Table {
 
     /// Returns the names of all columns, for messages.
     pub fn found(&self) -> String {
-        self.headers.iter().collect::<Vec<_>>().join(",")
+        shortened(&self.headers.iter().collect::<Vec<_>>().join(","), 4 * MOST_FOUND).into_owned()
     }
 
     /// Returns the columns of a position: in the scene's system if there are any, else in degrees.

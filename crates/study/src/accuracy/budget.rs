@@ -125,8 +125,8 @@ fn cell_lines(setup: &Setup<'_>, p_los: f64, uncertain: &Uncertain) -> Vec<Budge
 }
 
 fn method_line(setup: &Setup<'_>, p_los: f64) -> Result<BudgetLine> {
-    let rays = |field: &HeightField| MapOptions { method: MethodChoice::Ray, ..(setup.options)(field) };
-    let options = rays(setup.field);
+    let rays = |field: &HeightField| Ok(MapOptions { method: MethodChoice::Ray, ..(setup.options)(field)? });
+    let options = rays(setup.field)?;
     let mapper = Mapper::new(setup.field, &options)?;
     let in_range = |uav| Ok(mapper.seen_from(uav)?.receivers_in_range().count());
     let n = setup.uavs.iter().map(in_range).sum::<Result<u64>>()?;
@@ -213,9 +213,9 @@ fn shape_line(setup: &Setup<'_>, p_los: f64) -> Option<BudgetLine> {
 /// Returns the effect of the earth's curvature as radio sees it if the earth was taken as flat,
 /// else the effect of a flat earth.
 fn earth_line(setup: &Setup<'_>, p_los: f64) -> BudgetLine {
-    let is_flat = (setup.options)(setup.field).curvature.is_none();
+    let is_flat = (setup.options)(setup.field).is_ok_and(|options| options.curvature.is_none());
     let curvature = if is_flat { Curvature::of_earth_k(RADIO_K) } else { None };
-    let options = |field: &HeightField| MapOptions { curvature, ..(setup.options)(field) };
+    let options = |field: &HeightField| Ok(MapOptions { curvature, ..(setup.options)(field)? });
     let changed = if is_flat { "curved, with the refraction of radio (K = 4/3)" } else { "a flat earth" };
     BudgetLine {
         part: Part::Earth,

@@ -17,7 +17,7 @@ pub struct Setup<'a> {
     /// The UAVs, counted together.
     pub uavs: &'a [Uav],
     /// Options of a map of a form of the scene: cells of zones are those of its own grid.
-    pub options: &'a (dyn Fn(&HeightField) -> MapOptions + Sync),
+    pub options: &'a (dyn Fn(&HeightField) -> Result<MapOptions> + Sync),
 }
 
 impl std::fmt::Debug for Setup<'_> {
@@ -29,7 +29,7 @@ impl std::fmt::Debug for Setup<'_> {
 impl Setup<'_> {
     /// Returns the receivers in range and those in line of sight, summed over the UAVs.
     pub fn count(&self) -> Result<(u64, u64)> {
-        let options = (self.options)(self.field);
+        let options = (self.options)(self.field)?;
         let mapper = Mapper::new(self.field, &options)?;
         count(&mapper, self.uavs)
     }
@@ -112,7 +112,7 @@ pub enum TerrainEffect {
 pub fn terrain_effect(setup: &Setup<'_>) -> Result<TerrainEffect> {
     let Some(terrain) = setup.field.terrain_alone() else { return Ok(TerrainEffect::None) };
     // Receivers stay those of the scene with buildings; removing a building adds none.
-    let options = (setup.options)(setup.field);
+    let options = (setup.options)(setup.field)?;
     let cells = Mapper::new(setup.field, &options)?.receiver_cells();
     let options = MapOptions { within: Some(cells), receivers: crate::coverage::Receivers::Ground, ..options };
     let mapper = Mapper::new(&terrain, &options)?;
@@ -139,7 +139,7 @@ pub struct RoofEffect {
 /// As [`Uav::place`]: a UAV beside a roof may be below its ridge.
 pub fn roof_effect(setup: &Setup<'_>) -> Result<Option<RoofEffect>> {
     let Some(flat) = setup.field.with_flat_roofs() else { return Ok(None) };
-    let (own, of_flat) = ((setup.options)(setup.field), (setup.options)(&flat));
+    let (own, of_flat) = ((setup.options)(setup.field)?, (setup.options)(&flat)?);
     let (own, of_flat) = (Mapper::new(setup.field, &own)?, Mapper::new(&flat, &of_flat)?);
     let mut effect = RoofEffect {
         shaped: setup.field.n_buildings_with_shaped_roofs(),

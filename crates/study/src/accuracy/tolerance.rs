@@ -107,13 +107,13 @@ pub struct Choice {
 /// 6/tolerance² receivers (at least 2000), for each UAV.
 pub fn coarsest_within(
     question: &Question<'_>,
-    options: &(dyn Fn(&HeightField) -> MapOptions + Sync),
+    options: &(dyn Fn(&HeightField) -> Result<MapOptions> + Sync),
 ) -> Result<Choice> {
     let grid = question.field.grid();
     let factors: Vec<usize> =
         FACTORS.into_iter().rev().filter(|f| grid.n_rows().min(grid.n_cols()) / f >= FEWEST_CELLS).collect();
     let forms = Simpler::forms(question.field, &factors);
-    let exact_options = options(question.field);
+    let exact_options = options(question.field)?;
     let exact = Mapper::new(question.field, &exact_options)?;
     let n_bounds = (6 * forms.len() * question.uavs.len().max(1)) as f64;
     let draw = |(k, uav)| Sample::draw(&exact, uav, question, k as u64);
@@ -121,7 +121,7 @@ pub fn coarsest_within(
     let mut tried = Vec::new();
     for form in forms {
         let Some(field) = form.of(question.field) else { continue };
-        let options = options(&field);
+        let options = options(&field)?;
         let mapper = Mapper::new(&field, &options)?;
         let uavs: Result<Vec<Uav>> = question.uavs.iter().map(|uav| moved_to(uav, &field)).collect();
         let measured = uavs.map_err(|e| e.to_string()).and_then(|uavs| {

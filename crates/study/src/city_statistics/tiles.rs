@@ -8,11 +8,13 @@
 //! building is a set of such cells connected by cell sides, with their mean height.
 
 use crate::city::Footprint;
+use crate::error::Result;
 use crate::height_field::HeightField;
 use crate::outlines::{covered_shares, labelled_parts};
 use crate::overlay::{Ring, intersection, union, wound};
 use crate::quantity::{Frame, STEPS_PER_UNIT};
 use crate::raster::{BitGrid, CellLattice, GeoRef};
+use skyshed_core::error::MapError;
 
 /// Fewest buildings whose heights give a γ.
 pub const FEWEST_BUILDINGS: u64 = 2;
@@ -104,9 +106,17 @@ impl BuiltUpTiles {
     /// the share of its cells inside.
     ///
     /// Cost: the union of the footprints, and the tiles that it covers.
-    pub fn of_footprints(footprints: &[Footprint], frame: Frame, field: &HeightField, size: TileSize) -> Option<Self> {
+    ///
+    /// # Errors
+    /// E504 for outlines that cross one another too often.
+    pub fn of_footprints(
+        footprints: &[Footprint],
+        frame: Frame,
+        field: &HeightField,
+        size: TileSize,
+    ) -> Result<Option<Self>> {
         let grid = field.grid();
-        let georef = size.georef(grid)?;
+        let Some(georef) = size.georef(grid) else { return Ok(None) };
         let edges = Edges::on_lattice(&georef, grid, frame);
         let n_cols = georef.n_cols();
         let mut tiles = vec![BuiltUpTile::default(); georef.n_cells()];
@@ -131,8 +141,12 @@ impl BuiltUpTiles {
             tile.ground = edges.doubled_area(at / n_cols, at % n_cols);
         }
         let on_tiles = |ring: &Ring| ring.iter().map(|p| lattice.position(&frame, *p)).collect::<Vec<_>>();
-        let buildings = union(footprints.iter().flat_map(|f| f.polygons.iter().map(wound)).collect());
-        let built = intersection(&buildings.concat(), &[edges.outline()]);
+        let tangled = |tangle| {
+            skyshed_core::Error::from(MapError::Tangled { attempt: "measure the built-up area of tiles", tangle })
+        };
+        let buildings =
+            union(footprints.iter().flat_map(|f| f.polygons.iter().map(wound)).collect()).map_err(tangled)?;
+        let built = intersection(&buildings.concat(), &[edges.outline()]).map_err(tangled)?;
         let built: Vec<Vec<Vec<[i64; 2]>>> = built.iter().map(|rings| rings.iter().map(on_tiles).collect()).collect();
         covered_shares(&built, lattice.steps, (georef.n_rows(), n_cols), |row, col, share| {
             let tile = &mut tiles[row * n_cols + col];
@@ -144,7 +158,7 @@ impl BuiltUpTiles {
             take_away(&mut tiles, outside, &CellTiles::new(grid, &georef));
         }
         let step_m = size.meters_per_unit / f64::from(STEPS_PER_UNIT);
-        Some(BuiltUpTiles { georef, tiles, unit_m2: step_m * step_m / 2.0, buildings_outside })
+        Ok(Some(BuiltUpTiles { georef, tiles, unit_m2: step_m * step_m / 2.0, buildings_outside }))
     }
 
     /// Computes the tiles of a raster scene; `None` as [`TileSize::shape`]. A cell belongs to the

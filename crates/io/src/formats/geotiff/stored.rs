@@ -1,6 +1,7 @@
 //! Cells of a band: as the file stores them, and as heights.
 
 use super::geo_tiff::{GeoTiff, Mask};
+use super::header::Codec;
 use super::read::{Region, for_each_span};
 use super::tags::TiffSource;
 use crate::error::{OddRaster, Oddity, Result, Warning};
@@ -79,6 +80,20 @@ impl GeoTiff {
         }
         voids.report(&self.input, warnings)?;
         Ok(Raster::new(georef, cells))
+    }
+
+    /// Returns the number of cells that reading a part of one band decodes: those of all blocks that
+    /// it touches, and of uncompressed ones those of its rows.
+    pub(in crate::formats) fn n_cells_decoded(&self, window: CellWindow) -> u64 {
+        let blocks = |first: usize, n: usize, size: usize| ((first + n).div_ceil(size) - first / size) as u64;
+        let image = &self.image;
+        let across = blocks(window.col, window.n_cols, image.block_cols) * image.block_cols as u64;
+        let first_row = if self.placement.south_up { image.n_rows - window.row - window.n_rows } else { window.row };
+        let down = match image.codec {
+            Codec::None => window.n_rows as u64,
+            _ => blocks(first_row, window.n_rows, image.block_rows) * image.block_rows as u64,
+        };
+        across * down
     }
 
     /// Calls `visit` with row, column and content of each cell of a part of one band, row by row in

@@ -1,6 +1,7 @@
 //! A mosaic: its tiles, the place of each part of them, and the assembly of a window. Little is
 //! kept of each tile, since thousands are common.
 
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
 
@@ -9,7 +10,7 @@ use skyshed_request::Band;
 
 use super::numbers::{Rule, TileNumbers};
 use crate::crs::VerticalCrs;
-use crate::error::{Error, OddPair, OddRaster, Oddity, Result, Warning};
+use crate::error::{Cause, Error, OddPair, OddRaster, Oddity, ReadFault, Result, Warning};
 use crate::formats::reserve::reserve_cells;
 use crate::formats::sample::Sample;
 use crate::formats::voids::{Stored, Voids, is_nodata};
@@ -148,7 +149,8 @@ impl Mosaic {
         let mut cells = reserve_cells(&self.path.display(), &georef)?;
         let mut voids = Voids::new(self.nodata);
         let (scale, offset) = self.scaling;
-        let odd = self.for_each_number(window, |row, col, number| {
+        let work = Work::new(self);
+        let odd = self.for_each_number(window, &work, |row, col, number| {
             cells.push(convert(voids.height(row, col, number) * scale + offset));
         })?;
         self.warn(&odd, warnings);
@@ -157,12 +159,17 @@ impl Mosaic {
     }
 
     /// Calls `visit` with row, column and number of each cell of a part, row by row from the north.
-    fn for_each_number(&self, window: CellWindow, mut visit: impl FnMut(usize, usize, f64)) -> Result<Oddities> {
+    fn for_each_number(
+        &self,
+        window: CellWindow,
+        work: &Work,
+        mut visit: impl FnMut(usize, usize, f64),
+    ) -> Result<Oddities> {
         let mut odd = Oddities::default();
         let mut rest = window;
         while rest.n_rows > 0 {
             let band = CellWindow { n_rows: self.rows_at_once(rest), ..rest };
-            let numbers = self.put_together(band, &mut odd)?;
+            let numbers = self.put_together(band, work, &mut odd)?;
             for (row, numbers) in (band.row..).zip(numbers.chunks_exact(band.n_cols)) {
                 (band.col..).zip(numbers).for_each(|(col, number)| visit(row, col, *number));
             }
@@ -186,12 +193,12 @@ impl Mosaic {
     }
 
     /// Returns the numbers of a window, row by row.
-    fn put_together(&self, window: CellWindow, odd: &mut Oddities) -> Result<Vec<f64>> {
+    fn put_together(&self, window: CellWindow, work: &Work, odd: &mut Oddities) -> Result<Vec<f64>> {
         let mut numbers = reserve_cells(&self.path.display(), &self.georef.part(window))?;
         numbers.resize(window.n_rows * window.n_cols, self.empty);
         for piece in &self.pieces {
             if let Some(area) = overlap(piece.area, window) {
-                self.lay(piece, area, (window, &mut numbers), odd)?;
+                self.lay(piece, (area, work), (window, &mut numbers), odd)?;
             }
         }
         Ok(numbers)
@@ -201,7 +208,7 @@ impl Mosaic {
     fn lay(
         &self,
         piece: &Piece,
-        area: CellWindow,
+        (area, work): (CellWindow, &Work),
         (window, numbers): (CellWindow, &mut [f64]),
         odd: &mut Oddities,
     ) -> Result<()> {
@@ -210,7 +217,7 @@ impl Mosaic {
         let in_tile = |at: usize, origin: i64| usize::try_from(at as i128 - i128::from(origin)).unwrap_or(0);
         let part = CellWindow { row: in_tile(area.row, piece.row), col: in_tile(area.col, piece.col), ..area };
         let is_folder = self.kind == Kind::Folder;
-        let laid = tile.for_each_stored(piece.band, part, |row, col, stored| {
+        let laid = tile.for_each_stored((piece.band, work), part, |row, col, stored| {
             let (row, col) = (area.row - window.row + (row - part.row), area.col - window.col + (col - part.col));
             let at = &mut numbers[row * window.n_cols + col];
             match piece.rule.number(tile.numbers, stored) {
@@ -288,7 +295,7 @@ impl Tile {
     /// in any order.
     fn for_each_stored(
         &self,
-        band: usize,
+        (band, work): (usize, &Work),
         window: CellWindow,
         mut visit: impl FnMut(usize, usize, Stored),
     ) -> Result<()> {
@@ -302,13 +309,15 @@ impl Tile {
                 {
                     return Err(Error::truncated(self.path.display(), "the file has changed since it was opened"));
                 }
+                work.take(&self.path, tiff.n_cells_decoded(window))?;
                 tiff.for_each_stored(band, window, visit)
             }
             Content::AsciiGrid(grid) => {
+                work.take(&self.path, (self.n_rows * self.n_cols) as u64)?;
                 grid.for_each_stored(window, |row, col, number| visit(row, col, Stored::Number(number)))
             }
             Content::Mosaic(mosaic) => {
-                let visited = mosaic.for_each_number(window, |row, col, number| {
+                let visited = mosaic.for_each_number(window, work, |row, col, number| {
                     visit(row, col, Stored::Number(number));
                 });
                 visited.map(drop)
@@ -326,6 +335,56 @@ impl Tile {
         match &self.content {
             Content::Mosaic(mosaic) => mosaic.tile_paths(),
             Content::GeoTiff | Content::AsciiGrid(_) => Vec::new(),
+        }
+    }
+}
+
+/// Work that one reading of a mosaic may do, so that a tile that many sources name is not decoded
+/// without end. A unit is the opening of a file, or the decoding of 8192 cells.
+#[derive(Debug)]
+struct Work {
+    left: Cell<u64>,
+}
+
+impl Work {
+    /// Units allowed for any mosaic, in addition to [`Work::READINGS`].
+    const MOST: u64 = 20_000;
+    /// Times that all pieces may be read.
+    const READINGS: u64 = 8;
+
+    fn new(mosaic: &Mosaic) -> Work {
+        Work { left: Cell::new(Work::MOST + Work::READINGS * Work::of_pieces(mosaic)) }
+    }
+
+    /// Returns the units of reading each piece of a mosaic, and of those that it is made of, once.
+    fn of_pieces(mosaic: &Mosaic) -> u64 {
+        let own = mosaic.pieces.iter().map(|piece| Work::of((piece.area.n_rows * piece.area.n_cols) as u64));
+        let nested = mosaic.tiles.iter().map(|tile| match &tile.content {
+            Content::Mosaic(mosaic) => Work::of_pieces(mosaic),
+            Content::GeoTiff | Content::AsciiGrid(_) => 0,
+        });
+        own.chain(nested).sum()
+    }
+
+    /// Returns the units of opening a file and decoding some cells.
+    fn of(n_cells: u64) -> u64 {
+        1 + n_cells / 8192
+    }
+
+    /// Takes the work of decoding cells of a tile.
+    ///
+    /// # Errors
+    /// E502 if more was done than the mosaic needs.
+    fn take(&self, tile: &Path, n_cells: u64) -> Result<()> {
+        match self.left.get().checked_sub(Work::of(n_cells)) {
+            Some(left) => {
+                self.left.set(left);
+                Ok(())
+            }
+            None => {
+                let what = "too many sources name the same tiles, which would be read again and again".into();
+                Err(Error::read(tile.display(), ReadFault::TooMany(what)).because(Cause::ForGdal))
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! GeoPackage: an SQLite database with a table of features.
 //!
 //! The file is opened as one that nobody changes, so that nothing is written beside it. Only plain
-//! tables are read: a view can compute without end.
+//! tables with plain columns are read: views and generated columns can compute without end.
 //!
 //! # References
 //! OGC 12-128r19, GeoPackage Encoding Standard 1.4.
@@ -38,8 +38,12 @@ pub(super) fn read(input: &Input, layer: Option<&str>) -> Result<FeatureSet> {
     database.set_limit(Limit::SQLITE_LIMIT_LENGTH, longest).map_err(broken)?;
     database.execute_batch("PRAGMA trusted_schema = OFF").map_err(broken)?;
     refuse_views(input, &database).map_err(broken)??;
+    for table in DESCRIPTIONS {
+        refuse_generated(input, &database, table).map_err(broken)??;
+    }
     let layers = layers(&database).map_err(broken)?;
     let layer = chosen(input, layer, &layers)?;
+    refuse_generated(input, &database, layer).map_err(broken)??;
     let table = Table::of(&database, layer).map_err(broken)?;
     let Some(table) = table else {
         return Err(Error::read(input, ReadFault::NoTable(layer.to_string())));
@@ -55,11 +59,24 @@ const LEAST_VALUE: u64 = 1 << 20;
 /// Number of times that the bytes of a file may be read as values.
 const READS_PER_BYTE: u64 = 2;
 
+/// Tables that describe others.
+const DESCRIPTIONS: [&str; 3] = ["gpkg_contents", "gpkg_geometry_columns", "gpkg_spatial_ref_sys"];
+
+/// Refuses a generated column, which can compute without end.
+fn refuse_generated(input: &Input, database: &Connection, table: &str) -> rusqlite::Result<Result<()>> {
+    // 2 and 3 are columns generated when they are read and when they are written.
+    let query = "SELECT name FROM pragma_table_xinfo(?1) WHERE hidden > 1 LIMIT 1";
+    let found: Option<String> = database.query_row(query, [table], |row| row.get(0)).optional()?;
+    Ok(found.map_or(Ok(()), |column| {
+        let what = format!("the column `{column}` of `{table}` is generated, wanted one that is stored");
+        Err(Error::unsupported(input, what).because(Cause::GeneratedColumn))
+    }))
+}
+
 /// Refuses views in place of the tables that describe others: a view can compute without end.
 fn refuse_views(input: &Input, database: &Connection) -> rusqlite::Result<Result<()>> {
-    let query = "SELECT name FROM sqlite_master WHERE rootpage = 0
-        AND lower(name) IN ('gpkg_contents', 'gpkg_geometry_columns', 'gpkg_spatial_ref_sys')";
-    let found: Option<String> = database.query_row(query, [], |row| row.get(0)).optional()?;
+    let query = "SELECT name FROM sqlite_master WHERE rootpage = 0 AND lower(name) IN (?1, ?2, ?3)";
+    let found: Option<String> = database.query_row(query, DESCRIPTIONS, |row| row.get(0)).optional()?;
     Ok(match found {
         Some(name) => Err(malformed(input, &format!("`{name}`, which is no plain table"), "a GeoPackage")),
         None => Ok(()),
