@@ -4,7 +4,7 @@
 //! ≤ s}; a crossroad is the intersection of both.
 //!
 //! In any other scene the zones follow from its open ground, by the rules below. The rules were
-//! compared with the construction (`tests/suite/zones.rs`):
+//! compared with the construction (`tests/engines/zones.rs`):
 //!
 //! | generated city | open cells with the same zone |
 //! |---|---|
