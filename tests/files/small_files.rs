@@ -70,7 +70,21 @@ fn what_a_geopackage_computes_is_not_read() {
     folder.type_in("info empty.gpkg --json").done();
     let blob = "ALTER TABLE city ADD COLUMN big BLOB GENERATED ALWAYS AS (zeroblob(900000000)) VIRTUAL;";
     geopackage(&folder, "blob.gpkg", blob);
-    refused(&folder, "info blob.gpkg", "E302", "");
+    refused(&folder, "info blob.gpkg", "E304", "`big` of `city` is generated");
+    let stored = "ALTER TABLE city ADD COLUMN floors INTEGER GENERATED ALWAYS AS (height / 3) VIRTUAL;";
+    geopackage(&folder, "generated.gpkg", stored);
+    refused(
+        &folder,
+        "info generated.gpkg",
+        "E304",
+        "the column `floors` of `city` is generated, wanted one that is stored",
+    );
+    // Of a table that describes others.
+    let slow = "ALTER TABLE gpkg_contents DROP COLUMN data_type;
+        ALTER TABLE gpkg_contents ADD COLUMN data_type TEXT GENERATED ALWAYS AS (CASE
+        WHEN instr(hex(zeroblob(500000)), hex(zeroblob(250000)) || '1') > 0 THEN 'a' ELSE 'features' END) VIRTUAL;";
+    geopackage(&folder, "slow.gpkg", slow);
+    refused(&folder, "info slow.gpkg", "E304", "`data_type` of `gpkg_contents` is generated");
     let endless = "DROP TABLE gpkg_contents; CREATE VIEW gpkg_contents AS WITH RECURSIVE n(k) AS
         (SELECT 1 UNION ALL SELECT k + 1 FROM n) SELECT 'city' AS table_name, 'features' AS data_type FROM n WHERE k < 0;";
     geopackage(&folder, "endless.gpkg", endless);
@@ -125,6 +139,63 @@ fn virtual_rasters_are_read_at_the_cost_of_their_size() {
     }
     refused(&folder, "info 3_0.vrt", "E502", "more than 10000 sources");
     folder.type_in("info 2_0.vrt --json").done();
+}
+
+#[test]
+fn tiles_that_sources_name_again_and_again_are_not_decoded_without_end() {
+    let folder = Folder::new();
+    folder.write("a.asc", GRID);
+    let all = |name: &str, n: usize| virtual_raster(&vec![name.to_string(); n]);
+    folder.write("inner.vrt", &all("a.asc", 2000));
+    folder.write("few.vrt", &all("inner.vrt", 2));
+    folder.write("many.vrt", &all("inner.vrt", 200));
+    folder.type_in("info few.vrt --json").done();
+    refused(&folder, "info many.vrt", "E502", "too many sources name the same tiles");
+}
+
+#[test]
+fn a_tile_much_larger_than_its_raster_is_not_decoded() {
+    let folder = Folder::new();
+    // 3 × 2 cells in one tile of 16 384 × 16 384; so many bytes could hold it.
+    let tile = vec![0x78; 1_100_000];
+    let tags: [(u16, u16, u32); 11] = [
+        (256, 4, 3),
+        (257, 4, 2),
+        (258, 3, 32),
+        (259, 3, 8),
+        (262, 3, 1),
+        (277, 3, 1),
+        (322, 4, 16_384),
+        (323, 4, 16_384),
+        (324, 4, 8 + 2 + 12 * 11 + 4),
+        (325, 4, u32::try_from(tile.len()).unwrap()),
+        (339, 3, 3),
+    ];
+    let mut bytes = b"II*\0\x08\0\0\0".to_vec();
+    bytes.extend(11_u16.to_le_bytes());
+    for (tag, kind, value) in tags {
+        bytes.extend([tag.to_le_bytes(), kind.to_le_bytes()].concat());
+        bytes.extend([1_u32.to_le_bytes(), value.to_le_bytes()].concat());
+    }
+    bytes.extend([0; 4]);
+    bytes.extend(tile);
+    std::fs::write(folder.join("six.tif"), bytes).unwrap();
+    folder.write("six.tfw", "1\n0\n0\n-1\n500000\n5400000\n");
+    refused(&folder, "info six.tif", "E304", "decodes to 1073741824 bytes, at most 67108864 can be held");
+}
+
+#[cfg(unix)]
+#[test]
+fn devices_and_pipes_without_an_end_are_no_tables() {
+    let folder = Folder::new();
+    folder.write("a.asc", GRID);
+    for line in [
+        "map a.asc --uavs /dev/zero --json",
+        "track a.asc --uav 2,2,30 --track /dev/zero --json",
+        "plos itu:urban --theta 30 --curve a=/dev/zero --json",
+    ] {
+        refused(&folder, line, "E502", "more than 128 MiB, wanted a file");
+    }
 }
 
 #[cfg(unix)]

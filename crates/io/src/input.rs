@@ -155,6 +155,9 @@ impl Input {
     }
 
     /// Reads all bytes. Those of standard input are kept, since they can be read only once.
+    ///
+    /// # Errors
+    /// E301 for a file that cannot be read; E502 for a pipe or a device without an end.
     pub(crate) fn read(&self) -> Result<Cow<'_, [u8]>> {
         static STANDARD_INPUT: OnceLock<Vec<u8>> = OnceLock::new();
         if let Some(held) = &self.held {
@@ -166,14 +169,26 @@ impl Input {
             return Ok(Cow::Owned(bytes));
         }
         if !self.is_standard_input() {
-            return std::fs::read(&self.path).map(Cow::Owned).map_err(|e| cannot_read(self, &e));
+            if std::fs::metadata(&self.path).is_ok_and(|metadata| metadata.is_file()) {
+                return std::fs::read(&self.path).map(Cow::Owned).map_err(|e| cannot_read(self, &e));
+            }
+            let stream = File::open(&self.path).map_err(|e| cannot_read(self, &e))?;
+            return self.read_stream(stream).map(Cow::Owned);
         }
         if STANDARD_INPUT.get().is_none() {
-            let mut bytes = Vec::new();
-            std::io::stdin().lock().read_to_end(&mut bytes).map_err(|e| cannot_read(self, &e))?;
-            let _ = STANDARD_INPUT.set(bytes);
+            let _ = STANDARD_INPUT.set(self.read_stream(std::io::stdin().lock())?);
         }
         Ok(Cow::Borrowed(STANDARD_INPUT.get().map_or(&[], Vec::as_slice)))
+    }
+
+    fn read_stream(&self, stream: impl Read) -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        stream.take(MOST_STREAMED + 1).read_to_end(&mut bytes).map_err(|e| cannot_read(self, &e))?;
+        if bytes.len() as u64 > MOST_STREAMED {
+            let what = format!("it has more than {} MiB, wanted a file", MOST_STREAMED >> 20);
+            return Err(Error::read(self, ReadFault::TooMany(what)));
+        }
+        Ok(bytes)
     }
 
     /// Reads all text; `wanted` names the expected content in an error.
@@ -184,6 +199,9 @@ impl Input {
         })
     }
 }
+
+/// Most bytes of a pipe or a device, which need not end.
+const MOST_STREAMED: u64 = 128 << 20;
 
 /// Path, or name.
 impl fmt::Display for Input {

@@ -67,7 +67,10 @@ impl Table {
         let headers = reader.headers().map_err(|e| e.to_string())?.clone();
         let mut names = HashSet::new();
         if let Some(twice) = headers.iter().find(|name| !name.is_empty() && !names.insert(name.to_lowercase())) {
-            return Err(format!("line 1: found the column `{}` twice, wanted each name once", shortened(twice, MOST_FOUND)));
+            return Err(format!(
+                "line 1: found the column `{}` twice, wanted each name once",
+                shortened(twice, MOST_FOUND)
+            ));
         }
         let mut rows = Vec::new();
         for record in reader.records() {

@@ -17,6 +17,9 @@ use crate::formats::sample::Sample;
 /// Largest decoded size of one compressed strip or tile \[bytes\].
 const MAX_BLOCK_BYTES: u64 = 4 << 30;
 
+/// Largest decoded strip or tile of a smaller raster \[bytes\].
+const LARGE_BLOCK_BYTES: u64 = 64 << 20;
+
 /// Compression of the bytes of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Codec {
@@ -296,9 +299,10 @@ impl Image {
             return Err(source.truncated(text).because(Cause::DamagedHeader));
         }
         // Row by row is possible only without compression.
-        if self.codec != Codec::None && needed > MAX_BLOCK_BYTES {
-            let error =
-                source.unsupported(format!("{name} decodes to {needed} bytes, at most {MAX_BLOCK_BYTES} can be held"));
+        let raster = self.row_bytes().saturating_mul(self.blocks_across() as u64).saturating_mul(self.n_rows as u64);
+        let most = MAX_BLOCK_BYTES.min(raster.max(LARGE_BLOCK_BYTES));
+        if self.codec != Codec::None && needed > most {
+            let error = source.unsupported(format!("{name} decodes to {needed} bytes, at most {most} can be held"));
             return Err(error.because(Cause::LargeBlock));
         }
         Ok(())

@@ -1,8 +1,9 @@
 //! A mosaic: its tiles, the place of each part of them, and the assembly of a window. Little is
 //! kept of each tile, since thousands are common.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::atomic::AtomicUsize;
 
 use rayon::prelude::*;
@@ -301,19 +302,18 @@ impl Tile {
     ) -> Result<()> {
         match &self.content {
             Content::GeoTiff => {
-                // Oddities of its header were reported when the mosaic was opened.
-                let tiff = GeoTiff::open(&self.path, &mut Vec::new())?;
+                let tiff = work.opened(&self.path)?;
                 let (n_rows, n_cols) = (tiff.georef().n_rows(), tiff.georef().n_cols());
                 if (n_rows, n_cols, tiff.nodata_of(self.numbers.band).map(f64::to_bits))
                     != (self.n_rows, self.n_cols, self.numbers.nodata.map(f64::to_bits))
                 {
                     return Err(Error::truncated(self.path.display(), "the file has changed since it was opened"));
                 }
-                work.take(&self.path, tiff.n_cells_decoded(window))?;
+                work.take(tiff.n_cells_decoded(window))?;
                 tiff.for_each_stored(band, window, visit)
             }
             Content::AsciiGrid(grid) => {
-                work.take(&self.path, (self.n_rows * self.n_cols) as u64)?;
+                work.take((self.n_rows * self.n_cols) as u64)?;
                 grid.for_each_stored(window, |row, col, number| visit(row, col, Stored::Number(number)))
             }
             Content::Mosaic(mosaic) => {
@@ -344,16 +344,33 @@ impl Tile {
 #[derive(Debug)]
 struct Work {
     left: Cell<u64>,
+    /// Last file that was opened: many sources may name one file.
+    last: RefCell<Option<(PathBuf, Rc<GeoTiff>)>>,
+    /// Name of the mosaic.
+    name: PathBuf,
 }
 
 impl Work {
     /// Units allowed for any mosaic, in addition to [`Work::READINGS`].
-    const MOST: u64 = 20_000;
+    const MOST: u64 = 10_000;
     /// Times that all pieces may be read.
-    const READINGS: u64 = 8;
+    const READINGS: u64 = 4;
 
     fn new(mosaic: &Mosaic) -> Work {
-        Work { left: Cell::new(Work::MOST + Work::READINGS * Work::of_pieces(mosaic)) }
+        let left = Cell::new(Work::MOST + Work::READINGS * Work::of_pieces(mosaic));
+        Work { left, last: RefCell::default(), name: mosaic.path.clone() }
+    }
+
+    /// Opens a tile, unless it is the last one. Oddities of its header were reported when the mosaic
+    /// was opened.
+    fn opened(&self, path: &Path) -> Result<Rc<GeoTiff>> {
+        let mut last = self.last.borrow_mut();
+        if let Some((_, tiff)) = last.as_ref().filter(|(known, _)| known == path) {
+            return Ok(Rc::clone(tiff));
+        }
+        let tiff = Rc::new(GeoTiff::open(path, &mut Vec::new())?);
+        *last = Some((path.to_owned(), Rc::clone(&tiff)));
+        Ok(tiff)
     }
 
     /// Returns the units of reading each piece of a mosaic, and of those that it is made of, once.
@@ -375,7 +392,7 @@ impl Work {
     ///
     /// # Errors
     /// E502 if more was done than the mosaic needs.
-    fn take(&self, tile: &Path, n_cells: u64) -> Result<()> {
+    fn take(&self, n_cells: u64) -> Result<()> {
         match self.left.get().checked_sub(Work::of(n_cells)) {
             Some(left) => {
                 self.left.set(left);
@@ -383,7 +400,7 @@ impl Work {
             }
             None => {
                 let what = "too many sources name the same tiles, which would be read again and again".into();
-                Err(Error::read(tile.display(), ReadFault::TooMany(what)).because(Cause::ForGdal))
+                Err(Error::read(self.name.display(), ReadFault::TooMany(what)).because(Cause::ForGdal))
             }
         }
     }
