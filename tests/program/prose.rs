@@ -233,6 +233,25 @@ fn no_sentence_of_a_doc_comment_is_long() {
 }
 
 #[test]
+fn crates_of_one_maintainer_are_named_in_two_folders() {
+    let names = [
+        "tiff_reader",
+        "tiff_writer",
+        "tiff_core",
+        "geotiff_core",
+        "lerc_reader",
+        "lerc_core",
+        "proj_core",
+        "proj_wkt",
+    ];
+    let is_named = |path: &PathBuf| names.iter().any(|name| text_of(path).contains(&format!("{name}::")));
+    let folders = ["crates/io/src/formats/geotiff", "crates/io/src/crs"].map(|folder| root().join(folder));
+    let outside = checked_sources().into_iter().filter(is_named);
+    let outside: Vec<_> = outside.filter(|path| folders.iter().all(|folder| !path.starts_with(folder))).collect();
+    assert_eq!(outside, Vec::<PathBuf>::new());
+}
+
+#[test]
 fn no_source_file_is_long() {
     const MOST_LINES: usize = 500;
     let long = ["crates", "src", "tests", "examples"]
