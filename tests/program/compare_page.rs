@@ -257,6 +257,19 @@ addEventListener("load", () => {
 </script>"#;
 
 #[test]
+fn its_own_scripts_are_all_that_a_page_may_run() {
+    let folder = Folder::new();
+    folder.type_in("live itu:urban --size 100 --uav 50,50,60 -o live.html -q").done();
+    folder.type_in("compare itu:urban --size 100 --uav 50,50,60 --uav 20,20,60 -o c.html -q").done();
+    let scripts = |page: &str| between(&folder.text(page), "script-src ", ";").to_string();
+    let of_live = scripts("live.html").replace(" 'wasm-unsafe-eval'", "");
+    let of_page = scripts("c.html");
+    // A live page that is opened from the page obeys its policy.
+    assert!(of_page.contains(&of_live) && of_page.matches("'sha256-").count() == 2, "{of_page}");
+    assert!(!of_page.contains("unsafe-inline"), "{of_page}");
+}
+
+#[test]
 fn nothing_is_cut_off_or_faint_in_light_and_dark() {
     let Some(browser) = browser() else { return };
     let folder = Folder::new();
@@ -270,6 +283,8 @@ fn nothing_is_cut_off_or_faint_in_light_and_dark() {
     let page = folder.text("c.html");
     let matrix = between(&page, "<section aria-label=\"Differences of any two\">", "</table>");
     assert_eq!(matrix.matches("<td>").count(), 36, "a matrix of six by six");
+    // The policy of the page forbids other scripts.
+    let page = page.replace("http-equiv=\"Content-Security-Policy\"", "name=\"policy\"");
     folder.write("c.html", &page.replace("</body>", &format!("{LOOK}</body>")));
     for (scheme, is_dark) in [("0", true), ("1", false)] {
         let settings = format!("--blink-settings=preferredColorScheme={scheme}");

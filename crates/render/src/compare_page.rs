@@ -21,11 +21,12 @@ use super::check;
 use super::colors::{self, Rgb, hex};
 use super::furniture;
 use super::lettering::escape;
+use super::live_page;
 use super::marks::Mark;
 use super::paint::{self, Canvas};
 use super::png;
 use super::sheet::Drawing;
-use super::web_page::{SHARES, filled, in_script};
+use super::web_page::{SHARES, filled, in_script, policy};
 
 const TEMPLATE: &str = include_str!("compare_page/page.html");
 const STYLE: &str = include_str!("compare_page/page.css");
@@ -138,10 +139,15 @@ pub fn compare_page(page: &ComparePage<'_>) -> Result<String, String> {
     let lines =
         |texts: &[String], tag: &str| texts.iter().map(|text| format!("<{tag}>{}</{tag}>\n", words(text))).collect();
     let symbols = [furniture::uav_symbol, furniture::observer_symbol].map(symbol);
-    let parts: [(&str, String); 27] = [
+    let script = [SHARES, SCRIPT].concat();
+    // A live page that is opened from this one obeys its policy.
+    let live_script = live_page::script();
+    let scripts = [script.as_str(), live_script.as_str()];
+    let parts: [(&str, String); 28] = [
+        ("policy", policy(&scripts[..if page.live.is_some() { 2 } else { 1 }])),
         ("generator", format!("skyshed {}", env!("CARGO_PKG_VERSION"))),
         ("css", STYLE.to_string()),
-        ("js", [SHARES, SCRIPT].concat()),
+        ("js", script.clone()),
         ("title", escape(page.title)),
         ("verdict", words(page.verdict)),
         ("matrix", table(page.matrix)),

@@ -3,13 +3,10 @@
 //! A policy in its head forbids the browser to fetch anything, and to run any script but the one
 //! whose digest it holds. So words of the data cannot become a script.
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 
 use super::lettering::escape;
-use super::web_page::{SHARES, filled, gzip, in_script};
+use super::web_page::{SHARES, filled, gzip, in_script, policy};
 
 const TEMPLATE: &str = include_str!("live_page/page.html");
 const STYLE: &str = include_str!("live_page/page.css");
@@ -66,15 +63,9 @@ pub struct LivePage<'a> {
 
 /// Writes the page.
 pub fn live_page(page: &LivePage<'_>) -> String {
-    // The script has many arrow functions, and no text of it holds an arrow.
-    let script = SCRIPTS.iter().map(|script| without_comments(script)).collect::<String>().replace(" => ", "=>");
-    let digest = STANDARD.encode(Sha256::digest(&script));
-    let policy = format!(
-        "default-src 'none'; script-src 'sha256-{digest}' 'wasm-unsafe-eval'; worker-src blob:; style-src 'unsafe-inline'; \
-         img-src data: blob:; base-uri 'none'; form-action 'none'"
-    );
+    let script = script();
     let parts = [
-        ("policy", policy),
+        ("policy", policy(&[&script])),
         ("generator", page.generator.to_string()),
         ("title", escape(page.title)),
         ("css", without_spaces(&without_comments(STYLE))),
@@ -85,6 +76,12 @@ pub fn live_page(page: &LivePage<'_>) -> String {
         ("engine", base85(ENGINE)),
     ];
     filled(TEMPLATE, &parts)
+}
+
+/// Returns the script of every live page.
+pub(crate) fn script() -> String {
+    // The script has many arrow functions, and no text of it holds an arrow.
+    SCRIPTS.iter().map(|script| without_comments(script)).collect::<String>().replace(" => ", "=>")
 }
 
 /// Writes bytes as text of a script: five digits for four bytes, a sixteenth shorter than base 64.

@@ -2,8 +2,11 @@
 
 use std::io::Write as _;
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use flate2::{Compression, GzBuilder};
 use serde_json::Value;
+use sha2::{Digest, Sha256};
 
 /// Script that writes shares and numbers.
 pub(crate) const SHARES: &str = include_str!("web_page/shares.js");
@@ -23,6 +26,16 @@ pub(crate) fn filled(template: &str, parts: &[(&str, String)]) -> String {
         rest = after;
     }
     out + rest
+}
+
+/// Returns the policy of a page that loads nothing and runs only these scripts.
+pub(crate) fn policy(scripts: &[&str]) -> String {
+    let digest = |script: &&str| format!("'sha256-{}' ", STANDARD.encode(Sha256::digest(script)));
+    let scripts: String = scripts.iter().map(digest).collect();
+    format!(
+        "default-src 'none'; script-src {scripts}'wasm-unsafe-eval'; worker-src blob:; style-src 'unsafe-inline'; \
+         img-src data: blob:; base-uri 'none'; form-action 'none'"
+    )
 }
 
 /// Writes JSON that no HTML parser takes for the end of its script.

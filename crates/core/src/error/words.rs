@@ -15,9 +15,11 @@ pub fn one_line(text: &str) -> String {
     shortened(&parts.join("`"), MOST_CHARACTERS).into_owned()
 }
 
-/// Returns `true` for a character of text: no control character, and none that XML cannot hold.
+/// Returns `true` for a character of text: no control character, none that ends a line or changes
+/// the direction of what follows, and none that XML cannot hold.
 pub fn is_text(c: char) -> bool {
-    !c.is_control() && !matches!(c, '\u{FFFE}' | '\u{FFFF}')
+    let is_of_direction = matches!(c, '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}');
+    !c.is_control() && !is_of_direction && !matches!(c, '\u{2028}' | '\u{2029}' | '\u{FFFE}' | '\u{FFFF}')
 }
 
 /// Escapes the characters that are not text ([`is_text`]).
@@ -77,6 +79,7 @@ mod tests {
         // Backticks in the quoted text do not defeat the limit.
         assert!(one_line(&"`a".repeat(100_000)).chars().count() <= 4000);
         assert_eq!(one_line("cannot read `a\nb`"), "cannot read `a\\nb`");
+        assert_eq!(one_line("`a\u{202E}gnp.exe`"), "`a\\u{202e}gnp.exe`");
     }
 
     #[test]
