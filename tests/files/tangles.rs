@@ -143,7 +143,7 @@ fn thousands_of_footprints_on_one_another_are_one_block() {
 /// A comb of so many teeth, which point to the north; `turned` they point to the east.
 fn comb(teeth: u32, turned: bool) -> Ring {
     let step = 600.0 / f64::from(2 * teeth);
-    let tooth = |k: u32| [-300.0 + step * f64::from(k), if k % 2 == 0 { -300.0 } else { 300.0 }];
+    let tooth = |k: u32| [-300.0 + step * f64::from(k), if k.is_multiple_of(2) { -300.0 } else { 300.0 }];
     let back = [[300.0, -301.0], [-300.0, -301.0]];
     let point = |[x, y]: [f64; 2]| if turned { [y, x] } else { [x, y] };
     (0..=2 * teeth).map(tooth).chain(back).map(point).collect()
