@@ -26,9 +26,9 @@ use crate::city::{BuiltUp, Footprint, FootprintFaults, HeightSource, Solids};
 use crate::crs::VerticalCrs;
 use crate::error::{Result, Warning};
 use crate::export::{Batch, Format};
-use crate::height_field::{CellKind, HeightField};
+use crate::height_field::CellCounts;
 use crate::picture::Look;
-use crate::quantity::{Frame, VOID, meters, tidy};
+use crate::quantity::{Frame, meters, tidy};
 use crate::raster::Crs;
 use crate::read::vertical_of;
 use crate::render::{grouped, percent};
@@ -76,7 +76,7 @@ pub(crate) fn facts_of(
 pub(crate) struct Survey {
     scene: Scene,
     facts: RunFacts,
-    counts: Counts,
+    counts: CellCounts,
     /// Faults of footprints; `None` for a raster.
     faults: Option<FootprintFaults>,
     n_buildings: usize,
@@ -109,7 +109,7 @@ impl Survey {
             Solids::Raster { .. } => (None, None),
         };
         let scene = Scene::built(options, (word, city), warnings, start)?;
-        let counts = Counts::of(&scene.field);
+        let counts = scene.field.cell_counts();
         let tiles = size.map(|size| Tiles::of(&scene.field, footprints.as_ref(), size)).transpose()?;
         let grid = scene.grid();
         #[expect(clippy::cast_precision_loss, reason = "counts of cells are far below 2^53")]
@@ -287,51 +287,5 @@ impl Answer for Survey {
             Some(tiles) => tiles.add_raster(batch, path, &self.provenance()),
             None => Ok(()),
         }
-    }
-}
-
-/// Numbers of cells by kind, and ranges of heights.
-#[derive(Debug, Default)]
-struct Counts {
-    open: u64,
-    building: u64,
-    void: u64,
-    ground: Option<(i32, i32)>,
-    surface: Option<(i32, i32)>,
-}
-
-impl Counts {
-    fn of(field: &HeightField) -> Self {
-        let grid = field.grid();
-        let positions = field.positions();
-        let mut counts = Counts::default();
-        let widen = |range: &mut Option<(i32, i32)>, z: i32| {
-            if z != VOID {
-                let (a, b) = range.unwrap_or((z, z));
-                *range = Some((a.min(z), b.max(z)));
-            }
-        };
-        for row in 0..grid.n_rows() {
-            for col in 0..grid.n_cols() {
-                let center = positions.center(row, col);
-                let surface = match field.cell_kind(row * grid.n_cols() + col, &center) {
-                    CellKind::Open(z) => {
-                        counts.open += 1;
-                        z
-                    }
-                    CellKind::Building(z) => {
-                        counts.building += 1;
-                        z
-                    }
-                    CellKind::Void => {
-                        counts.void += 1;
-                        continue;
-                    }
-                };
-                widen(&mut counts.surface, surface);
-                widen(&mut counts.ground, field.ground_at(&center));
-            }
-        }
-        counts
     }
 }

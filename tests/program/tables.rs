@@ -213,3 +213,34 @@ fn names_that_mean_something_to_a_program_reach_none() {
         assert_eq!(&ids_in(name)[2..6], ["'=1+2", "'@x", "-5", "'-5 m"], "{name}");
     }
 }
+
+#[test]
+fn a_row_has_one_position_and_a_table_each_column_once() {
+    let folder = folder();
+    let munich = concat!(env!("CARGO_MANIFEST_DIR"), "/maps/munich_dsm.tif");
+    // The position in degrees is that of gdaltransform; with four decimals it is 4 m away.
+    for (row, is_right) in [
+        ("691549.7,5334762.2,11.5747759,48.1372558,60", true),
+        ("691549.7,5334762.2,11.5748,48.1373,60", true),
+        ("691549.7,5334762.2,,,60", true),
+        ("691549.7,5334762.2,11.5757759,48.1372558,60", false),
+        ("691549.7,5334762.2,48.1372558,11.5747759,60", false),
+    ] {
+        folder.write("both.csv", &format!("x,y,lon,lat,h\n{row}\n"));
+        folder.write("track.csv", &format!("x,y,lon,lat\n691500,5334700,,\n{}\n", row.trim_end_matches(",60")));
+        for line in [
+            format!("map {munich} --radius 50 --uavs both.csv"),
+            format!("track {munich} --uav 691549.7,5334762.2,60 --track track.csv"),
+        ] {
+            if is_right {
+                folder.type_in(&line).done();
+            } else {
+                folder.refuses(&line, "E302", &["its position in the scene and its degrees are "]);
+            }
+        }
+    }
+    for header in ["x,y,h,X", "x,y,h,h"] {
+        folder.write("twice.csv", &format!("{header}\n40,20,30,41\n"));
+        folder.refuses("map city.geojson --uavs twice.csv", "E302", &["line 1: found the column `", "` twice"]);
+    }
+}

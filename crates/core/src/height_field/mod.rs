@@ -8,6 +8,7 @@
 
 mod build;
 mod casters;
+mod cell_counts;
 mod cell_sets;
 mod columns;
 mod changed;
@@ -33,6 +34,7 @@ mod triangulate;
 
 pub use build::Built;
 pub use casters::{Caster, CasterBlock, Casters};
+pub use cell_counts::CellCounts;
 pub use cell_sets::StandsOn;
 pub use coarser::Pooling;
 pub use columns::Columns;

@@ -395,6 +395,11 @@ pub fn write_ascii_grid(
                 line.push(' ');
             }
             let value = values.next().ok_or_else(|| miscounted("few"))?;
+            // PERF: most values are classes, and floats take ten times as long.
+            if let Some(digit) = digit_of(value).filter(|_| decimals.is_none()) {
+                line.push(digit);
+                continue;
+            }
             // Writing to a string cannot fail.
             let _ = match decimals {
                 _ if !value.is_finite() => write!(line, "{nodata}"),
@@ -408,9 +413,27 @@ pub fn write_ascii_grid(
     if values.next().is_some() { Err(miscounted("many")) } else { Ok(()) }
 }
 
+/// Returns the digit of a whole number below 10; −0 has none.
+fn digit_of(value: f64) -> Option<char> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, and is compared")]
+    let digit = value as u8;
+    (f64::from(digit).to_bits() == value.to_bits())
+        .then_some(digit)
+        .and_then(|digit| char::from_digit(digit.into(), 10))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn digits_are_those_of_all_numbers_as_text() {
+        for value in [0.0, -0.0, 1.0, 4.0, 9.0, 10.0, 255.0, 256.0, -1.0, 0.5, 1e300, f64::NAN] {
+            let text = value.to_string();
+            let digit = digit_of(value).map(String::from);
+            assert_eq!(digit, Some(text.clone()).filter(|text| text.len() == 1), "{text}");
+        }
+    }
 
     #[test]
     fn a_grid_is_not_written_with_a_wrong_number_of_values() {

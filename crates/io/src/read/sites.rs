@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::source::is_geojson;
-use super::table::{BadRows, BadRowsTold, NUMBER, Position, RowFault, Table, height, readable};
+use super::table::{BadRows, BadRowsTold, NUMBER, Position, Row, RowFault, Table, height, readable};
 use super::vector::geojson::{features, named_crs, read_document};
 use crate::city::{Antenna, GivenSite, Site};
 use crate::crs;
@@ -54,21 +54,20 @@ pub fn read_sites(
 fn read_csv(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>) -> Result<Vec<GivenSite>> {
     let refuse = |found: String| bad_rows(input, PlacesIn::SiteTable, found, false);
     let table = Table::parse(&input.text("a table as UTF-8 text")?).map_err(refuse)?;
-    let Position { columns: (x_column, y_column), is_degrees } = table.position().map_err(refuse)?;
+    let position = table.position().map_err(refuse)?;
     let Some(h_column) = table.column(&HEIGHT_COLUMNS) else {
         return Err(refuse(format!("line 1: found columns `{}`, wanted a height", table.found())));
     };
     let (above_column, id_column) = (table.column(&["h_above"]), table.column(&["id", "site", "name"]));
     let antenna_columns = OF_ANTENNA.map(|name| table.column(&[name]));
-    let wgs84 = if is_degrees { Some(crs::from_epsg(4326)?) } else { None };
-    check_placeable(input, wgs84.as_ref(), grid.crs())?;
+    let places = RowPlaces::of(input, (&table, position), grid.crs())?;
+    let is_degrees = places.position.is_degrees;
 
     let rows = table.rows(|k, row| {
         table.check_complete(row)?;
         let height = table.height(row, h_column, above_column)?;
-        let xy = (table.number(row, x_column, NUMBER)?, table.number(row, y_column, NUMBER)?);
-        let (x, y) = in_scene(xy, wgs84.as_ref(), grid.crs())?;
-        refuse_swapped((xy, (x, y)), (wgs84.as_ref(), grid))?;
+        let (xy, (x, y)) = places.of_row(row)?;
+        refuse_swapped((xy, (x, y)), (places.from(), grid))?;
         let id = id_column.map(|column| row.field(column)).filter(|id| !id.is_empty());
         let id = id.map_or_else(|| (first_number + k).to_string(), str::to_string);
         let field = |k: usize| Some(row.field(antenna_columns[k]?)).filter(|text| !text.is_empty()).map(str::to_string);
@@ -160,6 +159,63 @@ fn antenna(text: impl Fn(usize) -> Option<String>) -> std::result::Result<Antenn
     let antenna =
         Antenna { min_radius_m: number(0)?, sector_deg: pair(1)?, elevation_deg: pair(2)?, beam_deg: number(3)? };
     antenna.checked().map_err(|fault| RowFault::Text(fault.to_string()))
+}
+
+/// Places of the rows of a table.
+pub(super) struct RowPlaces<'a> {
+    table: &'a Table,
+    pub(super) position: Position,
+    wgs84: Crs,
+    scene_crs: Option<&'a Crs>,
+}
+
+/// Largest distance between two positions of one row that count as one place \[m\]: degrees with four
+/// decimals are rounded by less.
+const MOST_APART_M: f64 = 10.0;
+
+impl<'a> RowPlaces<'a> {
+    /// # Errors
+    /// E310 for degrees where the scene names no reference system.
+    pub(super) fn of(
+        input: &Input,
+        (table, position): (&'a Table, Position),
+        scene_crs: Option<&'a Crs>,
+    ) -> Result<RowPlaces<'a>> {
+        let places = RowPlaces { table, position, wgs84: crs::from_epsg(4326)?, scene_crs };
+        check_placeable(input, places.from(), scene_crs)?;
+        Ok(places)
+    }
+
+    /// Returns the system of the positions; `None` for that of the scene.
+    fn from(&self) -> Option<&Crs> {
+        self.position.is_degrees.then_some(&self.wgs84)
+    }
+
+    /// Returns the position of a row as given, and in the scene's system.
+    ///
+    /// # Errors
+    /// A position that is none, or two of them that are not one place.
+    pub(super) fn of_row(&self, row: &Row) -> std::result::Result<((f64, f64), (f64, f64)), RowFault> {
+        let numbers = |(a, b): (usize, usize)| {
+            Ok::<_, RowFault>((self.table.number(row, a, NUMBER)?, self.table.number(row, b, NUMBER)?))
+        };
+        let given = numbers(self.position.columns)?;
+        let place = in_scene(given, self.from(), self.scene_crs)?;
+        let is_filled = |(lon, lat): &(usize, usize)| !row.field(*lon).is_empty() && !row.field(*lat).is_empty();
+        let Some(CrsKind::Projected { meters_per_unit }) = self.scene_crs.map(Crs::kind) else {
+            return Ok((given, place));
+        };
+        if let Some(degrees) = self.position.degrees_too.filter(is_filled) {
+            let other = in_scene(numbers(degrees)?, Some(&self.wgs84), self.scene_crs)?;
+            let apart_m = (other.0 - place.0).hypot(other.1 - place.1) * meters_per_unit;
+            if apart_m > MOST_APART_M {
+                let text =
+                    format!("its position in the scene and its degrees are {apart_m:.0} m apart, wanted one place");
+                return Err(RowFault::Text(text));
+            }
+        }
+        Ok((given, place))
+    }
 }
 
 /// Refuses longitude and latitude that lie outside the scene, but inside when they are exchanged.

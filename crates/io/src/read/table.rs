@@ -48,6 +48,8 @@ pub struct Position {
     pub columns: (usize, usize),
     /// `true` if the position is longitude and latitude.
     pub is_degrees: bool,
+    /// Columns of longitude and latitude beside those of x and y.
+    pub degrees_too: Option<(usize, usize)>,
 }
 
 impl Table {
@@ -101,7 +103,10 @@ impl Table {
         let projected = self.column(&["x", "x_m", "easting"]).zip(self.column(&["y", "y_m", "northing"]));
         let degrees = self.column(&["lon", "longitude", "lng"]).zip(self.column(&["lat", "latitude"]));
         match projected.or(degrees) {
-            Some(columns) => Ok(Position { columns, is_degrees: projected.is_none() }),
+            Some(columns) => {
+                let degrees_too = degrees.filter(|_| projected.is_some());
+                Ok(Position { columns, is_degrees: projected.is_none(), degrees_too })
+            }
             None => Err(format!("line 1: found columns `{}`, wanted a position", self.found())),
         }
     }

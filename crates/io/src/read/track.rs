@@ -2,9 +2,9 @@
 
 use serde_json::Value;
 
-use super::sites::{HEIGHT_COLUMNS, bad_rows, check_placeable, degrees_or_named, in_scene, refused};
+use super::sites::{HEIGHT_COLUMNS, RowPlaces, bad_rows, check_placeable, degrees_or_named, in_scene, refused};
 use super::source::is_geojson;
-use super::table::{BadRows, NUMBER, Position, RowFault, Table, readable};
+use super::table::{BadRows, RowFault, Table, readable};
 use super::vector::geojson::{features, named_crs, read_document};
 use crate::crs;
 use crate::error::{Error, PlacesIn, ReadFault, Result, Wanted};
@@ -40,7 +40,7 @@ pub fn read_track(input: impl Into<Input>, scene_crs: Option<&Crs>, bad: BadRows
 fn read_csv(input: &Input, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<Vec<[f64; 2]>> {
     let refuse = |found: String| bad_rows(input, PlacesIn::TrackTable, found, false);
     let table = Table::parse(&input.text("a table as UTF-8 text")?).map_err(refuse)?;
-    let Position { columns: (x_column, y_column), is_degrees } = table.position().map_err(refuse)?;
+    let position = table.position().map_err(refuse)?;
     if let Some(column) = table.column(&HEIGHT_COLUMNS).or_else(|| table.column(&["z", "alt", "altitude", "ele"])) {
         let name = table.name(column);
         return Err(bad_rows(
@@ -50,12 +50,9 @@ fn read_csv(input: &Input, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<
             false,
         ));
     }
-    let wgs84 = if is_degrees { Some(crs::from_epsg(4326)?) } else { None };
-    check_placeable(input, wgs84.as_ref(), scene_crs)?;
-    let rows = table.rows(|_, row| {
-        let xy = (table.number(row, x_column, NUMBER)?, table.number(row, y_column, NUMBER)?);
-        in_scene(xy, wgs84.as_ref(), scene_crs).map(|(x, y)| [x, y])
-    });
+    let places = RowPlaces::of(input, (&table, position), scene_crs)?;
+    let is_degrees = places.position.is_degrees;
+    let rows = table.rows(|_, row| places.of_row(row).map(|(_, (x, y))| [x, y]));
     readable(input, rows, bad, |told| refused(input, told, PlacesIn::TrackTable, is_degrees))
 }
 
