@@ -66,7 +66,7 @@ fn read_csv(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>)
     let rows = table.rows(|k, row| {
         table.check_complete(row)?;
         let height = table.height(row, h_column, above_column)?;
-        let (xy, (x, y)) = places.of_row(row)?;
+        let RowPlace { given: xy, place: (x, y) } = places.of_row(row)?;
         refuse_swapped((xy, (x, y)), (places.from(), grid))?;
         let id = id_column.map(|column| row.field(column)).filter(|id| !id.is_empty());
         let id = id.map_or_else(|| (first_number + k).to_string(), str::to_string);
@@ -161,11 +161,18 @@ fn antenna(text: impl Fn(usize) -> Option<String>) -> std::result::Result<Antenn
     antenna.checked().map_err(|fault| RowFault::Text(fault.to_string()))
 }
 
+/// Position of a row: as given, and in the scene's system.
+pub(super) struct RowPlace {
+    given: (f64, f64),
+    pub(super) place: (f64, f64),
+}
+
 /// Places of the rows of a table.
 pub(super) struct RowPlaces<'a> {
     table: &'a Table,
     pub(super) position: Position,
-    wgs84: Crs,
+    /// System of the degrees, if there are any.
+    wgs84: Option<Crs>,
     scene_crs: Option<&'a Crs>,
 }
 
@@ -181,21 +188,23 @@ impl<'a> RowPlaces<'a> {
         (table, position): (&'a Table, Position),
         scene_crs: Option<&'a Crs>,
     ) -> Result<RowPlaces<'a>> {
-        let places = RowPlaces { table, position, wgs84: crs::from_epsg(4326)?, scene_crs };
+        let has_degrees = position.is_degrees || position.degrees_too.is_some();
+        let wgs84 = if has_degrees { Some(crs::from_epsg(4326)?) } else { None };
+        let places = RowPlaces { table, position, wgs84, scene_crs };
         check_placeable(input, places.from(), scene_crs)?;
         Ok(places)
     }
 
     /// Returns the system of the positions; `None` for that of the scene.
     fn from(&self) -> Option<&Crs> {
-        self.position.is_degrees.then_some(&self.wgs84)
+        self.wgs84.as_ref().filter(|_| self.position.is_degrees)
     }
 
     /// Returns the position of a row as given, and in the scene's system.
     ///
     /// # Errors
     /// A position that is none, or two of them that are not one place.
-    pub(super) fn of_row(&self, row: &Row) -> std::result::Result<((f64, f64), (f64, f64)), RowFault> {
+    pub(super) fn of_row(&self, row: &Row) -> std::result::Result<RowPlace, RowFault> {
         let numbers = |(a, b): (usize, usize)| {
             Ok::<_, RowFault>((self.table.number(row, a, NUMBER)?, self.table.number(row, b, NUMBER)?))
         };
@@ -203,10 +212,10 @@ impl<'a> RowPlaces<'a> {
         let place = in_scene(given, self.from(), self.scene_crs)?;
         let is_filled = |(lon, lat): &(usize, usize)| !row.field(*lon).is_empty() && !row.field(*lat).is_empty();
         let Some(CrsKind::Projected { meters_per_unit }) = self.scene_crs.map(Crs::kind) else {
-            return Ok((given, place));
+            return Ok(RowPlace { given, place });
         };
         if let Some(degrees) = self.position.degrees_too.filter(is_filled) {
-            let other = in_scene(numbers(degrees)?, Some(&self.wgs84), self.scene_crs)?;
+            let other = in_scene(numbers(degrees)?, self.wgs84.as_ref(), self.scene_crs)?;
             let apart_m = (other.0 - place.0).hypot(other.1 - place.1) * meters_per_unit;
             if apart_m > MOST_APART_M {
                 let text =
@@ -214,7 +223,7 @@ impl<'a> RowPlaces<'a> {
                 return Err(RowFault::Text(text));
             }
         }
-        Ok((given, place))
+        Ok(RowPlace { given, place })
     }
 }
 

@@ -52,7 +52,7 @@ fn read_csv(input: &Input, scene_crs: Option<&Crs>, bad: BadRows<'_>) -> Result<
     }
     let places = RowPlaces::of(input, (&table, position), scene_crs)?;
     let is_degrees = places.position.is_degrees;
-    let rows = table.rows(|_, row| places.of_row(row).map(|(_, (x, y))| [x, y]));
+    let rows = table.rows(|_, row| places.of_row(row).map(|row| row.place.into()));
     readable(input, rows, bad, |told| refused(input, told, PlacesIn::TrackTable, is_degrees))
 }
 
