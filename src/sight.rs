@@ -5,10 +5,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use skyshed_request::{Earth, Receivers, Sight};
 
-use crate::city::{Antenna, GivenSite};
+use crate::city::{Antenna, BuiltUp, GivenSite};
 use crate::coverage::{self, CheckedNumbers, HoversOver, MapOptions, Tally, Uav};
 use crate::error::{OddRun, RequestError, Result, Warning};
-use crate::height_field::Curvature;
+use crate::height_field::{Curvature, HeightField};
 use crate::los::{Method, MethodChoice};
 use crate::picture::{crs_words, program};
 use crate::quantity::tidy;
@@ -168,6 +168,20 @@ impl SightPlan {
         let radius = self.radius_on(grid)?;
         let boxes = sites.iter().map(|site| [site.x - radius, site.y - radius, site.x + radius, site.y + radius]);
         boxes.reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])])
+    }
+
+    /// Returns the options of a map of a scene, without layers of heights. Its zones are found if they
+    /// hold the receivers.
+    ///
+    /// # Errors
+    /// E504, as [`ZoneMap::of`].
+    pub(crate) fn options_over(
+        &self,
+        field: &HeightField,
+        built_up: Option<&BuiltUp>,
+    ) -> skyshed_core::Result<MapOptions> {
+        let zones = self.receivers.zone().map(|_| ZoneMap::if_known(field, built_up)).transpose()?.flatten();
+        Ok(self.options(field.grid(), zones.as_ref()))
     }
 
     /// Returns the options of a map on a grid, without layers of heights.

@@ -193,7 +193,7 @@ fn prepared(scene: Scene, uavs: &[Uav], question: &CoverageQuestion) -> Result<P
 /// # Errors
 /// E101 for options that cannot be.
 pub fn normalized(command: &str, options: Members) -> std::result::Result<Members, Refusal> {
-    Ok(Cli::of_request(command, options)?.shared().map(|shared| (shared.members)()).unwrap_or_default())
+    Ok(Cli::of_request(command, options)?.shared().map(|shared| shared.members()).unwrap_or_default())
 }
 
 /// Answers a command with options by their names, such as `place` with `step`: 50. `scene` is used instead of the one that they name,
@@ -207,12 +207,12 @@ pub fn ask(
     progress: &Arc<Progress>,
 ) -> std::result::Result<Found, Refusal> {
     let mut cli = Cli::of_request(command, options)?;
-    let line = json::command_line(command, cli.shared().map(|shared| (shared.members)()).unwrap_or_default());
+    let line = json::command_line(command, cli.shared().map(|shared| shared.members()).unwrap_or_default());
     held.into_iter().for_each(|(option, source)| cli.hold(&option, source));
-    let command = CommandFacts::of(line, cli.shared().map(|shared| (shared.members)()));
+    let command = CommandFacts::of(line, cli.shared().map(|shared| shared.members()));
     let run = Run { given: scene, ..Run::asked(command, Instant::now(), progress) };
     if let Some(shared) = cli.shared() {
-        json::refuse(&(shared.members)(), &PROGRAM_OPTIONS, "for a caller, who has the answer").map_err(Error::from)?;
+        json::refuse(&shared.members(), &PROGRAM_OPTIONS, "for a caller, who has the answer").map_err(Error::from)?;
         check_use(&shared, cli.draws() || run.given.is_some())?;
         check_text(shared.out, None)?;
     }

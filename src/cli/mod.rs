@@ -75,7 +75,7 @@ fn execute(cli: &Cli, command: Vec<String>) -> Result<()> {
     let shared = cli.shared();
     let is_quiet = cli.is_quiet();
     let progress = Arc::new(interrupt::progress(is_quiet));
-    let members = shared.as_ref().map(|shared| (shared.members)());
+    let members = shared.as_ref().map(|shared| shared.members());
     let command = CommandFacts::of(command, members);
     let run = Run { is_quiet, keeps: false, ..Run::asked(command, Instant::now(), &progress) };
     let Some(shared) = shared else { return cli.run(&run) };

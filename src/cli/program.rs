@@ -103,7 +103,7 @@ impl Cli {
         let mut command = if asks_help { Cli::program() } else { Cli::command() };
         let matches = command.try_get_matches_from_mut(words.iter().map(|word| skyshed_io::told(word)))?;
         let cli = Cli::from_arg_matches(&matches).map_err(|e| e.format(&mut command))?;
-        if cli.shared().is_some_and(|shared| standard_inputs(&(shared.members)()) > 1) {
+        if cli.shared().is_some_and(|shared| standard_inputs(&shared.members()) > 1) {
             let text = "`-` is given for two tables, wanted one: standard input can be read once";
             return Err(command.error(clap::error::ErrorKind::ArgumentConflict, text));
         }
@@ -157,7 +157,7 @@ impl Cli {
                     scenes: $scenes,
                     reading: &$request.reading,
                     out: &$request.out,
-                    members: Box::new(|| json::set_members(&**$request)),
+                    read_members: Box::new(|| json::set_members(&**$request)),
                 }
             };
         }

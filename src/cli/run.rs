@@ -179,7 +179,7 @@ pub(super) fn check_use(shared: &Shared<'_>, draws: bool) -> Result<()> {
     if !draws && options.seed.is_some() && !shared.scenes.iter().any(is_generated) {
         return Err(Error::idle("seed", "for a city in a file: nothing is drawn").into());
     }
-    if options.hash && shared.scenes.iter().all(is_generated) && json::files_read(&(shared.members)()).is_empty() {
+    if options.hash && shared.scenes.iter().all(is_generated) && json::files_read(&shared.members()).is_empty() {
         return Err(Error::idle("hash", "without a file that is read").into());
     }
     Ok(())
@@ -191,8 +191,14 @@ pub(super) struct Shared<'a> {
     pub(super) scenes: Vec<&'a OsStr>,
     pub(super) reading: &'a Reading,
     pub(super) out: &'a OutputOptions,
+    pub(super) read_members: Box<dyn Fn() -> Map<String, Value> + 'a>,
+}
+
+impl Shared<'_> {
     /// Returns all options that were set.
-    pub(super) members: Box<dyn Fn() -> Map<String, Value> + 'a>,
+    pub(super) fn members(&self) -> Map<String, Value> {
+        (self.read_members)()
+    }
 }
 
 /// Refuses a scene that is no file but the name of a built-up environment, which needs the prefix
@@ -228,7 +234,7 @@ impl<'a> RepairsFile<'a> {
     /// # Errors
     /// E116; E104–E106, as for every output.
     pub(super) fn of(shared: &Shared<'a>) -> Result<Option<Self>> {
-        let Shared { scenes, reading, out, members } = shared;
+        let Shared { scenes, reading, out, .. } = shared;
         let Some(path) = &reading.list.repairs else { return Ok(None) };
         let is_footprints = |scene: &&&'a OsStr| {
             let extension = Path::new(scene).extension().unwrap_or_default().to_string_lossy().to_lowercase();
@@ -244,7 +250,9 @@ impl<'a> RepairsFile<'a> {
             bare: false,
         };
         let output = check_outputs(std::slice::from_ref(&path.0), rules)?.pop();
-        if let Some(other) = json::files(&members()).into_iter().find(|other| is_same_file(path, Path::new(other))) {
+        if let Some(other) =
+            json::files(&shared.members()).into_iter().find(|other| is_same_file(path, Path::new(other)))
+        {
             let text = format!("cannot write {}: it is {other}, which this run needs too", path.display());
             return Err(refusal_with(105, text, "give the repairs a name of their own"));
         }

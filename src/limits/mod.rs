@@ -26,7 +26,6 @@ use crate::scene::{Scene, SceneReader};
 use crate::sight::{SightPlan, warn_of_nodata};
 use crate::uav::{UavsAsked, UavsFound};
 use crate::words::idle_in_words;
-use crate::zones::ZoneMap;
 use document::{
     CellDocument, DecidingBuilding, HeightLimitsDocument, LineDocument, Rectangles, RoofDocument, TerrainDocument,
     roofs_in_words,
@@ -134,11 +133,7 @@ impl LimitsPlan {
         let sight = &self.sight;
         let uavs = scene.place(found, None, sight)?;
         let (field, built_up) = (std::sync::Arc::clone(&scene.field), scene.built_up);
-        let options_over = |field: &HeightField| {
-            let zones =
-                sight.receivers().zone().map(|_| ZoneMap::if_known(field, built_up.as_ref())).transpose()?.flatten();
-            Ok(sight.options(field.grid(), zones.as_ref()))
-        };
+        let options_over = |field: &HeightField| Ok(sight.options_over(field, built_up.as_ref())?);
         let setup = Setup { field: &field, uavs: &uavs, options: &options_over };
         let own = options_over(&field)?;
         let mut mapper = Mapper::new(&field, &own)?;

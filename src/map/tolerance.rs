@@ -12,7 +12,6 @@ use crate::quantity::tidy;
 use crate::render::grouped;
 use crate::scene::Scene;
 use crate::sight::SightPlan;
-use crate::zones::ZoneMap;
 
 /// Checks the error of P_LoS that is allowed, and the method.
 ///
@@ -151,11 +150,7 @@ pub(crate) fn simplify(
     tolerance: f64,
 ) -> Result<ToleranceFacts> {
     let (built_up, seed) = (scene.built_up, scene.seed);
-    let options = |field: &HeightField| {
-        let zones =
-            sight.receivers().zone().map(|_| ZoneMap::if_known(field, built_up.as_ref())).transpose()?.flatten();
-        Ok(sight.options(field.grid(), zones.as_ref()))
-    };
+    let options = |field: &HeightField| Ok(sight.options_over(field, built_up.as_ref())?);
     let choice = coarsest_within(&Question { field: &scene.field, uavs, tolerance, seed }, &options)?;
     let grid = scene.field.grid();
     let facts = ToleranceFacts::of(&choice, tolerance, grid.cell_width() * grid.meters_per_unit());

@@ -141,10 +141,10 @@ pub fn compare_page(page: &ComparePage<'_>) -> Result<String, String> {
     let symbols = [furniture::uav_symbol, furniture::observer_symbol].map(symbol);
     let script = [SHARES, SCRIPT].concat();
     // A live page that is opened from this one obeys its policy.
-    let live_script = live_page::script();
-    let scripts = [script.as_str(), live_script.as_str()];
+    let live_script = page.live.map(|_| live_page::script());
+    let scripts: Vec<&str> = std::iter::once(script.as_str()).chain(live_script.as_deref()).collect();
     let parts: [(&str, String); 28] = [
-        ("policy", policy(&scripts[..if page.live.is_some() { 2 } else { 1 }])),
+        ("policy", policy(&scripts)),
         ("generator", format!("skyshed {}", env!("CARGO_PKG_VERSION"))),
         ("css", STYLE.to_string()),
         ("js", script.clone()),

@@ -30,8 +30,8 @@ fn is_unset(value: &Value) -> bool {
     }
 }
 
-/// Returns the members of a question: those of a request without its run. Of the run are names of files to
-/// write, replacing them, effort, memory, and how units of work are handed out.
+/// Returns the members of a request that its answer depends on: all but names of files to write,
+/// `overwrite`, effort, memory, and how units of work are handed out.
 pub fn question(members: Map<String, Value>) -> Map<String, Value> {
     let parts = [
         serde_json::to_value(crate::Files::default()),

@@ -34,6 +34,7 @@ fn of_map(error: &MapError) -> Option<String> {
         }
         MapError::ApproximateLayers { .. } => "`--method auto`, or `--layers los` alone",
         MapError::CurvedSlopes => "`--roofs flat`, or a flat earth",
+        MapError::Tangled { .. } => "mend or leave out the buildings that cross one another",
         MapError::TooCurved(_) => "a larger `--earth-k`, or a smaller `--radius`",
         MapError::StreamedMethod => "`--method auto` takes `sweep` here",
         MapError::StreamedLayers => "`--layers los,margin,ceiling`, and receivers in no zone",

@@ -38,19 +38,22 @@ impl fmt::Display for Tangle {
     }
 }
 
-/// Returns the limit that edges exceed, if they cross too often for an overlay. The limit is 30 000
-/// crossings plus 4 for each edge.
+/// Refuses rings whose edges cross too often for an overlay: more than 30 000 times plus 4 for each
+/// edge.
 ///
 /// Two edges cross if they share more than an end; equal edges do not cross. Cost: n log n, plus
 /// comparisons of pairs, at most 20 million and 256 for each edge.
-pub fn tangle<'a>(rings: impl IntoIterator<Item = &'a Ring> + Clone) -> Option<Tangle> {
+///
+/// # Errors
+/// The limit that was exceeded.
+pub fn check_crossings<'a>(rings: impl IntoIterator<Item = &'a Ring> + Clone) -> Result<(), Tangle> {
     let n_edges: usize = rings.clone().into_iter().map(Vec::len).sum();
     let most = most_crossings(n_edges);
     // The number of all pairs.
     if n_edges * n_edges.saturating_sub(1) / 2 <= most {
-        return None;
+        return Ok(());
     }
-    count(rings, most).err()
+    count(rings, most).map(drop)
 }
 
 /// Returns the number of crossings that an overlay pays for.

@@ -1,8 +1,9 @@
 //! Regions of the lattice: repaired, joined and cut, in integers (i_overlay).
 //!
 //! The overlay compares all edges whose boxes meet, and takes time and memory for each crossing. So
-//! [`tangle`] counts both first, and [`union`] joins overlapping outlines by halves. A crossing off the lattice is rounded to it, so that edges bend by less than a step.
-//! Coordinates are within ±2^28.
+//! [`check_crossings`] counts both first, and [`union`] joins overlapping outlines by halves. A
+//! crossing off the lattice is rounded to it, so that edges bend by less than a step. Coordinates are
+//! within ±2^28.
 
 mod arrangement;
 mod crossings;
@@ -17,14 +18,14 @@ use i_overlay::i_float::int::point::IntPoint;
 
 pub(crate) use arrangement::{FINER, arranged, finer};
 pub(crate) use crossings::are_many;
-pub use crossings::{Tangle, tangle};
+pub use crossings::{Tangle, check_crossings};
 use crossings::{few_crossings, most_crossings};
 pub(crate) use rings::{FinePolygon, FineRing, bounds_of};
 pub use rings::{Polygon, Ring, doubled_area};
 pub(crate) use triangulation::{Cdt, corners_and_edges, inside_faces, triangulated};
 
 /// Returns the region that rings enclose by the even-odd rule. Their crossings are not counted: see
-/// [`tangle`].
+/// [`check_crossings`].
 pub fn even_odd(rings: &[Ring]) -> Vec<Polygon> {
     polygons_of(Overlay::<i32>::from_subj(&contours(rings)), OverlayRule::Subject, FillRule::EvenOdd)
 }
@@ -35,7 +36,7 @@ pub fn even_odd(rings: &[Ring]) -> Vec<Polygon> {
 /// # Errors
 /// Edges that cross too often.
 pub fn difference(rings: &[Ring], less: &[Ring]) -> Result<Vec<Polygon>, Tangle> {
-    check(rings.iter().chain(less))?;
+    check_crossings(rings.iter().chain(less))?;
     let overlay = Overlay::<i32>::from_subj_and_clip(&contours(rings), &contours(less));
     Ok(polygons_of(overlay, OverlayRule::Difference, FillRule::NonZero))
 }
@@ -46,13 +47,9 @@ pub fn difference(rings: &[Ring], less: &[Ring]) -> Result<Vec<Polygon>, Tangle>
 /// # Errors
 /// Edges that cross too often.
 pub fn intersection(rings: &[Ring], with: &[Ring]) -> Result<Vec<Polygon>, Tangle> {
-    check(rings.iter().chain(with))?;
+    check_crossings(rings.iter().chain(with))?;
     let overlay = Overlay::<i32>::from_subj_and_clip(&contours(rings), &contours(with));
     Ok(polygons_of(overlay, OverlayRule::Intersect, FillRule::NonZero))
-}
-
-fn check<'a>(rings: impl Iterator<Item = &'a Ring> + Clone) -> Result<(), Tangle> {
-    tangle(rings).map_or(Ok(()), Err)
 }
 
 /// Returns the region that any of the polygons covers. Shells are wound alike, and holes the other

@@ -1,6 +1,6 @@
 //! Polygons on the lattice: positions, rings, and regions without crossings.
 
-use crate::overlay::{Polygon, Ring, Tangle, difference, doubled_area, even_odd, tangle};
+use crate::overlay::{Polygon, Ring, Tangle, check_crossings, difference, doubled_area, even_odd};
 use crate::quantity::Frame;
 
 /// Largest coordinate of a position \[lattice steps\].
@@ -63,9 +63,7 @@ pub struct Region {
 /// # Errors
 /// Edges that cross too often.
 pub fn region_of(rings: &[Ring]) -> Result<Region, Tangle> {
-    if let Some(tangle) = tangle(rings) {
-        return Err(tangle);
-    }
+    check_crossings(rings)?;
     let polygons = even_odd(rings);
     // A valid polygon comes back with the area of its shell minus that of its holes, and with as
     // many rings. A hole outside of the shell would have added its area.

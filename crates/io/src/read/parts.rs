@@ -116,7 +116,7 @@ struct Outlines<'a> {
 const MOST_COMPARED: usize = 100_000;
 
 /// Outlines that parts may be compared with, for each footprint.
-const COMPARED_PER_FOOTPRINT: usize = 16;
+const COMPARED_PER_FOOTPRINT: usize = 64;
 
 impl Outlines<'_> {
     /// Returns the smallest outline that holds most of a part.
@@ -143,7 +143,10 @@ impl Outlines<'_> {
         Ok(doubled(&intersection(&part, self.region(outline)?)?.concat()) > 0)
     }
 
-    /// Returns the region of an outline to compare a part with.
+    /// Returns the region of an outline that a part is compared with.
+    ///
+    /// # Errors
+    /// More comparisons than the footprints are worth.
     fn region(&mut self, outline: usize) -> Result<&[Ring], Tangle> {
         let most = MOST_COMPARED + COMPARED_PER_FOOTPRINT * self.footprints.len();
         self.n_compared += 1;

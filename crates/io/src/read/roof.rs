@@ -10,7 +10,7 @@ use super::lattice_polygon::{enclosing, lattice_point, region_of};
 use super::solid::Face;
 use crate::city::RoofTriangle;
 use crate::height_field::{ConvexPieces, MAX_ROOF_STEPS, convex_pieces, triangles};
-use crate::overlay::{Polygon, Ring, Tangle, doubled_area, tangle, union};
+use crate::overlay::{Polygon, Ring, Tangle, check_crossings, doubled_area, union};
 use crate::quantity::{Frame, height_steps};
 
 /// A roof on the lattice.
@@ -57,9 +57,7 @@ pub(super) fn lattice_roof(faces: &[Face], frame: Frame) -> Result<LatticeRoof, 
             rings.push(points);
         }
         let rings = enclosing(rings);
-        if let Some(tangle) = tangle(&rings) {
-            return Err(RoofFault::Tangle(tangle));
-        }
+        check_crossings(&rings).map_err(RoofFault::Tangle)?;
         roof.add(&rings, &heights).map_err(RoofFault::Tangle)?;
     }
     Ok(roof)

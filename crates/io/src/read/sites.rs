@@ -181,6 +181,8 @@ pub(super) struct RowPlaces<'a> {
 const MOST_APART_M: f64 = 10.0;
 
 impl<'a> RowPlaces<'a> {
+    /// Checks that positions in these columns can be placed in a scene.
+    ///
     /// # Errors
     /// E310 for degrees where the scene names no reference system.
     pub(super) fn of(

@@ -309,11 +309,11 @@ impl Tile {
                 {
                     return Err(Error::truncated(self.path.display(), "the file has changed since it was opened"));
                 }
-                work.take(tiff.n_cells_decoded(window))?;
+                work.take(tiff.n_cells_decoded(window), window)?;
                 tiff.for_each_stored(band, window, visit)
             }
             Content::AsciiGrid(grid) => {
-                work.take((self.n_rows * self.n_cols) as u64)?;
+                work.take((self.n_rows * self.n_cols) as u64, window)?;
                 grid.for_each_stored(window, |row, col, number| visit(row, col, Stored::Number(number)))
             }
             Content::Mosaic(mosaic) => {
@@ -340,7 +340,7 @@ impl Tile {
 }
 
 /// Work that one reading of a mosaic may do, so that a tile that many sources name is not decoded
-/// without end. A unit is the opening of a file, or the decoding of 8192 cells.
+/// without end. A unit is the opening of a file, or the decoding of 8192 cells of which few are used.
 #[derive(Debug)]
 struct Work {
     left: Cell<u64>,
@@ -388,12 +388,14 @@ impl Work {
         1 + n_cells / 8192
     }
 
-    /// Takes the work of decoding cells of a tile.
+    /// Takes the work of decoding cells of a tile for a window of it.
     ///
     /// # Errors
     /// E502 if more was done than the mosaic needs.
-    fn take(&self, n_cells: u64) -> Result<()> {
-        match self.left.get().checked_sub(Work::of(n_cells)) {
+    fn take(&self, n_decoded: u64, window: CellWindow) -> Result<()> {
+        let n_used = (window.n_rows * window.n_cols) as u64;
+        let n_idle = n_decoded.saturating_sub(Work::READINGS * n_used);
+        match self.left.get().checked_sub(Work::of(n_idle)) {
             Some(left) => {
                 self.left.set(left);
                 Ok(())
