@@ -67,6 +67,24 @@ impl RowElevations<'_> {
         (dx * dx + dy * dy) * (self.meters_per_unit * self.meters_per_unit)
     }
 
+    /// Returns the least squared distance of columns `first..end` \[m²\].
+    fn nearest_distance(&self, first: usize, end: usize) -> f64 {
+        self.squared_distance(self.uav.0.clamp(self.xs[first], self.xs[end - 1]))
+    }
+
+    /// Returns the number of tangents that all of the columns `first..end` are as steep as, for
+    /// receivers of one squared rise \[m²\], or `None` where it differs between the nearest and the
+    /// farthest column.
+    fn band_of_all(&self, first: usize, end: usize, squared: f64, is_below: bool) -> Option<usize> {
+        let steps = |distance: f64| {
+            let is_steep = |limit: f64| if is_below { squared > limit } else { squared >= limit };
+            SQUARED_TANGENTS.iter().take_while(|tangent| is_steep(**tangent * distance)).count()
+        };
+        let [from, to] = [first, end - 1].map(|col| self.squared_distance(self.xs[col]));
+        let of_all = steps(from.max(to));
+        (of_all == steps(self.nearest_distance(first, end))).then_some(of_all)
+    }
+
     #[inline(always)]
     fn count_with<S: Simd>(&self, simd: S, receivers: &[u64], los: &[u64], add: &mut impl FnMut(usize, u64, u64)) {
         let n = S::f64s::LEN;
@@ -83,10 +101,7 @@ impl RowElevations<'_> {
         // or below the horizon. Each operation here rounds as below, and none of them turns an
         // order around.
         let steepest = (least * least).max(most * most);
-        let is_flat = |first: usize, end: usize| {
-            let nearest = self.uav.0.clamp(self.xs[first], self.xs[end - 1]);
-            steepest < SQUARED_TANGENTS[0] * self.squared_distance(nearest)
-        };
+        let is_flat = |first: usize, end: usize| steepest < SQUARED_TANGENTS[0] * self.nearest_distance(first, end);
         let is_row_flat = is_flat(0, self.n_cols);
         if is_row_flat && none_above_uav {
             let sum = |words: &[u64]| words.iter().map(|word| u64::from(word.count_ones())).sum();
@@ -108,6 +123,11 @@ impl RowElevations<'_> {
             let is_flat = is_row_flat || is_flat(64 * k, 64 * k + n_here);
             if is_flat && none_above_uav {
                 count(false, 0, !0);
+                continue;
+            }
+            let one_band = || self.band_of_all(64 * k, 64 * k + n_here, steepest, !none_above_uav);
+            if let Some(steps) = are_level.then(one_band).flatten() {
+                count(!none_above_uav, steps, !0);
                 continue;
             }
             // How far the UAV is above the receivers \[1/1024 m\]; cells without a receiver may
