@@ -17,6 +17,7 @@ use crate::coverage;
 use crate::crs::wkt_of;
 use crate::error::{Error, FitsPage, LimitError, RequestError, Result, Warning};
 use crate::export::{Batch, Format};
+use crate::forecast::Needs;
 use crate::picture::{Look, program};
 use crate::quantity::{Height, counted, meters};
 use crate::raster::GeoRef;
@@ -158,6 +159,7 @@ impl LivePage {
         }
         let sight = one_antenna(uavs, sight)?;
         let solids = scene.solids().ok_or(Error::fault("a live page needs the solids of its scene"))?;
+        Needs::LIVE.check(scene)?;
         let zones = scene.zones()?.map(|zones| PackedZones::of(zones.codes(), &scene.field.cells().open));
         let packed = pack(scene.grid(), &solids, zones.as_ref());
         let scene = Scene { solids: None, ..scene.clone() };

@@ -1,13 +1,16 @@
 //! Memory limit of a run: the typed limit, or the available memory. Work above the limit is refused
-//! before it begins where its size is known. Otherwise a watch ends the process.
+//! before it begins where its size is known. Otherwise a watch ends the process, and so does memory
+//! that the system refuses.
 
+use std::cell::Cell;
 use std::fmt;
+use std::io::Write;
 use std::path::Path;
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
-use crate::error::{Error, LimitError, Result};
+use crate::error::{Error, ErrorKind, LimitError, Result};
 use crate::raster::GeoRef;
 
 /// Limit of the process \[bytes\]; `u64::MAX` if it is unknown.
@@ -15,8 +18,22 @@ static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
 /// Typed limit \[bytes\]; 0 without one.
 static TYPED: AtomicU64 = AtomicU64::new(0);
 
-/// Function that ends the program with an error, set if the process is watched.
+/// Function that ends the program with an error.
 static END: OnceLock<fn(&Error) -> !> = OnceLock::new();
+
+/// Memory that is given back once more is refused, so that the program can say so.
+static LAST_WORDS: Mutex<Vec<u8>> = Mutex::new(Vec::new());
+/// `true` while a thread watches.
+static IS_WATCHED: AtomicBool = AtomicBool::new(false);
+/// `true` once memory was refused.
+static IS_REFUSED: AtomicBool = AtomicBool::new(false);
+
+thread_local! {
+    /// `true` in the thread that watches.
+    static WATCHES: Cell<bool> = const { Cell::new(false) };
+    /// `true` in a thread that ends the program for want of memory.
+    static ENDS: Cell<bool> = const { Cell::new(false) };
+}
 
 /// Memory of a height field and of pictures made of it \[bytes per cell\].
 pub(crate) const FIELD_BYTES_PER_CELL: usize = 8;
@@ -24,12 +41,45 @@ pub(crate) const FIELD_BYTES_PER_CELL: usize = 8;
 /// Memory of any work beside its cells, for stacks and file compression \[bytes\].
 pub(crate) const ANY_WORK: u64 = 16 << 20;
 
-/// Sets the limit of this process, and watches it from now on. `end` ends a process that exceeds
-/// the limit.
+/// Sets the function that ends the program when memory is short.
+pub(crate) fn on_refusal(end: fn(&Error) -> !) {
+    /// What ending takes: the words of the error \[bytes\].
+    const ENOUGH: usize = 1 << 20;
+    if END.set(end).is_ok() {
+        let kept = Vec::with_capacity(ENOUGH);
+        *LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner) = kept;
+    }
+}
+
+/// Ends the program because the system refused a block of memory.
+///
+/// Returns if no command line runs, and for a block above the whole limit: only a length that a
+/// file announces falsely is as large, and what reads it can tell more.
+///
+/// The thread that watches ends it, since this one may hold a lock that the end needs. If that
+/// waits for this thread, there are no words, but the exit code is the same.
+#[cold]
+pub(crate) fn refused(bytes: usize) {
+    let Some(end) = END.get().filter(|_| bytes as u64 <= LIMIT.load(Ordering::Acquire)) else { return };
+    if let Ok(mut kept) = LAST_WORDS.try_lock() {
+        drop(std::mem::take(&mut *kept));
+    }
+    if ENDS.replace(true) {
+        let _ = std::io::stderr().write_all(b"error[E501]: cannot go on: there is no more memory\n");
+    } else if IS_WATCHED.load(Ordering::Acquire) && !WATCHES.get() {
+        IS_REFUSED.store(true, Ordering::Release);
+        std::thread::sleep(Duration::from_secs(2));
+    } else {
+        end(&LimitError::Exceeded(limit_words()).into());
+    }
+    std::process::exit(i32::from(ErrorKind::Limit.exit_code()));
+}
+
+/// Sets the limit of this process, and watches it from now on.
 ///
 /// # Errors
 /// E501 if the program alone exceeds the limit.
-pub(crate) fn limit(typed: Option<u64>, end: fn(&Error) -> !) -> Result<()> {
+pub(crate) fn limit(typed: Option<u64>) -> Result<()> {
     let Some(resident) = resident() else {
         LIMIT.store(typed.unwrap_or(u64::MAX), Ordering::Release);
         return Ok(());
@@ -40,10 +90,9 @@ pub(crate) fn limit(typed: Option<u64>, end: fn(&Error) -> !) -> Result<()> {
     if resident > limit {
         return Err(LimitError::Program { resident: memory_words(resident), limit: limit_words() }.into());
     }
-    if is_first && limit != u64::MAX {
-        let _ = END.set(end);
+    if let (true, Some(end)) = (is_first && limit != u64::MAX, END.get()) {
         // Without a watching thread, work is still refused beforehand, and ended before it writes.
-        let _ = std::thread::Builder::new().name("memory".into()).spawn(move || watch(end));
+        let _ = std::thread::Builder::new().name("memory".into()).spawn(|| watch(*end));
     }
     Ok(())
 }
@@ -70,14 +119,17 @@ pub(crate) fn refuse_above(bytes: u64) {
 fn watch(end: fn(&Error) -> !) {
     /// Upper bound on the rate at which a program fills memory \[bytes/s\].
     const FASTEST: u64 = 20_000_000_000;
+    WATCHES.set(true);
+    IS_WATCHED.store(true, Ordering::Release);
     loop {
-        let (Some(resident), limit) = (resident(), LIMIT.load(Ordering::Acquire)) else { return };
-        if resident > limit {
+        let (Some(resident), limit) = (resident(), LIMIT.load(Ordering::Acquire)) else { break };
+        if resident > limit || IS_REFUSED.load(Ordering::Acquire) {
             end(&LimitError::Exceeded(limit_words()).into());
         }
         let nanoseconds = (limit - resident).saturating_mul(1_000_000_000) / FASTEST;
         std::thread::sleep(Duration::from_nanos(nanoseconds.clamp(300_000, 50_000_000)));
     }
+    IS_WATCHED.store(false, Ordering::Release);
 }
 
 /// Returns the limit in words that follow "more than".
@@ -92,7 +144,11 @@ fn limit_words() -> String {
 /// hold, and the limit in words.
 pub(crate) fn lacking(more: u64) -> Option<(u64, String)> {
     let needed = resident().unwrap_or(0).saturating_add(more);
-    (needed > LIMIT.load(Ordering::Acquire)).then(|| (needed, limit_words()))
+    if needed > LIMIT.load(Ordering::Acquire) {
+        return Some((needed, limit_words()));
+    }
+    // Stacks and heaps of threads take address space that is never resident.
+    (address_space()? < more).then(|| (more, "there is".into()))
 }
 
 /// Refuses work on a grid that does not fit in memory, before it allocates anything of that size.
@@ -113,12 +169,7 @@ pub(crate) fn cells_of(grid: &GeoRef) -> String {
 /// # Errors
 /// E501 if that is too much.
 pub(crate) fn check_bytes(name: &impl fmt::Display, what: &str, more: u64) -> Result<()> {
-    let mut probe: Vec<u8> = Vec::new();
-    let is_refused = probe.try_reserve_exact(usize::try_from(more).unwrap_or(usize::MAX)).is_err();
-    // A black box keeps the allocation from being optimized away.
-    std::hint::black_box(&mut probe);
-    let lack = lacking(more).or_else(|| is_refused.then(|| (more, "there is".into())));
-    let Some((needed, limit)) = lack else { return Ok(()) };
+    let Some((needed, limit)) = lacking(more) else { return Ok(()) };
     let (name, what) = (name.to_string(), what.to_string());
     let is_typed = TYPED.load(Ordering::Acquire) > 0;
     Err(LimitError::Memory { name, what, needed: memory_words(needed), limit, is_typed }.into())
@@ -163,7 +214,7 @@ fn available() -> Option<u64> {
         // An allocator may promise more memory than exists.
         kibibytes_of(&read("/proc/meminfo"), "MemAvailable:"),
         of_groups(&groups, Path::new("/sys/fs/cgroup")),
-        of_address_space(&read("/proc/self/limits"), &read("/proc/self/status")),
+        address_space(),
     ];
     limits.into_iter().flatten().min()
 }
@@ -199,6 +250,12 @@ fn of_groups(groups: &str, root: &Path) -> Option<u64> {
         folder.ancestors().take_while(|folder| folder.starts_with(&root)).filter_map(of_folder).min()
     };
     groups.lines().filter_map(left).min()
+}
+
+/// Returns the address space that the process can still take \[bytes\], where it is limited.
+pub(crate) fn address_space() -> Option<u64> {
+    let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
+    of_address_space(&read("/proc/self/limits"), &read("/proc/self/status"))
 }
 
 /// Returns the free address space by `/proc/self/limits` and `/proc/self/status` (`ulimit -v`).

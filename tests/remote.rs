@@ -31,6 +31,18 @@ enum Manner {
     /// The file changes once it was asked for a few times.
     Changes,
     Forbidden,
+    /// No answer at all.
+    Silent,
+    /// A byte of a range every two seconds.
+    Trickles,
+    /// A range that never ends.
+    Endless,
+    /// Another length in each answer than the file has.
+    Lies,
+    /// On to a file of this machine.
+    ToFile,
+    /// On to a host that is not there.
+    Away,
 }
 
 #[derive(Debug)]
@@ -100,6 +112,16 @@ fn answer(
         std::thread::sleep(Duration::from_millis(500));
     }
     let out = reader.get_mut();
+    let moved = |to: &str| format!("HTTP/1.1 302 Found\r\nLocation: {to}\r\nContent-Length: 0\r\n\r\n");
+    match manner {
+        Manner::Silent => {
+            std::thread::sleep(Duration::from_secs(600));
+            return None;
+        }
+        Manner::ToFile => return out.write_all(moved("file:///etc/hosts?signature=hidden").as_bytes()).ok(),
+        Manner::Away => return out.write_all(moved("http://u:hidden@127.0.0.1:1/a.tif?s=hidden").as_bytes()).ok(),
+        _ => {}
+    }
     let Some(file) = files.get(&path) else {
         return out.write_all(b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n").ok();
     };
@@ -136,10 +158,20 @@ fn answer(
     let bytes = &file[from..=to];
     let head = format!(
         "HTTP/1.1 206 Partial Content\r\nETag: {tag}\r\n{date}\r\nContent-Range: bytes {from}-{to}/{}\r\nContent-Length: {}\r\n\r\n",
-        file.len(),
-        bytes.len()
+        if manner == Manner::Lies { 2 * file.len() } else { file.len() },
+        if manner == Manner::Endless { u64::MAX / 4 } else { bytes.len() as u64 }
     );
     out.write_all(head.as_bytes()).ok()?;
+    if manner == Manner::Trickles {
+        for byte in bytes {
+            out.write_all(&[*byte]).ok()?;
+            std::thread::sleep(Duration::from_secs(2));
+        }
+        return Some(());
+    }
+    while manner == Manner::Endless {
+        out.write_all(&[0; 1 << 16]).ok()?;
+    }
     if manner == Manner::Cuts {
         out.write_all(&bytes[..bytes.len() / 2]).ok()?;
         return None;
@@ -183,7 +215,7 @@ fn scenes_on_a_server_are_read_by_ranges_and_its_faults_are_told() {
     let run = |line: &str| skyshed(&folder, line);
     // A raster of 4000² cells of which a map needs a part, and footprints with an index.
     assert!(run("city itu:urban --size 4000 --seed 3 -o dsm.tif -q --overwrite").status.success());
-    assert!(run("city itu:urban --size 6000 --seed 4 -o city.geojson -q --overwrite").status.success());
+    assert!(run("city itu:urban --size 12000 --seed 4 -o city.geojson -q --overwrite").status.success());
     let _ = std::fs::remove_file(folder.join("city.fgb"));
     let ogr = Command::new("ogr2ogr")
         .args(["-a_srs", "EPSG:25832", "city.fgb", "city.geojson"])
@@ -208,8 +240,8 @@ fn scenes_on_a_server_are_read_by_ranges_and_its_faults_are_told() {
     assert_eq!(there["scene"]["sources"][0]["path"], format!("{at}/a/dsm.tif"));
     let (n_bytes, _) = server.sent();
     assert!(n_bytes < dsm.len() as u64 / 3, "{n_bytes} of {}", dsm.len());
-    // Footprints around an extent.
-    let part = "--extent 1000,1000,1300,1300 --uav 1150,1150,120 --radius 100 --json -q";
+    // Footprints around an extent, and as far as the longest building may reach.
+    let part = "--extent 100,100,400,400 --uav 250,250,120 --radius 100 --json -q";
     if has_ogr {
         server.answers(Manner::Well);
         let [here, there] = [String::new(), format!("{at}/")].map(|at| done(&run(&format!("map {at}city.fgb {part}"))));
@@ -276,6 +308,45 @@ fn scenes_on_a_server_are_read_by_ranges_and_its_faults_are_told() {
     assert!(code == Some(3) && text.starts_with("error[E301]") && text.contains("no such file"), "{text}");
     let (text, code) = error(&run(&format!("map http://127.0.0.1:1/dsm.tif {asked}")));
     assert!(code == Some(3) && text.starts_with("error[E301]"), "{text}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// Each ends with what failed, after a time and with a memory that do not depend on what the server sends.
+#[test]
+fn a_server_that_means_harm_is_given_up_soon() {
+    let folder = folder().with_extension("harm");
+    std::fs::create_dir_all(&folder).unwrap();
+    let made = skyshed(&folder, "city itu:urban --size 800 --seed 3 -o dsm.tif -q --overwrite");
+    assert!(made.status.success(), "{made:?}");
+    let dsm = std::fs::read(folder.join("dsm.tif")).unwrap();
+    let hostile = &|(manner, words): (Manner, &str)| {
+        let server = Server::of(HashMap::from([("/dsm.tif".to_string(), dsm.clone())]));
+        server.answers(manner);
+        let at = server.address.replace("http://", "HTTP://user:hidden@");
+        let limited = "ulimit -v 2000000; exec timeout 120 \"$0\" \"$@\"";
+        let line = format!("map {at}/dsm.tif?signature=hidden --ground 0 --uav 400,400,150 -o {manner:?}.tif");
+        let output = Command::new("sh")
+            .args(["-c", limited, env!("CARGO_BIN_EXE_skyshed")])
+            .args(line.split(' '))
+            .current_dir(&folder)
+            .env("NO_PROXY", "127.0.0.1")
+            .output();
+        let (text, code) = error(&output.unwrap());
+        assert!(code == Some(3) && text.contains(words) && !text.contains("hidden"), "{manner:?}: {code:?} {text}");
+        assert!(!folder.join(format!("{manner:?}.tif")).exists(), "{manner:?}");
+    };
+    std::thread::scope(|threads| {
+        for of in [
+            (Manner::Silent, "too slowly"),
+            (Manner::Trickles, "too slowly"),
+            (Manner::Endless, "other bytes than it was asked for"),
+            (Manner::Lies, "has changed"),
+            (Manner::ToFile, "error[E301]"),
+            (Manner::Away, "error[E301]"),
+        ] {
+            threads.spawn(move || hostile(of));
+        }
+    });
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

@@ -244,7 +244,7 @@ pub fn plan_units(
 ) -> std::result::Result<Vec<PlannedUnit>, Refusal> {
     let job = job_of_uavs(options, uavs)?;
     let jobs = Jobs::of(&job, scene, progress)?;
-    let units = jobs.planned().enumerate().map(|(k, (part, unit))| {
+    let units = jobs.planned()?.enumerate().map(|(k, (part, unit))| {
         let (tile, uavs) = match part {
             Part::Site(_) => (None, vec![k]),
             Part::Tile(tile) => (Some((tile.row, tile.col)), tile.uavs.clone()),

@@ -10,7 +10,9 @@
 //! * `failure` and `refusal` turn errors into texts with codes.
 //! * `hints` adds remedies to errors and warnings.
 //! * `ask` lets another program run commands.
+//! * `allocator` ends the program where memory is refused.
 
+mod allocator;
 mod args;
 mod ask;
 mod commands;
@@ -36,6 +38,7 @@ use crate::cli::args::scene::scene_files;
 use crate::cli::failure::Result;
 use crate::memory;
 use crate::threads::in_pool;
+pub use allocator::Allocator;
 pub use ask::{
     PlannedUnit, Refusal, ask, coverages, height_curves, hint_of, limit_memory, live_page, map_tile, normalized, p_los,
     plan_units, raster_grid, save_options, scene_reader,
@@ -52,6 +55,8 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 /// Runs the program on the words of a command line and returns its exit code as a number.
 pub fn exit_code(words: impl IntoIterator<Item = OsString>) -> u8 {
+    allocator::share_one_heap();
+    memory::on_refusal(interrupt::give_up);
     let words: Vec<OsString> = words.into_iter().collect();
     let done = match Cli::from_words(&words) {
         Ok(cli) => {
@@ -80,7 +85,7 @@ fn execute(cli: &Cli, command: Vec<String>) -> Result<()> {
     let run = Run { is_quiet, keeps: false, ..Run::asked(command, Instant::now(), &progress) };
     let Some(shared) = shared else { return cli.run(&run) };
     let out = shared.out;
-    memory::limit(out.effort.max_memory, interrupt::give_up)?;
+    memory::limit(out.effort.max_memory)?;
     check_scenes(&shared.scenes)?;
     check_use(&shared, cli.draws())?;
     let repairs = RepairsFile::of(&shared)?;

@@ -26,8 +26,8 @@ pub(crate) enum PlacesError {
     /// E207: two sites of one name.
     #[error("two {what} are named `{id}`, wanted different ids")]
     Twice { what: &'static str, id: String },
-    /// E207: two sites whose files would have one name.
-    #[error("sites `{a}` and `{b}` would share {file}")]
+    /// E207: two sites or tiles whose files would be one.
+    #[error("`{a}` and `{b}` would share {file}")]
     SharedFile { a: String, b: String, file: String },
     /// E208: weights without a value above 0 in the scene.
     #[error("cannot use {0} as weights: it holds none above 0 in the scene")]

@@ -35,6 +35,9 @@ pub(crate) enum RequestError {
     /// E105: an output of a merge that is a file of a unit of work.
     #[error("cannot write {path}: it is a file of {unit}")]
     FileOfUnit { path: String, unit: String },
+    /// E105: a file of a unit whose name JSON cannot hold.
+    #[error("cannot plan {0}: its name is not UTF-8, as the JSON of a plan is")]
+    NotUnicode(String),
     /// E105: a path for the copy of a raster that is no folder.
     #[error("cannot use {0} for a copy of the raster: it is no folder")]
     Scratch(String),
@@ -182,7 +185,11 @@ impl RequestError {
         match self {
             R::ShareWanted(_) | R::MinimizeWanted(_) => 101,
             R::Uav { .. } => 102,
-            R::NotNamedAfterUavs(_) | R::NotNamedAfterTiles(_) | R::FileOfUnit { .. } | R::Scratch(_) => 105,
+            R::NotNamedAfterUavs(_)
+            | R::NotNamedAfterTiles(_)
+            | R::FileOfUnit { .. }
+            | R::NotUnicode(_)
+            | R::Scratch(_) => 105,
             R::OfAnotherRun(_) | R::OfNobody(_) => 106,
             R::GdalValues { .. } | R::LayerOfTile { .. } => 107,
             R::GoalNeeds { .. } | R::NoUav | R::TooFewToCompare(_) => 108,

@@ -77,15 +77,24 @@ impl<'a> Jobs<'a> {
     /// Returns the units as lines of JSON, one after the other.
     ///
     /// Cost: proportional to their number.
-    pub(crate) fn plan(&self) -> impl Iterator<Item = String> {
-        self.planned().map(|(_, planned)| document_of(&planned).to_string())
+    ///
+    /// # Errors
+    /// E105, as [`Jobs::planned`].
+    pub(crate) fn plan(&self) -> Result<impl Iterator<Item = String>> {
+        Ok(self.planned()?.map(|(_, planned)| document_of(&planned).to_string()))
     }
 
     /// Returns the units, each with its UAV or its tile.
-    pub(crate) fn planned(&self) -> impl Iterator<Item = (&Part, PlannedUnit)> {
+    ///
+    /// # Errors
+    /// E105 for names of files that are not UTF-8: another program could not find them.
+    pub(crate) fn planned(&self) -> Result<impl Iterator<Item = (&Part, PlannedUnit)>> {
+        if let Some(path) = self.job.outputs.iter().find(|path| path.to_str().is_none()) {
+            return Err(RequestError::NotUnicode(path.display().to_string()).into());
+        }
         let is_all = self.job.uavs.shard.is_none() && self.job.tiles.only.is_empty();
         let n = self.units.parts.len();
-        self.units.parts.iter().zip(1..).map(move |(part, k): (&Part, usize)| {
+        Ok(self.units.parts.iter().zip(1..).map(move |(part, k): (&Part, usize)| {
             let unit = self.runs.unit(&self.units, part);
             let (seconds, memory_bytes) = forecast(&unit, &self.units);
             let planned = PlannedUnit {
@@ -98,7 +107,7 @@ impl<'a> Jobs<'a> {
                 memory_bytes,
             };
             (part, planned)
-        })
+        }))
     }
 
     /// Refuses outputs that are files of units.
@@ -205,10 +214,11 @@ impl Job {
     /// Returns the units of work, without running them.
     ///
     /// # Errors
-    /// E116 for a map without units; errors of the scene and of the UAVs.
+    /// E105 for files whose names are not UTF-8; E116 for a map without units; errors of the scene
+    /// and of the UAVs.
     pub fn units(&self) -> Result<Vec<PlannedUnit>> {
         let jobs = Jobs::of(&self.job, None, &self.progress)?;
-        Ok(jobs.planned().map(|(_, unit)| unit).collect())
+        Ok(jobs.planned()?.map(|(_, unit)| unit).collect())
     }
 
     /// Returns the units that are done, missing and broken. The document is `skyshed/jobs-status/1`.

@@ -17,6 +17,7 @@ use crate::coverage::{Control, HeightLayers, IdleFootprints, MapOptions, Mapper,
 use crate::error::{Error, Result, Warning};
 use crate::expected::Expected;
 use crate::export::{Batch, Format};
+use crate::forecast::Needs;
 use crate::height_field::HeightField;
 use crate::map::IdleDocument;
 use crate::picture::Look;
@@ -132,6 +133,7 @@ impl LimitsPlan {
         }
         let sight = &self.sight;
         let uavs = scene.place(found, None, sight)?;
+        Needs::LIMITS.check(&scene)?;
         let (field, built_up) = (std::sync::Arc::clone(&scene.field), scene.built_up);
         let options_over = |field: &HeightField| Ok(sight.options_over(field, built_up.as_ref())?);
         let setup = Setup { field: &field, uavs: &uavs, options: &options_over };

@@ -87,7 +87,7 @@ impl MapJob {
         let direct = written_at_once(&outputs, &self.plan.layers, &self.save)
             .filter(|_| n_sites == 1 && tile.is_none() && !is_by_zone && !self.curve.is_wanted());
         let held = self.held(&outputs, n_sites, direct.is_some());
-        let mut batch = Batch::new(self.save.writing.overwrite).asking(progress.check);
+        let mut batch = Batch::new(self.save.writing.overwrite).asking(progress.check).sealing(unit.is_some());
         let mut file = direct.map(|path| MaskFile::new(path, mask_values(&self.save)));
         let grid = prepared.scene.grid().clone();
         let each_part = |cells: &[u8]| {

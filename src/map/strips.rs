@@ -157,6 +157,9 @@ fn layer_bytes_per_cell(job: &MapJob) -> u64 {
 /// cells it took 6.4 kB.
 const REMEMBERED_BYTES: u64 = 8 << 10;
 
+/// Bytes of a picture for each of its pixels: a scene with larger cells, its classes, and colors.
+const BYTES_PER_PIXEL: u64 = 28;
+
 /// Returns the bytes that strips and the rows remembered by the sweep take.
 ///
 /// # Errors
@@ -183,7 +186,10 @@ fn strip_memory(job: &MapJob) -> Result<u64> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate")]
     let strips = ((4.0 + finer) * (4 * STRIP_ROWS * n_rows.max(n_cols)) as f64) as u64;
     let remembered = REMEMBERED_BYTES * n_rows.max(n_cols) as u64;
+    let draws = job.outputs.iter().any(|path| Format::of(path).is_ok_and(Format::is_picture));
+    let n_pixels = if draws { grid.coarser(Shown::new(&grid).factor).n_cells() as u64 } else { 0 };
     Ok(n_cells / 8 * n_sets
+        + n_pixels * BYTES_PER_PIXEL
         + n_cells * layer_bytes_per_cell(job)
         + strips
         + remembered
@@ -286,7 +292,8 @@ impl StripsRun<'_> {
         };
         let before_write = Instant::now();
         (progress.begin_writing)();
-        let mut batch = Batch::new(self.job.save.writing.overwrite).asking(progress.check);
+        let batch = Batch::new(self.job.save.writing.overwrite).asking(progress.check);
+        let mut batch = batch.sealing(self.unit.is_some());
         let spent = Spent { write: 0.0, total: self.start.elapsed().as_secs_f64() };
         let files = StripFiles { run: &self, scene, report: &report, timing, coverage: &coverage, pyramid, shown };
         add_outputs(&files, &mut batch, self.outputs, (&look_of(&self.job.save), spent))?;

@@ -8,6 +8,7 @@
 //! So an interrupted run continues at the unit where it stopped. Another program may start units
 //! one by one, and start them again.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -18,8 +19,8 @@ use super::tiles::ROW_AND_COL;
 use super::units::{Found, Part, SITE, Unit, check_names, check_tiles, found, inputs, unit_of_all};
 use crate::answer::digest_words;
 use crate::digest::Sha256;
-use crate::error::{Error, ErrorKind, ErrorRepr, InputError, RequestError, Result, Warning};
-use crate::export::{Format, check_folder, check_layers};
+use crate::error::{Error, ErrorKind, ErrorRepr, InputError, PlacesError, RequestError, Result, Warning};
+use crate::export::{Format, check_folder, check_layers, place_of};
 use crate::formats::RasterFile;
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
 use crate::progress::Progress;
@@ -174,6 +175,7 @@ impl<'a> UnitRuns<'a> {
         }
         let (mut scenes, units) = self.scenes_and_units()?;
         each(Outcome::Warnings(&units.uavs.warnings))?;
+        self.check_places(&units)?;
         let mut failed: Option<Error> = None;
         for part in &units.parts {
             match self.run_unit(self.unit(&units, part), &mut scenes, &units) {
@@ -198,6 +200,21 @@ impl<'a> UnitRuns<'a> {
             }
         }
         failed.map_or(Ok(()), |error| Err(error.into()))
+    }
+
+    /// Refuses two units of which one would replace a file of the other, through a link.
+    fn check_places(&self, units: &Units) -> Result<()> {
+        let mut places = HashMap::new();
+        for part in &units.parts {
+            let job = self.unit(units, part).job;
+            for path in job.outputs.iter().chain(&job.curve.outputs) {
+                if let Some(a) = places.insert(place_of(path), part.name()) {
+                    let file = path.display().to_string();
+                    return Err(PlacesError::SharedFile { a, b: part.name(), file }.into());
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Returns the units without running them; `None` if all UAVs are one run.

@@ -17,7 +17,7 @@ use crate::answer::digest_words;
 use crate::city::{GivenSite, Site};
 use crate::digest::Sha256;
 use crate::error::{Error, PlacesError, RequestError, Result};
-use crate::export::{Format, Left, left_of, sidecars, site_in_names, with_suffix};
+use crate::export::{Format, Left, is_as_sealed, left_of, sidecars, site_in_names, with_suffix};
 use crate::formats::{RasterFile, origin_of};
 use crate::los::MethodChoice;
 use crate::os_words::split;
@@ -321,7 +321,8 @@ fn maker_of(file: &Path, unit: &str, is_bare: bool) -> Maker {
     let left = parts.into_iter().flatten().map(|(part, format)| (left_of(&part, format), part));
     let is_own = says(file, unit);
     match left.into_iter().find(|(left, _)| *left != Left::Whole) {
-        None if is_own => Maker::Unit,
+        None if is_own && is_as_sealed(file, format) => Maker::Unit,
+        None if is_own => Maker::Damaged(file.to_path_buf()),
         None if says(file, "\"skyshed/") => Maker::AnotherRun,
         None => Maker::Nobody,
         Some((_, part)) if is_own => Maker::Damaged(part),

@@ -18,6 +18,7 @@ pub(crate) use reading::{FoundRepairs, built_up, is_raster, is_raster_scene};
 
 use crate::answer::{CommandFacts, RunFacts, Timing};
 use crate::error::{Result, Warning};
+use crate::forecast::Needs;
 use crate::height_field::{Built, HeightField};
 use crate::los::Method;
 use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
@@ -189,8 +190,12 @@ impl Scene {
     /// no building is known.
     ///
     /// # Errors
-    /// E504 for outlines that cross one another too often.
+    /// E501 if they take more memory than there is; E504 for outlines that cross one another too
+    /// often.
     pub fn zones(&self) -> Result<Option<Arc<ZoneMap>>> {
+        if self.zones.get().is_none() {
+            Needs::ZONES.check(self)?;
+        }
         let find = || Ok(ZoneMap::if_known(&self.field, self.built_up.as_ref())?.map(Arc::new));
         Ok(self.zones.get_or_init(find).clone()?)
     }

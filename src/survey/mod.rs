@@ -26,6 +26,7 @@ use crate::city::{BuiltUp, Footprint, FootprintFaults, HeightSource, Solids};
 use crate::crs::VerticalCrs;
 use crate::error::{Result, Warning};
 use crate::export::{Batch, Format};
+use crate::forecast::Needs;
 use crate::height_field::CellCounts;
 use crate::picture::Look;
 use crate::quantity::{Frame, meters, tidy};
@@ -110,6 +111,7 @@ impl Survey {
         };
         let scene = Scene::built(options, (word, city), warnings, start)?;
         let counts = scene.field.cell_counts();
+        size.map_or(Ok(()), |_| Needs::TILES.check(&scene))?;
         let tiles = size.map(|size| Tiles::of(&scene.field, footprints.as_ref(), size)).transpose()?;
         let grid = scene.grid();
         #[expect(clippy::cast_precision_loss, reason = "counts of cells are far below 2^53")]

@@ -458,3 +458,30 @@ fn heights_do_not_hang_on_what_is_read_around_them() {
         }
     }
 }
+
+/// One reader would take the first value, another the last.
+#[test]
+fn a_member_that_is_given_twice_is_refused() {
+    let folder = Folder::new();
+    let square = "[[[691000,5334000],[691020,5334000],[691020,5334020],[691000,5334020],[691000,5334000]]]";
+    let crs = r#""crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::25832"}}"#;
+    let city = |members: &str, properties: &str| {
+        format!(
+            r#"{{"type":"FeatureCollection",{members},"features":[{{"type":"Feature","properties":{{{properties}}},"geometry":{{"type":"Polygon","coordinates":{square}}}}}]}}"#
+        )
+    };
+    folder.write("once.geojson", &city(crs, r#""height":9,"name":"a""#));
+    folder.type_in("info once.geojson").done();
+    for (text, name) in [
+        (city(crs, r#""height":9,"name":"a","height":90"#), "height"),
+        (city(&format!("{crs},{crs}"), r#""height":9"#), "crs"),
+        (city(crs, r#""height":9,"tags":{"levels":"3","levels":"4"}"#), "levels"),
+    ] {
+        folder.write("twice.geojson", &text);
+        folder.refuses("info twice.geojson", "E302", &[&format!("`{name}` is given twice at line 1 column")]);
+    }
+    let site =
+        r#"{"type":"Feature","properties":{"h":50,"h":60},"geometry":{"type":"Point","coordinates":[691005,5334050]}}"#;
+    folder.write("sites.geojson", &format!(r#"{{"type":"FeatureCollection",{crs},"features":[{site}]}}"#));
+    folder.refuses("map once.geojson --uavs sites.geojson", "E302", &["`h` is given twice"]);
+}

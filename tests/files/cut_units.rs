@@ -48,6 +48,47 @@ fn a_file_that_is_cut_short_is_told_and_made_again() {
     folder.type_in(&format!("jobs merge -o all.csv {line}")).done();
 }
 
+/// A disk or a copy may turn over a byte and leave the length.
+#[test]
+fn a_raster_with_another_byte_within_is_told_and_made_again() {
+    let (folder, line) = scene();
+    for name in ["a.tif", "a.exr", "a.png", "a.npz"] {
+        let whole = folder.read(name);
+        let mut places = vec![whole.len() / 3, whole.len() / 2, whole.len() * 9 / 10];
+        if name == "a.npz" {
+            // Around the members of an archive stand their times, which mean nothing.
+            let bytes_of = |at: usize| usize::from(u16::from_le_bytes([whole[at], whole[at + 1]]));
+            places = vec![30 + bytes_of(26) + bytes_of(28) + 5];
+        }
+        for at in places {
+            let mut other = whole.clone();
+            other[at] ^= 4;
+            std::fs::write(folder.join(name), &other).expect("another byte");
+            let status = folder.type_in(&format!("jobs status {line}"));
+            assert!(status.out.contains("1 done, 0 missing, 1 broken\nbroken a: "), "{name} at {at}: {status:?}");
+        }
+        folder.type_in(&format!("{line} --resume --overwrite")).done();
+        assert!(folder.read(name) == whole, "{name}");
+    }
+}
+
+/// The later of two units would replace the file of the earlier.
+#[test]
+fn units_whose_files_are_one_through_a_link_are_refused() {
+    let (folder, line) = scene();
+    let before = folder.read("a.tif");
+    std::fs::remove_file(folder.join("b.tif")).expect("a file");
+    std::os::unix::fs::symlink("a.tif", folder.join("b.tif")).expect("a link");
+    for more in ["", " --overwrite", " --resume", " --resume --overwrite"] {
+        let words = ["`a` and `b` would share", "b.tif"];
+        folder.refuses(&format!("{line}{more}"), "E207", &words);
+    }
+    assert!(folder.read("a.tif") == before);
+    // So are two outputs of one run.
+    folder.refuses("map wall.asc --ground 0 --uav 691005,5334005,30 -o a.tif -o b.tif --overwrite", "E105", &["b.tif"]);
+    assert!(folder.read("a.tif") == before);
+}
+
 #[test]
 fn what_is_left_of_another_run_is_not_replaced() {
     let folder = Folder::new();

@@ -107,6 +107,40 @@ fn a_watch_ends_a_run_that_takes_too_much_long_before_it_is_done() {
     assert!(whole.cpu_s > 1.0 && ended.cpu_s < 0.5 * whole.cpu_s, "{} of {} s", ended.cpu_s, whole.cpu_s);
 }
 
+/// Where the system refuses memory, Rust aborts; the program says so and ends with the exit code of a limit. More address space
+/// never makes a run fail.
+#[test]
+fn a_run_in_little_address_space_is_refused_and_never_aborts() {
+    let folder = scenes();
+    let before = folder.files();
+    for line in [
+        "map city.tif --ground 0 --uav 10,10,90 -o a.tif -o a.png -o a.npz",
+        "map houses.geojson --uav 3,3,90 -o a.tif -o a.json",
+        "zones houses.geojson -o a.geojson",
+        "place houses.geojson --height 60 --step 40 -k 2 -o a.csv",
+        "compare houses.geojson --uav 3,3,90 --uav 300,300,90 -o a.html -o a.tif",
+        "live city.tif --ground 0 -o a.html",
+    ] {
+        let mut is_enough = false;
+        // Up to what every run of these has enough of [KiB].
+        for limit in [80, 120, 160, 200, 240, 300, 360, 500, 700, 1000, 4000].map(|mib| mib << 10) {
+            let mut command = Command::new("sh");
+            command.args(["-c", "ulimit -v \"$1\"; shift; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_skyshed")]);
+            command.arg(limit.to_string()).args(line.split(' ')).current_dir(folder.path());
+            let answer = wait(command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("a shell"));
+            match answer.code() {
+                0 => (is_enough, _) = (true, clear(&folder, &before)),
+                _ => {
+                    let is_limit = ["E501", "E503"].contains(&answer.error());
+                    assert!(is_limit && answer.code() == 5 && !is_enough, "{line}: in {limit} KiB: {answer:?}");
+                    assert_eq!(folder.files(), before, "{line}: in {limit} KiB");
+                }
+            }
+        }
+        assert!(is_enough, "{line}");
+    }
+}
+
 /// A control group with a limit of memory, removed when dropped.
 struct Group(PathBuf);
 

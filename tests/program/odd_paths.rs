@@ -74,6 +74,16 @@ fn inputs_may_have_names_that_are_no_unicode() {
     }
 }
 
+/// Another program could not find the files that a plan names.
+#[test]
+fn a_plan_holds_no_names_that_are_no_unicode() {
+    let folder = scenes();
+    let answer = run(&folder, "jobs plan map city.geojson --uavs sites.csv -o ?{site}.tif");
+    assert!(answer.error() == "E105" && answer.err.contains("\u{fffd}{site}.tif"), "{answer:?}");
+    run(&folder, "map city.geojson --uavs sites.csv -o ?{site}.tif").done();
+    run(&folder, "jobs status map city.geojson --uavs sites.csv -o ?{site}.tif").done();
+}
+
 #[test]
 fn outputs_may_have_names_that_are_no_unicode() {
     let folder = scenes();

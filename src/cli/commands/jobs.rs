@@ -11,7 +11,6 @@ use super::map::job_of;
 use crate::answer::{Answer, CommandFacts};
 use crate::cli::args::output::{checked_files, plain_look};
 use crate::cli::failure::{Result, refusal, refusal_with};
-use crate::cli::interrupt;
 use crate::cli::run::{Run, check_scenes};
 use crate::cli::say;
 use crate::error::Error;
@@ -52,7 +51,7 @@ pub(in crate::cli) struct JobsArgs {
 
 impl JobsArgs {
     pub(in crate::cli) fn run(&self, run: &Run) -> Result<()> {
-        memory::limit(self.out.effort.max_memory, interrupt::give_up)?;
+        memory::limit(self.out.effort.max_memory)?;
         match self.asked {
             Asked::Merge => {}
             Asked::Status => json::refuse(
@@ -92,7 +91,7 @@ impl JobsArgs {
         let job = job_of(map, run, command)?;
         let jobs = Jobs::of(&job, None, &run.progress)?;
         match self.asked {
-            Asked::Plan => jobs.plan().try_for_each(|line| say::plain_answer(format!("{line}\n").as_bytes())),
+            Asked::Plan => jobs.plan()?.try_for_each(|line| say::plain_answer(format!("{line}\n").as_bytes())),
             Asked::Status => {
                 let status = jobs.status(run.command());
                 run.emit(&status, &[], (&self.out, &plain_look(&self.out)))?;

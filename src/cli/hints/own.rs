@@ -18,6 +18,7 @@ pub(super) fn of_request(error: &RequestError) -> Option<String> {
         R::NoUnits => "`-o NAME-{site}.tif` gives each UAV a file of its own, `-o NAME-{row}-{col}.tif` each tile",
         R::PartOfUnits => "leave out `--shard` and `--tile`",
         R::NotNamedAfterUavs(_) => "write `{site}` into every name, or into none",
+        R::NotUnicode(_) => "rename it, or run the map itself: it writes files of any name",
         R::Scratch(_) => "name one with `--scratch FOLDER`, which holds 4 bytes a cell while the map is made",
         R::OfAnotherRun(_) | R::OfNobody(_) => "`--overwrite` replaces it",
         R::GdalValues { .. } => "choose one UAV and `--layers los`",

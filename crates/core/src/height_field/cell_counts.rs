@@ -52,4 +52,9 @@ impl HeightField {
         }
         counts
     }
+
+    /// Returns the number of corners of the outlines that the cells of buildings have together.
+    pub fn n_corners_of_cells(&self) -> u64 {
+        self.cells_of_buildings().n_corners()
+    }
 }

@@ -88,6 +88,25 @@ impl BitGrid {
         kept
     }
 
+    /// Returns the number of corners of the outlines of the set within the grid. Where two cells
+    /// touch at a corner alone there are two.
+    pub(crate) fn n_corners(&self) -> u64 {
+        let last = self.n_cols.saturating_sub(1);
+        let between = |row: usize| -> u64 {
+            let (above, below) = (self.row(row - 1), self.row(row));
+            // Each cell beside the next; the last of a row has none.
+            let next = |row: &[u64], k: usize| row[k] >> 1 | row.get(k + 1).map_or(0, |word| word << 63);
+            let of_word = |k: usize| {
+                let (a, b, c, d) = (above[k], next(above, k), below[k], next(below, k));
+                let (one, two) = (a ^ b ^ c ^ d, !(a ^ d) & !(b ^ c) & (a ^ b));
+                let ones = |word: u64| u64::from((word & bits_between(0, last, k)).count_ones());
+                ones(one) + 2 * ones(two)
+            };
+            (0..above.len()).map(of_word).sum()
+        };
+        (1..self.n_rows).map(between).sum()
+    }
+
     /// Returns the number of rows.
     #[inline]
     pub fn n_rows(&self) -> usize {
@@ -258,6 +277,23 @@ mod tests {
         assert_eq!(bits_between(3, 5, 1), 0);
         assert_eq!(bits_between(60, 70, 1), 0b11_1111);
         assert_eq!(bits_between(7, 7, 0), 0);
+    }
+
+    #[test]
+    fn corners_are_counted_within_words_and_between_them() {
+        for n_cols in [1, 63, 64, 65, 130] {
+            let mut cells = BitGrid::new(7, n_cols);
+            (0..7 * n_cols).filter(|k| k * k % 11 < 4).for_each(|k| cells.insert(k / n_cols, k % n_cols));
+            let corners = (1..7).flat_map(|row| (1..n_cols).map(move |col| (row, col)));
+            let of_corner = |(row, col): (usize, usize)| {
+                let around = [(row - 1, col - 1), (row - 1, col), (row, col - 1), (row, col)];
+                match around.map(|(row, col)| cells.contains(row, col)) {
+                    [true, false, false, true] | [false, true, true, false] => 2,
+                    of => u64::from(of.iter().filter(|is_in| **is_in).count() % 2 == 1),
+                }
+            };
+            assert_eq!(cells.n_corners(), corners.map(of_corner).sum::<u64>(), "{n_cols} columns");
+        }
     }
 
     #[test]

@@ -5,7 +5,9 @@ use std::fs::File;
 use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use super::Format;
 use super::files::{cannot_write, folder_of, followed, refuse_to_replace};
+use super::seal::{can_seal, seal};
 use super::temporary::{Hold, discard, publish};
 use crate::digest::Sha256;
 use crate::error::{Error, Result, WriteFault};
@@ -24,6 +26,7 @@ pub struct Batch {
     holds: HashMap<PathBuf, Hold>,
     /// Check before each file whether to go on.
     asks: Option<fn() -> skyshed_core::Result<()>>,
+    seals: bool,
 }
 
 /// A file under its temporary name.
@@ -39,13 +42,21 @@ struct Pending {
 impl Batch {
     /// Creates an empty batch that replaces existing files only if `overwrite`.
     pub fn new(overwrite: bool) -> Self {
-        Batch { files: Vec::new(), digests: HashMap::new(), overwrite, holds: HashMap::new(), asks: None }
+        Batch { files: Vec::new(), digests: HashMap::new(), overwrite, holds: HashMap::new(), asks: None, seals: false }
     }
 
     /// Makes the batch call `asks` before each file; an error stops it.
     #[must_use]
     pub fn asking(mut self, asks: fn() -> skyshed_core::Result<()>) -> Self {
         self.asks = Some(asks);
+        self
+    }
+
+    /// Makes the batch end rasters that hold no checksum of their own with a digest of their bytes,
+    /// if `seals`. [`is_as_sealed`](super::is_as_sealed) checks it.
+    #[must_use]
+    pub fn sealing(mut self, seals: bool) -> Self {
+        self.seals = seals;
         self
     }
 
@@ -114,9 +125,15 @@ impl Batch {
     /// replaced sidecar gets it after its file, so that no old file is described as new.
     ///
     /// # Errors
-    /// E106 if another run wrote a file meanwhile that may not be replaced, E401 if a rename fails.
+    /// E106 if another run wrote a file meanwhile that may not be replaced, E401 if a file cannot be
+    /// sealed or renamed.
     pub fn commit(mut self) -> Result<Vec<PathBuf>> {
         let written = self.files.iter().map(|file| file.path.clone()).collect();
+        for Pending { temporary, path, .. } in self.files.iter().filter(|_| self.seals) {
+            if Format::of(path).is_ok_and(can_seal) {
+                seal(temporary).map_err(|e| cannot_write(path, &e))?;
+            }
+        }
         // The last of the list is renamed first. Renamed files leave it, so that dropping the batch
         // after a failure removes the rest.
         let (replaced, new): (Vec<_>, Vec<_>) = self.files.drain(..).partition(|file| file.place.exists());

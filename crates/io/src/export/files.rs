@@ -78,7 +78,7 @@ pub fn check_outputs(outputs: &[PathBuf], rules: OutputRules<'_>) -> Result<Vec<
         if path.is_dir() {
             return Err(refuse(WriteFault::Folder));
         }
-        let place = std::fs::canonicalize(&folder).unwrap_or(folder).join(path.file_name().unwrap_or_default());
+        let place = place_of(path);
         if places.contains(&place) {
             return Err(refuse(WriteFault::Twice));
         }
@@ -183,6 +183,14 @@ pub(super) fn folder_of(path: &Path) -> PathBuf {
         Some(p) if !p.as_os_str().is_empty() => p.to_path_buf(),
         _ => PathBuf::from("."),
     }
+}
+
+/// Returns the one path of a file that is written, behind all symbolic links: of the file, which
+/// need not exist, and of its folder.
+pub fn place_of(path: &Path) -> PathBuf {
+    let place = followed(path);
+    let folder = folder_of(&place);
+    std::fs::canonicalize(&folder).unwrap_or(folder).join(place.file_name().unwrap_or_default())
 }
 
 /// Returns the path that a file is written to: the target of a symbolic link, which need not exist.

@@ -1,7 +1,8 @@
 //! State of a file that was written earlier: a full disk or an interrupted copy may have cut its
 //! end.
 //!
-//! Cells and features are not decoded where the file itself declares its end.
+//! Cells and features are not decoded where the file itself declares its end. Where it holds
+//! checksums, they are checked.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
@@ -31,7 +32,7 @@ const MOST_HEADER_BYTES: u32 = 64 << 20;
 
 /// Returns the state of a file of a format that maps are written in.
 ///
-/// Cost: that of reading it; of a picture, a GeoTIFF and an archive that of its ends.
+/// Cost: that of reading it; of a GeoTIFF and of a vector picture that of its ends.
 pub fn left_of(path: &Path, format: Format) -> Left {
     let mut head = Vec::new();
     match File::open(path).and_then(|file| file.take(8).read_to_end(&mut head)) {
@@ -64,7 +65,7 @@ fn begins_as(format: Format, head: &[u8]) -> bool {
 fn is_whole(path: &Path, format: Format) -> io::Result<bool> {
     let ends_with = |end: &[u8]| tail(path).map(|tail| tail.trim_ascii_end().ends_with(end));
     match format {
-        Format::Png => tail(path).map(|tail| tail.ends_with(b"IEND\xae\x42\x60\x82")),
+        Format::Png => is_whole_png(path),
         Format::Pdf => ends_with(b"%%EOF"),
         Format::Svg => ends_with(b"</svg>"),
         Format::Html => ends_with(b"</html>"),
@@ -76,13 +77,41 @@ fn is_whole(path: &Path, format: Format) -> io::Result<bool> {
         Format::AsciiGrid => Ok(is_whole_grid(path)),
         Format::Bil => is_whole_bil(path),
         Format::Exr => Ok(is_whole_exr(path)),
-        Format::Npz | Format::Kmz => Ok(zip::ZipArchive::new(BufReader::new(File::open(path)?)).is_ok()),
+        Format::Npz | Format::Kmz => is_whole_zip(path),
         Format::FlatGeobuf => is_whole_flatgeobuf(path),
         Format::Json | Format::GeoJson => {
             Ok(serde_json::from_reader::<_, Box<RawValue>>(BufReader::new(File::open(path)?)).is_ok())
         }
         Format::Stdout => Ok(true),
     }
+}
+
+/// Returns `true` when chunks with right checksums follow one another up to the last.
+fn is_whole_png(path: &Path) -> io::Result<bool> {
+    const SIGNATURE_BYTES: usize = 8;
+    let bytes = std::fs::read(path)?;
+    let mut left = bytes.get(SIGNATURE_BYTES..).unwrap_or_default();
+    while let Some((length, rest)) = left.split_first_chunk::<4>() {
+        let length = u32::from_be_bytes(*length) as usize;
+        let Some((named, rest)) = length.checked_add(4).and_then(|n| rest.split_at_checked(n)) else { break };
+        let Some((checksum, rest)) = rest.split_first_chunk::<4>() else { break };
+        if zlib_rs::crc32::crc32(0, named) != u32::from_be_bytes(*checksum) {
+            break;
+        }
+        if named.starts_with(b"IEND") {
+            return Ok(rest.is_empty());
+        }
+        left = rest;
+    }
+    Ok(false)
+}
+
+/// Returns `true` when the members of an archive have the checksums that it declares.
+fn is_whole_zip(path: &Path) -> io::Result<bool> {
+    let Ok(mut archive) = zip::ZipArchive::new(BufReader::new(File::open(path)?)) else { return Ok(false) };
+    let n = archive.len();
+    let is_whole = |k| archive.by_index(k).is_ok_and(|mut member| io::copy(&mut member, &mut io::sink()).is_ok());
+    Ok((0..n).map(is_whole).all(|is_whole| is_whole))
 }
 
 /// Returns the last bytes of a file.

@@ -1,21 +1,24 @@
-//! Remote file as an input of readers: bytes in any order, fetched by ranges (object_store).
+//! Remote file as an input of readers: bytes in any order, fetched by ranges (object_store). The
+//! total time of all requests of a file is limited, by the number of its bytes that are fetched.
 
 use std::collections::HashMap;
 use std::io::{Error as IoError, ErrorKind, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use futures_util::StreamExt;
 use object_store::aws::AmazonS3Builder;
 use object_store::http::HttpBuilder;
 use object_store::path::Path as ObjectPath;
 use object_store::{ClientOptions, GetOptions, ObjectMeta, ObjectStore, ObjectStoreExt, RetryConfig};
 use tokio::runtime::{Builder, Runtime};
+use tokio::time::timeout;
 use url::Url;
 
 use crate::error::{Error, ReadFault, Result};
 use crate::input::Input;
-use crate::remote::address_of;
+use crate::remote::{address_of, without_addresses};
 
 /// Number of bytes that are fetched if less is requested: headers and indices are read in small
 /// pieces.
@@ -23,10 +26,14 @@ const BLOCK: u64 = 64 << 10;
 /// Largest number of blocks that are kept of a file.
 const MOST_BLOCKS: usize = 256;
 /// Time that a server may take to connect, and between two parts of an answer.
-const PATIENCE: Duration = Duration::from_secs(30);
+const PATIENCE: Duration = Duration::from_secs(20);
 /// Number of times that a failed request is sent again, and their total time.
 const MOST_TRIES: usize = 4;
-const MOST_TRYING: Duration = Duration::from_secs(90);
+const MOST_TRYING: Duration = Duration::from_secs(30);
+/// Time that a server may take for all requests of a file beside that of the bytes, and the least
+/// rate at which it must send these \[bytes/s\].
+const GRACE: Duration = Duration::from_secs(40);
+const SLOWEST: u64 = 16 << 10;
 
 /// A file on a server.
 #[derive(Debug)]
@@ -40,6 +47,8 @@ pub(crate) struct RemoteFile {
     tag: Tag,
     /// Blocks by their numbers, with the time of their last request.
     blocks: Mutex<Blocks>,
+    /// Time that requests may still take.
+    left: Mutex<Duration>,
 }
 
 #[derive(Debug)]
@@ -60,6 +69,15 @@ struct Blocks {
 fn files() -> &'static Mutex<HashMap<String, Arc<RemoteFile>>> {
     static FILES: OnceLock<Mutex<HashMap<String, Arc<RemoteFile>>>> = OnceLock::new();
     FILES.get_or_init(Mutex::default)
+}
+
+/// Time for which a server that was slow to fail is not asked again \[s\].
+const FORGIVEN: Duration = Duration::from_secs(60);
+
+/// Returns the last slow failures, by the addresses of their files.
+fn failures() -> &'static Mutex<HashMap<String, (Instant, Error)>> {
+    static FAILURES: OnceLock<Mutex<HashMap<String, (Instant, Error)>>> = OnceLock::new();
+    FAILURES.get_or_init(Mutex::default)
 }
 
 /// Returns the runtime in which requests wait for answers.
@@ -84,12 +102,22 @@ pub(crate) fn open(input: &Input) -> Result<Arc<RemoteFile>> {
     if let Some(file) = lock().get(&address) {
         return Ok(Arc::clone(file));
     }
+    let failed = || failures().lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((at, error)) = failed().get(&address)
+        && at.elapsed() < FORGIVEN
+    {
+        return Err(error.clone());
+    }
+    let began = Instant::now();
     let file = RemoteFile::new(&address, &address_of(&address)).map_err(|why| {
         let fault =
             if why.kind() == ErrorKind::NotFound { ReadFault::Missing } else { ReadFault::CannotOpen(why.to_string()) };
         Error::read(input, fault)
-    })?;
-    let file = Arc::new(file);
+    });
+    if let Some(error) = file.as_ref().err().filter(|_| began.elapsed() > Duration::from_secs(5)) {
+        failed().insert(address.clone(), (Instant::now(), error.clone()));
+    }
+    let file = Arc::new(file?);
     lock().insert(address, Arc::clone(&file));
     Ok(file)
 }
@@ -115,10 +143,12 @@ impl RemoteFile {
             let store = HttpBuilder::new().with_url(url.as_str()).with_client_options(options).with_retry(retry);
             (Box::new(store.build().map_err(|e| in_words(&e))?), ObjectPath::default())
         };
-        let ObjectMeta { size, e_tag, last_modified, .. } =
-            runtime.block_on(store.head(&path)).map_err(|e| in_words(&e))?;
+        let began = Instant::now();
+        let head = runtime.block_on(async { timeout(GRACE, store.head(&path)).await });
+        let ObjectMeta { size, e_tag, last_modified, .. } = head.map_err(|_| too_slow())?.map_err(|e| in_words(&e))?;
+        let left = Mutex::new(GRACE.saturating_sub(began.elapsed()));
         let tag = e_tag.map_or_else(|| Tag::Time(last_modified.to_rfc3339()), Tag::Etag);
-        Ok(RemoteFile { name: name.to_string(), store, path, len: size, tag, blocks: Mutex::default() })
+        Ok(RemoteFile { name: name.to_string(), store, path, len: size, tag, blocks: Mutex::default(), left })
     }
 
     /// Returns the length \[bytes\].
@@ -147,11 +177,22 @@ impl RemoteFile {
             let found = self.store.get_opts(&self.path, options).await?;
             let is_same = found.meta.size == self.len && self.is_same(&found.meta);
             let is_range = found.range == range;
-            Ok::<_, object_store::Error>((is_same, is_range, found.bytes().await?))
+            let (mut bytes, mut parts) = (Vec::new(), found.into_stream());
+            // A server may send more than it was asked for, without an end.
+            while bytes.len() as u64 <= wanted && is_same && is_range {
+                let Some(part) = parts.next().await else { break };
+                bytes.extend_from_slice(&part?);
+            }
+            Ok::<_, object_store::Error>((is_same, is_range, bytes))
         };
         let failed =
             |why: &str| IoError::other(format!("{}: bytes {} to {}: {why}", self.name, range.start, range.end));
-        let (is_same, is_range, bytes) = match runtime()?.block_on(get) {
+        let began = Instant::now();
+        let left = || self.left.lock().unwrap_or_else(PoisonError::into_inner);
+        let most = *left() + Duration::from_secs(wanted / SLOWEST);
+        let got = runtime()?.block_on(async { timeout(most, get).await });
+        *left() = most.saturating_sub(began.elapsed());
+        let (is_same, is_range, bytes) = match got.map_err(|_| failed(&too_slow().to_string()))? {
             Ok(found) => found,
             Err(object_store::Error::Precondition { .. }) => {
                 self.forget();
@@ -166,7 +207,7 @@ impl RemoteFile {
         if !is_range || bytes.len() as u64 != wanted {
             return Err(failed("the server sent other bytes than it was asked for"));
         }
-        Ok(bytes.to_vec())
+        Ok(bytes)
     }
 
     fn is_same(&self, found: &ObjectMeta) -> bool {
@@ -208,6 +249,11 @@ impl RemoteFile {
     }
 }
 
+/// Returns the failure of a server that never ends its answers, or hardly begins them.
+fn too_slow() -> IoError {
+    IoError::new(ErrorKind::TimedOut, "the server answers too slowly")
+}
+
 /// Returns a failed request on one line, with its cause.
 fn in_words(error: &object_store::Error) -> IoError {
     let kind = match error {
@@ -224,7 +270,10 @@ fn in_words(error: &object_store::Error) -> IoError {
     while let Some(deeper) = cause.source() {
         cause = deeper;
     }
-    let text = cause.to_string();
+    let text = without_addresses(&cause.to_string());
+    if text.contains("timed out") {
+        return too_slow();
+    }
     IoError::new(kind, text.lines().next().unwrap_or("the request failed").to_string())
 }
 

@@ -101,7 +101,12 @@ struct Source<'a> {
 
 impl Source<'_> {
     fn go_to(&mut self, at: u64) -> Result<()> {
-        self.file.seek(SeekFrom::Start(at)).map_err(|e| cannot_read(self.input, &e))?;
+        // PERF: of features near one another, what was read already is kept.
+        let sought = match at.checked_signed_diff(self.at) {
+            Some(by) => self.file.seek_relative(by),
+            None => self.file.seek(SeekFrom::Start(at)).map(|_| ()),
+        };
+        sought.map_err(|e| cannot_read(self.input, &e))?;
         self.at = at;
         Ok(())
     }

@@ -4,8 +4,7 @@
 //! has no `crs` member, but GDAL and many portals write one for projected coordinates, so it is
 //! honored.
 
-use std::borrow::Cow;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use geojson::{Feature, GeometryValue};
@@ -16,6 +15,7 @@ use serde_json::{Map, Value};
 use super::super::polygon::Polygon;
 use super::cityjson;
 use super::feature::{self, FeatureSet, Property};
+use super::unique::{self, Members};
 use crate::crs;
 use crate::error::{Cause, Error, MOST_FOUND, Place, ReadFault, Result, shortened};
 use crate::input::Input;
@@ -33,11 +33,9 @@ struct Collection<'a> {
 ///
 /// PERF: all features as JSON values take twenty times the memory of the text.
 fn collection(text: &str) -> Option<Collection<'_>> {
-    // The last of several members of one name counts.
-    let mut members: HashMap<Cow<'_, str>, &RawValue> = serde_json::from_str(text).ok()?;
+    let Members(mut members) = serde_json::from_str::<Members<&RawValue>>(text).ok()?;
     let features = members.remove("features")?;
-    let parsed =
-        |(name, raw): (Cow<'_, str>, &RawValue)| Some((name.into_owned(), serde_json::from_str(raw.get()).ok()?));
+    let parsed = |(name, raw): (String, &RawValue)| Some((name, unique::parse(raw.get()).ok()?));
     if members.get("type")?.get() != "\"FeatureCollection\"" {
         return None;
     }
@@ -59,7 +57,7 @@ fn parse_document(input: &Input, text: &str) -> Result<Value> {
     if text.trim().is_empty() {
         return Err(Error::malformed(input, "the file is empty, wanted GeoJSON"));
     }
-    serde_json::from_str(text).map_err(|e| {
+    unique::parse(text).map_err(|e| {
         let found = shortened(&e.to_string(), MOST_FOUND).into_owned();
         let error = Error::malformed(input, format!("{found}, wanted one GeoJSON document"));
         if e.to_string().starts_with("trailing characters") && is_one_feature_a_line(text) {
@@ -125,8 +123,10 @@ pub(super) fn read(input: &Input) -> Result<FeatureSet> {
 
 /// Parses the features of a collection in parallel; `None` if any is faulty.
 fn set_of_collection(input: &Input, collection: &Collection<'_>) -> Option<FeatureSet> {
-    let feature =
-        |names: &mut HashSet<Arc<str>>, raw: &&RawValue| feature_of(serde_json::from_str(raw.get()).ok()?, names).ok();
+    let feature = |names: &mut HashSet<Arc<str>>, raw: &&RawValue| {
+        let text = Some(raw.get()).filter(|text| unique::are_properties_unique(text))?;
+        feature_of(serde_json::from_str(text).ok()?, names).ok()
+    };
     let features = collection.features.par_iter().map_init(HashSet::new, feature).collect::<Option<Vec<_>>>()?;
     Some(FeatureSet { features, ..without_features(input, &collection.members) })
 }

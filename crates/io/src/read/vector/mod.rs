@@ -14,6 +14,7 @@ mod geopackage;
 mod rings;
 #[cfg(feature = "shapefiles")]
 mod shapefile;
+mod unique;
 pub(super) mod wkb;
 
 pub(super) use feature::{Feature, FeatureSet, Property, Selection, SolidHeight, bounds, opened};
