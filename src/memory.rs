@@ -44,7 +44,7 @@ pub(crate) const ANY_WORK: u64 = 16 << 20;
 /// Sets the function that ends the program when memory is short.
 pub(crate) fn on_refusal(end: fn(&Error) -> !) {
     /// What ending takes: the words of the error \[bytes\].
-    const ENOUGH: usize = 1 << 20;
+    const ENOUGH: usize = 16 << 10;
     if END.set(end).is_ok() {
         let kept = Vec::with_capacity(ENOUGH);
         *LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner) = kept;

@@ -123,10 +123,8 @@ pub(super) fn read(input: &Input) -> Result<FeatureSet> {
 
 /// Parses the features of a collection in parallel; `None` if any is faulty.
 fn set_of_collection(input: &Input, collection: &Collection<'_>) -> Option<FeatureSet> {
-    let feature = |names: &mut HashSet<Arc<str>>, raw: &&RawValue| {
-        let text = Some(raw.get()).filter(|text| unique::are_properties_unique(text))?;
-        feature_of(serde_json::from_str(text).ok()?, names).ok()
-    };
+    let feature =
+        |names: &mut HashSet<Arc<str>>, raw: &&RawValue| feature_of(unique::parse_feature(raw.get())?, names).ok();
     let features = collection.features.par_iter().map_init(HashSet::new, feature).collect::<Option<Vec<_>>>()?;
     Some(FeatureSet { features, ..without_features(input, &collection.members) })
 }

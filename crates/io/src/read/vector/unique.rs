@@ -18,22 +18,35 @@ pub(super) fn parse(text: &str) -> serde_json::Result<Value> {
     serde_json::from_str::<Unique>(text).map(|Unique(value)| value)
 }
 
-/// Returns `true` if the properties of a feature are named once each.
+/// Parses a feature; `None` for a text that is none, or whose members are named twice.
 ///
-/// PERF: positions are passed over, and features are parsed by another type.
-pub(super) fn are_properties_unique(feature: &str) -> bool {
-    serde_json::from_str::<Properties>(feature).is_ok()
+/// PERF: in one pass, where the type of `geojson` holds the whole feature twice.
+pub(super) fn parse_feature(text: &str) -> Option<geojson::Feature> {
+    /// Members of a feature that are looked at.
+    #[derive(Deserialize)]
+    struct Given {
+        #[serde(rename = "type")]
+        kind: String,
+        #[serde(default, rename = "bbox")]
+        _bbox: Option<geojson::Bbox>,
+        #[serde(default)]
+        id: Option<geojson::feature::Id>,
+        #[serde(default)]
+        geometry: Option<geojson::Geometry>,
+        #[serde(default)]
+        properties: Option<Unique>,
+    }
+    let Given { kind, id, geometry, properties, .. } = serde_json::from_str(text).ok()?;
+    let properties = match properties {
+        Some(Unique(Value::Object(members))) => Some(members),
+        None => None,
+        Some(_) => return None,
+    };
+    (kind == "Feature").then(|| geojson::Feature { id, geometry, properties, ..geojson::Feature::default() })
 }
 
 /// Value whose objects name each member once.
 struct Unique(Value);
-
-/// Feature of which only the names of properties are looked at.
-#[derive(Deserialize)]
-struct Properties {
-    #[serde(default, rename = "properties")]
-    _properties: Option<Members<Unique>>,
-}
 
 /// Members of an object that names each once.
 pub(super) struct Members<V>(pub(super) HashMap<String, V>);
