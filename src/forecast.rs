@@ -1,5 +1,7 @@
-//! Memory that questions take beside a scene that is in memory, as it was measured over flat and
-//! noisy rasters of 1000² to 5000² cells and over the footprints of Munich \[bytes\].
+//! Memory that questions take beside a scene that is in memory \[bytes\].
+//!
+//! It was measured over flat and noisy rasters of 1000² to 5000² cells, and over the footprints of
+//! Munich.
 
 use crate::height_field::HeightField;
 use crate::memory::{cells_of, check_bytes};

@@ -43,7 +43,7 @@ pub(crate) const ANY_WORK: u64 = 16 << 20;
 
 /// Sets the function that ends the program when memory is short.
 pub(crate) fn on_refusal(end: fn(&Error) -> !) {
-    /// What ending takes: the words of the error \[bytes\].
+    /// Memory that the words of an error take \[bytes\].
     const ENOUGH: usize = 16 << 10;
     if END.set(end).is_ok() {
         let kept = Vec::with_capacity(ENOUGH);
@@ -53,8 +53,8 @@ pub(crate) fn on_refusal(end: fn(&Error) -> !) {
 
 /// Ends the program because the system refused a block of memory.
 ///
-/// Returns if no command line runs, and for a block above the whole limit: only a length that a
-/// file announces falsely is as large, and what reads it can tell more.
+/// Returns if no command line runs, and for a block above the whole limit. Only a length that a file
+/// announces falsely is as large, and its reader can tell more.
 ///
 /// The thread that watches ends it, since this one may hold a lock that the end needs. If that
 /// waits for this thread, there are no words, but the exit code is the same.

@@ -72,9 +72,9 @@ impl RowElevations<'_> {
         self.squared_distance(self.uav.0.clamp(self.xs[first], self.xs[end - 1]))
     }
 
-    /// Returns the number of tangents that all of the columns `first..end` are as steep as, for
-    /// receivers of one squared rise \[m²\], or `None` where it differs between the nearest and the
-    /// farthest column.
+    /// Returns the number of tangents that the columns `first..end` are as steep as, for receivers of
+    /// one squared rise \[m²\]. There is none if the nearest column is as steep as more than the
+    /// farthest is.
     fn band_of_all(&self, first: usize, end: usize, squared: f64, is_below: bool) -> Option<usize> {
         let steps = |distance: f64| {
             let is_steep = |limit: f64| if is_below { squared > limit } else { squared >= limit };
