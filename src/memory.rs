@@ -121,8 +121,8 @@ fn watch(end: fn(&Error) -> !) {
     const FASTEST: u64 = 20_000_000_000;
     WATCHES.set(true);
     IS_WATCHED.store(true, Ordering::Release);
-    loop {
-        let (Some(resident), limit) = (resident(), LIMIT.load(Ordering::Acquire)) else { break };
+    while let Some(resident) = resident() {
+        let limit = LIMIT.load(Ordering::Acquire);
         if resident > limit || IS_REFUSED.load(Ordering::Acquire) {
             end(&LimitError::Exceeded(limit_words()).into());
         }

@@ -82,6 +82,36 @@ impl Server {
     }
 }
 
+/// The answer of a server that sends nothing, or sends on; `None` of one that answers with a file.
+fn without_a_file(manner: Manner, out: &mut TcpStream) -> Option<Option<()>> {
+    let moved = |to: &str| format!("HTTP/1.1 302 Found\r\nLocation: {to}\r\nContent-Length: 0\r\n\r\n");
+    match manner {
+        Manner::Silent => {
+            std::thread::sleep(Duration::from_secs(600));
+            Some(None)
+        }
+        Manner::ToFile => Some(out.write_all(moved("file:///etc/hosts?signature=hidden").as_bytes()).ok()),
+        Manner::Away => Some(out.write_all(moved("http://u:hidden@127.0.0.1:1/a.tif?s=hidden").as_bytes()).ok()),
+        _ => None,
+    }
+}
+
+/// Sends a range hardly or for ever, if that is the manner; `None` once nobody listens.
+fn without_end(manner: Manner, out: &mut TcpStream, bytes: &[u8]) -> Option<()> {
+    if manner == Manner::Trickles {
+        for byte in bytes {
+            out.write_all(&[*byte]).ok()?;
+            std::thread::sleep(Duration::from_secs(2));
+        }
+    }
+    if manner == Manner::Endless {
+        loop {
+            out.write_all(&[0; 1 << 16]).ok()?;
+        }
+    }
+    Some(())
+}
+
 /// Answers one request; `None` at the end of a connection.
 fn answer(
     reader: &mut BufReader<TcpStream>,
@@ -112,15 +142,8 @@ fn answer(
         std::thread::sleep(Duration::from_millis(500));
     }
     let out = reader.get_mut();
-    let moved = |to: &str| format!("HTTP/1.1 302 Found\r\nLocation: {to}\r\nContent-Length: 0\r\n\r\n");
-    match manner {
-        Manner::Silent => {
-            std::thread::sleep(Duration::from_secs(600));
-            return None;
-        }
-        Manner::ToFile => return out.write_all(moved("file:///etc/hosts?signature=hidden").as_bytes()).ok(),
-        Manner::Away => return out.write_all(moved("http://u:hidden@127.0.0.1:1/a.tif?s=hidden").as_bytes()).ok(),
-        _ => {}
+    if let Some(sent_on) = without_a_file(manner, out) {
+        return sent_on;
     }
     let Some(file) = files.get(&path) else {
         return out.write_all(b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n").ok();
@@ -162,16 +185,7 @@ fn answer(
         if manner == Manner::Endless { u64::MAX / 4 } else { bytes.len() as u64 }
     );
     out.write_all(head.as_bytes()).ok()?;
-    if manner == Manner::Trickles {
-        for byte in bytes {
-            out.write_all(&[*byte]).ok()?;
-            std::thread::sleep(Duration::from_secs(2));
-        }
-        return Some(());
-    }
-    while manner == Manner::Endless {
-        out.write_all(&[0; 1 << 16]).ok()?;
-    }
+    without_end(manner, out, bytes)?;
     if manner == Manner::Cuts {
         out.write_all(&bytes[..bytes.len() / 2]).ok()?;
         return None;

@@ -71,11 +71,7 @@ impl Format {
 
     /// Returns `true` if this build can write the format: some are features.
     pub(super) fn is_built(self) -> bool {
-        match self {
-            Format::Exr => cfg!(feature = "exr"),
-            Format::Parquet => cfg!(feature = "parquet"),
-            _ => true,
-        }
+        (self != Format::Exr || cfg!(feature = "exr")) && (self != Format::Parquet || cfg!(feature = "parquet"))
     }
 
     /// Returns `true` for a picture.

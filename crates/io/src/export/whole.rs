@@ -111,7 +111,7 @@ fn is_whole_zip(path: &Path) -> io::Result<bool> {
     let Ok(mut archive) = zip::ZipArchive::new(BufReader::new(File::open(path)?)) else { return Ok(false) };
     let n = archive.len();
     let is_whole = |k| archive.by_index(k).is_ok_and(|mut member| io::copy(&mut member, &mut io::sink()).is_ok());
-    Ok((0..n).map(is_whole).all(|is_whole| is_whole))
+    Ok((0..n).all(is_whole))
 }
 
 /// Returns the last bytes of a file.

@@ -102,9 +102,9 @@ struct Source<'a> {
 impl Source<'_> {
     fn go_to(&mut self, at: u64) -> Result<()> {
         // PERF: of features near one another, what was read already is kept.
-        let sought = match at.checked_signed_diff(self.at) {
-            Some(by) => self.file.seek_relative(by),
-            None => self.file.seek(SeekFrom::Start(at)).map(|_| ()),
+        let sought = match i64::try_from(i128::from(at) - i128::from(self.at)) {
+            Ok(by) => self.file.seek_relative(by),
+            Err(_) => self.file.seek(SeekFrom::Start(at)).map(|_| ()),
         };
         sought.map_err(|e| cannot_read(self.input, &e))?;
         self.at = at;
