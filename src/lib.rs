@@ -210,7 +210,6 @@ mod conversion;
 mod earth;
 mod error;
 mod expected;
-mod forecast;
 mod height_errors;
 mod jobs;
 mod limits;

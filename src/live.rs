@@ -17,7 +17,7 @@ use crate::coverage;
 use crate::crs::wkt_of;
 use crate::error::{Error, FitsPage, LimitError, RequestError, Result, Warning};
 use crate::export::{Batch, Format};
-use crate::forecast::Needs;
+use crate::memory::Needs;
 use crate::picture::{Look, program};
 use crate::quantity::{Height, counted, meters};
 use crate::raster::GeoRef;

@@ -17,9 +17,9 @@ use crate::coverage::{Control, HeightLayers, IdleFootprints, MapOptions, Mapper,
 use crate::error::{Error, Result, Warning};
 use crate::expected::Expected;
 use crate::export::{Batch, Format};
-use crate::forecast::Needs;
 use crate::height_field::HeightField;
 use crate::map::IdleDocument;
+use crate::memory::Needs;
 use crate::picture::Look;
 use crate::quantity::{signed, tidy};
 use crate::render::grouped;

@@ -18,6 +18,7 @@ use super::strips::{check_strips, on_disk, reason_for_strips};
 use super::tiles::ROW_AND_COL;
 use super::units::{Found, Part, SITE, Unit, check_names, check_tiles, found, inputs, unit_of_all};
 use crate::answer::digest_words;
+use crate::city::GivenSite;
 use crate::digest::Sha256;
 use crate::error::{Error, ErrorKind, ErrorRepr, InputError, PlacesError, RequestError, Result, Warning};
 use crate::export::{Format, check_folder, check_layers, place_of};
@@ -30,6 +31,7 @@ use crate::scene::placing::warn_of_uavs_outside;
 use crate::scene::{Scene, SceneReader, built_up, is_raster_scene};
 use crate::uav::{UavsAsked, UavsFound};
 use skyshed_io::error::WriteFault;
+use skyshed_request::Shard;
 
 /// Runs of a map, one for each unit of work.
 pub(crate) struct UnitRuns<'a> {
@@ -175,7 +177,7 @@ impl<'a> UnitRuns<'a> {
         }
         let (mut scenes, units) = self.scenes_and_units()?;
         each(Outcome::Warnings(&units.uavs.warnings))?;
-        self.check_places(&units)?;
+        self.check_links(&units)?;
         let mut failed: Option<Error> = None;
         for part in &units.parts {
             match self.run_unit(self.unit(&units, part), &mut scenes, &units) {
@@ -202,13 +204,18 @@ impl<'a> UnitRuns<'a> {
         failed.map_or(Ok(()), |error| Err(error.into()))
     }
 
-    /// Refuses two units of which one would replace a file of the other, through a link.
-    fn check_places(&self, units: &Units) -> Result<()> {
+    /// Refuses two units of which one would replace a file of the other, through a link. Units of
+    /// other shards count too.
+    fn check_links(&self, units: &Units) -> Result<()> {
+        let files = |part: &Part| [part.names(&self.job.outputs), part.names(&self.job.curve.outputs)].concat();
+        let is_link = |path: &PathBuf| path.is_symlink() || path.parent().is_some_and(Path::is_symlink);
+        if !units.parts.iter().any(|part| files(part).iter().any(is_link)) {
+            return Ok(());
+        }
         let mut places = HashMap::new();
-        for part in &units.parts {
-            let job = self.unit(units, part).job;
-            for path in job.outputs.iter().chain(&job.curve.outputs) {
-                if let Some(a) = places.insert(place_of(path), part.name()) {
+        for part in self.parts(&units.grid, &units.uavs.sites, None)? {
+            for path in files(&part) {
+                if let Some(a) = places.insert(place_of(&path), part.name()) {
                     let file = path.display().to_string();
                     return Err(PlacesError::SharedFile { a, b: part.name(), file }.into());
                 }
@@ -230,27 +237,29 @@ impl<'a> UnitRuns<'a> {
         let job = self.job;
         // A shard selects units, not UAVs: a tile has all of its UAVs, and names must differ among
         // all UAVs.
-        let shard = job.uavs.shard;
         let mut uavs = UavsAsked { shard: None, ..job.uavs.clone() }.read(&grid)?;
-        if self.kind == Kind::Tile {
-            warn_of_uavs_outside(&uavs.sites, &grid, &mut uavs.warnings);
-        }
-        let parts = match self.kind {
+        match self.kind {
             Kind::Tile => {
+                warn_of_uavs_outside(&uavs.sites, &grid, &mut uavs.warnings);
                 for path in &job.outputs {
                     check_layers(&job.plan.layers, uavs.sites.len(), path, Format::of(path)?)?;
                 }
-                let tiles = job.tiles.tiles((&grid, shard), &uavs.sites, &job.plan.sight)?;
-                tiles.into_iter().map(Part::Tile).collect()
             }
-            _ => {
-                check_names(&uavs.sites)?;
-                let range = shard.map_or(0..uavs.sites.len(), |shard| shard.range(uavs.sites.len()));
-                uavs.sites[range].iter().cloned().map(Part::Site).collect()
-            }
-        };
+            _ => check_names(&uavs.sites)?,
+        }
+        let parts = self.parts(&grid, &uavs.sites, job.uavs.shard)?;
         let files = inputs(job, false)?;
         Ok((scenes, Units { uavs, grid, parts, inputs: format!("{files}{}", self.of_memory()), files }))
+    }
+
+    /// Returns the parts of a job, or of a shard of it.
+    fn parts(&self, grid: &GeoRef, sites: &[GivenSite], shard: Option<Shard>) -> Result<Vec<Part>> {
+        if self.kind == Kind::Tile {
+            let tiles = self.job.tiles.tiles((grid, shard), sites, &self.job.plan.sight)?;
+            return Ok(tiles.into_iter().map(Part::Tile).collect());
+        }
+        let range = shard.map_or(0..sites.len(), |shard| shard.range(sites.len()));
+        Ok(sites[range].iter().cloned().map(Part::Site).collect())
     }
 
     /// Returns the unit of a part.

@@ -17,7 +17,7 @@ use crate::answer::digest_words;
 use crate::city::{GivenSite, Site};
 use crate::digest::Sha256;
 use crate::error::{Error, PlacesError, RequestError, Result};
-use crate::export::{Format, Left, is_as_sealed, left_of, sidecars, site_in_names, with_suffix};
+use crate::export::{Format, Left, is_unchanged, left_of, sidecars, site_in_names, with_suffix};
 use crate::formats::{RasterFile, origin_of};
 use crate::los::MethodChoice;
 use crate::os_words::split;
@@ -57,6 +57,19 @@ impl Part {
             Part::Tile(tile) => format!("tile {},{}", tile.row, tile.col),
         }
     }
+
+    /// Returns the names of its files, from those with `{site}`, or `{row}` and `{col}`.
+    pub(super) fn names(&self, paths: &[PathBuf]) -> Vec<PathBuf> {
+        let words: Vec<(&str, String)> = match self {
+            Part::Site(site) => vec![(SITE, site_in_names(&site.id))],
+            Part::Tile(tile) => ROW_AND_COL.into_iter().zip([tile.row.to_string(), tile.col.to_string()]).collect(),
+        };
+        let named = |path: &PathBuf| {
+            let name = path.as_os_str().to_os_string();
+            words.iter().fold(name, |name, (word, with)| split(&name, word).join(OsStr::new(with)))
+        };
+        paths.iter().map(|path| named(path).into()).collect()
+    }
 }
 
 /// Unit of work.
@@ -75,17 +88,6 @@ impl Unit {
             Part::Site(site) => unit_of_site(whole, site, inputs),
             Part::Tile(tile) => unit_of_tile(whole, (tile, all), inputs),
         };
-        let words: Vec<(&str, String)> = match part {
-            Part::Site(site) => vec![(SITE, site_in_names(&site.id))],
-            Part::Tile(tile) => ROW_AND_COL.into_iter().zip([tile.row.to_string(), tile.col.to_string()]).collect(),
-        };
-        let own = |paths: &[PathBuf]| -> Vec<PathBuf> {
-            let named = |path: &PathBuf| {
-                let name = path.as_os_str().to_os_string();
-                words.iter().fold(name, |name, (word, with)| split(&name, word).join(OsStr::new(with)))
-            };
-            paths.iter().map(|path| named(path).into()).collect()
-        };
         let run = whole.plan.sight.antenna();
         let (antenna, words) = match part {
             Part::Site(site) => {
@@ -94,7 +96,7 @@ impl Unit {
             }
             Part::Tile(tile) => (run, PartWords { uav: None, tile: Some(TileIndex { row: tile.row, col: tile.col }) }),
         };
-        let job = whole.of_part(own, antenna, &words);
+        let job = whole.of_part(|paths| part.names(paths), antenna, &words);
         Unit { part: part.clone(), hash, job }
     }
 
@@ -321,7 +323,7 @@ fn maker_of(file: &Path, unit: &str, is_bare: bool) -> Maker {
     let left = parts.into_iter().flatten().map(|(part, format)| (left_of(&part, format), part));
     let is_own = says(file, unit);
     match left.into_iter().find(|(left, _)| *left != Left::Whole) {
-        None if is_own && is_as_sealed(file, format) => Maker::Unit,
+        None if is_own && is_unchanged(file, format) => Maker::Unit,
         None if is_own => Maker::Damaged(file.to_path_buf()),
         None if says(file, "\"skyshed/") => Maker::AnotherRun,
         None => Maker::Nobody,

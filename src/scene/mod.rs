@@ -18,10 +18,9 @@ pub(crate) use reading::{FoundRepairs, built_up, is_raster, is_raster_scene};
 
 use crate::answer::{CommandFacts, RunFacts, Timing};
 use crate::error::{Result, Warning};
-use crate::forecast::Needs;
 use crate::height_field::{Built, HeightField};
 use crate::los::Method;
-use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
+use crate::memory::{FIELD_BYTES_PER_CELL, Needs, check_memory};
 use crate::picture::Look;
 use crate::raster::{CellWindow, GeoRef};
 use crate::zones::ZoneMap;

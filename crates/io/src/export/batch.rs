@@ -26,6 +26,7 @@ pub struct Batch {
     holds: HashMap<PathBuf, Hold>,
     /// Check before each file whether to go on.
     asks: Option<fn() -> skyshed_core::Result<()>>,
+    /// `true` if rasters end with a digest of their bytes.
     seals: bool,
 }
 
@@ -53,7 +54,7 @@ impl Batch {
     }
 
     /// Makes the batch end rasters that hold no checksum of their own with a digest of their bytes,
-    /// if `seals`. [`is_as_sealed`](super::is_as_sealed) checks it.
+    /// if `seals`. [`is_unchanged`](super::is_unchanged) checks it.
     #[must_use]
     pub fn sealing(mut self, seals: bool) -> Self {
         self.seals = seals;

@@ -45,7 +45,7 @@ pub use mask_strips::MaskStrips;
 pub use mitsuba::{MitsubaScene, add_mitsuba};
 pub use ns3_boxes::ns3_boxes;
 pub use parquet::encode_parquet;
-pub use seal::is_as_sealed;
+pub use seal::is_unchanged;
 pub use table::{as_text, encode_table};
 pub use temporary::abandon_files;
 pub use vrt::{MosaicTile, Near, vrt};

@@ -1,5 +1,5 @@
-//! Seal of a file: a digest of all bytes before it, at the end. Readers of GeoTIFF and EXR go by
-//! offsets and never meet it.
+//! Seal of a file: at its end, a digest of all bytes before. Readers of GeoTIFF and EXR find all that
+//! they read by offsets, so they ignore it.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufReader, Read, Write};
@@ -29,11 +29,10 @@ pub(super) fn seal(path: &Path) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Returns `true` if nothing within a file has changed since [`Batch::sealing`](super::Batch) sealed
-/// it, and for formats that are not sealed.
+/// Returns `true` if a file still ends with the digest of its bytes, and for formats without one.
 ///
-/// Cost: that of reading it.
-pub fn is_as_sealed(path: &Path, format: Format) -> bool {
+/// Cost: that of reading the file.
+pub fn is_unchanged(path: &Path, format: Format) -> bool {
     !can_seal(format) || ends_with_seal(path).unwrap_or(false)
 }
 

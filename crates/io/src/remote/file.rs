@@ -1,5 +1,6 @@
-//! Remote file as an input of readers: bytes in any order, fetched by ranges (object_store). The
-//! total time of all requests of a file is limited, by the number of its bytes that are fetched.
+//! Remote file as an input of readers: bytes in any order, fetched by ranges (object_store).
+//!
+//! All requests of a file together may take 40 s, and more for each byte that is fetched.
 
 use std::collections::HashMap;
 use std::io::{Error as IoError, ErrorKind, Read, Seek, SeekFrom};
@@ -71,8 +72,8 @@ fn files() -> &'static Mutex<HashMap<String, Arc<RemoteFile>>> {
     FILES.get_or_init(Mutex::default)
 }
 
-/// Time for which a server that was slow to fail is not asked again \[s\].
-const FORGIVEN: Duration = Duration::from_secs(60);
+/// Time for which a file is not asked for again, after a server took long to fail.
+const UNTIL_RETRIED: Duration = Duration::from_secs(60);
 
 /// Returns the last slow failures, by the addresses of their files.
 fn failures() -> &'static Mutex<HashMap<String, (Instant, Error)>> {
@@ -104,7 +105,7 @@ pub(crate) fn open(input: &Input) -> Result<Arc<RemoteFile>> {
     }
     let failed = || failures().lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((at, error)) = failed().get(&address)
-        && at.elapsed() < FORGIVEN
+        && at.elapsed() < UNTIL_RETRIED
     {
         return Err(error.clone());
     }

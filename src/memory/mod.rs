@@ -1,10 +1,13 @@
 //! Memory limit of a run: the typed limit, or the available memory. Work above the limit is refused
 //! before it begins where its size is known. Otherwise a watch ends the process, and so does memory
-//! that the system refuses.
+//! that the system refuses. `needs` holds the sizes of questions, as they were measured.
+
+mod needs;
 
 use std::cell::Cell;
 use std::fmt;
-use std::io::Write;
+use std::fs::File;
+use std::io::{Read, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -12,6 +15,7 @@ use std::time::Duration;
 
 use crate::error::{Error, ErrorKind, LimitError, Result};
 use crate::raster::GeoRef;
+pub(crate) use needs::Needs;
 
 /// Limit of the process \[bytes\]; `u64::MAX` if it is unknown.
 static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
@@ -21,8 +25,8 @@ static TYPED: AtomicU64 = AtomicU64::new(0);
 /// Function that ends the program with an error.
 static END: OnceLock<fn(&Error) -> !> = OnceLock::new();
 
-/// Memory that is given back once more is refused, so that the program can say so.
-static LAST_WORDS: Mutex<Vec<u8>> = Mutex::new(Vec::new());
+/// Memory that is freed when the system refuses more, for the message of the error.
+static RESERVE: Mutex<Vec<u8>> = Mutex::new(Vec::new());
 /// `true` while a thread watches.
 static IS_WATCHED: AtomicBool = AtomicBool::new(false);
 /// `true` once memory was refused.
@@ -30,9 +34,9 @@ static IS_REFUSED: AtomicBool = AtomicBool::new(false);
 
 thread_local! {
     /// `true` in the thread that watches.
-    static WATCHES: Cell<bool> = const { Cell::new(false) };
+    static IS_WATCHER: Cell<bool> = const { Cell::new(false) };
     /// `true` in a thread that ends the program for want of memory.
-    static ENDS: Cell<bool> = const { Cell::new(false) };
+    static IS_ENDING: Cell<bool> = const { Cell::new(false) };
 }
 
 /// Memory of a height field and of pictures made of it \[bytes per cell\].
@@ -43,30 +47,32 @@ pub(crate) const ANY_WORK: u64 = 16 << 20;
 
 /// Sets the function that ends the program when memory is short.
 pub(crate) fn on_refusal(end: fn(&Error) -> !) {
-    /// Memory that the words of an error take \[bytes\].
-    const ENOUGH: usize = 16 << 10;
+    /// Memory that the message of an error takes \[bytes\].
+    const MESSAGE_BYTES: usize = 16 << 10;
     if END.set(end).is_ok() {
-        let kept = Vec::with_capacity(ENOUGH);
-        *LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner) = kept;
+        let kept = Vec::with_capacity(MESSAGE_BYTES);
+        *RESERVE.lock().unwrap_or_else(PoisonError::into_inner) = kept;
     }
 }
 
-/// Ends the program because the system refused a block of memory.
+/// Ends the program with E501 because the system refused a block of memory.
 ///
-/// Returns if no command line runs, and for a block above the whole limit. Only a length that a file
-/// announces falsely is as large, and its reader can tell more.
+/// Returns, so that the caller meets the refusal, in two cases: no command line runs, or the block is
+/// larger than the whole limit. Only a false length in a file asks for as much, and the reader of the
+/// file can say more.
 ///
-/// The thread that watches ends it, since this one may hold a lock that the end needs. If that
-/// waits for this thread, there are no words, but the exit code is the same.
+/// The watching thread ends the program, because this thread may hold a lock that ending needs. If
+/// the watching thread waits for such a lock, this one ends the program after two seconds, without a
+/// message.
 #[cold]
 pub(crate) fn refused(bytes: usize) {
     let Some(end) = END.get().filter(|_| bytes as u64 <= LIMIT.load(Ordering::Acquire)) else { return };
-    if let Ok(mut kept) = LAST_WORDS.try_lock() {
+    if let Ok(mut kept) = RESERVE.try_lock() {
         drop(std::mem::take(&mut *kept));
     }
-    if ENDS.replace(true) {
+    if IS_ENDING.replace(true) {
         let _ = std::io::stderr().write_all(b"error[E501]: cannot go on: there is no more memory\n");
-    } else if IS_WATCHED.load(Ordering::Acquire) && !WATCHES.get() {
+    } else if IS_WATCHED.load(Ordering::Acquire) && !IS_WATCHER.get() {
         IS_REFUSED.store(true, Ordering::Release);
         std::thread::sleep(Duration::from_secs(2));
     } else {
@@ -119,7 +125,7 @@ pub(crate) fn refuse_above(bytes: u64) {
 fn watch(end: fn(&Error) -> !) {
     /// Upper bound on the rate at which a program fills memory \[bytes/s\].
     const FASTEST: u64 = 20_000_000_000;
-    WATCHES.set(true);
+    IS_WATCHER.set(true);
     IS_WATCHED.store(true, Ordering::Release);
     while let Some(resident) = resident() {
         let limit = LIMIT.load(Ordering::Acquire);
@@ -191,9 +197,13 @@ fn resident() -> Option<u64> {
     status("VmRSS:")
 }
 
-/// Returns a line of the system's status of this process \[bytes\].
+/// Returns a line of the system's status of this process \[bytes\]. Allocates nothing, because the
+/// watch calls it often.
 fn status(name: &str) -> Option<u64> {
-    kibibytes_of(&std::fs::read_to_string("/proc/self/status").ok()?, name)
+    let mut text = [0; 8192];
+    let length = File::open("/proc/self/status").ok()?.read(&mut text).ok()?;
+    let mut lines = text[..length].split(|&byte| byte == b'\n');
+    lines.find_map(|line| kibibytes_of(std::str::from_utf8(line).ok()?, name))
 }
 
 /// Returns a line of `/proc/self/status` or `/proc/meminfo` \[bytes\].

@@ -3,30 +3,31 @@
 //! It was measured over flat and noisy rasters of 1000² to 5000² cells, and over the footprints of
 //! Munich.
 
+use super::{cells_of, check_bytes};
+use crate::error::Result;
 use crate::height_field::HeightField;
-use crate::memory::{cells_of, check_bytes};
-use crate::{error::Result, scene::Scene};
+use crate::scene::Scene;
 
-/// Bytes of a question: for each cell, and for each corner of the outlines of buildings.
+/// Memory of a question \[bytes\].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Needs {
-    /// For a cell of a raster.
-    of_raster: f64,
-    /// For a corner in a raster.
-    of_corners: f64,
-    /// For a cell over footprints.
-    of_footprints: f64,
+    /// Bytes for each cell of a raster.
+    per_raster_cell: f64,
+    /// Bytes for each corner of the outlines in a raster.
+    per_raster_corner: f64,
+    /// Bytes for each cell over footprints.
+    per_footprint_cell: f64,
 }
 
 impl Needs {
     /// Zones: a mesh between the walls.
-    pub(crate) const ZONES: Needs = Needs { of_raster: 5.0, of_corners: 464.0, of_footprints: 6.0 };
+    pub(crate) const ZONES: Needs = Needs { per_raster_cell: 5.0, per_raster_corner: 464.0, per_footprint_cell: 6.0 };
     /// Limits of accuracy: a map of each way.
-    pub(crate) const LIMITS: Needs = Needs { of_raster: 8.75, of_corners: 0.0, of_footprints: 18.0 };
+    pub(crate) const LIMITS: Needs = Needs { per_raster_cell: 8.75, per_raster_corner: 0.0, per_footprint_cell: 18.0 };
     /// Parameters of a city by tiles.
-    pub(crate) const TILES: Needs = Needs { of_raster: 7.6, of_corners: 166.0, of_footprints: 0.5 };
+    pub(crate) const TILES: Needs = Needs { per_raster_cell: 7.6, per_raster_corner: 166.0, per_footprint_cell: 0.5 };
     /// A live page: the packed scene and its text.
-    pub(crate) const LIVE: Needs = Needs { of_raster: 19.2, of_corners: 142.0, of_footprints: 5.0 };
+    pub(crate) const LIVE: Needs = Needs { per_raster_cell: 19.2, per_raster_corner: 142.0, per_footprint_cell: 5.0 };
 
     /// Refuses a question over a scene, before any of its work.
     ///
@@ -41,8 +42,8 @@ impl Needs {
         #[expect(clippy::cast_precision_loss, reason = "an estimate")]
         let (n_cells, n_corners) = (field.grid().n_cells() as f64, || field.n_corners_of_cells() as f64);
         let bytes = match field.columns() {
-            Some(_) => self.of_raster * n_cells + self.of_corners * n_corners(),
-            None => self.of_footprints * n_cells,
+            Some(_) => self.per_raster_cell * n_cells + self.per_raster_corner * n_corners(),
+            None => self.per_footprint_cell * n_cells,
         };
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate above 0")]
         let bytes = bytes as u64;
