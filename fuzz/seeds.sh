@@ -35,6 +35,14 @@ cat > places.geojson <<'J'
 J
 printf '#x,y\n691001,5334950\n691020,5334951\n' > walk.csv
 printf '{{"type": "Feature", "properties": {}, "geometry": {"type": "LineString", "coordinates": [[11.58, 48.14], [11.59, 48.15]]}}' > walk.json
+cat > mosaic.vrt <<'V'
+<VRTDataset rasterXSize="4" rasterYSize="3"><SRS>EPSG:25832</SRS><GeoTransform>0, 1, 0, 3, 0, -1</GeoTransform>
+<VRTRasterBand dataType="Float32" band="1"><NoDataValue>-9</NoDataValue><SimpleSource>
+<SourceFilename relativeToVRT="1">tile.asc</SourceFilename><SourceBand>1</SourceBand><SrcRect xOff="0" yOff="0" xSize="3" ySize="2"/>
+<DstRect xOff="0" yOff="1" xSize="3" ySize="2"/></SimpleSource><ComplexSource><SourceFilename relativeToVRT="1">tile.asc</SourceFilename>
+<SrcRect xOff="1" yOff="0" xSize="2" ySize="2"/><DstRect xOff="2" yOff="0" xSize="2" ySize="2"/><ScaleOffset>1</ScaleOffset>
+<ScaleRatio>2</ScaleRatio><NODATA>2</NODATA></ComplexSource></VRTRasterBand></VRTDataset>
+V
 if command -v ogr2ogr >/dev/null; then
   ogr2ogr -f FlatGeobuf city.fgb osm.geojson -nlt MULTIPOLYGON 2>/dev/null
   ogr2ogr -f FlatGeobuf flat.fgb osm.geojson -nlt MULTIPOLYGON -lco SPATIAL_INDEX=NO 2>/dev/null
@@ -60,6 +68,8 @@ popd >/dev/null
 
 for file in "$work"/*.tif; do put geotiff "$file"; done
 put ascii_grid "$work/city.asc"
+put virtual_raster "$work/mosaic.vrt"
+put area "$work/osm.geojson"
 for file in "$work"/city.geojson "$work"/osm.geojson; do put geojson "$file"; done
 put cityjson "$work/house.city.json"
 put obj "$work/roof.obj"

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::coverage::HeightLayers;
 use crate::height_field::HeightField;
 use crate::los::Method;
-use crate::memory::{FIELD_BYTES_PER_CELL, memory_words};
+use crate::memory::{FIELD_BYTES_PER_CELL, memory_words, whole_bytes};
 use crate::progress::Progress;
 use crate::read::VectorFormat;
 
@@ -24,7 +24,7 @@ impl Expected {
         method: Method,
         radius: Option<f64>,
         asked: (usize, HeightLayers),
-        bytes_per_cell: usize,
+        bytes_per_cell: f64,
     ) -> Self {
         let grid = field.grid();
         let disc = radius.map_or(f64::INFINITY, |r| std::f64::consts::PI * r * r);
@@ -39,7 +39,7 @@ impl Expected {
         (method, n_threads): (Method, usize),
         (n_cells, n_in_range): (usize, f64),
         (n_uavs, layers): (usize, HeightLayers),
-        bytes_per_cell: usize,
+        bytes_per_cell: f64,
     ) -> Self {
         // Nanoseconds per cell on one core of a server of 2023: of a map, of margins and least
         // receiver heights (computed together), and of least UAV heights.
@@ -59,7 +59,8 @@ impl Expected {
             + of(layers.sure, 2.0 * map)
             + of(layers.p_los, 600.0);
         let seconds = n_in_range * n_uavs as f64 / n_threads as f64 * per_cell * 1e-9;
-        Expected { bytes: n_cells.saturating_mul(FIELD_BYTES_PER_CELL + bytes_per_cell) as u64, seconds }
+        let bytes = whole_bytes(n_cells as f64 * (FIELD_BYTES_PER_CELL + bytes_per_cell));
+        Expected { bytes, seconds }
     }
 
     /// Sets the time of the line of sight from its CPU time over all threads \[s\]; unchanged if
@@ -118,11 +119,11 @@ mod tests {
     fn only_large_runs_say_what_to_expect() {
         let cells = 1_000_000;
         let none = HeightLayers::default();
-        let small = Expected::of((Method::Sweep, 2), (cells, 1e6), (1, none), 1);
+        let small = Expected::of((Method::Sweep, 2), (cells, 1e6), (1, none), 1.0);
         assert_eq!(small.words(), None);
-        let long = Expected::of((Method::Ray, 2), (cells, 1e6), (100, HeightLayers { margin: true, ..none }), 5);
+        let long = Expected::of((Method::Ray, 2), (cells, 1e6), (100, HeightLayers { margin: true, ..none }), 5.0);
         assert_eq!(long.words().as_deref(), Some("expect about 12 MiB of memory and 38 s for the line of sight"));
-        let wide = Expected::of((Method::Sweep, 2), (16_384 * 16_384, 1e5), (1, none), 1);
+        let wide = Expected::of((Method::Sweep, 2), (16_384 * 16_384, 1e5), (1, none), 1.0);
         assert_eq!(wide.words().as_deref(), Some("expect about 2.2 GiB of memory and 1 s for the line of sight"));
     }
 }

@@ -9,17 +9,13 @@ use crate::answer::{CommandFacts, RunFacts};
 use crate::coverage::{MapOptions, Uav};
 use crate::error::{OddRun, RequestError, Result};
 use crate::los::Method;
-use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
+use crate::memory::Needs;
 use crate::progress::Progress;
 use crate::quantity::{counted, signed};
 use crate::render::grouped;
 use crate::scene::Scene;
 use crate::sight::warn_of_nodata;
 use crate::uav::UavsFound;
-
-/// Memory of a chart beside the scene \[bytes per cell\]: the scene once more on other cells,
-/// heights and mask of the floor, and those of a peer.
-const BYTES_PER_CELL: usize = FIELD_BYTES_PER_CELL + 5 + 8;
 
 impl ChartPlan {
     /// Runs all contestants for some UAVs over a scene.
@@ -40,7 +36,7 @@ impl ChartPlan {
             return Err(RequestError::CoarseZones(receivers.name()).into());
         }
         let uavs = scene.place(found, None, &self.sight)?;
-        check_memory(&scene.word, scene.grid(), BYTES_PER_CELL + uavs.len().div_ceil(2))?;
+        Needs::CHART.check(&scene)?;
         let options = self.sight.options(scene.grid(), None);
         let contestants = Contestant::all(&scene.field, self.sight.method())?;
         let truth = Truth::of(&scene.field, &uavs, &options, MOST_RAYS)?;

@@ -44,15 +44,27 @@ unsafe impl GlobalAlloc for Allocator {
     }
 }
 
-/// Keeps the system's allocator from a heap for each thread, where address space is limited. Each
-/// would take 64 MiB of it, or none where there is little, so that more address space could be less.
-pub(super) fn share_one_heap() {
+/// Sets how the system's allocator keeps memory that is freed.
+///
+/// Where address space is limited, all threads share one heap. A heap for each would take 64 MiB of
+/// it, or none where there is little, so that more address space could be less.
+///
+/// Large blocks go back to the system at once. By default the size from which they do grows with
+/// the largest block that was freed, and a run keeps up to twice that.
+pub(super) fn set_up() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    if memory::address_space().is_some() {
+    {
+        /// Smallest block that has pages of its own, and free memory that is kept \[bytes\].
+        const OWN_PAGES: libc::c_int = 4 << 20;
+        let is_limited = memory::address_space().is_some();
         // SAFETY: no thread but this one runs yet.
         #[expect(unsafe_code, reason = "a function of C")]
         unsafe {
-            libc::mallopt(libc::M_ARENA_MAX, 1);
+            libc::mallopt(libc::M_MMAP_THRESHOLD, OWN_PAGES);
+            libc::mallopt(libc::M_TRIM_THRESHOLD, OWN_PAGES);
+            if is_limited {
+                libc::mallopt(libc::M_ARENA_MAX, 1);
+            }
         }
     }
 }

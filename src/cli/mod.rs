@@ -55,7 +55,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 /// Runs the program on the words of a command line and returns its exit code as a number.
 pub fn exit_code(words: impl IntoIterator<Item = OsString>) -> u8 {
-    allocator::share_one_heap();
+    allocator::set_up();
     memory::on_refusal(interrupt::give_up);
     let words: Vec<OsString> = words.into_iter().collect();
     let done = match Cli::from_words(&words) {

@@ -35,7 +35,7 @@ use crate::export::{self, Batch, Format, add_comparison};
 use crate::height_errors::{HeightErrorsPlan, HeightsOfDifference};
 use crate::los::Method;
 use crate::map::{MaskDigest, SiteFacts};
-use crate::memory::{cells_of, check_bytes};
+use crate::memory::{Needs, cells_of, check_bytes};
 use crate::picture::{Look, drawn, picture_provenance, written};
 use crate::progress::Progress;
 use crate::raster::{CellBlocks, LargeVec};
@@ -185,7 +185,8 @@ impl ComparisonPlan {
         let n_bands = if self.draws_pairs { pairs_of(uavs.len()).len() + 1 } else { 0 };
         let per_cell = (uavs.len() + self.masks.len() + n_bands + BYTES_PER_CELL) as u64;
         let of_receivers = scene.field.cells().open.count() * BYTES_PER_RECEIVER;
-        check_bytes(&scene.word, &cells_of(&grid), per_cell * grid.n_cells() as u64 + of_receivers)?;
+        let bytes = (per_cell * grid.n_cells() as u64 + of_receivers).max(Needs::ZONES.bytes(&scene.field));
+        check_bytes(&scene.word, &cells_of(&grid), bytes)?;
         let zones = scene.zones()?;
         let before_los = Instant::now();
         let Mapped { mut placed, method, redrawn } = self.mapped(&scene, zones.as_deref(), (found, &uavs), progress)?;

@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use skyshed_request::TiffLayout;
 
-use crate::answer::{Answer, CommandFacts, Provenance, RunFacts, Spent, document_of};
+use crate::answer::{Answer, CommandFacts, Output, Provenance, RunFacts, Spent, document_of};
 use crate::city::{Footprint, Solids};
 use crate::crs::wkt_of;
 use crate::error::{RequestError, Result, Warning};
@@ -21,6 +21,7 @@ use crate::export::{
 };
 use crate::formats::{Bands, GeoTiffImage, encode_geotiff, write_ascii_grid};
 use crate::height_field::{roof_triangles, wall_edges};
+use crate::memory::Needs;
 use crate::picture::{Look, crs_words, picture_provenance, program, written};
 use crate::quantity::{Frame, VOID, meters, tidy};
 use crate::render::{self, CityHeights, CityModel, CityPicture, CityPrism, grouped};
@@ -76,6 +77,15 @@ impl Conversion {
             _ => None,
         };
         Conversion { facts: RunFacts { command, ..scene.facts(None) }, scene, footprints }
+    }
+
+    /// Refuses files that take more memory than there is, before any of them is made.
+    ///
+    /// # Errors
+    /// E501.
+    pub(crate) fn check_memory(&self, outputs: &[Output]) -> Result<()> {
+        let grid = self.scene.grid();
+        outputs.iter().try_for_each(|(_, format)| Needs::of_city(*format, grid).check(&self.scene))
     }
 
     /// Returns the size of the city, as a line of text.

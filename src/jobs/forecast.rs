@@ -3,7 +3,7 @@
 use crate::expected::Expected;
 use crate::los::Method;
 use crate::map::{Part, Unit, Units};
-use crate::memory::ANY_WORK;
+use crate::memory::{ANY_WORK, whole_bytes};
 use crate::raster::CellWindow;
 use crate::scene::is_raster_scene;
 
@@ -12,7 +12,7 @@ use crate::scene::is_raster_scene;
 const NS_PER_CELL: f64 = 45.0;
 
 /// Bytes for each cell of a tile: masks, and the overlays made of them.
-const BYTES_PER_CELL_OF_TILE: u64 = 16;
+const BYTES_PER_CELL_OF_TILE: f64 = 16.0;
 
 /// Bytes for each cell that is read of a raster, and for each cell of a scene that is read as a
 /// whole.
@@ -38,19 +38,19 @@ pub(super) fn forecast(unit: &Unit, units: &Units) -> (f64, u64) {
     };
     // A tile decides no more than its own cells.
     let (most, per_told) = match &unit.part {
-        Part::Site(_) => (n_cells, unit.job.bytes_per_cell() as u64),
+        Part::Site(_) => (n_cells, unit.job.bytes_per_cell(n_cells)),
         Part::Tile(tile) => {
             let of_layers = unit.job.plan.overlay_bytes_per_cell(units.uavs.sites.len());
-            (cells(tile.window), BYTES_PER_CELL_OF_TILE + of_layers as u64)
+            (cells(tile.window), BYTES_PER_CELL_OF_TILE + of_layers)
         }
     };
     #[expect(clippy::cast_precision_loss, reason = "an estimate")]
     let (n_in_range, rest) = (in_range.min(most as f64), n_cells as f64 * NS_PER_CELL * 1e-9);
     let layers = unit.job.plan.height_layers();
-    let expected = Expected::of((method, 1), (n_cells, n_in_range), (n_uavs, layers), 0);
+    let expected = Expected::of((method, 1), (n_cells, n_in_range), (n_uavs, layers), 0.0);
     let read = match is_raster {
         true => n_cells as u64 * BYTES_PER_CELL.0,
         false => grid.n_cells() as u64 * BYTES_PER_CELL.1,
     };
-    (expected.seconds() + rest, read + most as u64 * per_told + ANY_WORK)
+    (expected.seconds() + rest, read + whole_bytes(most as f64 * per_told) + ANY_WORK)
 }

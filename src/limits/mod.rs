@@ -156,7 +156,7 @@ impl LimitsPlan {
             threads,
             (field.grid().n_cells(), in_range / uavs.len() as f64),
             (uavs.len(), HeightLayers::default()),
-            1,
+            1.0,
         );
         let heights = self.heights(&scene, &own, &uavs)?;
         let meters_per_unit = field.grid().meters_per_unit();

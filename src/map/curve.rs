@@ -29,9 +29,6 @@ const ROWS: f64 = 150.0;
 /// Largest number of heights of a curve; more are refused.
 const MOST_HEIGHTS: f64 = 1e6;
 
-/// Bytes per cell while a curve is made: least heights by row, and all of them sorted.
-const BYTES_PER_CELL: usize = 8;
-
 /// Files of curves, and the heights in them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CurvePlan {
@@ -55,11 +52,6 @@ impl CurvePlan {
     /// Returns `true` if files of curves are requested.
     pub(crate) fn is_wanted(&self) -> bool {
         !self.outputs.is_empty()
-    }
-
-    /// Returns the bytes per cell that curves take while they are made.
-    pub(crate) fn bytes_per_cell(&self) -> usize {
-        if self.is_wanted() { BYTES_PER_CELL } else { 0 }
     }
 
     /// Makes the curves of a map; `None` if none are wanted.

@@ -3,9 +3,10 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use skyshed_request::{FilePath, Layer, MapRequest, Position, SaveOptions, TileIndex, Uavs, json};
+use skyshed_request::{FilePath, MapRequest, Position, SaveOptions, TileIndex, Uavs, json};
 
 use super::curve::{CurvePlan, Curves};
+use super::needs::MapNeeds;
 use super::plan::MapPlan;
 use super::report::MapReport;
 use super::tiles::{ROW_AND_COL, Tile, TilesAsked};
@@ -276,38 +277,17 @@ impl MapJob {
     }
 
     /// Returns the bytes per cell that a map of one UAV takes beside the scene.
-    pub(crate) fn bytes_per_cell(&self) -> usize {
-        let format = |path: &PathBuf| Some((path.clone(), Format::of(path).ok()?));
-        let outputs: Vec<Output> = self.outputs.iter().filter_map(format).collect();
-        let n_measures = self.plan.layers.iter().filter(|layer| layer.is_measure()).count();
-        1 + 12 * n_measures + encoding_bytes_per_cell(&outputs, &self.plan.layers, 1)
+    pub(crate) fn bytes_per_cell(&self, n_cells: usize) -> f64 {
+        MapNeeds::of_one(n_cells, &self.plan.layers, &self.known_outputs()).bytes_per_cell()
+    }
+
+    /// Returns the outputs whose format is known by their names.
+    pub(super) fn known_outputs(&self) -> Vec<Output> {
+        self.outputs.iter().filter_map(|path| Some((path.clone(), Format::of(path).ok()?))).collect()
     }
 
     /// Returns the path of a scene that is a file.
     pub(super) fn path(&self) -> &Path {
         Path::new(&self.word)
     }
-}
-
-/// Returns the bytes per cell that the largest output takes while it is made, for maps of `n_sites`
-/// UAVs.
-pub(super) fn encoding_bytes_per_cell(outputs: &[Output], layers: &[Layer], n_sites: usize) -> usize {
-    /// Bytes of a picture: heights, relief, colors.
-    const PICTURE: usize = 9;
-    /// Bytes of a layer that holds all UAVs together.
-    const OF_ALL: usize = 8;
-    let n_measures = layers.iter().filter(|layer| layer.is_measure()).count();
-    let n_of_all = layers.iter().filter(|layer| layer.is_of_all()).count();
-    let n_sites = if layers.len() == n_of_all { 0 } else { n_sites };
-    let of_format = |format: Format| match format {
-        Format::Png | Format::Svg | Format::Pdf | Format::Kmz => PICTURE,
-        // Masks become numbers of 4 bytes; measures are numbers already.
-        Format::Exr => n_sites.saturating_mul(4).saturating_add(OF_ALL * n_of_all),
-        // One array for each layer holds all UAVs.
-        Format::Npz => n_sites.saturating_mul(1 + 4 * n_measures).saturating_add(OF_ALL * n_of_all),
-        Format::AsciiGrid | Format::Bil => 4,
-        Format::GeoTiff => OF_ALL * n_of_all,
-        _ => 0,
-    };
-    outputs.iter().map(|(_, format)| of_format(*format)).max().unwrap_or(0)
 }

@@ -8,6 +8,7 @@ mod drawing;
 mod files;
 mod job;
 mod kml;
+mod needs;
 mod plan;
 mod raster_files;
 mod report;

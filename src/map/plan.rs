@@ -8,16 +8,18 @@ use rayon::prelude::*;
 use skyshed_request::{CoverageQuestion, Layer};
 
 use super::coverages::Coverages;
+use super::needs::{MapNeeds, overlay_bytes_per_cell};
 use super::report::{MapReport, MaskDigest, SiteFacts, zone_tallies};
 use super::tiles::Tile;
 use super::tolerance::{ToleranceFacts, check_tolerance, simplify};
+use crate::answer::Output;
 use crate::coverage::{
     HeightLayers, KeepMasks, ManyMaps, MapOptions, Mapper, SiteCoverage, Tally, Together, Uav, maps_at_once,
 };
 use crate::error::Result;
 use crate::expected::Expected;
 use crate::height_errors::{HeightErrorsPlan, UncertainFacts};
-use crate::memory::{FIELD_BYTES_PER_CELL, check_memory};
+use crate::memory::check_memory;
 use crate::progress::Progress;
 use crate::raster::GeoRef;
 use crate::scene::Scene;
@@ -50,13 +52,15 @@ pub(crate) struct PartOf<'a> {
 
 /// Masks that a run of many UAVs keeps, beside the counts.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Held {
+pub(crate) struct Held<'a> {
     /// `true` if each mask is kept.
     pub(crate) keeps_masks: bool,
     /// `true` if the only mask is handed over while it is made, and not kept.
     pub(crate) is_handed_over: bool,
-    /// Bytes per cell of the outputs that are made of the masks.
-    pub(crate) bytes_per_cell: usize,
+    /// Files that are made of the masks.
+    pub(crate) outputs: &'a [Output],
+    pub(crate) makes_polygons: bool,
+    pub(crate) makes_curves: bool,
 }
 
 impl MapPlan {
@@ -69,18 +73,6 @@ impl MapPlan {
         map.check()?;
         let (sight, heights) = (SightPlan::of(sight)?, HeightErrorsPlan::of(heights, map.sigma)?);
         Ok(MapPlan { sight, heights, layers: map.wanted_layers(), tolerance: map.tolerance, tells_zones: map.zones })
-    }
-
-    /// Returns the bytes that layers take for each cell, with as many maps held at once as `n_held`.
-    fn bytes_per_cell(&self, layers: HeightLayers, n_held: usize, n_uavs: usize) -> usize {
-        let n_measures = self.layers.iter().filter(|layer| layer.is_measure()).count();
-        let of_fields = [layers.stability, layers.sure].iter().filter(|is_made| **is_made).count();
-        let of_heights = if n_measures > 0 { n_held.max(1).saturating_mul(LEAST_HEIGHTS_BYTES_PER_CELL) } else { 0 };
-        n_held
-            .saturating_mul(1 + 4 * n_measures)
-            .saturating_add(overlay_bytes_per_cell(&self.layers, n_uavs))
-            .saturating_add(of_heights)
-            .saturating_add(2 * of_fields * FIELD_BYTES_PER_CELL)
     }
 
     /// Returns the layers that are made for each UAV beside its mask.
@@ -106,7 +98,7 @@ impl MapPlan {
     }
 
     /// Returns the bytes per cell of the overlay of all masks, for a list of `n_uavs` UAVs.
-    pub(crate) fn overlay_bytes_per_cell(&self, n_uavs: usize) -> usize {
+    pub(crate) fn overlay_bytes_per_cell(&self, n_uavs: usize) -> f64 {
         overlay_bytes_per_cell(&self.layers, n_uavs)
     }
 
@@ -161,23 +153,6 @@ impl MapPlan {
     }
 }
 
-/// Returns the bytes per cell of the overlay of all masks, for layers over a list of `n_uavs` UAVs.
-fn overlay_bytes_per_cell(layers: &[Layer], n_uavs: usize) -> usize {
-    const UNION_AND_COUNT: usize = 5;
-    const BEST_SERVER: usize = 12;
-    let of_layer = |layer: &Layer| match layer {
-        Layer::Which => 4 * n_uavs.div_ceil(32),
-        Layer::BestServer => BEST_SERVER,
-        _ => 0,
-    };
-    let of_layers = layers.iter().map(of_layer).sum::<usize>();
-    if n_uavs > 1 || of_layers > 0 { UNION_AND_COUNT + of_layers } else { 0 }
-}
-
-/// Bytes per cell of the least heights of receivers on the ground and on roofs, while a map is
-/// made.
-pub(super) const LEAST_HEIGHTS_BYTES_PER_CELL: usize = 16;
-
 /// Map that is ready to be made.
 #[derive(Debug)]
 pub(crate) struct Prepared {
@@ -224,7 +199,7 @@ impl Prepared {
     /// `Interrupted`.
     pub(crate) fn run(
         self,
-        held: Held,
+        held: Held<'_>,
         progress: &Progress,
         mut each_part: impl FnMut(&[u8]) + Send,
         mut each: impl FnMut(&SiteCoverage),
@@ -238,7 +213,12 @@ impl Prepared {
         };
         let layers = options.layers;
         let n_uavs = tile.as_ref().map_or(uavs.len(), |(_, n)| *n);
-        let bytes_per_cell = held.bytes_per_cell.saturating_add(plan.bytes_per_cell(layers, n_held, n_uavs));
+        let Held { outputs, makes_polygons, makes_curves, .. } = held;
+        let (n_list, n_uavs) = (n_uavs, uavs.len());
+        let (n_cells, layers_asked) = (scene.grid().n_cells(), &plan.layers);
+        let needs =
+            MapNeeds { n_cells, layers: layers_asked, outputs, n_uavs, n_list, n_held, makes_polygons, makes_curves };
+        let bytes_per_cell = needs.bytes_per_cell();
         check_memory(&scene.word, scene.grid(), bytes_per_cell)?;
         let field = Arc::clone(&scene.field);
         let mut mapper = Mapper::new(&field, &options)?.with_height_errors()?;

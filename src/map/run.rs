@@ -8,7 +8,7 @@ use skyshed_request::Layer;
 use super::coverages::Coverages;
 use super::drawing::draws_each;
 use super::files::{MaskFile, Writer, written_at_once};
-use super::job::{Done, Given, GivenScene, MapJob, encoding_bytes_per_cell};
+use super::job::{Done, Given, GivenScene, MapJob};
 use super::plan::{Held, PartOf};
 use super::save_checks::{check_formats, check_forms, check_values, look_of, mask_values};
 use super::strips::{StripsRun, reason_for_strips};
@@ -125,7 +125,7 @@ impl MapJob {
     }
 
     /// Returns how much of a run of some UAVs is held for its files.
-    fn held(&self, outputs: &[Output], n_sites: usize, is_handed_over: bool) -> Held {
+    fn held<'a>(&self, outputs: &'a [Output], n_sites: usize, is_handed_over: bool) -> Held<'a> {
         let layers = &self.plan.layers;
         let shows_masks = |format: Format| {
             Coverages::needs_masks(format, layers, &self.save) || format.is_picture() && draws_each(layers)
@@ -136,9 +136,9 @@ impl MapJob {
                 || self.curve.is_wanted()
                 || outputs.iter().any(|(_, f)| shows_masks(*f)),
             is_handed_over,
-            bytes_per_cell: encoding_bytes_per_cell(outputs, layers, n_sites)
-                .saturating_add(if self.save.forms.polygons.is_some() { OUTLINE_BYTES_PER_CELL } else { 0 })
-                .saturating_add(self.curve.bytes_per_cell()),
+            outputs,
+            makes_polygons: self.save.forms.polygons.is_some(),
+            makes_curves: self.curve.is_wanted(),
         }
     }
 
@@ -192,7 +192,3 @@ fn check_bare_names(sites: &[GivenSite], outputs: &[Output], overwrite: bool) ->
     }
     Ok(())
 }
-
-/// Bytes per cell for the connected parts of a class: the number of each cell's part, and the edges
-/// around it.
-const OUTLINE_BYTES_PER_CELL: usize = 5;

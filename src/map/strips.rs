@@ -7,8 +7,8 @@ use skyshed_request::{Layer, Receivers, TiffLayout};
 
 use super::coverages::Coverages;
 use super::drawing::MapDrawing;
-use super::job::{Done, MapJob, encoding_bytes_per_cell};
-use super::plan::LEAST_HEIGHTS_BYTES_PER_CELL;
+use super::job::{Done, MapJob};
+use super::needs::MapNeeds;
 use super::raster_files::add_raster;
 use super::report::{MapReport, MaskDigest, SiteFacts};
 use super::save_checks::{look_of, mask_values};
@@ -21,7 +21,7 @@ use crate::export::{Batch, Format, MapResult, add_mask_geotiff};
 use crate::formats::{ClassPyramid, RasterFile};
 use crate::height_field::HeightField;
 use crate::los::Method;
-use crate::memory::{ANY_WORK, cells_of, check_bytes, lacking, memory_words};
+use crate::memory::{ANY_WORK, bytes_of_cells, cells_of, check_bytes, lacking, memory_words};
 use crate::picture::{Look, picture_provenance};
 use crate::progress::Progress;
 use crate::quantity::MAX_EXTENT_UNITS;
@@ -41,19 +41,14 @@ pub(crate) fn reason_for_strips(job: &MapJob) -> Option<String> {
     if job.request.memory.strips {
         return Some("strips are asked for".into());
     }
-    let with = |per_cell: u64| {
-        let of_cells = (grid.n_cells() as u64).saturating_mul(per_cell);
-        lacking(bytes.saturating_add(of_cells).saturating_add(ANY_WORK))
-    };
+    let with = |per_cell: f64| lacking(bytes.saturating_add(bytes_of_cells(&grid, per_cell)).saturating_add(ANY_WORK));
     // Bytes of outputs are a reason for strips only where strips can make them.
     let of_outputs = || {
-        let format = |path: &PathBuf| Some((path.clone(), Format::of(path).ok()?));
-        let outputs: Vec<_> = job.outputs.iter().filter_map(format).collect();
         let is_alone = job.uavs.typed.len() == 1 && job.uavs.table.is_none();
-        let per_cell = 1 + encoding_bytes_per_cell(&outputs, &[Layer::Los], 1) as u64;
+        let per_cell = MapNeeds::of_one(grid.n_cells(), &[Layer::Los], &job.known_outputs()).bytes_per_cell();
         with(per_cell).filter(|_| is_alone && check_strips(job).is_ok())
     };
-    let (needed, limit) = with(layer_bytes_per_cell(job).max(1)).or_else(of_outputs)?;
+    let (needed, limit) = with(layer_bytes_per_cell(job, &grid).max(1.0)).or_else(of_outputs)?;
     Some(format!("in memory a map takes {}, more than {limit}", memory_words(needed)))
 }
 
@@ -146,11 +141,10 @@ pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
 
 /// Returns the bytes per cell of layers of heights with the mask beside them; 0 without such
 /// layers. They stay whole while they are made and written.
-fn layer_bytes_per_cell(job: &MapJob) -> u64 {
-    match job.plan.layers.iter().filter(|layer| layer.is_measure()).count() {
-        0 => 0,
-        n_measures => (1 + LEAST_HEIGHTS_BYTES_PER_CELL + 4 * n_measures) as u64,
-    }
+fn layer_bytes_per_cell(job: &MapJob, grid: &GeoRef) -> f64 {
+    let layers = &job.plan.layers;
+    let is_any = layers.iter().any(|layer| layer.is_measure());
+    if is_any { MapNeeds::of_one(grid.n_cells(), layers, &job.known_outputs()).bytes_per_cell() } else { 0.0 }
 }
 
 /// Bytes that the sweep remembers for each cell of the longer side. Over a generated city of 16384²
@@ -190,7 +184,7 @@ fn strip_memory(job: &MapJob) -> Result<u64> {
     let n_pixels = if draws { grid.coarser(Shown::new(&grid).factor).n_cells() as u64 } else { 0 };
     Ok(n_cells / 8 * n_sets
         + n_pixels * BYTES_PER_PIXEL
-        + n_cells * layer_bytes_per_cell(job)
+        + bytes_of_cells(&grid, layer_bytes_per_cell(job, &grid))
         + strips
         + remembered
         + n_cells / 64

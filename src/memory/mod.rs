@@ -15,7 +15,7 @@ use std::time::Duration;
 
 use crate::error::{Error, ErrorKind, LimitError, Result};
 use crate::raster::GeoRef;
-pub(crate) use needs::Needs;
+pub(crate) use needs::{Needs, picture_bytes_per_cell};
 
 /// Limit of the process \[bytes\]; `u64::MAX` if it is unknown.
 static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
@@ -40,10 +40,10 @@ thread_local! {
 }
 
 /// Memory of a height field and of pictures made of it \[bytes per cell\].
-pub(crate) const FIELD_BYTES_PER_CELL: usize = 8;
+pub(crate) const FIELD_BYTES_PER_CELL: f64 = 8.0;
 
 /// Memory of any work beside its cells, for stacks and file compression \[bytes\].
-pub(crate) const ANY_WORK: u64 = 16 << 20;
+pub(crate) const ANY_WORK: u64 = 5 << 20;
 
 /// Sets the function that ends the program when memory is short.
 pub(crate) fn on_refusal(end: fn(&Error) -> !) {
@@ -161,8 +161,22 @@ pub(crate) fn lacking(more: u64) -> Option<(u64, String)> {
 ///
 /// # Errors
 /// E501 if `more` bytes per cell are too much.
-pub(crate) fn check_memory(name: &impl fmt::Display, grid: &GeoRef, more: usize) -> Result<()> {
-    check_bytes(name, &cells_of(grid), (grid.n_cells() as u64).saturating_mul(more as u64))
+pub(crate) fn check_memory(name: &impl fmt::Display, grid: &GeoRef, more: f64) -> Result<()> {
+    check_bytes(name, &cells_of(grid), bytes_of_cells(grid, more))
+}
+
+/// Returns the bytes of all cells of a grid.
+pub(crate) fn bytes_of_cells(grid: &GeoRef, per_cell: f64) -> u64 {
+    #[expect(clippy::cast_precision_loss, reason = "an estimate")]
+    let n_cells = grid.n_cells() as f64;
+    whole_bytes(n_cells * per_cell)
+}
+
+/// Returns an estimate in whole bytes.
+pub(crate) fn whole_bytes(bytes: f64) -> u64 {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate above 0")]
+    let bytes = bytes as u64;
+    bytes
 }
 
 /// Returns the cells of a grid in words, for [`check_bytes`].

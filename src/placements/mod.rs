@@ -88,14 +88,16 @@ pub struct Placements {
 
 impl SearchPlan {
     /// Returns the memory of a search over some candidates \[bytes per cell\].
-    fn bytes_per_cell(&self, inputs: &Inputs, n_uavs: usize, n_cells: usize) -> usize {
+    fn bytes_per_cell(&self, inputs: &Inputs, n_uavs: usize, n_cells: usize) -> f64 {
         let sets = if self.count > 1 { n_uavs.saturating_mul(n_cells.div_ceil(8)) } else { 0 };
         let (held, of_place) = match &inputs.weights {
             Some(_) => (Weights::BYTES_PER_CELL, UavGrid::BYTES_PER_WEIGHED_PLACE_AND_THREAD),
             None => (0, UavGrid::BYTES_PER_PLACE_AND_THREAD),
         };
         let of_candidate = CANDIDATE_BYTES + of_place * rayon::current_num_threads();
-        held + (sets + n_uavs.saturating_mul(of_candidate)).div_ceil(n_cells)
+        #[expect(clippy::cast_precision_loss, reason = "an estimate")]
+        let per_cell = held as f64 + (sets + n_uavs.saturating_mul(of_candidate)) as f64 / n_cells as f64;
+        per_cell
     }
 
     /// Runs the search.

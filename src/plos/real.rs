@@ -93,7 +93,7 @@ impl Real {
         let scene = options.read(word, warnings)?;
         let grid = scene.grid.clone();
         let heights = scene.solids.building_heights();
-        check_memory(&word.display(), &grid, 2 * FIELD_BYTES_PER_CELL)?;
+        check_memory(&word.display(), &grid, 2.0 * FIELD_BYTES_PER_CELL)?;
         let Built { field, warnings: odd } = HeightField::build(&grid, scene.solids);
         warnings.extend(odd.into_iter().map(Warning::from));
         let zones = if sweeps.need_zones() { ZoneMap::if_known(&field, None)? } else { None };

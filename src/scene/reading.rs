@@ -14,7 +14,7 @@ use crate::crs;
 use crate::error::{Error, OddRun, RequestError, Result, Warning, warned};
 use crate::formats::RasterFile;
 use crate::los_probability::points::Points;
-use crate::memory::{ANY_WORK, cells_of, check_bytes};
+use crate::memory::{ANY_WORK, bytes_of_cells, cells_of, check_bytes};
 use crate::raster::{Crs, GeoRef};
 use crate::read::{
     FootprintOptions, MeshOptions, Projection, Repair, SurfaceOptions, SystemSaid, VectorFormat, compare_vertical,
@@ -170,8 +170,8 @@ impl SceneReader {
     /// header. Other scenes give `None`, and so does a damaged file, whose fault is reported when
     /// it is read.
     ///
-    /// The memory is 5 bytes for each cell (height and possible zone), the terrain, and an unpacked
-    /// strip or tile.
+    /// The memory is 4.4 bytes for each cell (height, and bits of what it is), the terrain, and an
+    /// unpacked strip or tile.
     pub(crate) fn size_of_raster(&self, word: &OsStr) -> Option<(GeoRef, u64)> {
         // A raster that is brought into another system is assembled in memory.
         if !is_raster_scene(word) || self.options.project.is_some() {
@@ -190,7 +190,8 @@ impl SceneReader {
             let n_brought = if n_below == n_cells { 0 } else { n_cells };
             n_below.saturating_add(n_brought).saturating_mul(4).saturating_add(below.block_bytes())
         });
-        let bytes = n_cells.saturating_mul(5).saturating_add(of_terrain).saturating_add(file.block_bytes());
+        let of_cells = bytes_of_cells(&grid, 4.4);
+        let bytes = of_cells.saturating_add(of_terrain).saturating_add(file.block_bytes());
         Some((grid, bytes))
     }
 

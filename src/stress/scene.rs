@@ -14,6 +14,7 @@ use crate::error::{Result, Warning};
 use crate::export::{Batch, Format};
 use crate::height_errors::HeightErrorsPlan;
 use crate::map::{Coverages, Held, MapDrawing, MapPlan, MapReport, PartOf};
+use crate::memory::Needs;
 use crate::picture::{Look, picture_provenance};
 use crate::progress::Progress;
 use crate::quantity::counted;
@@ -50,6 +51,7 @@ impl StressScene {
             tolerance: None,
             tells_zones: false,
         };
+        Needs::STABILITY.check(&scene)?;
         let prepared = plan.prepare(scene, found, PartOf::default())?;
         let before_los = Instant::now();
         let held = Held { keeps_masks: true, ..Held::default() };

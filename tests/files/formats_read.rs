@@ -1,5 +1,8 @@
 //! Raster files, good and bad: what each is read as, or the error that it must give.
 
+use std::fmt::Write as _;
+
+use serde_json::Value;
 use skyshed_core::quantity::{VOID, height_steps};
 use skyshed_core::raster::{CellWindow, GeoRef};
 use skyshed_io::Error;
@@ -248,5 +251,35 @@ fn heights_of_tiles_are_those_that_are_read_one_by_one() {
                 assert!(found == wanted || is_void(wanted) && *found == VOID, "{name} {window:?}: {found} {wanted}");
             }
         }
+    }
+}
+
+/// Blocks in strips are held as runs of equal heights, those of a text grid cell by cell: the same above, on and below flat ground.
+#[test]
+fn flat_ground_below_runs_of_heights_is_that_below_single_cells() {
+    let (n_rows, n_cols) = (520, 530);
+    let mut heights = vec![2.0; n_rows * n_cols];
+    for k in 0..50 {
+        let (row, col, height) = (k * 37 % 480, k * 101 % 470, [0.5, 2.25, 9.0, 31.5][k % 4]);
+        let rows = heights.chunks_mut(n_cols).skip(row).take(4 + k % 31);
+        rows.for_each(|cells| cells[col..col + 5 + k].fill(height));
+    }
+    let folder = Folder::new();
+    let tiff = PlainTiff::floats((500_000.0, 5_400_000.0), 1.0, n_cols, heights.clone());
+    std::fs::write(folder.join("blocks.tif"), tiff.bytes()).unwrap();
+    let mut text = format!("ncols {n_cols}\nnrows {n_rows}\nxllcorner 500000\nyllcorner 5399480\ncellsize 1\n");
+    for row in heights.chunks(n_cols) {
+        writeln!(text, "{}", row.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")).unwrap();
+    }
+    folder.write("blocks.asc", &text);
+    for ground in ["2", "0", "5"] {
+        let [runs, cells] = ["blocks.tif", "blocks.asc"].map(|name| {
+            let line = format!("map {name} --ground {ground} --crs EPSG:25832 --uav 500300,5399740,70 --receivers all");
+            folder.type_in(&format!("{line} --json -q")).done().json()
+        });
+        assert_eq!(runs["digest"], cells["digest"], "ground at {ground} m");
+        let told = |document: &Value| document["warnings"].to_string().replace("blocks.tif", "blocks.asc");
+        assert_eq!(told(&runs), told(&cells), "ground at {ground} m");
+        assert_eq!(runs["warnings"].to_string().contains("W341"), ground != "0", "{runs}");
     }
 }

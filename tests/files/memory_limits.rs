@@ -7,8 +7,9 @@ use std::process::{Command, Stdio};
 use serde_json::json;
 
 use crate::needs::has;
+use crate::plain_tiff::PlainTiff;
 use crate::program::{Folder, wait};
-use crate::support::is_long;
+use crate::support::{Random, is_long};
 
 /// What writing takes after the last look at the peak \[bytes\].
 const SLACK: u64 = 8 << 20;
@@ -38,7 +39,7 @@ fn clear(folder: &Folder, before: &[String]) {
 }
 
 /// Memory that a forecast adds for whatever work there is \[bytes\].
-const ANY_WORK: u64 = 16 << 20;
+const ANY_WORK: u64 = 5 << 20;
 
 /// Limits around what a run takes, of whose files none stays \[bytes\], and whether each is enough.
 fn limits(folder: &Folder, line: &str) -> [(u64, bool); 3] {
@@ -90,6 +91,74 @@ fn a_run_stays_within_its_memory_or_is_refused() {
             let is_late = ["cannot start", "cannot go on"].iter().any(|words| answer.err.contains(words));
             assert!(is_late || peak <= limit + limit / 10 + SLACK, "{line}: {peak} of {limit} bytes");
             assert_eq!(folder.files(), before, "{line}");
+        }
+    }
+}
+
+/// A raster of 2000 × 2000 heights at random up to 20 m.
+fn noise() -> PlainTiff {
+    let mut random = Random(11);
+    #[expect(clippy::cast_precision_loss, reason = "small numbers")]
+    let heights = (0..2000 * 2000).map(|_| random.below(20_000) as f64 / 1000.0).collect();
+    PlainTiff::floats((500_000.0, 5_400_000.0), 1.0, 2000, heights)
+}
+
+/// What a run takes is known before its work: a fifth less is refused then, or made strip by strip, and a quarter more is enough.
+#[test]
+fn forecasts_are_near_what_runs_take() {
+    let folder = Folder::new();
+    folder.type_in("city itu:urban --size 2000 -o city.tif -q").done();
+    std::fs::write(folder.join("noise.tif"), noise().bytes()).unwrap();
+    std::fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson"), folder.join("munich.geojson"))
+        .unwrap();
+    let places = |corner: [f64; 2], size: f64, n: usize| {
+        let mut random = Random(5);
+        #[expect(clippy::cast_precision_loss, reason = "small numbers")]
+        let mut within = |from: f64| from + size * random.below(1000) as f64 / 1000.0;
+        let row = |k| format!("{},{},{}\n", within(corner[0]), within(corner[1]), 100 + k);
+        format!("x,y,h\n{}", (0..n).map(row).collect::<String>())
+    };
+    let scenes = [
+        ("city.tif --ground 0", [10.0, 10.0], 1900.0),
+        ("noise.tif --ground 0", [500_010.0, 5_398_010.0], 1900.0),
+        ("munich.geojson", [690_950.0, 5_334_300.0], 700.0),
+    ];
+    let questions = [
+        "map S U -o a.tif",
+        "map S U -o a.png",
+        "map S U -o a.npz -o a.exr",
+        "map S U --layers los,margin,ceiling -o a.tif",
+        "map S --uavs many.csv -o a.csv",
+        "map S --uavs many.csv --layers count -o a.tif",
+        "map S --uavs two.csv -o a.tif",
+        "zones S -o a.geojson",
+        "zones S -o a.tif",
+        "compare S --uavs two.csv -o a.tif",
+        "limits S U --json",
+        "stress S U -o a.csv",
+        "live S -o a.html",
+        "city S -o a.tif",
+    ];
+    for (scene, corner, size) in scenes {
+        folder.write("many.csv", &places(corner, size, 40));
+        folder.write("two.csv", &places(corner, size, 2));
+        let before = folder.files();
+        let uav = format!("--uav {},{},130", corner[0] + size / 2.0, corner[1] + size / 2.0);
+        for question in questions.into_iter().step_by(if is_long() { 1 } else { 5 }) {
+            let line = format!("{} -j 1", question.replace('S', scene).replace('U', &uav));
+            let (answer, peak) = folder.measured(&line);
+            answer.done();
+            clear(&folder, &before);
+            let within = |share: u64| {
+                let answer = folder.type_in(&format!("{line} --max-memory {}", peak / 20 * share));
+                clear(&folder, &before);
+                answer
+            };
+            let enough = within(25);
+            assert_eq!(enough.code(), 0, "{line}: a peak of {peak} bytes: {enough:?}");
+            let little = within(16);
+            let is_known = little.code() == 0 || [" need ", "strip by strip"].iter().any(|w| little.err.contains(w));
+            assert!(is_known && !little.err.contains("cannot go on"), "{line}: a peak of {peak} bytes: {little:?}");
         }
     }
 }

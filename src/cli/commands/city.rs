@@ -20,5 +20,6 @@ pub(in crate::cli) fn run(request: &CityRequest, run: &Run) -> Result<()> {
         Some(scene) => Conversion::of(scene.clone(), run.command()),
         None => Conversion::open(&run.reader(&request.reading), request.scene.word(), run.command())?,
     };
+    city.check_memory(&outputs)?;
     run.emit(&city, &outputs, (&request.out, &look))
 }

@@ -13,7 +13,7 @@ use super::solid::{RasterSolid, Solid, VectorGround, VectorSolid};
 use super::{CellKind, CellSets, Columns, HeightField};
 use crate::city::Ground;
 use crate::quantity::{BLOCKS_ALL, VOID};
-use crate::raster::BitGrid;
+use crate::raster::{BitGrid, bits_between};
 
 impl CellSets {
     pub(super) fn of(field: &HeightField) -> Self {
@@ -39,6 +39,9 @@ impl CellSets {
             // Receivers stand on every cell of a surface without voids.
             return CellSets { open: BitGrid::full(n_rows, n_cols), building };
         }
+        if let Some(sets) = field.solid.raster().and_then(RasterSolid::sets_of_plateaus) {
+            return sets;
+        }
         if let Some(raster) = field.solid.raster() {
             rows.enumerate().for_each(|(row, (open, building))| {
                 let range = row * n_cols..(row + 1) * n_cols;
@@ -60,6 +63,29 @@ impl CellSets {
 }
 
 impl RasterSolid {
+    /// Returns the sets of a raster without voids over flat ground, where it is known as plateaus:
+    /// their heights need not be in memory one by one.
+    fn sets_of_plateaus(&self) -> Option<CellSets> {
+        let Ground::Flat(ground) = *self.ground else { return None };
+        let plateaus = self.columns.plateaus().filter(|_| self.columns.min_top() != VOID)?;
+        let (n_rows, n_cols) = (self.columns.n_rows(), self.columns.n_cols());
+        let is_building = |top: i32| top - ground > self.building_threshold;
+        if is_building(plateaus.lowest()) {
+            return Some(CellSets { open: BitGrid::new(n_rows, n_cols), building: BitGrid::full(n_rows, n_cols) });
+        }
+        let mut building = BitGrid::new(n_rows, n_cols);
+        let per_row = building.words_per_row();
+        for plateau in plateaus.raised().iter().filter(|plateau| is_building(plateau.top)) {
+            let [rows, (from, to)] = [plateau.rows, plateau.cols].map(|(from, to)| (from as usize, to as usize));
+            for row in rows.0..rows.1 {
+                for word in from / 64..to.div_ceil(64) {
+                    building.words_mut()[row * per_row + word] |= bits_between(from, to, word);
+                }
+            }
+        }
+        Some(CellSets { open: building.complement(), building })
+    }
+
     /// Puts the cells of a row into the sets, as [`HeightField::cell_kind`] sorts them one by one.
     #[inline(always)]
     fn sort_row<S: Simd>(&self, simd: S, row: Range<usize>, open: &mut [u64], building: &mut [u64]) {
@@ -239,6 +265,37 @@ mod tests {
             let positions = field.positions();
             for cell in 0..303 {
                 let (row, col) = (cell / 101, cell % 101);
+                let kind = field.cell_kind(cell, &positions.center(row, col));
+                let sets = (field.cells().open.contains(row, col), field.cells().building.contains(row, col));
+                let expected = (matches!(kind, CellKind::Open(_)), matches!(kind, CellKind::Building(_)));
+                assert_eq!(sets, expected, "cell {cell}: {kind:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_cells_of_plateaus_on_flat_ground_are_sorted_as_one_by_one() {
+        let n_cols = 530;
+        let grid = GeoRef::new((0.0, 0.0), (1.0, 1.0), (520, n_cols), None).expect("a valid grid");
+        for (low, void) in [(0, None), (300, None), (-400, None), (0, Some(VOID))] {
+            let mut tops = vec![low; 520 * n_cols];
+            for k in 0..60 {
+                let (row, col, top) = (k * 37 % 480, k * 101 % 470, low + [40, 256, 257, 9000][k % 4]);
+                let rows = tops.chunks_mut(n_cols).skip(row).take(1 + k % 31);
+                rows.for_each(|cells| cells[col..col + 5 + k].fill(top));
+            }
+            tops[0] = void.unwrap_or(low);
+            let solids = Solids::Raster {
+                surface: Raster::new(grid.clone(), tops),
+                ground: Ground::Flat(0),
+                building_threshold: 256,
+                voids: None,
+            };
+            let field = HeightField::build(&grid, solids).field;
+            assert!(field.columns().is_some_and(|columns| columns.plateaus().is_some()));
+            let positions = field.positions();
+            for cell in 0..520 * n_cols {
+                let (row, col) = (cell / n_cols, cell % n_cols);
                 let kind = field.cell_kind(cell, &positions.center(row, col));
                 let sets = (field.cells().open.contains(row, col), field.cells().building.contains(row, col));
                 let expected = (matches!(kind, CellKind::Open(_)), matches!(kind, CellKind::Building(_)));

@@ -63,6 +63,14 @@ impl<T: Pod> LargeVec<T> {
         }
     }
 
+    /// Returns the values as runs, for writing, if they are known as such and not one by one.
+    pub fn runs_mut(&mut self) -> Option<&mut RowRuns<T>> {
+        match &mut self.0 {
+            Store::Runs(runs) if runs.values.get().is_none() => Some(&mut runs.runs),
+            _ => None,
+        }
+    }
+
     /// Returns all values, if they are in memory one by one.
     pub fn in_memory(&self) -> Option<&[T]> {
         match &self.0 {

@@ -51,6 +51,11 @@ impl<T: Pod> Raster<T> {
         &self.cells
     }
 
+    /// Returns all values as runs, if they are known as such.
+    pub fn runs(&self) -> Option<&RowRuns<T>> {
+        self.cells.runs()
+    }
+
     /// Returns one row of values; row 0 is the northernmost.
     pub fn row(&self, row: usize) -> &[T] {
         let n_cols = self.georef.n_cols();

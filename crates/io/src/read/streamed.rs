@@ -17,7 +17,7 @@ use crate::error::{OddFile, Pair, Result, Warning};
 use crate::formats::TileStore;
 use crate::input::Input;
 use crate::quantity::VOID;
-use crate::raster::{CellWindow, GeoRef, Raster};
+use crate::raster::{CellWindow, GeoRef, LargeVec, Raster};
 
 /// A surface model in tiles on disk, and the ground below it.
 #[derive(Debug)]
@@ -233,6 +233,7 @@ impl WindowedSolids for StreamedSurface {
         let ground = self.ground(window)?;
         let mut cells = Vec::new();
         self.surface.read(window, &mut cells)?;
+        let mut cells = LargeVec::from(cells);
         let voids = match ground {
             Ground::Surface if self.nodata_as == NodataAs::Clear => None,
             _ => raise(&mut cells, (window.n_rows, window.n_cols), &ground, (self.nodata_as, Empty::Nodata)),

@@ -13,7 +13,7 @@ use crate::city::{City, Ground, NodataAs, Solids, Source};
 use crate::error::{OddFile, OptionError, Result, Warning};
 use crate::input::Input;
 use crate::quantity::{BLOCKS_ALL, VOID, height_steps};
-use crate::raster::{BitGrid, Crs, GeoRef, Raster};
+use crate::raster::{BitGrid, Crs, GeoRef, LargeVec, Raster, RowGroup};
 
 /// Least number of cells that is worth a thread.
 const PART: usize = 1 << 16;
@@ -191,9 +191,9 @@ pub(super) fn scene_over(
         (None, Some(ground_m)) => {
             let z = ground_steps(ground_m)?;
             // A surface that shows flat ground is often a rounding below the typed ground.
-            let parts = surface.cells().par_chunks(PART);
-            let buried: usize = parts.map(|part| part.iter().filter(|s| **s != VOID && **s < z - 1).count()).sum();
-            warnings.extend(warning_of_high_ground(input, ground_m, buried as u64, surface.cells().len()));
+            let n_cells = surface.georef().n_cells();
+            let buried = n_cells_of(&surface, |s| s != VOID && s < z - 1);
+            warnings.extend(warning_of_high_ground(input, ground_m, buried, n_cells));
             Ground::Flat(z)
         }
         (None, None) => {
@@ -221,6 +221,23 @@ pub(super) fn scene_over(
     })
 }
 
+/// Returns the number of cells whose height is of some kind.
+fn n_cells_of(surface: &Raster<i32>, is_of_kind: impl Fn(i32) -> bool + Sync) -> u64 {
+    match surface.runs() {
+        Some(runs) => {
+            let of_kind = |group: RowGroup<'_, i32>| {
+                let cols = group.runs().filter(|(_, s)| is_of_kind(**s)).map(|(cols, _)| cols.len());
+                (cols.sum::<usize>() * group.rows.len()) as u64
+            };
+            runs.groups().map(of_kind).sum()
+        }
+        None => {
+            let parts = surface.cells().par_chunks(PART);
+            parts.map(|part| part.iter().filter(|s| is_of_kind(**s)).count() as u64).sum()
+        }
+    }
+}
+
 /// Returns the warning about a terrain that is above the surface in some cells, if there are any.
 pub(super) fn warning_of_high_terrain(terrain: &Input, above: u64, n_cells: usize) -> Option<Warning> {
     (above > 0).then(|| Warning::of(terrain, OddFile::HighTerrain { n: above, of: n_cells }))
@@ -235,12 +252,18 @@ pub(super) fn warning_of_high_ground(input: &Input, ground_m: f64, buried: u64, 
 /// since what stands on them is not known. Where they block everything, they get a height above any
 /// real top instead.
 pub(super) fn raise(
-    cells: &mut [i32],
+    cells: &mut LargeVec<i32>,
     (n_rows, n_cols): (usize, usize),
     ground: &Ground,
     (nodata_as, empty): (NodataAs, Empty),
 ) -> Option<BitGrid> {
     let mut voids = None;
+    if let (Ground::Flat(z), Some(runs)) = (ground, cells.runs_mut())
+        && !runs.values_mut().contains(&VOID)
+    {
+        runs.values_mut().iter_mut().for_each(|s| *s = (*s).max(*z));
+        return None;
+    }
     if empty == Empty::Nodata {
         match nodata_as {
             NodataAs::Block => cells.iter_mut().filter(|s| **s == VOID).for_each(|s| *s = BLOCKS_ALL),
