@@ -13,9 +13,27 @@ use crate::support::{Random, is_long, raster_field};
 /// What a redrawn scene counts is what the scene built anew counts, receivers on roofs as well.
 #[test]
 fn redrawn_maps_are_those_of_towns_built_anew() {
-    let count = over_seeds(if is_long() { 400 } else { 60 }, 355, |seed, random, count| {
+    let count = over_seeds(if is_long() { 1000 } else { 200 }, 355, |seed, random, count| {
         let houses = houses(random);
-        let field = vector_field(houses.clone(), Ground::Flat(0), N);
+        // Between the houses ground hides receivers as well.
+        let is_built = |cell: usize| {
+            let [x, y] = [cell % N, N - 1 - cell / N].map(|k| i32::try_from(k).unwrap() * 1024 + 512);
+            houses.iter().any(|of| {
+                let (low, high) = (of.polygons[0][0][0], of.polygons[0][0][2]);
+                low[0] < x && x < high[0] && low[1] < y && y < high[1]
+            })
+        };
+        let hill = |cell: usize| if is_built(cell) { 0 } else { random.choose(&[0, 0, 2048, 6144]) };
+        let hills: Vec<i32> = (0..N * N).map(hill).collect();
+        let is_flat = random.chance(60);
+        let ground = || match is_flat {
+            true => Ground::Flat(0),
+            false => Ground::Terrain(Raster::new(
+                GeoRef::new((0.0, N as f64), (1.0, 1.0), (N, N), None).unwrap(),
+                hills.clone(),
+            )),
+        };
+        let field = vector_field(houses.clone(), ground(), N);
         let [x, y] = [(); 2].map(|()| random.below(N) as f64 + 0.5);
         let uavs = [(); 2].map(|()| uav_at(&field, x, y, random.choose(&[20, 30, 48]) * 1024));
         let asked = options(random, &uavs[0]);
@@ -26,11 +44,15 @@ fn redrawn_maps_are_those_of_towns_built_anew() {
         for draw in 0..4_u32 {
             let errors = heights.errors(draw);
             let redrawn = |(of, error): (&Footprint, &i32)| Footprint { top: of.top + error, ..of.clone() };
-            let drawn = vector_field(houses.iter().zip(&errors).map(redrawn).collect(), Ground::Flat(0), N);
+            let drawn = vector_field(houses.iter().zip(&errors).map(redrawn).collect(), ground(), N);
             for (k, uav) in uavs.iter().enumerate() {
                 let wanted = seen(&drawn, uav, &asked);
                 let counted = (found.receivers[k], found.los[draw as usize][k]);
-                assert_eq!(counted, (wanted.receivers.count(), wanted.los.count()), "seed {seed}, {errors:?}");
+                assert_eq!(
+                    counted,
+                    (wanted.receivers.count(), wanted.los.count()),
+                    "seed {seed} {asked:?}, {errors:?}"
+                );
                 count.los += wanted.los.count();
                 count.links += wanted.receivers.count();
             }

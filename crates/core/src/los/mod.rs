@@ -78,6 +78,7 @@ pub(crate) use link::{link_least_height, link_least_step};
 pub use method::{Method, MethodChoice, WrongMethod};
 pub use obstruction::{HORIZON, LeastHeight, Obstruction};
 pub use plan_crossings::PlanCrossings;
+pub(crate) use prisms_ray::limit_by_blocking_prisms;
 pub use prisms_ray::{
     prisms_crossed, prisms_least_height, prisms_least_receiver_height, prisms_least_step, prisms_los,
 };

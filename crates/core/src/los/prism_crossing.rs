@@ -63,28 +63,15 @@ impl Ray {
     /// Returns the crossing of a convex counterclockwise ring with the open link.
     #[inline]
     pub(super) fn meet(&self, ring: &[[i32; 2]]) -> Meeting {
-        let n = ring.len();
-        let mut previous = self.side(ring[n - 1]);
-        let (mut enters, mut leaves, mut zeros) = (None, None, 0);
-        let (mut any_left, mut any_right) = (false, false);
-        for (k, &vertex) in ring.iter().enumerate() {
+        let (mut any_left, mut any_right, mut zeros) = (false, false, 0);
+        for &vertex in ring {
             let side = self.side(vertex);
             any_left |= side > 0;
             any_right |= side < 0;
             zeros += i32::from(side == 0);
-            // Counterclockwise, the boundary passes from right to left where the ray leaves the
-            // piece.
-            if previous <= 0 && side > 0 {
-                leaves = Some((k, previous, side));
-            } else if previous >= 0 && side < 0 {
-                enters = Some((k, previous, side));
-            }
-            previous = side;
         }
         if any_left && any_right {
-            let (Some(enters), Some(leaves)) = (enters, leaves) else { return Meeting::Nothing };
-            let cross = |(k, a, b): (usize, i64, i64)| self.crossing(ring[(k + n - 1) % n], ring[k], a, b);
-            return self.clip(cross(enters), cross(leaves)).map_or(Meeting::Nothing, Meeting::Interior);
+            return self.cross(ring).map_or(Meeting::Nothing, Meeting::Interior);
         }
         if zeros < 2 {
             return Meeting::Nothing;
@@ -94,6 +81,27 @@ impl Ray {
         let (first, last) = if a.n <= b.n { (a, b) } else { (b, a) };
         let side = if any_left { Side::Left } else { Side::Right };
         self.clip(first, last).map_or(Meeting::Nothing, |interval| Meeting::Edge(side, interval))
+    }
+
+    /// Returns the part of the open link inside a convex counterclockwise ring with vertices on both
+    /// sides of the line.
+    fn cross(&self, ring: &[[i32; 2]]) -> Option<Interval> {
+        let n = ring.len();
+        let mut previous = self.side(ring[n - 1]);
+        let (mut enters, mut leaves) = (None, None);
+        for (k, &vertex) in ring.iter().enumerate() {
+            let side = self.side(vertex);
+            // Counterclockwise, the boundary passes from right to left where the ray leaves the
+            // piece.
+            if previous <= 0 && side > 0 {
+                leaves = Some((k, previous, side));
+            } else if previous >= 0 && side < 0 {
+                enters = Some((k, previous, side));
+            }
+            previous = side;
+        }
+        let cross = |(k, a, b): (usize, i64, i64)| self.crossing(ring[(k + n - 1) % n], ring[k], a, b);
+        self.clip(cross(enters?), cross(leaves?))
     }
 
     /// Returns the crossing of the line with the edge from `a` to `b`, whose ends are `side_a` and

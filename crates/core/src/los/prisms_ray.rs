@@ -13,6 +13,7 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use super::cell_walk::{CellWalk, Crossing};
+use super::height_limits::HeightLimits;
 use super::obstruction::{LeastHeight, Obstruction, surely_binds_less};
 use super::prism_crossing::{Edge, Interval, Meeting, Ray, rest, walls_along};
 use super::sag::Sag;
@@ -43,6 +44,7 @@ pub fn prisms_los(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint) ->
     let crossed = visit_buckets(
         prisms,
         (receiver, uav),
+        ray.rises_above(prisms.max_top()),
         |max_top, near, far| ray.dips_below(max_top, near, far),
         |index, piece| {
             if i64::from(piece.top) <= lower {
@@ -158,6 +160,7 @@ pub(super) fn prisms_met(
     let _ = visit_buckets(
         prisms,
         (receiver, uav),
+        ray.rises_above(prisms.max_top().saturating_add(reach)),
         |max_top, near, far| {
             lowest.set(ray.lowest(near, far));
             may_reach(max_top)
@@ -175,6 +178,50 @@ pub(super) fn prisms_met(
     );
     let walls = walls_along(&edges).map(|(a, b, interval)| [a, b].map(|edge| met(edge.piece, interval))).collect();
     (pieces, walls)
+}
+
+/// Adds to `limits` the rooms of the flat pieces that block a link, each alone and in pairs along
+/// walls: how far each may rise, below 0. The ends must differ in the plane.
+///
+/// Cost: the pieces listed by the buckets along the link in which the ray is below the highest top.
+pub(crate) fn limit_by_blocking_prisms(
+    prisms: &Prisms,
+    uav: LatticePoint,
+    receiver: LatticePoint,
+    limits: &mut HeightLimits,
+) {
+    let ray = Ray { sag: Sag::new(prisms.earth(), receiver.x - uav.x, receiver.y - uav.y), ..Ray::new(uav, receiver) };
+    let room = |top: i32, interval: &Interval| ray.highest_clear(interval) - i64::from(top);
+    let lowest = Cell::new(0.0);
+    let may_block = |top: i32| f64::from(top) > lowest.get();
+    let mut edges: Vec<Edge> = Vec::new();
+    let _ = visit_buckets(
+        prisms,
+        (receiver, uav),
+        ray.rises_above(prisms.max_top()),
+        |max_top, near, far| {
+            lowest.set(ray.lowest(near, far));
+            may_block(max_top)
+        },
+        |index, piece| {
+            if may_block(piece.top) {
+                match ray.meet(prisms.ring(piece)) {
+                    Meeting::Interior(interval) if ray.is_blocked(piece.top, &interval) => {
+                        limits.limit(piece.building, room(piece.top, &interval));
+                    }
+                    Meeting::Edge(side, interval) => edges.push(Edge { piece: index, top: piece.top, side, interval }),
+                    _ => {}
+                }
+            }
+            ControlFlow::Continue(())
+        },
+    );
+    for (a, b, interval) in walls_along(&edges) {
+        if ray.is_blocked(a.top.min(b.top), &interval) {
+            let [of_a, of_b] = [a, b].map(|edge| prisms.pieces()[edge.piece].building);
+            limits.wall([of_a, of_b], [a, b].map(|edge| room(edge.top, &interval)));
+        }
+    }
 }
 
 /// The direction in which buckets are visited.
@@ -222,7 +269,7 @@ fn bound_from(prisms: &Prisms, pivot: LatticePoint, end: LatticePoint, walk: Wal
         Walk::TowardsPivot => (end, pivot),
         Walk::AwayFromPivot => (pivot, end),
     };
-    let _ = visit_buckets(prisms, start, may_bind, |index, piece| {
+    let _ = visit_buckets(prisms, start, f64::INFINITY, may_bind, |index, piece| {
         match ray.meet(prisms.ring(piece)) {
             Meeting::Interior(interval) => {
                 if ray.may_bind(piece.top, interval.near, interval.far, least_cell.get()) {
@@ -261,6 +308,7 @@ pub fn prisms_crossed(prisms: &Prisms, uav: LatticePoint, receiver: LatticePoint
     let _ = visit_buckets(
         prisms,
         (receiver, uav),
+        f64::INFINITY,
         |_, _, _| true,
         |index, piece| {
             if let Meeting::Interior(interval) = ray.meet(prisms.ring(piece)) {
@@ -355,6 +403,14 @@ impl Ray {
         clear
     }
 
+    /// Returns the fraction of the way from the receiver beyond which the ray stays above `top`; ∞ if
+    /// it does not rise that far.
+    #[expect(clippy::cast_precision_loss, reason = "used with a margin of two lattice steps")]
+    fn rises_above(&self, top: i32) -> f64 {
+        let rise = i64::from(top) + self.sag.map_or(0, |sag| sag.most()) + 2 - self.receiver.z;
+        if self.dz < 0 && rise < -self.dz { rise as f64 / -self.dz as f64 } else { f64::INFINITY }
+    }
+
     /// Returns the height of the ray at fraction `t` from the receiver, to within one lattice step.
     #[expect(clippy::cast_precision_loss, reason = "used with a margin of one lattice step")]
     fn height_from_receiver(&self, t: f64) -> f64 {
@@ -380,14 +436,16 @@ impl Ray {
     }
 }
 
-/// Visits the pieces listed by the buckets along the link, from the receiver on.
+/// Visits the pieces listed by the buckets along the link, from its first end up to the fraction
+/// `until` of the way.
 ///
 /// Skips the buckets that `matters` rules out. It gets the bucket's highest top and the ray's entry
-/// and exit, measured from the receiver.
+/// and exit, measured from the first end.
 #[inline]
 fn visit_buckets(
     prisms: &Prisms,
     (from, to): (LatticePoint, LatticePoint),
+    until: f64,
     matters: impl Fn(i32, Crossing, Crossing) -> bool,
     mut visit: impl FnMut(usize, &Piece) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
@@ -405,7 +463,9 @@ fn visit_buckets(
                 visit(item as usize, &prisms.pieces()[item as usize])?;
             }
         }
-        if exit.is_none() {
+        #[expect(clippy::cast_precision_loss, reason = "an end of the walk may be a bucket late")]
+        let is_beyond = far.n as f64 > until * far.d as f64;
+        if exit.is_none() || is_beyond {
             return ControlFlow::Continue(());
         }
         near = far;

@@ -7,6 +7,7 @@
 //! * [`redrawn`]: how much P_LoS varies.
 
 mod deciding;
+mod drawn_links;
 mod link_probability;
 mod on_roofs;
 mod p_los;

@@ -19,6 +19,7 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
+use super::drawn_links::DrawnErrors;
 use crate::coverage::view::{Mapper, MovedRoofs, Threads, View};
 use crate::coverage::{Control, Uav};
 use crate::disjoint_sets::DisjointSets;
@@ -286,7 +287,9 @@ impl Mapper<'_> {
     /// same scene, from the first draw on.
     ///
     /// Cost: for each draw the prisms sorted into buckets, or a copy of the raster, and the line of
-    /// sight of a map for each UAV. Draws are shared by all threads of the current pool.
+    /// sight of a map for each UAV. Of flat footprints and receivers on the ground: two maps for
+    /// each UAV, and a walk for each receiver whose answer is not the same in all draws. All
+    /// threads of the current pool share the work.
     ///
     /// # Errors
     /// E118 if a roof would leave ±32 768 m, and those of [`Mapper::seen_from`].
@@ -294,7 +297,20 @@ impl Mapper<'_> {
         let views = uavs.iter().map(|uav| self.seen_from(uav)).collect::<Result<Vec<View<'_>>>>()?;
         let in_range: Vec<Vec<Cow<'_, BitGrid>>> =
             views.iter().map(|view| view.receivers().map(|of_kind| of_kind.in_range()).collect()).collect();
+        let receivers = in_range.iter().map(|kinds| kinds.iter().map(|cells| cells.count()).sum()).collect();
         let buildings = self.buildings_of_roofs();
+        let is_of_buildings = matches!(heights.share, Share::Buildings(_)) && buildings.is_none();
+        if is_of_buildings && DrawnErrors::can_hold(self.field(), n as usize) {
+            let draws: Vec<Vec<i32>> = (0..n).into_par_iter().map(|draw| heights.errors(draw)).collect();
+            let drawn = DrawnErrors::of(self.field(), &draws).ok_or(MapError::HeightErrors)?;
+            let count = |(view, in_range): (&View<'_>, &Vec<Cow<'_, BitGrid>>)| {
+                control.check()?;
+                view.los_by_draw(&drawn, in_range, control)
+            };
+            let of_uavs = views.par_iter().zip(&in_range).map(count).collect::<Result<Vec<Vec<u64>>>>()?;
+            let los = (0..n as usize).map(|draw| of_uavs.iter().map(|of| of[draw]).collect()).collect();
+            return Ok(RedrawnCounts { receivers, los });
+        }
         let of_draw = |draw: u32| {
             control.check()?;
             let moved = heights.redrawn(self.field(), draw, buildings.as_deref()).ok_or(MapError::HeightErrors)?;
@@ -307,7 +323,6 @@ impl Mapper<'_> {
             views.iter().zip(&in_range).map(count).collect()
         };
         let los = (0..n).into_par_iter().map(of_draw).collect::<Result<Vec<Vec<u64>>>>()?;
-        let receivers = in_range.iter().map(|kinds| kinds.iter().map(|cells| cells.count()).sum()).collect();
         Ok(RedrawnCounts { receivers, los })
     }
 
