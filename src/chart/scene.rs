@@ -36,7 +36,7 @@ impl ChartPlan {
             return Err(RequestError::CoarseZones(receivers.name()).into());
         }
         let uavs = scene.place(found, None, &self.sight)?;
-        Needs::CHART.check(&scene)?;
+        Needs::of_chart(uavs.len()).check(&scene)?;
         let options = self.sight.options(scene.grid(), None);
         let contestants = Contestant::all(&scene.field, self.sight.method())?;
         let truth = Truth::of(&scene.field, &uavs, &options, MOST_RAYS)?;

@@ -35,7 +35,7 @@ use crate::export::{self, Batch, Format, add_comparison};
 use crate::height_errors::{HeightErrorsPlan, HeightsOfDifference};
 use crate::los::Method;
 use crate::map::{MaskDigest, SiteFacts};
-use crate::memory::{Needs, cells_of, check_bytes};
+use crate::memory::Needs;
 use crate::picture::{Look, drawn, picture_provenance, written};
 use crate::progress::Progress;
 use crate::raster::{CellBlocks, LargeVec};
@@ -60,12 +60,6 @@ const MOST_BLOCKS: usize = 1 << 16;
 const MARGIN_SAMPLE: usize = 1 << 16;
 /// Confidence of the intervals.
 const CONFIDENCE: f64 = 0.95;
-/// Memory of the overlay of all masks, the zones, the blocks and a picture's surface, as measured
-/// \[bytes per cell\].
-const BYTES_PER_CELL: usize = 19;
-/// Memory of what is found of each receiver, as measured \[bytes\].
-const BYTES_PER_RECEIVER: u64 = 34;
-
 /// Plan of a comparison.
 #[derive(Debug)]
 pub(crate) struct ComparisonPlan {
@@ -183,10 +177,7 @@ impl ComparisonPlan {
             return Err(LimitError::Blocks { n: blocks.count(), edge_m: self.block_m, most: MOST_BLOCKS }.into());
         }
         let n_bands = if self.draws_pairs { pairs_of(uavs.len()).len() + 1 } else { 0 };
-        let per_cell = (uavs.len() + self.masks.len() + n_bands + BYTES_PER_CELL) as u64;
-        let of_receivers = scene.field.cells().open.count() * BYTES_PER_RECEIVER;
-        let bytes = (per_cell * grid.n_cells() as u64 + of_receivers).max(Needs::ZONES.bytes(&scene.field));
-        check_bytes(&scene.word, &cells_of(&grid), bytes)?;
+        Needs::of_comparison(uavs.len() + self.masks.len() + n_bands).check(&scene)?;
         let zones = scene.zones()?;
         let before_los = Instant::now();
         let Mapped { mut placed, method, redrawn } = self.mapped(&scene, zones.as_deref(), (found, &uavs), progress)?;

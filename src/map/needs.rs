@@ -3,6 +3,7 @@
 
 use skyshed_request::Layer;
 
+use super::plan::MapFiles;
 use crate::answer::Output;
 use crate::coverage::maps_at_once;
 use crate::export::Format;
@@ -14,22 +15,20 @@ pub(super) struct MapNeeds<'a> {
     /// Cells of the grid.
     pub(super) n_cells: usize,
     pub(super) layers: &'a [Layer],
-    pub(super) outputs: &'a [Output],
+    pub(super) files: MapFiles<'a>,
     /// UAVs of the map.
     pub(super) n_uavs: usize,
     /// UAVs of the whole list.
     pub(super) n_list: usize,
     /// Masks that are held at once.
     pub(super) n_held: usize,
-    pub(super) makes_polygons: bool,
-    pub(super) makes_curves: bool,
 }
 
 impl<'a> MapNeeds<'a> {
     /// Returns the needs of one UAV with its mask.
     pub(super) fn of_one(n_cells: usize, layers: &'a [Layer], outputs: &'a [Output]) -> Self {
-        let (makes_polygons, makes_curves) = (false, false);
-        MapNeeds { n_cells, layers, outputs, n_uavs: 1, n_list: 1, n_held: 1, makes_polygons, makes_curves }
+        let files = MapFiles { outputs, ..MapFiles::default() };
+        MapNeeds { n_cells, layers, files, n_uavs: 1, n_list: 1, n_held: 1 }
     }
 
     /// Returns the bytes per cell while the map is made and written.
@@ -45,18 +44,18 @@ impl<'a> MapNeeds<'a> {
             + self.of_maps()
             + overlay_bytes_per_cell(self.layers, self.n_list)
             + self.of_outputs()
-            + of(self.makes_polygons, OF_POLYGONS)
-            + of(self.makes_curves, OF_CURVES)
+            + of(self.files.polygons, OF_POLYGONS)
+            + of(self.files.curves, OF_CURVES)
     }
 
     /// Returns the bytes per cell of masks and of layers for each UAV.
     fn of_maps(&self) -> f64 {
         /// Heights behind a layer while it is made.
         const HEIGHTS: f64 = 8.0;
+        /// Probabilities, and two maps that bound them.
+        const P_LOS: f64 = 6.0;
         let n_measures = n_measures(self.layers);
         let n_at_once = self.n_held.clamp(1, maps_at_once());
-        /// Heights drawn at random.
-        const P_LOS: f64 = 6.0;
         let of_p_los = if self.layers.contains(&Layer::PLos) { P_LOS } else { 0.0 };
         of_p_los + count(self.n_held) * (1.0 + 4.0 * n_measures) + count(n_at_once) * HEIGHTS * n_measures
     }
@@ -82,7 +81,7 @@ impl<'a> MapNeeds<'a> {
             Format::GeoTiff => 2.0 * n_of_all,
             _ => 0.0,
         };
-        self.outputs.iter().map(|(_, format)| of_format(*format)).fold(0.0, f64::max)
+        self.files.outputs.iter().map(|(_, format)| of_format(*format)).fold(0.0, f64::max)
     }
 }
 

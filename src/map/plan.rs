@@ -50,6 +50,17 @@ pub(crate) struct PartOf<'a> {
     pub(crate) tile: Option<(&'a Tile, usize)>,
 }
 
+/// Files that are made of masks.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct MapFiles<'a> {
+    /// Rasters, pictures and tables.
+    pub(crate) outputs: &'a [Output],
+    /// `true` if masks become polygons.
+    pub(crate) polygons: bool,
+    /// `true` if there are curves of P_LoS by height.
+    pub(crate) curves: bool,
+}
+
 /// Masks that a run of many UAVs keeps, beside the counts.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Held<'a> {
@@ -57,10 +68,8 @@ pub(crate) struct Held<'a> {
     pub(crate) keeps_masks: bool,
     /// `true` if the only mask is handed over while it is made, and not kept.
     pub(crate) is_handed_over: bool,
-    /// Files that are made of the masks.
-    pub(crate) outputs: &'a [Output],
-    pub(crate) makes_polygons: bool,
-    pub(crate) makes_curves: bool,
+    /// What is made of the masks.
+    pub(crate) files: MapFiles<'a>,
 }
 
 impl MapPlan {
@@ -212,12 +221,14 @@ impl Prepared {
             _ => (KeepMasks::UntilTold, uavs.len().min(maps_at_once())),
         };
         let layers = options.layers;
-        let n_uavs = tile.as_ref().map_or(uavs.len(), |(_, n)| *n);
-        let Held { outputs, makes_polygons, makes_curves, .. } = held;
-        let (n_list, n_uavs) = (n_uavs, uavs.len());
-        let (n_cells, layers_asked) = (scene.grid().n_cells(), &plan.layers);
-        let needs =
-            MapNeeds { n_cells, layers: layers_asked, outputs, n_uavs, n_list, n_held, makes_polygons, makes_curves };
+        let needs = MapNeeds {
+            n_cells: scene.grid().n_cells(),
+            layers: &plan.layers,
+            files: held.files,
+            n_uavs: uavs.len(),
+            n_list: tile.as_ref().map_or(uavs.len(), |(_, n)| *n),
+            n_held,
+        };
         let bytes_per_cell = needs.bytes_per_cell();
         check_memory(&scene.word, scene.grid(), bytes_per_cell)?;
         let field = Arc::clone(&scene.field);

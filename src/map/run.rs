@@ -9,7 +9,7 @@ use super::coverages::Coverages;
 use super::drawing::draws_each;
 use super::files::{MaskFile, Writer, written_at_once};
 use super::job::{Done, Given, GivenScene, MapJob};
-use super::plan::{Held, PartOf};
+use super::plan::{Held, MapFiles, PartOf};
 use super::save_checks::{check_formats, check_forms, check_values, look_of, mask_values};
 use super::strips::{StripsRun, reason_for_strips};
 use crate::answer::{Output, Spent, Timing, add_outputs};
@@ -136,9 +136,7 @@ impl MapJob {
                 || self.curve.is_wanted()
                 || outputs.iter().any(|(_, f)| shows_masks(*f)),
             is_handed_over,
-            outputs,
-            makes_polygons: self.save.forms.polygons.is_some(),
-            makes_curves: self.curve.is_wanted(),
+            files: MapFiles { outputs, polygons: self.save.forms.polygons.is_some(), curves: self.curve.is_wanted() },
         }
     }
 

@@ -17,7 +17,7 @@ pub(crate) struct Needs {
     per_raster_cell: f64,
     /// Bytes for each corner of the outlines in a raster.
     per_raster_corner: f64,
-    /// Bytes for each cell of open ground in a raster.
+    /// Bytes for each cell of open ground.
     per_open_cell: f64,
     /// Bytes for each cell over footprints.
     per_footprint_cell: f64,
@@ -30,18 +30,11 @@ impl Needs {
     /// Zones: a mesh between the walls.
     pub(crate) const ZONES: Needs =
         Needs { per_raster_cell: 3.0, per_raster_corner: 410.0, per_footprint_cell: 6.0, ..NONE };
-    /// A raster of zones, beside them.
-    pub(crate) const ZONE_CELLS: Needs = Needs { per_raster_cell: 4.0, per_footprint_cell: 4.0, ..NONE };
-    /// Polygons of zones, beside them.
-    pub(crate) const ZONE_POLYGONS: Needs =
-        Needs { per_raster_cell: 4.0, per_raster_corner: 1250.0, per_footprint_cell: 20.0, ..NONE };
     /// Limits of accuracy: a map of each way.
     pub(crate) const LIMITS: Needs = Needs { per_raster_cell: 8.75, per_footprint_cell: 18.0, ..NONE };
     /// Stability of a map: margins of receivers beside it.
     pub(crate) const STABILITY: Needs =
-        Needs { per_raster_cell: 14.5, per_open_cell: 24.0, per_footprint_cell: 24.0, ..NONE };
-    /// A chart: the scene once more on other cells, and masks.
-    pub(crate) const CHART: Needs = Needs { per_raster_cell: 2.5, per_footprint_cell: 4.0, ..NONE };
+        Needs { per_raster_cell: 14.5, per_open_cell: 24.0, per_footprint_cell: 15.0, ..NONE };
     /// Parameters of a city by tiles.
     pub(crate) const TILES: Needs =
         Needs { per_raster_cell: 7.6, per_raster_corner: 166.0, per_footprint_cell: 0.5, ..NONE };
@@ -49,10 +42,34 @@ impl Needs {
     pub(crate) const LIVE: Needs =
         Needs { per_raster_cell: 13.5, per_raster_corner: 100.0, per_footprint_cell: 5.0, ..NONE };
 
-    /// Returns the needs of a picture of a grid.
-    pub(crate) fn of_picture(grid: &GeoRef) -> Needs {
-        let per_cell = picture_bytes_per_cell(grid.n_cells());
-        Needs { per_raster_cell: per_cell, per_footprint_cell: per_cell, ..NONE }
+    /// Returns the needs of zones and a file of them.
+    pub(crate) fn of_zones(format: Format, grid: &GeoRef) -> Needs {
+        Needs::ZONES.and(match format {
+            Format::GeoJson => {
+                Needs { per_raster_cell: 4.0, per_raster_corner: 1250.0, per_footprint_cell: 20.0, ..NONE }
+            }
+            Format::GeoTiff => Needs::per_cell(4.0),
+            format if format.is_picture() => Needs::per_cell(picture_bytes_per_cell(grid.n_cells())),
+            _ => NONE,
+        })
+    }
+
+    /// Returns the needs of a chart: the scene once more on other cells, and masks.
+    pub(crate) fn of_chart(n_uavs: usize) -> Needs {
+        let n_uavs = count(n_uavs as u64);
+        Needs { per_raster_cell: 2.9 + 0.66 * n_uavs, per_footprint_cell: 3.5 + 0.56 * n_uavs, ..NONE }
+    }
+
+    /// Returns the needs of a comparison: the overlay of all masks, blocks and a picture, what is
+    /// found of each receiver, and `n_masks` masks and bands of differences.
+    pub(crate) fn of_comparison(n_masks: usize) -> Needs {
+        let of_all = Needs { per_open_cell: 34.0, ..Needs::per_cell(19.0) };
+        of_all.and(Needs::per_cell(count(n_masks as u64)))
+    }
+
+    /// Returns the needs of so many bytes for each cell of any scene.
+    const fn per_cell(bytes: f64) -> Needs {
+        Needs { per_raster_cell: bytes, per_footprint_cell: bytes, ..NONE }
     }
 
     /// Returns the needs of a city in a file.
@@ -93,18 +110,23 @@ impl Needs {
 
     /// Returns the bytes over a field.
     pub(crate) fn bytes(self, field: &HeightField) -> u64 {
-        #[expect(clippy::cast_precision_loss, reason = "an estimate")]
-        let count = |n: u64| n as f64;
-        let n_cells = count(field.grid().n_cells() as u64);
+        // Cells and corners are counted only if they matter.
+        let of = |bytes: f64, n: &dyn Fn() -> u64| if bytes > 0.0 { bytes * count(n()) } else { 0.0 };
+        let n_cells = || field.grid().n_cells() as u64;
+        let of_open = of(self.per_open_cell, &|| field.cells().open.count());
         whole_bytes(match field.columns() {
             Some(_) => {
-                self.per_raster_cell * n_cells
-                    + self.per_raster_corner * count(field.n_corners_of_cells())
-                    + self.per_open_cell * count(field.cells().open.count())
+                let of_corners = of(self.per_raster_corner, &|| field.n_corners_of_cells());
+                of(self.per_raster_cell, &n_cells) + of_corners + of_open
             }
-            None => self.per_footprint_cell * n_cells,
+            None => of(self.per_footprint_cell, &n_cells) + of_open,
         })
     }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "an estimate")]
+fn count(n: u64) -> f64 {
+    n as f64
 }
 
 /// Returns the bytes per cell that a picture of a grid takes while it is drawn.

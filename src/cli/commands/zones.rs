@@ -6,7 +6,6 @@ use crate::cli::args::output::checked_files;
 use crate::cli::args::scene::scene_files;
 use crate::cli::failure::Result;
 use crate::cli::run::Run;
-use crate::export::Format;
 use crate::memory::Needs;
 use crate::picture::Look;
 use crate::zone_files::{FORMATS, ZoneFiles};
@@ -19,12 +18,7 @@ pub(in crate::cli) fn run(request: &ZonesRequest, run: &Run) -> Result<()> {
     let outputs = checked_files(&request.out, None, (&FORMATS, &scene_files(request.scene.word(), &request.reading)))?;
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;
     let scene = run.open_word(request.scene.word(), &request.reading)?;
-    let of_file = |format: Format| match format {
-        Format::GeoJson => Needs::ZONE_POLYGONS,
-        format if format.is_picture() => Needs::of_picture(scene.grid()),
-        _ => Needs::ZONE_CELLS,
-    };
-    outputs.iter().try_for_each(|(_, format)| Needs::ZONES.and(of_file(*format)).check(&scene))?;
+    outputs.iter().try_for_each(|(_, format)| Needs::of_zones(*format, scene.grid()).check(&scene))?;
     let zones = ZoneFiles::of(scene, run.command())?;
     run.emit(&zones, &outputs, (&request.out, &look))
 }
