@@ -3,6 +3,7 @@
 
     cargo build --release
     python3 benches/gdal_viewshed.py --sizes 1024,2048
+    python3 benches/gdal_viewshed.py --library site-packages/pyogrio.libs/libgdal-*.so.*
 
 Generated cities become uncompressed float32 surface models without tiles. A UAV hovers over a street cell in their middle
 and receivers stand on the surface, since that is all that a viewshed knows; both programs then mean the same heights.
@@ -16,6 +17,7 @@ gdal-bin (gdal_viewshed, gdal_translate, gdalinfo) and a release build of skyshe
 
 import argparse
 import array
+import ctypes
 import json
 import os
 import platform
@@ -46,6 +48,9 @@ def say(text):
 
 def main():
     args = arguments()
+    if args.viewshed:
+        viewshed(*args.viewshed)
+        return 0
     if args.compare:
         print(json.dumps(compare(*args.compare)))
         return 0
@@ -92,9 +97,11 @@ def arguments():
     add("--seed", type=int, default=1, metavar="N", help="seed of the cities; 1")
     add("--no-truth", action="store_true", help="do not compute exact rays: slow on large cities; no wrong cells then")
     add("--no-gdal", action="store_true", help="measure skyshed alone")
+    add("--library", type=Path, metavar="FILE", help="libgdal of another version, measured with the start of Python")
     add("--skyshed", type=Path, default=default, metavar="FILE", help="the program; target/release/skyshed")
     add("--scratch", type=Path, metavar="FOLDER", help="where files go meanwhile; the system's folder for such")
     add("--keep", action="store_true", help="keep those files")
+    add("--viewshed", nargs=6, help=argparse.SUPPRESS)
     add("--compare", nargs=2, metavar=("MASK", "TRUTH"), help=argparse.SUPPRESS)
     args = parser.parse_args()
     if args.repeat < 1:
@@ -108,6 +115,8 @@ def check_programs(args):
         raise Failure(f"cannot find {', '.join(missing)}; on Debian and Ubuntu: apt-get install gdal-bin")
     if not args.skyshed.is_file():
         raise Failure(f"cannot find {args.skyshed}; cargo build --release makes it, --skyshed names another")
+    if args.library is not None and not args.library.is_file():
+        raise Failure(f"cannot find {args.library}; the wheel of pyogrio has one in its folder pyogrio.libs")
     if args.scratch is not None and not args.scratch.is_dir():
         raise Failure(f"--scratch {args.scratch} is no folder")
 
@@ -252,6 +261,10 @@ class Case:
             words = ["gdal_viewshed", "-q", "-md", "0", "-cc", "0", "-oz", f"{self.args.height:g}", "-tz", RX_HEIGHT_M]
             words += ["-ox", x, "-oy", y, "-vv", "1", "-iv", "0", "-ov", "0", "-co", "COMPRESS=NONE", self.dsm, mask]
             found.append(("gdal_viewshed", words, mask))
+        if self.args.library is not None:
+            mask = self.folder / "library.tif"
+            words = [sys.executable, __file__, "--viewshed", self.args.library, self.dsm, mask, x, y, self.args.height]
+            found.append((f"GDAL {gdal_version(ctypes.CDLL(self.args.library))}", words, mask))
         for method in self.args.methods:
             for threads in self.args.threads:
                 mask = self.folder / f"{method.replace(':', '-')}-{threads}.tif"
@@ -281,6 +294,36 @@ class Case:
         text = shlex.join(str(word) for word in words)
         text = text.replace(str(self.folder) + os.sep, "$S/")
         return text.replace(str(self.args.skyshed), "skyshed")
+
+
+def gdal_version(gdal):
+    gdal.GDALVersionInfo.restype = ctypes.c_char_p
+    return gdal.GDALVersionInfo(b"RELEASE_NAME").decode()
+
+
+def viewshed(library, dsm, mask, x, y, height):
+    """Makes a viewshed with a GDAL library, as gdal_viewshed does with the options above."""
+    gdal = ctypes.CDLL(library)
+    text, number, pointer = ctypes.c_char_p, ctypes.c_double, ctypes.c_void_p
+    gdal.GDALAllRegister()
+    gdal.GDALOpen.restype = gdal.GDALGetRasterBand.restype = gdal.GDALViewshedGenerate.restype = pointer
+    gdal.GDALOpen.argtypes = [text, ctypes.c_int]
+    gdal.GDALGetRasterBand.argtypes = [pointer, ctypes.c_int]
+    gdal.GDALClose.argtypes = [pointer]
+    # Position and heights; visible, invisible, out of range and nodata; curvature. Then mode, range and kind of output.
+    gdal.GDALViewshedGenerate.argtypes = [pointer, text, text, pointer] + 9 * [number]
+    gdal.GDALViewshedGenerate.argtypes += [ctypes.c_int, number, pointer, pointer, ctypes.c_int, pointer]
+    source = gdal.GDALOpen(dsm.encode(), 0)
+    options = (text * 2)(b"COMPRESS=NONE", None)
+    place = [float(x), float(y), float(height), RX_HEIGHT_M]
+    edge, normal = 2, 1
+    band = gdal.GDALGetRasterBand(source, 1)
+    rules = [1, 0, 0, -1, 0, edge, 0, None, None, normal, None]
+    made = gdal.GDALViewshedGenerate(band, b"GTiff", mask.encode(), options, *place, *rules)
+    if not made:
+        raise SystemExit("GDAL made no viewshed")
+    gdal.GDALClose(made)
+    gdal.GDALClose(source)
 
 
 def compare(mask, truth):

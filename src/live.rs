@@ -158,8 +158,8 @@ impl LivePage {
             return Err(too_large((&options, is_of_cells), OsStr::new(&scene.word), grid, n_footprints));
         }
         let sight = one_antenna(uavs, sight)?;
-        let solids = scene.solids().ok_or(Error::fault("a live page needs the solids of its scene"))?;
         Needs::LIVE.check(scene)?;
+        let solids = scene.solids().ok_or(Error::fault("a live page needs the solids of its scene"))?;
         let zones = scene.zones()?.map(|zones| PackedZones::of(zones.codes(), &scene.field.cells().open));
         let packed = pack(scene.grid(), &solids, zones.as_ref());
         let scene = Scene { solids: None, ..scene.clone() };

@@ -76,6 +76,7 @@ impl<'a> MapNeeds<'a> {
             Format::Bil => 4.0,
             // Coarser levels and compressed tiles; a mask that is handed over has none.
             Format::GeoTiff if self.n_held == 0 => 0.0,
+            Format::GeoTiff if self.layers == [Layer::Los] => 0.4 * n_masks,
             Format::GeoTiff if is_los => 1.8 * n_masks,
             Format::GeoTiff if self.layers.contains(&Layer::Which) => 5.5,
             Format::GeoTiff => 2.0 * n_of_all,

@@ -68,7 +68,7 @@ pub(crate) struct Held<'a> {
     pub(crate) keeps_masks: bool,
     /// `true` if the only mask is handed over while it is made, and not kept.
     pub(crate) is_handed_over: bool,
-    /// What is made of the masks.
+    /// Files of the masks.
     pub(crate) files: MapFiles<'a>,
 }
 

@@ -48,7 +48,7 @@ impl Needs {
             Format::GeoJson => {
                 Needs { per_raster_cell: 4.0, per_raster_corner: 1250.0, per_footprint_cell: 20.0, ..NONE }
             }
-            Format::GeoTiff => Needs::per_cell(4.0),
+            Format::GeoTiff => Needs::per_cell(2.6),
             format if format.is_picture() => Needs::per_cell(picture_bytes_per_cell(grid.n_cells())),
             _ => NONE,
         })

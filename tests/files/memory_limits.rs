@@ -103,10 +103,8 @@ fn noise() -> PlainTiff {
     PlainTiff::floats((500_000.0, 5_400_000.0), 1.0, 2000, heights)
 }
 
-/// What a run takes is known before its work: a fifth less is refused then, or made strip by strip, and a quarter more is enough.
-#[test]
-fn forecasts_are_near_what_runs_take() {
-    let folder = Folder::new();
+/// Questions over a city of blocks, noise and Munich.
+fn questions(folder: &Folder) -> Vec<String> {
     folder.type_in("city itu:urban --size 2000 -o city.tif -q").done();
     std::fs::write(folder.join("noise.tif"), noise().bytes()).unwrap();
     std::fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/munich.geojson"), folder.join("munich.geojson"))
@@ -139,29 +137,104 @@ fn forecasts_are_near_what_runs_take() {
         "live S -o a.html",
         "city S -o a.tif",
     ];
-    for (scene, corner, size) in scenes {
-        folder.write("many.csv", &places(corner, size, 40));
-        folder.write("two.csv", &places(corner, size, 2));
-        let before = folder.files();
+    let mut lines = Vec::new();
+    for (k, (scene, corner, size)) in scenes.into_iter().enumerate() {
+        folder.write(&format!("many{k}.csv"), &places(corner, size, 40));
+        folder.write(&format!("two{k}.csv"), &places(corner, size, 2));
         let uav = format!("--uav {},{},130", corner[0] + size / 2.0, corner[1] + size / 2.0);
-        for question in questions.into_iter().step_by(if is_long() { 1 } else { 5 }) {
-            let line = format!("{} -j 1", question.replace('S', scene).replace('U', &uav));
-            let (answer, peak) = folder.measured(&line);
-            answer.done();
+        lines.extend(questions.map(|question| {
+            let files = question.replace("many", &format!("many{k}")).replace("two", &format!("two{k}"));
+            format!("{} -j 1", files.replace('S', scene).replace('U', &uav))
+        }));
+    }
+    lines
+}
+
+/// What a run takes is known before its work: a fifth less is refused then, or made strip by strip, and a quarter more is enough.
+#[test]
+fn forecasts_are_near_what_runs_take() {
+    let folder = Folder::new();
+    let lines = questions(&folder);
+    let before = folder.files();
+    for line in lines.iter().step_by(if is_long() { 1 } else { 5 }) {
+        let (answer, peak) = folder.measured(line);
+        answer.done();
+        clear(&folder, &before);
+        let within = |share: u64| {
+            let answer = folder.type_in(&format!("{line} --max-memory {}", peak / 20 * share));
             clear(&folder, &before);
-            let within = |share: u64| {
-                let answer = folder.type_in(&format!("{line} --max-memory {}", peak / 20 * share));
+            answer
+        };
+        let enough = within(25);
+        assert_eq!(enough.code(), 0, "{line}: a peak of {peak} bytes: {enough:?}");
+        let little = within(16);
+        let words = if little.code() == 0 { "strip by strip" } else { " need " };
+        let is_known = little.err.contains(words) && !little.err.contains("cannot go on");
+        assert!(is_known, "{line}: a peak of {peak} bytes: {little:?}");
+    }
+}
+
+/// Whatever the limit, a run keeps it or is refused, and what succeeds does so with more.
+#[test]
+fn random_limits_are_kept_and_more_memory_never_makes_a_run_fail() {
+    let folder = Folder::new();
+    let mut lines = questions(&folder);
+    lines.extend(
+        [
+            "info city.tif --ground 0 --tile 100 -o a.csv -j 1",
+            "place munich.geojson --height 60 --step 40 -k 3 -o a.csv -j 1",
+            "place noise.tif --ground 0 --height 60 --step 300 -k 3 -o a.csv -j 1",
+            "sample munich.geojson --height 60 --zones street:20 -o a.csv -j 1",
+            "plos itu:urban --method city,product --cities 3 -o a.csv -j 1",
+            "map city.tif --ground 0 --uav 900,900,90 --strips -o a.tif -j 1",
+            "map munich.geojson --uavs two2.csv --height-error 0.5 --layers p-los -o a.tif -j 1",
+            "map noise.tif --ground 0 --uavs two1.csv --receivers roof --earth-k 4/3 -o a.tif -j 1",
+        ]
+        .map(String::from),
+    );
+    let before = folder.files();
+    let reading = |line: &str| {
+        let scene = line.split(' ').nth(1).unwrap();
+        let (answer, peak) = folder.measured(&format!("info {scene} -j 1"));
+        answer.done();
+        peak + peak / 10
+    };
+    let mut random = Random(58);
+    let n_lines = if is_long() { lines.len() } else { 3 };
+    let (mut n_kept, mut n_refused) = (0, 0);
+    for _ in 0..n_lines {
+        let line = lines.swap_remove(random.below(lines.len()));
+        let (answer, peak) = folder.measured(&line);
+        answer.done();
+        clear(&folder, &before);
+        // From a quarter of what it takes to four times as much.
+        #[expect(
+            clippy::cast_precision_loss,
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "bytes"
+        )]
+        let limit = |random: &mut Random| (peak as f64 * 2.0_f64.powf(random.below(4000) as f64 / 1000.0 - 2.0)) as u64;
+        let mut limits: Vec<u64> = (0..8).map(|_| limit(&mut random)).collect();
+        limits.sort_unstable();
+        let mut is_enough = false;
+        for limit in limits {
+            let (answer, peak_within) = folder.measured(&format!("{line} --max-memory {limit}"));
+            if answer.code() == 0 {
+                assert!(peak_within <= limit + limit / 10, "{line}: {peak_within} of {limit} bytes");
+                (is_enough, n_kept) = (true, n_kept + 1);
                 clear(&folder, &before);
-                answer
-            };
-            let enough = within(25);
-            assert_eq!(enough.code(), 0, "{line}: a peak of {peak} bytes: {enough:?}");
-            let little = within(16);
-            let words = if little.code() == 0 { "strip by strip" } else { " need " };
-            let is_known = little.err.contains(words);
-            assert!(is_known && !little.err.contains("cannot go on"), "{line}: a peak of {peak} bytes: {little:?}");
+            } else {
+                assert!(answer.code() == 5 && !is_enough, "{line}: of {limit} bytes, {peak} without: {answer:?}");
+                assert_eq!(folder.files(), before, "{line}: of {limit} bytes");
+                // Before its work, but for a file that cannot even be read and for almost enough.
+                let is_late = answer.err.contains("cannot go on") && limit < peak / 4 * 3;
+                assert!(!is_late || limit < reading(&line), "{line}: of {limit} bytes, {peak} without: {answer:?}");
+                n_refused += 1;
+            }
         }
     }
+    assert!(n_kept > n_refused / 4 && n_refused > n_kept / 4, "{n_kept} kept, {n_refused} refused");
 }
 
 /// What writes nothing beyond its limit must not compute to its end either. Processor time tells: a busy machine lets the watch wait, and the work

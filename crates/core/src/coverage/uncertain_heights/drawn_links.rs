@@ -1,10 +1,9 @@
 //! Draws of the heights of footprints, decided link by link.
 //!
-//! With the heights of all draws in mind, two exact maps decide most receivers on the ground: one
-//! with every building as low as in its lowest draw, one with every building as high as in its
-//! highest ([`super::sure`]). A receiver between them has one walk along its link through the highest
-//! buildings, which finds how much lower each must be ([`HeightLimits`]). A draw hides it if and
-//! only if it leaves a building higher than that.
+//! Two exact maps decide most receivers on the ground ([`super::sure`]). In one every building is as
+//! low as in its lowest draw, in the other as high as in its highest. A receiver between them has
+//! one walk along its link through the highest buildings, which finds how much lower each must be
+//! ([`HeightLimits`]). A draw hides it if and only if it leaves a building higher than that.
 
 use std::borrow::Cow;
 

@@ -163,12 +163,11 @@ impl Tile for u8 {
     fn compressed(samples: &[Self], _: BlockEncodingOptions<'_>, _: usize) -> Result<Vec<u8>> {
         let config = DeflateConfig { strategy: Strategy::Rle, ..DeflateConfig::default() };
         let mut stream = vec![0; compress_bound(samples.len())];
-        let len = match compress_slice(&mut stream, samples, config) {
-            (packed, ReturnCode::Ok) => packed.len(),
-            (_, code) => return Err(Error::encode("a GeoTIFF", format!("zlib: {code:?}"))),
-        };
-        stream.truncate(len);
-        Ok(stream)
+        match compress_slice(&mut stream, samples, config) {
+            // PERF: only what is used is kept until the file is written.
+            (packed, ReturnCode::Ok) => Ok(packed.to_vec()),
+            (_, code) => Err(Error::encode("a GeoTIFF", format!("zlib: {code:?}"))),
+        }
     }
 }
 
