@@ -7,7 +7,8 @@ use crate::height_field::HeightField;
 use crate::los::Method;
 use crate::memory::{FIELD_BYTES_PER_CELL, memory_words, whole_bytes};
 use crate::progress::Progress;
-use crate::read::VectorFormat;
+use crate::scene::format_of;
+use skyshed_io::{FileFormat, FileKind};
 
 /// Estimated time and memory of a run.
 #[derive(Debug)]
@@ -95,11 +96,11 @@ impl Expected {
 pub(crate) fn seconds_to_read(files: &[PathBuf]) -> f64 {
     let seconds = |file: &PathBuf| {
         // Nanoseconds per byte on one core of a server of 2023.
-        let per_byte = match VectorFormat::of_path(file) {
-            Some(VectorFormat::Json) => 40.0,
-            Some(_) => 80.0,
+        let per_byte = match format_of(file) {
+            Some(FileFormat::Json | FileFormat::CityGml) => 40.0,
+            Some(format) if format.kind() == Some(FileKind::Vector) => 80.0,
             // Heights of a terrain or a surface, deflated or as text.
-            None => 15.0,
+            _ => 15.0,
         };
         let n_bytes = std::fs::metadata(file).map_or(0, |metadata| metadata.len());
         #[expect(clippy::cast_precision_loss, reason = "an estimate")]

@@ -21,10 +21,10 @@ use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::map::GivenScene;
 use crate::picture::Look;
 use crate::progress::Progress;
-use crate::read::VectorFormat;
 use crate::repairs::{FORMATS as REPAIRS_FORMATS, Repairs};
-use crate::scene::{FoundRepairs, Scene, SceneReader, built_up};
+use crate::scene::{FoundRepairs, Scene, SceneReader, built_up, format_of};
 use crate::words::pretty;
+use skyshed_io::{FileFormat, FileKind};
 
 /// Run of a command.
 pub(super) struct Run {
@@ -236,10 +236,8 @@ impl<'a> RepairsFile<'a> {
     pub(super) fn of(shared: &Shared<'a>) -> Result<Option<Self>> {
         let Shared { scenes, reading, out, .. } = shared;
         let Some(path) = &reading.list.repairs else { return Ok(None) };
-        let is_footprints = |scene: &&&'a OsStr| {
-            let extension = Path::new(scene).extension().unwrap_or_default().to_string_lossy().to_lowercase();
-            VectorFormat::of_extension(&extension).is_some()
-        };
+        let is_footprints =
+            |scene: &&&'a OsStr| format_of(Path::new(scene)).and_then(FileFormat::kind) == Some(FileKind::Vector);
         let Some(scene) = scenes.first().filter(is_footprints) else {
             return Err(refusal(116, "`--repairs` has no meaning for a scene that is no file of footprints"));
         };

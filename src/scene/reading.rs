@@ -17,9 +17,10 @@ use crate::los_probability::points::Points;
 use crate::memory::{ANY_WORK, bytes_of_cells, cells_of, check_bytes};
 use crate::raster::{Crs, GeoRef};
 use crate::read::{
-    FootprintOptions, MeshOptions, Projection, Repair, SurfaceOptions, SystemSaid, VectorFormat, compare_vertical,
+    FootprintOptions, MeshOptions, Projection, Repair, SceneFiles, SurfaceOptions, SystemSaid, compare_vertical,
     read_footprints, read_footprints_and_repairs, read_mesh, read_mesh_buildings, read_surface, vertical_of,
 };
+use skyshed_io::{FileFormat, FileKind};
 
 /// Name of an option, and `true` if it is set.
 type Set = (&'static str, bool);
@@ -117,9 +118,9 @@ impl SceneReader {
 
     /// Reads the scene of a file.
     fn read_file(&self, path: &Path, odd: &mut Vec<skyshed_io::Warning>) -> Result<crate::city::City> {
-        let extension = extension_of(path);
-        let Some(format) = VectorFormat::of_extension(&extension) else {
-            if is_raster(path) {
+        let format = format_of(path);
+        if kind_of(path) != FileKind::Vector {
+            if kind_of(path) == FileKind::Raster {
                 return Ok(read_surface(path, &self.of_raster()?, odd)?);
             }
             if self.options.roofs.is_some() {
@@ -139,8 +140,8 @@ impl SceneReader {
             let options =
                 MeshOptions { surface: self.of_surface()?, extent: self.options.extent, cell_m: self.options.cell };
             return Ok(read_mesh(path, &options, odd)?);
-        };
-        if format != VectorFormat::GeoPackage {
+        }
+        if format != Some(FileFormat::GeoPackage) {
             self.refuse("a file that is no GeoPackage", &[("layer", self.options.layer.is_some())])?;
         }
         let options = if self.options.roofs.is_some() { self.of_solids()? } else { self.of_vector()? };
@@ -348,15 +349,19 @@ pub(crate) fn built_up(word: &OsStr) -> Option<Result<BuiltUp>> {
     Some(BuiltUpCity::parse_built_up(word.to_str()?)?.map_err(Into::into))
 }
 
-/// Returns the extension of a path in lower case.
-fn extension_of(path: &Path) -> String {
-    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+/// Returns the format of the files of a scene; of a file that cannot be read, that of its name.
+pub(crate) fn format_of(path: &Path) -> Option<FileFormat> {
+    SceneFiles::of(&path.into()).map_or_else(|_| FileFormat::of_name(path), |files| Some(files.format))
+}
+
+/// Returns what the files of a scene hold. What is not known is read as a raster, which says so.
+fn kind_of(path: &Path) -> FileKind {
+    format_of(path).and_then(FileFormat::kind).unwrap_or(FileKind::Raster)
 }
 
 /// Returns `true` for paths that are read as rasters: all files but footprints and meshes.
 pub(crate) fn is_raster(path: &Path) -> bool {
-    let extension = extension_of(path);
-    VectorFormat::of_extension(&extension).is_none() && !["obj", "ply"].contains(&extension.as_str())
+    kind_of(path) == FileKind::Raster
 }
 
 /// Returns `true` if a word names a raster.

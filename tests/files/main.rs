@@ -25,6 +25,7 @@ mod vectors; // one city in every vector format is one scene; policies of height
 mod held_bytes; // readers given bytes with their sidecars: the city of the file
 mod building_meaning; // missing heights, parts, what is not there: by hand, and against a reference in Python
 mod building_counts; // how they are counted and told: one number for each warning, shares, captions, names that formats cut
+mod city_files;
 mod cityjson_parts; // the same of CityJSON: buildings and their parts, measured heights, fillers
 mod ground_truth; // what a scene is made of: bases, voids, typed ground, holes, lattices, extents, ranges
 mod repairs; // what was mended or left out, thing by thing

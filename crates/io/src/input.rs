@@ -11,6 +11,7 @@ use std::sync::{Arc, OnceLock};
 use skyshed_request::Source;
 
 use crate::error::{Error, ReadFault, Result, io_words};
+use crate::packed::Packed;
 use crate::remote::is_remote;
 
 /// A file by its path, or bytes that the caller holds under a name, with the files beside it.
@@ -28,6 +29,8 @@ use crate::remote::is_remote;
 pub struct Input {
     path: PathBuf,
     held: Option<Held>,
+    /// Place inside of an archive.
+    packed: Option<Packed>,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -40,12 +43,17 @@ struct Held {
 impl Input {
     /// Returns a file, which is opened when it is read; its sidecars are found beside it.
     pub fn path(path: impl Into<PathBuf>) -> Input {
-        Input { path: path.into(), held: None }
+        Input { path: path.into(), held: None, packed: None }
     }
 
     /// Returns bytes under a name, such as `city.geojson`.
     pub fn bytes(name: impl Into<PathBuf>, bytes: impl Into<Arc<[u8]>>) -> Input {
-        Input { path: name.into(), held: Some(Held { bytes: bytes.into(), beside: Vec::new() }) }
+        Input { path: name.into(), held: Some(Held { bytes: bytes.into(), beside: Vec::new() }), packed: None }
+    }
+
+    /// Returns a file inside of an archive, which is unpacked when it is read.
+    pub(crate) fn packed(path: PathBuf, packed: Packed) -> Input {
+        Input { path, held: None, packed: Some(packed) }
     }
 
     /// Adds the bytes of a sidecar, such as `city.prj`. A file on disk has its sidecars beside it.
@@ -62,9 +70,14 @@ impl Input {
         &self.path
     }
 
-    /// Returns `true` for held bytes, which have no path of a file.
+    /// Returns the archive that it lies in, or itself.
+    pub(crate) fn on_disk(&self) -> &Input {
+        self.packed.as_ref().map_or(self, |packed| packed.archive().on_disk())
+    }
+
+    /// Returns `true` for what has no path of a file: held bytes, and files inside of archives.
     pub fn is_held(&self) -> bool {
-        self.held.is_some()
+        self.held.is_some() || self.packed.is_some()
     }
 
     /// Returns the path of a file; `None` for held bytes.
@@ -74,17 +87,17 @@ impl Input {
 
     /// Returns `true` for a file on a server.
     pub(crate) fn is_remote(&self) -> bool {
-        self.held.is_none() && is_remote(&self.path)
+        !self.is_held() && is_remote(&self.path)
     }
 
     /// Returns `true` for a folder.
     pub(crate) fn is_folder(&self) -> bool {
-        self.held.is_none() && self.path.is_dir()
+        !self.is_held() && self.path.is_dir()
     }
 
     /// Returns `true` for standard input.
     pub(crate) fn is_standard_input(&self) -> bool {
-        self.held.is_none() && self.path.as_os_str() == "-"
+        !self.is_held() && self.path.as_os_str() == "-"
     }
 
     /// Returns the extension in lower case, without the point.
@@ -96,6 +109,7 @@ impl Input {
     pub(crate) fn len(&self) -> u64 {
         match &self.held {
             Some(held) => held.bytes.len() as u64,
+            None if self.packed.is_some() => self.packed.as_ref().map_or(0, |packed| packed.archive().len()),
             #[cfg(feature = "remote")]
             None if self.is_remote() => crate::remote::open(self).map_or(0, |file| file.len()),
             None => std::fs::metadata(&self.path).map_or(0, |metadata| metadata.len()),
@@ -116,14 +130,36 @@ impl Input {
     }
 
     fn other(&self, path: PathBuf) -> Option<Input> {
+        if let Some(packed) = &self.packed {
+            return packed.beside(&path);
+        }
         let Some(held) = &self.held else { return path.is_file().then(|| Input::path(path)) };
         let of = |path: &Path| path.file_name().map(OsStr::to_ascii_lowercase);
         let (_, bytes) = held.beside.iter().find(|(name, _)| of(name) == of(&path))?;
         Some(Input::bytes(path, Arc::clone(bytes)))
     }
 
+    /// Reads the first bytes.
+    pub(crate) fn head(&self, most: u64) -> Result<Vec<u8>> {
+        if let Some(packed) = &self.packed {
+            return packed.head(self, most);
+        }
+        let mut head = Vec::new();
+        if self.is_standard_input() {
+            self.read()?.as_ref().take(most).read_to_end(&mut head).map_err(|e| cannot_read(self, &e))?;
+        } else {
+            self.open()?.0.take(most).read_to_end(&mut head).map_err(|e| cannot_read(self, &e))?;
+        }
+        Ok(head)
+    }
+
     /// Opens the input for reading in any order, and returns its length \[bytes\].
     pub(crate) fn open(&self) -> Result<(Reader, u64)> {
+        if let Some(packed) = &self.packed {
+            let bytes: Arc<[u8]> = packed.read(self)?.into();
+            let length = bytes.len() as u64;
+            return Ok((Reader::Held(Cursor::new(bytes)), length));
+        }
         if let Some(held) = &self.held {
             return Ok((Reader::Held(Cursor::new(Arc::clone(&held.bytes))), held.bytes.len() as u64));
         }
@@ -160,6 +196,9 @@ impl Input {
     /// E301 for a file that cannot be read; E502 for a pipe or a device without an end.
     pub(crate) fn read(&self) -> Result<Cow<'_, [u8]>> {
         static STANDARD_INPUT: OnceLock<Vec<u8>> = OnceLock::new();
+        if let Some(packed) = &self.packed {
+            return packed.read(self).map(Cow::Owned);
+        }
         if let Some(held) = &self.held {
             return Ok(Cow::Borrowed(&held.bytes));
         }

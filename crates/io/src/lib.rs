@@ -5,12 +5,15 @@ pub mod crs;
 pub mod digest;
 pub mod error;
 pub mod export;
+mod format;
 pub mod formats;
 mod input;
+mod packed;
 pub mod read;
 mod remote;
 
 pub use error::{Error, Result, Warning};
+pub use format::{Conversion, FileFormat, FileKind, ForeignFormat};
 pub use input::{Input, cannot_read};
 pub use remote::{identity, is_remote, told};
 

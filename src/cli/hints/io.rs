@@ -9,8 +9,8 @@ use skyshed_io::error::{
     Wanted, WriteFault,
 };
 use skyshed_io::export::Format;
-use skyshed_io::is_remote;
 use skyshed_io::read::METERS_PER_LEVEL;
+use skyshed_io::{Conversion, is_remote};
 
 use crate::quantity::tidy;
 
@@ -37,13 +37,7 @@ fn of_cause(ReadError { name, cause, fault, .. }: &ReadError) -> Option<String> 
         Cause::TooFewCells => "the file is cut short, or `ncols` and `nrows` are wrong".into(),
         Cause::TooManyCells => "`ncols` and `nrows` may be wrong".into(),
         Cause::DecimalCommas => "replace the decimal commas by points".into(),
-        Cause::OtherRaster => {
-            format!("if it holds heights, convert it with `{}`", made("gdal_translate", "_geotiff.tif"))
-        }
-        Cause::FeatureALine => {
-            let collection = shell_word(&beside(name, "_collection.geojson"));
-            format!("it holds one feature a line: convert it with `ogr2ogr {collection} {}`", shell_word(name))
-        }
+        Cause::Foreign(conversion) => return of_foreign(name, *conversion),
         Cause::StaleVrt => format!(
             "make it again from the files as they are: `gdalbuildvrt -overwrite -vrtnodata -9999 {} FILE …`",
             shell_word(name)
@@ -87,6 +81,31 @@ fn of_cause(ReadError { name, cause, fault, .. }: &ReadError) -> Option<String> 
             format!("convert it, for example with `ogr2ogr {converted} {}`", shell_word(name))
         }
         _ => return None,
+    })
+}
+
+/// The way from a format that is not read to one that is.
+fn of_foreign(name: &str, conversion: Conversion) -> Option<String> {
+    let file = shell_word(name);
+    let made = |end: &str| shell_word(&beside(name, end));
+    Some(match conversion {
+        Conversion::None => return None,
+        Conversion::GdalTranslate => {
+            format!("if it holds heights, convert it with `gdal_translate {file} {}`", made("_geotiff.tif"))
+        }
+        Conversion::Ogr2Ogr => format!("convert it with `ogr2ogr {} {file}`", made(".fgb")),
+        Conversion::Osmium => {
+            format!("convert it with `osmium export --geometry-types=polygon {file} -o {}`", made(".geojson"))
+        }
+        Conversion::Pdal => format!(
+            "make a surface with `pdal translate {file} {} --writers.gdal.resolution=1 --writers.gdal.output_type=max`",
+            made("_surface.tif")
+        ),
+        Conversion::Unpack(command) => format!("unpack it with `{command} {file}`"),
+        Conversion::Fcb => format!("convert it with `fcb deser -i {file} -o {}`", made(".city.jsonl")),
+        Conversion::Mesh => "export it as a mesh in .obj or .ply from the program that made it".into(),
+        Conversion::Sibling(extension) => format!("name the file beside it that ends in .{extension}"),
+        Conversion::Download => "fetch the file again: this is what a server said instead".into(),
     })
 }
 

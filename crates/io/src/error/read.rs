@@ -1,5 +1,6 @@
 //! Files that cannot be read, or not used in their role.
 
+use crate::format::Conversion;
 use std::fmt::{self, Display};
 
 use thiserror::Error as Words;
@@ -291,10 +292,8 @@ pub enum Cause {
     TooManyCells,
     /// Numbers with decimal commas.
     DecimalCommas,
-    /// A raster of another format.
-    OtherRaster,
-    /// GeoJSON with one feature a line.
-    FeatureALine,
+    /// A format that is not read.
+    Foreign(Conversion),
     /// A virtual raster that describes its files wrongly.
     StaleVrt,
     /// A virtual raster that GDAL can convert to one raster.

@@ -148,7 +148,7 @@ impl AsciiGrid {
 }
 
 /// Returns `true` when a word is a key of the header, in any case.
-pub(super) fn is_header_key(word: &str) -> bool {
+pub(crate) fn is_header_key(word: &str) -> bool {
     KEYS.iter().any(|key| word.eq_ignore_ascii_case(key))
 }
 

@@ -1,7 +1,6 @@
 //! Raster files of any format, and folders of them, recognized by their content and not by their
 //! names.
 
-use std::io::Read;
 use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
@@ -12,8 +11,9 @@ use skyshed_request::Band;
 use super::band::index_of_band;
 use super::{AsciiGrid, GeoTiff, Mosaic};
 use crate::crs::VerticalCrs;
-use crate::error::{Cause, Error, Oddity, Result, Warning};
-use crate::input::{Input, cannot_read};
+use crate::error::{Error, Oddity, Result, Warning};
+use crate::format::{FileFormat, FileKind};
+use crate::input::Input;
 use crate::raster::{CellWindow, GeoRef, Raster};
 
 /// Raster file, or a folder of them, whose headers have been read.
@@ -54,26 +54,18 @@ impl RasterFile {
 
     /// Opens a raster file that is part of virtual rasters.
     fn open_within(input: &Input, nesting: Nesting<'_>, odd: &mut Vec<Oddity>) -> Result<RasterFile> {
-        let (mut file, len) = input.open()?;
-        let mut head = Vec::new();
-        file.by_ref().take(4096).read_to_end(&mut head).map_err(|e| cannot_read(input, &e))?;
-        match kind_of(&head) {
-            Kind::Tiff => GeoTiff::open_told(input, nesting.band, odd).map(RasterFile::GeoTiff),
-            Kind::AsciiGrid => {
+        match FileFormat::of(input)? {
+            FileFormat::GeoTiff => GeoTiff::open_told(input, nesting.band, odd).map(RasterFile::GeoTiff),
+            FileFormat::AsciiGrid => {
                 // A grid of text has one band without a name.
                 index_of_band(nesting.band.unwrap_or(&Band::First), input, &[None])?;
                 AsciiGrid::open_told(input, odd).map(RasterFile::AsciiGrid)
             }
-            Kind::VirtualRaster if input.is_held() => {
+            FileFormat::VirtualRaster if input.is_held() => {
                 Err(Error::unsupported(input, "a virtual raster names other files, wanted its path"))
             }
-            Kind::VirtualRaster => Mosaic::open_vrt(input.as_path(), nesting, odd).map(RasterFile::Mosaic),
-            Kind::Other(kind) => {
-                let what = format!(
-                    "it is {kind} ({len} bytes), wanted a GeoTIFF, an Esri ASCII grid or a GDAL virtual raster"
-                );
-                Err(Error::malformed(input, what).because(Cause::OtherRaster))
-            }
+            FileFormat::VirtualRaster => Mosaic::open_vrt(input.as_path(), nesting, odd).map(RasterFile::Mosaic),
+            format => Err(format.unwanted(input, FileKind::Raster)),
         }
     }
 
@@ -197,68 +189,6 @@ impl RasterFile {
         })?;
         Ok(())
     }
-}
-
-/// Kind of a file by its first bytes.
-#[derive(Debug, PartialEq, Eq)]
-enum Kind {
-    Tiff,
-    AsciiGrid,
-    VirtualRaster,
-    Other(&'static str),
-}
-
-fn kind_of(head: &[u8]) -> Kind {
-    const MAGIC: [(&[u8], &str); 14] = [
-        (b"\x89PNG", "a PNG picture"),
-        (b"\xff\xd8\xff", "a JPEG picture"),
-        (b"GIF8", "a GIF picture"),
-        (b"RIFF", "a RIFF file (WebP?)"),
-        (b"v/1\x01", "an OpenEXR picture"),
-        (b"%PDF", "a PDF document"),
-        (b"PK\x03\x04", "a ZIP archive"),
-        (b"\x1f\x8b", "a gzip file"),
-        (b"\x89HDF", "an HDF5 file"),
-        (b"CDF", "a netCDF file"),
-        (b"GRIB", "a GRIB file"),
-        (b"LASF", "a LAS point cloud"),
-        (b"SQLite format 3", "an SQLite or GeoPackage file"),
-        (b"\x00\x00\x00\x0cjP", "a JPEG 2000 picture"),
-    ];
-    if head.is_empty() {
-        return Kind::Other("empty");
-    }
-    if head.starts_with(b"II") || head.starts_with(b"MM") {
-        // Texts may begin with these letters as well.
-        if matches!(head, [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..]) || head.len() < 4 {
-            return Kind::Tiff;
-        }
-    }
-    if let Some((_, kind)) = MAGIC.iter().find(|(magic, _)| head.starts_with(magic)) {
-        return Kind::Other(kind);
-    }
-    let Some(text) = leading_text(head) else { return Kind::Other("a binary file of an unknown kind") };
-    let first = text.split_whitespace().next().unwrap_or_default();
-    match first.chars().next() {
-        _ if super::ascii_grid::is_header_key(first) => Kind::AsciiGrid,
-        Some('{' | '[') => Kind::Other("JSON text"),
-        Some('<') if text.contains("<VRTDataset") => Kind::VirtualRaster,
-        Some('<') => Kind::Other("XML or HTML text"),
-        Some(_) => Kind::Other("text"),
-        None => Kind::Other("blank text"),
-    }
-}
-
-/// Returns the start of a file as text; `None` if it is binary.
-fn leading_text(head: &[u8]) -> Option<&str> {
-    let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
-    let text = match std::str::from_utf8(head) {
-        Ok(text) => text,
-        // The last character may be cut off.
-        Err(error) => std::str::from_utf8(&head[..error.valid_up_to()]).unwrap_or_default(),
-    };
-    let is_text = text.len() + 4 > head.len() && text.chars().all(|c| !c.is_control() || c.is_whitespace());
-    is_text.then_some(text)
 }
 
 /// Reads the header of a tile.

@@ -26,6 +26,7 @@ mod voids;
 mod world_file;
 mod xml;
 
+pub(crate) use ascii_grid::is_header_key as is_grid_header_key;
 pub use ascii_grid::{AsciiGrid, write_ascii_grid};
 pub use bil_file::{BilValues, bil_header};
 pub use cell_sources::{CellSources, bounds_through, half_diagonal_through, suggested_grid};

@@ -1,5 +1,6 @@
 //! Areas from files of vector data.
 
+use super::scene_files::SceneFiles;
 use super::sites::{check_placeable, in_scene};
 use super::vector::{Selection, bounds, opened, read_features};
 use crate::city::Area;
@@ -19,7 +20,9 @@ use crate::raster::GeoRef;
 /// position cannot be brought into the scene's CRS (E206) or no polygon meets the grid (E208).
 pub fn read_area(input: impl Into<Input>, grid: &GeoRef) -> Result<Area> {
     let input = &input.into();
-    let set = read_features(input, Selection::default()).map_err(Error::beside_scene)?;
+    let set = SceneFiles::of(input)
+        .and_then(|files| read_features(&files, Selection::default()))
+        .map_err(Error::beside_scene)?;
     let named = set.crs.map_err(Error::beside_scene)?;
     let areas: Vec<_> = set.features.into_iter().enumerate().filter(|(_, f)| !f.polygons.is_empty()).collect();
     if areas.is_empty() {

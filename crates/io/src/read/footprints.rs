@@ -18,6 +18,7 @@ use super::projection::Projection;
 use super::receivers_grid::{GridRequest, receivers_grid};
 use super::repairs::{FaultLog, Listing, Repair};
 use super::reprojected::Reprojection;
+use super::scene_files::SceneFiles;
 use super::solid::Face;
 use super::source::{name_of, source_of};
 use super::surface::ground_steps;
@@ -33,8 +34,9 @@ use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, meters};
 use crate::raster::{Crs, GeoRef, Raster};
 use skyshed_request::{DataAreaChoice, GroundChoice};
 
-/// Reads footprints from GeoJSON, CityJSON, a shapefile, FlatGeobuf or a GeoPackage, chosen by the
-/// extension.
+/// Reads footprints from GeoJSON, CityJSON, CityGML, a shapefile, FlatGeobuf or a GeoPackage, chosen
+/// by the first bytes. The input may be one file, a folder of tiles, an archive of them, or several
+/// files as `A+B`.
 ///
 /// # Errors
 /// File errors for malformed files (with line or feature), degrees, or a CRS that differs from the
@@ -67,9 +69,10 @@ fn read(
     warnings: &mut Vec<Warning>,
 ) -> Result<(City, Vec<Repair>)> {
     let selection = Selection { layer: options.layer.as_deref(), bounds: within_reach(options) };
-    let set = read_features(input, selection)?;
-    let source = source_of(input, options.always_hash)?;
-    scene_of(input, (set, vec![source]), options, listing, warnings)
+    let files = SceneFiles::of(input)?;
+    let set = read_features(&files, selection)?;
+    let sources = files.sources(options.always_hash)?;
+    scene_of(input, (set, sources), options, listing, warnings)
 }
 
 /// Returns the box in which features of a file can matter, with all parts of those that meet it.

@@ -24,19 +24,43 @@ pub(super) fn is_cityjson(document: &Value) -> bool {
 
 /// Reads the buildings of a document.
 pub(super) fn features(input: &Input, document: &Value) -> Result<FeatureSet> {
+    sequence(input, document, &[])
+}
+
+/// Reads the buildings of a document and of features that follow it, one in each line of a
+/// CityJSONSeq: these have vertices of their own, in the place and scale of the document.
+pub(super) fn sequence(input: &Input, document: &Value, following: &[Value]) -> Result<FeatureSet> {
     let wrong = |found: &str| malformed(input, found, "a CityJSON document of version 1.0, 1.1 or 2.0");
     let version = document.get("version").and_then(Value::as_str).unwrap_or_default();
     if !["1.0", "1.1", "2.0"].iter().any(|known| version == *known || version.starts_with(&format!("{known}."))) {
         return Err(wrong(&format!("CityJSON version `{version}`")));
     }
-    let vertices = vertices(document).map_err(|found| wrong(&found))?;
-    let Some(objects) = document.get("CityObjects").and_then(Value::as_object) else {
-        return Err(wrong("no `CityObjects`"));
-    };
-    if objects.is_empty() {
+    let (mut features, mut n_objects) = (Vec::new(), 0);
+    for part in std::iter::once(document).chain(following) {
+        n_objects += add_buildings(part, document.get("transform"), &mut features).map_err(|found| wrong(&found))?;
+    }
+    if n_objects == 0 {
         return Err(Error::read(input, ReadFault::Nothing(Wanted::CityObjects)));
     }
-    let mut features = Vec::new();
+    let system = document.pointer("/metadata/referenceSystem").and_then(Value::as_str).unwrap_or_default();
+    Ok(FeatureSet {
+        crs: crs_of(input, &reference_system(system)),
+        name: None,
+        attribution: None,
+        name_limit: None,
+        features,
+    })
+}
+
+/// Appends the buildings of a document, or of a feature of a sequence. Returns the number of its
+/// objects.
+fn add_buildings(
+    part: &Value,
+    transform: Option<&Value>,
+    features: &mut Vec<Feature>,
+) -> std::result::Result<usize, String> {
+    let vertices = vertices(part, transform)?;
+    let objects = part.get("CityObjects").and_then(Value::as_object).ok_or("no `CityObjects`")?;
     for (id, object) in objects {
         let kind = object.get("type").and_then(Value::as_str).unwrap_or_default();
         if !["Building", "BuildingPart"].contains(&kind) {
@@ -46,7 +70,7 @@ pub(super) fn features(input: &Input, document: &Value) -> Result<FeatureSet> {
         let of_parts = names(object, "children").filter_map(|part| most_detailed(objects.get(part)?));
         let best = most_detailed(object).filter(|geometry| of_parts.map(detail).all(|part| part <= detail(geometry)));
         let Some(geometry) = best else { continue };
-        let solid = solid_of(geometry, &vertices).map_err(|found| wrong(&format!("object `{id}`: {found}")))?;
+        let solid = solid_of(geometry, &vertices).map_err(|found| format!("object `{id}`: {found}"))?;
         let attributes = |object: &Value| object.get("attributes").and_then(Value::as_object).cloned();
         let building = names(object, "parents").next().filter(|_| kind == "BuildingPart");
         // A part has the attributes of its building, except those of its own.
@@ -61,14 +85,7 @@ pub(super) fn features(input: &Input, document: &Value) -> Result<FeatureSet> {
             ..Feature::of_solid(solid)
         });
     }
-    let system = document.pointer("/metadata/referenceSystem").and_then(Value::as_str).unwrap_or_default();
-    Ok(FeatureSet {
-        crs: crs_of(input, &reference_system(system)),
-        name: None,
-        attribution: None,
-        name_limit: None,
-        features,
-    })
+    Ok(objects.len())
 }
 
 /// Returns `https://www.opengis.net/def/crs/EPSG/0/7415` as `EPSG:7415`; other names stay.
@@ -81,12 +98,12 @@ fn reference_system(name: &str) -> String {
 
 /// Returns all vertices in coordinates of the reference system; `transform` scales and shifts
 /// integers.
-fn vertices(document: &Value) -> std::result::Result<Vec<[f64; 3]>, String> {
+fn vertices(document: &Value, transform: Option<&Value>) -> std::result::Result<Vec<[f64; 3]>, String> {
     let triple = |value: &Value| -> Option<[f64; 3]> {
         let [x, y, z] = value.as_array()?.as_slice() else { return None };
         Some([x.as_f64()?, y.as_f64()?, z.as_f64()?])
     };
-    let (scale, shift) = match document.get("transform") {
+    let (scale, shift) = match transform {
         None => ([1.0; 3], [0.0; 3]),
         Some(transform) => {
             let part = |name: &str| transform.get(name).and_then(triple);
@@ -129,7 +146,7 @@ fn most_detailed(object: &Value) -> Option<&Value> {
 
 /// Returns the height of a building whose surfaces do not define it. The height of an outline alone
 /// is the measured one. A block of just 3 m has an unknown height.
-fn height_of(measured: Option<&Property>, detail: f64, heights: Option<[f64; 2]>) -> Option<SolidHeight> {
+pub(super) fn height_of(measured: Option<&Property>, detail: f64, heights: Option<[f64; 2]>) -> Option<SolidHeight> {
     const FILLER_M: f64 = 3.0;
     let [low, high] = heights?;
     let measured = measured.and_then(|value| match value {

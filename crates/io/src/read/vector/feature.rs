@@ -82,6 +82,12 @@ pub(in crate::read) struct Selection<'a> {
     pub(in crate::read) bounds: Option<[f64; 4]>,
 }
 
+impl Default for FeatureSet {
+    fn default() -> Self {
+        FeatureSet { crs: Ok(None), name: None, attribution: None, name_limit: None, features: Vec::new() }
+    }
+}
+
 impl Feature {
     /// Creates a feature of a solid, without properties.
     pub(in crate::read) fn of_solid(Solid { polygons, heights, roof, ground }: Solid) -> Feature {

@@ -17,7 +17,7 @@ use super::cityjson;
 use super::feature::{self, FeatureSet, Property};
 use super::unique::{self, Members};
 use crate::crs;
-use crate::error::{Cause, Error, MOST_FOUND, Place, ReadFault, Result, shortened};
+use crate::error::{Error, MOST_FOUND, Place, ReadFault, Result, shortened};
 use crate::input::Input;
 use crate::raster::Crs;
 
@@ -59,18 +59,8 @@ fn parse_document(input: &Input, text: &str) -> Result<Value> {
     }
     unique::parse(text).map_err(|e| {
         let found = shortened(&e.to_string(), MOST_FOUND).into_owned();
-        let error = Error::malformed(input, format!("{found}, wanted one GeoJSON document"));
-        if e.to_string().starts_with("trailing characters") && is_one_feature_a_line(text) {
-            error.because(Cause::FeatureALine)
-        } else {
-            error
-        }
+        Error::malformed(input, format!("{found}, wanted one GeoJSON document"))
     })
-}
-
-/// Returns `true` when the second line of a text begins another JSON object.
-fn is_one_feature_a_line(text: &str) -> bool {
-    text.trim_start().lines().nth(1).is_some_and(|line| line.starts_with(['{', '\u{1e}']))
 }
 
 /// Returns the features of a document: of a collection, of a single feature, or of a bare geometry.
@@ -117,8 +107,55 @@ pub(super) fn read(input: &Input) -> Result<FeatureSet> {
     if let Some(set) = collection(text).and_then(|collection| set_of_collection(input, &collection)) {
         return Ok(set);
     }
+    if let Some(records) = records(text) {
+        return read_sequence(input, &records);
+    }
     let document = parse_document(input, text)?;
     if cityjson::is_cityjson(&document) { cityjson::features(input, &document) } else { feature_set(input, document) }
+}
+
+/// Returns the objects of a text with one in each line, or after each record separator (RFC 8142);
+/// `None` for a single document.
+fn records(text: &str) -> Option<Vec<&str>> {
+    const SEPARATOR: char = '\u{1e}';
+    let text = text.trim_start();
+    let all: Vec<&str> = match text.strip_prefix(SEPARATOR) {
+        Some(records) => records.split(SEPARATOR).map(str::trim).filter(|record| !record.is_empty()).collect(),
+        None => text.lines().map(str::trim).filter(|line| !line.is_empty()).collect(),
+    };
+    // Lines of one document are no objects of their own.
+    let is_object = |record: &&str| record.starts_with('{') && record.ends_with('}');
+    let is_sequence = text.starts_with(SEPARATOR) || all.len() > 1 && all.iter().take(2).all(is_object);
+    is_sequence.then_some(all)
+}
+
+/// Reads the features of a GeoJSON or CityJSON sequence.
+fn read_sequence(input: &Input, records: &[&str]) -> Result<FeatureSet> {
+    let wrong = |number: usize, found: String| {
+        let found = shortened(&found, MOST_FOUND).into_owned();
+        Error::malformed(input, format!("{found}, wanted a feature")).at(Place::Feature(number as u64 + 1))
+    };
+    let parse = |(number, record): (usize, &&str)| unique::parse(record).map_err(|e| wrong(number, e.to_string()));
+    if let Some(first) = records.first()
+        && let Ok(document) = unique::parse(first)
+        && cityjson::is_cityjson(&document)
+    {
+        let following = records.par_iter().enumerate().skip(1).map(parse).collect::<Result<Vec<Value>>>()?;
+        return cityjson::sequence(input, &document, &following);
+    }
+    let feature = |names: &mut HashSet<Arc<str>>, (number, record): (usize, &&str)| {
+        let parsed = unique::parse_feature(record);
+        let parsed = match parsed {
+            Some(feature) => feature,
+            None => {
+                let value = parse((number, record))?;
+                serde_json::from_value(value).map_err(|e| wrong(number, e.to_string()))?
+            }
+        };
+        feature_of(parsed, names).map_err(|found| wrong(number, found))
+    };
+    let features = records.par_iter().enumerate().map_init(HashSet::new, feature).collect::<Result<Vec<_>>>()?;
+    Ok(FeatureSet { crs: Ok(None), name: None, attribution: None, name_limit: None, features })
 }
 
 /// Parses the features of a collection in parallel; `None` if any is faulty.

@@ -24,15 +24,15 @@ const SQLITE_HEADER_BYTES: u64 = 100;
 
 /// Reads the features of a table; of the only one if no `layer` is named.
 pub(super) fn read(input: &Input, layer: Option<&str>) -> Result<FeatureSet> {
-    if input.is_held() {
-        return Err(Error::unsupported(input, "SQLite reads a GeoPackage from a file, wanted its path"));
-    }
-    let (file, length) = input.open()?;
+    // SQLite reads files alone.
+    let copy = if input.is_held() { Some(copied(input)?) } else { None };
+    let on_disk = copy.as_ref().map_or_else(|| input.clone(), |copy| Input::path(copy.path()));
+    let (file, length) = on_disk.open()?;
     refuse_open_changes(input)?;
     refuse_cut_off(input, file, length)?;
     let broken = |e: rusqlite::Error| malformed(input, &e.to_string(), "a GeoPackage");
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    let database = Connection::open_with_flags(uri(input), flags).map_err(broken)?;
+    let database = Connection::open_with_flags(uri(&on_disk), flags).map_err(broken)?;
     // A column must not compute a value larger than the file.
     let longest = i32::try_from(length.max(LEAST_VALUE)).unwrap_or(i32::MAX);
     database.set_limit(Limit::SQLITE_LIMIT_LENGTH, longest).map_err(broken)?;
@@ -51,6 +51,17 @@ pub(super) fn read(input: &Input, layer: Option<&str>) -> Result<FeatureSet> {
     let features = table.features(input, &database, length)?;
     let crs = crs(input, &database, table.srs);
     Ok(FeatureSet { crs, name: None, attribution: None, name_limit: None, features })
+}
+
+/// Copies bytes that are no file into one, which is gone with what is returned.
+fn copied(input: &Input) -> Result<tempfile::NamedTempFile> {
+    let copy = || {
+        let mut file = tempfile::NamedTempFile::with_suffix(".gpkg")?;
+        let (mut bytes, _) = input.open().map_err(std::io::Error::other)?;
+        std::io::copy(&mut bytes, &mut file)?;
+        Ok(file)
+    };
+    copy().map_err(|e: std::io::Error| cannot_read(input, &e))
 }
 
 /// Least limit for the longest value of a file \[bytes\].

@@ -4,12 +4,15 @@
 //! [`super::building`] reads a feature's properties as a building. Readers trust no length or count
 //! in a file: nothing is reserved beyond what the file's own size allows.
 
+mod citygml;
 mod cityjson;
 mod feature;
 mod flatgeobuf;
 pub(super) mod geojson;
 #[cfg(feature = "geopackage")]
 mod geopackage;
+#[cfg(feature = "parquet")]
+mod geoparquet;
 #[cfg(feature = "shapefiles")]
 mod rings;
 #[cfg(feature = "shapefiles")]
@@ -19,67 +22,95 @@ pub(super) mod wkb;
 
 pub(super) use feature::{Feature, FeatureSet, Property, Selection, SolidHeight, bounds, opened};
 
-use std::path::Path;
+use super::scene_files::SceneFiles;
+#[cfg(not(all(feature = "geopackage", feature = "parquet", feature = "shapefiles")))]
+use crate::error::Cause;
+use std::collections::HashSet;
 
-use crate::error::Result;
-#[cfg(not(all(feature = "geopackage", feature = "shapefiles")))]
-use crate::error::{Cause, Error};
+#[cfg(not(all(feature = "geopackage", feature = "parquet", feature = "shapefiles")))]
+use crate::error::Error;
+use crate::error::{Pair, Result, two_crs};
+use crate::format::{FileFormat, FileKind};
 use crate::input::Input;
+use crate::quantity::STEPS_PER_UNIT;
+use crate::raster::CrsKind;
 
-/// Format of a file of vector data.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum VectorFormat {
-    /// GeoJSON, or CityJSON, recognized by its text.
-    Json,
-    /// Shapefile with its sidecar files.
-    Shapefile,
-    /// FlatGeobuf.
-    FlatGeobuf,
-    /// GeoPackage.
-    GeoPackage,
-}
-
-impl VectorFormat {
-    /// Returns the format of an extension (lower case, without the point).
-    pub fn of_extension(extension: &str) -> Option<VectorFormat> {
-        match extension {
-            "geojson" | "json" => Some(VectorFormat::Json),
-            "shp" => Some(VectorFormat::Shapefile),
-            "fgb" => Some(VectorFormat::FlatGeobuf),
-            "gpkg" => Some(VectorFormat::GeoPackage),
-            _ => None,
+/// Reads the features of all files of a scene.
+///
+/// # Errors
+/// E302 for a format without features; errors of the files; E308 for files in two reference
+/// systems.
+pub(super) fn read_features(scene: &SceneFiles, selection: Selection<'_>) -> Result<FeatureSet> {
+    let read = |input: &Input| -> Result<FeatureSet> {
+        let mut set = read_file(input, scene.format, selection)?;
+        set.features.iter_mut().for_each(Feature::open_tags);
+        Ok(set)
+    };
+    let [first, others @ ..] = scene.files.as_slice() else { return Ok(FeatureSet::default()) };
+    let mut whole = read(first)?;
+    if others.is_empty() {
+        return Ok(whole);
+    }
+    whole.name = None;
+    // Steps of the lattice, or of a millimeter where units are degrees.
+    let is_geographic = matches!(&whole.crs, Ok(Some(crs)) if matches!(crs.kind(), CrsKind::Geographic));
+    let steps = if is_geographic || whole.crs.is_err() { 1e8 } else { f64::from(STEPS_PER_UNIT) };
+    let mut seen: HashSet<_> = whole.features.iter().filter_map(|feature| likeness(feature, steps)).collect();
+    for input in others {
+        let set = read(input)?;
+        if let (Ok(Some(one)), Ok(Some(other))) = (&whole.crs, &set.crs)
+            && !one.same_as(other)
+        {
+            return Err(two_crs((first, one), (input, other), Pair::Tiles));
         }
+        if !matches!(whole.crs, Ok(Some(_))) {
+            whole.crs = set.crs;
+        }
+        whole.attribution = whole.attribution.take().or(set.attribution);
+        // A building on the seam of two tiles stands in both, and counts once.
+        let of_file: Vec<_> = set.features.iter().map(|feature| likeness(feature, steps)).collect();
+        let is_new = |like: &Option<Likeness>| like.as_ref().is_none_or(|like| !seen.contains(like));
+        let features = set.features.into_iter().zip(&of_file).filter(|(_, like)| is_new(like));
+        whole.features.extend(features.map(|(feature, _)| feature));
+        seen.extend(of_file.into_iter().flatten());
     }
-
-    /// Returns the format of the extension of a path.
-    pub fn of_path(path: &Path) -> Option<VectorFormat> {
-        VectorFormat::of_extension(&path.extension()?.to_string_lossy().to_lowercase())
-    }
-
-    /// Returns the format of a file by its name; GeoJSON for any other name.
-    fn of(input: &Input) -> VectorFormat {
-        VectorFormat::of_extension(&input.extension()).unwrap_or(VectorFormat::Json)
-    }
+    Ok(whole)
 }
 
-/// Reads the features of a file.
-pub(super) fn read_features(input: &Input, selection: Selection<'_>) -> Result<FeatureSet> {
-    let mut set = match VectorFormat::of(input) {
-        VectorFormat::Json => geojson::read(input),
+/// Id and areas of a feature, by which it is known in two files.
+type Likeness = (String, Vec<[i64; 2]>);
+
+/// Returns the likeness of a feature with an id, its corners in some steps of a unit.
+fn likeness(feature: &Feature, steps: f64) -> Option<Likeness> {
+    let id = feature.id.clone()?;
+    #[expect(clippy::cast_possible_truncation, reason = "saturates")]
+    let corner = |p: &[f64; 2]| p.map(|v| (v * steps).round() as i64);
+    Some((id, feature.polygons.iter().flatten().flatten().map(corner).collect()))
+}
+
+fn read_file(input: &Input, format: FileFormat, selection: Selection<'_>) -> Result<FeatureSet> {
+    match format {
+        FileFormat::Json => geojson::read(input),
+        FileFormat::CityGml => citygml::read(input),
         #[cfg(feature = "shapefiles")]
-        VectorFormat::Shapefile => shapefile::read(input),
+        FileFormat::Shapefile => shapefile::read(input),
         #[cfg(not(feature = "shapefiles"))]
-        VectorFormat::Shapefile => {
+        FileFormat::Shapefile => {
             Err(Error::unsupported(input, "this build reads no Shapefile").because(Cause::NotBuilt))
         }
-        VectorFormat::FlatGeobuf => flatgeobuf::read(input, selection.bounds),
+        FileFormat::FlatGeobuf => flatgeobuf::read(input, selection.bounds),
         #[cfg(feature = "geopackage")]
-        VectorFormat::GeoPackage => geopackage::read(input, selection.layer),
+        FileFormat::GeoPackage => geopackage::read(input, selection.layer),
         #[cfg(not(feature = "geopackage"))]
-        VectorFormat::GeoPackage => {
+        FileFormat::GeoPackage => {
             Err(Error::unsupported(input, "this build reads no GeoPackage").because(Cause::NotBuilt))
         }
-    }?;
-    set.features.iter_mut().for_each(Feature::open_tags);
-    Ok(set)
+        #[cfg(feature = "parquet")]
+        FileFormat::GeoParquet => geoparquet::read(input, selection.bounds),
+        #[cfg(not(feature = "parquet"))]
+        FileFormat::GeoParquet => {
+            Err(Error::unsupported(input, "this build reads no GeoParquet").because(Cause::NotBuilt))
+        }
+        format => Err(format.unwanted(input, FileKind::Vector)),
+    }
 }

@@ -1,0 +1,142 @@
+//! Files inside of gzip files and ZIP archives.
+//!
+//! Nothing is written to disk: a file is unpacked into memory when it is opened, and again when it
+//! is opened again. Names inside of archives are names alone, wherever they point.
+
+use std::io::{BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use zip::ZipArchive;
+use zip::result::ZipError;
+
+use crate::error::{Cause, Error, ReadFault, Result};
+use crate::input::{Input, Reader, cannot_read};
+
+/// Most files in an archive.
+const MOST_MEMBERS: usize = 100_000;
+/// What may be unpacked of any file \[bytes\], and for each packed byte. Text and XML of cities
+/// take 10 to 40 times the bytes of their archive.
+const MOST_UNPACKED: (u64, u64) = (64 << 20, 150);
+
+/// File inside of another one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Packed {
+    archive: Box<Input>,
+    /// Name in a ZIP archive; `None` in a gzip file, which holds one file.
+    member: Option<String>,
+}
+
+/// Kind of an archive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Archive {
+    Gzip,
+    Zip,
+}
+
+/// Returns the files inside of an archive, without folders and hidden files.
+///
+/// # Errors
+/// E301 and E302 for an archive that cannot be read; E502 for one of too many files.
+pub(crate) fn members(archive: &Input, kind: Archive) -> Result<Vec<Input>> {
+    let packed = |member: Option<String>| Packed { archive: Box::new(archive.clone()), member };
+    if kind == Archive::Gzip {
+        return Ok(vec![Input::packed(archive.as_path().with_extension(""), packed(None))]);
+    }
+    let zip = open(archive)?;
+    if zip.len() > MOST_MEMBERS {
+        let what = format!("{} files, wanted an archive of at most {MOST_MEMBERS}", zip.len());
+        return Err(Error::read(archive, ReadFault::TooMany(what)));
+    }
+    let mut names = Vec::new();
+    for name in zip.file_names() {
+        let name = name.map_err(|e| damaged(archive, &e))?.into_owned();
+        let is_hidden = |part: &str| part.starts_with('.') || part == "__MACOSX";
+        if !name.ends_with('/') && !name.split('/').any(is_hidden) {
+            names.push(name);
+        }
+    }
+    names.sort();
+    names.dedup();
+    let inside = |name: String| {
+        let path = archive.as_path().join(name.trim_start_matches('/'));
+        Input::packed(path, packed(Some(name)))
+    };
+    Ok(names.into_iter().map(inside).collect())
+}
+
+impl Packed {
+    /// Returns the archive.
+    pub(crate) fn archive(&self) -> &Input {
+        &self.archive
+    }
+
+    /// Returns the file beside it in the archive of another name, if there is one.
+    pub(crate) fn beside(&self, name: &Path) -> Option<Input> {
+        let own = self.member.as_ref()?;
+        let zip = open(&self.archive).ok()?;
+        let (folder, wanted) = (own.rsplit_once('/').map(|(folder, _)| folder), name.file_name()?.to_string_lossy());
+        let is_it = |other: &str| match (other.rsplit_once('/'), folder) {
+            (Some((of, file)), Some(folder)) => of == folder && file.eq_ignore_ascii_case(&wanted),
+            (None, None) => other.eq_ignore_ascii_case(&wanted),
+            _ => false,
+        };
+        let found = zip.file_names().filter_map(std::result::Result::ok).find(|other| is_it(other))?.into_owned();
+        let packed = Packed { archive: self.archive.clone(), member: Some(found) };
+        Some(Input::packed(PathBuf::from(name), packed))
+    }
+
+    /// Returns the first bytes.
+    pub(crate) fn head(&self, input: &Input, most: u64) -> Result<Vec<u8>> {
+        self.unpack(input, |file, _| {
+            let mut head = Vec::new();
+            file.take(most).read_to_end(&mut head).map_err(|e| cannot_read(input, &e))?;
+            Ok(head)
+        })
+    }
+
+    /// Returns all bytes.
+    ///
+    /// # Errors
+    /// E302 for a damaged archive; E502 for a file that is much larger than its archive.
+    pub(crate) fn read(&self, input: &Input) -> Result<Vec<u8>> {
+        self.unpack(input, |file, packed_len| {
+            let most = MOST_UNPACKED.0.saturating_add(MOST_UNPACKED.1.saturating_mul(packed_len));
+            let mut bytes = Vec::new();
+            file.take(most + 1).read_to_end(&mut bytes).map_err(|e| {
+                let what = format!("it cannot be unpacked ({e}), wanted a whole archive");
+                Error::malformed(input, what).because(Cause::CutShort)
+            })?;
+            if bytes.len() as u64 > most {
+                let what = format!("over {} MiB out of {packed_len} bytes, wanted a file of a city", most >> 20);
+                return Err(Error::read(input, ReadFault::TooMany(what)));
+            }
+            Ok(bytes)
+        })
+    }
+
+    /// Calls `with` with the unpacked file and the length of the packed one.
+    fn unpack<T>(&self, input: &Input, with: impl FnOnce(&mut dyn Read, u64) -> Result<T>) -> Result<T> {
+        let Some(member) = &self.member else {
+            let (file, length) = self.archive.open()?;
+            return with(&mut flate2::read::MultiGzDecoder::new(BufReader::new(file)), length);
+        };
+        let mut zip = open(&self.archive)?;
+        let mut file = zip.by_name(member).map_err(|e| damaged(input, &e))?;
+        let length = file.compressed_size();
+        with(&mut file, length)
+    }
+}
+
+fn open(archive: &Input) -> Result<ZipArchive<BufReader<Reader>>> {
+    ZipArchive::new(BufReader::new(archive.open()?.0)).map_err(|e| damaged(archive, &e))
+}
+
+/// Returns the error for an archive that is damaged, locked, or packed in another way.
+fn damaged(input: &Input, error: &ZipError) -> Error {
+    match error {
+        ZipError::Io(error) => cannot_read(input, error),
+        ZipError::UnsupportedArchive(what) => Error::unsupported(input, format!("{what}, wanted a plain ZIP archive")),
+        ZipError::InvalidPassword => Error::unsupported(input, "it needs a password, wanted a plain ZIP archive"),
+        error => Error::malformed(input, format!("{error}, wanted a ZIP archive")).because(Cause::CutShort),
+    }
+}
