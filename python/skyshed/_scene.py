@@ -69,8 +69,11 @@ class Scene(Grid):
         self._scene, self._word, self._reading, self._origin = scene, word, reading, origin
 
     @classmethod
-    def open(cls, path: PathLike, *, progress: object = None, **options: Unpack[SceneKeywords]) -> Self:
-        """Opens any file that the program reads: a raster or a folder of tiles, footprints, or a mesh.
+    def open(
+        cls, path: PathLike | Sequence[PathLike], *, progress: object = None, **options: Unpack[SceneKeywords]
+    ) -> Self:
+        """Opens any file that the program reads: a raster, footprints, a point cloud or a mesh, packed or not; a folder or a list
+        of files of one format is one scene.
 
         ``cell`` is the size of the cells of footprints [m], ``extent`` = (west, south, east, north) keeps that part alone; ``terrain``,
         ``data_area``, ``missing``, ``roofs``, ``project`` and more: ``help(skyshed.keywords.SceneKeywords)``.
@@ -79,7 +82,7 @@ class Scene(Grid):
         >>> munich.shape
         (1111, 1406)
         """
-        reading, word = _reading(options), os.fspath(path)
+        reading, word = _reading(options), "+".join(map(os.fspath, _listed(path)))
         origin = origin_of(path, options)
         scene = cls(_skyshed.Scene.open(word, as_json(reading), watch_of(progress)), word, reading, origin)
         tell(scene._scene.warnings)
@@ -442,15 +445,25 @@ def _reopened(cls: type[Scene], origin: Origin) -> Scene:
     return cls(_skyshed.Scene.open(origin.word, as_json(origin.options)), origin.word, origin.options, origin)
 
 
-def origin_of(path: PathLike, options: Mapping[str, object]) -> Origin:
-    """What a scene of a file is opened by, wherever a process is."""
+def _listed(path: PathLike | Sequence[PathLike]) -> Sequence[PathLike]:
+    return [path] if isinstance(path, (str, os.PathLike)) else path
+
+
+def _parts(word: str) -> list[str]:
+    """The files of a word such as ``a.geojson+b.geojson``."""
+    return [word] if os.path.exists(word) or "://" in word else word.split("+")
+
+
+def origin_of(path: PathLike | Sequence[PathLike], options: Mapping[str, object]) -> Origin:
+    """What a scene of files is opened by, wherever a process is."""
     of_files = {name: _absolute(value) if name in ("terrain", "data_area") else value for name, value in options.items()}
-    return Origin(_absolute(os.fspath(path)), _reading(of_files))
+    parts = [part for file in _listed(path) for part in _parts(os.fspath(file))]
+    return Origin("+".join(map(_absolute, parts)), _reading(of_files))
 
 
 def opened_once(origin: Origin) -> Scene:
     """A scene of files, which this process opens once unless one of them changes."""
-    paths = [origin.word, *(value for value in origin.options.values() if isinstance(value, str))]
+    paths = [*_parts(origin.word), *(value for value in origin.options.values() if isinstance(value, str))]
     files = [path for path in paths if os.path.exists(path)]
     files += [member.path for path in files if os.path.isdir(path) for member in os.scandir(path)]
     changed = tuple((path, os.stat(path).st_mtime_ns, os.stat(path).st_size) for path in files)

@@ -261,19 +261,28 @@ impl MapJob {
 
     /// Returns the reader of the scene, with a limit on the footprints that are read.
     ///
-    /// The limit keeps all footprints that a link can meet. It applies to a scene with an extent, a
-    /// radius and no zones, if every UAV is typed and no farther from the extent than the radius.
+    /// The limit keeps all footprints that a link can meet. It applies to a scene with an extent and
+    /// without zones, if every UAV is typed: links stay in the box around the extent and the UAVs, and
+    /// as near to the extent as the radius.
     pub(super) fn scene_in_reach(&self) -> SceneReader {
-        let (radius_m, extent) = (self.plan.sight.radius_m(), self.scene.options.extent);
-        let is_near = |site: &Site, [west, south, east, north]: [f64; 4], reach: f64| {
-            (west - reach..=east + reach).contains(&site.x) && (south - reach..=north + reach).contains(&site.y)
+        /// Shortest unit of any system, since the system is not known yet \[m\].
+        const SHORTEST_UNIT_M: f64 = 0.25;
+        /// Cells at the border of the extent, and roundings \[CRS units\].
+        const MARGIN: f64 = 100.0;
+        // UAVs of a table are not read yet.
+        let limit = |extent: [f64; 4]| {
+            (self.uavs.table.is_none() && !self.plan.needs_zones()).then(|| {
+                let [west, south, east, north] = around(extent, self.uavs.typed.iter().map(|site| [site.x, site.y]));
+                // The surface below a distant UAV is needed too.
+                let reach = self.plan.sight.radius_m().map(|m| m / SHORTEST_UNIT_M);
+                let reach = reach.filter(|reach| self.uavs.typed.iter().all(|site| is_near(site, extent, *reach)));
+                let [w, s, e, n] = extent;
+                let reach = reach.unwrap_or(f64::INFINITY);
+                let [w, s, e, n] = [w - reach, s - reach, e + reach, n + reach];
+                [west.max(w) - MARGIN, south.max(s) - MARGIN, east.min(e) + MARGIN, north.min(n) + MARGIN]
+            })
         };
-        // The surface below a distant UAV is needed too. UAVs of a table are not read yet.
-        let knows_uavs = self.uavs.table.is_none();
-        let reach_m = radius_m.zip(extent).filter(|(reach, extent)| {
-            knows_uavs && !self.plan.needs_zones() && self.uavs.typed.iter().all(|site| is_near(site, *extent, *reach))
-        });
-        SceneReader { reach_m: reach_m.map(|(reach_m, _)| reach_m), ..self.scene.clone() }
+        SceneReader { within: self.scene.options.extent.and_then(limit), ..self.scene.clone() }
     }
 
     /// Returns the bytes per cell that a map of one UAV takes beside the scene.
@@ -290,4 +299,14 @@ impl MapJob {
     pub(super) fn path(&self) -> &Path {
         Path::new(&self.word)
     }
+}
+
+/// Returns `true` for a UAV no farther from an extent than some distance.
+fn is_near(site: &Site, [west, south, east, north]: [f64; 4], reach: f64) -> bool {
+    (west - reach..=east + reach).contains(&site.x) && (south - reach..=north + reach).contains(&site.y)
+}
+
+/// Returns the box around another one and some places.
+fn around(extent: [f64; 4], places: impl Iterator<Item = [f64; 2]>) -> [f64; 4] {
+    places.fold(extent, |[west, south, east, north], [x, y]| [west.min(x), south.min(y), east.max(x), north.max(y)])
 }

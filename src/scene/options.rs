@@ -31,8 +31,8 @@ pub struct SceneReader {
     /// Box of a raster that is read: west, south, east, north \[CRS units\]; `None` reads all of
     /// it.
     pub(crate) around: Option<[f64; 4]>,
-    /// Largest distance from the extent at which a footprint matters \[m\].
-    pub(crate) reach_m: Option<f64>,
+    /// Box outside of which no footprint matters: west, south, east, north \[CRS units\].
+    pub(crate) within: Option<[f64; 4]>,
     /// `true` if faults of footprints are reported where the program would refuse them.
     pub(crate) tells_faults: bool,
     /// List of everything that was mended or left out.

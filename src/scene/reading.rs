@@ -285,9 +285,10 @@ impl SceneReader {
             terrain: self.options.terrain.as_deref().map(Into::into),
             ground: self.options.ground,
             extent: self.options.extent,
-            reach_m: self.reach_m,
+            within: self.within,
             cell_m: self.options.cell,
             crs: self.crs()?,
+            swap_axes: self.options.swap_axes,
             project: self.projection()?,
             nodata_as: self.options.nodata_as.unwrap_or_default(),
             base: self.options.base.unwrap_or_default(),
@@ -297,8 +298,9 @@ impl SceneReader {
     }
 
     /// Lists the options that apply only to footprints.
-    fn of_footprints(&self) -> [Set; 12] {
+    fn of_footprints(&self) -> [Set; 13] {
         [
+            ("swap_axes", self.options.swap_axes),
             ("roofs", self.options.roofs.is_some()),
             ("height_field", self.options.height_field.is_some()),
             ("top_field", self.options.top_field.is_some()),
@@ -347,6 +349,11 @@ fn facts_of(scene: &crate::city::City, odd: &[skyshed_io::Warning]) -> RunFacts 
 /// Returns the parameters of the generated city that a word names; `None` for a file.
 pub(crate) fn built_up(word: &OsStr) -> Option<Result<BuiltUp>> {
     Some(BuiltUpCity::parse_built_up(word.to_str()?)?.map_err(Into::into))
+}
+
+/// Returns the format and the number of the files of a scene.
+pub(crate) fn files_of(path: &Path) -> Option<(FileFormat, usize)> {
+    SceneFiles::of(&path.into()).ok().map(|files| (files.format, files.files.len()))
 }
 
 /// Returns the format of the files of a scene; of a file that cannot be read, that of its name.

@@ -48,6 +48,10 @@ pub(crate) struct SceneInfo {
     pub(super) kind: &'static str,
     /// Name in titles.
     pub(super) name: String,
+    /// Format of its files; null for a generated city.
+    pub(super) format: Option<&'static str>,
+    /// Number of its files.
+    pub(super) files: Option<usize>,
     /// Columns of cells.
     pub(super) cols: usize,
     /// Rows of cells.

@@ -33,8 +33,9 @@ use crate::quantity::{Frame, meters, tidy};
 use crate::raster::Crs;
 use crate::read::vertical_of;
 use crate::render::{grouped, percent};
-use crate::scene::{Scene, SceneReader, is_raster};
+use crate::scene::{Scene, SceneReader, built_up, files_of, is_raster};
 use crate::words::{capitalized, version};
+use skyshed_io::FileFormat;
 
 /// Output formats of a description without tiles.
 pub(crate) const FORMATS: [Format; 2] = [Format::Json, Format::Stdout];
@@ -83,6 +84,8 @@ pub(crate) struct Survey {
     n_buildings: usize,
     estimate: Option<BuiltUp>,
     tiles: Option<Tiles>,
+    /// Format and number of the files of the scene.
+    files: Option<(FileFormat, usize)>,
     /// Raster files that hold heights, with the vertical reference of each.
     vertical: Vec<(PathBuf, Option<VerticalCrs>)>,
 }
@@ -100,7 +103,8 @@ impl Survey {
         command: CommandFacts,
     ) -> Result<Survey> {
         let (start, mut warnings) = (Instant::now(), Vec::new());
-        let city = SceneReader { tells_faults: true, ..options.clone() }.read(word, &mut warnings)?;
+        let reader = SceneReader { tells_faults: true, within: options.options.extent, ..options.clone() };
+        let city = reader.read(word, &mut warnings)?;
         let size = tile_m.map(|edge| tiles::checked_size(edge, &city.grid, word)).transpose()?;
         let (heights, n_buildings) = (city.solids.building_heights(), city.solids.n_buildings());
         let (faults, footprints): (_, Option<(Vec<Footprint>, Frame)>) = match &city.solids {
@@ -125,7 +129,8 @@ impl Survey {
             .map(|path| (path.clone(), vertical_of(&path)))
             .collect();
         let facts = RunFacts { command, ..scene.facts(None) };
-        Ok(Survey { scene, facts, counts, faults, n_buildings, estimate, tiles, vertical })
+        let files = if built_up(word).is_some() { None } else { files_of(Path::new(word)) };
+        Ok(Survey { scene, facts, counts, faults, n_buildings, estimate, tiles, vertical, files })
     }
 
     fn kind(&self) -> &'static str {
@@ -170,6 +175,10 @@ impl Survey {
             tidy(grid.y_max())
         );
         text += &format!("CRS        {crs}\n");
+        if let Some((format, n_files)) = self.files {
+            let of = if n_files > 1 { format!(", {} files", grouped(n_files as u64)) } else { String::new() };
+            text += &format!("format     {}{of}\n", format.noun());
+        }
         for (path, vertical) in &self.vertical {
             let system = vertical.as_ref().map_or("a datum that it does not name".to_string(), VerticalCrs::in_words);
             text += &format!("heights    of {} above {system}\n", path.display());
@@ -230,6 +239,8 @@ impl Answer for Survey {
             command: self.facts.command.clone(),
             kind: self.kind(),
             name: self.scene.name.clone(),
+            format: self.files.map(|(format, _)| format.noun()),
+            files: self.files.map(|(_, n)| n),
             cols: grid.n_cols(),
             rows: grid.n_rows(),
             cell_m: [grid.cell_width() * unit, grid.cell_height() * unit],

@@ -4,11 +4,14 @@
 //! Inputs are made by mutation from good files: bits turned, numbers replaced by extremes, pieces cut, repeated, moved and
 //! nested. Some hundreds in CI, a million with `SKYSHED_LONG=1`. What was found stands in `regressions`.
 
+use std::io::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use parquet::basic::Compression;
 use rayon::prelude::*;
 use skyshed_core::raster::GeoRef;
 
+use crate::city_formats;
 use crate::formats_write;
 use crate::program::{Folder, run_in};
 use crate::support::{Random, is_long};
@@ -94,6 +97,21 @@ fn good_files() -> Folder {
     vector_files::write_flatgeobuf(&folder.join("index.fgb"), &city, true);
     vector_files::write_geopackage(&folder.join("town.gpkg"), &[("buildings", &city)]);
     vector_files::write_cityjson(&folder.join("town.city.json"), &city, "2.0");
+    folder.write("town.gml", &city_formats::citygml(&city, 2));
+    folder.write("parts.gml", &city_formats::cadastre(&city, &[4, 2, 3]));
+    city_formats::write_geoparquet(&folder.join("town.parquet"), &city, Compression::SNAPPY, 2);
+    let document: serde_json::Value = serde_json::from_str(FOOTPRINTS).unwrap();
+    let lines: Vec<String> = document["features"].as_array().unwrap().iter().map(ToString::to_string).collect();
+    folder.write("lines.geojsonl", &lines.join("\n"));
+    let mut gz = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    gz.write_all(FOOTPRINTS.as_bytes()).unwrap();
+    std::fs::write(folder.join("city.geojson.gz"), gz.finish().unwrap()).unwrap();
+    let mut zip = zip::ZipWriter::new(std::fs::File::create(folder.join("town.zip")).unwrap());
+    for name in ["town.shp", "town.dbf", "town.shx", "town.prj"] {
+        zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+        zip.write_all(&folder.read(name)).unwrap();
+    }
+    zip.finish().unwrap();
     vector_files::write_obj(&folder.join("town.obj"));
     vector_files::write_ply(&folder.join("text.ply"), "ascii");
     vector_files::write_ply(&folder.join("bytes.ply"), "binary_little_endian");
@@ -136,6 +154,12 @@ fn targets() -> Vec<Target> {
         town("index.fgb", &[], ""),
         town("town.gpkg", &[], ""),
         town("town.city.json", &[], ""),
+        town("town.gml", &[], ""),
+        town("parts.gml", &[], "--missing levels"),
+        town("town.parquet", &[], ""),
+        scene("lines.geojsonl", &[], "--crs EPSG:25832 --extent -2,-2,60,60", "5,5,60"),
+        scene("city.geojson.gz", &[], small, "5,5,60"),
+        town("town.zip", &[], ""),
         mesh("town.obj"),
         mesh("text.ply"),
         mesh("bytes.ply"),

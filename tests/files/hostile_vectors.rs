@@ -2,12 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use parquet::basic::Compression;
 use skyshed_core::ErrorKind;
 use skyshed_core::city::City;
 use skyshed_core::height_field::HeightField;
 use skyshed_io::Warning;
 use skyshed_io::read::{FootprintOptions, MeshOptions, read_footprints, read_mesh};
 
+use crate::city_formats::{citygml, write_geoparquet};
 use crate::program::Folder;
 use crate::support::{Random, is_long};
 use crate::vector_files::{
@@ -24,10 +26,12 @@ fn files(folder: &Folder) -> Vec<PathBuf> {
     write_flatgeobuf(&folder.join("d.fgb"), &city, false);
     write_geopackage(&folder.join("e.gpkg"), &[("buildings", &city)]);
     write_cityjson(&folder.join("f.city.json"), &city, "2.0");
+    folder.write("j.gml", &citygml(&city, 2));
+    write_geoparquet(&folder.join("k.parquet"), &city, Compression::SNAPPY, 2);
     write_obj(&folder.join("g.obj"));
     write_ply(&folder.join("h.ply"), "ascii");
     write_ply(&folder.join("i.ply"), "binary_little_endian");
-    let damaged = "a.geojson b.shp b.shx b.dbf b.prj c.fgb d.fgb e.gpkg f.city.json g.obj h.ply i.ply";
+    let damaged = "a.geojson b.shp b.shx b.dbf b.prj c.fgb d.fgb e.gpkg f.city.json g.obj h.ply i.ply j.gml k.parquet";
     damaged.split(' ').map(|name| folder.join(name)).collect()
 }
 

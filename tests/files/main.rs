@@ -26,6 +26,7 @@ mod held_bytes; // readers given bytes with their sidecars: the city of the file
 mod building_meaning; // missing heights, parts, what is not there: by hand, and against a reference in Python
 mod building_counts; // how they are counted and told: one number for each warning, shares, captions, names that formats cut
 mod city_files;
+mod city_formats;
 mod cityjson_parts; // the same of CityJSON: buildings and their parts, measured heights, fillers
 mod ground_truth; // what a scene is made of: bases, voids, typed ground, holes, lattices, extents, ranges
 mod repairs; // what was mended or left out, thing by thing
@@ -35,6 +36,7 @@ mod bad_inputs; // every bad file gets its documented answer
 mod wild; // bad input as it is seen in the wild, row by row
 mod small_files; // small files that would take much time or memory
 mod tangles; // footprints that cross themselves or lie on one another
+mod hostile_cities;
 mod hostile_vectors; // damaged vector files are scenes or errors
 mod fuzz; // damaged files of every kind, and footprints at random
 mod cut_units; // files of units that were cut short, of every format

@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
+use parquet::basic::{Compression, ZstdLevel};
 use rusqlite::Connection;
 use serde_json::{Value, json};
 use skyshed_core::city::Solids;
 use skyshed_core::quantity::height_steps;
 use skyshed_io::read::{MeshOptions, read_mesh};
 
+use crate::city_formats::{citygml, write_geoparquet};
 use crate::mosaic::gdal;
 use crate::needs::has_program;
 use crate::program::Folder;
@@ -40,7 +42,13 @@ fn one_city_in_every_format_is_one_scene() {
     // The courtyard is open ground: 8 × 8 cells less those whose centers are on its edges, of which there is none.
     let cells = &info(&folder, "a.geojson")["cells"];
     assert_eq!(cells["building"], 26 * 26 - 8 * 8 + 9 * 9 + 6 * 6 + (24 * 8 + 10 * 24));
-    for file in ["b.shp", "c.fgb", "d.fgb", "e.gpkg", "f.city.json", "g.json"] {
+    for version in [1, 2, 3] {
+        folder.write(&format!("h{version}.gml"), &citygml(&city, version));
+    }
+    write_geoparquet(&folder.join("i.parquet"), &city, Compression::SNAPPY, 2);
+    write_geoparquet(&folder.join("j.parquet"), &city, Compression::ZSTD(ZstdLevel::default()), 1000);
+    let surfaces = ["f.city.json", "g.json", "h1.gml", "h2.gml", "h3.gml"];
+    for file in ["b.shp", "c.fgb", "d.fgb", "e.gpkg", "i.parquet", "j.parquet"].into_iter().chain(surfaces) {
         let of_file = map(&folder, file);
         assert_eq!(of_file["digest"], of_geojson["digest"], "{file}");
         assert_eq!(of_file["scene"]["crs"], "EPSG:25832", "{file}");
@@ -93,14 +101,13 @@ fn an_extent_reads_only_what_can_cast_a_shadow_into_it() {
     let extent = format!("--extent {EAST},{NORTH},{},{}", EAST + 80.0, NORTH + 80.0);
     let (indexed, plain) = (format!("indexed.fgb {extent}"), format!("plain.fgb {extent}"));
     assert_eq!(map(&folder, &indexed)["digest"], map(&folder, &plain)["digest"]);
-    // The nine features lie in three places; the far ones are never read with an index.
+    // The nine features lie in three places; those beyond the extent are no part of the scene.
     let counts = |scene: &str| {
         let info = info(&folder, scene);
         (info["buildings"].clone(), info["faults"]["too_far"].clone())
     };
-    assert_eq!(counts(&indexed), (json!(6), json!(0)));
-    // What is left out beyond the extent is not counted.
-    assert_eq!(counts(&plain), (json!(6), json!(0)));
+    assert_eq!(counts(&indexed), (json!(3), json!(0)));
+    assert_eq!(counts(&plain), (json!(3), json!(0)));
 }
 
 #[test]

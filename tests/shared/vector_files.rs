@@ -161,7 +161,7 @@ pub(crate) fn write_geopackage(path: &Path, layers: &[(&str, &[Building])]) {
 }
 
 /// Well-known binary, little endian.
-fn multipolygon(polygons: &[Rings]) -> Vec<u8> {
+pub(crate) fn multipolygon(polygons: &[Rings]) -> Vec<u8> {
     let int = |n: usize| u32::try_from(n).unwrap().to_le_bytes();
     let mut bytes = [[1].as_slice(), &int(6), &int(polygons.len())].concat();
     for rings in polygons {

@@ -20,8 +20,10 @@ pub enum FileFormat {
     VirtualRaster,
     /// Folder of rasters.
     RasterFolder,
-    /// GeoJSON or CityJSON, as one document or as one object in each line.
-    Json,
+    /// GeoJSON, as one document or as one object in each line.
+    GeoJson,
+    /// CityJSON, as one document or as one object in each line.
+    CityJson,
     /// CityGML, or buildings of INSPIRE.
     CityGml,
     /// Shapefile.
@@ -104,7 +106,7 @@ impl FileFormat {
     /// Returns the format of an extension (lower case, without the point) that is read.
     pub fn of_extension(extension: &str) -> Option<FileFormat> {
         Some(match extension {
-            "geojson" | "json" | "geojsonl" | "geojsons" | "geojsonseq" | "ndjson" | "jsonl" => FileFormat::Json,
+            "geojson" | "json" | "geojsonl" | "geojsons" | "geojsonseq" | "ndjson" | "jsonl" => FileFormat::GeoJson,
             "gml" | "citygml" => FileFormat::CityGml,
             "shp" => FileFormat::Shapefile,
             "fgb" => FileFormat::FlatGeobuf,
@@ -154,7 +156,8 @@ impl FileFormat {
             FileFormat::AsciiGrid => "an Esri ASCII grid",
             FileFormat::VirtualRaster => "a virtual raster",
             FileFormat::RasterFolder => "a folder of rasters",
-            FileFormat::Json => "GeoJSON or CityJSON",
+            FileFormat::GeoJson => "GeoJSON",
+            FileFormat::CityJson => "CityJSON",
             FileFormat::CityGml => "CityGML",
             FileFormat::Shapefile => "a Shapefile",
             FileFormat::FlatGeobuf => "FlatGeobuf",
@@ -164,6 +167,12 @@ impl FileFormat {
             FileFormat::Ply => "a mesh in PLY",
             FileFormat::Foreign(format) => format.name,
         }
+    }
+
+    /// Returns its name without an article.
+    pub fn noun(self) -> &'static str {
+        let name = self.name();
+        name.strip_prefix("a ").or_else(|| name.strip_prefix("an ")).unwrap_or(name)
     }
 
     /// Returns the error for a file of this format where one of a kind is wanted.
@@ -196,7 +205,8 @@ impl FileFormat {
             FileFormat::GeoTiff | FileFormat::AsciiGrid | FileFormat::VirtualRaster | FileFormat::RasterFolder => {
                 FileKind::Raster
             }
-            FileFormat::Json
+            FileFormat::GeoJson
+            | FileFormat::CityJson
             | FileFormat::CityGml
             | FileFormat::Shapefile
             | FileFormat::FlatGeobuf
@@ -267,7 +277,7 @@ fn of_text(text: &str) -> Option<FileFormat> {
         return Some(FileFormat::AsciiGrid);
     }
     match text.chars().next()? {
-        '{' | '[' | '\u{1e}' => Some(of_json(text).map_or(FileFormat::Json, FileFormat::Foreign)),
+        '{' | '[' | '\u{1e}' => Some(of_json(text)),
         '<' if text.contains("<VRTDataset") => Some(FileFormat::VirtualRaster),
         '<' if is_city_gml(text) => Some(FileFormat::CityGml),
         '<' => Some(FileFormat::Foreign(of_xml(text))),
@@ -275,16 +285,19 @@ fn of_text(text: &str) -> Option<FileFormat> {
     }
 }
 
-/// Returns the JSON format that is neither GeoJSON nor CityJSON, if it is known.
-fn of_json(text: &str) -> Option<ForeignFormat> {
+/// Returns the format of JSON; GeoJSON where nothing tells.
+fn of_json(text: &str) -> FileFormat {
     let has = |word: &str| text.contains(word);
-    Some(match () {
+    if has("\"CityJSON\"") || has("\"CityJSONFeature\"") || has("\"CityObjects\"") {
+        return FileFormat::CityJson;
+    }
+    FileFormat::Foreign(match () {
         () if has("\"Topology\"") => foreign("TopoJSON", Conversion::Ogr2Ogr),
         () if has("\"esriGeometry") => foreign("Esri JSON", Conversion::Ogr2Ogr),
         () if has("\"geometricError\"") => foreign("a tileset of 3D Tiles", Conversion::Mesh),
         () if has("\"asset\"") && (has("\"meshes\"") || has("\"buffers\"")) => foreign("a glTF mesh", Conversion::Mesh),
         () if has("\"elements\"") && has("\"generator\"") => foreign("an answer of Overpass", Conversion::Osmium),
-        () => return None,
+        () => return FileFormat::GeoJson,
     })
 }
 

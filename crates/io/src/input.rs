@@ -75,6 +75,11 @@ impl Input {
         self.packed.as_ref().map_or(self, |packed| packed.archive().on_disk())
     }
 
+    /// Returns `true` for a file inside of an archive.
+    pub(crate) fn is_packed(&self) -> bool {
+        self.packed.is_some()
+    }
+
     /// Returns `true` for what has no path of a file: held bytes, and files inside of archives.
     pub fn is_held(&self) -> bool {
         self.held.is_some() || self.packed.is_some()

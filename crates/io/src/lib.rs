@@ -7,6 +7,7 @@ pub mod error;
 pub mod export;
 mod format;
 pub mod formats;
+mod guard;
 mod input;
 mod packed;
 pub mod read;

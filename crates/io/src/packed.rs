@@ -3,8 +3,10 @@
 //! Nothing is written to disk: a file is unpacked into memory when it is opened, and again when it
 //! is opened again. Names inside of archives are names alone, wherever they point.
 
+use std::fmt;
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use zip::ZipArchive;
 use zip::result::ZipError;
@@ -13,18 +15,21 @@ use crate::error::{Cause, Error, ReadFault, Result};
 use crate::input::{Input, Reader, cannot_read};
 
 /// Most files in an archive.
-const MOST_MEMBERS: usize = 100_000;
+const MOST_MEMBERS: usize = 20_000;
 /// What may be unpacked of any file \[bytes\], and for each packed byte. Text and XML of cities
 /// take 10 to 40 times the bytes of their archive.
 const MOST_UNPACKED: (u64, u64) = (64 << 20, 150);
 
 /// File inside of another one.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Clone)]
 pub(crate) struct Packed {
-    archive: Box<Input>,
-    /// Name in a ZIP archive; `None` in a gzip file, which holds one file.
-    member: Option<String>,
+    archive: Arc<Input>,
+    /// ZIP archive and the name of the file in it; `None` in a gzip file, which holds one file.
+    member: Option<(Arc<Mutex<Zip>>, String)>,
 }
+
+/// Opened ZIP archive, which its files share.
+type Zip = ZipArchive<BufReader<Reader>>;
 
 /// Kind of an archive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,16 +38,19 @@ pub(crate) enum Archive {
     Zip,
 }
 
-/// Returns the files inside of an archive, without folders and hidden files.
+/// Returns the files inside of an archive, without folders and hidden files, and the number of bytes
+/// that were unpacked to find them.
 ///
 /// # Errors
 /// E301 and E302 for an archive that cannot be read; E502 for one of too many files.
-pub(crate) fn members(archive: &Input, kind: Archive) -> Result<Vec<Input>> {
-    let packed = |member: Option<String>| Packed { archive: Box::new(archive.clone()), member };
+pub(crate) fn members(archive: &Input, kind: Archive) -> Result<(Vec<Input>, u64)> {
+    let shared = Arc::new(archive.clone());
     if kind == Archive::Gzip {
-        return Ok(vec![Input::packed(archive.as_path().with_extension(""), packed(None))]);
+        let packed = Packed { archive: shared, member: None };
+        return Ok((vec![Input::packed(archive.as_path().with_extension(""), packed)], 0));
     }
-    let zip = open(archive)?;
+    let (file, length) = archive.open()?;
+    let zip = ZipArchive::new(BufReader::new(file)).map_err(|e| damaged(archive, &e))?;
     if zip.len() > MOST_MEMBERS {
         let what = format!("{} files, wanted an archive of at most {MOST_MEMBERS}", zip.len());
         return Err(Error::read(archive, ReadFault::TooMany(what)));
@@ -57,11 +65,13 @@ pub(crate) fn members(archive: &Input, kind: Archive) -> Result<Vec<Input>> {
     }
     names.sort();
     names.dedup();
+    let zip = Arc::new(Mutex::new(zip));
     let inside = |name: String| {
         let path = archive.as_path().join(name.trim_start_matches('/'));
-        Input::packed(path, packed(Some(name)))
+        Input::packed(path, Packed { archive: Arc::clone(&shared), member: Some((Arc::clone(&zip), name)) })
     };
-    Ok(names.into_iter().map(inside).collect())
+    let n_unpacked = if archive.is_packed() { length } else { 0 };
+    Ok((names.into_iter().map(inside).collect(), n_unpacked))
 }
 
 impl Packed {
@@ -72,16 +82,16 @@ impl Packed {
 
     /// Returns the file beside it in the archive of another name, if there is one.
     pub(crate) fn beside(&self, name: &Path) -> Option<Input> {
-        let own = self.member.as_ref()?;
-        let zip = open(&self.archive).ok()?;
+        let (zip, own) = self.member.as_ref()?;
         let (folder, wanted) = (own.rsplit_once('/').map(|(folder, _)| folder), name.file_name()?.to_string_lossy());
         let is_it = |other: &str| match (other.rsplit_once('/'), folder) {
             (Some((of, file)), Some(folder)) => of == folder && file.eq_ignore_ascii_case(&wanted),
             (None, None) => other.eq_ignore_ascii_case(&wanted),
             _ => false,
         };
-        let found = zip.file_names().filter_map(std::result::Result::ok).find(|other| is_it(other))?.into_owned();
-        let packed = Packed { archive: self.archive.clone(), member: Some(found) };
+        let found =
+            locked(zip).file_names().filter_map(std::result::Result::ok).find(|other| is_it(other))?.into_owned();
+        let packed = Packed { archive: Arc::clone(&self.archive), member: Some((Arc::clone(zip), found)) };
         Some(Input::packed(PathBuf::from(name), packed))
     }
 
@@ -116,19 +126,38 @@ impl Packed {
 
     /// Calls `with` with the unpacked file and the length of the packed one.
     fn unpack<T>(&self, input: &Input, with: impl FnOnce(&mut dyn Read, u64) -> Result<T>) -> Result<T> {
-        let Some(member) = &self.member else {
+        let Some((zip, member)) = &self.member else {
             let (file, length) = self.archive.open()?;
             return with(&mut flate2::read::MultiGzDecoder::new(BufReader::new(file)), length);
         };
-        let mut zip = open(&self.archive)?;
+        let mut zip = locked(zip);
         let mut file = zip.by_name(member).map_err(|e| damaged(input, &e))?;
         let length = file.compressed_size();
         with(&mut file, length)
     }
 }
 
-fn open(archive: &Input) -> Result<ZipArchive<BufReader<Reader>>> {
-    ZipArchive::new(BufReader::new(archive.open()?.0)).map_err(|e| damaged(archive, &e))
+/// The same file of the same archive.
+impl PartialEq for Packed {
+    fn eq(&self, other: &Packed) -> bool {
+        let name = |packed: &Packed| packed.member.as_ref().map(|(_, name)| name.clone());
+        self.archive == other.archive && name(self) == name(other)
+    }
+}
+
+impl Eq for Packed {}
+
+impl fmt::Debug for Packed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let member = self.member.as_ref().map(|(_, name)| name);
+        f.debug_struct("Packed").field("archive", &self.archive).field("member", &member).finish()
+    }
+}
+
+/// Waits for an archive that another thread reads. What a thread left after a panic is whole: an
+/// archive is sought anew for each file.
+fn locked(zip: &Mutex<Zip>) -> MutexGuard<'_, Zip> {
+    zip.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Returns the error for an archive that is damaged, locked, or packed in another way.

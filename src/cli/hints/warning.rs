@@ -68,6 +68,7 @@ fn of_file(name: &str, odd: &OddFile) -> Option<String> {
         OddFile::OtherGround { median_m, .. } => {
             return Some(format!("`--terrain FILE`, or `--ground {}`, the median", tidy(*median_m)));
         }
+        OddFile::NorthFirst { .. } => "`--swap-axes` takes them in the other order",
         OddFile::FlatRoofs { .. } => "`--roofs lod2` takes them as they are, `--roofs flat` as now",
         OddFile::NoFace { is_known: false, .. } => "`--ground Z` or `--terrain FILE` fills them",
         _ => return None,

@@ -27,7 +27,7 @@ use std::fmt;
 use std::mem::discriminant;
 
 use proj_core::{
-    AreaOfInterest, CrsDef, SelectionOptions, Transform, operation_candidates_between_with_selection_options,
+    AreaOfInterest, AxisOrder, CrsDef, SelectionOptions, Transform, operation_candidates_between_with_selection_options,
 };
 
 use crate::error::{CrsError, Error, Result};
@@ -131,6 +131,25 @@ pub(crate) fn contradicts(one: &Crs, other: &Crs) -> bool {
         (Some(one), Some(other)) => one != other,
         _ => discriminant(&one.kind()) != discriminant(&other.kind()),
     }
+}
+
+/// Returns `true` when the authority of a system puts the latitude or the northing first.
+pub(crate) fn is_north_first(crs: &Crs) -> bool {
+    crs.epsg().and_then(proj_core::lookup_authority_axis_order) == Some(AxisOrder::NorthEast)
+}
+
+/// Returns `true` when a position may lie in a system: it has a place on Earth that is brought back
+/// to it.
+pub(crate) fn is_in_domain(crs: &Crs, place: (f64, f64)) -> bool {
+    /// Largest distance of a position that is brought back \[CRS units\].
+    const CLOSE: f64 = 1.0;
+    let there_and_back = || -> Result<((f64, f64), (f64, f64))> {
+        let wgs84 = from_epsg(4326)?;
+        let lonlat = Transformation::new(crs, &wgs84, place)?.apply(place)?;
+        Ok((lonlat, Transformation::new(&wgs84, crs, lonlat)?.apply(lonlat)?))
+    };
+    there_and_back()
+        .is_ok_and(|((_, lat), back)| lat.abs() < 89.0 && (back.0 - place.0).hypot(back.1 - place.1) < CLOSE)
 }
 
 /// Returns the definition as WKT 1 in the dialect of GDAL, for `.prj` files and the like; `None` if

@@ -195,6 +195,11 @@ impl Error {
         self
     }
 
+    /// Returns `true` for a file in which nothing was found, and nothing is wrong.
+    pub(crate) fn is_of_nothing(&self) -> bool {
+        matches!(self, Error::Read(read) if matches!(read.fault, ReadFault::Nothing(Wanted::Building | Wanted::CityObjects)))
+    }
+
     /// Adds that the file lies beside the scene, unless another cause is known.
     pub(crate) fn beside_scene(mut self) -> Error {
         if let Error::Read(read) = &mut self

@@ -248,9 +248,30 @@ pub enum OddFile {
     /// W367: cells of a mesh without a face; their number, and whether the ground there is known.
     #[error("{} without a face: {}", counted(*n, "cell", "cells"), if *is_known { "taken as bare ground" } else { "nodata" })]
     NoFace { n: u64, is_known: bool },
+    /// W384: a system whose northing comes first by its authority; the system, whether the file was read
+    /// so, and its first position as it stands there.
+    #[error(
+        "positions such as {}, {} in {system}, whose authority puts the northing first: read as {}, {}",
+        tidy(first[0]), tidy(first[1]),
+        if *is_swapped { "northing, easting" } else { "easting, northing" },
+        "writers disagree about the order"
+    )]
+    NorthFirst { system: String, is_swapped: bool, first: [f64; 2] },
+    /// W383: a scene of several files; the number of those that were read, outside of the extent, and
+    /// without features, and of buildings that stand in two of them.
+    #[error(
+        "a scene of {}{}{}{}", counted(*n_read as u64, "file", "files"),
+        more(*n_outside, "outside of the extent left unread"), more(*n_repeated, "buildings that stand in two files counted once"),
+        more(*n_others, "others left out, which hold no scene")
+    )]
+    Tiles { n_read: usize, n_outside: usize, n_repeated: usize, n_others: usize },
     /// W380: rows of a table were left out; their number, the number of all, and their faults.
     #[error("{n} of {of} rows {} left out: {told}", if *n == 1 { "was" } else { "were" })]
     BadRows { n: usize, of: usize, told: String },
+}
+
+fn more(n: usize, what: &str) -> String {
+    if n == 0 { String::new() } else { format!("; {n} {what}") }
 }
 
 fn outside(n: u64) -> String {
@@ -350,6 +371,8 @@ impl OddFile {
             OddFile::Rests { .. } => FootprintFault::Part.code(),
             OddFile::NoFace { .. } => 367,
             OddFile::FlatRoofs { .. } => 375,
+            OddFile::Tiles { .. } => 383,
+            OddFile::NorthFirst { .. } => 384,
             OddFile::BadRows { .. } => 380,
         }
     }

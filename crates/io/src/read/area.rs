@@ -21,7 +21,7 @@ use crate::raster::GeoRef;
 pub fn read_area(input: impl Into<Input>, grid: &GeoRef) -> Result<Area> {
     let input = &input.into();
     let set = SceneFiles::of(input)
-        .and_then(|files| read_features(&files, Selection::default()))
+        .and_then(|files| read_features(input, &files, Selection::default(), &mut Vec::new()))
         .map_err(Error::beside_scene)?;
     let named = set.crs.map_err(Error::beside_scene)?;
     let areas: Vec<_> = set.features.into_iter().enumerate().filter(|(_, f)| !f.polygons.is_empty()).collect();
@@ -39,9 +39,7 @@ pub fn read_area(input: impl Into<Input>, grid: &GeoRef) -> Result<Area> {
     check_placeable(input, from.as_ref(), grid.crs())?;
     let mut polygons = Vec::new();
     for (number, feature) in areas {
-        let id =
-            feature.id.or_else(|| feature.properties.iter().find(|(n, _)| **n == *"id").and_then(|(_, v)| v.text()));
-        let place = format!("polygon `{}`", id.unwrap_or_else(|| (number + 1).to_string()));
+        let place = format!("polygon `{}`", feature.known_id().unwrap_or_else(|| (number + 1).to_string()));
         let moved = |p: [f64; 2]| {
             let moved = in_scene((p[0], p[1]), from.as_ref(), grid.crs()).map(|(x, y)| [x, y]);
             moved.map_err(|fault| {

@@ -241,7 +241,7 @@ fn refuse_unknown_property(
     let mut like_heights: Vec<&str> = Vec::new();
     let mut like_storeys: Vec<&str> = Vec::new();
     let mut others: Vec<&str> = Vec::new();
-    let properties = areas().take(100).flat_map(|feature| &feature.properties);
+    let properties = areas().take(100).flat_map(|feature| feature.all_properties());
     for (name, value) in properties.filter(|(name, _)| name.len() <= LONGEST) {
         let list = match likeness(name, value) {
             Some(Likeness::Height) => &mut like_heights,
@@ -419,8 +419,7 @@ impl Says<'_> {
 
     /// Returns the id of the feature; its number where it has none.
     fn id(&self, number: usize) -> String {
-        let id = self.feature.id.clone().or_else(|| self.property("id").and_then(Property::text));
-        id.unwrap_or_else(|| number.to_string())
+        self.feature.known_id().unwrap_or_else(|| number.to_string())
     }
 
     fn footprint(&self, number: usize) -> RawFootprint {

@@ -39,13 +39,15 @@ pub struct FootprintOptions {
     pub ground: Option<GroundChoice>,
     /// Extent of the receivers' grid: west, south, east, north \[CRS units\].
     pub extent: Option<[f64; 4]>,
-    /// Largest distance from the extent at which a building matters \[m\]; by default as far as
-    /// engines can see.
-    pub reach_m: Option<f64>,
+    /// Box outside of which no building matters, where there is an extent: west, south, east, north
+    /// \[CRS units\]. By default as far from the extent as engines can see.
+    pub within: Option<[f64; 4]>,
     /// Cell size of the receivers' grid \[m\]; by default the terrain's, else 1.
     pub cell_m: Option<f64>,
     /// CRS to assume.
     pub crs: Option<Crs>,
+    /// `true` to exchange x and y of all positions.
+    pub swap_axes: bool,
     /// CRS of the scene, if it is not that of the file.
     pub project: Option<Projection>,
     /// Effect of nodata cells of the terrain, and of ground beyond it.
@@ -76,9 +78,10 @@ impl Default for FootprintOptions {
             terrain: None,
             ground: None,
             extent: None,
-            reach_m: None,
+            within: None,
             cell_m: None,
             crs: None,
+            swap_axes: false,
             project: None,
             nodata_as: NodataAs::default(),
             base: BaseRule::default(),

@@ -7,7 +7,7 @@
 //! properties as a building.
 
 use super::area::read_area;
-use super::building::{Buildings, RawFootprint};
+use super::building::Buildings;
 use super::file_heights::FileHeights;
 use super::footprint_options::FootprintOptions;
 use super::ground_of_bases::terrain_through;
@@ -23,7 +23,7 @@ use super::solid::Face;
 use super::source::{name_of, source_of};
 use super::surface::ground_steps;
 use super::systems::{refuse_degrees, refuse_two_crs, refuse_web_mercator};
-use super::vector::{FeatureSet, Selection, bounds, read_features};
+use super::vector::{FeatureSet, Selection, Within, bounds, read_features};
 use crate::city::{City, DataArea, Footprint, Ground, NodataAs, Solids, Source};
 use crate::crs;
 use crate::crs::{Transformation, Turn};
@@ -68,21 +68,33 @@ fn read(
     listing: Listing,
     warnings: &mut Vec<Warning>,
 ) -> Result<(City, Vec<Repair>)> {
-    let selection = Selection { layer: options.layer.as_deref(), bounds: within_reach(options) };
+    let selection =
+        Selection { layer: options.layer.as_deref(), within: within_reach(options), swap_axes: options.swap_axes };
     let files = SceneFiles::of(input)?;
-    let set = read_features(&files, selection)?;
+    let set = read_features(input, &files, selection, warnings)?;
     let sources = files.sources(options.always_hash)?;
     scene_of(input, (set, sources), options, listing, warnings)
 }
 
 /// Returns the box in which features of a file can matter, with all parts of those that meet it.
-/// There is none for a projected scene: its extent is in another system, so all features must be
-/// read.
-fn within_reach(options: &FootprintOptions) -> Option<[f64; 4]> {
+/// There is none for a zone that the middle of all data chooses.
+fn within_reach(options: &FootprintOptions) -> Option<Within<'_>> {
     /// Largest length of a building \[CRS units\].
     const LONGEST: f64 = 5000.0;
-    let [west, south, east, north] = grown(options.extent.filter(|_| options.project.is_none())?, options.reach_m);
-    Some([west - LONGEST, south - LONGEST, east + LONGEST, north + LONGEST])
+    let of_scene = match &options.project {
+        Some(Projection::Auto) => return None,
+        Some(Projection::To(crs)) => Some(crs),
+        None => None,
+    };
+    let [west, south, east, north] = near(options).unwrap_or(grown(options.extent?, MAX_EXTENT_UNITS));
+    let bounds = grown([west, south, east, north], LONGEST);
+    Some(Within { bounds, of_scene, of_files: options.crs.as_ref() })
+}
+
+/// Returns the box outside of which no building matters. Of a terrain through all buildings each one
+/// does.
+fn near(options: &FootprintOptions) -> Option<[f64; 4]> {
+    options.within.filter(|_| options.ground != Some(GroundChoice::Buildings))
 }
 
 /// Reads the terrain below footprints, if one was given, and adds its files to the sources.
@@ -162,9 +174,8 @@ pub(super) fn scene_of(
     let grouping = Grouping::of(&raw.footprints, options.parts, frame)
         .map_err(|(k, tangle)| Error::tangled(input, &raw.footprints[k].id, tangle))?;
     let heights = FileHeights::of(&raw.footprints, &grouping, &options.missing);
-    let near = options.extent.zip(options.reach_m).map(|(extent, reach_m)| grown(extent, Some(reach_m)));
-    let is_near = |footprint: &&RawFootprint| near.is_none_or(|near| footprint.meets(near));
-    let through = || terrain_through(input, raw.footprints.iter().filter(is_near), &grid);
+    let near = near(options);
+    let through = || terrain_through(input, raw.footprints.iter(), &grid);
     let mut ground = ground_below((terrain, options.ground), &heights, through)?;
     warn_of_the_ground(input, &heights, (options, &ground), warnings);
     let making = Making {
@@ -380,13 +391,9 @@ fn terrain_heights(
     Reprojection::read(reprojection, file, options.always_hash, warnings)
 }
 
-/// Grows an extent by the largest distance between a UAV and a cell that it sees, so that it holds
-/// everything that can cast a shadow into it.
-fn grown([west, south, east, north]: [f64; 4], reach_m: Option<f64>) -> [f64; 4] {
-    /// Shortest unit of any system, since the system is not known yet \[m\].
-    const SHORTEST_UNIT_M: f64 = 0.25;
-    let reach = reach_m.map_or(MAX_EXTENT_UNITS, |reach_m| (reach_m / SHORTEST_UNIT_M).min(MAX_EXTENT_UNITS));
-    [west - reach, south - reach, east + reach, north + reach]
+/// Grows a box on all sides.
+fn grown([west, south, east, north]: [f64; 4], by: f64) -> [f64; 4] {
+    [west - by, south - by, east + by, north + by]
 }
 
 /// Warns where solids stand on another height than the flat ground of the scene, and names the

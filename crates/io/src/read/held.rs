@@ -150,6 +150,6 @@ pub fn footprints_of(
         Ok(Feature { id: building.id.clone(), properties, polygons, has_other_parts, ..Feature::default() })
     };
     let features = buildings.par_iter().enumerate().map(feature).collect::<Result<Vec<_>>>()?;
-    let set = FeatureSet { crs: Ok(None), name: None, attribution: None, name_limit: None, features };
+    let set = FeatureSet { features, ..FeatureSet::default() };
     footprints::scene_of(input, (set, Vec::new()), options, Listing::CountsOnly, warnings).map(|(city, _)| city)
 }

@@ -45,7 +45,7 @@ pub use lattice_polygon::{Region, region_of};
 pub use mesh::{MeshOptions, read_mesh, read_mesh_buildings};
 pub use projection::Projection;
 pub use repairs::Repair;
-pub use scene_files::SceneFiles;
+pub use scene_files::{SceneFiles, named_files};
 pub use sites::read_sites;
 pub use source::{read_text, source_of};
 pub use streamed::StreamedSurface;

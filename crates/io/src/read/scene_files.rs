@@ -9,9 +9,12 @@ use crate::error::{Error, ReadFault, Result, Wanted};
 use crate::format::{FileFormat, FileKind};
 use crate::input::{Input, cannot_read};
 use crate::packed::members;
+use crate::remote::is_remote;
 
 /// Deepest nesting of archives.
 const MOST_NESTED: usize = 2;
+/// What archives inside of others may take \[bytes\], and for each byte of the outer one.
+const MOST_INNER: (u64, u64) = (64 << 20, 4);
 
 /// Files of one scene, all of one format.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -31,9 +34,10 @@ impl SceneFiles {
     /// E301 and E302 for what cannot be read; E302 for files of two formats, or of one that is not
     /// read.
     pub fn of(input: &Input) -> Result<SceneFiles> {
-        let mut found = Vec::new();
-        expand(input, 0, &mut found)?;
-        let (scenes, others): (Vec<_>, Vec<_>) = found.into_iter().partition(|(_, format)| format.kind().is_some());
+        let mut found = Found::default();
+        found.expand(input, 0)?;
+        let (scenes, others): (Vec<_>, Vec<_>) =
+            found.files.into_iter().partition(|(_, format)| format.kind().is_some());
         let is_alone = scenes.is_empty() && others.len() == 1;
         let Some((_, format)) = scenes.first().or(others.first().filter(|_| is_alone)) else {
             return Err(Error::read(input, ReadFault::Nothing(Wanted::Building)));
@@ -65,32 +69,62 @@ impl SceneFiles {
     }
 }
 
-/// Appends the files that an input names, with their formats.
-fn expand(input: &Input, depth: usize, found: &mut Vec<(Input, FileFormat)>) -> Result<()> {
-    if let Some(parts) = parts_of(input) {
-        return parts.iter().try_for_each(|part| expand(part, depth, found));
-    }
-    let format = FileFormat::of(input)?;
-    match (format, format.archive()) {
-        (FileFormat::RasterFolder, _) => {
-            let files = files_in(input.as_path())?;
-            let mut inside = Vec::new();
-            files.iter().try_for_each(|file| expand(file, depth + 1, &mut inside))?;
-            let is_of_rasters =
-                inside.iter().all(|(_, format)| !matches!(format.kind(), Some(FileKind::Vector | FileKind::Mesh)));
-            // A folder of rasters is read as one.
-            if is_of_rasters { found.push((input.clone(), format)) } else { found.extend(inside) }
+/// Files that were found so far.
+#[derive(Debug, Default)]
+struct Found {
+    files: Vec<(Input, FileFormat)>,
+    /// Bytes that were unpacked of archives inside of others.
+    n_unpacked: u64,
+}
+
+impl Found {
+    /// Appends the files that an input names, with their formats.
+    fn expand(&mut self, input: &Input, depth: usize) -> Result<()> {
+        if let Some(parts) = parts_of(input) {
+            return parts.iter().try_for_each(|part| self.expand(part, depth));
         }
-        (_, Some(archive)) if depth < MOST_NESTED => {
-            for member in members(input, archive)? {
-                if !is_sidecar(&member) {
-                    expand(&member, depth + 1, found)?;
+        let format = FileFormat::of(input)?;
+        match (format, format.archive()) {
+            (FileFormat::RasterFolder, _) => {
+                let before = self.files.len();
+                files_in(input.as_path())?.iter().try_for_each(|file| self.expand(file, depth))?;
+                let is_raster = |(_, format): &(_, FileFormat)| matches!(format.kind(), Some(FileKind::Raster) | None);
+                // A folder of rasters is read as one.
+                if self.files[before..].iter().all(is_raster) {
+                    self.files.truncate(before);
+                    self.files.push((input.clone(), format));
                 }
             }
+            (_, Some(archive)) if depth < MOST_NESTED => {
+                let (members, n_unpacked) = members(input, archive)?;
+                self.spend(input, n_unpacked)?;
+                for member in members.iter().filter(|member| !is_sidecar(member)) {
+                    self.expand(member, depth + 1)?;
+                }
+            }
+            _ => self.files.push((input.clone(), format)),
         }
-        _ => found.push((input.clone(), format)),
+        Ok(())
     }
-    Ok(())
+
+    /// Counts bytes of an archive in another one, which hardly packs it again.
+    fn spend(&mut self, inner: &Input, n_unpacked: u64) -> Result<()> {
+        self.n_unpacked = self.n_unpacked.saturating_add(n_unpacked);
+        let most = MOST_INNER.0.saturating_add(MOST_INNER.1.saturating_mul(inner.len()));
+        if self.n_unpacked > most {
+            let what = format!("archives inside of it that take over {} MiB, wanted files of a city", most >> 20);
+            return Err(Error::read(inner.on_disk(), ReadFault::TooMany(what)));
+        }
+        Ok(())
+    }
+}
+
+/// Returns the files and folders that a word names: itself, or those of `A+B`.
+pub fn named_files(word: &Path) -> Vec<PathBuf> {
+    match parts_of(&word.into()) {
+        Some(parts) => parts.iter().map(|part| part.as_path().to_path_buf()).collect(),
+        None => vec![word.to_path_buf()],
+    }
 }
 
 /// Returns the parts of a word such as `a.geojson+b.geojson`; `None` if it names one file.
@@ -99,9 +133,23 @@ fn parts_of(input: &Input) -> Option<Vec<Input>> {
         return None;
     }
     let text = input.as_path().to_str()?;
-    let parts: Vec<&str> = text.split('+').collect();
-    let is_there = |part: &&str| Path::new(part).exists() || crate::remote::is_remote(Path::new(part));
-    (parts.len() > 1 && parts.iter().any(is_there)).then(|| parts.into_iter().map(Input::path).collect())
+    let is_address =
+        |part: &str| is_remote(Path::new(part)) && !part.split('+').skip(1).any(|p| is_remote(Path::new(p)));
+    let is_there = |part: &str| Path::new(part).exists() || is_address(part);
+    let (mut parts, mut rest, mut n_there) = (Vec::new(), text, 0);
+    loop {
+        // A name may hold a plus itself: the longest one of a file that exists counts.
+        let ends = rest.match_indices('+').map(|(at, _)| at).chain([rest.len()]);
+        let found = ends.clone().filter(|end| is_there(&rest[..*end])).last();
+        n_there += usize::from(found.is_some());
+        let end = found.or_else(|| ends.clone().next())?;
+        parts.push(Input::path(&rest[..end]));
+        match rest.get(end + 1..) {
+            Some(more) => rest = more,
+            None => break,
+        }
+    }
+    (parts.len() > 1 && n_there > 0).then_some(parts)
 }
 
 /// Returns the files in a folder, sorted by name, without hidden ones.

@@ -228,6 +228,9 @@ part! {
         /// Mercator; EPSG:n, or as `--crs`. Of a raster each cell takes the height of the cell of the file that holds its center
         #[arg(long, value_name = "auto|EPSG:N", hide_short_help = true)]
         project: Option<String>,
+        /// Exchange x and y of all positions of footprints, where the file has them in the other order than `info` says
+        #[arg(long, hide_short_help = true)]
+        swap_axes: bool,
         /// Edge length of a generated city [m]
         #[arg(long, value_name = "M", value_parser = crate::words::number, allow_hyphen_values = true)]
         size: Option<f64>,

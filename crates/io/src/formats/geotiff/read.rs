@@ -6,7 +6,6 @@
 //! so a codec receives only bytes that exist, and a limit on its output.
 
 use std::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use rayon::prelude::*;
 use tiff_reader::{ByteOrder, filters};
@@ -16,6 +15,7 @@ use super::lerc::decode_lerc;
 use super::tags::TiffSource;
 use crate::error::{Cause, Result};
 use crate::formats::sample::Sample;
+use crate::guard::guarded;
 
 /// Decoded bytes held at a time, unless one row of blocks needs more.
 const BAND_BYTES: u64 = 16 << 20;
@@ -166,8 +166,8 @@ fn read_blocks(
             Some(job) => {
                 let index = job.index;
                 // The codecs are of other authors, and a bad file must not end the program.
-                let decoded = catch_unwind(AssertUnwindSafe(|| decode(image, byte_order, job)));
-                let decoded = decoded.unwrap_or_else(|_| Err("the decoder gave up on its bytes".to_owned()));
+                let decoded = guarded(|| decode(image, byte_order, job));
+                let decoded = decoded.unwrap_or_else(|| Err("the decoder gave up on its bytes".to_owned()));
                 decoded.map(Some).map_err(|text| (index, text))
             }
         })

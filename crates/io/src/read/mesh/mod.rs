@@ -100,7 +100,7 @@ pub fn read_mesh_buildings(
         Feature::of_solid(Solid::of(faces.into_iter().map(|face| (face, FaceKind::Unknown)).collect()))
     };
     let features = connected::buildings(&mesh).into_iter().map(feature).collect();
-    let set = FeatureSet { crs: Ok(None), name: None, attribution: None, name_limit: None, features };
+    let set = FeatureSet { features, ..FeatureSet::default() };
     let source = source_of(input, options.always_hash)?;
     footprints::scene_of(input, (set, vec![source]), options, Listing::CountsOnly, warnings).map(|(city, _)| city)
 }

@@ -12,10 +12,12 @@
 
 use serde_json::{Map, Value};
 
+use super::super::height_value::found_height;
 use super::super::solid::{FaceKind, Solid};
 use super::feature::{Feature, FeatureSet, Properties, Property, SolidHeight, crs_of, malformed, with_others};
 use crate::error::{Error, ReadFault, Result, Wanted};
 use crate::input::Input;
+use skyshed_request::HeightUnit;
 
 /// Returns `true` for a JSON document of type CityJSON.
 pub(super) fn is_cityjson(document: &Value) -> bool {
@@ -43,13 +45,7 @@ pub(super) fn sequence(input: &Input, document: &Value, following: &[Value]) -> 
         return Err(Error::read(input, ReadFault::Nothing(Wanted::CityObjects)));
     }
     let system = document.pointer("/metadata/referenceSystem").and_then(Value::as_str).unwrap_or_default();
-    Ok(FeatureSet {
-        crs: crs_of(input, &reference_system(system)),
-        name: None,
-        attribution: None,
-        name_limit: None,
-        features,
-    })
+    Ok(FeatureSet { crs: crs_of(input, &reference_system(system)), features, ..FeatureSet::default() })
 }
 
 /// Appends the buildings of a document, or of a feature of a sequence. Returns the number of its
@@ -149,10 +145,7 @@ fn most_detailed(object: &Value) -> Option<&Value> {
 pub(super) fn height_of(measured: Option<&Property>, detail: f64, heights: Option<[f64; 2]>) -> Option<SolidHeight> {
     const FILLER_M: f64 = 3.0;
     let [low, high] = heights?;
-    let measured = measured.and_then(|value| match value {
-        Property::Number(m) => Some(*m).filter(|m| *m >= 0.0),
-        _ => None,
-    });
+    let measured = measured.and_then(|value| found_height(value, HeightUnit::Meters).meters()).filter(|m| *m >= 0.0);
     let is_outline = detail < 1.0 && high - low < 1e-6;
     // Levels such as 1.2 are made of measured roofs.
     let is_filler = (detail - 1.0).abs() < 1e-6 && (high - low - FILLER_M).abs() < 1e-6 && measured.is_none();

@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use super::super::polygon::Polygon;
 use super::super::solid::{Face, Solid};
 use crate::crs;
-use crate::error::{Error, ReadFault, Result};
+use crate::error::{Error, OddFile, ReadFault, Result};
 use crate::input::Input;
 use crate::raster::Crs;
 
@@ -24,6 +24,10 @@ pub(in crate::read) struct FeatureSet {
     pub(in crate::read) name_limit: Option<usize>,
     /// Features in the order of the file.
     pub(in crate::read) features: Vec<Feature>,
+    /// `true` if the file lies outside of what is wanted, and was left unread.
+    pub(in crate::read) is_outside: bool,
+    /// An oddity of the file, if any.
+    pub(in crate::read) oddity: Option<OddFile>,
 }
 
 /// A feature as the file holds it.
@@ -33,6 +37,8 @@ pub(in crate::read) struct Feature {
     pub(in crate::read) id: Option<String>,
     /// Properties by name.
     pub(in crate::read) properties: Properties,
+    /// Properties of its building, of a part: they count where its own do not have the name.
+    pub(in crate::read) of_building: Option<Arc<Properties>>,
     /// Its areas; empty without any.
     pub(in crate::read) polygons: Vec<Polygon>,
     /// `true` if it has points or lines beside its areas.
@@ -72,19 +78,24 @@ pub(in crate::read) enum Property {
     Null,
 }
 
-/// Wanted part of a file.
-#[derive(Debug, Clone, Copy, Default)]
-pub(in crate::read) struct Selection<'a> {
-    /// Table of a GeoPackage.
-    #[cfg_attr(not(feature = "geopackage"), expect(dead_code, reason = "no other format has tables"))]
-    pub(in crate::read) layer: Option<&'a str>,
-    /// Box west, south, east, north \[CRS units\]: features that do not meet it need not be read.
-    pub(in crate::read) bounds: Option<[f64; 4]>,
+impl FeatureSet {
+    /// Creates the content of a file that lies outside of what is wanted.
+    pub(super) fn outside(crs: Result<Option<Crs>>) -> FeatureSet {
+        FeatureSet { crs, is_outside: true, ..FeatureSet::default() }
+    }
 }
 
 impl Default for FeatureSet {
     fn default() -> Self {
-        FeatureSet { crs: Ok(None), name: None, attribution: None, name_limit: None, features: Vec::new() }
+        FeatureSet {
+            crs: Ok(None),
+            name: None,
+            attribution: None,
+            name_limit: None,
+            features: Vec::new(),
+            is_outside: false,
+            oddity: None,
+        }
     }
 }
 
@@ -92,6 +103,26 @@ impl Feature {
     /// Creates a feature of a solid, without properties.
     pub(in crate::read) fn of_solid(Solid { polygons, heights, roof, ground }: Solid) -> Feature {
         Feature { polygons, heights, roof, ground, ..Feature::default() }
+    }
+
+    /// Returns the id in the file, or the property `id`.
+    pub(in crate::read) fn known_id(&self) -> Option<String> {
+        self.id.clone().or_else(|| self.property("id", None).and_then(Property::text))
+    }
+
+    /// Exchanges x and y.
+    pub(super) fn swap_axes(&mut self) {
+        for [x, y] in self.polygons.iter_mut().chain(&mut self.ground).flatten().flatten() {
+            std::mem::swap(x, y);
+        }
+        for [x, y, _] in self.roof.iter_mut().flatten().flatten() {
+            std::mem::swap(x, y);
+        }
+    }
+
+    /// Lists its own properties, then those of its building.
+    pub(in crate::read) fn all_properties(&self) -> impl Iterator<Item = &(Arc<str>, Property)> {
+        self.properties.iter().chain(self.of_building.iter().flat_map(|all| all.iter()))
     }
 
     /// Returns the value of a property. Where the format cuts names, `name` also matches its cut
@@ -104,7 +135,7 @@ impl Feature {
     pub(in crate::read) fn column(&self, name: &str, name_limit: Option<usize>) -> Option<&Property> {
         let find = |name: &str| {
             let of =
-                |is_it: &dyn Fn(&str) -> bool| self.properties.iter().find(|(n, _)| is_it(n)).map(|(_, value)| value);
+                |is_it: &dyn Fn(&str) -> bool| self.all_properties().find(|(n, _)| is_it(n)).map(|(_, value)| value);
             // GDAL writes an underscore for a colon.
             let is_like = |n: &str| {
                 let pairs = || n.bytes().zip(name.bytes());

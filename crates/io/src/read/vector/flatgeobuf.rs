@@ -18,6 +18,7 @@ use flatgeobuf::{
 
 use super::super::polygon::Polygon;
 use super::feature::{Feature, FeatureSet, Property, crs_of, malformed};
+use super::selection::Selection;
 use crate::error::{Cause, Error, Result};
 use crate::input::{Input, Reader, cannot_read};
 use crate::raster::Crs;
@@ -34,9 +35,9 @@ const PART_BYTES: usize = 4;
 /// Deepest nesting of geometries.
 const MOST_NESTED: usize = 16;
 
-/// Reads the features of a file. With `bounds` and an index in the file, only features whose boxes
+/// Reads the features of a file. With bounds and an index in the file, only features whose boxes
 /// meet the bounds are read.
-pub(super) fn read(input: &Input, bounds: Option<[f64; 4]>) -> Result<FeatureSet> {
+pub(super) fn read(input: &Input, selection: Selection<'_>) -> Result<FeatureSet> {
     let (file, length) = input.open()?;
     let mut source = Source { input, file: BufReader::new(file), at: 0, length };
     let magic = source.take(8)?;
@@ -47,6 +48,8 @@ pub(super) fn read(input: &Input, bounds: Option<[f64; 4]>) -> Result<FeatureSet
     let header = size_prefixed_root_as_header(&head)
         .map_err(|e| malformed(input, &format!("a header that is none ({e})"), "FlatGeobuf"))?;
     let index = Index::of(&header, source.at, length).map_err(|found| malformed(input, &found, "FlatGeobuf"))?;
+    let crs = crs(input, &header);
+    let bounds = selection.bounds_in(crs.as_ref().ok().and_then(Option::as_ref));
     let wanted = match (bounds, index.n_boxes) {
         (Some(bounds), 1..) => Some(index.offsets(&mut source, bounds)?),
         _ => None,
@@ -88,7 +91,7 @@ pub(super) fn read(input: &Input, bounds: Option<[f64; 4]>) -> Result<FeatureSet
             }
         }
     }
-    Ok(FeatureSet { crs: crs(input, &header), name: None, attribution: None, name_limit: None, features })
+    Ok(FeatureSet { crs, features, ..FeatureSet::default() })
 }
 
 /// File that is read from one place to the next.

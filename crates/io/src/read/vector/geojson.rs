@@ -155,7 +155,7 @@ fn read_sequence(input: &Input, records: &[&str]) -> Result<FeatureSet> {
         feature_of(parsed, names).map_err(|found| wrong(number, found))
     };
     let features = records.par_iter().enumerate().map_init(HashSet::new, feature).collect::<Result<Vec<_>>>()?;
-    Ok(FeatureSet { crs: Ok(None), name: None, attribution: None, name_limit: None, features })
+    Ok(FeatureSet { features, ..FeatureSet::default() })
 }
 
 /// Parses the features of a collection in parallel; `None` if any is faulty.
@@ -175,7 +175,7 @@ fn without_features(input: &Input, document: &Value) -> FeatureSet {
         letters.next().map(|first| first.to_uppercase().chain(letters).collect())
     });
     let attribution = text("attribution");
-    FeatureSet { crs: named_crs(input, document), name, attribution, name_limit: None, features: Vec::new() }
+    FeatureSet { crs: named_crs(input, document), name, attribution, ..FeatureSet::default() }
 }
 
 /// Reads the features of a GeoJSON document.

@@ -14,6 +14,7 @@ use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OpenFlags, OptionalExtension, Row};
 
 use super::feature::{Feature, FeatureSet, Property, crs_of, malformed};
+use super::selection::{Selection, meets};
 use super::wkb::polygons_of;
 use crate::error::{Cause, Error, ReadFault, Result, Wanted};
 use crate::input::{Input, Reader, cannot_read};
@@ -23,7 +24,7 @@ use crate::raster::Crs;
 const SQLITE_HEADER_BYTES: u64 = 100;
 
 /// Reads the features of a table; of the only one if no `layer` is named.
-pub(super) fn read(input: &Input, layer: Option<&str>) -> Result<FeatureSet> {
+pub(super) fn read(input: &Input, selection: Selection<'_>) -> Result<FeatureSet> {
     // SQLite reads files alone.
     let copy = if input.is_held() { Some(copied(input)?) } else { None };
     let on_disk = copy.as_ref().map_or_else(|| input.clone(), |copy| Input::path(copy.path()));
@@ -42,15 +43,28 @@ pub(super) fn read(input: &Input, layer: Option<&str>) -> Result<FeatureSet> {
         refuse_generated(input, &database, table).map_err(broken)??;
     }
     let layers = layers(&database).map_err(broken)?;
-    let layer = chosen(input, layer, &layers)?;
+    let layer = chosen(input, selection.layer, &layers)?;
     refuse_generated(input, &database, layer).map_err(broken)??;
     let table = Table::of(&database, layer).map_err(broken)?;
     let Some(table) = table else {
         return Err(Error::read(input, ReadFault::NoTable(layer.to_string())));
     };
-    let features = table.features(input, &database, length)?;
     let crs = crs(input, &database, table.srs);
-    Ok(FeatureSet { crs, name: None, attribution: None, name_limit: None, features })
+    if let Some(bounds) = selection.bounds_in(crs.as_ref().ok().and_then(Option::as_ref))
+        && envelope(&database, layer).is_some_and(|envelope| !meets(envelope, bounds))
+    {
+        return Ok(FeatureSet::outside(crs));
+    }
+    let features = table.features(input, &database, length)?;
+    Ok(FeatureSet { crs, features, ..FeatureSet::default() })
+}
+
+/// Returns west, south, east, north of a table as the file tells them.
+fn envelope(database: &Connection, layer: &str) -> Option<[f64; 4]> {
+    let told = "SELECT min_x, min_y, max_x, max_y FROM gpkg_contents WHERE table_name = ?1";
+    let row = |row: &Row<'_>| Ok([row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?]);
+    let envelope: [f64; 4] = database.query_row(told, [layer], row).ok()?;
+    (envelope[0] <= envelope[2] && envelope[1] <= envelope[3]).then_some(envelope)
 }
 
 /// Copies bytes that are no file into one, which is gone with what is returned.

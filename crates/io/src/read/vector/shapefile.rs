@@ -15,6 +15,7 @@ use shapefile::{PolygonRing, Shape, ShapeReader};
 use super::super::polygon::Polygon;
 use super::feature::{Feature, FeatureSet, Properties, Property, crs_of, malformed};
 use super::rings::assembled;
+use super::selection::{Selection, meets};
 use crate::error::{Cause, Error, ReadFault, Result};
 use crate::input::Input;
 
@@ -28,7 +29,16 @@ const POINT_BYTES: usize = 16;
 const HEADER_BYTES: usize = 100;
 
 /// Reads a shapefile with its sidecar files.
-pub(super) fn read(input: &Input) -> Result<FeatureSet> {
+pub(super) fn read(input: &Input, selection: Selection<'_>) -> Result<FeatureSet> {
+    let crs = match input.beside("prj") {
+        Some(prj) => prj.read().and_then(|bytes| crs_of(input, &String::from_utf8_lossy(&bytes))),
+        None => Ok(None),
+    };
+    if let Some(bounds) = selection.bounds_in(crs.as_ref().ok().and_then(Option::as_ref))
+        && envelope(&input.head(HEADER_BYTES as u64)?).is_some_and(|envelope| !meets(envelope, bounds))
+    {
+        return Ok(FeatureSet::outside(crs));
+    }
     let shp = input.read()?;
     let shx = input.beside("shx").ok_or_else(|| missing(input, "shx", "its index"))?;
     let dbf = input.beside("dbf").ok_or_else(|| missing(input, "dbf", "the table with its heights"))?;
@@ -61,11 +71,15 @@ pub(super) fn read(input: &Input) -> Result<FeatureSet> {
     }
     let features = shapes.into_iter().zip(rows);
     let features = features.map(|(polygons, properties)| Feature { polygons, properties, ..Feature::default() });
-    let crs = match input.beside("prj") {
-        Some(prj) => prj.read().and_then(|bytes| crs_of(input, &String::from_utf8_lossy(&bytes))),
-        None => Ok(None),
-    };
-    Ok(FeatureSet { crs, name: None, attribution: None, name_limit: Some(NAME_LIMIT), features: features.collect() })
+    Ok(FeatureSet { crs, name_limit: Some(NAME_LIMIT), features: features.collect(), ..FeatureSet::default() })
+}
+
+/// Returns west, south, east, north that the header tells.
+fn envelope(header: &[u8]) -> Option<[f64; 4]> {
+    let at = |k: usize| Some(f64::from_le_bytes(header.get(36 + 8 * k..44 + 8 * k)?.try_into().ok()?));
+    let envelope = [at(0)?, at(1)?, at(2)?, at(3)?];
+    // Some writers leave zeros.
+    (envelope[0] < envelope[2] && envelope[1] < envelope[3]).then_some(envelope)
 }
 
 fn missing(input: &Input, extension: &str, holds: &'static str) -> Error {

@@ -7,29 +7,39 @@
 //! intersections with the terrain are left out.
 //!
 //! The highest of the levels 1 to 3 counts, else 4, else 0. A building is made of its parts, if
-//! these are more detailed.
+//! these are more detailed. A file whose envelope does not meet the wanted box is left unread.
+//!
+//! Positions in degrees are latitude, longitude. In a system whose authority puts the northing
+//! first, writers disagree: names of the OGC promise that order, others the easting first. The
+//! other order is taken where only it lies in the domain of the system.
 //!
 //! # References
 //! OGC 08-007r1 (1.0), 12-019 (2.0), 20-010 and 21-006r2 (3.0); INSPIRE D2.8.III.2.
 
-use std::io::{BufRead, BufReader, Read};
+mod elements;
+mod words;
+
+use std::io::BufReader;
 use std::sync::Arc;
 
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
+use super::super::height_value::found_height;
 use super::super::solid::{Face, FaceKind, Solid};
 use super::cityjson::height_of;
-use super::feature::{Feature, FeatureSet, Properties, Property};
+use super::feature::{Feature, FeatureSet, Properties, SolidHeight, bounds, crs_of};
+use super::selection::{Selection, meets};
 use crate::crs;
-use crate::error::{Cause, Error, ReadFault, Result, Wanted};
+use crate::error::{Cause, Error, OddFile, ReadFault, Result, Wanted};
 use crate::input::Input;
 use crate::raster::{Crs, CrsKind};
+use elements::{Element, Elements, Open};
+use skyshed_request::HeightUnit;
+use words::{Bounded, LONGEST_BYTES, is_latin, positions, property, resolved};
 
 /// Deepest nesting of elements; real files have some twenty.
 const MOST_NESTED: usize = 256;
-/// Longest tag or text \[bytes\]; a ring of a million corners takes as much.
-const LONGEST_BYTES: usize = 64 << 20;
 /// Levels of detail, from 0.
 const N_LEVELS: usize = 5;
 
@@ -38,10 +48,10 @@ const N_LEVELS: usize = 5;
 /// # Errors
 /// E302 for XML that is broken, and numbers that are none; E305 for an early end; E502 for nesting
 /// and texts beyond what a city needs.
-pub(super) fn read(input: &Input) -> Result<FeatureSet> {
+pub(super) fn read(input: &Input, selection: Selection<'_>) -> Result<FeatureSet> {
     let (file, _) = input.open()?;
     let mut xml = Reader::from_reader(Bounded { inner: BufReader::with_capacity(1 << 16, file), left: LONGEST_BYTES });
-    let mut city = City { input, system: None, is_latin: false, owners: Vec::new(), features: Vec::new() };
+    let mut city = City::new(input);
     let (mut elements, mut text) = (Elements::default(), Vec::new());
     let mut buffer = Vec::new();
     loop {
@@ -72,6 +82,9 @@ pub(super) fn read(input: &Input) -> Result<FeatureSet> {
                 let words = city.decoded(&text);
                 city.leave(&mut elements, &words).map_err(|found| failed(&found))?;
                 text.clear();
+                if let Some(outside) = city.outside(&mut elements, selection) {
+                    return Ok(outside);
+                }
             }
             Event::Decl(decl) => {
                 city.is_latin = decl.encoding().is_some_and(|name| is_latin(name.as_deref().unwrap_or_default()))
@@ -97,184 +110,11 @@ fn append(text: &mut Vec<u8>, part: &[u8], is_wanted: bool) {
     }
 }
 
-/// Returns the character of a reference; entities of the file are not expanded.
-fn resolved(name: &[u8]) -> Option<String> {
-    let name = std::str::from_utf8(name).ok()?;
-    if let Some(number) = name.strip_prefix('#') {
-        let code = match number.strip_prefix('x') {
-            Some(digits) => u32::from_str_radix(digits, 16).ok()?,
-            None => number.parse().ok()?,
-        };
-        return char::from_u32(code).map(String::from);
-    }
-    let known = [("amp", "&"), ("lt", "<"), ("gt", ">"), ("quot", "\""), ("apos", "'")];
-    known.iter().find(|(known, _)| *known == name).map(|(_, text)| (*text).to_string())
-}
-
-/// Returns `true` for the encodings whose bytes are the first 256 characters.
-fn is_latin(name: &[u8]) -> bool {
-    [&b"iso-8859-1"[..], b"latin1", b"iso-8859-15", b"windows-1252"]
-        .iter()
-        .any(|known| name.eq_ignore_ascii_case(known))
-}
-
-/// Reader that refuses to go on without an event.
-struct Bounded<R> {
-    inner: R,
-    /// Bytes that may be read until the next event.
-    left: usize,
-}
-
-impl<R: Read> Read for Bounded<R> {
-    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
-        self.inner.read(bytes)
-    }
-}
-
-impl<R: BufRead> BufRead for Bounded<R> {
-    fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
-        if self.left == 0 {
-            return Err(std::io::Error::other(format!("a tag or text of more than {} MiB", LONGEST_BYTES >> 20)));
-        }
-        self.inner.fill_buf()
-    }
-
-    fn consume(&mut self, n: usize) {
-        self.left = self.left.saturating_sub(n);
-        self.inner.consume(n);
-    }
-}
-
-/// Meaning of an element.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Element {
-    Building,
-    /// Part of a building, or a building of a cadastre's floors.
-    Part,
-    /// A geometry of a level of detail.
-    Level(usize),
-    /// A surface with a meaning.
-    Surface(FaceKind),
-    /// Something that is not seen from outside, and all in it.
-    Hidden,
-    Polygon,
-    Ring,
-    Positions,
-    /// A generic attribute.
-    Attribute,
-    /// The value of a generic attribute, or of a height.
-    Value,
-    /// The name of a generic attribute.
-    Name,
-    /// A height of version 3.
-    Height,
-    Other,
-}
-
-impl Element {
-    /// Returns the meaning of an element by its local name.
-    fn of(name: &[u8]) -> Element {
-        match name {
-            b"Building" => Element::Building,
-            b"BuildingPart" => Element::Part,
-            b"RoofSurface" | b"OuterFloorSurface" => Element::Surface(FaceKind::Roof),
-            b"GroundSurface" => Element::Surface(FaceKind::Ground),
-            b"WallSurface" | b"OuterCeilingSurface" | b"ClosureSurface" => Element::Surface(FaceKind::Other),
-            b"Polygon" | b"Triangle" | b"Rectangle" | b"PolygonPatch" => Element::Polygon,
-            b"LinearRing" => Element::Ring,
-            b"posList" | b"pos" | b"coordinates" => Element::Positions,
-            b"Height" => Element::Height,
-            b"value" => Element::Value,
-            b"name" => Element::Name,
-            b"appearance"
-            | b"appearanceMember"
-            | b"Appearance"
-            | b"opening"
-            | b"fillingSurface"
-            | b"Door"
-            | b"Window"
-            | b"address"
-            | b"geometry2DWithLevel"
-            | b"IntBuildingInstallation"
-            | b"BuildingInstallation"
-            | b"BuildingFurniture"
-            | b"Room"
-            | b"BuildingRoom"
-            | b"Storey"
-            | b"BuildingUnit"
-            | b"InteriorWallSurface"
-            | b"CeilingSurface"
-            | b"FloorSurface" => Element::Hidden,
-            _ if name.ends_with(b"TerrainIntersection") || name.starts_with(b"terrainIntersection") => Element::Hidden,
-            _ if name.ends_with(b"Attribute") => Element::Attribute,
-            [b'l', b'o', b'd', digit @ b'0'..=b'4', ..] => Element::Level(usize::from(digit - b'0')),
-            // INSPIRE has one level, of outlines.
-            b"geometry" => Element::Level(0),
-            _ => Element::Other,
-        }
-    }
-}
-
-/// Elements around the current place.
-#[derive(Debug, Default)]
-struct Elements {
-    open: Vec<Open>,
-    n_hidden: usize,
-    /// Rings of the current polygon.
-    rings: Option<Vec<Vec<[f64; 3]>>>,
-    ring: Option<Vec<[f64; 3]>>,
-    /// `true` if the current polygon has positions without a height.
-    is_plane: bool,
-    /// Name of the current generic attribute.
-    name: Option<String>,
-}
-
-/// An element that is open.
-#[derive(Debug)]
-struct Open {
-    element: Element,
-    /// Numbers of a position, where the element says so.
-    dimension: Option<usize>,
-    /// Local name of what may be a property.
-    name: Option<Arc<str>>,
-    /// Length of its unit \[m\].
-    unit_m: f64,
-}
-
-impl Elements {
-    /// Returns `true` where text matters.
-    fn holds_text(&self) -> bool {
-        self.n_hidden == 0
-            && self.open.last().is_some_and(|open| {
-                let is_known = [Element::Positions, Element::Value, Element::Name].contains(&open.element);
-                is_known || open.name.is_some()
-            })
-    }
-
-    /// Returns the innermost element but one, the parent of the current one.
-    fn parent(&self) -> Option<&Open> {
-        self.open.len().checked_sub(2).map(|k| &self.open[k])
-    }
-
-    /// Returns the level of detail and the meaning of the current polygon.
-    fn place(&self) -> Option<(usize, FaceKind)> {
-        let around = || self.open.iter().rev().map(|open| open.element);
-        let level =
-            around().find_map(|element| if let Element::Level(level) = element { Some(level) } else { None })?;
-        let kind = around().find_map(|element| if let Element::Surface(kind) = element { Some(kind) } else { None });
-        Some((level, kind.unwrap_or(FaceKind::Unknown)))
-    }
-
-    /// Returns the number of coordinates of a position that the elements around it tell.
-    fn dimension(&self) -> Option<usize> {
-        self.open.iter().rev().find_map(|open| open.dimension)
-    }
-}
-
 /// A building or a part of one that is being read.
 #[derive(Debug, Default)]
 struct Owner {
     id: Option<String>,
+    is_part: bool,
     properties: Properties,
     /// Surfaces by level of detail.
     faces: [Vec<(Face, FaceKind)>; N_LEVELS],
@@ -296,7 +136,31 @@ struct City<'a> {
     features: Vec<Feature>,
 }
 
-impl City<'_> {
+impl<'a> City<'a> {
+    fn new(input: &'a Input) -> Self {
+        City { input, system: None, is_latin: false, owners: Vec::new(), features: Vec::new() }
+    }
+
+    /// Returns the content of a file whose envelope, just read, lies outside of what is wanted.
+    fn outside(&self, elements: &mut Elements, selection: Selection<'_>) -> Option<FeatureSet> {
+        let corners = elements.envelope.take()?;
+        let crs = self.crs();
+        let named = crs.as_ref().ok().and_then(Option::as_ref);
+        let is_swapped = named.is_some_and(|crs| Axes::of(self.system_name(), crs, &corners).is_swapped);
+        let order = |[x, y]: [f64; 2]| if is_swapped { [y, x] } else { [x, y] };
+        let envelope = bounds(std::iter::once(&vec![corners.into_iter().map(order).collect()]))?;
+        let wanted = selection.bounds_in(named)?;
+        (!meets(envelope, wanted)).then(|| FeatureSet::outside(crs))
+    }
+
+    fn system_name(&self) -> &str {
+        self.system.as_deref().unwrap_or_default()
+    }
+
+    fn crs(&self) -> Result<Option<Crs>> {
+        crs_of(self.input, self.system_name())
+    }
+
     /// Returns bytes as text in the encoding of the file.
     fn decoded(&self, bytes: &[u8]) -> String {
         match std::str::from_utf8(bytes) {
@@ -313,7 +177,7 @@ impl City<'_> {
         let parent = elements.open.last().map(|open| open.element);
         let mut open = Open { element, dimension: None, name: None, unit_m: 1.0 };
         let mut id = None;
-        for attribute in start.attributes() {
+        for attribute in start.attributes().with_checks(false) {
             let attribute = attribute.map_err(|e| e.to_string())?;
             match attribute.key.local_name().as_ref() {
                 b"id" if matches!(element, Element::Building | Element::Part) => {
@@ -333,7 +197,7 @@ impl City<'_> {
         }
         match element {
             Element::Building | Element::Part if elements.n_hidden == 0 => {
-                self.owners.push(Owner { id, ..Owner::default() });
+                self.owners.push(Owner { id, is_part: element == Element::Part, ..Owner::default() });
             }
             Element::Polygon => {
                 elements.rings = Some(Vec::new());
@@ -375,6 +239,15 @@ impl City<'_> {
             Element::Positions if elements.ring.is_some() => {
                 let plane = positions(text, elements.dimension(), elements.ring.get_or_insert_default())?;
                 elements.is_plane |= plane;
+            }
+            Element::Corner if elements.open.len() == 4 => {
+                positions(text, elements.dimension().or(Some(3)), &mut elements.corners)?;
+            }
+            // The box around all, not that of a building.
+            Element::Envelope if elements.open.len() == 3 => {
+                let corners = std::mem::take(&mut elements.corners);
+                elements.envelope =
+                    (corners.len() == 2).then(|| corners.iter().map(|corner| [corner[0], corner[1]]).collect());
             }
             Element::Ring => {
                 if let (Some(mut ring), Some(rings)) = (elements.ring.take(), elements.rings.as_mut()) {
@@ -428,17 +301,18 @@ impl City<'_> {
         let level = [3, 2, 1, 4, 0].into_iter().find(|level| !owner.faces[*level].is_empty());
         let own = level.map(|level| (level, owner.feature(level)));
         let building = owner.id.clone();
+        // Parts of a cadastre stand in a file of their own.
+        let of_cadastre = if owner.is_part { cadastral_building(owner.id.as_deref()) } else { None };
+        let own = own.map(|(level, own)| (level, Feature { part_of: of_cadastre, ..own }));
         let of_parts = owner.parts.iter().map(|(level, _)| *level).max();
         let is_finest = own.as_ref().is_some_and(|(level, _)| of_parts.is_none_or(|parts| parts <= *level));
+        let properties = Arc::new(owner.properties);
         for (level, part) in owner.parts {
-            let mut part = Feature { part_of: part.part_of.or_else(|| building.clone()), ..part };
-            // A part has the attributes of its building, except those of its own.
-            for (name, value) in &owner.properties {
-                if part.properties.iter().all(|(known, _)| known != name) {
-                    part.properties.push((Arc::clone(name), value.clone()));
-                }
-            }
-            self.keep(level, part);
+            let part_of = part.part_of.or_else(|| building.clone());
+            self.keep(
+                level,
+                Feature { part_of, of_building: part.of_building.or_else(|| Some(Arc::clone(&properties))), ..part },
+            );
         }
         if let Some((level, own)) = own.filter(|_| is_finest) {
             self.keep(level, own);
@@ -458,15 +332,20 @@ impl City<'_> {
         if self.features.is_empty() {
             return Err(Error::read(self.input, ReadFault::Nothing(Wanted::Building)));
         }
-        let mut features = self.features;
+        let crs = self.crs();
+        let mut oddity = None;
         let name = self.system.unwrap_or_default();
-        let crs = super::feature::crs_of(self.input, &name);
-        if let Ok(Some(crs)) = &crs
-            && is_north_first(&name, crs, &features)
-        {
-            features.iter_mut().for_each(swap);
+        let mut features = self.features;
+        if let Ok(Some(crs)) = &crs {
+            let firsts: Vec<[f64; 2]> =
+                features.iter().filter_map(|feature| feature.polygons.first()?.first()?.first().copied()).collect();
+            let axes = Axes::of(&name, crs, &firsts);
+            if axes.is_swapped {
+                features.iter_mut().for_each(Feature::swap_axes);
+            }
+            oddity = axes.oddity(crs, &firsts);
         }
-        Ok(FeatureSet { crs, name: None, attribution: None, name_limit: None, features })
+        Ok(FeatureSet { crs, features, oddity, ..FeatureSet::default() })
     }
 }
 
@@ -477,7 +356,9 @@ impl Owner {
         let measured = self.properties.iter().find(|(name, _)| **name == *"measuredHeight").map(|(_, value)| value);
         let (id, properties) = (self.id.clone(), self.properties.clone());
         if self.is_plane {
-            return Feature { id, properties, polygons: solid.polygons, ..Feature::default() };
+            let height = measured.and_then(|value| found_height(value, HeightUnit::Meters).meters());
+            let height = height.filter(|m| *m > 0.0).map(SolidHeight::Measured);
+            return Feature { id, height, properties, polygons: solid.polygons, ..Feature::default() };
         }
         #[expect(clippy::cast_precision_loss, reason = "0 to 4")]
         let height = height_of(measured, level as f64, solid.heights);
@@ -485,54 +366,43 @@ impl Owner {
     }
 }
 
-/// Appends positions of a text to a ring. Returns `true` if they have no heights.
-fn positions(text: &str, dimension: Option<usize>, ring: &mut Vec<[f64; 3]>) -> std::result::Result<bool, String> {
-    let words = || text.split(|c: char| c.is_ascii_whitespace() || c == ',').filter(|word| !word.is_empty());
-    let n = words().count();
-    // Some writers leave out that positions have three numbers, or two.
-    let dimension = dimension.filter(|d| n % d == 0).unwrap_or(if n % 3 == 0 { 3 } else { 2 });
-    if n % dimension != 0 {
-        return Err(format!("{n} numbers of positions"));
-    }
-    let (mut position, mut k) = ([0.0; 3], 0);
-    for word in words() {
-        let number: f64 = word.parse().map_err(|_| format!("`{word}` in positions"))?;
-        if !number.is_finite() {
-            return Err(format!("`{word}` in positions"));
+/// Returns the building of a part of a Spanish cadastre, whose id ends in `_part` and a number.
+fn cadastral_building(part: Option<&str>) -> Option<String> {
+    let (building, number) = part?.rsplit_once("_part")?;
+    (!number.is_empty() && number.bytes().all(|b| b.is_ascii_digit())).then(|| building.to_string())
+}
+
+/// Order of the numbers of a position.
+#[derive(Debug, Clone, Copy)]
+struct Axes {
+    /// `true` if latitude or northing come first.
+    is_swapped: bool,
+    /// `true` if another writer would mean the other order by the same name.
+    is_disputed: bool,
+}
+
+impl Axes {
+    /// Determines the order of the numbers of some positions by the name of their system.
+    fn of(name: &str, crs: &Crs, some: &[[f64; 2]]) -> Axes {
+        if matches!(crs.kind(), CrsKind::Geographic) {
+            let is_named_so = name.contains("CRS84") || name.contains("adv:");
+            let can_be = some.iter().all(|[first, _]| first.abs() <= 90.0);
+            return Axes { is_swapped: !is_named_so && can_be, is_disputed: false };
         }
-        position[k] = number;
-        k += 1;
-        if k == dimension {
-            ring.push(position);
-            k = 0;
-        }
+        let is_disputed = !name.contains("adv:") && crs::is_north_first(crs);
+        // Writers of the compound form, `urn:ogc:def:crs,crs:EPSG:…`, mean the easting first.
+        let is_formal = name.starts_with("urn:ogc:def:crs:") || name.starts_with("http");
+        let can_be = |is_swapped: bool| {
+            some.first().is_none_or(|&[x, y]| crs::is_in_domain(crs, if is_swapped { (y, x) } else { (x, y) }))
+        };
+        let promised = is_disputed && is_formal;
+        let is_swapped = if can_be(promised) || !can_be(!promised) { promised } else { !promised };
+        Axes { is_swapped: is_swapped && is_disputed, is_disputed }
     }
-    Ok(dimension == 2)
-}
 
-/// Returns a text as a property: a number \[m\] where it is one.
-fn property(text: &str, unit_m: f64) -> Property {
-    let text = text.trim();
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() => Property::Number(number * unit_m),
-        _ => Property::Text(text.to_string()),
-    }
-}
-
-/// Returns `true` where positions are latitude and longitude. Names of surveys, and CRS84, have the
-/// easting first.
-fn is_north_first(name: &str, crs: &Crs, features: &[Feature]) -> bool {
-    let is_geographic = matches!(crs.kind(), CrsKind::Geographic);
-    let firsts = || features.iter().flat_map(|feature| feature.polygons.iter().flatten().flatten()).map(|p| p[0]);
-    is_geographic && !name.contains("CRS84") && !name.contains("adv:") && firsts().all(|first| first.abs() <= 90.0)
-}
-
-/// Exchanges the axes of a feature.
-fn swap(feature: &mut Feature) {
-    for [x, y] in feature.polygons.iter_mut().chain(&mut feature.ground).flatten().flatten() {
-        std::mem::swap(x, y);
-    }
-    for [x, y, _] in feature.roof.iter_mut().flatten().flatten() {
-        std::mem::swap(x, y);
+    /// Returns the oddity of an order that writers disagree about.
+    fn oddity(self, crs: &Crs, some: &[[f64; 2]]) -> Option<OddFile> {
+        let first = *some.first().filter(|_| self.is_disputed)?;
+        Some(OddFile::NorthFirst { system: crs.label(), is_swapped: self.is_swapped, first })
     }
 }
