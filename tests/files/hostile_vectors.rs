@@ -11,6 +11,7 @@ use skyshed_io::read::{FootprintOptions, MeshOptions, read_footprints, read_mesh
 
 use crate::city_formats::{citygml, write_geoparquet};
 use crate::program::Folder;
+use crate::solid_writers;
 use crate::support::{Random, is_long};
 use crate::vector_files::{
     EAST, NORTH, city, write_cityjson, write_flatgeobuf, write_geojson, write_geopackage, write_obj, write_ply,
@@ -31,7 +32,13 @@ fn files(folder: &Folder) -> Vec<PathBuf> {
     write_obj(&folder.join("g.obj"));
     write_ply(&folder.join("h.ply"), "ascii");
     write_ply(&folder.join("i.ply"), "binary_little_endian");
-    let damaged = "a.geojson b.shp b.shx b.dbf b.prj c.fgb d.fgb e.gpkg f.city.json g.obj h.ply i.ply j.gml k.parquet";
+    let solids = solid_writers::solids();
+    solid_writers::write_multipatches(&folder.join("n.shp"), &solids);
+    solid_writers::write_polygons(&folder.join("o.shp"), &solids);
+    solid_writers::write_flatgeobuf(&folder.join("l.fgb"), &solids);
+    solid_writers::write_geopackage(&folder.join("m.gpkg"), &solids, 1015);
+    let damaged = "a.geojson b.shp b.shx b.dbf b.prj c.fgb d.fgb e.gpkg f.city.json g.obj h.ply i.ply n.shp n.shx o.shp \
+                   l.fgb m.gpkg j.gml k.parquet";
     damaged.split(' ').map(|name| folder.join(name)).collect()
 }
 

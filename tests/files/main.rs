@@ -27,6 +27,9 @@ mod building_meaning; // missing heights, parts, what is not there: by hand, and
 mod building_counts; // how they are counted and told: one number for each warning, shares, captions, names that formats cut
 mod city_files;
 mod city_formats;
+mod xyz_files; // XYZ grids: the maps of the same raster as an ASCII grid, and what is no grid
+mod solid_files; // surfaces of buildings in formats that are not made for them: the maps of CityJSON
+mod solid_writers; // writes them
 mod cityjson_parts; // the same of CityJSON: buildings and their parts, measured heights, fillers
 mod ground_truth; // what a scene is made of: bases, voids, typed ground, holes, lattices, extents, ranges
 mod repairs; // what was mended or left out, thing by thing

@@ -16,6 +16,8 @@ pub enum FileFormat {
     GeoTiff,
     /// Esri ASCII grid.
     AsciiGrid,
+    /// Lines of x, y and z on a regular grid.
+    Xyz,
     /// Virtual raster of GDAL.
     VirtualRaster,
     /// Folder of rasters.
@@ -116,6 +118,7 @@ impl FileFormat {
             "ply" => FileFormat::Ply,
             "tif" | "tiff" => FileFormat::GeoTiff,
             "asc" => FileFormat::AsciiGrid,
+            "xyz" => FileFormat::Xyz,
             "vrt" => FileFormat::VirtualRaster,
             _ => return None,
         })
@@ -154,6 +157,7 @@ impl FileFormat {
         match self {
             FileFormat::GeoTiff => "a GeoTIFF",
             FileFormat::AsciiGrid => "an Esri ASCII grid",
+            FileFormat::Xyz => "an XYZ grid",
             FileFormat::VirtualRaster => "a virtual raster",
             FileFormat::RasterFolder => "a folder of rasters",
             FileFormat::GeoJson => "GeoJSON",
@@ -178,7 +182,7 @@ impl FileFormat {
     /// Returns the error for a file of this format where one of a kind is wanted.
     pub(crate) fn unwanted(self, input: &Input, kind: FileKind) -> Error {
         let wanted = match kind {
-            FileKind::Raster => "a GeoTIFF, an Esri ASCII grid or a GDAL virtual raster",
+            FileKind::Raster => "a GeoTIFF, an Esri ASCII grid, an XYZ grid or a GDAL virtual raster",
             FileKind::Vector => "GeoJSON, CityJSON, CityGML, FlatGeobuf, GeoParquet, a GeoPackage or a Shapefile",
             FileKind::Mesh => "a mesh in OBJ or PLY",
         };
@@ -202,9 +206,11 @@ impl FileFormat {
     /// Returns the kind of what it holds; `None` for a format that is not read.
     pub fn kind(self) -> Option<FileKind> {
         Some(match self {
-            FileFormat::GeoTiff | FileFormat::AsciiGrid | FileFormat::VirtualRaster | FileFormat::RasterFolder => {
-                FileKind::Raster
-            }
+            FileFormat::GeoTiff
+            | FileFormat::AsciiGrid
+            | FileFormat::Xyz
+            | FileFormat::VirtualRaster
+            | FileFormat::RasterFolder => FileKind::Raster,
             FileFormat::GeoJson
             | FileFormat::CityJson
             | FileFormat::CityGml
@@ -333,6 +339,7 @@ fn of_plain_text(text: &str) -> Option<FileFormat> {
         _ if first.starts_with("Version ") && text.contains("Columns") => {
             is(foreign("a MapInfo file", Conversion::Ogr2Ogr))
         }
+        _ if crate::formats::begins_with_points(text) => Some(FileFormat::Xyz),
         _ if first.starts_with("mtllib ") || first.starts_with("v ") => Some(FileFormat::Obj),
         _ => None,
     }

@@ -134,7 +134,8 @@ impl Input {
         self.other(name.into())
     }
 
-    fn other(&self, path: PathBuf) -> Option<Input> {
+    /// Returns the file at another path, in the same archive, or of the same held bytes.
+    pub(crate) fn other(&self, path: PathBuf) -> Option<Input> {
         if let Some(packed) = &self.packed {
             return packed.beside(&path);
         }
@@ -181,6 +182,14 @@ impl Input {
             return Err(Error::read(self, ReadFault::NoFile));
         }
         Ok((Reader::File(File::open(&self.path).map_err(fail)?), metadata.len()))
+    }
+
+    /// Opens the input for reading from its beginning. A gzip file is unpacked while it is read.
+    pub(crate) fn stream(&self) -> Result<Box<dyn Read>> {
+        match &self.packed {
+            Some(packed) => packed.stream(self),
+            None => Ok(Box::new(self.open()?.0)),
+        }
     }
 
     #[cfg(feature = "remote")]

@@ -4,7 +4,7 @@
 //! is opened again. Names inside of archives are names alone, wherever they point.
 
 use std::fmt;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -12,6 +12,7 @@ use zip::ZipArchive;
 use zip::result::ZipError;
 
 use crate::error::{Cause, Error, ReadFault, Result};
+use crate::format::FileFormat;
 use crate::input::{Input, Reader, cannot_read};
 
 /// Most files in an archive.
@@ -19,6 +20,12 @@ const MOST_MEMBERS: usize = 20_000;
 /// What may be unpacked of any file \[bytes\], and for each packed byte. Text and XML of cities
 /// take 10 to 40 times the bytes of their archive.
 const MOST_UNPACKED: (u64, u64) = (64 << 20, 150);
+
+/// Deepest nesting of archives.
+const MOST_NESTED: usize = 2;
+/// What archives inside of others may take \[bytes\], and for each byte of the outer one, which
+/// hardly packs them again.
+const MOST_INNER: (u64, u64) = (64 << 20, 4);
 
 /// File inside of another one.
 #[derive(Clone)]
@@ -38,12 +45,40 @@ pub(crate) enum Archive {
     Zip,
 }
 
+/// Returns a file with its format or, of an archive, the files inside of it, also of archives inside
+/// of that.
+///
+/// # Errors
+/// E301 and E302 for an archive that cannot be read; E502 for one of too many files, or of archives
+/// that unpack to much.
+pub(crate) fn files_of(input: &Input) -> Result<Vec<(Input, FileFormat)>> {
+    let (mut found, mut n_unpacked) = (Vec::new(), 0);
+    collect(input, 0, (&mut found, &mut n_unpacked))?;
+    Ok(found)
+}
+
+fn collect(input: &Input, depth: usize, (found, n_unpacked): (&mut Vec<(Input, FileFormat)>, &mut u64)) -> Result<()> {
+    let format = FileFormat::of(input)?;
+    let Some(archive) = format.archive().filter(|_| depth < MOST_NESTED) else {
+        found.push((input.clone(), format));
+        return Ok(());
+    };
+    let (members, n_more) = members(input, archive)?;
+    *n_unpacked += n_more;
+    let most = MOST_INNER.0.saturating_add(MOST_INNER.1.saturating_mul(input.len()));
+    if *n_unpacked > most {
+        let what = format!("archives inside of it that take over {} MiB, wanted files of a city", most >> 20);
+        return Err(Error::read(input.on_disk(), ReadFault::TooMany(what)));
+    }
+    members.iter().try_for_each(|member| collect(member, depth + 1, (found, n_unpacked)))
+}
+
 /// Returns the files inside of an archive, without folders and hidden files, and the number of bytes
 /// that were unpacked to find them.
 ///
 /// # Errors
 /// E301 and E302 for an archive that cannot be read; E502 for one of too many files.
-pub(crate) fn members(archive: &Input, kind: Archive) -> Result<(Vec<Input>, u64)> {
+fn members(archive: &Input, kind: Archive) -> Result<(Vec<Input>, u64)> {
     let shared = Arc::new(archive.clone());
     if kind == Archive::Gzip {
         let packed = Packed { archive: shared, member: None };
@@ -80,9 +115,10 @@ impl Packed {
         &self.archive
     }
 
-    /// Returns the file beside it in the archive of another name, if there is one.
+    /// Returns the file beside it in the archive of another name, if there is one; of a gzip file,
+    /// the file beside that.
     pub(crate) fn beside(&self, name: &Path) -> Option<Input> {
-        let (zip, own) = self.member.as_ref()?;
+        let Some((zip, own)) = self.member.as_ref() else { return self.archive.other(name.to_owned()) };
         let (folder, wanted) = (own.rsplit_once('/').map(|(folder, _)| folder), name.file_name()?.to_string_lossy());
         let is_it = |other: &str| match (other.rsplit_once('/'), folder) {
             (Some((of, file)), Some(folder)) => of == folder && file.eq_ignore_ascii_case(&wanted),
@@ -124,6 +160,20 @@ impl Packed {
         })
     }
 
+    /// Returns all bytes as a stream. Those of a gzip file are unpacked while they are read.
+    ///
+    /// # Errors
+    /// Errors of [`Packed::read`] for other archives; the stream of a gzip file fails instead.
+    pub(crate) fn stream(&self, input: &Input) -> Result<Box<dyn Read>> {
+        if self.member.is_some() {
+            return Ok(Box::new(Cursor::new(self.read(input)?)));
+        }
+        let packed_len = self.archive.len();
+        let left = MOST_UNPACKED.0.saturating_add(MOST_UNPACKED.1.saturating_mul(packed_len));
+        let packed = BufReader::new(self.archive.stream()?);
+        Ok(Box::new(Unpacked { inner: flate2::read::MultiGzDecoder::new(packed), left }))
+    }
+
     /// Calls `with` with the unpacked file and the length of the packed one.
     fn unpack<T>(&self, input: &Input, with: impl FnOnce(&mut dyn Read, u64) -> Result<T>) -> Result<T> {
         let Some((zip, member)) = &self.member else {
@@ -158,6 +208,21 @@ impl fmt::Debug for Packed {
 /// archive is sought anew for each file.
 fn locked(zip: &Mutex<Zip>) -> MutexGuard<'_, Zip> {
     zip.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Stream that ends in an error after a number of bytes.
+struct Unpacked<R> {
+    inner: R,
+    left: u64,
+}
+
+impl<R: Read> Read for Unpacked<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        let n = self.inner.read(bytes)?;
+        let too_many = || std::io::Error::other("it unpacks to far more than a file of a city");
+        self.left = self.left.checked_sub(n as u64).ok_or_else(too_many)?;
+        Ok(n)
+    }
 }
 
 /// Returns the error for an archive that is damaged, locked, or packed in another way.

@@ -73,7 +73,7 @@ fn of_cause(ReadError { name, cause, fault, .. }: &ReadError) -> Option<String> 
         ),
         Cause::LargeCells => "give a smaller `--cell`".into(),
         Cause::LargeRaster => of_large_raster(name),
-        Cause::Multipatch => "give the buildings as CityJSON, or as a mesh in .obj or .ply".into(),
+        Cause::PointCloud => "a cloud of points is read as LAS or LAZ; of other points make a raster first".into(),
         Cause::OpenDatabase => "close the program that has it open".into(),
         Cause::BesideScene => return of_other_file(name, fault),
         Cause::NotBuilt | Cause::GeneratedColumn => {

@@ -107,14 +107,15 @@ pub enum ReadFault {
     #[error("no face covers a cell of the grid, {0}")]
     NoFaceInGrid(String),
     /// E365: no feature has the property of heights; other properties: likely heights, likely
-    /// storeys, all others.
-    #[error("no feature has the property `{wanted}`, wanted one that holds heights")]
+    /// storeys, all others. Heights in the geometry are none of buildings.
+    #[error("no feature has the property `{wanted}`, wanted one that holds heights{}", of_z(*has_z))]
     NoHeightProperty {
         wanted: String,
         like_heights: Vec<String>,
         like_storeys: Vec<String>,
         others: Vec<String>,
         has_bases: bool,
+        has_z: bool,
     },
     /// E365: no feature has the property of the ground below buildings.
     #[error("no feature has the property `{0}`, wanted one that holds the ground below buildings")]
@@ -255,7 +256,7 @@ pub enum Wanted {
     #[error("found {0} different places, wanted at least 2")]
     Places(usize),
     /// Tiles in a folder.
-    #[error("a folder without .tif, .tiff or .asc files, wanted tiles")]
+    #[error("a folder without .tif, .tiff, .asc or .xyz files, wanted tiles")]
     Tiles,
     /// Objects of CityJSON.
     #[error("its `CityObjects` are empty")]
@@ -267,7 +268,7 @@ pub enum Wanted {
     #[error("it holds no face")]
     Faces,
     /// Surfaces of roofs.
-    #[error("it holds no surface of a roof, wanted CityJSON or a mesh of buildings")]
+    #[error("it holds no surface of a roof, wanted CityJSON, CityGML, polygons with heights or a mesh of buildings")]
     Roofs,
 }
 
@@ -322,8 +323,8 @@ pub enum Cause {
     LargeCells,
     /// A large raster, of which a part may suffice.
     LargeRaster,
-    /// Multipatches.
-    Multipatch,
+    /// Points that are no grid: a cloud of points.
+    PointCloud,
     /// A database that another program has open.
     OpenDatabase,
     /// A column that is computed when it is read.
@@ -339,6 +340,11 @@ pub(super) fn some_of(names: &[String]) -> String {
     const MOST: usize = 12;
     let more = if names.len() > MOST { ", …" } else { "" };
     format!("{}{more}", names[..names.len().min(MOST)].join(", "))
+}
+
+/// Returns the part of a message about heights in a geometry.
+fn of_z(has_z: bool) -> &'static str {
+    if has_z { "; the `z` of its areas may be that of roofs or of the ground" } else { "" }
 }
 
 /// Joins names in backticks.

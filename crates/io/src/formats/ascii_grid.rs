@@ -34,7 +34,7 @@ const KEYS: [&str; 11] = [
     "nodata",
 ];
 /// Nodata value of a grid that declares none.
-const DEFAULT_NODATA: f64 = -9999.0;
+pub(super) const DEFAULT_NODATA: f64 = -9999.0;
 /// Longest word of a grid \[bytes\].
 const MAX_WORD_BYTES: usize = 512;
 
@@ -341,7 +341,7 @@ impl<'a> Words<'a> {
 
 /// Reads the coordinate reference system from the `.prj` file beside a grid, if it can be
 /// understood.
-fn sidecar_crs(input: &Input, odd: &mut Vec<Oddity>) -> Option<Crs> {
+pub(super) fn sidecar_crs(input: &Input, odd: &mut Vec<Oddity>) -> Option<Crs> {
     let sidecar = input.beside("prj")?;
     let (file, _) = sidecar.open().ok()?;
     let mut text = String::new();

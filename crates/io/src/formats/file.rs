@@ -4,12 +4,12 @@
 use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
-use super::mosaic::{Content, Header, Nesting, Tile, TileNumbers};
+use super::mosaic::{Content, Header, Nesting, Tile, TileNumbers, packed_rasters};
 use super::oddity::warned;
 use skyshed_request::Band;
 
 use super::band::index_of_band;
-use super::{AsciiGrid, GeoTiff, Mosaic};
+use super::{AsciiGrid, GeoTiff, Mosaic, XyzGrid};
 use crate::crs::VerticalCrs;
 use crate::error::{Error, Oddity, Result, Warning};
 use crate::format::{FileFormat, FileKind};
@@ -24,7 +24,9 @@ pub enum RasterFile {
     GeoTiff(GeoTiff),
     /// An Esri ASCII grid.
     AsciiGrid(AsciiGrid),
-    /// A virtual raster of GDAL, or a folder of tiles.
+    /// Lines of x, y and z.
+    XyzGrid(XyzGrid),
+    /// A virtual raster of GDAL, or tiles of a folder or an archive.
     Mosaic(Mosaic),
 }
 
@@ -61,10 +63,19 @@ impl RasterFile {
                 index_of_band(nesting.band.unwrap_or(&Band::First), input, &[None])?;
                 AsciiGrid::open_told(input, odd).map(RasterFile::AsciiGrid)
             }
+            FileFormat::Xyz => {
+                index_of_band(nesting.band.unwrap_or(&Band::First), input, &[None])?;
+                XyzGrid::open_told(input, odd).map(RasterFile::XyzGrid)
+            }
             FileFormat::VirtualRaster if input.is_held() => {
                 Err(Error::unsupported(input, "a virtual raster names other files, wanted its path"))
             }
             FileFormat::VirtualRaster => Mosaic::open_vrt(input.as_path(), nesting, odd).map(RasterFile::Mosaic),
+            format if format.archive().is_some() => match packed_rasters(input)?.as_slice() {
+                [] => Err(format.unwanted(input, FileKind::Raster)),
+                [alone] => RasterFile::open_within(alone, nesting, odd),
+                tiles => Mosaic::open_tiles(input.as_path(), tiles, nesting, odd).map(RasterFile::Mosaic),
+            },
             format => Err(format.unwanted(input, FileKind::Raster)),
         }
     }
@@ -74,7 +85,7 @@ impl RasterFile {
     pub fn meters_per_height_unit(&self) -> Option<f64> {
         match self {
             RasterFile::GeoTiff(tiff) => tiff.meters_per_height_unit(),
-            RasterFile::AsciiGrid(_) => None,
+            RasterFile::AsciiGrid(_) | RasterFile::XyzGrid(_) => None,
             RasterFile::Mosaic(mosaic) => mosaic.meters_per_height_unit(),
         }
     }
@@ -83,7 +94,7 @@ impl RasterFile {
     pub fn vertical(&self) -> Option<&VerticalCrs> {
         match self {
             RasterFile::GeoTiff(tiff) => tiff.vertical(),
-            RasterFile::AsciiGrid(_) => None,
+            RasterFile::AsciiGrid(_) | RasterFile::XyzGrid(_) => None,
             RasterFile::Mosaic(mosaic) => mosaic.vertical(),
         }
     }
@@ -93,6 +104,7 @@ impl RasterFile {
         match self {
             RasterFile::GeoTiff(tiff) => tiff.georef(),
             RasterFile::AsciiGrid(grid) => grid.georef(),
+            RasterFile::XyzGrid(grid) => grid.georef(),
             RasterFile::Mosaic(mosaic) => mosaic.georef(),
         }
     }
@@ -107,6 +119,7 @@ impl RasterFile {
         match self {
             RasterFile::GeoTiff(tiff) => tiff.description(),
             RasterFile::AsciiGrid(grid) => grid.description(),
+            RasterFile::XyzGrid(grid) => grid.description(),
             RasterFile::Mosaic(mosaic) => mosaic.description(),
         }
     }
@@ -142,6 +155,7 @@ impl RasterFile {
     ) -> Result<Raster<T>> {
         match self {
             RasterFile::GeoTiff(tiff) => tiff.read(window, warnings, convert),
+            RasterFile::XyzGrid(grid) => grid.read(window, warnings, convert),
             RasterFile::AsciiGrid(grid) => grid.read(window, warnings, convert),
             RasterFile::Mosaic(mosaic) => mosaic.read(window, warnings, convert),
         }
@@ -152,15 +166,19 @@ impl RasterFile {
     pub fn reads_parts(&self) -> bool {
         match self {
             RasterFile::GeoTiff(tiff) => tiff.reads_parts(),
-            RasterFile::AsciiGrid(_) => false,
+            RasterFile::AsciiGrid(_) | RasterFile::XyzGrid(_) => false,
             RasterFile::Mosaic(_) => true,
         }
     }
 
     /// Returns the memory of reading beyond the requested cells \[bytes\]: an unpacked strip or
-    /// tile.
+    /// tile, or rows that are put in order.
     pub fn block_bytes(&self) -> u64 {
-        if let RasterFile::GeoTiff(tiff) = self { tiff.block_bytes() } else { 0 }
+        match self {
+            RasterFile::GeoTiff(tiff) => tiff.block_bytes(),
+            RasterFile::XyzGrid(grid) => grid.block_bytes(),
+            RasterFile::AsciiGrid(_) | RasterFile::Mosaic(_) => 0,
+        }
     }
 
     /// Returns `true` when the file stores no cell at all, whatever size it declares.
@@ -192,9 +210,9 @@ impl RasterFile {
 }
 
 /// Reads the header of a tile.
-fn read_header(path: &Path, nesting: Nesting<'_>) -> Result<Header> {
+fn read_header(input: &Input, nesting: Nesting<'_>) -> Result<Header> {
     let mut odd = Vec::new();
-    let file = RasterFile::open_within(&Input::path(path), nesting, &mut odd)?;
+    let file = RasterFile::open_within(input, nesting, &mut odd)?;
     let georef = file.georef().clone();
     let meters_per_height_unit = file.meters_per_height_unit();
     let vertical = file.vertical().cloned();
@@ -204,14 +222,16 @@ fn read_header(path: &Path, nesting: Nesting<'_>) -> Result<Header> {
             (tiff.n_bands(), TileNumbers { band, nodata, scaling: tiff.scaling(band) })
         }
         RasterFile::AsciiGrid(grid) => (1, TileNumbers { band: 0, nodata: Some(grid.nodata()), scaling: (1.0, 0.0) }),
+        RasterFile::XyzGrid(grid) => (1, TileNumbers { band: 0, nodata: Some(grid.nodata()), scaling: (1.0, 0.0) }),
         RasterFile::Mosaic(mosaic) => (1, mosaic.numbers()),
     };
     let content = match file {
         RasterFile::GeoTiff(_) => Content::GeoTiff,
         RasterFile::AsciiGrid(grid) => Content::AsciiGrid(Box::new(grid)),
+        RasterFile::XyzGrid(grid) => Content::XyzGrid(Box::new(grid)),
         RasterFile::Mosaic(mosaic) => Content::Mosaic(Box::new(mosaic)),
     };
     let (n_rows, n_cols) = (georef.n_rows(), georef.n_cols());
-    let tile = Tile { path: path.to_owned(), n_rows, n_cols, numbers, content };
+    let tile = Tile { input: input.clone(), n_rows, n_cols, numbers, content };
     Ok(Header { tile, georef, n_bands, meters_per_height_unit, vertical, odd })
 }

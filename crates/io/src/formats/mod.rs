@@ -25,6 +25,7 @@ mod tile_store;
 mod voids;
 mod world_file;
 mod xml;
+mod xyz_grid;
 
 pub(crate) use ascii_grid::is_header_key as is_grid_header_key;
 pub use ascii_grid::{AsciiGrid, write_ascii_grid};
@@ -46,6 +47,8 @@ pub use origin::origin_of;
 pub(crate) use reserve::reserve_cells;
 pub use tile_store::{TileStore, TileStoreWriter};
 pub use world_file::world_file;
+pub use xyz_grid::XyzGrid;
+pub(crate) use xyz_grid::begins_with_points;
 
 /// Values of a channel, row by row from the north-west cell.
 #[derive(Debug, Clone, Copy)]

@@ -24,7 +24,7 @@ pub fn origin_of(input: impl Into<Input>) -> Option<String> {
         b"PK\x03\x04" => of_npz(input),
         [b'I', b'I', ..] | [b'M', b'M', ..] => match RasterFile::open(input, &mut Vec::new()).ok()? {
             RasterFile::GeoTiff(tiff) => tiff.provenance().map(str::to_string),
-            RasterFile::AsciiGrid(_) | RasterFile::Mosaic(_) => None,
+            _ => None,
         },
         _ => None,
     };

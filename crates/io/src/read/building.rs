@@ -20,8 +20,8 @@ use super::height_value::{FoundHeight, found_height, is_no_top};
 use super::not_there::Tagging;
 use super::polygon::{Polygon, doubled_area};
 use super::repairs::{Culprit, FaultLog};
-use super::solid::{Face, plan};
-use super::vector::{Feature, FeatureSet, Property, SolidHeight, bounds, opened};
+use super::solid::{Face, FaceKind, Solid, plan};
+use super::vector::{CornerHeights, Feature, FeatureSet, Property, SolidHeight, bounds, opened};
 use crate::city::FootprintFault;
 use crate::error::{Error, Place, ReadFault, Result, Wanted};
 use crate::input::Input;
@@ -112,6 +112,33 @@ impl RawFootprint {
     pub(super) fn culprit_at(&self, k: usize) -> Culprit<'_> {
         let first = self.polygons.get(k).and_then(|rings| rings.iter().flatten().next());
         Culprit { feature: self.number, id: &self.id, place: first.copied(), is_asked: self.is_asked }
+    }
+}
+
+/// Makes buildings of the surfaces of geometries with heights.
+///
+/// With roofs as they are, all of these are. Else a property with a height counts first, and only
+/// surfaces are a building that walls or a ground surface lead to the ground.
+pub(super) fn take_surfaces(set: &mut FeatureSet, options: &FootprintOptions) {
+    if options.top_field.is_some() || options.height_field.is_some() {
+        return;
+    }
+    let reading = Reading { name_limit: set.name_limit, options, base_field: None };
+    for feature in &mut set.features {
+        let CornerHeights::Surfaces(faces) = &feature.z else { continue };
+        let is_as_it_is = options.roofs == Some(Roofs::Lod2);
+        if !is_as_it_is && reading.about(feature).height().0 != FoundHeight::Missing {
+            continue;
+        }
+        let solid = Solid::of(faces.iter().map(|face| (face.clone(), FaceKind::Unknown)).collect());
+        let is_lofty = !solid.has_walls && solid.ground.is_empty();
+        // Walls alone cover nothing.
+        if solid.roof.is_empty() || is_lofty && !is_as_it_is {
+            continue;
+        }
+        let Feature { polygons, heights, roof, ground, .. } = Feature::of_solid(solid);
+        let of_file = std::mem::take(feature);
+        *feature = Feature { polygons, heights, roof, ground, is_lofty, z: CornerHeights::None, ..of_file };
     }
 }
 
@@ -255,7 +282,9 @@ fn refuse_unknown_property(
     let [like_heights, like_storeys, others] =
         [like_heights, like_storeys, others].map(|names| names.into_iter().map(str::to_string).collect());
     let (wanted, has_bases) = (name.to_string(), BASES.iter().any(|name| has(name)));
-    Err(Error::read(input, ReadFault::NoHeightProperty { wanted, like_heights, like_storeys, others, has_bases }))
+    let has_z = areas().any(|feature| feature.z != CornerHeights::None);
+    let fault = ReadFault::NoHeightProperty { wanted, like_heights, like_storeys, others, has_bases, has_z };
+    Err(Error::read(input, fault))
 }
 
 /// Returns the properties that count storeys.
@@ -277,6 +306,7 @@ fn refuse_unknown_bases(input: &Input, areas: &[&Feature], reading: Reading<'_>)
         return Err(Error::read(input, ReadFault::NoBaseProperty(name.into())));
     }
     let of_property = match (options.top_field.as_deref(), options.ground) {
+        (None, _) if options.needs_bases() && areas.iter().any(|feature| feature.is_lofty) => Some("z"),
         (Some(top), _) if options.needs_bases() => Some(top),
         (None, Some(GroundChoice::Buildings)) if areas.iter().all(|feature| feature.heights.is_none()) => {
             Some(options.height_property())
@@ -380,7 +410,7 @@ impl Says<'_> {
     /// Returns the ground below it \[m above the datum\]. A solid's own lowest point counts first,
     /// unless the property of another height is named.
     fn base_m(&self) -> Option<f64> {
-        let of_solid = self.feature.heights.map(|[lowest, _]| lowest);
+        let of_solid = self.feature.heights.filter(|_| !self.feature.is_lofty).map(|[lowest, _]| lowest);
         let of_field = || self.base_in(self.reading.base_field?);
         match self.reading.options.top_field.is_some() || self.reading.options.height_field.is_some() {
             true => of_field().or(of_solid),

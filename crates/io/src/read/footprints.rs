@@ -7,7 +7,7 @@
 //! properties as a building.
 
 use super::area::read_area;
-use super::building::Buildings;
+use super::building::{Buildings, take_surfaces};
 use super::file_heights::FileHeights;
 use super::footprint_options::FootprintOptions;
 use super::ground_of_bases::terrain_through;
@@ -27,10 +27,10 @@ use super::vector::{FeatureSet, Selection, Within, bounds, read_features};
 use crate::city::{City, DataArea, Footprint, Ground, NodataAs, Solids, Source};
 use crate::crs;
 use crate::crs::{Transformation, Turn};
-use crate::error::{Error, InputKind, Namer, OddFile, Pair, ReadFault, Result, Wanted, Warning};
+use crate::error::{Error, HeightOf, InputKind, Namer, OddFile, Pair, ReadFault, Result, Wanted, Warning};
 use crate::formats::reserve_cells;
 use crate::input::Input;
-use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, meters};
+use crate::quantity::{BLOCKS_ALL, Frame, MAX_EXTENT_UNITS, VOID, height_steps, meters};
 use crate::raster::{Crs, GeoRef, Raster};
 use skyshed_request::{DataAreaChoice, GroundChoice};
 
@@ -115,6 +115,7 @@ fn terrain_below(
 /// Returns the ground of footprints: a terrain, a plane, or a terrain through the bases of buildings,
 /// which `through` makes.
 fn ground_below(
+    input: &Input,
     (terrain, choice): (Option<Raster<i32>>, Option<GroundChoice>),
     heights: &FileHeights,
     through: impl FnOnce() -> Result<Raster<i32>>,
@@ -123,7 +124,10 @@ fn ground_below(
         (Some(terrain), ..) => Ground::Terrain(terrain),
         (None, Some(GroundChoice::Flat(m)), _) => Ground::Flat(ground_steps(m)?),
         (None, Some(GroundChoice::Buildings), Some(_)) => Ground::Terrain(through()?),
-        (None, None, Some(bases)) if heights.has_tops => Ground::Flat(ground_steps(bases.middle)?),
+        (None, None, Some(bases)) if heights.has_tops => {
+            let beyond = ReadFault::HeightRange(HeightOf::Vertex, bases.middle);
+            Ground::Flat(height_steps(bases.middle).ok_or_else(|| Error::read(input, beyond))?)
+        }
         (None, ..) => Ground::Flat(ground_steps(0.0)?),
     })
 }
@@ -142,6 +146,7 @@ pub(super) fn scene_of(
     };
     let (attribution, name) = (set.attribution.take(), set.name.take());
     let mut log = FaultLog::new(listing);
+    take_surfaces(&mut set, options);
     warn_of_flat_roofs(input, &set, options, warnings);
     let mut raw = Buildings::of(input, set, options, &mut log)?;
     let file_crs = in_one_system(input, &mut raw, (file_crs, options), &mut log, warnings)?;
@@ -176,7 +181,7 @@ pub(super) fn scene_of(
     let heights = FileHeights::of(&raw.footprints, &grouping, &options.missing);
     let near = near(options);
     let through = || terrain_through(input, raw.footprints.iter(), &grid);
-    let mut ground = ground_below((terrain, options.ground), &heights, through)?;
+    let mut ground = ground_below(input, (terrain, options.ground), &heights, through)?;
     warn_of_the_ground(input, &heights, (options, &ground), warnings);
     let making = Making {
         input,

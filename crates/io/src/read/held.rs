@@ -13,7 +13,7 @@ use super::repairs::Listing;
 use super::reprojected::Reprojection;
 use super::surface::{Empty, SurfaceOptions, reprojection_of, scene_of, scene_over, warning_of_voids};
 use super::terrain::{Placed, terrain_on_grid, way_to_terrain};
-use super::vector::{Feature, FeatureSet, Property, wkb};
+use super::vector::{CornerHeights, Feature, FeatureSet, Property, wkb};
 use crate::city::City;
 use crate::error::{Error, HeightOf, Oddity, Place, ReadFault, Result, Warning};
 use crate::formats::{reserve_cells, with_true_lengths};
@@ -142,12 +142,12 @@ pub fn footprints_of(
     let property = options.top_field.as_deref().or(options.height_field.as_deref()).unwrap_or(HEIGHT);
     let property: Arc<str> = property.into();
     let feature = |(k, building): (usize, &HeldBuilding<'_>)| {
-        let mut polygons = Vec::new();
-        let has_other_parts = wkb::polygons_of(building.wkb, &mut polygons)
+        let areas = wkb::areas_of(building.wkb)
             .map_err(|fault| Error::malformed(input, fault).at(Place::Feature(k as u64 + 1)))?;
         let height = if building.height.is_nan() { Property::Null } else { Property::Number(building.height) };
         let properties = vec![(Arc::clone(&property), height)];
-        Ok(Feature { id: building.id.clone(), properties, polygons, has_other_parts, ..Feature::default() })
+        // Heights of buildings in memory are given beside their geometry.
+        Ok(Feature { id: building.id.clone(), properties, z: CornerHeights::None, ..areas.into_feature() })
     };
     let features = buildings.par_iter().enumerate().map(feature).collect::<Result<Vec<_>>>()?;
     let set = FeatureSet { features, ..FeatureSet::default() };

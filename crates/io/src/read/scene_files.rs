@@ -8,13 +8,8 @@ use crate::city::Source;
 use crate::error::{Error, ReadFault, Result, Wanted};
 use crate::format::{FileFormat, FileKind};
 use crate::input::{Input, cannot_read};
-use crate::packed::members;
+use crate::packed::files_of;
 use crate::remote::is_remote;
-
-/// Deepest nesting of archives.
-const MOST_NESTED: usize = 2;
-/// What archives inside of others may take \[bytes\], and for each byte of the outer one.
-const MOST_INNER: (u64, u64) = (64 << 20, 4);
 
 /// Files of one scene, all of one format.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -34,10 +29,9 @@ impl SceneFiles {
     /// E301 and E302 for what cannot be read; E302 for files of two formats, or of one that is not
     /// read.
     pub fn of(input: &Input) -> Result<SceneFiles> {
-        let mut found = Found::default();
-        found.expand(input, 0)?;
-        let (scenes, others): (Vec<_>, Vec<_>) =
-            found.files.into_iter().partition(|(_, format)| format.kind().is_some());
+        let mut found = Vec::new();
+        expand(input, &mut found)?;
+        let (scenes, others): (Vec<_>, Vec<_>) = found.into_iter().partition(|(_, format)| format.kind().is_some());
         let is_alone = scenes.is_empty() && others.len() == 1;
         let Some((_, format)) = scenes.first().or(others.first().filter(|_| is_alone)) else {
             return Err(Error::read(input, ReadFault::Nothing(Wanted::Building)));
@@ -69,54 +63,27 @@ impl SceneFiles {
     }
 }
 
-/// Files that were found so far.
-#[derive(Debug, Default)]
-struct Found {
-    files: Vec<(Input, FileFormat)>,
-    /// Bytes that were unpacked of archives inside of others.
-    n_unpacked: u64,
-}
-
-impl Found {
-    /// Appends the files that an input names, with their formats.
-    fn expand(&mut self, input: &Input, depth: usize) -> Result<()> {
-        if let Some(parts) = parts_of(input) {
-            return parts.iter().try_for_each(|part| self.expand(part, depth));
-        }
-        let format = FileFormat::of(input)?;
-        match (format, format.archive()) {
-            (FileFormat::RasterFolder, _) => {
-                let before = self.files.len();
-                files_in(input.as_path())?.iter().try_for_each(|file| self.expand(file, depth))?;
-                let is_raster = |(_, format): &(_, FileFormat)| matches!(format.kind(), Some(FileKind::Raster) | None);
-                // A folder of rasters is read as one.
-                if self.files[before..].iter().all(is_raster) {
-                    self.files.truncate(before);
-                    self.files.push((input.clone(), format));
-                }
-            }
-            (_, Some(archive)) if depth < MOST_NESTED => {
-                let (members, n_unpacked) = members(input, archive)?;
-                self.spend(input, n_unpacked)?;
-                for member in members.iter().filter(|member| !is_sidecar(member)) {
-                    self.expand(member, depth + 1)?;
-                }
-            }
-            _ => self.files.push((input.clone(), format)),
-        }
-        Ok(())
+/// Appends the files that an input names, with their formats.
+fn expand(input: &Input, found: &mut Vec<(Input, FileFormat)>) -> Result<()> {
+    if let Some(parts) = parts_of(input) {
+        return parts.iter().try_for_each(|part| expand(part, found));
     }
-
-    /// Counts bytes of an archive in another one, which hardly packs it again.
-    fn spend(&mut self, inner: &Input, n_unpacked: u64) -> Result<()> {
-        self.n_unpacked = self.n_unpacked.saturating_add(n_unpacked);
-        let most = MOST_INNER.0.saturating_add(MOST_INNER.1.saturating_mul(inner.len()));
-        if self.n_unpacked > most {
-            let what = format!("archives inside of it that take over {} MiB, wanted files of a city", most >> 20);
-            return Err(Error::read(inner.on_disk(), ReadFault::TooMany(what)));
-        }
-        Ok(())
+    let files = files_of(input)?;
+    if !matches!(files.as_slice(), [(_, FileFormat::RasterFolder)]) {
+        let is_alone = files.len() == 1;
+        found.extend(files.into_iter().filter(|(file, _)| is_alone || !is_sidecar(file)));
+        return Ok(());
     }
+    let mut inside = Vec::new();
+    files_in(input.as_path())?.iter().try_for_each(|file| expand(file, &mut inside))?;
+    let is_raster = |(_, format): &(_, FileFormat)| matches!(format.kind(), Some(FileKind::Raster) | None);
+    // A folder of rasters is read as one.
+    if inside.iter().all(is_raster) {
+        found.extend(files);
+    } else {
+        found.extend(inside);
+    }
+    Ok(())
 }
 
 /// Returns the files and folders that a word names: itself, or those of `A+B`.
@@ -170,7 +137,11 @@ fn files_in(folder: &Path) -> Result<Vec<Input>> {
 /// Returns `true` for files that describe others and are none of a scene.
 fn is_sidecar(input: &Input) -> bool {
     const OF_SHAPEFILE: [&str; 10] = ["shx", "dbf", "prj", "cpg", "qix", "sbn", "sbx", "qmd", "qml", "qpj"];
-    const OF_OTHERS: [&str; 7] = ["txt", "pdf", "html", "md", "jpg", "png", "tfw"];
+    const OF_OTHERS: [&str; 6] = ["pdf", "html", "md", "jpg", "png", "tfw"];
     let extension = input.extension();
-    OF_SHAPEFILE.contains(&extension.as_str()) || OF_OTHERS.contains(&extension.as_str())
+    match extension.as_str() {
+        // Text beside a scene mostly describes it.
+        "txt" => !matches!(FileFormat::of(input), Ok(FileFormat::Xyz)),
+        extension => OF_SHAPEFILE.contains(&extension) || OF_OTHERS.contains(&extension),
+    }
 }

@@ -33,6 +33,8 @@ pub(super) struct Solid {
     pub(super) roof: Vec<Face>,
     /// Polygons that it covers of the ground, where known.
     pub(super) ground: Vec<Polygon>,
+    /// `true` if it has walls.
+    pub(super) has_walls: bool,
 }
 
 /// Least share of a roof that faces up or down; a surface with less is a wall. Roofs are far
@@ -53,6 +55,7 @@ impl Solid {
         let is_lowest = |face: &Face| heights(face).zip(range).is_some_and(|(of, all)| of[1] <= all[0]);
         let has_roof = faces.iter().any(|(_, kind)| *kind == FaceKind::Roof);
         let upright = |face: &Face| face.first().is_none_or(|shell| is_wall(shell));
+        let has_walls = faces.iter().any(|(face, _)| face.first().is_some_and(|shell| is_wall(shell)));
         let flat: Vec<(Face, FaceKind)> = faces.into_iter().filter(|(face, _)| !upright(face)).collect();
         let has_ground = flat.iter().any(|(_, kind)| *kind == FaceKind::Ground);
         let upper: Vec<Polygon> =
@@ -72,7 +75,7 @@ impl Solid {
             FaceKind::Ground | FaceKind::Other => !has_roof && !is_ground(face),
         };
         let roof = flat.into_iter().filter(is_roof).map(|(face, _)| face).collect();
-        Solid { polygons, heights: range, roof, ground }
+        Solid { polygons, heights: range, roof, ground, has_walls }
     }
 }
 
@@ -108,7 +111,7 @@ fn crossings(polygon: &Polygon, y: f64) -> impl Iterator<Item = f64> + '_ {
 }
 
 /// Returns `true` when hardly any of a surface faces up or down.
-fn is_wall(ring: &[[f64; 3]]) -> bool {
+pub(super) fn is_wall(ring: &[[f64; 3]]) -> bool {
     let seen_along = |i: usize, j: usize| {
         let plane: Vec<[f64; 2]> = ring.iter().map(|p| [p[i], p[j]]).collect();
         doubled_area(&plane).abs()

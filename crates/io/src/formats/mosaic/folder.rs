@@ -1,6 +1,6 @@
 //! A folder of tiles on one grid.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
 use super::covered::{covered_area, n_covered_cells};
@@ -10,8 +10,10 @@ use skyshed_request::Band;
 
 use crate::crs::Turn;
 use crate::error::{Cause, Error, OddRaster, Oddity, Pair, ReadFault, Result, Wanted, two_crs};
+use crate::format::{FileFormat, FileKind};
 use crate::formats::oddity::{each_once, with_true_lengths};
-use crate::input::cannot_read;
+use crate::input::{Input, cannot_read};
+use crate::packed::files_of;
 use crate::raster::{Crs, CrsKind, GeoRef};
 
 /// Largest distance between the grids of two tiles \[cells\].
@@ -25,16 +27,25 @@ impl Mosaic {
     pub(in crate::formats) fn open_folder(
         path: &Path,
         band: Option<&Band>,
-        open: fn(&Path, Nesting<'_>) -> Result<Header>,
+        open: fn(&Input, Nesting<'_>) -> Result<Header>,
         odd: &mut Vec<Oddity>,
     ) -> Result<Mosaic> {
-        let paths = tile_files(path)?;
-        let n_opened = AtomicUsize::new(0);
-        let mut headers = read_headers(&paths, Nesting { band, ancestors: &[], n_opened: &n_opened, open })?;
+        let nesting = Nesting { band, ancestors: &[], n_opened: &AtomicUsize::new(0), open };
+        Mosaic::open_tiles(path, &tile_files(path)?, nesting, odd)
+    }
+
+    /// Opens tiles of a folder or an archive, whose path is given, and reads their headers.
+    pub(in crate::formats) fn open_tiles(
+        path: &Path,
+        tiles: &[Input],
+        nesting: Nesting<'_>,
+        odd: &mut Vec<Oddity>,
+    ) -> Result<Mosaic> {
+        let mut headers = read_headers(tiles, nesting)?;
         // Lengths are those in the middle of the whole mosaic.
         let of_tiles = headers.iter_mut().flat_map(|header| header.odd.drain(..));
         odd.extend(each_once(of_tiles.filter(|oddity| !oddity.is_web_mercator())));
-        tell_of_bands(path, &headers, band, odd);
+        tell_of_bands(path, &headers, nesting.band, odd);
         bring_together(&mut headers);
         let Some(first) = headers.first() else { return Err(no_tiles(path)) };
         // Tiles without a CRS are taken to be in that of the rest.
@@ -102,22 +113,38 @@ fn bring_together(headers: &mut [Header]) {
     }
 }
 
-/// Returns the rasters in a folder, sorted by name.
-fn tile_files(folder: &Path) -> Result<Vec<PathBuf>> {
+/// Returns the rasters in a folder, also those in archives, sorted by name.
+fn tile_files(folder: &Path) -> Result<Vec<Input>> {
     let failed = |e: std::io::Error| cannot_read(&folder.into(), &e);
     let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();
         let is_hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
-        let is_raster = path
-            .extension()
-            .is_some_and(|extension| ["tif", "tiff", "asc"].iter().any(|known| extension.eq_ignore_ascii_case(known)));
-        if is_raster && !is_hidden && path.is_file() {
+        if !is_hidden && path.is_file() {
             paths.push(path);
         }
     }
     paths.sort();
-    if paths.is_empty() { Err(no_tiles(folder)) } else { Ok(paths) }
+    let mut tiles = Vec::new();
+    for input in paths.into_iter().map(Input::path) {
+        match input.extension().as_str() {
+            "tif" | "tiff" | "asc" | "xyz" => tiles.push(input),
+            // Text beside the tiles mostly describes them.
+            "txt" if matches!(FileFormat::of(&input), Ok(FileFormat::Xyz)) => tiles.push(input),
+            "gz" | "zip" => tiles.extend(packed_rasters(&input)?),
+            _ => {}
+        }
+    }
+    if tiles.is_empty() { Err(no_tiles(folder)) } else { Ok(tiles) }
+}
+
+/// Returns the rasters in an archive, and in those inside of it.
+///
+/// # Errors
+/// Errors of an archive that cannot be read.
+pub(in crate::formats) fn packed_rasters(input: &Input) -> Result<Vec<Input>> {
+    let is_raster = |(file, format): (Input, FileFormat)| (format.kind() == Some(FileKind::Raster)).then_some(file);
+    Ok(files_of(input)?.into_iter().filter_map(is_raster).collect())
 }
 
 fn no_tiles(folder: &Path) -> Error {
@@ -136,7 +163,7 @@ fn cells_from(reference: &GeoRef, grid: &GeoRef) -> (f64, f64) {
 fn refuse_other_crs(first: &Header, other: &Header) -> Result<()> {
     match (first.georef.crs(), other.georef.crs()) {
         (Some(a), Some(b)) if !a.same_as(b) => {
-            let [one, two] = [first, other].map(|header| header.tile.path.display());
+            let [one, two] = [first, other].map(|header| &header.tile.input);
             Err(two_crs((one, a), (two, b), Pair::Tiles))
         }
         _ => Ok(()),
@@ -147,7 +174,7 @@ fn refuse_other_crs(first: &Header, other: &Header) -> Result<()> {
 fn refuse_other_grid(folder: &Path, first: &Header, other: &Header) -> Result<()> {
     let (one, two) = (&first.georef, &other.georef);
     let refuse = |found: String, wanted: &str| {
-        let [a, b] = [first, other].map(|header| header.tile.path.display());
+        let [a, b] = [first, other].map(|header| &header.tile.input);
         let what = format!("its tiles `{a}` and `{b}` {found}, wanted {wanted}");
         Err(Error::read(folder.display(), ReadFault::Irregular(what)).because(Cause::OtherGrid))
     };
@@ -200,10 +227,10 @@ fn tell_of_bands(folder: &Path, headers: &[Header], band: Option<&Band>, odd: &m
     let mut tell = |of_tiles| odd.push(Oddity::new(folder.display(), of_tiles));
     let is_named = band.is_some_and(Band::is_named);
     if let Some(header) = headers.iter().find(|header| header.n_bands > 1 && !is_named) {
-        let (tile, n) = (header.tile.path.display().to_string(), header.n_bands);
+        let (tile, n) = (header.tile.input.to_string(), header.n_bands);
         tell(OddRaster::TileBands { tile, n, can_choose: band.is_some() });
     }
     if let Some(tile) = headers.iter().map(|header| &header.tile).find(|tile| tile.numbers.scaling != (1.0, 0.0)) {
-        tell(OddRaster::TileScaling(tile.path.display().to_string(), tile.numbers.scaling));
+        tell(OddRaster::TileScaling(tile.input.to_string(), tile.numbers.scaling));
     }
 }

@@ -5,7 +5,8 @@
 //!   none. Later sources lie over earlier ones. A `ComplexSource` leaves out its own nodata value
 //!   and scales the rest. Numbers are rounded to the type of the band. Only the numbers of the
 //!   tiles count, not their nodata value, scale or place, and their mask only with `UseMaskBand`.
-//! * In a **folder** every `.tif`, `.tiff` and `.asc` file is a tile, in the order of their names.
+//! * In a **folder** every `.tif`, `.tiff`, `.asc` and `.xyz` file is a tile, in the order of their
+//!   names. So is a `.txt` file of points, and each raster in a `.gz` or `.zip`.
 //!   Other files, folders in it and names that begin with a dot are ignored. The tiles lie on one
 //!   grid, to a thousandth of a cell. Where tiles overlap, the later one counts if it holds a
 //!   height; cells that differ are reported. Cells in no tile are nodata.
@@ -27,6 +28,8 @@ mod tiles;
 mod vrt;
 mod vrt_source;
 mod vrt_xml;
+
+pub(super) use folder::packed_rasters;
 
 pub(super) use numbers::TileNumbers;
 pub use tiles::Mosaic;

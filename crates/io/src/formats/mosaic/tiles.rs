@@ -15,7 +15,8 @@ use crate::error::{Cause, Error, OddPair, OddRaster, Oddity, ReadFault, Result, 
 use crate::formats::reserve::reserve_cells;
 use crate::formats::sample::Sample;
 use crate::formats::voids::{Stored, Voids, is_nodata};
-use crate::formats::{AsciiGrid, GeoTiff};
+use crate::formats::{AsciiGrid, GeoTiff, XyzGrid};
+use crate::input::Input;
 use crate::quantity::counted;
 use crate::raster::{CellWindow, GeoRef, Raster};
 
@@ -34,7 +35,7 @@ pub(in crate::formats) struct Nesting<'a> {
     /// Number of files that were opened for all virtual rasters but the outermost.
     pub(in crate::formats) n_opened: &'a AtomicUsize,
     /// Function that reads the header of a tile of any format.
-    pub(in crate::formats) open: fn(&Path, Nesting<'_>) -> Result<Header>,
+    pub(in crate::formats) open: fn(&Input, Nesting<'_>) -> Result<Header>,
 }
 
 /// A raster made of many tiles, whose headers are read and checked.
@@ -128,12 +129,13 @@ impl Mosaic {
         text
     }
 
-    /// Returns the files of the tiles, each once, in their order.
+    /// Returns the files of the tiles, or the archives that they lie in, each once, in their order.
     pub fn tile_paths(&self) -> Vec<&Path> {
         let mut paths: Vec<&Path> = Vec::with_capacity(self.tiles.len());
         let mut seen = std::collections::HashSet::new();
         for tile in &self.tiles {
-            paths.extend(std::iter::once(tile.path.as_path()).chain(tile.parts()).filter(|path| seen.insert(*path)));
+            let own = tile.input.on_disk().as_path();
+            paths.extend(std::iter::once(own).chain(tile.parts()).filter(|path| seen.insert(*path)));
         }
         paths
     }
@@ -256,7 +258,7 @@ impl Mosaic {
 /// A raster of a mosaic.
 #[derive(Debug, Clone)]
 pub(in crate::formats) struct Tile {
-    pub(in crate::formats) path: PathBuf,
+    pub(in crate::formats) input: Input,
     pub(in crate::formats) n_rows: usize,
     pub(in crate::formats) n_cols: usize,
     pub(in crate::formats) numbers: TileNumbers,
@@ -269,6 +271,7 @@ pub(in crate::formats) struct Tile {
 pub(in crate::formats) enum Content {
     GeoTiff,
     AsciiGrid(Box<AsciiGrid>),
+    XyzGrid(Box<XyzGrid>),
     Mosaic(Box<Mosaic>),
 }
 
@@ -286,8 +289,8 @@ pub(in crate::formats) struct Header {
 /// Reads the headers of all tiles, in parallel; the error is that of the first bad one.
 ///
 /// `nesting` is that of the virtual raster that the tiles are in.
-pub(super) fn read_headers(paths: &[PathBuf], nesting: Nesting<'_>) -> Result<Vec<Header>> {
-    let headers: Vec<Result<Header>> = paths.par_iter().map(|path| (nesting.open)(path, nesting)).collect();
+pub(super) fn read_headers(tiles: &[Input], nesting: Nesting<'_>) -> Result<Vec<Header>> {
+    let headers: Vec<Result<Header>> = tiles.par_iter().map(|tile| (nesting.open)(tile, nesting)).collect();
     headers.into_iter().collect()
 }
 
@@ -302,17 +305,21 @@ impl Tile {
     ) -> Result<()> {
         match &self.content {
             Content::GeoTiff => {
-                let tiff = work.opened(&self.path)?;
+                let tiff = work.opened(&self.input)?;
                 let (n_rows, n_cols) = (tiff.georef().n_rows(), tiff.georef().n_cols());
                 if (n_rows, n_cols, tiff.nodata_of(self.numbers.band).map(f64::to_bits))
                     != (self.n_rows, self.n_cols, self.numbers.nodata.map(f64::to_bits))
                 {
-                    return Err(Error::truncated(self.path.display(), "the file has changed since it was opened"));
+                    return Err(Error::truncated(&self.input, "the file has changed since it was opened"));
                 }
                 work.take(tiff.n_cells_decoded(window), window)?;
                 tiff.for_each_stored(band, window, visit)
             }
             Content::AsciiGrid(grid) => {
+                work.take((self.n_rows * self.n_cols) as u64, window)?;
+                grid.for_each_stored(window, |row, col, number| visit(row, col, Stored::Number(number)))
+            }
+            Content::XyzGrid(grid) => {
                 work.take((self.n_rows * self.n_cols) as u64, window)?;
                 grid.for_each_stored(window, |row, col, number| visit(row, col, Stored::Number(number)))
             }
@@ -334,7 +341,7 @@ impl Tile {
     fn parts(&self) -> Vec<&Path> {
         match &self.content {
             Content::Mosaic(mosaic) => mosaic.tile_paths(),
-            Content::GeoTiff | Content::AsciiGrid(_) => Vec::new(),
+            Content::GeoTiff | Content::AsciiGrid(_) | Content::XyzGrid(_) => Vec::new(),
         }
     }
 }
@@ -345,7 +352,7 @@ impl Tile {
 struct Work {
     left: Cell<u64>,
     /// Last file that was opened: many sources may name one file.
-    last: RefCell<Option<(PathBuf, Rc<GeoTiff>)>>,
+    last: RefCell<Option<(Input, Rc<GeoTiff>)>>,
     /// Name of the mosaic.
     name: PathBuf,
 }
@@ -363,13 +370,13 @@ impl Work {
 
     /// Opens a tile, unless it is the last one. Oddities of its header were reported when the mosaic
     /// was opened.
-    fn opened(&self, path: &Path) -> Result<Rc<GeoTiff>> {
+    fn opened(&self, input: &Input) -> Result<Rc<GeoTiff>> {
         let mut last = self.last.borrow_mut();
-        if let Some((_, tiff)) = last.as_ref().filter(|(known, _)| known == path) {
+        if let Some((_, tiff)) = last.as_ref().filter(|(known, _)| known == input) {
             return Ok(Rc::clone(tiff));
         }
-        let tiff = Rc::new(GeoTiff::open(path, &mut Vec::new())?);
-        *last = Some((path.to_owned(), Rc::clone(&tiff)));
+        let tiff = Rc::new(GeoTiff::open(input, &mut Vec::new())?);
+        *last = Some((input.clone(), Rc::clone(&tiff)));
         Ok(tiff)
     }
 
@@ -378,7 +385,7 @@ impl Work {
         let own = mosaic.pieces.iter().map(|piece| Work::of((piece.area.n_rows * piece.area.n_cols) as u64));
         let nested = mosaic.tiles.iter().map(|tile| match &tile.content {
             Content::Mosaic(mosaic) => Work::of_pieces(mosaic),
-            Content::GeoTiff | Content::AsciiGrid(_) => 0,
+            Content::GeoTiff | Content::AsciiGrid(_) | Content::XyzGrid(_) => 0,
         });
         own.chain(nested).sum()
     }

@@ -24,7 +24,7 @@ use crate::formats::geotiff::meters_per_named_unit;
 use crate::formats::oddity::{each_once, with_true_lengths};
 use crate::formats::sample::Sample;
 use crate::formats::xml::{attribute, child, refuse_crowds, text_of};
-use crate::input::cannot_read;
+use crate::input::{Input, cannot_read};
 use crate::raster::GeoRef;
 
 /// Deepest nesting of virtual rasters.
@@ -64,14 +64,14 @@ impl Mosaic {
         let ancestors: Vec<PathBuf> = ancestors.iter().cloned().chain([this]).collect();
         let xml = read_xml(path)?;
         let described = describe(path, &xml, band, odd)?;
-        let (paths, tile_of) = distinct(&described.sources);
+        let (files, tile_of) = distinct(&described.sources);
         // A file named by many virtual rasters, which many others name, is opened for each.
         let is_nested = ancestors.len() > 1;
-        if is_nested && n_opened.fetch_add(paths.len(), Ordering::Relaxed) + paths.len() > MOST_NESTED_FILES {
+        if is_nested && n_opened.fetch_add(files.len(), Ordering::Relaxed) + files.len() > MOST_NESTED_FILES {
             let what = format!("virtual rasters in each other with more than {MOST_NESTED_FILES} sources");
             return Err(Error::read(path.display(), ReadFault::TooMany(what)).because(Cause::ForGdal));
         }
-        let mut headers = read_headers(&paths, Nesting { band: None, ancestors: &ancestors, ..nesting })
+        let mut headers = read_headers(&files, Nesting { band: None, ancestors: &ancestors, ..nesting })
             .map_err(|error| error.within(format!("a source of `{}`", path.display())))?;
         // Place and reference system are those of the virtual raster.
         let of_tiles = headers.iter_mut().flat_map(|header| header.odd.drain(..));
@@ -118,18 +118,18 @@ impl Mosaic {
     }
 }
 
-/// Returns the paths of the sources, each once, and for each source the index of its path.
-fn distinct(sources: &[Source]) -> (Vec<PathBuf>, Vec<usize>) {
-    let mut paths: Vec<PathBuf> = Vec::new();
+/// Returns the files of the sources, each once, and for each source the index of its file.
+fn distinct(sources: &[Source]) -> (Vec<Input>, Vec<usize>) {
+    let mut files: Vec<Input> = Vec::new();
     let mut known: HashMap<&Path, usize> = HashMap::new();
     let tile_of = sources.iter().map(|source| {
         *known.entry(&source.path).or_insert_with(|| {
-            paths.push(source.path.clone());
-            paths.len() - 1
+            files.push(Input::path(&source.path));
+            files.len() - 1
         })
     });
     let tile_of = tile_of.collect();
-    (paths, tile_of)
+    (files, tile_of)
 }
 
 fn refuse_other_crs(path: &Path, georef: &GeoRef, header: &Header) -> Result<()> {
@@ -137,7 +137,7 @@ fn refuse_other_crs(path: &Path, georef: &GeoRef, header: &Header) -> Result<()>
     if !contradicts(wanted, found) {
         return Ok(());
     }
-    Err(two_crs((path.display(), wanted), (header.tile.path.display(), found), Pair::Tiles))
+    Err(two_crs((path.display(), wanted), (&header.tile.input, found), Pair::Tiles))
 }
 
 /// Returns the name of a band.

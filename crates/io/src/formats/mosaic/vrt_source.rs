@@ -92,9 +92,9 @@ impl Source {
 
     /// Checks the declared properties of the file.
     pub(super) fn check(&self, vrt: &Path, header: &Header) -> Result<()> {
-        let Tile { path, n_rows, n_cols, .. } = &header.tile;
+        let Tile { input, n_rows, n_cols, .. } = &header.tile;
         let refuse = |said: String, found: String| {
-            let what = format!("it says that `{}` {said}, found {found}", path.display());
+            let what = format!("it says that `{input}` {said}, found {found}");
             Err(Error::malformed(vrt.display(), what).because(Cause::StaleVrt))
         };
         let is = |said: f64, found: usize| (said - found as f64).abs() < 0.5;

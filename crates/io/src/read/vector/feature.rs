@@ -6,6 +6,7 @@ use serde_json::{Map, Value};
 
 use super::super::polygon::Polygon;
 use super::super::solid::{Face, Solid};
+use super::surfaces::CornerHeights;
 use crate::crs;
 use crate::error::{Error, OddFile, ReadFault, Result};
 use crate::input::Input;
@@ -51,6 +52,10 @@ pub(in crate::read) struct Feature {
     pub(in crate::read) ground: Vec<Polygon>,
     /// Height from another source than its surfaces.
     pub(in crate::read) height: Option<SolidHeight>,
+    /// Heights in its geometry that may make it a building of surfaces.
+    pub(in crate::read) z: CornerHeights,
+    /// `true` for a solid that neither walls nor a ground surface lead to the ground.
+    pub(in crate::read) is_lofty: bool,
     /// Name of the building that it is a part of.
     pub(in crate::read) part_of: Option<String>,
 }
@@ -101,7 +106,7 @@ impl Default for FeatureSet {
 
 impl Feature {
     /// Creates a feature of a solid, without properties.
-    pub(in crate::read) fn of_solid(Solid { polygons, heights, roof, ground }: Solid) -> Feature {
+    pub(in crate::read) fn of_solid(Solid { polygons, heights, roof, ground, .. }: Solid) -> Feature {
         Feature { polygons, heights, roof, ground, ..Feature::default() }
     }
 
@@ -115,7 +120,11 @@ impl Feature {
         for [x, y] in self.polygons.iter_mut().chain(&mut self.ground).flatten().flatten() {
             std::mem::swap(x, y);
         }
-        for [x, y, _] in self.roof.iter_mut().flatten().flatten() {
+        let surfaces = match &mut self.z {
+            CornerHeights::Surfaces(faces) => faces.as_mut_slice(),
+            CornerHeights::None | CornerHeights::Level => &mut [],
+        };
+        for [x, y, _] in self.roof.iter_mut().chain(surfaces).flatten().flatten() {
             std::mem::swap(x, y);
         }
     }

@@ -17,8 +17,10 @@ use flatgeobuf::{
 };
 
 use super::super::polygon::Polygon;
+use super::super::solid::Face;
 use super::feature::{Feature, FeatureSet, Property, crs_of, malformed};
 use super::selection::Selection;
+use super::surfaces::Areas;
 use crate::error::{Cause, Error, Result};
 use crate::input::{Input, Reader, cannot_read};
 use crate::raster::Crs;
@@ -241,15 +243,16 @@ fn feature_of(
     n_bytes: usize,
 ) -> std::result::Result<Feature, String> {
     let mut feature = Feature::default();
-    let mut room = Room { n_bytes, points: n_bytes / POINT_BYTES, parts: n_bytes / PART_BYTES, has_other_parts: false };
+    let mut room = Room { n_bytes, points: n_bytes / POINT_BYTES, parts: n_bytes / PART_BYTES };
     if let Some(geometry) = table.geometry() {
         let kind = match header.geometry_type() {
             GeometryType::Unknown => geometry.type_(),
             kind => kind,
         };
-        add_polygons(&geometry, kind, (&mut feature.polygons, &mut room), 0)?;
+        let mut areas = Areas::default();
+        add_areas(&geometry, kind, (&mut areas, &mut room), 0)?;
+        feature = areas.into_feature();
     }
-    feature.has_other_parts = room.has_other_parts;
     let columns = match (table.columns(), header.columns()) {
         (Some(columns), _) | (None, Some(columns)) => columns,
         (None, None) => return Ok(feature),
@@ -277,8 +280,6 @@ struct Room {
     n_bytes: usize,
     points: usize,
     parts: usize,
-    /// `true` if the feature has points or lines.
-    has_other_parts: bool,
 }
 
 impl Room {
@@ -288,10 +289,10 @@ impl Room {
     }
 }
 
-fn add_polygons(
+fn add_areas(
     geometry: &Geometry<'_>,
     kind: GeometryType,
-    (polygons, room): (&mut Vec<Polygon>, &mut Room),
+    (areas, room): (&mut Areas, &mut Room),
     depth: usize,
 ) -> std::result::Result<(), String> {
     Room::take(&mut room.parts, 1, ("parts", room.n_bytes))?;
@@ -306,18 +307,27 @@ fn add_polygons(
             Room::take(&mut room.parts, n_rings, ("rings", room.n_bytes))?;
             let numbers: Vec<f64> = geometry.xy().map(|xy| xy.iter().collect()).unwrap_or_default();
             let points: Vec<[f64; 2]> = numbers.chunks_exact(2).map(|p| [p[0], p[1]]).collect();
+            let heights: Vec<f64> = geometry.z().filter(|z| z.len() == points.len()).into_iter().flatten().collect();
             let ends: Vec<usize> = geometry.ends().map(|e| e.iter().map(|n| n as usize).collect()).unwrap_or_default();
             let ends = if ends.is_empty() { vec![points.len()] } else { ends };
             let mut from = 0;
-            let mut rings = Vec::new();
+            let (mut rings, mut face): (Polygon, Face) = (Vec::new(), Vec::new());
             for to in ends {
                 let ring = points
                     .get(from..to)
                     .ok_or_else(|| format!("a ring from point {from} to {to} of {}", points.len()))?;
-                rings.push(ring.to_vec());
+                if let Some(heights) = heights.get(from..to) {
+                    face.push(ring.iter().zip(heights).map(|([x, y], z)| [*x, *y, *z]).collect());
+                } else {
+                    rings.push(ring.to_vec());
+                }
                 from = to;
             }
-            polygons.push(rings);
+            if face.is_empty() {
+                areas.push(rings)
+            } else {
+                areas.push_face(face)
+            }
             Ok(())
         }
         GeometryType::MultiPolygon
@@ -331,14 +341,14 @@ fn add_polygons(
                     (_, GeometryType::Triangle) => GeometryType::Triangle,
                     _ => GeometryType::Polygon,
                 };
-                add_polygons(part, kind, (&mut *polygons, &mut *room), depth + 1)
+                add_areas(part, kind, (&mut *areas, &mut *room), depth + 1)
             })
         }
         GeometryType::Curve | GeometryType::CurvePolygon | GeometryType::MultiSurface | GeometryType::Surface => {
             Err("it is a curve; straighten it first: `ogr2ogr -nlt CONVERT_TO_LINEAR`".into())
         }
         _ => {
-            room.has_other_parts = true;
+            areas.has_other_parts = true;
             Ok(())
         }
     }

@@ -13,8 +13,10 @@ use serde_json::value::RawValue;
 use serde_json::{Map, Value};
 
 use super::super::polygon::Polygon;
+use super::super::solid::Face;
 use super::cityjson;
 use super::feature::{self, FeatureSet, Property};
+use super::surfaces::Areas;
 use super::unique::{self, Members};
 use crate::crs;
 use crate::error::{Error, MOST_FOUND, Place, ReadFault, Result, shortened};
@@ -197,9 +199,9 @@ fn feature_set(input: &Input, document: Value) -> Result<FeatureSet> {
 /// Converts a feature with its areas; the error names the fault of its positions. `names` holds the
 /// property names found so far.
 fn feature_of(feature: Feature, names: &mut HashSet<Arc<str>>) -> std::result::Result<feature::Feature, String> {
-    let (mut polygons, mut has_other_parts) = (Vec::new(), false);
+    let mut areas = Areas::default();
     if let Some(geometry) = &feature.geometry {
-        collect_polygons(&geometry.value, &mut polygons, &mut has_other_parts)?;
+        collect_areas(&geometry.value, &mut areas)?;
     }
     let id = feature.id.map(|id| match id {
         geojson::feature::Id::String(text) => text,
@@ -227,32 +229,36 @@ fn feature_of(feature: Feature, names: &mut HashSet<Arc<str>>) -> std::result::R
         Some(tags) => feature::with_others(properties, tags),
         None => properties,
     };
-    Ok(feature::Feature { id, properties, polygons, has_other_parts, ..feature::Feature::default() })
+    Ok(feature::Feature { id, properties, ..areas.into_feature() })
 }
 
-fn collect_polygons(
-    geometry: &GeometryValue,
-    polygons: &mut Vec<Polygon>,
-    has_other_parts: &mut bool,
-) -> std::result::Result<(), String> {
+/// Adds the areas of a geometry; the error names the fault of its positions.
+fn collect_areas(geometry: &GeometryValue, areas: &mut Areas) -> std::result::Result<(), String> {
     let plane = |p: &geojson::Position| match p.as_slice() {
         [x, y, ..] => Ok([*x, *y]),
         [_] => Err("found a position with one number".to_string()),
         [] => Err("found a position without a number".to_string()),
     };
+    let space = |p: &geojson::Position| if let [x, y, z, ..] = p.as_slice() { Some([*x, *y, *z]) } else { None };
     let mut add = |rings: &Vec<Vec<geojson::Position>>| {
+        let has_z = rings.first().and_then(|ring| ring.first()).is_some_and(|p| p.len() > 2);
+        let face = || rings.iter().map(|ring| ring.iter().map(space).collect()).collect::<Option<Face>>();
+        if let Some(face) = has_z.then(face).flatten() {
+            areas.push_face(face);
+            return Ok(());
+        }
         let ring = |ring: &Vec<geojson::Position>| ring.iter().map(plane).collect();
-        polygons.push(rings.iter().map(ring).collect::<std::result::Result<Polygon, String>>()?);
+        areas.push(rings.iter().map(ring).collect::<std::result::Result<Polygon, String>>()?);
         Ok(())
     };
     match geometry {
         GeometryValue::Polygon { coordinates } => add(coordinates),
         GeometryValue::MultiPolygon { coordinates } => coordinates.iter().try_for_each(add),
         GeometryValue::GeometryCollection { geometries } => {
-            geometries.iter().try_for_each(|g| collect_polygons(&g.value, polygons, has_other_parts))
+            geometries.iter().try_for_each(|g| collect_areas(&g.value, areas))
         }
         _ => {
-            *has_other_parts = true;
+            areas.has_other_parts = true;
             Ok(())
         }
     }

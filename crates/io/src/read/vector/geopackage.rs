@@ -15,7 +15,7 @@ use rusqlite::{Connection, OpenFlags, OptionalExtension, Row};
 
 use super::feature::{Feature, FeatureSet, Property, crs_of, malformed};
 use super::selection::{Selection, meets};
-use super::wkb::polygons_of;
+use super::wkb::areas_of;
 use crate::error::{Cause, Error, ReadFault, Result, Wanted};
 use crate::input::{Input, Reader, cannot_read};
 use crate::raster::Crs;
@@ -235,7 +235,8 @@ impl<'a> Table<'a> {
             let value = row.get_ref(k).map_err(|e| e.to_string())?;
             if self.is_geometry(name) {
                 if let ValueRef::Blob(blob) = value {
-                    feature.has_other_parts = polygons_of(geometry(blob)?, &mut feature.polygons)?;
+                    let properties = std::mem::take(&mut feature.properties);
+                    feature = Feature { properties, ..areas_of(geometry(blob)?)?.into_feature() };
                 }
                 continue;
             }

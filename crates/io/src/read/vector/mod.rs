@@ -14,16 +14,20 @@ mod geopackage;
 #[cfg(feature = "parquet")]
 mod geoparquet;
 #[cfg(feature = "shapefiles")]
+mod patches;
+#[cfg(feature = "shapefiles")]
 mod rings;
 #[cfg(feature = "shapefiles")]
 mod shapefile;
 mod selection;
+mod surfaces;
 mod tiles;
 mod unique;
 pub(super) mod wkb;
 
 pub(super) use feature::{Feature, FeatureSet, Property, SolidHeight, bounds, opened};
 pub(super) use selection::{Selection, Within};
+pub(super) use surfaces::CornerHeights;
 
 use super::scene_files::SceneFiles;
 #[cfg(not(all(feature = "geopackage", feature = "parquet", feature = "shapefiles")))]

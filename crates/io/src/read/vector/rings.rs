@@ -11,12 +11,8 @@ pub(super) fn assembled(shells: Vec<Vec<[f64; 2]>>, holes: Vec<Vec<[f64; 2]>>) -
     let mut alone = Vec::new();
     for hole in holes {
         let box_of_hole = bounds(&hole);
-        let surrounds = |k: &usize| {
-            let outer = measured[*k].1;
-            let within = (0..2).all(|i| outer[i] <= box_of_hole[i] && outer[i + 2] >= box_of_hole[i + 2]);
-            within && mostly_inside(&hole, &polygons[*k][0])
-        };
-        let smallest = (0..measured.len()).filter(surrounds).min_by(|a, b| measured[*a].0.total_cmp(&measured[*b].0));
+        let is_around = |k: &usize| holds_box(measured[*k].1, box_of_hole) && mostly_inside(&hole, &polygons[*k][0]);
+        let smallest = (0..measured.len()).filter(is_around).min_by(|a, b| measured[*a].0.total_cmp(&measured[*b].0));
         match smallest {
             Some(k) => polygons[k].push(hole),
             None => alone.push(vec![hole]),
@@ -24,6 +20,16 @@ pub(super) fn assembled(shells: Vec<Vec<[f64; 2]>>, holes: Vec<Vec<[f64; 2]>>) -
     }
     polygons.extend(alone);
     polygons
+}
+
+/// Returns `true` when a shell lies around a hole.
+pub(super) fn surrounds(shell: &[[f64; 2]], hole: &[[f64; 2]]) -> bool {
+    holds_box(bounds(shell), bounds(hole)) && mostly_inside(hole, shell)
+}
+
+/// Returns `true` when a box holds another.
+fn holds_box(outer: [f64; 4], inner: [f64; 4]) -> bool {
+    (0..2).all(|i| outer[i] <= inner[i] && outer[i + 2] >= inner[i + 2])
 }
 
 /// Returns west, south, east, north of a ring.

@@ -14,8 +14,10 @@ use shapefile::{PolygonRing, Shape, ShapeReader};
 
 use super::super::polygon::Polygon;
 use super::feature::{Feature, FeatureSet, Properties, Property, crs_of, malformed};
+use super::patches::{areas_of_patches, surfaces_of};
 use super::rings::assembled;
 use super::selection::{Selection, meets};
+use super::surfaces::Areas;
 use crate::error::{Cause, Error, ReadFault, Result};
 use crate::input::Input;
 
@@ -44,6 +46,7 @@ pub(super) fn read(input: &Input, selection: Selection<'_>) -> Result<FeatureSet
     let dbf = input.beside("dbf").ok_or_else(|| missing(input, "dbf", "the table with its heights"))?;
     let shx = shx.read()?;
     check_index(input, &shx, shp.len())?;
+    check_patches(input, &shp, &shx)?;
     let broken = |e: shapefile::Error| malformed(input, &e.to_string(), "a shapefile");
     let n_bytes = shp.len();
     let mut reader = ShapeReader::with_shx(Cursor::new(shp), Cursor::new(shx)).map_err(broken)?;
@@ -51,14 +54,13 @@ pub(super) fn read(input: &Input, selection: Selection<'_>) -> Result<FeatureSet
     let (mut shapes, mut n_points) = (Vec::new(), 0);
     for (number, shape) in reader.iter_shapes().enumerate() {
         let shape = shape.map_err(|e| malformed(input, &format!("feature {}: {e}", number + 1), "a shapefile"))?;
-        let polygons = polygons_of(input, shape)?;
         // An index that names a shape many times would turn few bytes into much data.
-        n_points += polygons.iter().flatten().map(Vec::len).sum::<usize>();
+        n_points += n_points_of(&shape);
         if n_points > n_bytes / POINT_BYTES {
             let found = format!("feature {}: with it more points than {n_bytes} bytes hold", number + 1);
             return Err(malformed(input, &found, "a shapefile"));
         }
-        shapes.push(polygons);
+        shapes.push(areas_of(shape));
     }
     let rows = table(input, &dbf)?;
     if shapes.len() != n_indexed || shapes.len() != rows.len() {
@@ -70,7 +72,7 @@ pub(super) fn read(input: &Input, selection: Selection<'_>) -> Result<FeatureSet
         return Err(Error::truncated(input, what).because(Cause::MixedFiles));
     }
     let features = shapes.into_iter().zip(rows);
-    let features = features.map(|(polygons, properties)| Feature { polygons, properties, ..Feature::default() });
+    let features = features.map(|(areas, properties)| Feature { properties, ..areas.into_feature() });
     Ok(FeatureSet { crs, name_limit: Some(NAME_LIMIT), features: features.collect(), ..FeatureSet::default() })
 }
 
@@ -100,16 +102,53 @@ fn check_index(input: &Input, shx: &[u8], shp_bytes: usize) -> Result<()> {
     Ok(())
 }
 
-/// Returns the areas of a shape; points, lines and empty shapes have none.
-fn polygons_of(input: &Input, shape: Shape) -> Result<Vec<Polygon>> {
-    match shape {
-        Shape::Polygon(polygon) => Ok(rings_of(&polygon)),
-        Shape::PolygonM(polygon) => Ok(rings_of(&polygon)),
-        Shape::PolygonZ(polygon) => Ok(rings_of(&polygon)),
-        Shape::Multipatch(_) => {
-            Err(Error::unsupported(input, "it holds multipatches, wanted polygons").because(Cause::Multipatch))
+/// Refuses multipatches with more parts or points than their records hold, since the crate reserves
+/// memory for as many.
+fn check_patches(input: &Input, shp: &[u8], shx: &[u8]) -> Result<()> {
+    const MULTIPATCH: u32 = 31;
+    /// Bytes of a record before its parts: the type, the box, and the two counts.
+    const COUNTS_END: u64 = 44;
+    let entries = shx.get(HEADER_BYTES..).unwrap_or_default().chunks_exact(8);
+    for (number, entry) in entries.enumerate() {
+        let word = u64::from(u32::from_be_bytes([entry[0], entry[1], entry[2], entry[3]]));
+        // The record begins with its number and its length.
+        let Some(record) = usize::try_from(2 * word).ok().and_then(|at| shp.get(at..)) else { continue };
+        let four = |at: usize| record.get(at..).and_then(<[u8]>::first_chunk::<4>).copied();
+        let Some([MULTIPATCH, n_parts, n_points]) =
+            four(8).zip(four(44)).zip(four(48)).map(|((a, b), c)| [a, b, c].map(u32::from_le_bytes))
+        else {
+            continue;
+        };
+        let length = 2 * u64::from(four(4).map_or(0, u32::from_be_bytes));
+        let least = COUNTS_END + 8 * u64::from(n_parts) + 24 * u64::from(n_points);
+        if least > length {
+            let found =
+                format!("feature {}: {n_parts} parts and {n_points} points in a record of {length} bytes", number + 1);
+            return Err(malformed(input, &found, "a shapefile"));
         }
-        _ => Ok(Vec::new()),
+    }
+    Ok(())
+}
+
+/// Returns the number of points of the areas of a shape.
+fn n_points_of(shape: &Shape) -> usize {
+    match shape {
+        Shape::Polygon(polygon) => polygon.total_point_count(),
+        Shape::PolygonM(polygon) => polygon.total_point_count(),
+        Shape::PolygonZ(polygon) => polygon.total_point_count(),
+        Shape::Multipatch(patches) => patches.total_point_count(),
+        _ => 0,
+    }
+}
+
+/// Returns the areas of a shape; points, lines and empty shapes have none.
+fn areas_of(shape: Shape) -> Areas {
+    match shape {
+        Shape::Polygon(polygon) => Areas::of_surfaces(rings_of(&polygon), Vec::new()),
+        Shape::PolygonM(polygon) => Areas::of_surfaces(rings_of(&polygon), Vec::new()),
+        Shape::PolygonZ(polygon) => Areas::of_surfaces(rings_of(&polygon), surfaces_of(&polygon)),
+        Shape::Multipatch(patches) => areas_of_patches(patches),
+        _ => Areas::default(),
     }
 }
 

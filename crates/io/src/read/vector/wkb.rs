@@ -5,23 +5,29 @@
 //! nothing is reserved for missing data. Collections may nest only to a limit.
 
 use super::super::polygon::Polygon;
+use super::super::solid::Face;
+use super::surfaces::Areas;
 
 /// Deepest nesting of collections; a multipolygon in a collection is two.
 const MOST_NESTED: usize = 16;
 
-/// Adds the polygons of a geometry to `polygons`; returns `true` if it has points or lines too.
-///
-/// The error names the fault.
-pub(in crate::read) fn polygons_of(bytes: &[u8], polygons: &mut Vec<Polygon>) -> Result<bool, String> {
-    let mut reader = Reader { bytes, little_endian: true, has_other_parts: false };
-    reader.geometry(polygons, 0)?;
-    Ok(reader.has_other_parts)
+/// Returns the areas of a geometry; the error names the fault.
+pub(in crate::read) fn areas_of(bytes: &[u8]) -> Result<Areas, String> {
+    let mut areas = Areas::default();
+    Reader { bytes, little_endian: true }.geometry(&mut areas, 0)?;
+    Ok(areas)
+}
+
+/// Numbers of each position.
+#[derive(Debug, Clone, Copy)]
+struct Dimensions {
+    n: usize,
+    has_z: bool,
 }
 
 struct Reader<'a> {
     bytes: &'a [u8],
     little_endian: bool,
-    has_other_parts: bool,
 }
 
 impl Reader<'_> {
@@ -50,7 +56,7 @@ impl Reader<'_> {
         Ok(n)
     }
 
-    fn geometry(&mut self, polygons: &mut Vec<Polygon>, depth: usize) -> Result<(), String> {
+    fn geometry(&mut self, areas: &mut Areas, depth: usize) -> Result<(), String> {
         if depth > MOST_NESTED {
             return Err(format!("its geometry nests more than {MOST_NESTED} collections"));
         }
@@ -61,36 +67,40 @@ impl Reader<'_> {
         };
         let code = self.integer()?;
         let kind = (code & 0x0fff_ffff) % 1000;
-        let has = |flag: u32, thousands: &[u32]| {
-            usize::from(code & flag != 0 || thousands.contains(&((code & 0x0fff_ffff) / 1000)))
-        };
-        let dimensions = 2 + has(0x8000_0000, &[1, 3]) + has(0x4000_0000, &[2, 3]);
+        let has = |flag: u32, thousands: &[u32]| code & flag != 0 || thousands.contains(&((code & 0x0fff_ffff) / 1000));
+        let (has_z, has_m) = (has(0x8000_0000, &[1, 3]), has(0x4000_0000, &[2, 3]));
+        let dimensions = Dimensions { n: 2 + usize::from(has_z) + usize::from(has_m), has_z };
         if code & 0x2000_0000 != 0 {
             self.integer()?; // The reference system, which the table names too.
         }
         match kind {
             3 | 17 => {
                 let n_rings = self.count(4)?;
-                let rings: Result<Polygon, String> = (0..n_rings).map(|_| self.ring(dimensions)).collect();
-                polygons.push(rings?);
+                if dimensions.has_z {
+                    let rings: Result<Face, String> = (0..n_rings).map(|_| self.ring_in_space(dimensions)).collect();
+                    areas.push_face(rings?);
+                } else {
+                    let rings: Result<Polygon, String> = (0..n_rings).map(|_| self.ring(dimensions)).collect();
+                    areas.push(rings?);
+                }
                 Ok(())
             }
             6 | 7 | 15 | 16 => {
                 let n = self.count(5)?;
-                (0..n).try_for_each(|_| self.geometry(polygons, depth + 1))
+                (0..n).try_for_each(|_| self.geometry(areas, depth + 1))
             }
             1 => {
-                self.has_other_parts = true;
-                self.skip(8 * dimensions)
+                areas.has_other_parts = true;
+                self.skip(8 * dimensions.n)
             }
             2 => {
-                self.has_other_parts = true;
-                let n = self.count(8 * dimensions)?;
-                self.skip(n * 8 * dimensions)
+                areas.has_other_parts = true;
+                let n = self.count(8 * dimensions.n)?;
+                self.skip(n * 8 * dimensions.n)
             }
             4 | 5 => {
                 let n = self.count(5)?;
-                (0..n).try_for_each(|_| self.geometry(polygons, depth + 1))
+                (0..n).try_for_each(|_| self.geometry(areas, depth + 1))
             }
             8..=14 => Err("it is a curve; straighten it first: `ogr2ogr -nlt CONVERT_TO_LINEAR`".into()),
             _ => Err(format!("its geometry has the unknown type {code}")),
@@ -102,12 +112,23 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn ring(&mut self, dimensions: usize) -> Result<Vec<[f64; 2]>, String> {
-        let n = self.count(8 * dimensions)?;
+    fn ring(&mut self, dimensions: Dimensions) -> Result<Vec<[f64; 2]>, String> {
+        let n = self.count(8 * dimensions.n)?;
         let mut points = Vec::with_capacity(n);
         for _ in 0..n {
             points.push([self.number()?, self.number()?]);
-            self.skip(8 * (dimensions - 2))?;
+            self.skip(8 * (dimensions.n - 2))?;
+        }
+        Ok(points)
+    }
+
+    /// Reads a ring whose positions have heights.
+    fn ring_in_space(&mut self, dimensions: Dimensions) -> Result<Vec<[f64; 3]>, String> {
+        let n = self.count(8 * dimensions.n)?;
+        let mut points = Vec::with_capacity(n);
+        for _ in 0..n {
+            points.push([self.number()?, self.number()?, self.number()?]);
+            self.skip(8 * (dimensions.n - 3))?;
         }
         Ok(points)
     }
@@ -140,11 +161,9 @@ mod tests {
             triangle(true, 1003, Some(7.0)),
             triangle(false, 0x8000_0003, Some(7.0)),
         ] {
-            let mut polygons = Vec::new();
-            polygons_of(&bytes, &mut polygons).expect("a polygon");
-            assert_eq!(polygons, [vec![ring.clone()]]);
+            assert_eq!(areas_of(&bytes).expect("a polygon").into_feature().polygons, [vec![ring.clone()]]);
             for n in 0..bytes.len() {
-                assert!(polygons_of(&bytes[..n], &mut Vec::new()).is_err(), "{n} bytes");
+                assert!(areas_of(&bytes[..n]).is_err(), "{n} bytes");
             }
         }
     }
@@ -153,8 +172,8 @@ mod tests {
     fn counts_that_lie_and_deep_nests_are_refused() {
         let mut bytes = triangle(true, 3, None);
         bytes[5..9].copy_from_slice(&u32::MAX.to_le_bytes());
-        assert!(polygons_of(&bytes, &mut Vec::new()).is_err_and(|e| e.contains("announces 4294967295 parts")));
+        assert!(areas_of(&bytes).is_err_and(|e| e.contains("announces 4294967295 parts")));
         let nest: Vec<u8> = (0..100_000).flat_map(|_| [1, 7, 0, 0, 0, 1, 0, 0, 0]).collect();
-        assert!(polygons_of(&nest, &mut Vec::new()).is_err_and(|e| e.contains("nests more than 16")));
+        assert!(areas_of(&nest).is_err_and(|e| e.contains("nests more than 16")));
     }
 }

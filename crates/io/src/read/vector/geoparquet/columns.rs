@@ -97,22 +97,16 @@ impl Batch<'_> {
     ) -> std::result::Result<(), (usize, String)> {
         for (k, shape) in self.shapes.iter().enumerate() {
             let row: Vec<Property> = self.values.iter_mut().map(|v| v.next().unwrap_or(Property::Null)).collect();
-            let (mut polygons, mut has_other_parts) = (Vec::new(), false);
-            if let Some(shape) = shape {
-                has_other_parts = wkb::polygons_of(shape.data(), &mut polygons).map_err(|fault| (k, fault))?;
-            }
-            if within.is_some_and(|within| bounds(polygons.iter()).is_some_and(|of| !meets(of, within))) {
+            let feature = match shape {
+                Some(shape) => wkb::areas_of(shape.data()).map_err(|fault| (k, fault))?.into_feature(),
+                None => Feature::default(),
+            };
+            if within.is_some_and(|within| bounds(feature.polygons.iter()).is_some_and(|of| !meets(of, within))) {
                 continue;
             }
             let id = self.columns.id.and_then(|k| row[k].text());
             let names = self.columns.properties.iter().map(|column| Arc::clone(&column.name));
-            features.push(Feature {
-                id,
-                properties: names.zip(row).collect(),
-                polygons,
-                has_other_parts,
-                ..Feature::default()
-            });
+            features.push(Feature { id, properties: names.zip(row).collect(), ..feature });
         }
         Ok(())
     }
