@@ -25,8 +25,9 @@ use crate::error::Error;
 #[derive(Debug, Parser)]
 #[command(name = "skyshed", version, propagate_version = true, max_term_width = 110)]
 #[command(after_help = "\
-SCENE is a generated city (itu:urban, itu:0.3,500,15), a raster (.tif, .asc, .vrt, or a folder of
-tiles), footprints (.geojson, .shp, .fgb, .gpkg, .city.json) or a mesh (.obj, .ply).
+SCENE is a generated city (itu:urban, itu:0.3,500,15), a raster (.tif, .asc, .xyz, .vrt), buildings
+(.geojson, .city.json, .gml, .parquet, .osm.pbf, .shp, .fgb, .gpkg), a point cloud (.las, .laz) or a
+mesh (.obj, .ply), also in .gz or .zip; a folder, or A+B, of several files of one format is one scene.
 Heights are above ground unless written 150amsl or 30roof; lengths are in meters, heights also in
 feet: 400ft, 400ft amsl. Without `-o` the answer goes to standard output.
 

@@ -30,6 +30,7 @@ mod city_formats;
 mod xyz_files; // XYZ grids: the maps of the same raster as an ASCII grid, and what is no grid
 mod solid_files; // surfaces of buildings in formats that are not made for them: the maps of CityJSON
 mod solid_writers; // writes them
+mod osm_files; // data of OpenStreetMap in its encodings, against its areas and GDAL; cut, lying and hostile files
 mod cityjson_parts; // the same of CityJSON: buildings and their parts, measured heights, fillers
 mod ground_truth; // what a scene is made of: bases, voids, typed ground, holes, lattices, extents, ranges
 mod repairs; // what was mended or left out, thing by thing
@@ -55,6 +56,8 @@ mod documents; // holds documents against their schemas
 mod masks; // a small town, and masks read back from files
 #[path = "../shared/needs.rs"]
 mod needs; // parts that are not on every machine: programs, packages, data
+#[path = "../shared/osm_files.rs"]
+mod osm_files_written; // writes small cities of OpenStreetMap
 #[path = "../shared/plain_tiff.rs"]
 mod plain_tiff; // writes simple GeoTIFFs
 #[path = "../shared/program.rs"]

@@ -28,6 +28,8 @@ pub enum FileFormat {
     CityJson,
     /// CityGML, or buildings of INSPIRE.
     CityGml,
+    /// OpenStreetMap data as XML, PBF, or an answer of the Overpass API.
+    Osm,
     /// Shapefile.
     Shapefile,
     /// FlatGeobuf.
@@ -73,8 +75,6 @@ pub enum Conversion {
     GdalTranslate,
     /// `ogr2ogr`, of features with areas.
     Ogr2Ogr,
-    /// `osmium export`.
-    Osmium,
     /// `pdal`, of point clouds.
     Pdal,
     /// `gunzip`, `bunzip2`, `unzip`, `7z x`, `tar xf` and the like; the command without the file.
@@ -110,6 +110,7 @@ impl FileFormat {
         Some(match extension {
             "geojson" | "json" | "geojsonl" | "geojsons" | "geojsonseq" | "ndjson" | "jsonl" => FileFormat::GeoJson,
             "gml" | "citygml" => FileFormat::CityGml,
+            "osm" | "pbf" => FileFormat::Osm,
             "shp" => FileFormat::Shapefile,
             "fgb" => FileFormat::FlatGeobuf,
             "gpkg" => FileFormat::GeoPackage,
@@ -146,6 +147,11 @@ impl FileFormat {
             [b'p', b'l', b'y', b'\r' | b'\n', ..] => return Some(FileFormat::Ply),
             _ => {}
         }
+        // The size of the first block's header, and the name of that block in it.
+        if head.starts_with(&[0, 0]) && head.get(4..32).is_some_and(|of| of.windows(9).any(|name| name == b"OSMHeader"))
+        {
+            return Some(FileFormat::Osm);
+        }
         if let Some(foreign) = of_binary(head) {
             return Some(FileFormat::Foreign(foreign));
         }
@@ -163,6 +169,7 @@ impl FileFormat {
             FileFormat::GeoJson => "GeoJSON",
             FileFormat::CityJson => "CityJSON",
             FileFormat::CityGml => "CityGML",
+            FileFormat::Osm => "OpenStreetMap data",
             FileFormat::Shapefile => "a Shapefile",
             FileFormat::FlatGeobuf => "FlatGeobuf",
             FileFormat::GeoPackage => "a GeoPackage",
@@ -183,7 +190,9 @@ impl FileFormat {
     pub(crate) fn unwanted(self, input: &Input, kind: FileKind) -> Error {
         let wanted = match kind {
             FileKind::Raster => "a GeoTIFF, an Esri ASCII grid, an XYZ grid or a GDAL virtual raster",
-            FileKind::Vector => "GeoJSON, CityJSON, CityGML, FlatGeobuf, GeoParquet, a GeoPackage or a Shapefile",
+            FileKind::Vector => {
+                "GeoJSON, CityJSON, CityGML, OpenStreetMap data, FlatGeobuf, GeoParquet, a GeoPackage or a Shapefile"
+            }
             FileKind::Mesh => "a mesh in OBJ or PLY",
         };
         let what = format!("it is {} ({} bytes), wanted {wanted}", self.name(), input.len());
@@ -214,6 +223,7 @@ impl FileFormat {
             FileFormat::GeoJson
             | FileFormat::CityJson
             | FileFormat::CityGml
+            | FileFormat::Osm
             | FileFormat::Shapefile
             | FileFormat::FlatGeobuf
             | FileFormat::GeoPackage
@@ -239,7 +249,7 @@ fn is_tiff(head: &[u8]) -> bool {
 
 /// Returns the binary format of some first bytes that is not read.
 fn of_binary(head: &[u8]) -> Option<ForeignFormat> {
-    use Conversion::{Fcb, GdalTranslate, Mesh, None as Nothing, Ogr2Ogr, Osmium, Pdal, Unpack};
+    use Conversion::{Fcb, GdalTranslate, Mesh, None as Nothing, Ogr2Ogr, Pdal, Unpack};
     const MAGIC: [(&[u8], ForeignFormat); 26] = [
         (b"\x1f\x8b", GZIP),
         (b"PK\x03\x04", ZIP),
@@ -268,10 +278,6 @@ fn of_binary(head: &[u8]) -> Option<ForeignFormat> {
         (b"%PDF", foreign("a PDF document", Nothing)),
         (b"\x00\x00\x27\x0b", foreign("an index of a Shapefile", Conversion::Sibling("shp"))),
     ];
-    // A length, a field, and the name of the first block.
-    if head.get(6..15).is_some_and(|name| name == b"OSMHeader") {
-        return Some(foreign("OpenStreetMap data in PBF", Osmium));
-    }
     MAGIC.iter().find(|(magic, _)| head.starts_with(magic)).map(|(_, format)| *format)
 }
 
@@ -283,9 +289,11 @@ fn of_text(text: &str) -> Option<FileFormat> {
         return Some(FileFormat::AsciiGrid);
     }
     match text.chars().next()? {
+        '{' if is_overpass(text) => Some(FileFormat::Osm),
         '{' | '[' | '\u{1e}' => Some(of_json(text)),
         '<' if text.contains("<VRTDataset") => Some(FileFormat::VirtualRaster),
         '<' if is_city_gml(text) => Some(FileFormat::CityGml),
+        '<' if text.contains("<osm ") || text.contains("<osm>") => Some(FileFormat::Osm),
         '<' => Some(FileFormat::Foreign(of_xml(text))),
         _ => of_plain_text(text),
     }
@@ -302,9 +310,14 @@ fn of_json(text: &str) -> FileFormat {
         () if has("\"esriGeometry") => foreign("Esri JSON", Conversion::Ogr2Ogr),
         () if has("\"geometricError\"") => foreign("a tileset of 3D Tiles", Conversion::Mesh),
         () if has("\"asset\"") && (has("\"meshes\"") || has("\"buffers\"")) => foreign("a glTF mesh", Conversion::Mesh),
-        () if has("\"elements\"") && has("\"generator\"") => foreign("an answer of Overpass", Conversion::Osmium),
         () => return FileFormat::GeoJson,
     })
+}
+
+/// Returns `true` for an answer of the Overpass API.
+fn is_overpass(text: &str) -> bool {
+    let has = |word: &str| text.contains(word);
+    has("\"elements\"") && (has("\"generator\"") || has("\"osm3s\"")) && !has("\"FeatureCollection\"")
 }
 
 /// Returns `true` for CityGML, and for buildings of INSPIRE.
@@ -316,7 +329,7 @@ fn is_city_gml(text: &str) -> bool {
 fn of_xml(text: &str) -> ForeignFormat {
     let has = |word: &str| text.contains(word);
     match () {
-        () if has("<osm") => foreign("OpenStreetMap XML", Conversion::Osmium),
+        () if has("<osmChange") => foreign("a change of OpenStreetMap data", Conversion::None),
         () if has("<kml") => foreign("a KML file", Conversion::Ogr2Ogr),
         () if has("<gpx") => foreign("a GPX track", Conversion::Ogr2Ogr),
         () if has("opengis.net/gml") => foreign("a GML file", Conversion::Ogr2Ogr),

@@ -94,9 +94,6 @@ fn of_foreign(name: &str, conversion: Conversion) -> Option<String> {
             format!("if it holds heights, convert it with `gdal_translate {file} {}`", made("_geotiff.tif"))
         }
         Conversion::Ogr2Ogr => format!("convert it with `ogr2ogr {} {file}`", made(".fgb")),
-        Conversion::Osmium => {
-            format!("convert it with `osmium export --geometry-types=polygon {file} -o {}`", made(".geojson"))
-        }
         Conversion::Pdal => format!(
             "make a surface with `pdal translate {file} {} --writers.gdal.resolution=1 --writers.gdal.output_type=max`",
             made("_surface.tif")

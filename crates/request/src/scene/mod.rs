@@ -163,7 +163,7 @@ part! {
         building_threshold: Option<f64>,
         /// Property of a footprint's height above ground; default `height`
         ///
-        /// Of CityJSON the default is the highest point. Text may name its unit: 12.5 m, 40 ft, 39'4".
+        /// Of surfaces the default is the highest point. Text may name its unit: 12.5 m, 40 ft, 39'4".
         #[arg(long, value_name = "NAME")]
         height_field: Option<String>,
         /// Property that holds the height of a footprint's top above the datum, instead
@@ -185,9 +185,9 @@ part! {
         /// Footprints without it have that of `--height-error`.
         #[arg(long, value_name = "NAME", hide_short_help = true)]
         height_error_field: Option<String>,
-        /// Roofs of CityJSON, or of a mesh, which is read as buildings then
+        /// Roofs of surfaces, as in CityJSON and CityGML, or of a mesh, which is read as buildings then
         ///
-        /// Without it, roofs of CityJSON are flat, and a mesh is a surface model.
+        /// Without it, roofs are flat, and a mesh is a surface model.
         #[arg(long, value_name = "SHAPE", value_parser = crate::words::one_of::<Roofs>(), hide_short_help = true)]
         roofs: Option<Roofs>,
         /// Table of a GeoPackage, where it has several
@@ -286,10 +286,11 @@ impl SceneOptions {
 part! {
     /// Scene of a question.
     pub struct SceneWord, SetSceneWord {
-        /// Generated city (itu:urban), raster, footprints or mesh; `skyshed -h` has all kinds
+        /// Generated city (itu:urban), raster, buildings, point cloud or mesh; `skyshed -h` has all kinds
         ///
-        /// Generated city (itu:…), raster (.tif, .asc, .vrt, or a folder of tiles), footprints (.geojson, .shp, .fgb, .gpkg,
-        /// .city.json) or mesh (.obj, .ply).
+        /// Generated city (itu:…), raster (.tif, .asc, .xyz, .vrt), buildings (.geojson, .city.json, .gml, .parquet, .osm,
+        /// .osm.pbf, .shp, .fgb, .gpkg), point cloud (.las, .laz) or mesh (.obj, .ply), also in .gz or .zip. A folder, or A+B, of
+        /// several files of one format is one scene.
         #[arg(value_name = "SCENE", required = true)]
         scene: Option<FilePath>,
     }

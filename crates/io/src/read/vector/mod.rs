@@ -4,6 +4,7 @@
 //! [`super::building`] reads a feature's properties as a building. Readers trust no length or count
 //! in a file: nothing is reserved beyond what the file's own size allows.
 
+mod bounded;
 mod citygml;
 mod cityjson;
 mod feature;
@@ -13,9 +14,9 @@ pub(super) mod geojson;
 mod geopackage;
 #[cfg(feature = "parquet")]
 mod geoparquet;
+mod osm;
 #[cfg(feature = "shapefiles")]
 mod patches;
-#[cfg(feature = "shapefiles")]
 mod rings;
 #[cfg(feature = "shapefiles")]
 mod shapefile;
@@ -72,6 +73,7 @@ fn read_file(input: &Input, format: FileFormat, selection: Selection<'_>) -> Res
     match format {
         FileFormat::GeoJson | FileFormat::CityJson => geojson::read(input),
         FileFormat::CityGml => citygml::read(input, selection),
+        FileFormat::Osm => osm::read(input, selection),
         #[cfg(feature = "shapefiles")]
         FileFormat::Shapefile => shapefile::read(input, selection),
         #[cfg(not(feature = "shapefiles"))]

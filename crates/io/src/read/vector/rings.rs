@@ -1,5 +1,4 @@
-//! Rings into polygons, for formats that distinguish shells and holes only by their sense of
-//! rotation.
+//! Rings into polygons, for formats that hold shells and holes side by side.
 
 use super::super::polygon::{Polygon, doubled_area};
 

@@ -27,6 +27,7 @@ use quick_xml::events::{BytesStart, Event};
 
 use super::super::height_value::found_height;
 use super::super::solid::{Face, FaceKind, Solid};
+use super::bounded::Bounded;
 use super::cityjson::height_of;
 use super::feature::{Feature, FeatureSet, Properties, SolidHeight, bounds, crs_of};
 use super::selection::{Selection, meets};
@@ -36,7 +37,7 @@ use crate::input::Input;
 use crate::raster::{Crs, CrsKind};
 use elements::{Element, Elements, Open};
 use skyshed_request::HeightUnit;
-use words::{Bounded, LONGEST_BYTES, is_latin, positions, property, resolved};
+use words::{LONGEST_BYTES, is_latin, positions, property, resolved};
 
 /// Deepest nesting of elements; real files have some twenty.
 const MOST_NESTED: usize = 256;
@@ -50,13 +51,13 @@ const N_LEVELS: usize = 5;
 /// and texts beyond what a city needs.
 pub(super) fn read(input: &Input, selection: Selection<'_>) -> Result<FeatureSet> {
     let (file, _) = input.open()?;
-    let mut xml = Reader::from_reader(Bounded { inner: BufReader::with_capacity(1 << 16, file), left: LONGEST_BYTES });
+    let mut xml = Reader::from_reader(Bounded::new(BufReader::with_capacity(1 << 16, file), LONGEST_BYTES));
     let mut city = City::new(input);
     let (mut elements, mut text) = (Elements::default(), Vec::new());
     let mut buffer = Vec::new();
     loop {
         buffer.clear();
-        xml.get_mut().left = LONGEST_BYTES;
+        xml.get_mut().begin_event();
         let at = xml.buffer_position();
         let failed = |error: &dyn std::fmt::Display| city_error(input, at, error);
         match xml.read_event_into(&mut buffer).map_err(|e| failed(&e))? {

@@ -1,7 +1,5 @@
 //! Texts of CityGML: characters, positions, and values of attributes.
 
-use std::io::{BufRead, Read};
-
 use super::super::feature::Property;
 
 /// Longest tag or text \[bytes\]; a ring of a million corners takes as much.
@@ -63,32 +61,5 @@ pub(super) fn property(text: &str, unit_m: f64) -> Property {
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() => Property::Number(number * unit_m),
         _ => Property::Text(text.to_string()),
-    }
-}
-
-/// Reader that refuses to go on without an event.
-pub(super) struct Bounded<R> {
-    pub(super) inner: R,
-    /// Bytes that may be read until the next event.
-    pub(super) left: usize,
-}
-
-impl<R: Read> Read for Bounded<R> {
-    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
-        self.inner.read(bytes)
-    }
-}
-
-impl<R: BufRead> BufRead for Bounded<R> {
-    fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
-        if self.left == 0 {
-            return Err(std::io::Error::other(format!("a tag or text of more than {} MiB", LONGEST_BYTES >> 20)));
-        }
-        self.inner.fill_buf()
-    }
-
-    fn consume(&mut self, n: usize) {
-        self.left = self.left.saturating_sub(n);
-        self.inner.consume(n);
     }
 }
