@@ -97,7 +97,7 @@ pub(crate) fn seconds_to_read(files: &[PathBuf]) -> f64 {
     let seconds = |file: &PathBuf| {
         // Nanoseconds per byte on one core of a server of 2023.
         let per_byte = match format_of(file) {
-            Some(FileFormat::GeoJson | FileFormat::CityJson | FileFormat::CityGml) => 40.0,
+            Some(FileFormat::GeoJson | FileFormat::CityJson | FileFormat::CityGml | FileFormat::PointCloud) => 40.0,
             Some(format) if format.kind() == Some(FileKind::Vector) => 80.0,
             // Heights of a terrain or a surface, deflated or as text.
             _ => 15.0,

@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use crate::city::{BuiltUp, City, HeightSources, Solids, Source};
 pub use options::SceneReader;
-pub(crate) use reading::{FoundRepairs, built_up, files_of, format_of, is_raster, is_raster_scene};
+pub(crate) use reading::{FoundRepairs, built_up, files_of, format_of, has_heights_above_datum, is_raster_scene};
 
 use crate::answer::{CommandFacts, RunFacts, Timing};
 use crate::error::{Result, Warning};

@@ -17,8 +17,9 @@ use crate::los_probability::points::Points;
 use crate::memory::{ANY_WORK, bytes_of_cells, cells_of, check_bytes};
 use crate::raster::{Crs, GeoRef};
 use crate::read::{
-    FootprintOptions, MeshOptions, Projection, Repair, SceneFiles, SurfaceOptions, SystemSaid, compare_vertical,
-    read_footprints, read_footprints_and_repairs, read_mesh, read_mesh_buildings, read_surface, vertical_of,
+    FootprintOptions, MeshOptions, PointCloudOptions, Projection, Repair, SceneFiles, SurfaceOptions, SystemSaid,
+    compare_vertical, read_footprints, read_footprints_and_repairs, read_mesh, read_mesh_buildings, read_point_cloud,
+    read_surface, vertical_of,
 };
 use skyshed_io::{FileFormat, FileKind};
 
@@ -119,27 +120,11 @@ impl SceneReader {
     /// Reads the scene of a file.
     fn read_file(&self, path: &Path, odd: &mut Vec<skyshed_io::Warning>) -> Result<crate::city::City> {
         let format = format_of(path);
-        if kind_of(path) != FileKind::Vector {
-            if kind_of(path) == FileKind::Raster {
-                return Ok(read_surface(path, &self.of_raster()?, odd)?);
-            }
-            if self.options.roofs.is_some() {
-                let of_features = [
-                    ("layer", self.options.layer.is_some()),
-                    ("levels_field", self.options.levels_field.is_some()),
-                    ("missing", self.options.missing.is_some()),
-                    ("parts", self.options.parts.is_some()),
-                ];
-                self.refuse("a mesh", &of_features)?;
-                return Ok(read_mesh_buildings(path, &self.of_solids()?, odd)?);
-            }
-            let others = [("size", self.options.size.is_some()), ("project", self.options.project.is_some())];
-            self.refuse("a mesh", &others)?;
-            self.refuse("a mesh", &[("band", self.options.band.is_some())])?;
-            self.refuse("a mesh", &self.of_footprints())?;
-            let options =
-                MeshOptions { surface: self.of_surface()?, extent: self.options.extent, cell_m: self.options.cell };
-            return Ok(read_mesh(path, &options, odd)?);
+        match kind_of(path) {
+            FileKind::Raster => return Ok(read_surface(path, &self.of_raster()?, odd)?),
+            FileKind::Mesh => return self.read_mesh(path, odd),
+            FileKind::PointCloud => return Ok(read_point_cloud(path, &self.of_point_cloud()?, odd)?),
+            FileKind::Vector => {}
         }
         if format != Some(FileFormat::GeoPackage) {
             self.refuse("a file that is no GeoPackage", &[("layer", self.options.layer.is_some())])?;
@@ -152,9 +137,48 @@ impl SceneReader {
         Ok(scene)
     }
 
-    /// Warns of a raster of results, and of differing vertical datums of a raster and its terrain.
+    /// Reads a mesh, as buildings or as a surface.
+    fn read_mesh(&self, path: &Path, odd: &mut Vec<skyshed_io::Warning>) -> Result<crate::city::City> {
+        if self.options.roofs.is_some() {
+            let of_features = [
+                ("layer", self.options.layer.is_some()),
+                ("levels_field", self.options.levels_field.is_some()),
+                ("missing", self.options.missing.is_some()),
+                ("parts", self.options.parts.is_some()),
+            ];
+            self.refuse("a mesh", &of_features)?;
+            return Ok(read_mesh_buildings(path, &self.of_solids()?, odd)?);
+        }
+        self.refuse_for_surface_of("a mesh")?;
+        let options =
+            MeshOptions { surface: self.of_surface()?, extent: self.options.extent, cell_m: self.options.cell };
+        Ok(read_mesh(path, &options, odd)?)
+    }
+
+    /// Returns the options of a point cloud, which has a ground of its own.
+    fn of_point_cloud(&self) -> Result<PointCloudOptions> {
+        self.refuse_for_surface_of("a point cloud")?;
+        if self.options.terrain.is_none() {
+            let of_terrain = [("nodata_as", self.options.nodata_as.is_some())];
+            self.refuse("a point cloud without `terrain`", &of_terrain)?;
+        }
+        Ok(PointCloudOptions { surface: self.over_ground()?, extent: self.options.extent, cell_m: self.options.cell })
+    }
+
+    /// Refuses options without a meaning for a surface that is made of another kind of data.
+    fn refuse_for_surface_of(&self, what: &str) -> Result<()> {
+        let others = [
+            ("size", self.options.size.is_some()),
+            ("project", self.options.project.is_some()),
+            ("band", self.options.band.is_some()),
+        ];
+        self.refuse(what, &others)?;
+        self.refuse(what, &self.of_footprints())
+    }
+
+    /// Warns of a raster of results, and of differing vertical datums of a surface and its terrain.
     pub(crate) fn warn_of_raster(&self, path: &Path, warnings: &mut Vec<Warning>) -> Result<()> {
-        if !is_raster(path) {
+        if !has_heights_above_datum(path) {
             return Ok(());
         }
         if let Some(schema) = results_in(path) {
@@ -219,12 +243,17 @@ impl SceneReader {
 
     /// Returns the options common to all surfaces.
     fn of_surface(&self) -> Result<SurfaceOptions> {
-        let defaults = SurfaceOptions::default();
-        self.refuse("a surface", &[("ground buildings", self.options.ground == Some(GroundChoice::Buildings))])?;
         if self.options.terrain.is_none() && self.options.ground.is_none() {
             let threshold = [("building_threshold", self.options.building_threshold.is_some())];
             self.refuse("a surface without `terrain` or `ground`", &threshold)?;
         }
+        self.over_ground()
+    }
+
+    /// Returns the options common to all surfaces over a ground.
+    fn over_ground(&self) -> Result<SurfaceOptions> {
+        let defaults = SurfaceOptions::default();
+        self.refuse("a surface", &[("ground buildings", self.options.ground == Some(GroundChoice::Buildings))])?;
         Ok(SurfaceOptions {
             terrain: self.options.terrain.as_deref().map(Into::into),
             ground_m: self.flat_ground_m(),
@@ -366,9 +395,14 @@ fn kind_of(path: &Path) -> FileKind {
     format_of(path).and_then(FileFormat::kind).unwrap_or(FileKind::Raster)
 }
 
-/// Returns `true` for paths that are read as rasters: all files but footprints and meshes.
-pub(crate) fn is_raster(path: &Path) -> bool {
+/// Returns `true` for paths that are read as rasters: all files but footprints, meshes and point clouds.
+fn is_raster(path: &Path) -> bool {
     kind_of(path) == FileKind::Raster
+}
+
+/// Returns `true` for files that may name the datum of their heights: rasters and point clouds.
+pub(crate) fn has_heights_above_datum(path: &Path) -> bool {
+    matches!(kind_of(path), FileKind::Raster | FileKind::PointCloud)
 }
 
 /// Returns `true` if a word names a raster.

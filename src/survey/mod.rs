@@ -33,7 +33,7 @@ use crate::quantity::{Frame, meters, tidy};
 use crate::raster::Crs;
 use crate::read::vertical_of;
 use crate::render::{grouped, percent};
-use crate::scene::{Scene, SceneReader, built_up, files_of, is_raster};
+use crate::scene::{Scene, SceneReader, built_up, files_of, has_heights_above_datum};
 use crate::words::{capitalized, version};
 use skyshed_io::FileFormat;
 
@@ -123,7 +123,8 @@ impl Survey {
         let cell_m = grid.meters_per_unit();
         let area_km2 = n_known * grid.cell_width() * grid.cell_height() * cell_m * cell_m / 1e6;
         let estimate = BuiltUp::estimated(n_built / n_known, &scene.field.heights_in_data(&heights), area_km2);
-        let rasters = std::iter::once(PathBuf::from(word)).filter(|path| is_raster(path) && path.is_file());
+        let rasters =
+            std::iter::once(PathBuf::from(word)).filter(|path| has_heights_above_datum(path) && path.is_file());
         let vertical = rasters
             .chain(options.options.terrain.clone().map(Into::into))
             .map(|path| (path.clone(), vertical_of(&path)))

@@ -31,6 +31,7 @@ mod xyz_files; // XYZ grids: the maps of the same raster as an ASCII grid, and w
 mod solid_files; // surfaces of buildings in formats that are not made for them: the maps of CityJSON
 mod solid_writers; // writes them
 mod osm_files; // data of OpenStreetMap in its encodings, against its areas and GDAL; cut, lying and hostile files
+mod point_clouds; // LAS, LAZ and COPC: the city of its rasters, cells by hand, units, extents
 mod cityjson_parts; // the same of CityJSON: buildings and their parts, measured heights, fillers
 mod ground_truth; // what a scene is made of: bases, voids, typed ground, holes, lattices, extents, ranges
 mod repairs; // what was mended or left out, thing by thing
@@ -41,6 +42,7 @@ mod wild; // bad input as it is seen in the wild, row by row
 mod small_files; // small files that would take much time or memory
 mod tangles; // footprints that cross themselves or lie on one another
 mod hostile_cities;
+mod hostile_clouds; // headers, chunks and octrees that lie; damaged point clouds
 mod hostile_vectors; // damaged vector files are scenes or errors
 mod fuzz; // damaged files of every kind, and footprints at random
 mod cut_units; // files of units that were cut short, of every format

@@ -12,7 +12,7 @@ pub(crate) fn inputs() -> &'static BTreeMap<&'static str, Vec<u8>> {
     static INPUTS: OnceLock<BTreeMap<&str, Vec<u8>>> = OnceLock::new();
     INPUTS.get_or_init(|| {
         let texts = rasters().into_iter().chain(mosaics()).chain(vectors()).chain(tables());
-        texts.map(|(name, text)| (name, text.into_bytes())).chain(tiffs()).collect()
+        texts.map(|(name, text)| (name, text.into_bytes())).chain(tiffs()).chain(clouds()).collect()
     })
 }
 
@@ -202,6 +202,24 @@ fn tables() -> Vec<(&'static str, String)> {
     ];
     let texts = texts.into_iter().map(|(name, text)| (name, text.to_string()));
     texts.chain([("many.csv", format!("x,y,h\n{}", many.concat()))]).collect()
+}
+
+/// Clouds of points in a square of 20 m: without ground, with ground everywhere, with ground in every second cell.
+fn clouds() -> Vec<(&'static str, Vec<u8>)> {
+    let cloud = |class_of: &dyn Fn(i32, i32) -> u8| {
+        let mut writer = las::Writer::new(std::io::Cursor::new(Vec::new()), las::Header::default()).expect("a header");
+        for (row, col) in (0..20).flat_map(|row| (0..20).map(move |col| (row, col))) {
+            let (x, y) = (f64::from(col) + 0.5, f64::from(row) + 0.5);
+            let classification = las::point::Classification::new(class_of(row, col)).expect("a class");
+            writer.write_point(las::Point { x, y, z: 5.0, classification, ..las::Point::default() }).expect("a point");
+        }
+        writer.into_inner().expect("bytes").into_inner()
+    };
+    vec![
+        ("unclassified.las", cloud(&|_, _| 1)),
+        ("ground.las", cloud(&|_, _| 2)),
+        ("sparse.las", cloud(&|row, col| if row % 2 == 0 && col % 2 == 0 { 2 } else { 1 })),
+    ]
 }
 
 fn tiffs() -> Vec<(&'static str, Vec<u8>)> {

@@ -15,10 +15,14 @@ use crate::program::{Answer, Folder};
 use crate::support::Random;
 
 /// Hints, or commands in them, that no line of `tests/hints.txt` follows, and why.
-const NOT_RUN: [(&str, &str); 12] = [
+const NOT_RUN: [(&str, &str); 13] = [
     ("`ogr2ogr {converted} {}`", "only a build without GeoPackage says so"),
     ("`cjseq collect < {} > {}`", "cjseq is in no package of a distribution"),
     ("gdal_translate -co TILED=YES -co COMPRESS=DEFLATE -co BIGTIFF=IF_SAFER", "a block of more than 4 GiB"),
+    (
+        "`pdal translate {file} {made} -f reprojection --filters.reprojection.out_srs=EPSG:{epsg}`",
+        "PDAL is no part that the tests need",
+    ),
     ("`gdalwarp -t_srs EPSG:HORIZONTAL+VERTICAL IN OUT`", "needs a grid of the geoid, which GDAL does not bring"),
     ("`--layers los,margin,ceiling`", "for callers of the library: the program refuses such layers before"),
     ("choose larger cells: `--cell {cell_m}`", "seconds for 17 million cells in another system; tried by hand"),

@@ -42,6 +42,8 @@ pub enum FileFormat {
     Obj,
     /// Polygon file format (Stanford).
     Ply,
+    /// LAS, LAZ or COPC.
+    PointCloud,
     /// A format that is known by name and not read.
     Foreign(ForeignFormat),
 }
@@ -55,6 +57,8 @@ pub enum FileKind {
     Vector,
     /// Triangles.
     Mesh,
+    /// Points with classes.
+    PointCloud,
 }
 
 /// Format that is not read.
@@ -75,8 +79,6 @@ pub enum Conversion {
     GdalTranslate,
     /// `ogr2ogr`, of features with areas.
     Ogr2Ogr,
-    /// `pdal`, of point clouds.
-    Pdal,
     /// `gunzip`, `bunzip2`, `unzip`, `7z x`, `tar xf` and the like; the command without the file.
     Unpack(&'static str),
     /// `fcb deser`.
@@ -117,6 +119,7 @@ impl FileFormat {
             "parquet" | "geoparquet" => FileFormat::GeoParquet,
             "obj" => FileFormat::Obj,
             "ply" => FileFormat::Ply,
+            "las" | "laz" => FileFormat::PointCloud,
             "tif" | "tiff" => FileFormat::GeoTiff,
             "asc" => FileFormat::AsciiGrid,
             "xyz" => FileFormat::Xyz,
@@ -142,6 +145,7 @@ impl FileFormat {
         }
         match head {
             [b'f', b'g', b'b', ..] => return Some(FileFormat::FlatGeobuf),
+            [b'L', b'A', b'S', b'F', ..] => return Some(FileFormat::PointCloud),
             [b'P', b'A', b'R', b'1', ..] => return Some(FileFormat::GeoParquet),
             [0, 0, 0x27, 0x0a, ..] => return Some(FileFormat::Shapefile),
             [b'p', b'l', b'y', b'\r' | b'\n', ..] => return Some(FileFormat::Ply),
@@ -176,6 +180,7 @@ impl FileFormat {
             FileFormat::GeoParquet => "GeoParquet",
             FileFormat::Obj => "a mesh in OBJ",
             FileFormat::Ply => "a mesh in PLY",
+            FileFormat::PointCloud => "a LAS point cloud",
             FileFormat::Foreign(format) => format.name,
         }
     }
@@ -194,6 +199,7 @@ impl FileFormat {
                 "GeoJSON, CityJSON, CityGML, OpenStreetMap data, FlatGeobuf, GeoParquet, a GeoPackage or a Shapefile"
             }
             FileKind::Mesh => "a mesh in OBJ or PLY",
+            FileKind::PointCloud => "a point cloud in LAS or LAZ",
         };
         let what = format!("it is {} ({} bytes), wanted {wanted}", self.name(), input.len());
         let error = Error::malformed(input, what);
@@ -229,6 +235,7 @@ impl FileFormat {
             | FileFormat::GeoPackage
             | FileFormat::GeoParquet => FileKind::Vector,
             FileFormat::Obj | FileFormat::Ply => FileKind::Mesh,
+            FileFormat::PointCloud => FileKind::PointCloud,
             FileFormat::Foreign(_) => return None,
         })
     }
@@ -249,8 +256,8 @@ fn is_tiff(head: &[u8]) -> bool {
 
 /// Returns the binary format of some first bytes that is not read.
 fn of_binary(head: &[u8]) -> Option<ForeignFormat> {
-    use Conversion::{Fcb, GdalTranslate, Mesh, None as Nothing, Ogr2Ogr, Pdal, Unpack};
-    const MAGIC: [(&[u8], ForeignFormat); 26] = [
+    use Conversion::{Fcb, GdalTranslate, Mesh, None as Nothing, Ogr2Ogr, Unpack};
+    const MAGIC: [(&[u8], ForeignFormat); 25] = [
         (b"\x1f\x8b", GZIP),
         (b"PK\x03\x04", ZIP),
         (b"BZh", foreign("a bzip2 file", Unpack("bunzip2 -k"))),
@@ -258,7 +265,6 @@ fn of_binary(head: &[u8]) -> Option<ForeignFormat> {
         (b"\x28\xb5\x2f\xfd", foreign("a zstd file", Unpack("unzstd"))),
         (b"7z\xbc\xaf\x27\x1c", foreign("a 7z archive", Unpack("7z x"))),
         (b"Rar!", foreign("a RAR archive", Unpack("unrar x"))),
-        (b"LASF", foreign("a LAS point cloud", Pdal)),
         (b"fcb", foreign("a FlatCityBuf file", Fcb)),
         (b"glTF", foreign("a glTF mesh", Mesh)),
         (b"b3dm", foreign("a tile of 3D Tiles", Mesh)),

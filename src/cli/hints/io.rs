@@ -94,10 +94,6 @@ fn of_foreign(name: &str, conversion: Conversion) -> Option<String> {
             format!("if it holds heights, convert it with `gdal_translate {file} {}`", made("_geotiff.tif"))
         }
         Conversion::Ogr2Ogr => format!("convert it with `ogr2ogr {} {file}`", made(".fgb")),
-        Conversion::Pdal => format!(
-            "make a surface with `pdal translate {file} {} --writers.gdal.resolution=1 --writers.gdal.output_type=max`",
-            made("_surface.tif")
-        ),
         Conversion::Unpack(command) => format!("unpack it with `{command} {file}`"),
         Conversion::Fcb => format!("convert it with `fcb deser -i {file} -o {}`", made(".city.jsonl")),
         Conversion::Mesh => "export it as a mesh in .obj or .ply from the program that made it".into(),
@@ -168,7 +164,11 @@ fn of_fault(ReadError { name, fault, .. }: &ReadError) -> Option<String> {
             shell_word(name),
             shell_word(&beside(name, "_collected.city.json"))
         ),
-        ReadFault::Nothing(Wanted::Faces) => "of a cloud of points make a raster first".into(),
+        ReadFault::Nothing(Wanted::Faces) => "a cloud of points is read from .las or .laz".into(),
+        ReadFault::Nothing(Wanted::Ground) => {
+            "give it: `--ground Z`, or `--terrain FILE`; the highest last returns are then the surface".into()
+        }
+        ReadFault::Nothing(Wanted::PointsInExtent) => "check `--extent`: it has the units of the coordinates".into(),
         ReadFault::NoBaseProperty(_) => {
             "name the property with `--base-field NAME`, or give a ground by `--ground Z` or by `--terrain FILE`".into()
         }
@@ -295,6 +295,9 @@ fn of_degrees((name, crs): (&str, &str), kind: InputKind, (lon, lat): (f64, f64)
     if ["obj", "ply"].contains(&extension.as_str()) {
         return "a mesh has its coordinates in meters: name their system with `--crs EPSG:n`".into();
     }
+    if kind == InputKind::PointCloud {
+        return points_in_meters(name, utm_for(lon, lat));
+    }
     // GDAL takes neither folders of tiles nor CityJSON.
     if !Path::new(name).is_file() || extension == "json" {
         return "`--project auto`".into();
@@ -308,7 +311,7 @@ fn of_degrees((name, crs): (&str, &str), kind: InputKind, (lon, lat): (f64, f64)
             let made = shell_word(&beside(name, &format!("_{epsg}.tif")));
             format!("{WARP} -r near {way} {} {made}", shell_word(name))
         }
-        InputKind::Vector => {
+        InputKind::Vector | InputKind::PointCloud => {
             // Tables of a GeoPackage stay several.
             let extension = if extension == "gpkg" { "gpkg" } else { "geojson" };
             let made = shell_word(&beside(name, &format!("_{epsg}.{extension}")));
@@ -316,6 +319,12 @@ fn of_degrees((name, crs): (&str, &str), kind: InputKind, (lon, lat): (f64, f64)
         }
     };
     format!("`--project auto`, or `{command}`")
+}
+
+/// The command that brings a point cloud into meters.
+fn points_in_meters(name: &str, epsg: u32) -> String {
+    let (file, made) = (shell_word(name), shell_word(&beside(name, &format!("_{epsg}.laz"))));
+    format!("`pdal translate {file} {made} -f reprojection --filters.reprojection.out_srs=EPSG:{epsg}`")
 }
 
 fn of_two(error: &CombineError) -> String {

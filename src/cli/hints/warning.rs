@@ -70,6 +70,7 @@ fn of_file(name: &str, odd: &OddFile) -> Option<String> {
         }
         OddFile::NorthFirst { .. } => "`--swap-axes` takes them in the other order",
         OddFile::FlatRoofs { .. } => "`--roofs lod2` takes them as they are, `--roofs flat` as now",
+        OddFile::LargerCells { .. } => "`--cell 1` keeps them",
         OddFile::NoFace { is_known: false, .. } => "`--ground Z` or `--terrain FILE` fills them",
         _ => return None,
     };

@@ -203,6 +203,8 @@ pub enum InputKind {
     Raster,
     /// Vectors: `ogr2ogr`.
     Vector,
+    /// Points: `pdal`.
+    PointCloud,
 }
 
 /// The file that names the reference system of footprints.
@@ -233,6 +235,8 @@ pub enum HeightOf {
     Cell,
     #[error("a vertex")]
     Vertex,
+    #[error("a point")]
+    Point,
     #[error("feature `{0}`")]
     Feature(String),
 }
@@ -267,6 +271,15 @@ pub enum Wanted {
     /// Faces of a mesh.
     #[error("it holds no face")]
     Faces,
+    /// Points.
+    #[error("it holds no point")]
+    Points,
+    /// Points in an extent.
+    #[error("none of its points lies in the extent")]
+    PointsInExtent,
+    /// Points of the ground.
+    #[error("none of its points is of class 2 (ground), wanted some, or a ground of another file")]
+    Ground,
     /// Surfaces of roofs.
     #[error("it holds no surface of a roof, wanted CityJSON, CityGML, polygons with heights or a mesh of buildings")]
     Roofs,

@@ -265,6 +265,23 @@ pub enum OddFile {
         more(*n_others, "others left out, which hold no scene")
     )]
     Tiles { n_read: usize, n_outside: usize, n_repeated: usize, n_others: usize },
+    /// W332: heights without a unit are in that of the coordinates; that length \[m\].
+    #[error("the unit of its heights is not named: taken as {0} m, that of its coordinates")]
+    HeightUnit(f64),
+    /// W390: a point cloud without roofs.
+    #[error(
+        "no point is of class 6 (building): the highest last return of a cell is its surface, so that trees count as walls"
+    )]
+    NoRoofClass,
+    /// W391: cells of a point cloud are larger than 1 m; their edge \[m\], and the share of cells of 1 m with ground.
+    #[error(
+        "cells of {cell_m} m: of those of 1 m that hold points, and no roof, {} % hold ground, wanted 90 %",
+        fixed(100.0 * share, 0)
+    )]
+    LargerCells { cell_m: u64, share: f64 },
+    /// W392: points beyond the bounds in the headers of their files; their number.
+    #[error("{} outside of the bounds in its header: left out", counted(*n, "point lies", "points lie"))]
+    OutsideHeader { n: u64 },
     /// W380: rows of a table were left out; their number, the number of all, and their faults.
     #[error("{n} of {of} rows {} left out: {told}", if *n == 1 { "was" } else { "were" })]
     BadRows { n: usize, of: usize, told: String },
@@ -374,6 +391,10 @@ impl OddFile {
             OddFile::Tiles { .. } => 383,
             OddFile::NorthFirst { .. } => 384,
             OddFile::BadRows { .. } => 380,
+            OddFile::HeightUnit(_) => 332,
+            OddFile::NoRoofClass => 390,
+            OddFile::LargerCells { .. } => 391,
+            OddFile::OutsideHeader { .. } => 392,
         }
     }
 }

@@ -39,6 +39,8 @@ pub use geotiff::{
     Bands, ClassColor, ClassImage, ClassPyramid, ClassStrips, GeoTiff, GeoTiffImage, class_table, encode_geotiff,
     pam_sidecar, write_geotiff,
 };
+#[cfg(feature = "point-clouds")]
+pub(crate) use geotiff::{GeoKeySystems, systems_of_geo_keys};
 pub use lonlat::LonLatGrid;
 pub use mosaic::Mosaic;
 pub use npz::{NpyArray, write_npz};

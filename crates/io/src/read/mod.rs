@@ -17,6 +17,11 @@ mod mesh;
 mod not_there;
 mod outline;
 mod parts;
+#[cfg(feature = "point-clouds")]
+mod point_cloud;
+#[cfg(not(feature = "point-clouds"))]
+#[path = "no_point_cloud.rs"]
+mod point_cloud;
 mod polygon;
 mod projection;
 mod receivers_grid;
@@ -33,6 +38,7 @@ mod systems;
 mod table;
 mod terrain;
 mod track;
+mod triangulated_heights;
 mod vector;
 mod vertical;
 
@@ -43,6 +49,7 @@ pub use footprints::{read_footprints, read_footprints_and_repairs};
 pub use held::{HeldBuilding, HeldHeights, footprints_of, surface_of};
 pub use lattice_polygon::{Region, region_of};
 pub use mesh::{MeshOptions, read_mesh, read_mesh_buildings};
+pub use point_cloud::{PointCloudOptions, read_point_cloud};
 pub use projection::Projection;
 pub use repairs::Repair;
 pub use scene_files::{SceneFiles, named_files};

@@ -2,14 +2,20 @@
 
 use std::fmt::Display;
 
+use super::point_cloud;
 use crate::crs::{VerticalCrs, VerticalDifference};
 use crate::error::{CombineError, OddPair, Result, Warning};
+use crate::format::FileFormat;
 use crate::formats::RasterFile;
 use crate::input::Input;
 
-/// Returns the vertical system that a raster file names; `None` if it names none, or cannot be
-/// opened as a raster.
+/// Returns the vertical system that a raster file or a point cloud names; `None` if it names none,
+/// or is neither.
 pub fn vertical_of(input: impl Into<Input>) -> Option<VerticalCrs> {
+    let input = input.into();
+    if FileFormat::of(&input).ok()? == FileFormat::PointCloud {
+        return point_cloud::vertical_of(&input);
+    }
     RasterFile::open(input, &mut Vec::new()).ok()?.vertical().cloned()
 }
 

@@ -45,5 +45,7 @@ pub use geo_tags::{class_table, pam_sidecar, xml_text};
 pub use geo_tiff::GeoTiff;
 pub use image::{Bands, ClassColor, ClassImage, GeoTiffImage};
 pub(super) use placement::meters_per_named_unit;
+#[cfg(feature = "point-clouds")]
+pub(crate) use placement::{GeoKeySystems, systems_of_geo_keys};
 pub use plain::ClassStrips;
 pub use write::{encode_geotiff, write_geotiff};

@@ -104,13 +104,13 @@ pub(super) fn read_placement(
     };
     let georef = GeoRef::new((c, y_max), (a, e.abs()), (n_rows, n_cols), crs).ok_or_else(irregular)?;
     let georef = with_true_lengths(georef, &mut tell);
-    let (vertical, of_keys) = match &sidecar.crs {
-        None => (vertical(&keys), keys.meters_per_unit(4099, 4098)),
-        Some(text) => (VerticalCrs::in_text(text), None),
+    let (vertical, meters_per_height_unit) = match &sidecar.crs {
+        None => (vertical(&keys), keys.meters_per_height_unit()),
+        Some(text) => {
+            let vertical = VerticalCrs::in_text(text);
+            (vertical.clone(), vertical.and_then(|vertical| vertical.meters_per_unit()))
+        }
     };
-    // The unit of a registered system belongs to it, and is often not repeated.
-    let of_system = vertical.as_ref().and_then(VerticalCrs::meters_per_unit);
-    let meters_per_height_unit = of_keys.or(of_system);
     Ok(Placement { georef, south_up, meters_per_height_unit, vertical })
 }
 
@@ -218,6 +218,32 @@ fn vertical(keys: &GeoKeys) -> Option<VerticalCrs> {
     }
 }
 
+/// Reference systems that GeoKeys name.
+#[cfg(feature = "point-clouds")]
+#[derive(Debug, Clone, Default)]
+pub(crate) struct GeoKeySystems {
+    /// Horizontal system.
+    pub(crate) crs: Option<Crs>,
+    /// Vertical system.
+    pub(crate) vertical: Option<VerticalCrs>,
+    /// Length of the unit of heights \[m\].
+    pub(crate) meters_per_height_unit: Option<f64>,
+}
+
+/// Returns the systems in the three tables of GeoKeys outside of a TIFF: keys, doubles, texts.
+#[cfg(feature = "point-clouds")]
+pub(crate) fn systems_of_geo_keys(
+    (table, doubles, texts): (&[u16], &[f64], &[u8]),
+    tell: &mut impl FnMut(OddRaster),
+) -> GeoKeySystems {
+    let Some(keys) = GeoKeys::parse(table, doubles, texts) else {
+        tell(OddRaster::DamagedKeys("a key points outside the GeoKey tables".into()));
+        return GeoKeySystems::default();
+    };
+    let meters_per_height_unit = keys.meters_per_height_unit();
+    GeoKeySystems { crs: crs(&keys, tell), vertical: vertical(&keys), meters_per_height_unit }
+}
+
 /// GeoKey directory: numbers and texts by key.
 #[derive(Debug, Default)]
 struct GeoKeys {
@@ -279,6 +305,13 @@ impl GeoKeys {
             GeoValue::Text(text) if !text.is_empty() => Some(text.clone()),
             _ => None,
         }
+    }
+
+    /// Returns the meters per unit of height. The unit of a registered system belongs to it, and is
+    /// often not repeated.
+    fn meters_per_height_unit(&self) -> Option<f64> {
+        let of_system = || vertical(self)?.meters_per_unit();
+        self.meters_per_unit(4099, 4098).or_else(of_system)
     }
 
     /// Returns the meters per linear unit from an EPSG unit code, or from the key with the size of
