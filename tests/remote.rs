@@ -10,7 +10,15 @@ use std::process::{Command, Output};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use parquet::basic::Compression;
 use serde_json::Value;
+
+use vector_files::Building;
+
+#[path = "shared/city_formats.rs"]
+mod city_formats;
+#[path = "shared/vector_files.rs"]
+mod vector_files;
 
 /// How a server answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -322,6 +330,32 @@ fn scenes_on_a_server_are_read_by_ranges_and_its_faults_are_told() {
     assert!(code == Some(3) && text.starts_with("error[E301]") && text.contains("no such file"), "{text}");
     let (text, code) = error(&run(&format!("map http://127.0.0.1:1/dsm.tif {asked}")));
     assert!(code == Some(3) && text.starts_with("error[E301]"), "{text}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// A district of a world file: groups of rows whose boxes do not meet it are never asked for.
+#[test]
+fn a_district_is_cut_out_of_a_large_table() {
+    let folder = folder().with_extension("table");
+    std::fs::create_dir_all(&folder).unwrap();
+    // Rows of houses from the south, 400 in a group.
+    let house = |k: u32| {
+        let (x, y) = (f64::from(k % 200).mul_add(20.0, 691_000.0), f64::from(k / 200).mul_add(20.0, 5_334_000.0));
+        let ring = vec![[x, y], [x + 9.0, y], [x + 9.0, y + 12.0], [x, y + 12.0], [x, y]];
+        Building { height: "11.5", polygons: vec![vec![ring]] }
+    };
+    let city: Vec<Building> = (0..40_000).map(house).collect();
+    city_formats::write_geoparquet(&folder.join("city.parquet"), &city, Compression::SNAPPY, 400);
+    let table = std::fs::read(folder.join("city.parquet")).unwrap();
+    let server = Server::of(HashMap::from([("/city.parquet".to_string(), table.clone())]));
+    let district = "--extent 692000,5335000,692400,5335400 --uav 692200,5335200,60 --json -q";
+    let map = |scene: String| done(&skyshed(&folder, &format!("map {scene} {district}")));
+    let here = map("city.parquet".into());
+    assert_eq!(here["scene"]["buildings"], 400);
+    let there = map(format!("{}/city.parquet", server.address));
+    assert_eq!(here["digest"], there["digest"]);
+    let (n_bytes, n_ranges) = server.sent();
+    assert!(n_bytes < table.len() as u64 / 4 && n_ranges < 60, "{n_bytes} of {} in {n_ranges}", table.len());
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

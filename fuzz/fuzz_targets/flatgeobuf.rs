@@ -4,4 +4,4 @@
 
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|bytes: &[u8]| skyshed_fuzz::footprints("input.fgb", bytes));
+fuzz_target!(|bytes: &[u8]| skyshed_fuzz::town("input.fgb", bytes));

@@ -3,12 +3,12 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use skyshed_fuzz::{footprints, written};
+use skyshed_fuzz::{town, written};
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((length, files)) = bytes.split_first_chunk::<4>() else { return };
     let length = usize::try_from(u32::from_le_bytes(*length)).unwrap_or(usize::MAX).min(files.len());
     let (shapes, table) = files.split_at(length);
     written("input.dbf", table);
-    footprints("input.shp", shapes);
+    town("input.shp", shapes);
 });

@@ -19,7 +19,7 @@ class AnySceneKeywords(TypedDict, total=False):
     * ``base_field``: Property that holds the ground below a footprint [m above the datum], for `top_field` and `ground buildings`; default the first there is of `b3_h_maaiveld`, `ground_height`, `z_ground`, `h_ground`, `ground`
     * ``levels_field``: Property that holds a footprint's number of storeys, for `missing levels`; default the first there is of `building:levels`, `num_floors`, `storeysAboveGround`, `numberOfFloorsAboveGround`
     * ``height_error_field``: Property with the standard deviation of the error of a footprint's height [m], for `map`, `compare` and `place`
-    * ``roofs``: Roofs of CityJSON, or of a mesh, which is read as buildings then
+    * ``roofs``: Roofs of surfaces, as in CityJSON and CityGML, or of a mesh, which is read as buildings then
     * ``layer``: Table of a GeoPackage, where it has several
     * ``missing``: Heights of footprints without a usable one: a list of rules, such as `levels,median` or `levels,9`
     * ``parts``: Outlines of buildings that are drawn by parts as well
@@ -28,6 +28,7 @@ class AnySceneKeywords(TypedDict, total=False):
     * ``extent``: Extent of the grid over footprints or a mesh: west, south, east, north [CRS units]
     * ``cell``: Cell size, of a raster its own [m]; default 1
     * ``project``: Reference system to bring footprints or a raster into: `auto` is the zone of UTM for those in degrees and web Mercator; EPSG:n, or as `crs`. Of a raster each cell takes the height of the cell of the file that holds its center
+    * ``swap_axes``: Exchange x and y of all positions of footprints, where the file has them in the other order than `info` says
     * ``nodata_as``: Effect of nodata cells on links
     * ``hash``: Hash inputs above 64 MB too
     """
@@ -49,6 +50,7 @@ class AnySceneKeywords(TypedDict, total=False):
     extent: Sequence[float] | None
     cell: float | None
     project: object | None
+    swap_axes: bool | None
     nodata_as: Literal["block", "clear"] | None
     hash: bool | None
 
@@ -380,7 +382,7 @@ class InfoKeywords(TypedDict, total=False):
     * ``base_field``: Property that holds the ground below a footprint [m above the datum], for `top_field` and `ground buildings`; default the first there is of `b3_h_maaiveld`, `ground_height`, `z_ground`, `h_ground`, `ground`
     * ``levels_field``: Property that holds a footprint's number of storeys, for `missing levels`; default the first there is of `building:levels`, `num_floors`, `storeysAboveGround`, `numberOfFloorsAboveGround`
     * ``height_error_field``: Property with the standard deviation of the error of a footprint's height [m], for `map`, `compare` and `place`
-    * ``roofs``: Roofs of CityJSON, or of a mesh, which is read as buildings then
+    * ``roofs``: Roofs of surfaces, as in CityJSON and CityGML, or of a mesh, which is read as buildings then
     * ``layer``: Table of a GeoPackage, where it has several
     * ``missing``: Heights of footprints without a usable one: a list of rules, such as `levels,median` or `levels,9`
     * ``parts``: Outlines of buildings that are drawn by parts as well
@@ -390,6 +392,7 @@ class InfoKeywords(TypedDict, total=False):
     * ``cell``: Cell size, of a raster its own [m]; default 1
     * ``crs``: Coordinate reference system of the scene, where its files name none or a wrong one
     * ``project``: Reference system to bring footprints or a raster into: `auto` is the zone of UTM for those in degrees and web Mercator; EPSG:n, or as `crs`. Of a raster each cell takes the height of the cell of the file that holds its center
+    * ``swap_axes``: Exchange x and y of all positions of footprints, where the file has them in the other order than `info` says
     * ``size``: Edge length of a generated city [m]
     * ``seed``: Seed of everything random
     * ``nodata_as``: Effect of nodata cells on links
@@ -419,6 +422,7 @@ class InfoKeywords(TypedDict, total=False):
     cell: float | None
     crs: object | None
     project: object | None
+    swap_axes: bool | None
     size: float | None
     seed: int | None
     nodata_as: Literal["block", "clear"] | None
@@ -464,7 +468,7 @@ class PlosKeywords(TypedDict, total=False):
     * ``base_field``: Property that holds the ground below a footprint [m above the datum], for `top_field` and `ground buildings`; default the first there is of `b3_h_maaiveld`, `ground_height`, `z_ground`, `h_ground`, `ground`
     * ``levels_field``: Property that holds a footprint's number of storeys, for `missing levels`; default the first there is of `building:levels`, `num_floors`, `storeysAboveGround`, `numberOfFloorsAboveGround`
     * ``height_error_field``: Property with the standard deviation of the error of a footprint's height [m], for `map`, `compare` and `place`
-    * ``roofs``: Roofs of CityJSON, or of a mesh, which is read as buildings then
+    * ``roofs``: Roofs of surfaces, as in CityJSON and CityGML, or of a mesh, which is read as buildings then
     * ``layer``: Table of a GeoPackage, where it has several
     * ``missing``: Heights of footprints without a usable one: a list of rules, such as `levels,median` or `levels,9`
     * ``parts``: Outlines of buildings that are drawn by parts as well
@@ -474,6 +478,7 @@ class PlosKeywords(TypedDict, total=False):
     * ``cell``: Cell size, of a raster its own [m]; default 1
     * ``crs``: Coordinate reference system of the scene, where its files name none or a wrong one
     * ``project``: Reference system to bring footprints or a raster into: `auto` is the zone of UTM for those in degrees and web Mercator; EPSG:n, or as `crs`. Of a raster each cell takes the height of the cell of the file that holds its center
+    * ``swap_axes``: Exchange x and y of all positions of footprints, where the file has them in the other order than `info` says
     * ``size``: Edge length of a generated city [m]
     * ``seed``: Seed of everything random
     * ``nodata_as``: Effect of nodata cells on links
@@ -530,6 +535,7 @@ class PlosKeywords(TypedDict, total=False):
     cell: float | None
     crs: object | None
     project: object | None
+    swap_axes: bool | None
     size: float | None
     seed: int | None
     nodata_as: Literal["block", "clear"] | None

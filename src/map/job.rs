@@ -19,6 +19,7 @@ use crate::los::Method;
 use crate::picture::Look;
 use crate::raster::GeoRef;
 use crate::read::StreamedSurface;
+use crate::read::named_files;
 use crate::scene::{Scene, SceneReader, is_raster_scene};
 use crate::uav::{UavsAsked, UavsFound};
 use crate::words::{capitalized, idle_in_words, p_los_words};
@@ -176,7 +177,7 @@ impl MapJob {
         let files: Vec<Output> = files.filter_map(|path| Some((path.clone(), Format::of(path).ok()?))).collect();
         Look::checked(&request.picture, &request.out.writing, &files)?;
         let job = MapJob {
-            inputs: std::iter::once(word.clone()).chain(options.files().map(|path| path.0.clone())).collect(),
+            inputs: named_files(&word).into_iter().chain(options.files().map(|path| path.0.clone())).collect(),
             word: word.into_os_string(),
             scene: options.clone().into(),
             uavs,
@@ -262,7 +263,7 @@ impl MapJob {
     /// Returns the reader of the scene, with a limit on the footprints that are read.
     ///
     /// The limit keeps all footprints that a link can meet. It applies to a scene with an extent and
-    /// without zones, if every UAV is typed: links stay in the box around the extent and the UAVs, and
+    /// without zones, if every UAV is typed. Links stay in the box around the extent and the UAVs, and
     /// as near to the extent as the radius.
     pub(super) fn scene_in_reach(&self) -> SceneReader {
         /// Shortest unit of any system, since the system is not known yet \[m\].

@@ -18,8 +18,8 @@ use crate::memory::{ANY_WORK, bytes_of_cells, cells_of, check_bytes};
 use crate::raster::{Crs, GeoRef};
 use crate::read::{
     FootprintOptions, MeshOptions, PointCloudOptions, Projection, Repair, SceneFiles, SurfaceOptions, SystemSaid,
-    compare_vertical, read_footprints, read_footprints_and_repairs, read_mesh, read_mesh_buildings, read_point_cloud,
-    read_surface, vertical_of,
+    compare_vertical, named_files, read_footprints, read_footprints_and_repairs, read_mesh, read_mesh_buildings,
+    read_point_cloud, read_surface, vertical_of,
 };
 use skyshed_io::{FileFormat, FileKind};
 
@@ -119,8 +119,13 @@ impl SceneReader {
 
     /// Reads the scene of a file.
     fn read_file(&self, path: &Path, odd: &mut Vec<skyshed_io::Warning>) -> Result<crate::city::City> {
-        let format = format_of(path);
-        match kind_of(path) {
+        // What names no file is told below, by the name that was typed.
+        let format = match SceneFiles::of(&path.into()) {
+            Ok(files) => Some(files.format),
+            Err(_) if !path.exists() && named_files(path).len() == 1 => FileFormat::of_name(path),
+            Err(error) => return Err(error.into()),
+        };
+        match format.and_then(FileFormat::kind).unwrap_or(FileKind::Raster) {
             FileKind::Raster => return Ok(read_surface(path, &self.of_raster()?, odd)?),
             FileKind::Mesh => return self.read_mesh(path, odd),
             FileKind::PointCloud => return Ok(read_point_cloud(path, &self.of_point_cloud()?, odd)?),

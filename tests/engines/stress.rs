@@ -312,7 +312,7 @@ fn table_document_and_picture_hold_the_same_numbers() {
 }
 
 /// Flags that change the answer: a line without, and the flag.
-const FLAGS: [(&str, &str); 27] = [
+const FLAGS: [(&str, &str); 28] = [
     ("--scenes 2", "--families cell-slits,prism-walls"),
     ("--families cell-slits", "--scenes 3"),
     ("--families cell-slits --scenes 2", "--seed 9"),
@@ -337,6 +337,7 @@ const FLAGS: [(&str, &str); 27] = [
     ("a.geojson --uav 2,2,9 --missing drop", "--height-unit ft"),
     ("a.geojson --uav 2,2,9 --missing drop", "--extent 0,0,5,5"),
     ("a.geojson --uav 2,2,9 --missing drop", "--cell 0.5"),
+    ("a.geojson --uav 2,2,9 --missing drop", "--swap-axes"),
     ("itu:urban --uav 9,9,50", "--size 100"),
     ("a.geojson --missing drop", "--uav 2,2,9"),
     ("a.geojson --uav 2,2,9 --missing drop", "--method ray"),

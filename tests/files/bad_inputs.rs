@@ -260,12 +260,6 @@ fn a_refusal_says_what_where_and_what_to_do() {
         ),
         ("geojson/height_NaN_literal.geojson", "E302", "line 1 column 169", ""),
         ("geojson/coord_1number.geojson", "E302", "feature 1: found a position with one number", ""),
-        (
-            "geojson/newline_delimited.geojson",
-            "E302",
-            "line 2 column 1",
-            "`ogr2ogr geojson/newline_delimited_collection.geojson geojson/newline_delimited.geojson`",
-        ),
         ("geojson/trailing_garbage.geojson", "E302", "line 1 column 335", ""),
         ("geojson/array_top_level.geojson", "E302", "found an array", ""),
         (

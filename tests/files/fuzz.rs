@@ -13,9 +13,13 @@ use skyshed_core::raster::GeoRef;
 
 use crate::city_formats;
 use crate::formats_write;
+use crate::osm_files;
+use crate::osm_files_written::Form;
+use crate::point_clouds;
 use crate::program::{Folder, run_in};
 use crate::support::{Random, is_long};
 use crate::vector_files;
+use crate::xyz_files;
 
 /// A kind of file: its name in the folder of good files, the files beside it that it needs, and the commands that read it.
 struct Target {
@@ -100,6 +104,15 @@ fn good_files() -> Folder {
     folder.write("town.gml", &city_formats::citygml(&city, 2));
     folder.write("parts.gml", &city_formats::cadastre(&city, &[4, 2, 3]));
     city_formats::write_geoparquet(&folder.join("town.parquet"), &city, Compression::SNAPPY, 2);
+    let osm = osm_files::town().osm;
+    folder.write("town.osm", &osm.xml());
+    folder.write("nodes.json", &osm.overpass(Form::Nodes));
+    folder.write("places.json", &osm.overpass(Form::Places));
+    std::fs::write(folder.join("town.osm.pbf"), osm.pbf(true).0).unwrap();
+    folder.write("grid.xyz", &xyz_files::grid(","));
+    let points: Vec<_> = point_clouds::city_points().into_iter().step_by(7).collect();
+    std::fs::write(folder.join("town.las"), point_clouds::cloud(&points, 1, false, None)).unwrap();
+    std::fs::write(folder.join("town.laz"), point_clouds::cloud(&points, 6, true, None)).unwrap();
     let document: serde_json::Value = serde_json::from_str(FOOTPRINTS).unwrap();
     let lines: Vec<String> = document["features"].as_array().unwrap().iter().map(ToString::to_string).collect();
     folder.write("lines.geojsonl", &lines.join("\n"));
@@ -139,6 +152,11 @@ fn targets() -> Vec<Target> {
     let town = |name, beside, options: &str| {
         scene(name, beside, &format!("{options} --extent 690998,5333998,691080,5334070"), "691005,5334005,60")
     };
+    let osm = |name| {
+        let options = "--project auto --missing levels --extent 686100,5330420,686260,5330560";
+        scene(name, &[], options, "686130,5330450,60")
+    };
+    let cloud = |name| scene(name, &[], "--ground 10 --cell 4", "691005,5334705,60");
     let mesh = |name| scene(name, &[], "", "1,1,60");
     let small = "--extent -2,-2,60,60";
     vec![
@@ -160,6 +178,13 @@ fn targets() -> Vec<Target> {
         scene("lines.geojsonl", &[], "--crs EPSG:25832 --extent -2,-2,60,60", "5,5,60"),
         scene("city.geojson.gz", &[], small, "5,5,60"),
         town("town.zip", &[], ""),
+        osm("town.osm"),
+        osm("nodes.json"),
+        osm("places.json"),
+        osm("town.osm.pbf"),
+        scene("grid.xyz", &[], "--ground 480", "691005,5333995,60"),
+        cloud("town.las"),
+        cloud("town.laz"),
         mesh("town.obj"),
         mesh("text.ply"),
         mesh("bytes.ply"),
@@ -232,10 +257,21 @@ fn replace_a_number(bytes: &mut Vec<u8>, from: usize, random: &mut Random) {
     bytes.splice(start..end, random.choose(&numbers).bytes());
 }
 
+/// Keeps the good files as the first inputs of `fuzz/run.sh`, in the folder that `SKYSHED_SEEDS` names.
+#[test]
+fn good_files_are_seeds() {
+    let Some(into) = std::env::var_os("SKYSHED_SEEDS").map(std::path::PathBuf::from) else { return };
+    let good = good_files();
+    std::fs::create_dir_all(&into).unwrap();
+    for name in good.files() {
+        std::fs::write(into.join(&name), good.read(&name)).unwrap();
+    }
+}
+
 #[test]
 fn damaged_files_are_refused_or_mapped_and_leave_nothing_half_written() {
     let (good, targets) = (good_files(), targets());
-    let n = if is_long() { 1_000_000 } else { 480 } / targets.len() as u64;
+    let n = if is_long() { 1_000_000 } else { 600 } / targets.len() as u64;
     let (n_done, n_refused) = (AtomicUsize::new(0), AtomicUsize::new(0));
     for (kind, target) in targets.iter().enumerate() {
         let sample = good.read(target.name);

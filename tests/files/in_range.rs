@@ -128,7 +128,6 @@ fn footprints_beyond_reach_of_an_extent_are_not_built_and_hide_nothing() {
         let near = folder.type_in(&format!("{line} --uav 455,432,70 --radius {radius}")).done().json();
         assert_eq!((&near["digest"], &near["union"]), (&all["digest"], &all["union"]), "{radius} m");
         let n_built = |document: &serde_json::Value| document["footprints"]["total"].as_u64();
-        assert!(n_built(&near) <= n_built(&all));
-        assert_eq!(n_built(&near) < n_built(&all), radius < 100.0, "{radius} m");
+        assert!(n_built(&near) < n_built(&all), "{radius} m");
     }
 }

@@ -26,7 +26,6 @@ mod held_bytes; // readers given bytes with their sidecars: the city of the file
 mod building_meaning; // missing heights, parts, what is not there: by hand, and against a reference in Python
 mod building_counts; // how they are counted and told: one number for each warning, shares, captions, names that formats cut
 mod city_files;
-mod city_formats;
 mod xyz_files; // XYZ grids: the maps of the same raster as an ASCII grid, and what is no grid
 mod solid_files; // surfaces of buildings in formats that are not made for them: the maps of CityJSON
 mod solid_writers; // writes them
@@ -52,6 +51,8 @@ mod regressions; // one test per bug
 mod peaks; // what one run takes of memory, measured in a process of its own
 
 // Shared with other binaries.
+#[path = "../shared/city_formats.rs"]
+mod city_formats;
 #[path = "../shared/documents.rs"]
 mod documents; // holds documents against their schemas
 #[path = "../shared/masks.rs"]

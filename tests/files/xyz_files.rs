@@ -45,6 +45,11 @@ fn xyz(cell: f64, cells: impl Iterator<Item = (usize, usize)>, separator: &str) 
     cells.filter_map(|at| line(cell, at, separator)).collect()
 }
 
+/// All cells, 1 m wide.
+pub(crate) fn grid(separator: &str) -> String {
+    xyz(1.0, cells(), separator)
+}
+
 fn gzip(folder: &Folder, name: &str, text: &str) {
     let mut packed = flate2::write::GzEncoder::new(File::create(folder.join(name)).unwrap(), Default::default());
     packed.write_all(text.as_bytes()).unwrap();
@@ -68,13 +73,13 @@ fn lines_in_any_order_are_the_map_of_the_grid() {
     let mut columns: Vec<(usize, usize)> = cells().collect();
     columns.sort_by_key(|(row, col)| (*col, *row));
     let from_south = (0..N_ROWS).rev().flat_map(|row| (0..N_COLS).map(move |col| (row, col)));
-    folder.write("rows.xyz", &xyz(1.0, cells(), " "));
+    folder.write("rows.xyz", &grid(" "));
     folder.write("south.xyz", &xyz(1.0, from_south, "\t"));
     folder.write("columns.txt", &format!("X;Y;Z\r\n{}", xyz(1.0, columns.iter().copied(), ";").replace('\n', "\r\n")));
     folder.write("commas", &format!("# a survey\n\n{}\n", xyz(1.0, columns.iter().rev().copied(), ", ")));
     let twice = xyz(1.0, cells().chain([(0, 0), (9, 11)]), " ");
     folder.write("twice.xyz", &twice);
-    gzip(&folder, "packed.xyz.gz", &xyz(1.0, cells(), " "));
+    gzip(&folder, "packed.xyz.gz", &grid(" "));
     let mut zip = zip::ZipWriter::new(File::create(folder.join("packed.zip")).unwrap());
     zip.start_file("dem/part.xyz", zip::write::SimpleFileOptions::default()).unwrap();
     zip.write_all(twice.as_bytes()).unwrap();
@@ -142,8 +147,8 @@ fn gdal_writes_the_same_grid() {
 #[test]
 fn the_reference_system_is_beside_the_file() {
     let folder = Folder::new();
-    folder.write("grid.xyz", &xyz(1.0, cells(), " "));
-    gzip(&folder, "packed.xyz.gz", &xyz(1.0, cells(), " "));
+    folder.write("grid.xyz", &grid(" "));
+    gzip(&folder, "packed.xyz.gz", &grid(" "));
     for name in ["grid.prj", "packed.prj"] {
         folder.write(name, crate::vector_files::UTM32);
     }
@@ -158,7 +163,7 @@ fn the_reference_system_is_beside_the_file() {
 #[test]
 fn what_is_no_grid_is_refused_with_its_line() {
     let folder = Folder::new();
-    let grid = xyz(1.0, cells(), " ");
+    let grid = grid(" ");
     let refuses = |text: &str, code: &str, words: &[&str]| {
         folder.write("bad.xyz", text);
         folder.refuses("info bad.xyz", code, words);

@@ -245,7 +245,7 @@ const FLAGS: [(&str, &str); 34] = [
 ];
 
 /// Flags that change where things are written or how they are decided, or that other tests show at work; those of the scene.
-const OTHER: &str = "--roofs --width --dpi --project --skip-bad --repairs --levels-field --base-field --parts --layer --output --csv --map --title \
+const OTHER: &str = "--roofs --swap-axes --width --dpi --project --skip-bad --repairs --levels-field --base-field --parts --layer --output --csv --map --title \
     --attribution --json --overwrite --threads --quiet --max-memory --csv-text --method --hash --crs --help --version \
     --earth-k --curvature-coefficient --terrain --base --data-area --building-threshold --extent --size --seed --nodata-as --band";
 

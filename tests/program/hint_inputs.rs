@@ -28,6 +28,23 @@ fn wall(_: usize, c: usize) -> &'static str {
     if c == 10 { "10.3" } else { "0" }
 }
 
+/// CityGML of a block of 8 m in a system whose name promises the northing first.
+fn northing_first() -> String {
+    let square = |z: f64| {
+        let corner = |[x, y]: [f64; 2]| format!("{} {} {z}", 5_333_000.0 + y, 4_469_000.0 + x);
+        let ring = [[0.0, 0.0], [8.0, 0.0], [8.0, 8.0], [0.0, 8.0], [0.0, 0.0]].map(corner).join(" ");
+        format!(
+            "<gml:surfaceMember><gml:Polygon><gml:exterior><gml:LinearRing><gml:posList>{ring}</gml:posList></gml:LinearRing></gml:exterior></gml:Polygon></gml:surfaceMember>"
+        )
+    };
+    format!(
+        "<CityModel xmlns:gml=\"http://www.opengis.net/gml\"><cityObjectMember><Building><lod1Solid><gml:Solid \
+         srsName=\"urn:ogc:def:crs:EPSG::31468\">{}{}</gml:Solid></lod1Solid></Building></cityObjectMember></CityModel>",
+        square(0.0),
+        square(9.0)
+    )
+}
+
 fn rasters() -> Vec<(&'static str, String)> {
     let walls = |corner| grid(20, corner, 1.0, wall);
     let all = |height: &'static str| grid(20, (0.0, 0.0), 1.0, move |_, _| height);
@@ -155,6 +172,7 @@ fn vectors() -> Vec<(&'static str, String)> {
         ("none.geojson", features(UTM, &[])),
         ("unnamed.geojson", features(None, &[house(ten, AT)])),
         ("degrees.geojson", features(None, std::slice::from_ref(&in_degrees))),
+        ("northing.gml", northing_first()),
         ("lines.geojson", format!("{in_degrees}\n{in_degrees}\n")),
         ("no_heights.geojson", features(UTM, &no_heights)),
         ("few_heights.geojson", features(UTM, &few_heights)),
@@ -204,7 +222,7 @@ fn tables() -> Vec<(&'static str, String)> {
     texts.chain([("many.csv", format!("x,y,h\n{}", many.concat()))]).collect()
 }
 
-/// Clouds of points in a square of 20 m: without ground, with ground everywhere, with ground in every second cell.
+/// Clouds of points in a square of 20 m: without ground, with ground everywhere, with ground in every fourth cell.
 fn clouds() -> Vec<(&'static str, Vec<u8>)> {
     let cloud = |class_of: &dyn Fn(i32, i32) -> u8| {
         let mut writer = las::Writer::new(std::io::Cursor::new(Vec::new()), las::Header::default()).expect("a header");
@@ -218,7 +236,14 @@ fn clouds() -> Vec<(&'static str, Vec<u8>)> {
     vec![
         ("unclassified.las", cloud(&|_, _| 1)),
         ("ground.las", cloud(&|_, _| 2)),
-        ("sparse.las", cloud(&|row, col| if row % 2 == 0 && col % 2 == 0 { 2 } else { 1 })),
+        (
+            "sparse.las",
+            cloud(&|row, col| match (row, col) {
+                (19, _) => 6,
+                _ if row % 2 == 0 && col % 2 == 0 => 2,
+                _ => 1,
+            }),
+        ),
     ]
 }
 

@@ -216,7 +216,7 @@ pub(crate) fn varint(mut v: u64) -> Vec<u8> {
         bytes.push((v & 0x7f) as u8 | 0x80);
         v >>= 7;
     }
-    bytes.push(v as u8);
+    bytes.push((v & 0x7f) as u8);
     bytes
 }
 

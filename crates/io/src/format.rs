@@ -138,10 +138,9 @@ impl FileFormat {
         if is_tiff(head) {
             return Some(FileFormat::GeoTiff);
         }
-        if head.starts_with(b"SQLite format 3\0") {
-            // Version 1.0 and 1.1 have names of their own.
-            let is_geopackage = head.get(68..70).is_some_and(|id| id == b"GP");
-            return is_geopackage.then_some(FileFormat::GeoPackage);
+        // Versions 1.0 and 1.1 have names of their own, and later ones another.
+        if head.starts_with(b"SQLite format 3\0") && head.get(68..70).is_some_and(|id| id == b"GP") {
+            return Some(FileFormat::GeoPackage);
         }
         match head {
             [b'f', b'g', b'b', ..] => return Some(FileFormat::FlatGeobuf),
@@ -193,6 +192,14 @@ impl FileFormat {
 
     /// Returns the error for a file of this format where one of a kind is wanted.
     pub(crate) fn unwanted(self, input: &Input, kind: FileKind) -> Error {
+        // What is converted to vectors or a mesh was no raster, whatever was wanted.
+        let kind = match self {
+            FileFormat::Foreign(ForeignFormat { conversion: Conversion::Ogr2Ogr | Conversion::Fcb, .. }) => {
+                FileKind::Vector
+            }
+            FileFormat::Foreign(ForeignFormat { conversion: Conversion::Mesh, .. }) => FileKind::Mesh,
+            _ => kind,
+        };
         let wanted = match kind {
             FileKind::Raster => "a GeoTIFF, an Esri ASCII grid, an XYZ grid or a GDAL virtual raster",
             FileKind::Vector => {
@@ -328,7 +335,7 @@ fn is_overpass(text: &str) -> bool {
 
 /// Returns `true` for CityGML, and for buildings of INSPIRE.
 fn is_city_gml(text: &str) -> bool {
-    text.contains("CityModel") || text.contains("inspire.ec.europa.eu/schemas/bu-")
+    text.contains("CityModel") || text.contains("ec.europa.eu/schemas/bu-")
 }
 
 /// Returns the format of XML that is not read.

@@ -259,7 +259,11 @@ const MOST_STREAMED: u64 = 128 << 20;
 /// Path, or name.
 impl fmt::Display for Input {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.is_standard_input() { f.write_str("standard input") } else { self.path.display().fmt(f) }
+        match self.packed.as_ref().and_then(Packed::gzip) {
+            Some(gzip) => gzip.fmt(f),
+            None if self.is_standard_input() => f.write_str("standard input"),
+            None => self.path.display().fmt(f),
+        }
     }
 }
 

@@ -17,13 +17,13 @@ use crate::input::{Input, Reader, cannot_read};
 
 /// Most files in an archive.
 const MOST_MEMBERS: usize = 20_000;
-/// What may be unpacked of any file \[bytes\], and for each packed byte. Text and XML of cities
-/// take 10 to 40 times the bytes of their archive.
+/// Most bytes that are unpacked of any file, and beside them for each packed byte. Text and XML of
+/// cities take 10 to 40 times the bytes of their archive.
 const MOST_UNPACKED: (u64, u64) = (64 << 20, 150);
 
 /// Deepest nesting of archives.
 const MOST_NESTED: usize = 2;
-/// What archives inside of others may take \[bytes\], and for each byte of the outer one, which
+/// Most bytes of archives inside of others, and beside them for each byte of the outer one, which
 /// hardly packs them again.
 const MOST_INNER: (u64, u64) = (64 << 20, 4);
 
@@ -93,7 +93,7 @@ fn members(archive: &Input, kind: Archive) -> Result<(Vec<Input>, u64)> {
     let mut names = Vec::new();
     for name in zip.file_names() {
         let name = name.map_err(|e| damaged(archive, &e))?.into_owned();
-        let is_hidden = |part: &str| part.starts_with('.') || part == "__MACOSX";
+        let is_hidden = |part: &str| part.starts_with('.') && part != ".." || part == "__MACOSX";
         if !name.ends_with('/') && !name.split('/').any(is_hidden) {
             names.push(name);
         }
@@ -113,6 +113,11 @@ impl Packed {
     /// Returns the archive.
     pub(crate) fn archive(&self) -> &Input {
         &self.archive
+    }
+
+    /// Returns the gzip file that holds nothing else.
+    pub(crate) fn gzip(&self) -> Option<&Input> {
+        self.member.is_none().then_some(&*self.archive)
     }
 
     /// Returns the file beside it in the archive of another name, if there is one; of a gzip file,
@@ -135,7 +140,7 @@ impl Packed {
     pub(crate) fn head(&self, input: &Input, most: u64) -> Result<Vec<u8>> {
         self.unpack(input, |file, _| {
             let mut head = Vec::new();
-            file.take(most).read_to_end(&mut head).map_err(|e| cannot_read(input, &e))?;
+            file.take(most).read_to_end(&mut head).map_err(|e| cut_off(input, &e))?;
             Ok(head)
         })
     }
@@ -148,10 +153,7 @@ impl Packed {
         self.unpack(input, |file, packed_len| {
             let most = MOST_UNPACKED.0.saturating_add(MOST_UNPACKED.1.saturating_mul(packed_len));
             let mut bytes = Vec::new();
-            file.take(most + 1).read_to_end(&mut bytes).map_err(|e| {
-                let what = format!("it cannot be unpacked ({e}), wanted a whole archive");
-                Error::malformed(input, what).because(Cause::CutShort)
-            })?;
+            file.take(most + 1).read_to_end(&mut bytes).map_err(|e| cut_off(input, &e))?;
             if bytes.len() as u64 > most {
                 let what = format!("over {} MiB out of {packed_len} bytes, wanted a file of a city", most >> 20);
                 return Err(Error::read(input, ReadFault::TooMany(what)));
@@ -187,7 +189,7 @@ impl Packed {
     }
 }
 
-/// The same file of the same archive.
+/// Compares archives and names of files in them.
 impl PartialEq for Packed {
     fn eq(&self, other: &Packed) -> bool {
         let name = |packed: &Packed| packed.member.as_ref().map(|(_, name)| name.clone());
@@ -223,6 +225,12 @@ impl<R: Read> Read for Unpacked<R> {
         self.left = self.left.checked_sub(n as u64).ok_or_else(too_many)?;
         Ok(n)
     }
+}
+
+/// Returns the error for a file whose packed bytes are damaged.
+fn cut_off(input: &Input, error: &std::io::Error) -> Error {
+    let what = format!("it cannot be unpacked ({error}), wanted a whole archive");
+    Error::malformed(input, what).because(Cause::CutShort)
 }
 
 /// Returns the error for an archive that is damaged, locked, or packed in another way.

@@ -1,6 +1,7 @@
 //! Raster files of any format, and folders of them, recognized by their content and not by their
 //! names.
 
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
@@ -13,7 +14,7 @@ use super::{AsciiGrid, GeoTiff, Mosaic, XyzGrid};
 use crate::crs::VerticalCrs;
 use crate::error::{Error, Oddity, Result, Warning};
 use crate::format::{FileFormat, FileKind};
-use crate::input::Input;
+use crate::input::{Input, cannot_read};
 use crate::raster::{CellWindow, GeoRef, Raster};
 
 /// Raster file, or a folder of them, whose headers have been read.
@@ -45,6 +46,10 @@ impl RasterFile {
     /// the caller can choose one.
     pub(crate) fn open_told(input: &Input, band: Option<&Band>, odd: &mut Vec<Oddity>) -> Result<RasterFile> {
         if input.is_folder() {
+            let format = FileFormat::of(input)?;
+            if format != FileFormat::RasterFolder {
+                return Err(format.unwanted(input, FileKind::Raster));
+            }
             return Mosaic::open_folder(input.as_path(), band, read_header, odd).map(RasterFile::Mosaic);
         }
         RasterFile::open_within(
@@ -76,6 +81,8 @@ impl RasterFile {
                 [alone] => RasterFile::open_within(alone, nesting, odd),
                 tiles => Mosaic::open_tiles(input.as_path(), tiles, nesting, odd).map(RasterFile::Mosaic),
             },
+            // A folder is no tile of another one.
+            FileFormat::RasterFolder => Err(cannot_read(input, &ErrorKind::IsADirectory.into())),
             format => Err(format.unwanted(input, FileKind::Raster)),
         }
     }

@@ -107,7 +107,7 @@ fn parts_of(input: &Input) -> Option<Vec<Input>> {
     loop {
         // A name may hold a plus itself: the longest one of a file that exists counts.
         let ends = rest.match_indices('+').map(|(at, _)| at).chain([rest.len()]);
-        let found = ends.clone().filter(|end| is_there(&rest[..*end])).last();
+        let found = ends.clone().rfind(|end| is_there(&rest[..*end]));
         n_there += usize::from(found.is_some());
         let end = found.or_else(|| ends.clone().next())?;
         parts.push(Input::path(&rest[..end]));

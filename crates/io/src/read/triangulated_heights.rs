@@ -35,6 +35,12 @@ impl TriangulatedHeights {
         TriangulatedHeights { mesh }
     }
 
+    /// Returns the corners of all triangles.
+    #[cfg(feature = "point-clouds")]
+    pub(super) fn triangles(&self) -> impl Iterator<Item = [KnownHeight; 3]> {
+        self.mesh.inner_faces().map(|face| face.vertices().map(|corner| *corner.data()))
+    }
+
     /// Returns the function that gives the height at a place \[m above the datum\]; `None` if none
     /// is known anywhere. It keeps a buffer, and is made for many places of one thread.
     pub(super) fn lookup(&self) -> impl Fn(f64, f64) -> Option<f64> {

@@ -286,10 +286,10 @@ impl SceneOptions {
 part! {
     /// Scene of a question.
     pub struct SceneWord, SetSceneWord {
-        /// Generated city (itu:urban), raster, buildings, point cloud or mesh; `skyshed -h` has all kinds
+        /// Generated city (itu:urban), raster, buildings, points or mesh; `skyshed -h` has all kinds
         ///
-        /// Generated city (itu:…), raster (.tif, .asc, .xyz, .vrt), buildings (.geojson, .city.json, .gml, .parquet, .osm,
-        /// .osm.pbf, .shp, .fgb, .gpkg), point cloud (.las, .laz) or mesh (.obj, .ply), also in .gz or .zip. A folder, or A+B, of
+        /// Generated city (itu:…), raster (.tif, .asc, .xyz, .vrt), buildings (.geojson, .city.json, .gml, .parquet, .osm.pbf,
+        /// .shp, .fgb, .gpkg), point cloud (.las, .laz) or mesh (.obj, .ply). All may be in .gz or .zip. A folder, or A+B, of
         /// several files of one format is one scene.
         #[arg(value_name = "SCENE", required = true)]
         scene: Option<FilePath>,

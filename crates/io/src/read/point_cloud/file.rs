@@ -21,7 +21,7 @@ const LONGEST_TEXT: u64 = 1 << 20;
 /// Most extended records that are looked at.
 const MOST_EXTENDED: u32 = 1000;
 /// Most points for each byte of a compressed file.
-const MOST_POINTS_PER_BYTE: u64 = 100;
+const MOST_POINTS_PER_BYTE: u64 = 1000;
 /// Most bytes of a record of one point; format 10 has 67.
 const LONGEST_POINT: u16 = 4096;
 
@@ -97,6 +97,10 @@ impl<'a> CloudFile<'a> {
         let records = record_form(input, &header)?;
         let n_points = match (header.number_of_point_records, header.large_file) {
             (0, Some(large)) => large.number_of_point_records,
+            (n, Some(large)) if large.number_of_point_records != u64::from(n) => {
+                let found = format!("its header announces {n} points, and {} points", large.number_of_point_records);
+                return Err(bad_header(input, found));
+            }
             (n, _) => u64::from(n),
         };
         if n_points == 0 {

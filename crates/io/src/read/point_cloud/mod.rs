@@ -88,7 +88,7 @@ pub fn read_point_cloud(
         (None, true) => coarse_enough(input, cells, warnings),
         _ => cells,
     };
-    let georef = cells.grid().georef(crs).ok_or_else(|| OptionError::Extent(bounds))?;
+    let georef = cells.grid().georef(crs).ok_or(OptionError::Extent(bounds))?;
     let mut surface: Vec<i32> = reserve_cells(input, &georef)?;
     surface.extend(cells.roofs());
     if !has_own_ground {

@@ -30,7 +30,7 @@ pub(super) fn features(input: &Input, document: &Value) -> Result<FeatureSet> {
 }
 
 /// Reads the buildings of a document and of features that follow it, one in each line of a
-/// CityJSONSeq: these have vertices of their own, in the place and scale of the document.
+/// CityJSONSeq. Features have vertices of their own, in the place and scale of the document.
 pub(super) fn sequence(input: &Input, document: &Value, following: &[Value]) -> Result<FeatureSet> {
     let wrong = |found: &str| malformed(input, found, "a CityJSON document of version 1.0, 1.1 or 2.0");
     let version = document.get("version").and_then(Value::as_str).unwrap_or_default();

@@ -41,6 +41,9 @@ use words::{LONGEST_BYTES, is_latin, positions, property, resolved};
 
 /// Deepest nesting of elements; real files have some twenty.
 const MOST_NESTED: usize = 256;
+/// Most attributes of a building, which are looked through for each of its parts; real ones have some
+/// hundred.
+const MOST_ATTRIBUTES: usize = 500;
 /// Levels of detail, from 0.
 const N_LEVELS: usize = 5;
 
@@ -83,6 +86,11 @@ pub(super) fn read(input: &Input, selection: Selection<'_>) -> Result<FeatureSet
                 let words = city.decoded(&text);
                 city.leave(&mut elements, &words).map_err(|found| failed(&found))?;
                 text.clear();
+                if city.n_attributes > MOST_ATTRIBUTES {
+                    let what =
+                        format!("{} attributes of a building, wanted at most {MOST_ATTRIBUTES}", city.n_attributes);
+                    return Err(Error::read(input, ReadFault::TooMany(what)));
+                }
                 if let Some(outside) = city.outside(&mut elements, selection) {
                     return Ok(outside);
                 }
@@ -135,11 +143,13 @@ struct City<'a> {
     /// Buildings and parts around the current place.
     owners: Vec<Owner>,
     features: Vec<Feature>,
+    /// Most attributes of one of them.
+    n_attributes: usize,
 }
 
 impl<'a> City<'a> {
     fn new(input: &'a Input) -> Self {
-        City { input, system: None, is_latin: false, owners: Vec::new(), features: Vec::new() }
+        City { input, system: None, is_latin: false, owners: Vec::new(), features: Vec::new(), n_attributes: 0 }
     }
 
     /// Returns the content of a file whose envelope, just read, lies outside of what is wanted.
@@ -299,6 +309,7 @@ impl<'a> City<'a> {
     /// Ends a building or a part.
     fn end_owner(&mut self) {
         let Some(mut owner) = self.owners.pop() else { return };
+        self.n_attributes = self.n_attributes.max(owner.properties.len());
         let level = [3, 2, 1, 4, 0].into_iter().find(|level| !owner.faces[*level].is_empty());
         let own = level.map(|level| (level, owner.feature(level)));
         let building = owner.id.clone();

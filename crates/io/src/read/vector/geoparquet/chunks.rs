@@ -15,8 +15,7 @@ use crate::input::{Input, Reader};
 
 /// Length of the end of a file: that of its description, and four letters.
 const END_BYTES: u64 = 8;
-/// What a page may hold beside that for each packed byte, and for each packed byte \[bytes\]. Writers
-/// make pages of 1 MiB.
+/// Most bytes of a page, and beside them for each packed byte. Writers make pages of 1 MiB.
 const MOST_UNPACKED: (u64, u64) = (64 << 20, 150);
 
 /// File that is read by parts.
@@ -126,4 +125,16 @@ fn page_sizes(header: &[u8]) -> Option<(u64, u64)> {
     };
     let [_kind, unpacked, packed] = [field()?, field()?, field()?];
     Some((unpacked, packed))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::page_sizes;
+
+    #[test]
+    fn sizes_stand_at_the_beginning_of_a_page() {
+        assert_eq!(page_sizes(&[0x15, 4, 0x15, 0xFE, 0xFF, 0xFF, 0xFF, 0x0F, 0x15, 80, 0]), Some((2_147_483_647, 40)));
+        assert_eq!(page_sizes(&[0x15, 0, 0x15, 0x80, 1, 0x15]), None);
+        assert_eq!(page_sizes(b"PAR1"), None);
+    }
 }

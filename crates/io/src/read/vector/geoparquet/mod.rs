@@ -73,7 +73,7 @@ fn read_columns(input: &Input, selection: Selection<'_>) -> Result<FeatureSet> {
         let rows = match within {
             Some(within) if geometry.is_outside(group.metadata(), within) => Vec::new(),
             Some(within) => geometry.rows_within(&*group, n_rows, within).map_err(wrong)?,
-            None => vec![0..n_rows],
+            None => std::iter::once(0..n_rows).collect(),
         };
         if !rows.is_empty() {
             let mut columns = Columns::of(&*group, &geometry).map_err(wrong)?;
@@ -162,7 +162,7 @@ impl Geometry {
         n_rows: usize,
         within: [f64; 4],
     ) -> parquet::errors::Result<Vec<Range<usize>>> {
-        let Some(columns) = self.boxes else { return Ok(vec![0..n_rows]) };
+        let Some(columns) = self.boxes else { return Ok(std::iter::once(0..n_rows).collect()) };
         // Numbers alone are read here.
         let (mut sides, mut none) = (Vec::new(), Budget(0));
         for column in columns {

@@ -117,7 +117,7 @@ mod tests {
         ];
         let found = joined(&[a, b, c]);
         let [ring] = found.rings.as_slice() else { panic!("{found:?}") };
-        assert!(!found.has_loose && ring.points.len() == 6 && ring.points[0] == ring.points[5], "{ring:?}");
+        assert!(!found.has_loose && ring.points.len() == 6 && ring.points.first() == ring.points.last(), "{ring:?}");
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Writes the small city of `vector_files` as CityGML, as parts of a cadastre, and as GeoParquet.
 
+#![allow(dead_code, reason = "each binary uses a part")]
+
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;

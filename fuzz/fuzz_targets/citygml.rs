@@ -1,0 +1,7 @@
+//! Solids and floors of parts as CityGML.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| skyshed_fuzz::town("input.gml", bytes));

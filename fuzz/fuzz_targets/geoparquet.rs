@@ -1,0 +1,7 @@
+//! Footprints as GeoParquet.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| skyshed_fuzz::town("input.parquet", bytes));
