@@ -93,7 +93,37 @@ fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
 }
 
 fn number(word: &[u8]) -> Option<f64> {
-    std::str::from_utf8(word).ok()?.parse().ok()
+    short_decimal(word).or_else(|| std::str::from_utf8(word).ok()?.parse().ok())
+}
+
+/// Returns a number of at most 15 digits without an exponent, as all positions are written. Its
+/// digits and the power of ten below them are exact, so their quotient is rounded once, as parsing
+/// rounds (Clinger 1990).
+fn short_decimal(word: &[u8]) -> Option<f64> {
+    const MOST_DIGITS: usize = 15;
+    const POWERS: [f64; MOST_DIGITS + 1] =
+        [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
+    let digits = word.strip_prefix(b"-").unwrap_or(word);
+    if digits.len() > MOST_DIGITS + 1 {
+        return None;
+    }
+    let (mut whole, mut n_digits, mut point) = (0, 0, None);
+    for byte in digits {
+        match byte {
+            b'0'..=b'9' => {
+                whole = 10 * whole + u64::from(byte - b'0');
+                n_digits += 1;
+            }
+            b'.' if point.is_none() => point = Some(n_digits),
+            _ => return None,
+        }
+    }
+    if !(1..=MOST_DIGITS).contains(&n_digits) {
+        return None;
+    }
+    #[expect(clippy::cast_precision_loss, reason = "below 2^53")]
+    let value = whole as f64 / POWERS[n_digits - point.unwrap_or(n_digits)];
+    Some(if digits.len() < word.len() { -value } else { value })
 }
 
 /// Returns the numbers of a line; `None` unless there are just three.
@@ -139,6 +169,30 @@ mod tests {
         }
         for line in ["", "1 2", "1 2 3 4", "x y z", "1,5;2;3", "1 2 3m"] {
             assert_eq!(point(line.as_bytes()), None, "{line}");
+        }
+    }
+
+    #[test]
+    fn short_decimals_are_the_numbers_that_parsing_gives() {
+        let mut state = 7_u64;
+        let mut below = |n: u64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) % n
+        };
+        for _ in 0..200_000 {
+            let digits: Vec<u8> =
+                (0..below(18)).map(|_| b"0123456789....-+e"[usize::try_from(below(17)).expect("a place")]).collect();
+            let word = std::str::from_utf8(&digits).expect("ASCII");
+            let parsed: Option<f64> = word.parse().ok();
+            let is_same = |short: f64| parsed.is_some_and(|parsed| parsed.to_bits() == short.to_bits());
+            assert!(short_decimal(&digits).is_none_or(is_same), "{word}");
+            assert_eq!(number(&digits).map(f64::to_bits), parsed.map(f64::to_bits), "{word}");
+        }
+        for word in ["691234.56", "-0", "0.1", ".5", "5.", "123456789012.345", "-9999"] {
+            assert!(short_decimal(word.as_bytes()).is_some(), "{word}");
+        }
+        for word in ["", "-", ".", "1e5", "1.2.3", "+5", "1234567890123456"] {
+            assert!(short_decimal(word.as_bytes()).is_none(), "{word}");
         }
     }
 
