@@ -49,6 +49,16 @@ impl CellSets {
             });
             return CellSets { open, building };
         }
+        if let (Some(vector), Some(_)) = (field.solid.vector(), field.flat_ground()) {
+            rows.zip(vector.roofs.par_chunks(n_cols)).for_each(|((open, building), roofs)| {
+                for (k, roofs) in roofs.chunks(64).enumerate() {
+                    let is_roof = |bits, (i, z): (usize, &i32)| bits | u64::from(*z != VOID) << i;
+                    building[k] = roofs.iter().enumerate().fold(0, is_roof);
+                    open[k] = bits_between(0, roofs.len(), 0) & !building[k];
+                }
+            });
+            return CellSets { open, building };
+        }
         rows.enumerate().for_each(|(row, (open, building))| {
             for col in 0..n_cols {
                 match field.cell_kind(row * n_cols + col, &positions.center(row, col)) {
