@@ -133,11 +133,16 @@ impl LivePage {
 
     /// Returns the page of a scene with some UAVs, or with one in the middle.
     fn with_uavs(scene: &mut Scene, found: UavsFound, sight: SightPlan, scene_words: Vec<String>) -> Result<LivePage> {
-        scene.place(&found, None, &sight)?;
+        let placed = scene.place(&found, None, &sight)?;
         if found.sites.len() > MOST_UAVS {
             return Err(LimitError::PageUavs { n: found.sites.len(), most: MOST_UAVS }.into());
         }
-        let mut sites: Vec<Site> = found.sites.into_iter().map(|given| given.site).collect();
+        let mut sites: Vec<Site> = found
+            .sites
+            .into_iter()
+            .map(|given| given.site)
+            .filter(|site| placed.iter().any(|uav| uav.id == site.id))
+            .collect();
         if sites.is_empty() {
             sites.push(in_the_middle(scene));
         }

@@ -9,7 +9,7 @@ use serde_json::Value;
 use skyshed_io::Input;
 use skyshed_request::{
     Antenna, CompareOptions, Earth, HeightErrors, LimitsOptions, Range, Receiver, SampleOptions, SaveOptions, Sight,
-    TrackOptions, json,
+    Source, TrackOptions, json,
 };
 
 use crate::answer::{Answer, CommandFacts, saved};
@@ -24,7 +24,7 @@ use crate::sample::{self, SamplePlan};
 use crate::scene::{Scene, SceneReader};
 use crate::survey;
 use crate::track::{self, TrackPlan};
-use crate::uav::{Uav, UavsFound};
+use crate::uav::{Uav, UavsAsked, UavsFound};
 use crate::zone_files::{self, ZoneFiles};
 
 /// Answer to a question that has no type of its own: a document, a table, a text and files.
@@ -123,10 +123,10 @@ skyshed_request::holds!(ReportRequest<SampleOptions>: sight.receiver Receiver, s
     sight.antenna Antenna, sight.earth Earth, options SampleOptions);
 skyshed_request::holds!(ReportRequest<Track>: sight.receiver Receiver, sight.earth Earth, options.options TrackOptions);
 
-/// UAV above a user, the user's places in order, and options of a walk along them.
+/// UAVs, the places of a user in order, and options of a walk or a flight along them.
 #[derive(Debug, Clone)]
 pub struct Track {
-    uav: Uav,
+    uavs: Vec<Uav>,
     places: Input,
     options: TrackOptions,
 }
@@ -178,7 +178,15 @@ impl Scene {
     pub fn track(&self, uav: Uav, places: impl IntoIterator<Item = (f64, f64)>) -> ReportRequest<Track> {
         let rows = places.into_iter().fold(String::from("x,y\n"), |rows, (x, y)| format!("{rows}{x},{y}\n"));
         let places = Input::bytes("track.csv", rows.into_bytes());
-        ReportRequest::new(self, [], Track { uav, places, options: TrackOptions::default() })
+        ReportRequest::new(self, [], Track { uavs: vec![uav], places, options: TrackOptions::default() })
+    }
+
+    /// Requests line of sight of UAVs along the walks or flights of a file: .csv .geojson .gpx .kml
+    /// .plan .waypoints. The document is `skyshed/track/1`.
+    pub fn track_file(&self, uavs: impl IntoIterator<Item = Uav>, file: impl Into<Source>) -> ReportRequest<Track> {
+        let places = Input::of(&file.into());
+        let uavs = uavs.into_iter().collect();
+        ReportRequest::new(self, [], Track { uavs, places, options: TrackOptions::default() })
     }
 
     /// Returns streets, crossroads, courtyards and rooftops: cells, areas and shares. Files hold a
@@ -278,9 +286,9 @@ impl ReportRequest<Track> {
     /// E113 for a step out of range; E2xx for a UAV or a place that cannot be there; E502 for too
     /// many steps.
     pub fn run(self) -> Result<Report> {
-        let Track { uav, places, options } = &self.options;
+        let Track { uavs, places, options } = &self.options;
         let of_user = (&self.sight.receiver, &self.sight.earth);
-        let plan = TrackPlan::of(uav.site(0).site, (places.clone(), false), options, of_user)?;
+        let plan = TrackPlan::of(UavsAsked::held(uavs)?, (places.clone(), false, false), options, of_user)?;
         Ok(Report::new(plan.walk(self.scene, CommandFacts::default())?, &track::FORMATS))
     }
 }

@@ -6,10 +6,10 @@ use serde_json::{Map, Value};
 
 use crate::conversion::CityDocument;
 use crate::limits::{LimitRow, LimitsDocument};
-use crate::link::LinkDocument;
+use crate::link::{LinkDocument, LinkRow, LinksDocument};
 use crate::live::LiveDocument;
 use crate::repairs::{RepairRow, RepairsDocument};
-use crate::track::{PointRow, TrackDocument};
+use crate::track::{PointRow, StretchRow, TrackDocument};
 use crate::zone_files::ZonesDocument;
 use crate::{chart, comparison, jobs, map, placements, plos, sample, stress, survey};
 
@@ -35,6 +35,7 @@ pub fn documents() -> Vec<(&'static str, Value)> {
         document::<jobs::MergeDocument>("jobs-merge"),
         document::<LinkDocument<'_>>("link"),
         document::<TrackDocument>("track"),
+        document::<LinksDocument>("links"),
         document::<plos::PlosDocument<'_>>("plos"),
         document::<placements::SearchDocument<'_>>("place"),
         document::<sample::SampleDocument>("sample"),
@@ -60,6 +61,8 @@ pub fn tables() -> Vec<(&'static str, Vec<Column>)> {
         ("height-curve", columns::<map::CurveRow>()),
         ("jobs-merge", columns::<jobs::MergedRow>()),
         ("track", columns::<PointRow>()),
+        ("stretches", columns::<StretchRow>()),
+        ("links", columns::<LinkRow>()),
         ("plos", columns::<plos::PlosTableRow>()),
         ("place", columns::<placements::PlaceRow>()),
         ("sample", columns::<sample::SampleRow>()),

@@ -4,10 +4,10 @@ use std::collections::HashSet;
 use std::path::PathBuf;
 
 use skyshed_io::Input;
-use skyshed_request::{Position, Shard, Uavs};
+use skyshed_request::{BadUavs, Position, Shard, Uavs};
 
 use crate::city::{Antenna, GivenSite, Site, Source};
-use crate::error::{PlacesError, RequestError, Result, Warning, warned};
+use crate::error::{Error, PlacesError, RequestError, Result, Warning, warned};
 use crate::quantity::Height;
 use crate::raster::GeoRef;
 use crate::read::{BadRows, read_sites, source_of};
@@ -92,6 +92,8 @@ pub(crate) struct UavsFound {
     pub(crate) sites: Vec<GivenSite>,
     pub(crate) sources: Vec<Source>,
     pub(crate) warnings: Vec<Warning>,
+    /// Treatment of those that cannot be at their place.
+    pub(crate) bad: BadUavs,
 }
 
 impl UavsFound {
@@ -105,6 +107,11 @@ impl UavsFound {
         }
         let sites = uavs.iter().enumerate().map(|(k, uav)| uav.site(k)).collect();
         UavsFound { sites, ..UavsFound::default() }.checked()
+    }
+
+    /// Returns longitude and latitude of the UAV of an id, if it was given by these.
+    pub(crate) fn lonlat_of(&self, id: &str) -> Option<[f64; 2]> {
+        self.sites.iter().find(|site| site.id == id)?.lonlat
     }
 
     /// Refuses two UAVs of one name.
@@ -128,6 +135,8 @@ pub(crate) struct UavsAsked {
     pub(crate) table: Option<Input>,
     /// `true` if rows of the table that cannot be read are left out.
     pub(crate) skips_bad: bool,
+    /// Treatment of UAVs that cannot be at their place.
+    pub(crate) bad: BadUavs,
     /// `true` if the table is hashed, however large it is.
     pub(crate) hash: bool,
     /// Part of the UAVs; `None` for all of them.
@@ -138,11 +147,21 @@ impl UavsAsked {
     /// Returns the sources of the UAVs of a question, and checks the typed UAVs.
     ///
     /// # Errors
-    /// E102.
+    /// E102; E116 for bad rows without a table.
     pub(crate) fn of(uavs: &Uavs, hash: bool) -> Result<UavsAsked> {
+        if uavs.skip_bad && uavs.uavs.is_none() {
+            return Err(Error::idle("skip_bad", "without a table of UAVs"));
+        }
         let typed = uavs.uav.iter().enumerate().map(|(k, text)| site_of(text, (k + 1).to_string()));
         let table = uavs.uavs.as_ref().map(Input::of);
-        Ok(UavsAsked { typed: typed.collect::<Result<_>>()?, table, skips_bad: uavs.skip_bad, hash, shard: None })
+        Ok(UavsAsked {
+            typed: typed.collect::<Result<_>>()?,
+            table,
+            skips_bad: uavs.skip_bad,
+            bad: uavs.bad_uavs.unwrap_or_default(),
+            hash,
+            shard: None,
+        })
     }
 
     /// Returns the sources of the UAVs of a question, and refuses a question without any.
@@ -156,6 +175,18 @@ impl UavsAsked {
         }
     }
 
+    /// Returns UAVs that the caller holds.
+    ///
+    /// # Errors
+    /// E108 for none; E113 for an antenna with impossible values; E207 for two UAVs of one name.
+    pub(crate) fn held(uavs: &[Uav]) -> Result<UavsAsked> {
+        if uavs.is_empty() {
+            return Err(RequestError::NoUav.into());
+        }
+        let typed = UavsFound::of(uavs)?.sites.into_iter().map(|given| given.site).collect();
+        Ok(UavsAsked { typed, table: None, skips_bad: false, bad: BadUavs::default(), hash: false, shard: None })
+    }
+
     /// Returns the table, if it is a file.
     pub(crate) fn file(&self) -> Option<PathBuf> {
         self.table.as_ref().and_then(Input::file).map(PathBuf::from)
@@ -167,19 +198,19 @@ impl UavsAsked {
     /// E207; errors of the table.
     pub(crate) fn read(&self, grid: &GeoRef) -> Result<UavsFound> {
         let typed = self.typed.iter().cloned().map(GivenSite::from);
-        let mut found = UavsFound { sites: typed.collect(), ..UavsFound::default() };
+        let mut found = UavsFound { sites: typed.collect(), bad: self.bad, ..UavsFound::default() };
         if let Some(table) = &self.table {
             let first = found.sites.len() + 1;
             let read = |odd: &mut _| read_sites(table, grid, first, bad_rows(self.skips_bad, odd));
             found.sites.extend(warned(&mut found.warnings, read)?);
             found.sources.push(source_of(table, self.hash)?);
         }
-        let UavsFound { sites, sources, warnings } = found.checked()?;
+        let UavsFound { sites, sources, warnings, bad } = found.checked()?;
         let sites = match self.shard {
             Some(shard) => shard.part(sites),
             None => sites,
         };
-        Ok(UavsFound { sites, sources, warnings })
+        Ok(UavsFound { sites, sources, warnings, bad })
     }
 }
 

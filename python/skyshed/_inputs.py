@@ -111,13 +111,18 @@ def located(name: str, places: Any, crs: str | None) -> Any:
     return places.to_crs(crs)
 
 
+def is_one_uav(uavs: object) -> bool:
+    """Whether it is one UAV where several are wanted, too."""
+    return isinstance(uavs, Mapping) or isinstance(uavs, tuple) and len(uavs) in (3, 4) and isinstance(uavs[0], (int, float))
+
+
 def uavs_of(uavs: Any, crs: str | None = None, height: Height | None = None) -> list[AskedUav]:
     """UAVs of a list, an array of shape (n, 3), or a table with columns x, y, h and, if you like, id, min_radius, sector, elevation, beam.
 
     A table of geopandas has points instead of x and y, and is brought into the system ``crs``. What the package answers has
     height_agl_m or height_amsl_m instead of h. ``height`` is that of tables without one.
     """
-    is_one = isinstance(uavs, Mapping) or isinstance(uavs, tuple) and len(uavs) in (3, 4) and isinstance(uavs[0], (int, float))
+    is_one = is_one_uav(uavs)
     if is_one or isinstance(uavs, (str, bytes)):
         raise wrong("uavs", "one UAV" if is_one else type(uavs).__name__, "several: [(x, y, height), …]", "E102")
     names = getattr(uavs, "columns", None) if getattr(uavs, "dtype", None) is None else uavs.dtype.names

@@ -15,7 +15,7 @@ from skyshed import _skyshed
 from skyshed._answers import Answer, Coverage, Coverages, Grid, Link
 from skyshed._arrays import Held, crs_text, held, is_xarray, placed
 from skyshed._errors import tell, wrong
-from skyshed._inputs import HeldInput, Uav, inputs_of, table_of, uav_of, uavs_of
+from skyshed._inputs import HeldInput, Uav, inputs_of, is_one_uav, table_of, uav_of, uavs_of
 from skyshed._live import LivePage
 from skyshed._options import PathLike, as_json, output_of, plain_options, watch_of
 from skyshed.keywords import (
@@ -82,7 +82,7 @@ class Scene(Grid):
         >>> munich.shape
         (1111, 1406)
         """
-        reading, word = _reading(options), "+".join(map(os.fspath, _listed(path)))
+        reading, word = _reading(options), "+".join(os.fspath(each) for each in _listed(path))
         origin = origin_of(path, options)
         scene = cls(_skyshed.Scene.open(word, as_json(reading), watch_of(progress)), word, reading, origin)
         tell(scene._scene.warnings)
@@ -265,7 +265,7 @@ class Scene(Grid):
         x, y, h, *_ = uav_of(uav)
         if not isinstance(rx, (tuple, list, np.ndarray)) or len(rx) not in (2, 3):
             raise wrong("rx", repr(rx)[:80], "(x, y) or (x, y, height)", "E103")
-        ends = {"uav": (x, y, h), "rx": tuple(rx)}
+        ends = {"uav": [f"{x},{y},{h}"], "rx": [",".join(map(str, rx))]}
         return self._asked(Link, "link", {**ends, **_of_question(options), **output_of(output)})
 
     def place(
@@ -328,29 +328,40 @@ class Scene(Grid):
 
     def track(
         self,
-        uav: Uav,
+        uav: Uav | Sequence[Uav],
         track: Any,
         *,
         output: PathLike | Sequence[PathLike] | None = None,
         **options: Unpack[TrackKeywords],
     ) -> Answer:
-        """Line of sight along a user's way below a UAV, and its stretches without.
+        """Line of sight along a walk or a flight, and its stretches without; of several UAVs for each, and for the best at each place.
 
-        ``track`` is a path of a table or a line, a line of shapely, or places (x, y) in order: a sequence, or an array of shape (n, 2).
-        ``answer["length_m"]`` has lengths [m]: ``los``, ``nlos``, ``no_receiver`` (inside of buildings); ``answer["stretches"]`` has
-        the stretches. Keywords: ``help(skyshed.keywords.TrackKeywords)``.
+        ``track`` is a path (.csv .geojson .gpx .kml .plan .waypoints), a line of shapely, or places in order: a sequence, or an array of
+        shape (n, 2) or (n, 3). A third number is a height above ground, in a line of shapely above the datum.
+        ``answer["length_m"]`` has lengths [m]: ``los``, ``nlos``, ``inside`` of buildings, ``nodata``; ``answer["stretches"]`` has
+        the stretches, ``answer["observers"]`` those of each UAV. Keywords: ``help(skyshed.keywords.TrackKeywords)``.
         """
-        x, y, h, *_ = uav_of(uav)
         held: list[HeldInput] = []
+        observers: dict[str, Any] = {}
+        listed = uavs_of([uav] if is_one_uav(uav) else uav, self.crs, None)
+        if len(listed) == 1:
+            x, y, h, *_ = listed[0]
+            observers["uav"] = [f"{x},{y},{h}"]
+        else:
+            held.append(("uavs", "uavs.csv", table_of(listed)))
+            observers["uavs"] = "uavs.csv"
         # A line of shapely has its points apart.
+        above = "amsl" if hasattr(track, "coords") else "agl"
         track = getattr(track, "coords", track)
         if not isinstance(track, (str, os.PathLike)):
             places = np.asarray(track, dtype=np.float64)
-            if places.ndim != 2 or places.shape[1] != 2:
-                raise wrong("track", f"an array of shape {places.shape}", "(n, 2): x, y", "E103")
-            rows = "".join(f"{east!r},{north!r}\n" for east, north in places.tolist())
-            held, track = [("track", "track.csv", f"x,y\n{rows}".encode())], "track.csv"
-        asked = {"uav": (x, y, h), "track": track, **_of_question(options), **output_of(output)}
+            if places.ndim != 2 or places.shape[1] not in (2, 3):
+                raise wrong("track", f"an array of shape {places.shape}", "(n, 2): x, y, or (n, 3): x, y, height", "E103")
+            rows = [",".join(map(repr, place)) + (above if len(place) == 3 else "") for place in places.tolist()]
+            columns = "x,y" if places.shape[1] == 2 else "x,y,h"
+            held.append(("track", "track.csv", "\n".join([columns, *rows, ""]).encode()))
+            track = "track.csv"
+        asked = {**observers, "track": track, **_of_question(options), **output_of(output)}
         return self._asked(Answer, "track", asked, held=held)
 
     def limits(

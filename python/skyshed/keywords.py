@@ -123,7 +123,7 @@ class MapKeywords(SightKeywords, total=False):
     height_bias: float | None
     sigma: float | None
     tolerance: float | None
-    layers: Literal["los", "margin", "least-receiver-height", "least-height", "stability", "sure", "p-los", "count", "which", "union", "best-server"] | Sequence[Literal["los", "margin", "least-receiver-height", "least-height", "stability", "sure", "p-los", "count", "which", "union", "best-server"]] | str | None
+    layers: Literal["los", "margin", "least-receiver-height", "least-height", "stability", "sure", "p-los", "count", "which", "union", "all", "best-server"] | Sequence[Literal["los", "margin", "least-receiver-height", "least-height", "stability", "sure", "p-los", "count", "which", "union", "all", "best-server"]] | str | None
     zones: bool | None
 
 
@@ -159,7 +159,7 @@ class SaveKeywords(TypedDict, total=False):
 class LinkKeywords(TypedDict, total=False):
     """Question of one link.
 
-    * ``radius``: Refuse a receiver that is farther away [m]
+    * ``radius``: Refuse a receiver that is farther away [m]; of many, leave its link without an answer
     * ``rx_height``: Height of the receivers above ground or roof [m]
     * ``earth_k``: Curved earth of K times its radius: 4/3 for radio, 7/6 for light, 1 without refraction, inf for none
     * ``curvature_coefficient``: 1/K of a curved earth, GDAL's word for it: 0.85714 for light, 0.75 for radio, 0 for none
@@ -184,9 +184,12 @@ class LinkKeywords(TypedDict, total=False):
 
 
 class TrackKeywords(TypedDict, total=False):
-    """Question of a track.
+    """Question of a walk or a flight.
 
-    * ``every``: Longest step along the track between two decided places [m]; what begins and ends within a step is missed
+    * ``bad_uavs``: UAVs inside a building or below the ground: refuse them, leave them out, or lift them to the top of what is there
+    * ``stretches``: File of stretches, leg by leg: .csv .geojson .gpx .kml; repeat for more
+    * ``follow_ground``: Cut legs between heights above the ground at --every, to follow it
+    * ``every``: Longest step between two places in tables and pictures [m]; over a curved earth what begins and ends within one is missed
     * ``rx_height``: Height of the receivers above ground or roof [m]
     * ``earth_k``: Curved earth of K times its radius: 4/3 for radio, 7/6 for light, 1 without refraction, inf for none
     * ``curvature_coefficient``: 1/K of a curved earth, GDAL's word for it: 0.85714 for light, 0.75 for radio, 0 for none
@@ -198,6 +201,9 @@ class TrackKeywords(TypedDict, total=False):
     * ``dpi``: Pixels of the width per inch of paper, 10 to 2400: the size in print, of .svg and .pdf too; default 200
     """
 
+    bad_uavs: Literal["fail", "skip", "lift"] | None
+    stretches: PathLike | Sequence[PathLike] | None
+    follow_ground: bool | None
     every: float | None
     rx_height: float | str | None
     earth_k: float | str | None
@@ -213,6 +219,7 @@ class TrackKeywords(TypedDict, total=False):
 class LimitsKeywords(SightKeywords, total=False):
     """Question of limits.
 
+    * ``bad_uavs``: UAVs inside a building or below the ground: refuse them, leave them out, or lift them to the top of what is there
     * ``uav_error``: Distance of the UAV from where it should be, sideways and in height [m]
     * ``height_error``: Error of the heights of all buildings [m]
     * ``cities``: Other cities of a generated kind that tell how much one city of many matters
@@ -222,6 +229,7 @@ class LimitsKeywords(SightKeywords, total=False):
     And those of :class:`SightKeywords`.
     """
 
+    bad_uavs: Literal["fail", "skip", "lift"] | None
     uav_error: float | None
     height_error: float | None
     cities: int | None
@@ -232,6 +240,7 @@ class LimitsKeywords(SightKeywords, total=False):
 class CompareKeywords(SightKeywords, total=False):
     """Question of placements side by side.
 
+    * ``bad_uavs``: UAVs inside a building or below the ground: refuse them, leave them out, or lift them to the top of what is there
     * ``block``: Edge of the blocks of ground that are resampled for intervals [m]
     * ``height_error``: Standard deviation of the error of each building's height [m]; default 0
     * ``height_bias``: Standard deviation of an error that all heights of buildings share [m]; default 0
@@ -245,6 +254,7 @@ class CompareKeywords(SightKeywords, total=False):
     And those of :class:`SightKeywords`.
     """
 
+    bad_uavs: Literal["fail", "skip", "lift"] | None
     block: float | None
     height_error: float | None
     height_bias: float | None

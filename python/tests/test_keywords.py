@@ -76,6 +76,9 @@ VALUES: dict[str, Any] = {
     "csv_text": True,
     # Questions.
     "every": 3,
+    "stretches": "stretches.csv",
+    "follow_ground": True,
+    "bad_uavs": "skip",
     "uav_error": 2,
     "cities": 3,
     "block": 30,
@@ -118,6 +121,7 @@ QUIET = {
     "hash": "small inputs are hashed anyway",
     "parts": "this file has none: building_meaning",
     "skip_bad": "no row of these tables is bad",
+    "bad_uavs": "no UAV of these is bad",
     "method": "exact engines agree",
 }
 
@@ -240,8 +244,8 @@ def test_an_unknown_keyword_is_refused(name: str, folder: Path, monkeypatch: pyt
 #: A command, and options without which it has no request.
 REQUESTS: dict[str, tuple[str, dict[str, object]]] = {
     "MapKeywords": ("map", {"scene": "itu:urban"}),
-    "LinkKeywords": ("link", {"scene": "itu:urban", "uav": "1,2,30", "rx": "5,6"}),
-    "TrackKeywords": ("track", {"scene": "itu:urban", "uav": "1,2,30", "track": "walk.csv"}),
+    "LinkKeywords": ("link", {"scene": "itu:urban", "uav": ["1,2,30"], "rx": ["5,6"]}),
+    "TrackKeywords": ("track", {"scene": "itu:urban", "uav": ["1,2,30"], "track": "walk.csv"}),
     "LimitsKeywords": ("limits", {"scene": "itu:urban"}),
     "CompareKeywords": ("compare", {"scene": "itu:urban"}),
     "ZonesKeywords": ("zones", {"scene": "itu:urban"}),

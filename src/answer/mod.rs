@@ -53,8 +53,7 @@ pub(crate) trait Answer {
     /// # Errors
     /// If the file cannot be made or written.
     fn add_table(&self, batch: &mut Batch, path: &Path, look: &Look) -> Result<()> {
-        batch.add(path, &encoded(&self.table(), look.csv_text)?)?;
-        Ok(batch.add(&with_suffix(path, ".json"), pretty(&self.provenance()).as_bytes())?)
+        add_rows(batch, path, (&self.table(), &self.provenance()), look)
     }
 
     /// Adds the file of any other format: a picture, a raster, features.
@@ -92,6 +91,15 @@ pub(crate) trait Answer {
     fn text(&self, look: &Look) -> Result<String> {
         Ok(String::from_utf8_lossy(&encoded(&self.table(), look.csv_text)?).into_owned())
     }
+}
+
+/// Adds a table, and its provenance in a file beside it.
+///
+/// # Errors
+/// If the file cannot be made or written.
+pub(crate) fn add_rows(batch: &mut Batch, path: &Path, (rows, provenance): (&Rows, &Value), look: &Look) -> Result<()> {
+    batch.add(path, &encoded(rows, look.csv_text)?)?;
+    Ok(batch.add(&with_suffix(path, ".json"), pretty(provenance).as_bytes())?)
 }
 
 /// Adds all outputs of an answer to a batch.

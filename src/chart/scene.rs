@@ -54,7 +54,7 @@ impl ChartPlan {
         let report = ChartReport {
             facts: RunFacts { command, ..scene.facts(Some(truth.method)) },
             sight: self.sight,
-            uavs: uavs.iter().cloned().zip(found.sites.iter().map(|site| site.lonlat)).collect(),
+            uavs: uavs.iter().map(|uav| (uav.clone(), found.lonlat_of(&uav.id))).collect(),
             truth,
             is_over_nodata,
             threads: self.threads,

@@ -274,16 +274,17 @@ impl ComparisonPlan {
         progress.begin(scene.grid().n_cells() as u64 * uavs.len() as u64);
         let maps = mapper.map_many(uavs, (KeepMasks::Always, &Together::default()), progress.control(), |_| {}, |_| {});
         progress.end();
-        let placed = |(site, given): (SiteCoverage, &crate::city::GivenSite)| {
+        let placed = |site: SiteCoverage| {
+            let lonlat = found.lonlat_of(&site.uav.id);
             Ok(Placed {
                 id: site.uav.id.clone(),
-                origin: Origin::Uav(Box::new(SiteFacts { lonlat: given.lonlat, ..SiteFacts::of(&site, zones) })),
+                origin: Origin::Uav(Box::new(SiteFacts { lonlat, ..SiteFacts::of(&site, zones) })),
                 margins: Some(mapper.seen_from(&site.uav)?.margin_sample(&site, MARGIN_SAMPLE)),
                 tally: site.tally,
                 mask: site.mask,
             })
         };
-        let placed = maps?.sites.into_iter().zip(&found.sites).map(placed).collect::<Result<_>>()?;
+        let placed = maps?.sites.into_iter().map(placed).collect::<Result<_>>()?;
         let redrawn = self.heights.over(&scene.field).redrawn(&mapper, uavs, progress)?;
         Ok(Mapped { placed, method: Some(mapper.method().0), redrawn })
     }

@@ -43,6 +43,9 @@ pub(crate) enum LimitError {
     /// E502: too many steps along a track.
     #[error("cannot walk {length} m of track in steps of {every_m} m")]
     Track { length: String, every_m: f64 },
+    /// E502: too many links between lists.
+    #[error("cannot link {n_uavs} UAVs with {n_receivers} receivers: more than {most} links")]
+    Links { n_uavs: usize, n_receivers: usize, most: usize },
     /// E502: too many tiles.
     #[error("cannot cut {word} into tiles of {edge_m} m: more than {most}")]
     Tiles { word: String, edge_m: f64, most: f64 },
@@ -94,6 +97,7 @@ impl LimitError {
             | L::Blocks { .. }
             | L::Combinations { .. }
             | L::Track { .. }
+            | L::Links { .. }
             | L::Tiles { .. }
             | L::Extent { .. } => 502,
             L::Threads { .. } => 503,

@@ -11,6 +11,10 @@ pub(crate) enum PlacesError {
     /// E201, E202, E204, E205: a receiver cannot be at a position \[CRS units\] and a height.
     #[error("cannot place the receiver at ({}, {}) with height {height}: {why}", .at.0, .at.1)]
     Receiver { at: (f64, f64), height: Height, why: UavError },
+    /// E201–E205: several UAVs cannot be at their place; the number of all, the ids and faults of the bad
+    /// ones, and the code of the first.
+    #[error("cannot place {} of {of} UAVs: {}", faults.len(), told_faults(faults))]
+    BadUavs { of: usize, faults: Vec<(String, String)>, code: u16 },
     /// E203: the ends of a link \[CRS units\] are farther apart than the lattice reaches \[units\].
     #[error(
         "cannot decide the link from ({}, {}) to ({}, {}): it spans {span:.0} units, wanted at most {MAX_EXTENT_UNITS}",
@@ -49,11 +53,24 @@ pub(crate) enum PlacesError {
     NoDisc(String),
 }
 
+/// Most UAVs whose faults are told; of others the ids.
+const MOST_FAULTS: usize = 5;
+
+/// Returns words about UAVs that cannot be at their place: each with its fault, of many the others by
+/// their ids.
+pub(crate) fn told_faults(faults: &[(String, String)]) -> String {
+    let told: Vec<&str> = faults.iter().take(MOST_FAULTS).map(|(_, fault)| fault.as_str()).collect();
+    let others: Vec<String> = faults.iter().skip(MOST_FAULTS).map(|(id, _)| format!("`{id}`")).collect();
+    let others = if others.is_empty() { String::new() } else { format!("; also {}", others.join(", ")) };
+    format!("{}{others}", told.join("; "))
+}
+
 impl PlacesError {
     pub(super) fn code(&self) -> u16 {
         use PlacesError as P;
         match self {
             P::Receiver { why, .. } => why.code(),
+            P::BadUavs { code, .. } => *code,
             P::LongLink { .. } => 203,
             P::NoUsers { .. } | P::NoPlace(_) => 204,
             P::Twice { .. } | P::SharedFile { .. } => 207,

@@ -2,6 +2,8 @@
 
 use skyshed_core::error::one_line;
 
+use super::told_faults;
+
 use crate::quantity::counted;
 
 /// A warning: a finding that did not stop the work, and what was done instead, on one line.
@@ -54,12 +56,20 @@ pub(crate) enum OddRun {
     /// W202: values without P_LoS; their number.
     #[error("{} no P_LoS: {why}", counted(*n, "value has", "values have"))]
     NoValues { n: u64, why: String },
-    /// W202: places on a track without a receiver.
+    /// W202: parts of a track without a receiver; their length \[m\].
+    #[error("{length} m of the track hold no receiver: inside a building, below the ground, or without a ground")]
+    OffGround { length: String },
+    /// W218: UAVs that cannot be at their place: ids and faults of those left out, ids and heights of those
+    /// lifted \[m above the datum\].
+    #[error("{}", bad_uavs(left_out, lifted))]
+    BadUavs { left_out: Vec<(String, String)>, lifted: Vec<(String, String)> },
+    /// W217: straight legs of a flight that leave their heights above the ground; the largest
+    /// difference \[m\] and its place \[CRS units\].
     #[error(
-        "{} of {of} on the track hold no receiver: inside a building, or without a ground",
-        counted(*n, "place", "places")
+        "legs are straight between their vertices: at ({}, {}) the flight is {by_m} m off its height above the ground",
+        at[0], at[1]
     )]
-    OffGround { n: u64, of: usize },
+    StraightLegs { by_m: String, at: [String; 2] },
     /// W203: a UAV that cannot be at the lower heights of its curve; its id, and the lowest
     /// possible height.
     #[error("UAV `{id}` cannot be below {lowest}: lower heights of its curve, {n} of {of}, have no P_LoS")]
@@ -131,6 +141,18 @@ fn outside(uavs: &[(String, String)]) -> String {
     format!("{} UAVs are outside the grid: {}{more}", uavs.len(), told.join(", "))
 }
 
+/// Returns words about UAVs that were left out or lifted; of many by their ids alone.
+fn bad_uavs(left_out: &[(String, String)], lifted: &[(String, String)]) -> String {
+    let of = |all: &[(String, String)], what: &str| {
+        let n = all.len() as u64;
+        (n > 0).then(|| format!("{} {what}: {}", counted(n, "UAV is", "UAVs are"), told_faults(all)))
+    };
+    let up: Vec<(String, String)> =
+        lifted.iter().map(|(id, m)| (id.clone(), format!("`{id}` to {m} m above the datum"))).collect();
+    let both = [of(left_out, "left out"), of(&up, "lifted to the top of what is there")];
+    both.into_iter().flatten().collect::<Vec<_>>().join("; ")
+}
+
 impl Warning {
     /// Returns the stable code, for example `W320`.
     pub fn code(&self) -> String {
@@ -163,6 +185,8 @@ impl OddRun {
             OddRun::NoIntervals(_) => 213,
             OddRun::WideIntervals { .. } => 214,
             OddRun::OtherSetting { .. } => 215,
+            OddRun::StraightLegs { .. } => 217,
+            OddRun::BadUavs { .. } => 218,
             OddRun::Results { .. } => 373,
         }
     }

@@ -32,9 +32,7 @@ pub(super) fn forecast(unit: &Unit, units: &Units) -> (f64, u64) {
             let around = sight.box_in_range(std::slice::from_ref(site), grid);
             (cells(around.map_or_else(|| grid.window(), |around| grid.window_within(around))), 1)
         }
-        Part::Tile(tile) => {
-            (cells(grid.window_within(tile.box_with(&tile.own(&units.uavs.sites), grid))), tile.uavs.len())
-        }
+        Part::Tile(tile) => (cells(grid.window_within(tile.box_with(&tile.own(&units.uavs), grid))), tile.uavs.len()),
     };
     // A tile decides no more than its own cells.
     let (most, per_told) = match &unit.part {

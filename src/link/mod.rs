@@ -1,6 +1,7 @@
 //! A single link, decided and explained.
 
 mod profile;
+mod table;
 
 use std::path::Path;
 
@@ -15,7 +16,7 @@ use crate::coverage::{self, ExplainedLink, LinkObstacle, ObstacleKind, SceneView
 use crate::earth::warn_of_drop;
 use crate::error::{PlacesError, Result, Warning};
 use crate::export::{Batch, Format};
-use crate::height_field::{Curvature, Station};
+use crate::height_field::{Curvature, HeightField, Station};
 use crate::los::Method;
 use crate::picture::Look;
 use crate::quantity::{Height, MAX_EXTENT_UNITS, fixed, meters, tidy};
@@ -23,6 +24,8 @@ use crate::scene::Scene;
 use crate::scene::placing::{place_uav, warn_of_uavs_outside};
 use crate::sight::earth_words;
 use crate::uav::Uav;
+
+pub(crate) use table::{AskedReceiver, LinkRow, LinksDocument, LinksPlan, TABLE_FORMATS};
 
 /// Output formats of a link.
 pub(crate) const FORMATS: [Format; 5] = [Format::Png, Format::Svg, Format::Pdf, Format::Json, Format::Stdout];
@@ -279,17 +282,19 @@ fn place_receiver(scene: &Scene, at: (f64, f64), height: Height) -> Result<Stati
     Ok(coverage::place_receiver(&scene.field, at, height).map_err(|why| PlacesError::Receiver { at, height, why })?)
 }
 
+/// Returns the facts of an end.
+fn end_of(at: &Station) -> EndFacts {
+    let height_amsl_m = i32::try_from(at.z).map_or(f64::NAN, meters);
+    EndFacts { x: at.place.x, y: at.place.y, height_amsl_m }
+}
+
 /// Decides a link, and finds its obstruction.
 fn explain(scene: Scene, uav: coverage::Uav, receiver: Station, curvature: Option<Curvature>) -> Result<Link> {
     let view = SceneView::of(&scene.field, &uav, curvature)?;
     let ExplainedLink { los, margin_m, distance_m, elevation_deg, obstruction } = view.link(&receiver);
-    let end = |at: &Station| {
-        let height_amsl_m = i32::try_from(at.z).map_or(f64::NAN, meters);
-        EndFacts { x: at.place.x, y: at.place.y, height_amsl_m }
-    };
     let found = LinkFacts {
-        uav: end(&uav.station),
-        receiver: end(&receiver),
+        uav: end_of(&uav.station),
+        receiver: end_of(&receiver),
         los,
         margin_m,
         distance_m,
@@ -300,18 +305,35 @@ fn explain(scene: Scene, uav: coverage::Uav, receiver: Station, curvature: Optio
     Ok(Link { facts: scene.facts(Some(Method::Ray)), scene, uav, receiver, curvature, found })
 }
 
-impl LinkObstruction {
-    fn of(scene: &Scene, obstacle: LinkObstacle) -> Self {
-        let (kind, building, cell) = match obstacle.kind {
+/// Name of an obstacle in documents and tables.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct ObstacleFacts {
+    pub(crate) kind: &'static str,
+    /// Id of a building.
+    pub(crate) id: Option<String>,
+    /// Row from the north and column of a cell.
+    pub(crate) cell: Option<(usize, usize)>,
+}
+
+impl ObstacleFacts {
+    pub(crate) fn of(field: &HeightField, kind: ObstacleKind) -> Self {
+        let (kind, building, cell) = match kind {
             ObstacleKind::Building(building) => ("building", Some(building), None),
             ObstacleKind::Terrain(cell) => ("terrain", None, Some(cell)),
             ObstacleKind::Cell(cell) => ("cell", None, Some(cell)),
             ObstacleKind::Nodata(cell) => ("nodata", None, Some(cell)),
             ObstacleKind::Horizon => ("horizon", None, None),
         };
+        ObstacleFacts { kind, id: building.map(|building| field.building_id(building).to_string()), cell }
+    }
+}
+
+impl LinkObstruction {
+    fn of(scene: &Scene, obstacle: LinkObstacle) -> Self {
+        let ObstacleFacts { kind, id, cell } = ObstacleFacts::of(&scene.field, obstacle.kind);
         LinkObstruction {
             kind,
-            id: building.map(|building| scene.field.building_id(building).to_string()),
+            id,
             row: cell.map(|cell| cell.0),
             col: cell.map(|cell| cell.1),
             x: obstacle.x,

@@ -101,6 +101,12 @@ impl Coverages {
         self.overlay.as_ref().map(Overlay::union).or_else(|| self.mask(0))
     }
 
+    /// Returns the mask of what every UAV sees: classes of [`crate::class`], shape as
+    /// [`Coverages::count`]. `None` without the layer [`Layer::All`].
+    pub fn all_mask(&self) -> Option<&[u8]> {
+        self.overlay.as_ref().and_then(Overlay::all)
+    }
+
     /// Returns the grid of the cells: shape, extent, reference system. Of a raster and a range it is the
     /// window in range, otherwise that of the scene.
     pub fn grid(&self) -> &GeoRef {

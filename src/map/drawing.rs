@@ -7,14 +7,14 @@ use super::coverages::Coverages;
 use super::report::SiteFacts;
 use super::tolerance::in_words as tolerance_in_words;
 use crate::city::Antenna;
-use crate::coverage::{Overlay, SiteCoverage, Stability, Tally, Uav};
+use crate::coverage::{Overlay, SiteCoverage, Stability, Tally, Uav, class};
 use crate::error::Result;
 use crate::export::Format;
 use crate::picture::{Look, crop, mark, shown_classes, window_of, written};
 use crate::quantity::tidy;
 use crate::raster::CellWindow;
 use crate::render::{self, MOST_MAP_PANELS, MOST_WITH_HEIGHTS, MapClass, MapPanel, MapPanels, MapPicture, Mark};
-use crate::words::{capitalized, unbreakable};
+use crate::words::{capitalized, p_los_words, unbreakable};
 
 /// Map to draw.
 pub(crate) struct MapDrawing<'a> {
@@ -37,6 +37,8 @@ enum Subject {
     Who,
     /// Cells that any UAV sees.
     Any,
+    /// Cells that every UAV sees.
+    All,
     /// Nearest of a few UAVs that see a cell.
     Best,
     /// A layer of each UAV, side by side.
@@ -68,7 +70,7 @@ impl Shown<'_> {
 
 /// Returns `true` if the picture of several UAVs shows each of them, so that their masks are kept.
 pub(crate) fn draws_each(layers: &[Layer]) -> bool {
-    !matches!(layers.first(), None | Some(Layer::Los | Layer::Count | Layer::Union | Layer::BestServer))
+    !matches!(layers.first(), None | Some(Layer::Los | Layer::Count | Layer::Union | Layer::All | Layer::BestServer))
 }
 
 impl MapDrawing<'_> {
@@ -78,13 +80,15 @@ impl MapDrawing<'_> {
         // Cells out of range are not drawn.
         let window = self.window_in_range();
         let n_cols = grid.n_cols();
-        let union = self.classes(self.of.overlay.as_ref().map_or(&[], Overlay::union), window);
+        let subject = self.subject();
+        let overlay = self.of.overlay.as_ref();
+        let all = overlay.filter(|_| subject == Subject::All).and_then(Overlay::all);
+        let union = self.classes(all.or(overlay.map(Overlay::union)).unwrap_or_default(), window);
         let count = crop(self.of.overlay.as_ref().map_or(&[], Overlay::count), n_cols, window);
         let best = self.of.overlay.as_ref().and_then(Overlay::best_server).unwrap_or_default();
         let best = if best.is_empty() { Vec::new() } else { crop(best, n_cols, window) };
-        let subject = self.subject();
         let n_drawn = match subject {
-            Subject::Count | Subject::Any | Subject::Best => 0,
+            Subject::Count | Subject::Any | Subject::All | Subject::Best => 0,
             Subject::Who => self.of.sites.len(),
             Subject::One | Subject::Each => self.of.sites.len().min(MOST_MAP_PANELS),
         };
@@ -167,7 +171,7 @@ impl MapDrawing<'_> {
                 let n_sites = u32::try_from(self.of.sites.len()).unwrap_or(u32::MAX);
                 vec![Shown::Layer(render::Layer::Count { count, mask: union, n_sites })]
             }
-            Subject::Any => vec![Shown::Layer(render::Layer::Los(union))],
+            Subject::Any | Subject::All => vec![Shown::Layer(render::Layer::Los(union))],
             Subject::Best => {
                 let names: Vec<&str> = self.of.report.sites.iter().map(|site| site.id.as_str()).collect();
                 vec![Shown::Classes(nearest(who, &names, best, union), union)]
@@ -198,6 +202,7 @@ impl MapDrawing<'_> {
         match (self.drawn_layer(), self.of.sites.len()) {
             (_, 1) if self.of.report.tile.is_none() => Subject::One,
             (Layer::Union, _) => Subject::Any,
+            (Layer::All, _) => Subject::All,
             (Layer::BestServer, n) if n <= MOST_COLORS => Subject::Best,
             (Layer::BestServer, _) => Subject::Count,
             (Layer::Los | Layer::Count, _) => Subject::Count,
@@ -245,6 +250,8 @@ impl MapDrawing<'_> {
                 (_, Subject::One, false) => "Where a UAV sees a drone over",
                 (_, Subject::Any, true) => "Where at least one observer sees a drone over",
                 (_, Subject::Any, false) => "Where at least one UAV sees a drone over",
+                (_, Subject::All, true) => "Where all observers see a drone over",
+                (_, Subject::All, false) => "Where all UAVs see a drone over",
                 (_, Subject::Best, true) => "The nearest observer who sees a drone over",
                 (_, Subject::Best, false) => "The nearest UAV that sees a drone over",
                 (_, _, true) => "Where the observers see a drone over",
@@ -261,6 +268,7 @@ impl MapDrawing<'_> {
             (_, Subject::One) => "What a UAV sees of",
             (Layer::Which, _) => "Which UAV sees what of",
             (_, Subject::Any) => "What at least one UAV sees of",
+            (_, Subject::All) => "What every UAV sees of",
             (_, Subject::Best) => "The nearest UAV that sees each place of",
             _ => "What the UAVs see of",
         }
@@ -366,6 +374,16 @@ impl MapDrawing<'_> {
         if self.drawn_layer() == Layer::BestServer && subject == Subject::Count {
             lines.push(format!(
                 "Of {n} UAVs the nearest is not drawn, but how many see a place; a .tif file holds both"
+            ));
+        }
+        if let Some(all) = self.of.overlay.as_ref().and_then(Overlay::all).filter(|_| subject == Subject::All) {
+            let of = |wanted: u8| all.iter().filter(|class| **class == wanted).count() as u64;
+            let (los, nlos) = (of(class::LOS), of(class::NLOS));
+            let share = p_los_words((los + nlos > 0).then(|| los as f64 / (los + nlos) as f64));
+            lines.push(format!(
+                "Of {} receivers in range of every UAV, {} are seen by every one: {share}",
+                los + nlos,
+                los
             ));
         }
         if subject == Subject::Each && n > MOST_MAP_PANELS {

@@ -93,6 +93,7 @@ pub(super) fn overlay_bytes_per_cell(layers: &[Layer], n_uavs: usize) -> f64 {
     let of_layer = |layer: &Layer| match layer {
         Layer::Which => count(4 * n_uavs.div_ceil(32)),
         Layer::BestServer => BEST_SERVER,
+        Layer::All => 1.0,
         _ => 0.0,
     };
     let of_layers = layers.iter().map(of_layer).sum::<f64>();

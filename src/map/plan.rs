@@ -101,6 +101,7 @@ impl MapPlan {
         Together {
             which: self.layers.contains(&Layer::Which),
             best_server: self.layers.contains(&Layer::BestServer),
+            all: self.layers.contains(&Layer::All),
             even_of_one: self.layers.iter().any(|layer| layer.is_of_all()),
             of_list,
         }
@@ -156,8 +157,12 @@ impl MapPlan {
         let window = part.tile.and_then(|(tile, _)| scene.grid().window_of(&whole.part(tile.window)));
         let window = window.filter(|window| *window != scene.grid().window());
         let options = self.heights.on(&scene.field, MapOptions { layers: self.height_layers(), window, ..options });
-        let lonlats = found.sites.iter().map(|site| site.lonlat).collect();
-        let tile = part.tile.map(|(tile, n_list)| (tile.clone(), n_list));
+        let lonlats = uavs.iter().map(|uav| found.lonlat_of(&uav.id)).collect();
+        let tile = part.tile.map(|(tile, n_list)| {
+            let numbered = found.sites.iter().zip(&tile.uavs);
+            let placed = numbered.filter(|(site, _)| uavs.iter().any(|uav| uav.id == site.id));
+            (Tile { uavs: placed.map(|(_, k)| *k).collect(), ..tile.clone() }, n_list)
+        });
         Ok(Prepared { plan: self, scene, uavs, lonlats, zones, options, tolerance, tile, began })
     }
 }

@@ -32,8 +32,8 @@ pub(crate) fn style_of(layers: &[Layer], n_uavs: usize, sites: &[SiteCoverage]) 
     let first = layers.first()?;
     let values = |of: fn(&SiteCoverage) -> Option<&[f32]>| sites.first().and_then(of).map(FirstBand::Values);
     let band = match first {
-        Layer::Los | Layer::Union if n_bands(layers, n_uavs) == 1 => None,
-        Layer::Los | Layer::Union => Some(FirstBand::Mask),
+        Layer::Los | Layer::Union | Layer::All if n_bands(layers, n_uavs) == 1 => None,
+        Layer::Los | Layer::Union | Layer::All => Some(FirstBand::Mask),
         Layer::Count => Some(FirstBand::Count(n)),
         Layer::BestServer => Some(FirstBand::BestServer(n)),
         Layer::Stability => Some(FirstBand::Stability),

@@ -13,10 +13,10 @@ use super::raster_files::add_raster;
 use super::report::{MapReport, MaskDigest, SiteFacts};
 use super::save_checks::{look_of, mask_values};
 use crate::answer::{Answer, Output, Rows, RunFacts, Spent, Timing, add_outputs};
-use crate::city::{GivenSite, STRIP_ROWS, WindowedBase, WindowedSolids};
+use crate::city::{STRIP_ROWS, Site, WindowedBase, WindowedSolids};
 use crate::coverage::{MapOptions, SiteCoverage, StreamedMapper, Uav};
 use crate::earth::warn_of_flat_earth;
-use crate::error::{LimitError, RequestError, Result, Warning, warned};
+use crate::error::{Error, LimitError, RequestError, Result, Warning, warned};
 use crate::export::{Batch, Format, MapResult, add_mask_geotiff};
 use crate::formats::{ClassPyramid, RasterFile};
 use crate::height_field::HeightField;
@@ -28,7 +28,7 @@ use crate::quantity::MAX_EXTENT_UNITS;
 use crate::raster::GeoRef;
 use crate::read::StreamedSurface;
 use crate::scene::Scene;
-use crate::scene::placing::warn_of_uavs_outside;
+use crate::scene::placing::{place_all, warn_of_uavs_outside};
 use crate::sight::{check_receivers, warn_of_no_p_los};
 use crate::uav::UavsFound;
 use crate::words::pretty;
@@ -228,9 +228,9 @@ impl StripsRun<'_> {
         let mut timing = Timing { read: self.start.elapsed().as_secs_f64(), ..Timing::default() };
         let radius = plan.sight.radius_on(grid);
         let found = uavs(grid)?;
-        warnings.extend(found.warnings);
+        warnings.extend(found.warnings.iter().cloned());
         warn_of_uavs_outside(&found.sites, grid, &mut warnings);
-        let uav = self.uav(scene, &found.sites, radius)?;
+        let uav = self.uav(scene, (&found, radius), &mut warnings)?;
         check_receivers(plan.sight.receivers(), scene.base() == WindowedBase::Surface)?;
         warn_of_flat_earth(std::slice::from_ref(&uav), grid, &plan.sight, &mut warnings);
 
@@ -302,11 +302,18 @@ impl StripsRun<'_> {
     }
 
     /// Places the one UAV of the run.
-    fn uav(&self, scene: &StreamedSurface, sites: &[GivenSite], radius: Option<f64>) -> Result<Uav> {
-        let [site] = sites else {
-            return Err(LimitError::StripsOfMany { word: self.job.word.display().to_string(), n: sites.len() }.into());
-        };
-        Ok(Uav::place_streamed(site, scene, radius)?)
+    fn uav(
+        &self,
+        scene: &StreamedSurface,
+        (found, radius): (&UavsFound, Option<f64>),
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Uav> {
+        if found.sites.len() != 1 {
+            let n = found.sites.len();
+            return Err(LimitError::StripsOfMany { word: self.job.word.display().to_string(), n }.into());
+        }
+        let place = |site: &Site| Ok(Uav::place_streamed(site, scene, radius)?);
+        place_all(found, place, warnings)?.pop().ok_or(Error::fault("no UAV is left of one"))
     }
 }
 

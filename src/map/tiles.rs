@@ -149,8 +149,9 @@ fn meets(grid: &GeoRef, [west, south, east, north]: [f64; 4]) -> bool {
 impl Tile {
     /// Returns its UAVs, out of the list of all. Their table is left out: the files do not depend
     /// on it.
-    pub(crate) fn own(&self, all: &[GivenSite]) -> UavsFound {
-        UavsFound { sites: self.uavs.iter().map(|k| all[*k].clone()).collect(), ..UavsFound::default() }
+    pub(crate) fn own(&self, all: &UavsFound) -> UavsFound {
+        let sites = self.uavs.iter().map(|k| all.sites[*k].clone()).collect();
+        UavsFound { sites, bad: all.bad, ..UavsFound::default() }
     }
 
     /// Returns the box around the tile and its UAVs: west, south, east, north \[CRS units\]. It

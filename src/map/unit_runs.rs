@@ -400,10 +400,10 @@ impl<'a> UnitRuns<'a> {
             // Files do not depend on the table that a UAV was read from.
             Part::Site(site) => {
                 let around = job.plan.sight.box_in_range(std::slice::from_ref(site), grid);
-                (UavsFound { sites: vec![site.clone()], ..UavsFound::default() }, around, None)
+                (UavsFound { sites: vec![site.clone()], bad: units.uavs.bad, ..UavsFound::default() }, around, None)
             }
             Part::Tile(tile) => {
-                let own = tile.own(&units.uavs.sites);
+                let own = tile.own(&units.uavs);
                 let around = tile.box_with(&own, grid);
                 (own, Some(around), Some((tile, units.uavs.sites.len())))
             }

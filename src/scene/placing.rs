@@ -7,12 +7,13 @@ use super::Scene;
 use crate::city::Site;
 use crate::coverage::Uav;
 use crate::earth::check_earth;
-use crate::error::{OddRun, Result, Warning};
+use crate::error::{CoreError, Error, ErrorRepr, OddRun, PlacesError, Result, UavError, Warning};
 use crate::height_field::HeightField;
-use crate::quantity::tidy;
+use crate::quantity::{Height, tidy};
 use crate::raster::GeoRef;
 use crate::sight::{SightPlan, check_receivers};
 use crate::uav::UavsFound;
+use skyshed_request::BadUavs;
 
 impl Scene {
     /// Places UAVs, and keeps their sources and warnings. `whole` is the grid of the whole scene if
@@ -36,11 +37,67 @@ impl Scene {
     pub(crate) fn place_in_tile(&mut self, found: &UavsFound, whole: &GeoRef, sight: &SightPlan) -> Result<Vec<Uav>> {
         self.sources.extend(found.sources.iter().cloned());
         let radius = sight.radius_on(whole);
-        let place = |site| place_uav(site, &self.field, whole, radius);
-        let uavs = found.sites.iter().map(|given| place(&given.site)).collect::<Result<Vec<Uav>>>()?;
+        let place = |site: &Site| place_uav(site, &self.field, whole, radius);
+        let uavs = place_all(found, place, &mut self.warnings)?;
         check_receivers(sight.receivers(), self.field.is_surface_only())?;
         check_earth(&uavs, &self.field, sight, &mut self.warnings)?;
         Ok(uavs)
+    }
+}
+
+/// Places the UAVs of a run. Those that cannot be at their place are refused together, left out or
+/// lifted, as the run says.
+///
+/// # Errors
+/// E2xx: that of the only bad UAV, or one that names all of them.
+pub(crate) fn place_all(
+    found: &UavsFound,
+    place: impl Fn(&Site) -> Result<Uav>,
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<Uav>> {
+    let (mut uavs, mut faults, mut lifted) = (Vec::with_capacity(found.sites.len()), Vec::new(), Vec::new());
+    for given in &found.sites {
+        let site = &given.site;
+        let lift = |error: &Error| {
+            let top_m = top_of(error).filter(|_| found.bad == BadUavs::Lift)?;
+            place(&Site { height: Height::AboveDatum(top_m), ..site.clone() }).ok()
+        };
+        match place(site) {
+            Ok(uav) => uavs.push(uav),
+            Err(error) => match lift(&error) {
+                Some(uav) => {
+                    lifted.push((site.id.clone(), tidy(uav.height_amsl_m())));
+                    uavs.push(uav);
+                }
+                None => faults.push((site.id.clone(), error)),
+            },
+        }
+    }
+    let is_lenient = found.bad != BadUavs::Fail && !uavs.is_empty();
+    if !faults.is_empty() && !is_lenient {
+        return Err(match <[_; 1]>::try_from(faults) {
+            Ok([(_, only)]) => only,
+            Err(faults) => {
+                let code = faults[0].1.code().trim_start_matches('E').parse().unwrap_or(201);
+                let faults = faults.into_iter().map(|(id, error)| (id, error.to_string())).collect();
+                PlacesError::BadUavs { of: found.sites.len(), faults, code }.into()
+            }
+        });
+    }
+    if !faults.is_empty() || !lifted.is_empty() {
+        let left_out = faults.into_iter().map(|(id, error)| (id, error.to_string())).collect();
+        warnings.push(OddRun::BadUavs { left_out, lifted }.into());
+    }
+    Ok(uavs)
+}
+
+/// Returns the top of what a UAV is in \[m above the datum\], if that is why it cannot be there.
+fn top_of(error: &Error) -> Option<f64> {
+    let ErrorRepr::Core(error) = error.repr() else { return None };
+    match error.innermost() {
+        CoreError::Uav { why: UavError::InsideBuilding { roof_m, .. }, .. } => Some(*roof_m),
+        CoreError::Uav { why: UavError::BelowGround { surface_m, .. }, .. } => Some(*surface_m),
+        _ => None,
     }
 }
 

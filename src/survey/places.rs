@@ -20,7 +20,7 @@ use crate::export::{Batch, Format};
 use crate::picture::Look;
 use crate::quantity::{Height, counted, tidy};
 use crate::raster::{Crs, CrsKind, GeoRef};
-use crate::read::{BadRows, read_sites, read_track};
+use crate::read::{BadRows, Paths, VertexHeight, read_sites, read_track};
 use crate::words::version;
 
 /// Places of a file.
@@ -35,7 +35,7 @@ pub(crate) struct Places {
 #[derive(Debug)]
 enum What {
     Uavs(Vec<GivenSite>),
-    Track(Vec<[f64; 2]>),
+    Track(Paths),
 }
 
 /// Kind of a file, judged by its beginning.
@@ -76,7 +76,7 @@ impl Places {
     fn positions(&self) -> Vec<[f64; 2]> {
         match &self.what {
             What::Uavs(sites) => sites.iter().map(|site| [site.x, site.y]).collect(),
-            What::Track(places) => places.clone(),
+            What::Track(paths) => paths.lines.iter().flat_map(|path| &path.vertices).map(|v| [v.x, v.y]).collect(),
         }
     }
 
@@ -90,8 +90,9 @@ impl Places {
     fn length(&self) -> Option<f64> {
         let is_degrees = self.crs.as_ref().is_some_and(|crs| matches!(crs.kind(), CrsKind::Geographic));
         match &self.what {
-            What::Track(places) if !is_degrees => {
-                Some(places.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1])).sum())
+            What::Track(paths) if !is_degrees => {
+                let legs = paths.lines.iter().flat_map(|path| path.vertices.windows(2));
+                Some(legs.map(|ends| (ends[1].x - ends[0].x).hypot(ends[1].y - ends[0].y)).sum())
             }
             _ => None,
         }
@@ -100,14 +101,23 @@ impl Places {
     /// Returns the number and range of the heights, by their reference.
     fn heights(&self) -> BTreeMap<&'static str, (usize, [f64; 2])> {
         let mut heights = BTreeMap::new();
-        let What::Uavs(sites) = &self.what else { return heights };
-        for site in sites {
-            let above = match site.height {
-                Height::AboveGround(_) => "ground",
-                Height::AboveRoof(_) => "roof",
-                Height::AboveDatum(_) => "datum",
-            };
-            let h = site.height.value();
+        let told = |height: Height| match height {
+            Height::AboveGround(_) => ("ground", height.value()),
+            Height::AboveRoof(_) => ("roof", height.value()),
+            Height::AboveDatum(_) => ("datum", height.value()),
+        };
+        let of_vertex = |height: VertexHeight| match height {
+            VertexHeight::Own(height) => told(height),
+            VertexHeight::AboveHome(m) => ("home", m),
+        };
+        let all: Vec<(&'static str, f64)> = match &self.what {
+            What::Uavs(sites) => sites.iter().map(|site| told(site.height)).collect(),
+            What::Track(paths) => {
+                let vertices = paths.lines.iter().flat_map(|path| &path.vertices);
+                vertices.filter_map(|vertex| vertex.height).map(of_vertex).collect()
+            }
+        };
+        for (above, h) in all {
             let (n, [low, high]) = heights.entry(above).or_insert((0, [h, h]));
             (*n, *low, *high) = (*n + 1, low.min(h), high.max(h));
         }
@@ -244,7 +254,8 @@ impl Answer for Places {
 
 fn read(path: &Path, looks: Looks, crs: Option<Crs>) -> Result<What> {
     if looks == Looks::Track {
-        return Ok(What::Track(read_track(path, crs.as_ref(), BadRows::Refuse)?));
+        // Faults that stop nothing are told when the track is used.
+        return Ok(What::Track(read_track(path, crs.as_ref(), (BadRows::Refuse, &mut Vec::new()))?));
     }
     // Reading needs only the reference system of a scene: places need not lie in one.
     let grid = GeoRef::new((0.0, 0.0), (1.0, 1.0), (1, 1), crs).ok_or(Error::fault("a grid of one cell is valid"))?;
@@ -257,6 +268,8 @@ fn looks_of(path: &Path) -> Looks {
     match extension.as_str() {
         "csv" | "txt" | "tsv" => table_looks(path).unwrap_or(Looks::Neither),
         "geojson" | "json" => geojson_looks(path).unwrap_or(Looks::Neither),
+        "gpx" | "plan" | "waypoints" => Looks::Track,
+        "kml" => kml_looks(path).unwrap_or(Looks::Neither),
         _ => Looks::Neither,
     }
 }
@@ -276,6 +289,13 @@ fn table_looks(path: &Path) -> Option<Looks> {
         .collect();
     let has_height = ["h", "h_m", "height", "height_m"].iter().any(|name| names.contains(name));
     Some(if has_height { Looks::Uavs } else { Looks::Track })
+}
+
+/// Returns `Neither` for KML with polygons, which may be a scene.
+fn kml_looks(path: &Path) -> Option<Looks> {
+    let mut text = String::new();
+    File::open(path).ok()?.read_to_string(&mut text).ok()?;
+    Some(if text.contains("<Polygon") { Looks::Neither } else { Looks::Track })
 }
 
 /// Returns `Neither` for GeoJSON with polygons, which is a scene. Otherwise lines are a track, and

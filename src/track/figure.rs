@@ -1,92 +1,183 @@
-//! Picture of a track: stretches with line of sight, and the user height that would be enough
-//! elsewhere.
+//! Picture of a track: stretches with line of sight, and heights along it.
 
 use super::TrackWalk;
+use super::found::{Stretches, WayStretch};
 use crate::answer::Answer;
-use crate::coverage::{Stretch, TrackPoint, TrackState, class};
+use crate::coverage::{TrackPoint, TrackState, Uav, class};
 use crate::error::Result;
 use crate::export::Format;
 use crate::picture::{Look, crop, mark, picture_provenance, program, window_of, written};
-use crate::quantity::tidy;
+use crate::quantity::{VOID, counted, meters, tidy};
 use crate::raster::{CellWindow, GeoRef};
-use crate::render::{self, OPEN_GROUND, TrackPlan, TrackProfile, TrackStretch};
+use crate::render::{self, FlightHeights, Mark, OPEN_GROUND, TrackHeights, TrackPlan, TrackProfile, TrackStretch};
 use crate::words::title_of;
 
-pub(super) fn draw(walk: &TrackWalk, format: Format, look: &Look) -> Result<Vec<u8>> {
-    let (field, points, uav) = (&walk.scene.field, &walk.track.points, &walk.uav);
-    let (grid, unit) = (field.grid(), walk.facts.unit_m());
-    let enough = |p: &TrackPoint| (p.along * unit, p.margin_m.map(|m| walk.rx_height_m - m));
-    let enough: Vec<(f64, Option<f64>)> = points.iter().map(enough).collect();
+/// Places at which the heights below a flight are drawn.
+const PLACES: f64 = 1500.0;
 
+pub(super) fn draw(walk: &TrackWalk, format: Format, look: &Look) -> Result<Vec<u8>> {
+    let (grid, unit) = (walk.scene.grid(), walk.facts.unit_m());
     let window = window_around(walk);
     let part = grid.part(window);
     let mask = classes(walk, window);
-    let surface = crop(&field.above_ground_m(), grid.n_cols(), window);
-    let paths: Vec<Vec<[f64; 2]>> = walk.track.stretches.iter().map(|s| path_of(walk, s, &part)).collect();
-    let told = walk.track.stretches.iter().zip(&paths).map(|(s, path)| TrackStretch {
-        along_m: s.along.map(|along| along * unit),
-        los: (s.state != TrackState::NoReceiver).then_some(s.state == TrackState::Los),
-        path,
-    });
-    let stretches: Vec<TrackStretch<'_>> = told.collect();
-    let height = format!("{} m above the datum", tidy(uav.height_amsl_m));
+    let surface = crop(&walk.scene.field.above_ground_m(), grid.n_cols(), window);
+    let starts = starts_of(walk);
+    let paths = Paths { walk, part: &part, starts: &starts };
+    let [all, each] = [vec![&walk.all], walk.each.iter().collect::<Vec<_>>()]
+        .map(|of| of.into_iter().map(|seen| paths.of(&seen.by_leg)).collect::<Vec<_>>());
+    let stretches = told(&all[0]);
+    let is_one = walk.uavs.len() == 1;
+    let named = walk.uavs.iter().zip(&each).filter(|_| !is_one);
+    let of_each: Vec<_> = named.map(|(uav, own)| (uav.id.clone(), told(own))).collect();
 
     let title = look.title_or(|| title_of(&format!("{}: line of sight along a track", walk.scene.name)));
-    let mut caption: Vec<String> = walk.text(look)?.lines().map(str::to_string).collect();
-    caption.push(format!(
-        "UAV at ({}, {}), {height}; user {} m above ground; decided every {} m; {}",
-        tidy(uav.x),
-        tidy(uav.y),
-        tidy(walk.rx_height_m),
-        tidy(walk.every_m),
-        program()
-    ));
+    let told = walk.words_of_none() + &walk.words_of_all();
+    let mut caption: Vec<String> = told.lines().map(str::to_string).collect();
+    caption.push(words_of(walk));
     caption.extend(walk.scene.last_lines(look));
+    let (enough, flight) = match walk.rx_height_m {
+        Some(user_m) if is_one => (enough_of(walk, user_m, &starts)?, Vec::new()),
+        _ => (Vec::new(), flight_of(walk, &starts)),
+    };
+    let heights = match walk.rx_height_m {
+        Some(user_m) if is_one => TrackHeights::Walk { enough: &enough, user_m },
+        _ => TrackHeights::Flight(&flight),
+    };
+    let label = |uav: &Uav| if is_one { "UAV".to_string() } else { uav.id.clone() };
+    let labels: Vec<String> = walk.uavs.iter().map(label).collect();
+    let places = walk.uavs.iter().map(|uav| uav.station.place);
+    let uavs: Vec<Mark<'_>> = places.zip(&labels).map(|(at, label)| mark(&part, (at.x, at.y), label, "")).collect();
     let profile = TrackProfile {
         title: &title,
         caption: &caption,
-        length_m: points.last().map_or(0.0, |p| p.along * unit),
+        length_m: starts.last().copied().unwrap_or(0.0),
         stretches: &stretches,
-        enough: &enough,
-        user_m: walk.rx_height_m,
+        of_each: &of_each,
+        heights,
         plan: TrackPlan {
             n_cols: window.n_cols,
             n_rows: window.n_rows,
             cell_m: (grid.cell_width() * unit, grid.cell_height() * unit),
             mask: &mask,
             surface_m: &surface,
-            uav: mark(&part, (uav.x, uav.y), "UAV", ""),
+            uavs: &uavs,
         },
     };
     written(render::draw_track_profile(&profile), &look.form(format), &picture_provenance(&walk.provenance()))
 }
 
-/// Returns the start, the turns and the end of a stretch, as columns and rows of a grid.
-fn path_of(walk: &TrackWalk, stretch: &Stretch, grid: &GeoRef) -> Vec<[f64; 2]> {
-    let points = &walk.track.points;
-    let at = |along: f64| {
-        let next = points.partition_point(|p| p.along < along).min(points.len() - 1);
-        let [a, b] = [&points[next.saturating_sub(1)], &points[next]];
-        let t = if b.along > a.along { ((along - a.along) / (b.along - a.along)).clamp(0.0, 1.0) } else { 0.0 };
-        [0, 1].map(|k| a.position[k] + t * (b.position[k] - a.position[k]))
+/// Returns the words about UAVs and user in the caption.
+fn words_of(walk: &TrackWalk) -> String {
+    let uavs = match &walk.uavs[..] {
+        [uav] => {
+            let at = &uav.station.place;
+            format!("UAV at ({}, {}), {} m above the datum", tidy(at.x), tidy(at.y), tidy(uav.height_amsl_m()))
+        }
+        uavs => counted(uavs.len() as u64, "UAV", "UAVs"),
     };
-    let [from, to] = stretch.along;
-    let turns = points.iter().filter(|p| p.is_vertex && from < p.along && p.along < to).map(|p| p.position);
-    let cells = |[x, y]: [f64; 2]| {
-        let (east, north) = grid.cells_from_world(x, y);
-        #[expect(clippy::cast_precision_loss, reason = "a grid has fewer than 2^53 rows")]
-        let n_rows = grid.n_rows() as f64;
-        [east, n_rows - north]
+    let user = walk.rx_height_m.map_or("a flight".to_string(), |m| format!("user {} m above ground", tidy(m)));
+    let decided = match walk.curvature {
+        None => "stretches computed exactly".to_string(),
+        Some(_) => format!("decided every {} m", tidy(walk.every_m)),
     };
-    std::iter::once(at(from)).chain(turns).chain([at(to)]).map(cells).collect()
+    format!("{uavs}; {user}; {decided}; {}", program())
 }
 
-/// Returns the cells around the track and the UAV, with a border of a twelfth.
+/// Returns where each way begins along all of them one after the other \[m\], and where the last ends.
+fn starts_of(walk: &TrackWalk) -> Vec<f64> {
+    let mut starts = vec![0.0];
+    for way in &walk.ways {
+        let length = way.spans(walk.facts.unit_m()).last().map_or(0.0, |span| span.along_m[1]);
+        starts.push(starts[starts.len() - 1] + length);
+    }
+    starts
+}
+
+/// A stretch along all ways one after the other, with its path on the plan.
+type Drawn = ([f64; 2], Option<bool>, Vec<[f64; 2]>);
+
+struct Paths<'a> {
+    walk: &'a TrackWalk,
+    part: &'a GeoRef,
+    starts: &'a [f64],
+}
+
+impl Paths<'_> {
+    /// Returns stretches as they are drawn: legs of one state that follow each other as one.
+    fn of(&self, stretches: &Stretches) -> Vec<Drawn> {
+        let is_same = |a: &WayStretch, b: &WayStretch| (a.way, a.state) == (b.way, b.state);
+        let drawn = |run: &[WayStretch]| {
+            let (first, last) = (&run[0], &run[run.len() - 1]);
+            let start = self.starts[first.way];
+            let path = run.iter().map(|s| (s, s.at[0])).chain([(last, last.at[1])]);
+            let path = path.map(|(s, t)| self.cells(self.walk.place_of((s.way, s.leg, t)).0)).collect();
+            let los = first.state.has_receiver().then_some(first.state == TrackState::Los);
+            ([start + first.along_m[0], start + last.along_m[1]], los, path)
+        };
+        stretches.0.chunk_by(is_same).map(drawn).collect()
+    }
+
+    /// Returns a position as column and row.
+    fn cells(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let (east, north) = self.part.cells_from_world(x, y);
+        #[expect(clippy::cast_precision_loss, reason = "a grid has fewer than 2^53 rows")]
+        let n_rows = self.part.n_rows() as f64;
+        [east, n_rows - north]
+    }
+}
+
+fn told(drawn: &[Drawn]) -> Vec<TrackStretch<'_>> {
+    drawn.iter().map(|(along_m, los, path)| TrackStretch { along_m: *along_m, los: *los, path }).collect()
+}
+
+/// Returns the heights above ground that would be enough for a walk below one UAV.
+fn enough_of(walk: &TrackWalk, user_m: f64, starts: &[f64]) -> Result<Vec<(f64, Option<f64>)>> {
+    let points = walk.points()?;
+    let mut enough = Vec::new();
+    for (way, of_way) in points.iter().flatten().enumerate() {
+        let spans = walk.ways[way].spans(walk.facts.unit_m());
+        let of = |p: &TrackPoint| (starts[way] + spans[p.leg.0].at(p.leg.1).0, p.margin_m.map(|m| user_m - m));
+        enough.extend(of_way.iter().map(of));
+    }
+    Ok(enough)
+}
+
+/// Returns the heights along a flight, and of what is below.
+fn flight_of(walk: &TrackWalk, starts: &[f64]) -> Vec<FlightHeights> {
+    let field = &walk.scene.field;
+    let total = starts.last().copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
+    let known = |z: Option<i32>| z.filter(|z| *z != VOID).map_or(f64::NAN, meters);
+    let mut heights = Vec::new();
+    for (way, of_way) in walk.ways.iter().enumerate() {
+        for (leg, span) in of_way.spans(walk.facts.unit_m()).iter().enumerate() {
+            let n = (PLACES * (span.along_m[1] - span.along_m[0]) / total).ceil().max(1.0);
+            let mut k = 0.0;
+            while k <= n {
+                let t = k / n;
+                k += 1.0;
+                let ([x, y], user) = walk.place_of((way, leg, t));
+                let place = field.place(x, y);
+                let ground_m = known(Some(field.ground_at(&place)));
+                let on_foot = || ground_m + walk.rx_height_m.unwrap_or(0.0);
+                let user_m = user.unwrap_or_else(on_foot);
+                if user_m.is_finite() {
+                    let (along_m, roof_m) = (starts[way] + span.at(t).0, known(field.roof_at(&place)));
+                    heights.push(FlightHeights { along_m, user_m, ground_m, roof_m });
+                }
+            }
+        }
+    }
+    heights
+}
+
+/// Returns the cells around the track and the UAVs, with a border of a twelfth.
 fn window_around(walk: &TrackWalk) -> CellWindow {
     let around = |[x, y]: [f64; 2]| [x, y, x, y];
     let join = |a: [f64; 4], b: [f64; 4]| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])];
-    let places = walk.track.points.iter().map(|p| around(p.position));
-    let [west, south, east, north] = places.fold(around([walk.uav.x, walk.uav.y]), join);
+    let vertices = walk.ways.iter().flat_map(|way| &way.vertices).map(|of| of.vertex.position);
+    let uavs = walk.uavs.iter().map(|uav| [uav.station.place.x, uav.station.place.y]);
+    let bounds = vertices.chain(uavs).map(around).reduce(join).unwrap_or_default();
+    let [west, south, east, north] = bounds;
     let border = (east - west).max(north - south) / 12.0;
     window_of(walk.scene.grid(), std::iter::once([west - border, south - border, east + border, north + border]))
 }

@@ -1,304 +1,296 @@
-//! Line of sight along a user's track.
+//! Line of sight along tracks: walks below UAVs, and flights.
 
+mod document;
 mod figure;
+mod found;
+mod stretch_files;
+mod way;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use serde_json::Value;
 
-use crate::answer::{Answer, CommandFacts, Head, Rows, RunFacts, Spent, WarningFacts, document_of, rows, warnings_of};
-use crate::city::Site;
-use crate::coverage::{SceneView, Stretch, Track, TrackPoint, TrackState};
+use crate::answer::{Answer, CommandFacts, Rows, RunFacts, Spent, add_rows, rows};
+use crate::city::{GivenSite, Site};
+use crate::coverage::{TrackPoint, TrackState, Uav};
 use crate::earth::warn_of_drop;
-use crate::error::{Error, LimitError, OddRun, Result, Warning, warned};
+use crate::error::{Error, LimitError, OddRun, Result, Warning};
 use crate::export::{Batch, Format};
 use crate::height_field::Curvature;
-use crate::link::{EndFacts, check_extent};
+use crate::link::check_extent;
 use crate::los::Method;
 use crate::picture::Look;
-use crate::quantity::{counted, meters, tidy};
-use crate::read::{read_track, source_of};
+use crate::quantity::{counted, tidy};
+use crate::read::{Paths, read_track, source_of};
 use crate::scene::Scene;
-use crate::scene::placing::{place_uav, warn_of_uavs_outside};
+use crate::scene::placing::{place_all, place_uav, warn_of_uavs_outside};
 use crate::sight::SightPlan;
-use crate::uav::bad_rows;
+use crate::uav::{UavsAsked, bad_rows};
 use crate::words::p_los_words;
+use found::{Stretches, Sums};
 use skyshed_io::Input;
 use skyshed_request::{Earth, Receiver, Sight, TrackOptions, filled};
+use way::{Way, places, ways_of};
+
+pub(crate) use way::{home_ground, resolved};
+
+pub(crate) use document::{PointRow, StretchRow, TrackDocument};
 
 /// Output formats of a track.
 pub(crate) const FORMATS: [Format; 6] =
     [Format::Png, Format::Svg, Format::Pdf, Format::Csv, Format::Json, Format::Stdout];
 
-/// Most steps along a track.
-const MOST_PLACES: f64 = 1e6;
+/// Formats of the stretches of a track.
+pub(crate) const STRETCH_FORMATS: [Format; 4] = [Format::Csv, Format::GeoJson, Format::Gpx, Format::Kml];
 
-/// Plan of a walk along a track.
+/// Most places along a track that are decided for one UAV.
+const MOST_PLACES: f64 = 1e6;
+/// Most UAVs that the text tells one by one.
+const MOST_TOLD: usize = 20;
+
+/// Plan of a walk or a flight.
 #[derive(Debug)]
 pub(crate) struct TrackPlan {
-    pub(crate) uav: Site,
-    /// Places of the track: a table or a line.
-    pub(crate) track: Input,
+    pub(crate) uavs: UavsAsked,
+    /// `true` if rows of the track that cannot be read are left out.
     pub(crate) skips_bad: bool,
+    /// Places of the track: a table, a line or a mission.
+    pub(crate) track: Input,
     /// `true` if the track is hashed, however large it is.
     pub(crate) hash: bool,
     /// Longest step between two decided places \[m\].
     pub(crate) every_m: f64,
+    /// `true` if legs between heights above the ground follow it.
+    pub(crate) follows_ground: bool,
+    /// `true` if a height of the receivers was asked for.
+    pub(crate) has_rx_height: bool,
     /// Height of the user, and the shape of the earth.
     pub(crate) sight: SightPlan,
+    /// Files of stretches.
+    pub(crate) stretch_files: Vec<PathBuf>,
 }
 
 impl TrackPlan {
-    /// Fills in the defaults of a question about a UAV and the places of a track.
+    /// Fills in the defaults of a question about UAVs and the places of a track.
     ///
     /// # Errors
     /// E113.
     pub(crate) fn of(
-        uav: Site,
-        (track, hash): (Input, bool),
+        uavs: UavsAsked,
+        (track, skips_bad, hash): (Input, bool, bool),
         options: &TrackOptions,
         (receiver, earth): (&Receiver, &Earth),
     ) -> Result<TrackPlan> {
         let sight = Sight { receiver: *receiver, earth: *earth, ..Sight::default() };
         let plan = TrackPlan {
-            uav,
+            uavs,
+            skips_bad,
             track,
-            skips_bad: options.skip_bad,
             hash,
             every_m: filled(options.every, TrackOptions::defaults().every),
+            follows_ground: options.follow_ground,
+            has_rx_height: receiver.rx_height.is_some(),
             sight: SightPlan::of(&sight)?,
+            stretch_files: options.stretches.iter().map(|path| path.0.clone()).collect(),
         };
-        plan.check()?;
+        if plan.every_m <= 0.0 {
+            return Err(Error::number("the step along a track", plan.every_m, "above 0 m"));
+        }
         Ok(plan)
     }
 
-    /// Checks the numbers, before any work.
+    /// Finds the stretches of the track over a scene.
     ///
     /// # Errors
-    /// E113.
-    pub(crate) fn check(&self) -> Result<()> {
-        if self.every_m <= 0.0 {
-            return Err(Error::number("the step along a track", self.every_m, "above 0 m"));
-        }
-        Ok(())
-    }
-
-    /// Walks the track over a scene.
-    ///
-    /// # Errors
-    /// Errors of reading the file; E2xx for a UAV that cannot be there; E502 for too many steps.
+    /// Errors of reading the files; E2xx for a UAV or a vertex that cannot be there; E116 for a height
+    /// of receivers beside heights of the track; E502 for too many steps.
     pub(crate) fn walk(&self, mut scene: Scene, command: CommandFacts) -> Result<TrackWalk> {
-        self.check()?;
-        let site = &self.uav;
-        warn_of_uavs_outside(std::slice::from_ref(site), scene.field.grid(), &mut scene.warnings);
-        let crs = scene.field.grid().crs();
-        let read = |odd: &mut _| read_track(&self.track, crs, bad_rows(self.skips_bad, odd));
-        let places = warned(&mut scene.warnings, read)?;
-        scene.sources.push(source_of(&self.track, self.hash)?);
-        let length: f64 = places.windows(2).map(|e| (e[1][0] - e[0][0]).hypot(e[1][1] - e[0][1])).sum();
-        let unit = scene.grid().meters_per_unit();
-        if length * unit / self.every_m > MOST_PLACES {
-            return Err(LimitError::Track { length: tidy(length * unit), every_m: self.every_m }.into());
-        }
-        let mut reach = 1.0_f64;
-        for place in &places {
-            check_extent(&scene, site, (place[0], place[1]))?;
-            reach = reach.max((place[0] - site.x).abs()).max((place[1] - site.y).abs());
-        }
-        let uav = place_uav(site, &scene.field, scene.grid(), Some(reach))?;
-        let farthest = places.iter().map(|[x, y]| (x - site.x).hypot(y - site.y)).fold(0.0, f64::max);
+        let found = self.uavs.read(scene.grid())?;
+        scene.warnings.extend(found.warnings.iter().cloned());
+        scene.sources.extend(found.sources.iter().cloned());
+        warn_of_uavs_outside(&found.sites, scene.field.grid(), &mut scene.warnings);
+        let paths = self.read(&mut scene)?;
+        let (reach, farthest_m) = self.check_reach(&scene, (&found.sites, &paths))?;
+        let place = |site: &Site| place_uav(site, &scene.field, scene.field.grid(), Some(reach));
+        let uavs = place_all(&found, place, &mut scene.warnings)?;
+        let has_heights = paths.have_heights();
+        let ways = ways_of(paths, (&scene.field, self), &mut scene.warnings)?;
         let curvature = self.sight.curvature();
         if curvature.is_none() {
-            warn_of_drop(farthest * unit, &mut scene.warnings);
+            warn_of_drop(farthest_m, &mut scene.warnings);
         }
-        let view = SceneView::of(&scene.field, &uav, curvature)?;
-        let track = view.along_track(&places, self.sight.rx_height(), self.every_m / unit);
-        let n_outside = track.points.iter().filter(|p| p.state == TrackState::NoReceiver).count();
-        if n_outside > 0 {
-            let odd = OddRun::OffGround { n: n_outside as u64, of: track.points.len() };
-            scene.warnings.push(odd.into());
+        let step = self.every_m / scene.grid().meters_per_unit();
+        let curved = curvature.map(|curvature| (curvature, step));
+        let (each, all) = found::find(&scene.field, (&ways, &uavs), curved)?;
+        let no_receiver = |s: &&found::WayStretch| !s.state.has_receiver();
+        let off_m: f64 = all.0.iter().filter(no_receiver).map(found::WayStretch::length_m).sum();
+        if off_m > 0.0 {
+            scene.warnings.push(OddRun::OffGround { length: tidy(off_m) }.into());
         }
-        let place = &uav.station.place;
         Ok(TrackWalk {
             facts: RunFacts { command, ..scene.facts(Some(Method::Ray)) },
-            rx_height_m: self.sight.rx_height_m(),
-            earth_k: curvature.map(Curvature::earth_k),
+            rx_height_m: (!has_heights).then(|| self.sight.rx_height_m()),
+            curvature,
             every_m: self.every_m,
-            uav: EndFacts { x: place.x, y: place.y, height_amsl_m: uav.height_amsl_m() },
-            track,
+            uavs,
+            ways,
+            each: each.iter().map(Seen::of).collect(),
+            all: Seen::of(&all),
+            points: OnceLock::new(),
+            stretch_files: self.stretch_files.clone(),
             scene,
         })
     }
+
+    /// Reads the track, and refuses a height of receivers beside heights of its own.
+    fn read(&self, scene: &mut Scene) -> Result<Paths> {
+        let crs = scene.field.grid().crs().cloned();
+        let (mut bad, mut odd) = (Vec::new(), Vec::new());
+        let paths = read_track(&self.track, crs.as_ref(), (bad_rows(self.skips_bad, &mut bad), &mut odd));
+        scene.warnings.extend(bad.into_iter().chain(odd).map(Warning::from));
+        let paths = paths?;
+        scene.sources.push(source_of(&self.track, self.hash)?);
+        if paths.have_heights() && self.has_rx_height {
+            return Err(Error::idle("rx_height", "for a track with heights of its own"));
+        }
+        if self.follows_ground && !paths.have_heights() {
+            return Err(Error::idle("follow_ground", "for a walk: it follows the ground"));
+        }
+        Ok(paths)
+    }
+
+    /// Checks the lengths of links and of the track. Returns how far places of the track are from the
+    /// UAVs at most: along an axis \[CRS units\], and in the plane \[m\].
+    fn check_reach(&self, scene: &Scene, (sites, paths): (&[GivenSite], &Paths)) -> Result<(f64, f64)> {
+        let unit = scene.grid().meters_per_unit();
+        let mut length = 0.0;
+        for path in &paths.lines {
+            length += path.vertices.windows(2).map(|e| (e[1].x - e[0].x).hypot(e[1].y - e[0].y)).sum::<f64>();
+        }
+        if length * unit / self.every_m > MOST_PLACES {
+            return Err(LimitError::Track { length: tidy(length * unit), every_m: self.every_m }.into());
+        }
+        let (mut reach, mut farthest) = (1.0_f64, 0.0_f64);
+        for site in sites {
+            for [x, y] in places(&paths.lines) {
+                check_extent(scene, &site.site, (x, y))?;
+                reach = reach.max((x - site.x).abs()).max((y - site.y).abs());
+                farthest = farthest.max((x - site.x).hypot(y - site.y));
+            }
+        }
+        Ok((reach, farthest * unit))
+    }
 }
 
-/// Line of sight between a UAV and a user who walks a track.
+/// Stretches that one UAV sees, or all together, and their sums.
+#[derive(Debug, Clone)]
+struct Seen {
+    /// Stretches, leg by leg.
+    by_leg: Stretches,
+    /// Stretches across legs.
+    merged: Stretches,
+    sums: Sums,
+}
+
+impl Seen {
+    fn of(by_leg: &Stretches) -> Seen {
+        let merged = by_leg.merged();
+        Seen { by_leg: by_leg.clone(), sums: merged.sums(), merged }
+    }
+
+    /// Returns the share of the length in line of sight; `None` without receivers.
+    fn share(&self) -> Option<f64> {
+        Sums::share(self.sums.length_m)
+    }
+}
+
+/// Line of sight between UAVs and a user along tracks.
 #[derive(Debug)]
 pub(crate) struct TrackWalk {
     scene: Scene,
     facts: RunFacts,
-    rx_height_m: f64,
-    earth_k: Option<f64>,
+    /// Height of the user above ground \[m\]; `None` for a track with heights of its own.
+    rx_height_m: Option<f64>,
+    curvature: Option<Curvature>,
     every_m: f64,
-    uav: EndFacts,
-    track: Track,
-}
-
-/// Line of sight along a track.
-#[derive(Debug, Serialize, JsonSchema)]
-pub(crate) struct TrackDocument {
-    #[serde(flatten)]
-    head: Head,
-    /// The UAV.
-    uav: EndFacts,
-    /// Height of the user above ground [m].
-    rx_height_m: f64,
-    /// Effective earth radius factor k; null over a flat earth.
-    earth_k: Option<f64>,
-    /// Longest step between two decided places [m].
-    every_m: f64,
-    /// Lengths of the track [m].
-    length_m: Lengths,
-    /// Share of the track in line of sight, of the part with receivers; null without any.
-    p_los: Option<f64>,
-    /// Reason for having no share.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    reason: Option<&'static str>,
-    /// Longest stretch without line of sight [m].
-    longest_without_m: f64,
-    /// Stretches of one state, in order; absent in the copies that pictures and tables store.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    stretches: Option<Vec<StretchDocument>>,
-    /// Decided places, in order; absent in the copies that pictures and tables store.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    points: Option<Vec<PointRow>>,
-    /// Warnings.
-    warnings: Vec<WarningFacts>,
-}
-
-/// Lengths of a track [m].
-#[derive(Debug, Serialize, JsonSchema)]
-struct Lengths {
-    /// Whole track.
-    total: f64,
-    /// Part in line of sight.
-    los: f64,
-    /// Part not in line of sight.
-    nlos: f64,
-    /// Part inside buildings or without a ground.
-    no_receiver: f64,
-}
-
-/// A stretch of a track.
-#[derive(Debug, Serialize, JsonSchema)]
-struct StretchDocument {
-    /// los, nlos or no_receiver.
-    state: &'static str,
-    /// Beginning along the track [m].
-    from_m: f64,
-    /// End along the track [m].
-    to_m: f64,
-    /// Length [m].
-    length_m: f64,
-}
-
-/// A decided place of a track.
-#[derive(Debug, Serialize, JsonSchema)]
-pub(crate) struct PointRow {
-    /// Distance from the beginning along the track [m].
-    along_m: f64,
-    /// East [units of the scene's reference system].
-    x: f64,
-    /// North [units of the scene's reference system].
-    y: f64,
-    /// true for a place of the file, false for one between two of them.
-    vertex: bool,
-    /// Height of the user above the datum [m].
-    height_amsl_m: Option<f64>,
-    /// los, nlos or no_receiver.
-    state: &'static str,
-    /// User's height less the least height in line of sight [m].
-    margin_m: Option<f64>,
-    /// Horizontal distance from the UAV [m].
-    distance_m: Option<f64>,
-    /// Elevation angle of the UAV [deg].
-    elevation_deg: Option<f64>,
-}
-
-/// Returns the word of a state in documents and tables.
-fn word(state: TrackState) -> &'static str {
-    match state {
-        TrackState::Los => "los",
-        TrackState::Nlos => "nlos",
-        TrackState::NoReceiver => "no_receiver",
-    }
+    uavs: Vec<Uav>,
+    ways: Vec<Way>,
+    /// As each UAV sees it.
+    each: Vec<Seen>,
+    /// As the best of them at each place sees it.
+    all: Seen,
+    /// Decided places by UAV and way, found when they are asked for.
+    points: OnceLock<Vec<Vec<Vec<TrackPoint>>>>,
+    stretch_files: Vec<PathBuf>,
 }
 
 impl TrackWalk {
-    /// Returns the length of the track in a state \[m\].
-    fn length_m(&self, state: TrackState) -> f64 {
-        self.track.length(state) * self.facts.unit_m()
-    }
-
-    /// Returns the length of the longest stretch without line of sight \[m\].
-    fn longest_without_m(&self) -> f64 {
-        let without = self.track.stretches.iter().filter(|s| s.state == TrackState::Nlos);
-        without.map(|s| (s.along[1] - s.along[0]) * self.facts.unit_m()).fold(0.0, f64::max)
-    }
-
-    /// Returns the share of the track in line of sight, of the part with receivers; `None` without
-    /// any.
-    fn share(&self) -> Option<f64> {
-        let (los, nlos) = (self.length_m(TrackState::Los), self.length_m(TrackState::Nlos));
-        (los + nlos > 0.0).then(|| los / (los + nlos))
-    }
-
-    fn stretches(&self) -> Vec<StretchDocument> {
-        let unit = self.facts.unit_m();
-        let of = |s: &Stretch| {
-            let [from_m, to_m] = s.along.map(|along| along * unit);
-            StretchDocument { state: word(s.state), from_m, to_m, length_m: (s.along[1] - s.along[0]) * unit }
-        };
-        self.track.stretches.iter().map(of).collect()
-    }
-
-    fn point(&self, p: &TrackPoint) -> PointRow {
-        let ([x, y], unit) = (p.position, self.facts.unit_m());
-        let height_amsl_m = p.z.and_then(|z| i32::try_from(z).ok()).map(meters);
-        let distance_m = height_amsl_m.map(|_| (x - self.uav.x).hypot(y - self.uav.y) * unit);
-        let rise = height_amsl_m.map(|z| self.uav.height_amsl_m - z);
-        PointRow {
-            along_m: p.along * unit,
-            x,
-            y,
-            vertex: p.is_vertex,
-            height_amsl_m,
-            state: word(p.state),
-            margin_m: p.margin_m,
-            distance_m,
-            elevation_deg: rise.zip(distance_m).map(|(rise, distance)| rise.atan2(distance).to_degrees()),
+    /// Returns the decided places by UAV and way.
+    ///
+    /// # Errors
+    /// E118 for an earth so curved that heights would leave the lattice.
+    fn points(&self) -> Result<&[Vec<Vec<TrackPoint>>]> {
+        if let Some(points) = self.points.get() {
+            return Ok(points);
         }
+        let step = self.every_m / self.scene.grid().meters_per_unit();
+        let of = |uav: &Uav| found::points(&self.scene.field, (&self.ways, uav), (self.curvature, step));
+        let found = self.uavs.iter().map(of).collect::<Result<_>>()?;
+        Ok(self.points.get_or_init(|| found))
     }
 
-    fn as_document(&self, with_places: bool) -> Value {
-        let [los, nlos, no_receiver] =
-            [TrackState::Los, TrackState::Nlos, TrackState::NoReceiver].map(|s| self.length_m(s));
-        let p_los = self.share();
-        document_of(&TrackDocument {
-            head: self.facts.head("skyshed/track/1"),
-            uav: self.uav,
-            rx_height_m: self.rx_height_m,
-            earth_k: self.earth_k,
-            every_m: self.every_m,
-            length_m: Lengths { total: los + nlos + no_receiver, los, nlos, no_receiver },
-            p_los,
-            reason: p_los.is_none().then_some("no place of the track holds a receiver"),
-            longest_without_m: self.longest_without_m(),
-            stretches: with_places.then(|| self.stretches()),
-            points: with_places.then(|| self.track.points.iter().map(|p| self.point(p)).collect()),
-            warnings: warnings_of(&self.facts.warnings),
-        })
+    /// Returns words about the stretches of one UAV or of all.
+    fn words(seen: &Seen, who: &str) -> String {
+        let Seen { merged, sums, .. } = seen;
+        let length = |state| tidy(sums.length(state));
+        let n_without = merged.0.iter().filter(|s| s.state == TrackState::Nlos).count();
+        let share = match seen.share() {
+            None => "undefined: no place holds a receiver".to_string(),
+            share => p_los_words(share),
+        };
+        let by_time = match sums.time_s.map(Sums::share) {
+            Some(share @ Some(_)) => format!(", {} by time", p_los_words(share)),
+            _ => String::new(),
+        };
+        let longest_s = sums.longest_without_s.map_or(String::new(), |s| format!(", {} s", tidy(s)));
+        format!(
+            "P_LoS along the track{who} {share}{by_time}: {} m with line of sight, {} m without in {}, the longest {} m{longest_s}\n",
+            length(TrackState::Los),
+            length(TrackState::Nlos),
+            counted(n_without as u64, "stretch", "stretches"),
+            tidy(sums.longest_without_m)
+        )
+    }
+
+    /// Returns words about what the best UAV at each place sees.
+    fn words_of_all(&self) -> String {
+        let who = if self.uavs.len() > 1 { " from one of them or more" } else { "" };
+        TrackWalk::words(&self.all, who)
+    }
+
+    /// Returns words about the parts without a receiver.
+    fn words_of_none(&self) -> String {
+        let mut text = String::new();
+        for (state, what) in
+            [(TrackState::Inside, "inside buildings or below the ground"), (TrackState::Nodata, "without a ground")]
+        {
+            if self.all.sums.length(state) > 0.0 {
+                let places: Vec<String> = self
+                    .all
+                    .merged
+                    .0
+                    .iter()
+                    .filter(|stretch| stretch.state == state)
+                    .take(5)
+                    .map(|stretch| format!("{} to {} m", tidy(stretch.along_m[0]), tidy(stretch.along_m[1])))
+                    .collect();
+                let n = self.all.merged.0.iter().filter(|stretch| stretch.state == state).count();
+                let more = if n > places.len() { format!(" and {} more", n - places.len()) } else { String::new() };
+                text += &format!("{} m {what}: {}{more}\n", tidy(self.all.sums.length(state)), places.join(", "));
+            }
+        }
+        text
     }
 }
 
@@ -316,7 +308,15 @@ impl Answer for TrackWalk {
     }
 
     fn table(&self) -> Rows {
-        rows(self.track.points.iter().map(|p| self.point(p)))
+        rows(self.point_rows())
+    }
+
+    fn add_table(&self, batch: &mut Batch, path: &Path, look: &Look) -> Result<()> {
+        let table = match self.stretch_files.iter().any(|file| file == path) {
+            true => rows(self.stretch_rows()),
+            false => self.table(),
+        };
+        add_rows(batch, path, (&table, &self.provenance()), look)
     }
 
     fn warnings(&self) -> &[Warning] {
@@ -324,26 +324,25 @@ impl Answer for TrackWalk {
     }
 
     fn text(&self, _: &Look) -> Result<String> {
-        let length = |state| tidy(self.length_m(state));
-        let n_without = self.track.stretches.iter().filter(|s| s.state == TrackState::Nlos).count();
-        let share = match self.share() {
-            None => "undefined: no place holds a receiver".to_string(),
-            share => p_los_words(share),
-        };
-        let mut text = format!(
-            "P_LoS along the track {share}: {} m with line of sight, {} m without in {}, the longest {} m\n",
-            length(TrackState::Los),
-            length(TrackState::Nlos),
-            counted(n_without as u64, "stretch", "stretches"),
-            tidy(self.longest_without_m())
-        );
-        if self.length_m(TrackState::NoReceiver) > 0.0 {
-            text += &format!("{} m without a receiver\n", length(TrackState::NoReceiver));
+        let mut text = self.words_of_none();
+        if self.uavs.len() > 1 {
+            for (uav, seen) in self.uavs.iter().zip(&self.each).take(MOST_TOLD) {
+                text += &TrackWalk::words(seen, &format!(" from UAV `{}`", uav.id));
+            }
+            if self.uavs.len() > MOST_TOLD {
+                text += &format!("and {} more UAVs\n", self.uavs.len() - MOST_TOLD);
+            }
         }
-        Ok(text)
+        Ok(text + &self.words_of_all())
     }
 
     fn add(&self, batch: &mut Batch, path: &Path, format: Format, look: &Look) -> Result<()> {
-        Ok(batch.add(path, &figure::draw(self, format, look)?)?)
+        let bytes = match format {
+            Format::GeoJson => stretch_files::geojson(self)?.into_bytes(),
+            Format::Gpx => stretch_files::gpx(self, path)?.into_bytes(),
+            Format::Kml => stretch_files::kml(self, path)?.into_bytes(),
+            _ => figure::draw(self, format, look)?,
+        };
+        Ok(batch.add(path, &bytes)?)
     }
 }

@@ -41,6 +41,24 @@ const SITES: &str = "# places\nid,x,y,h,h_above\na,5,5,60,ground\nb,35.5,30,90,a
 const POINTS: &str = r#"{"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "EPSG:25832"}}, "features": [
  {"type": "Feature", "properties": {"h": 60, "id": "a"}, "geometry": {"type": "Point", "coordinates": [5, 5]}}]}"#;
 
+const GPX: &str = r#"<gpx version="1.1" xmlns="http://www.topografix.com/GPX/1/1"><wpt lat="1e-4" lon="4.5114"/><trk><name>a</name><trkseg>
+<trkpt lat="1e-4" lon="4.5114"><ele>20</ele><time>2026-05-01T10:00:00Z</time></trkpt><trkpt lat="2e-4" lon="4.5116"><ele>25.5</ele>
+<time>2026-05-01T10:00:09.5Z</time></trkpt></trkseg></trk></gpx>"#;
+
+const KML: &str = r#"<kml xmlns="http://www.opengis.net/kml/2.2" xmlns:gx="http://www.google.com/kml/ext/2.2"><Document><Placemark>
+<LineString><altitudeMode>relativeToGround</altitudeMode><coordinates>4.5114,0.0001,20 4.5116,0.0002,30</coordinates></LineString></Placemark>
+<Placemark><gx:Track><altitudeMode>absolute</altitudeMode><when>2026-05-01T10:00:00Z</when><when>2026-05-01T10:00:09Z</when>
+<gx:coord>4.5114 0.0001 20</gx:coord><gx:coord>4.5113 0.0002 9</gx:coord></gx:Track></Placemark></Document></kml>"#;
+
+const PLAN: &str = r#"{"fileType": "Plan", "mission": {"plannedHomePosition": [0.0001, 4.5114, 3], "items": [
+ {"type": "SimpleItem", "command": 22, "frame": 3, "AltitudeMode": 1, "Altitude": 20, "params": [0, 0, 0, null, 0, 0, 20]},
+ {"type": "ComplexItem", "complexItemType": "survey", "TransectStyleComplexItem": {"Items": [
+  {"type": "SimpleItem", "command": 16, "frame": 10, "params": [0, 0, 0, null, 0.0002, 4.5116, 30]}]}},
+ {"type": "SimpleItem", "command": 20, "frame": 2, "params": [0, 0, 0, 0, 0, 0, 0]}]}}"#;
+
+const WAYPOINTS: &str = "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t0.0001\t4.5114\t5\t1\n\
+1\t0\t3\t22\t0\t0\t0\t0\t0.0001\t4.5114\t20\t1\n2\t0\t10\t16\t0\t0\t0\t0\t0.0002\t4.5116\t30\t1\n3\t0\t3\t21\t0\t0\t0\t0\t0\t0\t0\t1\n";
+
 fn grid() -> String {
     let rows = (0..12).map(|r| {
         (0..16).map(|c| if (4..7).contains(&c) && r > 3 { "14.25" } else { "2" }).collect::<Vec<_>>().join(" ")
@@ -91,6 +109,11 @@ fn good_files() -> Folder {
         ("area.geojson", FOOTPRINTS),
         ("sites.geojson", POINTS),
         ("walk.csv", "x,y\n1,1\n20,5\n45.5,30\n"),
+        ("flight.csv", "x,y,h,h_above,t\n1,1,20,ground,0\n20,5,30,amsl,9.5\n45.5,30,10,ground,2\n"),
+        ("flight.gpx", GPX),
+        ("flight.kml", KML),
+        ("flight.plan", PLAN),
+        ("flight.waypoints", WAYPOINTS),
         ("curve.csv", "theta_deg,p_los\n5,0.1\n45,0.6\n90,1\n"),
     ];
     texts.iter().for_each(|(name, text)| folder.write(name, text));
@@ -158,6 +181,10 @@ fn targets() -> Vec<Target> {
     };
     let cloud = |name| scene(name, &[], "--ground 10 --cell 4", "691005,5334705,60");
     let mesh = |name| scene(name, &[], "", "1,1,60");
+    let flight = |name| {
+        let line = format!("track city.geojson --uav 5,5,60 --track {name} --every 50 --stretches out.kml -o out.json");
+        of_line(name, &line)
+    };
     let small = "--extent -2,-2,60,60";
     vec![
         scene("grid.asc", &[], "--ground 2", "101,-45,40"),
@@ -198,6 +225,11 @@ fn targets() -> Vec<Target> {
         of_line("sites.csv", "map city.geojson --uavs sites.csv -o out.json"),
         of_line("sites.geojson", "map city.geojson --uavs sites.geojson -o out.json"),
         of_line("walk.csv", "track city.geojson --uav 5,5,60 --track walk.csv -o out.json"),
+        flight("flight.csv"),
+        flight("flight.gpx"),
+        flight("flight.kml"),
+        flight("flight.plan"),
+        flight("flight.waypoints"),
         of_line(
             "area.geojson",
             "place city.geojson --height 60 --step 20 --goal p_los(area) --area area.geojson -o out.json",

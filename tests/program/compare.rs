@@ -428,7 +428,7 @@ const FLAGS: [(&str, &str); 32] = [
 ];
 
 /// Flags that change what is written or said.
-const OTHER: &str = "--roofs --swap-axes --band --width --dpi --project --skip-bad --repairs --levels-field --base-field --parts --layer --output --csv --title \
+const OTHER: &str = "--roofs --swap-axes --band --width --dpi --project --skip-bad --bad-uavs --repairs --levels-field --base-field --parts --layer --output --csv --title \
     --attribution --json --overwrite --threads --quiet --max-memory --csv-text --hash --help --version";
 
 #[test]

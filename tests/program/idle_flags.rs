@@ -33,7 +33,7 @@ const VALUES: &str = "\
     --terrain slope.asc --ground 5 --building-threshold 4 --height-field tall --top-field z_top --height-unit ft \
     --levels-field tall --base-field tall --parts join --height-error-field tall --roofs lod2 --layer a --missing levels --base highest --data-area all --extent 0,0,48,48 --cell 0.5 \
     --crs EPSG:25832 --project EPSG:25832 --size 210 --seed 5 --nodata-as block --band 2 --repairs mended.csv --tile 20 \
-    --uav 30,5,45 --uavs sites.csv --rx 41,40 --track other.csv --every 3 --rx-height 9 --receivers all \
+    --uav 30,5,45 --uavs sites.csv --bad-uavs skip --rx 41,40 --rxs sites.csv --stretches parts.csv --track other.csv --every 3 --rx-height 9 --receivers all \
     --radius 25 --earth-k 0.01 --curvature-coefficient 99 --min-radius 15 --sector 20,110 --elevation -80,-50 --beam 50 --method ray --tolerance 0.2 --layers los,margin --height-curve curve.csv --curve-heights 10:50:10 \
     --output more.json --csv more.csv --threads 1 --max-memory 1G --tif-layout plain --polygons los --simplify 2 \
     --scratch . --title Another_title --attribution Somebody --width 900 --dpi 150 --uav-error 2 --height-error 3 --height-bias 2 --sigma 1 \
@@ -57,6 +57,8 @@ const OWN_VALUES: &[(&str, &str)] = &[
 const QUIET: &[(&str, &str)] = &[
     ("--threads", "threads_do_not_change_results"),
     ("--max-memory", "no run takes more than was allowed: memory_limits"),
+    ("--bad-uavs", "bad_uavs_are_named_left_out_or_lifted"),
+    ("--stretches", "several_observers_see_what_one_of_them_sees"),
     ("--overwrite", "an_existing_file_is_replaced_only_with_leave"),
     ("--hash", "a_large_input_is_hashed_on_request"),
     ("--skip-bad", "bad_rows_are_told_together_and_left_out_on_request"),

@@ -172,8 +172,16 @@ fn module() -> String {
         Keywords::of::<request::Sight>(("SightKeywords", "TypedDict"), "Receivers, range, antennas and earth.", &[]),
         Keywords::of::<request::CoverageQuestion>(("MapKeywords", "SightKeywords"), "Question of maps.", &sight),
         Keywords::of::<request::SaveOptions>(("SaveKeywords", "TypedDict"), "Files of a map.", &[]),
-        of_request::<request::LinkRequest>("LinkKeywords", "Question of one link.", &["uav", "rx"]),
-        of_request::<request::TrackRequest>("TrackKeywords", "Question of a track.", &["uav", "track", "skip_bad"]),
+        of_request::<request::LinkRequest>(
+            "LinkKeywords",
+            "Question of one link.",
+            &["uav", "rx", "uavs", "rxs", "pairs", "los_only", "skip_bad", "bad_uavs"],
+        ),
+        of_request::<request::TrackRequest>(
+            "TrackKeywords",
+            "Question of a walk or a flight.",
+            &["uav", "uavs", "track", "skip_bad"],
+        ),
         of_request::<request::LimitsRequest>("LimitsKeywords", "Question of limits.", &["uav", "uavs", "skip_bad"]),
         of_request::<request::CompareRequest>(
             "CompareKeywords",

@@ -48,7 +48,7 @@ fn bad_rows_are_told_together_and_left_out_on_request() {
     // Numbers are those of rows, whichever are left out.
     folder.write("s.csv", "x,y,h\n1,1,x\n40,40,30\n");
     assert_eq!(folder.type_in(&format!("{map} --skip-bad --json")).done().json()["sites"][0]["id"], "2");
-    folder.refuses("map city.geojson --uav 2,2,50 --skip-bad", "E101", &["--uavs"]);
+    folder.refuses("map city.geojson --uav 2,2,50 --skip-bad", "E116", &["a table of UAVs"]);
 }
 
 #[test]

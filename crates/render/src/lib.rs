@@ -92,7 +92,7 @@ pub use png::{draw_bare, draw_bare_count};
 pub use qgis_style::{FirstBand, qgis_style};
 pub use rate_sheet::{RateColumn, RateSheet, draw_rate_sheet};
 pub use sheet::{PictureForm, PictureFormat, Sheet};
-pub use track_profile::{TrackPlan, TrackProfile, TrackStretch, draw_track_profile};
+pub use track_profile::{FlightHeights, TrackHeights, TrackPlan, TrackProfile, TrackStretch, draw_track_profile};
 pub use tradeoff::{Tradeoff, draw_tradeoff};
 pub use tradeoff_rows::TradeoffPoint;
 pub use web_page::gzip;

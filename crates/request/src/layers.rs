@@ -30,6 +30,8 @@ words! {
         Which = "which",
         /// Classes as in `los`, of all UAVs together: 1 where any sees the cell
         Union = "union",
+        /// Classes as in `los`, of all UAVs together: 1 where every one sees the cell, 3 where it is out of range of any
+        All = "all",
         /// The nearest UAV that sees the cell, by its number in the order of the UAVs from 1, in three dimensions, the first at
         /// equal distances; 0 where none does, nodata where nobody receives
         BestServer = "best-server",
@@ -39,7 +41,7 @@ words! {
 impl Layer {
     /// Returns `true` for a layer of all UAVs together.
     pub fn is_of_all(self) -> bool {
-        matches!(self, Layer::Count | Layer::Which | Layer::Union | Layer::BestServer)
+        matches!(self, Layer::Count | Layer::Which | Layer::Union | Layer::All | Layer::BestServer)
     }
 
     /// Returns `true` for a layer that refers to UAVs by their places in the list of all.

@@ -75,7 +75,7 @@ pub use scene::{
 };
 pub use sight::{Earth, Range, Receiver, Receivers, SetEarth, SetRange, SetReceiver, Sight};
 pub use source::Source;
-pub use uavs::{Position, SetUavs, Uavs};
+pub use uavs::{BadUavs, Position, SetUavs, Uavs};
 pub use units::{Shard, TileIndex, ZoneCount};
 pub use values::{EarthFactor, FilePath, HeightRange, Meters};
 

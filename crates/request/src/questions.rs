@@ -8,26 +8,33 @@ use crate::{
 };
 
 part! {
-    /// Ends of a link.
+    /// Receivers of links.
     pub struct LinkOptions, SetLinkOptions {
-        /// The UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl)
-        #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true, required = true)]
-        uav: Option<String>,
-        /// The receiver: x, y and height (1.5, 1.5roof, 30amsl); `--rx-height` above ground without one
-        #[arg(long, value_name = "X,Y[,H]", allow_hyphen_values = true, required = true)]
-        rx: Option<String>,
-        /// Refuse a receiver that is farther away [m]
+        /// A receiver: x, y and height (1.5, 1.5roof, 30amsl), `--rx-height` above ground without one; repeat for more
+        #[arg(long, value_name = "X,Y[,H]", allow_hyphen_values = true, required_unless_present = "rxs")]
+        rx: Vec<String>,
+        /// Receivers from a table (.csv) or points (.geojson .gpx .kml), with or without heights
+        #[arg(long, value_name = "FILE")]
+        rxs: Option<Source>,
+        /// Link the first UAV with the first receiver, the second with the second, and so on, instead of all with all
+        #[arg(long)]
+        pairs: bool,
+        /// Decide line of sight alone, without margins and obstacles
+        #[arg(long)]
+        los_only: bool,
+        /// Refuse a receiver that is farther away [m]; of many, leave its link without an answer
         #[arg(long, value_name = "M", value_parser = crate::words::number, allow_hyphen_values = true)]
         radius: Option<f64>,
     }
 }
 
 group! {
-    /// Request of one link.
+    /// Request of one link, or of links between lists.
     #[command(
-        mut_arg("output", |a| a.help("File to write: .png .svg .pdf .json").long_help(
-            "Side view of the link (.png, .svg, .pdf) or its document (.json), `-` for JSON on standard output; repeat for more. \
-             Without any the answer goes to standard output")),
+        mut_arg("output", |a| a.help("File to write: .png .svg .pdf .json; of many links .csv .json .geojson .npz").long_help(
+            "Side view of a link (.png, .svg, .pdf) or its document (.json); of many links a table (.csv), the document (.json), lines \
+             (.geojson), arrays (.npz); `-` for JSON on standard output; repeat for more. Without any the answer goes to standard \
+             output")),
         after_help = "Example: skyshed link itu:urban --uav 500,500,100 --rx 630,480"
     )]
     pub struct LinkRequest {
@@ -35,7 +42,10 @@ group! {
         scene: SceneWord,
         /// Reading of the scene.
         reading: Reading,
-        /// Ends.
+        /// UAVs.
+        #[heading = "Link"]
+        uavs: Uavs,
+        /// Receivers.
         #[heading = "Link"]
         link: LinkOptions,
         /// Height of the receiver.
@@ -52,25 +62,28 @@ group! {
 }
 
 part! {
-    /// Track of a user below a UAV.
+    /// Walk or flight of a user.
     pub struct TrackOptions, SetTrackOptions {
-        /// The UAV: x, y in the scene's CRS and height (120, 120agl, 30roof, 150amsl)
-        #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true, required = true)]
-        uav: Option<String>,
-        /// The user's places in order, from a table (.csv with x,y or lon,lat; `-` is standard input) or a line (.geojson)
+        /// Places in order: .csv .geojson .gpx .kml .plan .waypoints; heights and times where the file has them
+        ///
+        /// A table has columns x,y or lon,lat, and for a flight h, for times t (seconds or ISO 8601); `-` is standard input. A
+        /// track without heights is a walk at --rx-height.
         #[arg(long, value_name = "FILE", required = true)]
         track: Option<Source>,
-        /// Leave out rows of the track that cannot be read, with a warning that names them
+        /// File of stretches, leg by leg: .csv .geojson .gpx .kml; repeat for more
+        #[arg(long, value_name = "FILE")]
+        stretches: Vec<FilePath>,
+        /// Cut legs between heights above the ground at --every, to follow it
         #[arg(long)]
-        skip_bad: bool,
-        /// Longest step along the track between two decided places [m]; what begins and ends within a step is missed
+        follow_ground: bool,
+        /// Longest step between two places in tables and pictures [m]; over a curved earth what begins and ends within one is missed
         #[arg(long, value_name = "M", value_parser = crate::words::number, allow_hyphen_values = true)]
         every: Option<f64>,
     }
 }
 
 group! {
-    /// Request of line of sight along a track.
+    /// Request of line of sight along a walk or a flight.
     #[command(
         mut_arg("output", |a| a.help("File to write: .png .svg .pdf .csv .json; repeat for more").long_help(
             "A strip of line of sight below the height that would be enough (.png, .svg, .pdf), the document (.json), a table \
@@ -82,6 +95,9 @@ group! {
         scene: SceneWord,
         /// Reading of the scene.
         reading: Reading,
+        /// UAVs.
+        #[heading = "Track"]
+        uavs: Uavs,
         /// Track.
         #[heading = "Track"]
         track: TrackOptions,

@@ -4,6 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use skyshed_core::quantity::{Height, parse_number};
+use skyshed_core::words;
 
 use crate::Source;
 use crate::part::part;
@@ -37,6 +38,19 @@ impl fmt::Display for Position {
     }
 }
 
+words! {
+    /// Treatment of UAVs that cannot be at their place: inside a building, below the ground.
+    pub enum BadUavs {
+        /// An error that names all of them
+        Fail = "fail",
+        /// Left out, with a warning
+        Skip = "skip",
+        /// Lifted to the top of what is there, with a warning; left out where no ground is known
+        Lift = "lift",
+    }
+    default Fail
+}
+
 part! {
     /// UAVs, one by one and of a table.
     pub struct Uavs, SetUavs {
@@ -51,7 +65,10 @@ part! {
         #[arg(long, value_name = "FILE")]
         uavs: Option<Source>,
         /// Leave out rows of the table that cannot be read, with a warning that names them
-        #[arg(long, requires = "uavs", hide_short_help = true)]
+        #[arg(long, hide_short_help = true)]
         skip_bad: bool,
+        /// UAVs inside a building or below the ground: refuse them, leave them out, or lift them to the top of what is there
+        #[arg(long, value_name = "WHAT", value_parser = crate::words::one_of::<BadUavs>(), hide_short_help = true)]
+        bad_uavs: Option<BadUavs>,
     }
 }

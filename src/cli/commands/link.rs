@@ -1,6 +1,9 @@
-//! `skyshed link`: one link, decided and explained.
+//! `skyshed link`: one link, decided and explained, or links between lists.
 
-use skyshed_request::{LinkRequest, Range, Sight, json};
+use std::path::PathBuf;
+
+use skyshed_io::Input;
+use skyshed_request::{LinkRequest, Range, Sight, Uavs, json};
 
 use crate::answer::Answer;
 use crate::cli::args::output::checked_files;
@@ -8,11 +11,15 @@ use crate::cli::args::scene::scene_files;
 use crate::cli::args::sight::parse_receiver;
 use crate::cli::failure::{Result, refusal};
 use crate::cli::run::Run;
-use crate::link::FORMATS;
+use crate::error::{Error, Warning};
+use crate::link::{AskedReceiver, FORMATS, LinksPlan, TABLE_FORMATS};
 use crate::picture::Look;
-use crate::quantity::tidy;
+use crate::quantity::{Height, tidy};
+use crate::read::{Vertex, read_paths, source_of};
+use crate::scene::Scene;
 use crate::sight::SightPlan;
-use crate::uav::{Uav, site_of};
+use crate::track::{home_ground, resolved};
+use crate::uav::{Uav, UavsAsked, bad_rows};
 
 /// Answers a request.
 ///
@@ -20,25 +27,93 @@ use crate::uav::{Uav, site_of};
 /// Errors of the request, the scene and the files.
 pub(in crate::cli) fn run(request: &LinkRequest, run: &Run) -> Result<()> {
     run.refuse_data_area(&json::set_members(request))?;
-    let site = site_of(request.link.uav.as_deref().unwrap_or_default(), "1".into())?;
-    let range = Range { radius: request.link.radius, ..Range::default() };
+    let link = &request.link;
+    let range = Range { radius: link.radius, ..Range::default() };
     let sight = SightPlan::of(&Sight { receiver: request.receiver, range, earth: request.earth, ..Sight::default() })?;
-    let radius_m = sight.radius_m();
-    let (receiver, height) =
-        parse_receiver(request.link.rx.as_deref().unwrap_or_default(), request.receiver.rx_height_m())?;
+    let uavs = UavsAsked::some_of(&uavs_of(request), request.reading.options.hash)?;
+    let typed = typed_receivers(request)?;
+    let are_lists = uavs.table.is_some() || link.rxs.is_some() || uavs.typed.len() > 1 || typed.len() > 1;
+    if are_lists {
+        return many(request, run, (sight, &uavs, typed));
+    }
+    for (name, is_set) in [("pairs", link.pairs), ("los_only", link.los_only), ("skip_bad", request.uavs.skip_bad)] {
+        if is_set {
+            return Err(Error::idle(name, "for a single link").into());
+        }
+    }
     let outputs = checked_files(&request.out, None, (&FORMATS, &scene_files(request.scene.word(), &request.reading)))?;
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;
+    let (Some(site), Some(receiver)) = (uavs.typed.into_iter().next(), typed.into_iter().next()) else {
+        return Err(Error::fault("a link has two ends").into());
+    };
     let uav = Uav::new(site.x, site.y, site.height).named(site.id);
     let mut link = run.open_word(request.scene.word(), &request.reading)?.curved_link(
         uav,
-        (receiver, height),
+        (receiver.at, receiver.height),
         sight.curvature(),
     )?;
     link.facts.command = run.command();
-    if let Some(radius) = radius_m.filter(|radius| link.distance_m() > *radius) {
+    if let Some(radius) = sight.radius_m().filter(|radius| link.distance_m() > *radius) {
         let distance = tidy(link.distance_m());
         let text = format!("the receiver is {distance} m from the UAV, wanted within `--radius {radius}`");
         return Err(refusal(208, text));
     }
     run.emit(&link as &dyn Answer, &outputs, (&request.out, &look))
+}
+
+/// Returns the question about UAVs: bad rows may be those of the receivers alone.
+fn uavs_of(request: &LinkRequest) -> Uavs {
+    let skip_bad = request.uavs.skip_bad && request.uavs.uavs.is_some();
+    Uavs { skip_bad, ..request.uavs.clone() }
+}
+
+fn typed_receivers(request: &LinkRequest) -> Result<Vec<AskedReceiver>> {
+    let receiver = |(k, text): (usize, &String)| {
+        let (at, height) = parse_receiver(text, request.receiver.rx_height_m())?;
+        Ok(AskedReceiver { id: (k + 1).to_string(), at, height })
+    };
+    request.link.rx.iter().enumerate().map(receiver).collect()
+}
+
+/// Decides links between lists.
+fn many(
+    request: &LinkRequest,
+    run: &Run,
+    (sight, uavs, typed): (SightPlan, &UavsAsked, Vec<AskedReceiver>),
+) -> Result<()> {
+    let table = request.link.rxs.as_ref().map(Input::of);
+    let files = uavs.file().into_iter().chain(table.as_ref().and_then(Input::file).map(PathBuf::from));
+    let inputs: Vec<PathBuf> = scene_files(request.scene.word(), &request.reading).into_iter().chain(files).collect();
+    let outputs = checked_files(&request.out, None, (&TABLE_FORMATS, &inputs))?;
+    let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;
+    let plan = LinksPlan { are_pairs: request.link.pairs, los_only: request.link.los_only, sight };
+    let mut scene = run.open_word(request.scene.word(), &request.reading)?;
+    let found = uavs.read(scene.grid())?;
+    let mut receivers = typed;
+    if let Some(table) = table {
+        receivers.extend(read_receivers(&table, request, &mut scene)?);
+    }
+    let links = plan.decide(scene, (&found, &receivers), run.command())?;
+    run.emit(&links, &outputs, (&request.out, &look))
+}
+
+/// Reads the receivers of a file; those without a height are at that of the run.
+fn read_receivers(table: &Input, request: &LinkRequest, scene: &mut Scene) -> Result<Vec<AskedReceiver>> {
+    let crs = scene.grid().crs().cloned();
+    let (mut bad, mut odd) = (Vec::new(), Vec::new());
+    let paths = read_paths(table, crs.as_ref(), (bad_rows(request.uavs.skip_bad, &mut bad), &mut odd));
+    scene.warnings.extend(bad.into_iter().chain(odd).map(Warning::from));
+    let paths = paths.map_err(Error::from)?;
+    scene.sources.push(source_of(table, request.reading.options.hash).map_err(Error::from)?);
+    let home = home_ground(&scene.field, &paths)?;
+    let of_lines = paths.lines.into_iter().flat_map(|line| line.vertices);
+    let vertices: Vec<Vertex> = paths.points.into_iter().chain(of_lines).collect();
+    let first = request.link.rx.len() + 1;
+    let receiver = |(k, vertex): (usize, Vertex)| {
+        let own = vertex.height.map(|height| resolved(height, home));
+        let height = own.unwrap_or(Height::AboveGround(request.receiver.rx_height_m()));
+        let id = vertex.name.unwrap_or_else(|| (first + k).to_string());
+        AskedReceiver { id, at: (vertex.x, vertex.y), height }
+    };
+    Ok(vertices.into_iter().enumerate().map(receiver).collect())
 }

@@ -242,10 +242,14 @@ fn of_places(of: PlacesIn) -> &'static str {
         }
         PlacesIn::SiteFeatures => "a site is a Point with the property `h`; it may have `id` and `h_above`, too",
         PlacesIn::TrackTable => {
-            "a track is a table with the columns `x,y` or `lon,lat`, separated by commas, semicolons or tabs"
+            "a track is a table with the columns `x,y` or `lon,lat`, separated by commas, semicolons or tabs; a flight has \
+             `x,y,h` or `x,y,h,t`"
         }
-        PlacesIn::TrackHeights => "`track` walks at the height of `--rx-height` alone: leave heights out",
-        PlacesIn::TrackFeatures => "a track is one LineString, or Points in their order",
+        PlacesIn::PathHeights => {
+            "a flight has the columns `x,y,h`: heights such as 120 above the ground, 150amsl, 30roof"
+        }
+        PlacesIn::TrackFeatures => "a track is made of LineStrings, or of Points in their order",
+        PlacesIn::Path => "a flight is a .csv, .geojson, .gpx, .kml, .plan or .waypoints file",
     }
 }
 

@@ -104,6 +104,7 @@ pub(super) fn of_limit(error: &LimitError) -> Option<String> {
         L::Placements { .. } => "`skyshed map` makes maps and tables of any number",
         L::Blocks { .. } => "choose larger blocks: `--block M`",
         L::Combinations { .. } => return None,
+        L::Links { .. } => "link fewer at a time",
         L::Track { .. } => "choose longer steps: `--every M`",
         L::Tiles { .. } => "choose a larger `--tile`",
         L::Extent { word, .. } if is_raster_scene(word.as_ref()) => return Some(super::io::of_large_raster(word)),

@@ -11,6 +11,8 @@ pub struct Together {
     pub which: bool,
     /// Nearest UAV that sees a cell.
     pub best_server: bool,
+    /// Cells that every UAV sees.
+    pub all: bool,
     /// `true` for layers over a single UAV, too.
     pub even_of_one: bool,
     /// Place of each UAV in a list of all of them, of which some are mapped here, and its length.
@@ -28,6 +30,8 @@ pub struct Overlay {
     /// See [`Overlay::which`].
     which: Vec<Vec<u32>>,
     best: Option<BestServer>,
+    /// See [`Overlay::all`].
+    all: Option<Vec<u8>>,
 }
 
 /// The nearest UAV of each cell so far.
@@ -48,6 +52,7 @@ impl Overlay {
             n_uavs: 0,
             which: Vec::new(),
             best: None,
+            all: None,
         }
     }
 
@@ -63,6 +68,8 @@ impl Overlay {
             n_uavs,
             which: vec![vec![0; n_cells]; n_words],
             best: together.best_server.then_some(best),
+            // Of no UAV: each mask only makes it worse.
+            all: together.all.then(|| vec![class::LOS; n_cells]),
         }
     }
 
@@ -90,6 +97,9 @@ impl Overlay {
         squared_m2: impl Fn((usize, usize)) -> f64 + Sync,
     ) {
         self.add(mask);
+        if let Some(all) = &mut self.all {
+            all.par_iter_mut().zip(mask).for_each(|(all, class)| *all = worse(*all, *class));
+        }
         if let Some(word) = self.which.get_mut(k / 32) {
             let seen = word.par_iter_mut().zip(mask).filter(|(_, class)| **class == class::LOS);
             seen.for_each(|(word, _)| *word |= 1 << (k % 32));
@@ -133,6 +143,14 @@ impl Overlay {
         &self.union
     }
 
+    /// Returns the mask of what every UAV sees, if wanted.
+    ///
+    /// Nodata where no height is known, out of range if it is so for one UAV, else not a receiver, else LoS
+    /// if every UAV sees the cell.
+    pub fn all(&self) -> Option<&[u8]> {
+        self.all.as_deref()
+    }
+
     /// Returns the number of UAVs that see each cell.
     pub fn count(&self) -> &[u32] {
         &self.count
@@ -149,6 +167,11 @@ impl Overlay {
         }
         counts
     }
+}
+
+/// Returns the worse of two classes of a cell.
+fn worse(before: u8, next: u8) -> u8 {
+    if rank(next) > rank(before) { next } else { before }
 }
 
 /// Returns the rank of a class: a cell of the union has the class of the lowest rank in any mask.

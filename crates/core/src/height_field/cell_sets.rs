@@ -183,7 +183,7 @@ impl HeightField {
     }
 
     /// Returns the one height of the ground under all open cells, if it is flat.
-    pub(super) fn flat_ground(&self) -> Option<i32> {
+    pub fn flat_ground(&self) -> Option<i32> {
         match &self.solid {
             Solid::Raster(RasterSolid { ground, drops: None, .. }) => match **ground {
                 Ground::Flat(z) => Some(z),

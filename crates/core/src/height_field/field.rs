@@ -220,17 +220,25 @@ impl HeightField {
     /// Returns the height of the ground at a place, of the cell to its north-east on an edge;
     /// [`VOID`] where none is known.
     pub fn ground_at(&self, place: &Place) -> i32 {
-        let cell_of = |columns: &Columns| columns.cell_at(place.on_columns.0, place.on_columns.1);
-        let top_of = |columns: &Columns| match cell_of(columns).map(|cell| columns.top_at(cell)) {
-            Some(top) if top != BLOCKS_ALL => top,
-            _ => VOID,
+        // Flat ground has no end.
+        if let Some(ground) = self.flat_ground() {
+            return ground;
+        }
+        let (x, y) = place.on_columns;
+        let cell = self.solid.columns().and_then(|(columns, _)| columns.cell_at(x, y));
+        cell.map_or(VOID, |cell| self.ground_of_cell(cell))
+    }
+
+    /// Returns the height of the ground of a cell of the columns; [`VOID`] where none is known.
+    pub(crate) fn ground_of_cell(&self, cell: usize) -> i32 {
+        let top_of = |columns: &Columns| match columns.top_at(cell) {
+            BLOCKS_ALL => VOID,
+            top => top,
         };
         match &self.solid {
             Solid::Raster(raster) => match &*raster.ground {
                 Ground::Surface => top_of(&raster.columns),
-                // Ground that was typed has no end.
-                Ground::Flat(z) if raster.drops.is_none() => *z,
-                _ => cell_of(&raster.columns).and_then(|cell| raster.ground_of(cell)).unwrap_or(VOID),
+                _ => raster.ground_of(cell).unwrap_or(VOID),
             },
             Solid::Vector(vector) => match &*vector.ground {
                 VectorGround::Flat(z) => *z,
@@ -257,6 +265,22 @@ impl HeightField {
         match raster.kind_of(raster.columns.top_at(cell), cell) {
             CellKind::Building(roof) => Some(roof),
             CellKind::Open(_) | CellKind::Void => None,
+        }
+    }
+
+    /// Returns the height below which a receiver over a cell of the columns is in a building or
+    /// below the ground; [`VOID`] where neither is known.
+    pub(crate) fn indoors_below_at(&self, cell: usize) -> i32 {
+        let Some((columns, _)) = self.solid.columns() else { return VOID };
+        let top = Some(columns.top_at(cell)).filter(|top| *top != BLOCKS_ALL).unwrap_or(VOID);
+        let Solid::Raster(raster) = &self.solid else { return top };
+        let is_void = self.without_data.as_deref().is_some_and(|cells| {
+            let n_cols = columns.n_cols();
+            cells.contains(cell / n_cols, cell % n_cols)
+        });
+        match raster.kind_of(top, cell) {
+            CellKind::Building(roof) if !is_void => roof,
+            _ => raster.ground().map_or(top, |ground| ground.at(cell)),
         }
     }
 

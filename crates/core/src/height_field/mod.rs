@@ -44,6 +44,7 @@ pub use plateaus::{Plateau, Plateaus};
 pub(crate) use positions::cell_frame;
 pub use positions::{GridPositions, Place, Station};
 pub use prisms::{Buckets, CurvedGround, Piece, Prisms, Top};
+pub(crate) use roof_plane::RoofHeight;
 pub use roof_plane::{MAX_ROOF_STEPS, RoofPlane};
 pub use roof_shape::{roof_triangles, wall_edges};
 pub use seen_heights::{Drops, HeightsOf, SeenHeights};

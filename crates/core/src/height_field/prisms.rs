@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::casters::{CasterRoof, Casters};
-use super::{Bulge, RoofPlane};
+use super::{Bulge, RoofHeight, RoofPlane};
 use crate::overlay::bounds_of;
 use crate::quantity::VOID;
 
@@ -218,8 +218,17 @@ impl Prisms {
     /// vertex of pieces this is the lowest, over all directions around the point, of what lies that
     /// way.
     pub(crate) fn solid_at(&self, x: i64, y: i64) -> Option<(i32, usize)> {
-        let around = self.around(x, y);
-        around.sides.into_iter().map(|side| side.max(around.whole)).min().unwrap_or(around.whole)
+        self.around(x, y, |piece| self.top_at(piece, x, y)).lowest()
+    }
+
+    /// Returns the same height as [`solid_at`](Prisms::solid_at), of a slope exactly, and the piece
+    /// that sets it.
+    pub(crate) fn exact_solid_at(&self, x: i64, y: i64) -> Option<(RoofHeight, usize)> {
+        let height = |piece: &Piece| match self.plane(piece) {
+            Some(plane) => plane.exact_height(x, y),
+            None => RoofHeight::level(piece.top),
+        };
+        self.around(x, y, height).lowest()
     }
 
     /// Returns the pieces in whose interior `(x, y)` lies, and the walls that meet there.
@@ -228,7 +237,7 @@ impl Prisms {
     /// cover.
     pub(crate) fn pieces_around(&self, x: i64, y: i64) -> (Vec<usize>, Vec<usize>) {
         let inside = self.touching(x, y).filter(|(_, ring)| sector_at(ring, x, y).is_none());
-        let around = self.around(x, y);
+        let around = self.around(x, y, |piece| self.top_at(piece, x, y));
         let sides: Option<Vec<(i32, usize)>> = around.sides.into_iter().collect();
         let mut sides = sides.unwrap_or_default();
         sides.sort_unstable();
@@ -237,18 +246,18 @@ impl Prisms {
     }
 
     /// Returns the highest roof in whose interior a point is, and the highest roof just
-    /// counterclockwise of each direction in which that changes.
-    fn around(&self, x: i64, y: i64) -> Around {
+    /// counterclockwise of each direction in which that changes. `height` is that of a piece there.
+    fn around<T: Copy + Ord>(&self, x: i64, y: i64, height: impl Fn(&Piece) -> T) -> Around<T> {
         /// Directions that a piece covers around the point: from `from` counterclockwise to `to`.
-        struct Sector {
+        struct Sector<T> {
             from: [i64; 2],
             to: [i64; 2],
-            roof: (i32, usize),
+            roof: (T, usize),
         }
-        let mut whole: Option<(i32, usize)> = None;
-        let mut sectors: Vec<Sector> = Vec::new();
+        let mut whole: Option<(T, usize)> = None;
+        let mut sectors: Vec<Sector<T>> = Vec::new();
         for (i, ring) in self.touching(x, y) {
-            let roof = (self.top_at(&self.parts.pieces[i], x, y), i);
+            let roof = (height(&self.parts.pieces[i]), i);
             match sector_at(ring, x, y) {
                 None => whole = whole.max(Some(roof)),
                 // Of walls on one another the highest counts.
@@ -262,7 +271,7 @@ impl Prisms {
             |a: [i64; 2], b: [i64; 2]| i128::from(a[0]) * i128::from(b[1]) - i128::from(a[1]) * i128::from(b[0]);
         let dot = |a: [i64; 2], b: [i64; 2]| i128::from(a[0]) * i128::from(b[0]) + i128::from(a[1]) * i128::from(b[1]);
         // Whether a sector covers the directions just counterclockwise of `d`.
-        let covers = |Sector { from, to, .. }: &Sector, d: [i64; 2]| {
+        let covers = |Sector { from, to, .. }: &Sector<T>, d: [i64; 2]| {
             (cross(*from, d) == 0 && dot(*from, d) > 0) || (cross(*from, d) > 0 && cross(d, *to) > 0)
         };
         let highest = |d: [i64; 2]| sectors.iter().filter(|s| covers(s, d)).map(|s| s.roof).max();
@@ -300,9 +309,16 @@ impl Parts {
 }
 
 /// The roofs around a point, each with its piece.
-struct Around {
-    whole: Option<(i32, usize)>,
-    sides: Vec<Option<(i32, usize)>>,
+struct Around<T> {
+    whole: Option<(T, usize)>,
+    sides: Vec<Option<(T, usize)>>,
+}
+
+impl<T: Copy + Ord> Around<T> {
+    /// Returns the lowest over all directions of the highest roof that lies that way.
+    fn lowest(&self) -> Option<(T, usize)> {
+        self.sides.iter().map(|side| (*side).max(self.whole)).min().unwrap_or(self.whole)
+    }
 }
 
 /// Returns whether a convex counterclockwise ring holds a position under the half-open rule: a

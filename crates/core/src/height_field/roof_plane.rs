@@ -1,5 +1,7 @@
 //! The plane of a sloped roof, in integers.
 
+use std::cmp::Ordering;
+
 use crate::quantity::{LatticePoint, VOID};
 
 /// Corners of one sloped roof differ by at most this along each axis \[lattice steps\]: 1024 m.
@@ -58,6 +60,11 @@ impl RoofPlane {
         i32::try_from(-above.div_euclid(i128::from(self.area))).unwrap_or(VOID)
     }
 
+    /// Returns the height of the plane at a position within the roof; exact.
+    pub(super) fn exact_height(&self, x: i64, y: i64) -> RoofHeight {
+        RoofHeight { num: -self.above(LatticePoint { x, y, z: 0 }), den: self.area }
+    }
+
     /// Its height at a position \[1/1024 m above the datum\], rounded.
     #[expect(clippy::cast_precision_loss, reason = "rounded")]
     pub fn height(&self, x: f64, y: f64) -> f64 {
@@ -74,6 +81,44 @@ impl RoofPlane {
         all.map(|v| v / divisor.max(1))
     }
 }
+
+/// An exact height of a roof: `num / den` \[1/1024 m above the datum\].
+///
+/// Within a roof `num` is below 2^70 and `den` at most 2^41, so heights compare in 128 bits.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RoofHeight {
+    /// Numerator.
+    pub(crate) num: i128,
+    /// Denominator, above 0.
+    pub(crate) den: i64,
+}
+
+impl RoofHeight {
+    /// Returns the height of a flat roof.
+    pub(super) fn level(top: i32) -> RoofHeight {
+        RoofHeight { num: i128::from(top), den: 1 }
+    }
+}
+
+impl Ord for RoofHeight {
+    fn cmp(&self, other: &Self) -> Ordering {
+        (self.num * i128::from(other.den)).cmp(&(other.num * i128::from(self.den)))
+    }
+}
+
+impl PartialOrd for RoofHeight {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for RoofHeight {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for RoofHeight {}
 
 /// Returns the greatest common divisor of two integers, of 0 and another that other.
 fn common_divisor(a: i128, b: i128) -> i128 {

@@ -36,6 +36,9 @@
 //!   of few rectangles of one height each ([`plateaus_los`]).
 //! * `sweep` carries bounds over the cells of a raster ([`sweep_los`]).
 //!
+//! A receiver that moves along a straight leg is decided in one piece: [`hidden_parts`] gives the
+//! parts of the leg without line of sight, with exact ends.
+//!
 //! [`GridLos`] runs the engine that [`Method::choose`] picks for a scene. The approximations
 //! `step`, `xdraw` and `r2` ([`step_los`], [`xdraw_los`], [`r2_los`]) exist for comparison and run
 //! only on request.
@@ -50,6 +53,7 @@ mod grid_receivers;
 mod height_errors;
 mod height_limits;
 mod inner_walk;
+mod leg;
 mod link;
 mod lowest_between;
 mod method;
@@ -73,6 +77,10 @@ pub use grid_receivers::GridReceivers;
 pub(crate) use height_errors::{CERTAIN, MOST_AT_STEP, PART, STEP, TINY};
 pub use height_errors::{HeightErrors, OwnErrors};
 pub use height_limits::{HeightLimits, Wall};
+pub use leg::{
+    GroundPart, HiddenPart, Leg, LegObstacle, LegPart, LegPlace, LegWindow, common_parts, ground_parts, hidden_parts,
+    inside_parts, merged_parts, total_length,
+};
 pub use link::{LeastHeights, link_least_receiver_heights, link_los};
 pub(crate) use link::{link_least_height, link_least_step};
 pub use method::{Method, MethodChoice, WrongMethod};

@@ -223,8 +223,10 @@ pub enum PlacesIn {
     SiteFeatures,
     TrackTable,
     TrackFeatures,
-    /// A track with heights.
-    TrackHeights,
+    /// A table of a path whose heights do not say above what they are.
+    PathHeights,
+    /// A path in another format.
+    Path,
 }
 
 /// Object that has a height.

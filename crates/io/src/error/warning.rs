@@ -282,6 +282,9 @@ pub enum OddFile {
     /// W392: points beyond the bounds in the headers of their files; their number.
     #[error("{} outside of the bounds in its header: left out", counted(*n, "point lies", "points lie"))]
     OutsideHeader { n: u64 },
+    /// W386: a path whose third coordinates are all 0.
+    #[error("its third coordinates are all 0: taken as none")]
+    ZeroHeights,
     /// W380: rows of a table were left out; their number, the number of all, and their faults.
     #[error("{n} of {of} rows {} left out: {told}", if *n == 1 { "was" } else { "were" })]
     BadRows { n: usize, of: usize, told: String },
@@ -390,6 +393,7 @@ impl OddFile {
             OddFile::FlatRoofs { .. } => 375,
             OddFile::Tiles { .. } => 383,
             OddFile::NorthFirst { .. } => 384,
+            OddFile::ZeroHeights => 386,
             OddFile::BadRows { .. } => 380,
             OddFile::HeightUnit(_) => 332,
             OddFile::NoRoofClass => 390,

@@ -37,12 +37,16 @@ pub enum Format {
     Parquet,
     /// Mosaic of rasters.
     Vrt,
+    /// Lines for navigation.
+    Gpx,
+    /// Lines for Google Earth.
+    Kml,
     /// The document on standard output.
     Stdout,
 }
 
 /// Extensions of the formats; the first of several is the usual one.
-const EXTENSIONS: [(&str, Format); 18] = [
+const EXTENSIONS: [(&str, Format); 20] = [
     ("png", Format::Png),
     ("svg", Format::Svg),
     ("pdf", Format::Pdf),
@@ -61,6 +65,8 @@ const EXTENSIONS: [(&str, Format); 18] = [
     ("html", Format::Html),
     ("parquet", Format::Parquet),
     ("vrt", Format::Vrt),
+    ("gpx", Format::Gpx),
+    ("kml", Format::Kml),
 ];
 
 impl Format {

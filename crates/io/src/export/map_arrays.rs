@@ -60,7 +60,7 @@ pub(super) fn npz(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, V
     for (name, band) in &bands {
         match band {
             Band::Count(values) => arrays.push((name.replace('-', "_"), NpyArray::U32(values, of_grid.clone()))),
-            Band::Class(mask) if name == Layer::Union.name() => {
+            Band::Class(mask) if [Layer::Union, Layer::All].iter().any(|layer| name == layer.name()) => {
                 arrays.push((name.clone(), NpyArray::U8(mask, of_grid.clone())));
             }
             _ => {}

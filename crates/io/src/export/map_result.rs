@@ -49,7 +49,7 @@ pub struct MapResult<'a> {
 /// Returns the number of bands that layers of so many UAVs take in a file.
 pub fn n_bands(layers: &[Layer], n_uavs: usize) -> usize {
     let of_layer = |layer: &Layer| match layer {
-        Layer::Count | Layer::Union | Layer::BestServer => 1,
+        Layer::Count | Layer::Union | Layer::All | Layer::BestServer => 1,
         Layer::Which => n_uavs.div_ceil(32),
         _ => n_uavs,
     };
@@ -119,6 +119,7 @@ impl<'a> MapResult<'a> {
                     bands.push((name(), Band::Count(of_receivers(numbers, overlay))));
                 }
                 Layer::Union => bands.push((name(), Band::Class(overlay.union()))),
+                Layer::All => bands.extend(overlay.all().map(|mask| (name(), Band::Class(mask)))),
                 Layer::Which => {
                     let words = overlay.which().iter().enumerate();
                     bands.extend(words.map(|(k, bits)| (format!("which.{k}"), Band::Bits(bits))));

@@ -34,7 +34,7 @@ impl Bands {
         });
         let is_any_number_a_set = layers.contains(&Layer::Which) && n_uavs >= 32;
         let (data_type, nodata) = match layers {
-            [Layer::Union] => ("Byte", Some(u32::from(class::NODATA))),
+            [Layer::Union | Layer::All] => ("Byte", Some(u32::from(class::NODATA))),
             _ => ("UInt32", (!is_any_number_a_set).then_some(NO_COUNT)),
         };
         Bands { names: names.collect(), data_type, nodata }

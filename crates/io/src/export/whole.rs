@@ -55,7 +55,7 @@ fn begins_as(format: Format, head: &[u8]) -> bool {
         Format::Parquet => &[b"PAR1"],
         Format::AsciiGrid => &[b"ncols"],
         Format::Json | Format::GeoJson => &[b"{"],
-        Format::Svg | Format::Html | Format::Vrt | Format::Mitsuba => &[b"<"],
+        Format::Svg | Format::Html | Format::Vrt | Format::Mitsuba | Format::Gpx | Format::Kml => &[b"<"],
         // Numbers and tables begin with anything.
         Format::Bil | Format::Csv | Format::Stdout => &[b""],
     };
@@ -70,6 +70,8 @@ fn is_whole(path: &Path, format: Format) -> io::Result<bool> {
         Format::Svg => ends_with(b"</svg>"),
         Format::Html => ends_with(b"</html>"),
         Format::Vrt => ends_with(b"</VRTDataset>"),
+        Format::Gpx => ends_with(b"</gpx>"),
+        Format::Kml => ends_with(b"</kml>"),
         Format::Mitsuba => ends_with(b"</scene>"),
         Format::Parquet => tail(path).map(|tail| tail.ends_with(b"PAR1")),
         Format::Csv => tail(path).map(|tail| tail.ends_with(b"\n")),

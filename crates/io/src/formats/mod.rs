@@ -49,6 +49,7 @@ pub use origin::origin_of;
 pub(crate) use reserve::reserve_cells;
 pub use tile_store::{TileStore, TileStoreWriter};
 pub use world_file::world_file;
+pub(crate) use xml::refuse_crowds;
 pub use xyz_grid::XyzGrid;
 pub(crate) use xyz_grid::begins_with_points;
 

@@ -27,7 +27,7 @@ const MOST_ATTRIBUTES: usize = 500;
 
 /// Refuses elements with more attributes, and files with more namespaces, than any file of GDAL
 /// has.
-pub(super) fn refuse_crowds(name: impl Display, xml: &str) -> Result<()> {
+pub(crate) fn refuse_crowds(name: impl Display, xml: &str) -> Result<()> {
     let mut rest = xml;
     let mut n_namespaces = 0;
     while let Some(start) = rest.find('<') {
@@ -54,7 +54,7 @@ pub(super) fn refuse_crowds(name: impl Display, xml: &str) -> Result<()> {
         let (tag, after) = rest.split_at(end.unwrap_or(rest.len()));
         n_namespaces += tag.matches("xmlns").count();
         if n_attributes.max(n_namespaces) > MOST_ATTRIBUTES {
-            let what = format!("more than {MOST_ATTRIBUTES} attributes or namespaces, wanted XML of GDAL");
+            let what = format!("more than {MOST_ATTRIBUTES} attributes or namespaces, wanted fewer");
             return Err(Error::read(name, ReadFault::TooMany(what)));
         }
         rest = after;

@@ -138,6 +138,11 @@ impl<'v> SceneView<'v> {
         Station { z: station.z - i64::from(self.lowered_by(&station.place)), ..*station }
     }
 
+    /// Decides the link to a receiver, whose height is above the datum.
+    pub fn sees(&self, receiver: &Station) -> bool {
+        self.is_los(&self.lowered(receiver))
+    }
+
     /// Returns an end of a link as much lower as the earth falls away there.
     pub fn seen(&self, station: &Station) -> Station {
         Station { z: station.z - i64::from(self.drop_at(&station.place)), ..*station }

@@ -55,7 +55,7 @@ fn text_of(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
-fn parse_document(input: &Input, text: &str) -> Result<Value> {
+pub(in crate::read) fn parse_document(input: &Input, text: &str) -> Result<Value> {
     if text.trim().is_empty() {
         return Err(Error::malformed(input, "the file is empty, wanted GeoJSON"));
     }
@@ -79,7 +79,7 @@ pub(in crate::read) fn features(input: &Input, document: Value) -> Result<Vec<Va
             None => Err(wrong("a FeatureCollection without `features`".into())),
         },
         "Feature" => Ok(vec![Value::Object(object)]),
-        "Polygon" | "MultiPolygon" | "GeometryCollection" => {
+        "Polygon" | "MultiPolygon" | "GeometryCollection" | "Point" | "LineString" | "MultiLineString" => {
             let mut feature = Map::new();
             feature.insert("type".into(), "Feature".into());
             feature.insert("properties".into(), Value::Null);

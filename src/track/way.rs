@@ -1,0 +1,219 @@
+//! Ways through a scene: paths of a file with heights on its lattice.
+
+use super::TrackPlan;
+use crate::coverage::{TrackHeight, TrackVertex, height_over};
+use crate::error::{OddRun, PlacesError, Result, Warning};
+use crate::height_field::HeightField;
+use crate::quantity::{Height, STEPS_PER_UNIT, VOID, meters, tidy};
+use crate::read::{Path, Paths, Vertex, VertexHeight};
+
+/// A path through a scene: vertices that are joined by straight legs.
+#[derive(Debug, Clone)]
+pub(crate) struct Way {
+    pub(super) name: Option<String>,
+    pub(super) vertices: Vec<WayVertex>,
+}
+
+/// A vertex of a way.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WayVertex {
+    pub(super) vertex: TrackVertex,
+    pub(super) time_s: Option<f64>,
+    /// `false` for one that was put between those of the file, to follow the ground.
+    pub(super) is_given: bool,
+}
+
+/// A leg of a way: where it begins and ends along it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LegSpan {
+    /// Distances in space \[m\].
+    pub(super) along_m: [f64; 2],
+    /// Times since the start of the way \[s\].
+    pub(super) time_s: Option<[f64; 2]>,
+}
+
+impl LegSpan {
+    /// Returns distance and time at a fraction of the leg.
+    pub(super) fn at(&self, t: f64) -> (f64, Option<f64>) {
+        let between = |[from, to]: [f64; 2]| if t >= 1.0 { to } else { from + t * (to - from) };
+        (between(self.along_m), self.time_s.map(between))
+    }
+}
+
+impl Way {
+    /// Returns the legs of the way.
+    pub(super) fn legs(&self) -> impl Iterator<Item = [&TrackVertex; 2]> {
+        self.vertices.windows(2).map(|ends| [&ends[0].vertex, &ends[1].vertex])
+    }
+
+    /// Returns where each leg begins and ends along the way.
+    pub(super) fn spans(&self, meters_per_unit: f64) -> Vec<LegSpan> {
+        let mut along = 0.0;
+        let start = self.vertices.first().and_then(|first| first.time_s).unwrap_or(0.0);
+        let span = |ends: &[WayVertex]| {
+            let from = along;
+            along += length_m([&ends[0].vertex, &ends[1].vertex], meters_per_unit);
+            let times = ends[0].time_s.zip(ends[1].time_s);
+            LegSpan { along_m: [from, along], time_s: times.map(|(a, b)| [a - start, b - start]) }
+        };
+        self.vertices.windows(2).map(span).collect()
+    }
+}
+
+/// Returns the length of a leg in space \[m\].
+fn length_m([from, to]: [&TrackVertex; 2], meters_per_unit: f64) -> f64 {
+    let across = (to.position[0] - from.position[0]).hypot(to.position[1] - from.position[1]) * meters_per_unit;
+    match (from.height, to.height) {
+        #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^28 steps")]
+        (TrackHeight::AboveDatum(a), TrackHeight::AboveDatum(b)) => {
+            across.hypot((b - a) as f64 / f64::from(STEPS_PER_UNIT))
+        }
+        _ => across,
+    }
+}
+
+/// Largest difference between a straight leg and one at the same height above the ground that is
+/// told of nobody \[m\].
+const MOST_OFF_M: f64 = 5.0;
+
+/// A place where a straight leg is farthest from its height above the ground.
+struct Off {
+    by_m: f64,
+    at: [f64; 2],
+}
+
+/// Returns the ways of paths. Heights are resolved at the vertices; a walk has none of its own.
+///
+/// # Errors
+/// E2xx for a vertex whose height cannot be resolved.
+pub(super) fn ways_of(
+    paths: Paths,
+    (field, plan): (&HeightField, &TrackPlan),
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<Way>> {
+    let home = home_ground(field, &paths)?;
+    let step = plan.every_m / field.grid().meters_per_unit();
+    let resolver = Resolver { field, home, rx_height: plan.sight.rx_height() };
+    let mut farthest: Option<Off> = None;
+    let mut ways = Vec::new();
+    for path in paths.lines {
+        let mut vertices: Vec<WayVertex> = Vec::with_capacity(path.vertices.len());
+        for (k, vertex) in path.vertices.iter().enumerate() {
+            let to = resolver.vertex(vertex)?;
+            if let Some(before) = k.checked_sub(1).map(|k| &path.vertices[k])
+                && let Some(heights) = above_ground([before, vertex])
+            {
+                if plan.follows_ground {
+                    resolver.follow([before, vertex], heights, step, &mut vertices)?;
+                } else if let Some(off) = resolver.farthest_off([before, vertex], heights, step)? {
+                    farthest = Some(off).into_iter().chain(farthest).max_by(|a, b| a.by_m.total_cmp(&b.by_m));
+                }
+            }
+            vertices.push(to);
+        }
+        ways.push(Way { name: path.name, vertices });
+    }
+    if let Some(Off { by_m, at }) = farthest.filter(|off| off.by_m > MOST_OFF_M) {
+        warnings.push(OddRun::StraightLegs { by_m: tidy(by_m), at: at.map(tidy) }.into());
+    }
+    Ok(ways)
+}
+
+/// Returns the ground where a mission begins \[1/1024 m above the datum\], if the paths name its place.
+///
+/// # Errors
+/// E204 if no ground is known there.
+pub(crate) fn home_ground(field: &HeightField, paths: &Paths) -> Result<Option<i32>> {
+    let Some([x, y]) = paths.home else { return Ok(None) };
+    let height = Height::AboveGround(0.0);
+    let ground = height_over(field, &field.place(x, y), height);
+    Ok(Some(ground.map_err(|why| PlacesError::Receiver { at: (x, y), height, why })?))
+}
+
+/// Returns the height of a vertex with its reference in the scene.
+pub(crate) fn resolved(height: VertexHeight, home: Option<i32>) -> Height {
+    match (height, home) {
+        (VertexHeight::Own(height), _) => height,
+        (VertexHeight::AboveHome(m), Some(home)) => Height::AboveDatum(meters(home) + m),
+        // No file has heights above a home that it does not name.
+        (VertexHeight::AboveHome(m), None) => Height::AboveGround(m),
+    }
+}
+
+/// Returns the heights of both ends of a leg, if both are above the ground \[m\].
+fn above_ground(ends: [&Vertex; 2]) -> Option<[f64; 2]> {
+    match ends.map(|end| end.height) {
+        [Some(VertexHeight::Own(Height::AboveGround(a))), Some(VertexHeight::Own(Height::AboveGround(b)))] => {
+            Some([a, b])
+        }
+        _ => None,
+    }
+}
+
+struct Resolver<'a> {
+    field: &'a HeightField,
+    /// Ground at home \[1/1024 m above the datum\].
+    home: Option<i32>,
+    rx_height: i32,
+}
+
+impl Resolver<'_> {
+    fn vertex(&self, vertex: &Vertex) -> Result<WayVertex> {
+        let position = [vertex.x, vertex.y];
+        let height = match vertex.height {
+            None => TrackHeight::AboveGround(self.rx_height),
+            Some(height) => self.above_datum(position, resolved(height, self.home))?,
+        };
+        Ok(WayVertex { vertex: TrackVertex { position, height }, time_s: vertex.time_s, is_given: true })
+    }
+
+    fn above_datum(&self, [x, y]: [f64; 2], height: Height) -> Result<TrackHeight> {
+        let z = height_over(self.field, &self.field.place(x, y), height);
+        let z = z.map_err(|why| PlacesError::Receiver { at: (x, y), height, why })?;
+        Ok(TrackHeight::AboveDatum(i64::from(z)))
+    }
+
+    /// Returns fractions of a leg that cut it into steps, without its ends.
+    fn cuts(ends: [&Vertex; 2], step: f64) -> impl Iterator<Item = f64> {
+        let length = (ends[1].x - ends[0].x).hypot(ends[1].y - ends[0].y);
+        let n = (length / step).ceil().max(1.0);
+        std::iter::successors(Some(1.0), |k| Some(k + 1.0)).take_while(move |k| *k < n).map(move |k| k / n)
+    }
+
+    /// Adds vertices every step of a leg, each at its own height above the ground.
+    fn follow(&self, ends: [&Vertex; 2], heights: [f64; 2], step: f64, vertices: &mut Vec<WayVertex>) -> Result<()> {
+        for t in Self::cuts(ends, step) {
+            let between = |from: f64, to: f64| from + t * (to - from);
+            let position = [between(ends[0].x, ends[1].x), between(ends[0].y, ends[1].y)];
+            let height = self.above_datum(position, Height::AboveGround(between(heights[0], heights[1])))?;
+            let time_s = ends[0].time_s.zip(ends[1].time_s).map(|(a, b)| between(a, b));
+            vertices.push(WayVertex { vertex: TrackVertex { position, height }, time_s, is_given: false });
+        }
+        Ok(())
+    }
+
+    /// Returns where a straight leg is farthest from its height above the ground.
+    fn farthest_off(&self, ends: [&Vertex; 2], heights: [f64; 2], step: f64) -> Result<Option<Off>> {
+        if self.field.flat_ground().is_some() {
+            return Ok(None);
+        }
+        let ground_m = |[x, y]: [f64; 2]| {
+            let ground = self.field.ground_at(&self.field.place(x, y));
+            (ground != VOID).then(|| meters(ground))
+        };
+        let place = |t: f64| [ends[0].x + t * (ends[1].x - ends[0].x), ends[0].y + t * (ends[1].y - ends[0].y)];
+        let Some((from, to)) = ground_m(place(0.0)).zip(ground_m(place(1.0))) else { return Ok(None) };
+        let between = |a: f64, b: f64, t: f64| a + t * (b - a);
+        let off = |t: f64| {
+            let straight = between(from + heights[0], to + heights[1], t);
+            let above = ground_m(place(t))? + between(heights[0], heights[1], t);
+            Some(Off { by_m: (straight - above).abs(), at: place(t) })
+        };
+        Ok(Self::cuts(ends, step).filter_map(off).max_by(|a, b| a.by_m.total_cmp(&b.by_m)))
+    }
+}
+
+/// Returns the places of all paths, for bounds.
+pub(super) fn places(paths: &[Path]) -> impl Iterator<Item = [f64; 2]> {
+    paths.iter().flat_map(|path| &path.vertices).map(|vertex| [vertex.x, vertex.y])
+}
