@@ -134,6 +134,7 @@ impl LivePage {
     /// Returns the page of a scene with some UAVs, or with one in the middle.
     fn with_uavs(scene: &mut Scene, found: UavsFound, sight: SightPlan, scene_words: Vec<String>) -> Result<LivePage> {
         let placed = scene.place(&found, None, &sight)?;
+        let found = found.over(&scene.field)?.into_owned();
         if found.sites.len() > MOST_UAVS {
             return Err(LimitError::PageUavs { n: found.sites.len(), most: MOST_UAVS }.into());
         }

@@ -1,5 +1,6 @@
 //! The library's `Uav`, and the UAVs of a command line or a table before a scene is known.
 
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::path::PathBuf;
 
@@ -7,10 +8,12 @@ use skyshed_io::Input;
 use skyshed_request::{BadUavs, Position, Shard, Uavs};
 
 use crate::city::{Antenna, GivenSite, Site, Source};
+use crate::coverage::height_over;
 use crate::error::{Error, PlacesError, RequestError, Result, Warning, warned};
-use crate::quantity::Height;
+use crate::height_field::HeightField;
+use crate::quantity::{Height, meters};
 use crate::raster::GeoRef;
-use crate::read::{BadRows, read_sites, source_of};
+use crate::read::{BadRows, Paths, VertexHeight, read_paths, read_sites, source_of};
 
 /// A UAV: a position in the scene's reference system and a height.
 ///
@@ -94,9 +97,40 @@ pub(crate) struct UavsFound {
     pub(crate) warnings: Vec<Warning>,
     /// Treatment of those that cannot be at their place.
     pub(crate) bad: BadUavs,
+    /// Place where the mission begins that the heights of some are above.
+    pub(crate) home: Option<Home>,
+}
+
+/// Place where a mission begins.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Home {
+    /// East and north \[CRS units\].
+    at: (f64, f64),
+    /// UAVs whose heights are above the ground there, not above their own.
+    ids: HashSet<String>,
 }
 
 impl UavsFound {
+    /// Returns the UAVs with heights that do not hang on the place where a mission begins.
+    ///
+    /// # Errors
+    /// E204 if no ground is known there.
+    pub(crate) fn over(&self, field: &HeightField) -> Result<Cow<'_, UavsFound>> {
+        let Some(Home { at, ids }) = &self.home else { return Ok(Cow::Borrowed(self)) };
+        let height = Height::AboveGround(0.0);
+        let ground = height_over(field, &field.place(at.0, at.1), height);
+        let ground_m = meters(ground.map_err(|why| PlacesError::Receiver { at: *at, height, why })?);
+        let site = |given: &GivenSite| match ids.contains(&given.id) {
+            false => given.clone(),
+            true => {
+                let height = Height::AboveDatum(ground_m + given.height.value());
+                GivenSite { site: Site { height, ..given.site.clone() }, ..given.clone() }
+            }
+        };
+        let sites = self.sites.iter().map(site).collect();
+        Ok(Cow::Owned(UavsFound { sites, home: None, ..self.clone() }))
+    }
+
     /// Returns the UAVs of a list.
     ///
     /// # Errors
@@ -201,17 +235,60 @@ impl UavsAsked {
         let mut found = UavsFound { sites: typed.collect(), bad: self.bad, ..UavsFound::default() };
         if let Some(table) = &self.table {
             let first = found.sites.len() + 1;
-            let read = |odd: &mut _| read_sites(table, grid, first, bad_rows(self.skips_bad, odd));
-            found.sites.extend(warned(&mut found.warnings, read)?);
+            if is_path(table) {
+                let (sites, home) = self.read_vertices(table, (grid, first), &mut found.warnings)?;
+                found.sites.extend(sites);
+                found.home = home;
+            } else {
+                let read = |odd: &mut _| read_sites(table, grid, first, bad_rows(self.skips_bad, odd));
+                found.sites.extend(warned(&mut found.warnings, read)?);
+            }
             found.sources.push(source_of(table, self.hash)?);
         }
-        let UavsFound { sites, sources, warnings, bad } = found.checked()?;
-        let sites = match self.shard {
-            Some(shard) => shard.part(sites),
-            None => sites,
-        };
-        Ok(UavsFound { sites, sources, warnings, bad })
+        let found = found.checked()?;
+        Ok(match self.shard {
+            Some(shard) => UavsFound { sites: shard.part(found.sites), ..found },
+            None => found,
+        })
     }
+
+    /// Reads the points of a path or a mission as UAVs, and without any the vertices of its lines.
+    fn read_vertices(
+        &self,
+        table: &Input,
+        (grid, first): (&GeoRef, usize),
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(Vec<GivenSite>, Option<Home>)> {
+        let (mut bad, mut odd) = (Vec::new(), Vec::new());
+        let paths = read_paths(table, grid.crs(), (bad_rows(self.skips_bad, &mut bad), &mut odd));
+        warnings.extend(bad.into_iter().chain(odd).map(Warning::from));
+        let Paths { lines, points, home } = paths?;
+        let vertices = match points.is_empty() {
+            true => lines.into_iter().flat_map(|line| line.vertices).collect(),
+            false => points,
+        };
+        let (mut sites, mut ids) = (Vec::new(), HashSet::new());
+        for (k, vertex) in vertices.into_iter().enumerate() {
+            let id = vertex.name.unwrap_or_else(|| (first + k).to_string());
+            let height = match vertex.height {
+                Some(VertexHeight::Own(height)) => height,
+                Some(VertexHeight::AboveHome(m)) => {
+                    ids.insert(id.clone());
+                    Height::AboveGround(m)
+                }
+                None => return Err(PlacesError::NoHeight { file: table.to_string(), id }.into()),
+            };
+            sites.push(GivenSite { site: Site::new(id, (vertex.x, vertex.y), height), lonlat: vertex.lonlat });
+        }
+        let home = home.filter(|_| !ids.is_empty()).map(|[x, y]| Home { at: (x, y), ids });
+        Ok((sites, home))
+    }
+}
+
+/// Returns `true` for a file of a path or a mission, by its extension.
+fn is_path(table: &Input) -> bool {
+    let extension = table.as_path().extension().map(|e| e.to_string_lossy().to_lowercase());
+    extension.is_some_and(|extension| ["gpx", "kml", "plan", "waypoints"].contains(&extension.as_str()))
 }
 
 /// Reads a UAV from its words `X,Y,H`.

@@ -15,6 +15,9 @@ pub(crate) enum PlacesError {
     /// ones, and the code of the first.
     #[error("cannot place {} of {of} UAVs: {}", faults.len(), told_faults(faults))]
     BadUavs { of: usize, faults: Vec<(String, String)>, code: u16 },
+    /// E204: a UAV of a path without a height; the file and the id.
+    #[error("cannot place UAV `{id}` of {file}: it has no height there")]
+    NoHeight { file: String, id: String },
     /// E203: the ends of a link \[CRS units\] are farther apart than the lattice reaches \[units\].
     #[error(
         "cannot decide the link from ({}, {}) to ({}, {}): it spans {span:.0} units, wanted at most {MAX_EXTENT_UNITS}",
@@ -72,7 +75,7 @@ impl PlacesError {
             P::Receiver { why, .. } => why.code(),
             P::BadUavs { code, .. } => *code,
             P::LongLink { .. } => 203,
-            P::NoUsers { .. } | P::NoPlace(_) => 204,
+            P::NoHeight { .. } | P::NoUsers { .. } | P::NoPlace(_) => 204,
             P::Twice { .. } | P::SharedFile { .. } => 207,
             P::NoWeights(_) => 208,
             P::NoCandidate { .. } | P::NoWinner(_) => 209,

@@ -134,6 +134,7 @@ impl MapPlan {
     /// tolerance.
     pub(crate) fn prepare(mut self, mut scene: Scene, found: &UavsFound, part: PartOf<'_>) -> Result<Prepared> {
         self.check()?;
+        let found = &*found.over(&scene.field)?;
         self.heights = self.heights.over(&scene.field);
         let began = Instant::now();
         let grid = scene.grid().clone();

@@ -312,6 +312,9 @@ impl StripsRun<'_> {
             let n = found.sites.len();
             return Err(LimitError::StripsOfMany { word: self.job.word.display().to_string(), n }.into());
         }
+        if found.home.is_some() {
+            return Err(Error::idle("strips", "for a mission whose heights are above its home"));
+        }
         let place = |site: &Site| Ok(Uav::place_streamed(site, scene, radius)?);
         place_all(found, place, warnings)?.pop().ok_or(Error::fault("no UAV is left of one"))
     }

@@ -238,6 +238,12 @@ impl<'a> UnitRuns<'a> {
         // A shard selects units, not UAVs: a tile has all of its UAVs, and names must differ among
         // all UAVs.
         let mut uavs = UavsAsked { shard: None, ..job.uavs.clone() }.read(&grid)?;
+        if uavs.home.is_some() {
+            return Err(Error::idle(
+                "uavs",
+                "of a mission with heights above its home, where each UAV or tile has files of its own",
+            ));
+        }
         match self.kind {
             Kind::Tile => {
                 warn_of_uavs_outside(&uavs.sites, &grid, &mut uavs.warnings);

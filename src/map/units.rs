@@ -182,7 +182,7 @@ pub(super) fn check_tiles(job: &MapJob) -> Result<()> {
 
 /// Returns the hash of one UAV's unit, over all that its files depend on.
 pub(super) fn unit_of_site(job: &MapJob, site: &GivenSite, inputs: &str) -> String {
-    unit(job, &json!({ "uav": identity_of(site) }), inputs)
+    unit(job, &json!({ "uav": identity_of(site), "bad_uavs": job.uavs.bad }), inputs)
 }
 
 /// Returns the hash of a tile's unit; `all` are the UAVs of the whole list.
@@ -191,14 +191,15 @@ pub(super) fn unit_of_tile(job: &MapJob, (tile, all): (&Tile, &[GivenSite]), inp
     let tells_numbers = job.plan.layers.iter().any(|layer| layer.tells_numbers());
     let numbers = tells_numbers.then_some((&tile.uavs, all.len()));
     let Tile { row, col, cells_per_side, .. } = tile;
-    unit(job, &json!({ "tile": [row, col, cells_per_side], "uavs": own, "numbers": numbers }), inputs)
+    let tile = [*row, *col, *cells_per_side];
+    unit(job, &json!({ "tile": tile, "uavs": own, "numbers": numbers, "bad_uavs": job.uavs.bad }), inputs)
 }
 
 /// Returns the hash of all UAVs together as one unit.
 pub(super) fn unit_of_all(job: &MapJob, inputs: &str) -> String {
-    let UavsAsked { typed, skips_bad, shard, .. } = &job.uavs;
+    let UavsAsked { typed, skips_bad, bad, shard, .. } = &job.uavs;
     let uavs: Vec<Value> = typed.iter().map(|site| identity_of(&site.clone().into())).collect();
-    unit(job, &json!({ "uavs": uavs, "skip_bad": skips_bad, "shard": shard }), inputs)
+    unit(job, &json!({ "uavs": uavs, "skip_bad": skips_bad, "bad_uavs": bad, "shard": shard }), inputs)
 }
 
 /// Returns all properties of a UAV that its files depend on.

@@ -36,6 +36,7 @@ impl Scene {
     /// As [`Scene::place`].
     pub(crate) fn place_in_tile(&mut self, found: &UavsFound, whole: &GeoRef, sight: &SightPlan) -> Result<Vec<Uav>> {
         self.sources.extend(found.sources.iter().cloned());
+        let found = &*found.over(&self.field)?;
         let radius = sight.radius_on(whole);
         let place = |site: &Site| place_uav(site, &self.field, whole, radius);
         let uavs = place_all(found, place, &mut self.warnings)?;

@@ -107,6 +107,7 @@ impl TrackPlan {
     /// of receivers beside heights of the track; E502 for too many steps.
     pub(crate) fn walk(&self, mut scene: Scene, command: CommandFacts) -> Result<TrackWalk> {
         let found = self.uavs.read(scene.grid())?;
+        let found = found.over(&scene.field)?;
         scene.warnings.extend(found.warnings.iter().cloned());
         scene.sources.extend(found.sources.iter().cloned());
         warn_of_uavs_outside(&found.sites, scene.field.grid(), &mut scene.warnings);

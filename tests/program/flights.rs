@@ -225,6 +225,15 @@ fn missions_fly_where_their_ground_station_shows_them() {
     let heights: Vec<f64> = vertices.iter().filter_map(|p| p["height_amsl_m"].as_f64()).collect();
     let hand: Vec<f64> = vertices.iter().zip(wanted).map(|(p, height)| height(p)).collect();
     assert_eq!(heights, hand);
+    // The same vertices as UAVs.
+    let map = folder.type_in("map hills.asc --crs EPSG:32610 --uavs m.plan --json -q").done().json();
+    let of_sites = map["sites"].as_array().unwrap().iter().map(|site| site["height_amsl_m"].as_f64().unwrap());
+    assert_eq!(of_sites.collect::<Vec<_>>(), hand);
+    folder.refuses(
+        "map hills.asc --crs EPSG:32610 --uavs m.plan -o {site}.json",
+        "E116",
+        &["`--uavs`", "above its home"],
+    );
     let refused = [
         (
             "r.plan",
@@ -300,6 +309,32 @@ fn odd_paths_are_refused() {
             ("empty.gpx", "E308", "found 0 different places"),
         ],
     );
+}
+
+#[test]
+fn points_in_space_are_uavs_above_the_datum() {
+    let folder = Folder::new();
+    hills(&folder, (566_000, 5_271_000));
+    let line = "map hills.asc --crs EPSG:32610 --json -q --uavs";
+    let point = |z: f64| json!({"type": "Point", "coordinates": [-122.07, 47.63, z]});
+    folder.write("p.geojson", &point(700.0).to_string());
+    folder.write("p.gpx", "<gpx><wpt lat=\"47.63\" lon=\"-122.07\"><ele>700</ele><name>a</name></wpt></gpx>");
+    folder.write(
+        "p.kml",
+        "<kml><Placemark><name>a</name><Point><altitudeMode>absolute</altitudeMode>\
+        <coordinates>-122.07,47.63,700</coordinates></Point></Placemark></kml>",
+    );
+    let counts = ["p.geojson", "p.gpx", "p.kml"].map(|file| {
+        let site = folder.type_in(&format!("{line} {file}")).done().json()["sites"][0].clone();
+        near(&site["height_amsl_m"], 700.0);
+        (site["los"].clone(), site["receivers"].clone())
+    });
+    assert!(counts[0] == counts[1] && counts[1] == counts[2], "{counts:?}");
+    // A third coordinate of 0 is no height.
+    folder.write("p.geojson", &point(0.0).to_string());
+    folder.refuses(&format!("{line} p.geojson"), "E302", &["found no height `h`"]);
+    folder.write("p.gpx", "<gpx><wpt lat=\"47.63\" lon=\"-122.07\"/></gpx>");
+    folder.refuses(&format!("{line} p.gpx"), "E204", &["has no height"]);
 }
 
 #[test]

@@ -211,6 +211,7 @@ fn tables() -> Vec<(&'static str, String)> {
         ("one_bad.csv", "x,y,h\n1,1,30\n1,here,30\n"),
         ("walk.csv", "x,y\n1,1\n5,5\n"),
         ("lonlat_walk.csv", "lon,lat\n11.56719,48.13066\n11.56714,48.13062\n"),
+        ("low_uavs.csv", "id,x,y,h\na,1,1,30\nb,1,1,-5amsl\nc,2,2,-6amsl\n"),
         ("high_walk.csv", "x,y,h\n1,1,3\n5,5,3\n"),
         ("timed_walk.csv", "x,y,h,t\n1,1,3,0\n5,5,3,9\n"),
         ("flight.csv", "x,y,z\n1,1,3\n5,5,3\n"),

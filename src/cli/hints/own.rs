@@ -61,6 +61,9 @@ pub(super) fn of_places(error: &PlacesError) -> Option<String> {
     use PlacesError as P;
     let hint = match error {
         P::Receiver { height, why, .. } => return super::core::of_receiver(*height, why),
+        P::BadUavs { .. } => {
+            "a run with `--bad-uavs skip` leaves them out; with `--bad-uavs lift` they hover at the top of what is there"
+        }
         P::LongLink { .. } => "check the coordinate reference systems of both ends",
         P::NoWeights(_) => "check its extent and its CRS",
         P::NoCandidate { .. } => "ask for a higher `--height`, or fewer constraints",

@@ -120,6 +120,7 @@ impl LinksPlan {
         if n_links > MOST_LINKS {
             return Err(LimitError::Links { n_uavs, n_receivers, most: MOST_LINKS }.into());
         }
+        let found = &*found.over(&scene.field)?;
         scene.warnings.extend(found.warnings.iter().cloned());
         scene.sources.extend(found.sources.iter().cloned());
         warn_of_uavs_outside(&found.sites, scene.field.grid(), &mut scene.warnings);

@@ -10,7 +10,7 @@ use crate::crs;
 use crate::crs::transform;
 use crate::error::{Error, PlacesIn, ReadFault, Result, Wanted};
 use crate::input::Input;
-use crate::quantity::parse_number;
+use crate::quantity::{Height, parse_number};
 use crate::raster::{Crs, CrsKind, GeoRef};
 
 /// Reads sites from a CSV table or GeoJSON points. `-` is standard input, which is GeoJSON if it
@@ -28,8 +28,8 @@ use crate::raster::{Crs, CrsKind, GeoRef};
 ///
 /// GeoJSON points are longitude and latitude (RFC 7946) unless a `crs` member names another system.
 /// Their properties have the names of the columns; two angles may also be `[90, 180]`. The height
-/// may also be `height_amsl_m`, as written by this program. Sites without an id are numbered from
-/// `first_number` by their row.
+/// may also be `height_amsl_m`, as written by this program, or a third coordinate other than 0, which is above the
+/// datum. Sites without an id are numbered from `first_number` by their row.
 ///
 /// # Errors
 /// File errors naming the lines or features; site errors if positions cannot be brought into the
@@ -115,7 +115,11 @@ fn site_of(feature: &Value, (crs, grid): (&Crs, &GeoRef), number: usize) -> std:
     let height = match (property(&HEIGHT_COLUMNS), property(&["height_amsl_m"])) {
         (Some(h), _) => height(&h, above.as_deref()),
         (None, Some(h)) => height(&h, Some("amsl")),
-        (None, None) => Err("found no height `h`".into()),
+        (None, None) => match feature["geometry"]["coordinates"].get(2).and_then(Value::as_f64) {
+            // Programs write a third coordinate of 0 where there is no height.
+            Some(z) if z != 0.0 => Ok(Height::AboveDatum(z)),
+            _ => Err("found no height `h`".into()),
+        },
     };
     let height = height.map_err(RowFault::Text)?;
     let id = property(&["id", "site", "name"]).or_else(|| feature.get("id").map(text));
