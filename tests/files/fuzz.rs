@@ -182,7 +182,7 @@ fn targets() -> Vec<Target> {
     let cloud = |name| scene(name, &[], "--ground 10 --cell 4", "691005,5334705,60");
     let mesh = |name| scene(name, &[], "", "1,1,60");
     let flight = |name| {
-        let line = format!("track city.geojson --uav 5,5,60 --track {name} --every 50 --stretches out.kml -o out.json");
+        let line = format!("track city.geojson --uav 5,5,60 --track {name} --every 50 -o out.json");
         of_line(name, &line)
     };
     let small = "--extent -2,-2,60,60";
