@@ -342,14 +342,8 @@ class Scene(Grid):
         the stretches, ``answer["observers"]`` those of each UAV. Keywords: ``help(skyshed.keywords.TrackKeywords)``.
         """
         held: list[HeldInput] = []
-        observers: dict[str, Any] = {}
         listed = uavs_of([uav] if is_one_uav(uav) else uav, self.crs, None)
-        if len(listed) == 1:
-            x, y, h, *_ = listed[0]
-            observers["uav"] = [f"{x},{y},{h}"]
-        else:
-            held.append(("uavs", "uavs.csv", table_of(listed)))
-            observers["uavs"] = "uavs.csv"
+        observers = {"uav": [f"{x},{y},{h}" for x, y, h, *_ in listed]}
         # A line of shapely has its points apart.
         above = "amsl" if hasattr(track, "coords") else "agl"
         track = getattr(track, "coords", track)

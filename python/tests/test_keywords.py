@@ -76,6 +76,7 @@ VALUES: dict[str, Any] = {
     "csv_text": True,
     # Questions.
     "every": 3,
+    "swap_axes": True,
     "stretches": "stretches.csv",
     "follow_ground": True,
     "bad_uavs": "skip",
@@ -122,6 +123,7 @@ QUIET = {
     "parts": "this file has none: building_meaning",
     "skip_bad": "no row of these tables is bad",
     "bad_uavs": "no UAV of these is bad",
+    "swap_axes": "the extent of this city is the same with its axes exchanged",
     "method": "exact engines agree",
 }
 
