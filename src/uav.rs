@@ -8,12 +8,12 @@ use skyshed_io::Input;
 use skyshed_request::{BadUavs, Position, Shard, Uavs};
 
 use crate::city::{Antenna, GivenSite, Site, Source};
-use crate::coverage::height_over;
 use crate::error::{Error, PlacesError, RequestError, Result, Warning, warned};
 use crate::height_field::HeightField;
-use crate::quantity::{Height, meters};
+use crate::quantity::Height;
 use crate::raster::GeoRef;
-use crate::read::{BadRows, Paths, VertexHeight, read_paths, read_sites, source_of};
+use crate::read::{BadRows, VertexHeight, is_path_file, read_paths, read_sites, source_of};
+use crate::track::{home_ground, resolved};
 
 /// A UAV: a position in the scene's reference system and a height.
 ///
@@ -105,7 +105,7 @@ pub(crate) struct UavsFound {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Home {
     /// East and north \[CRS units\].
-    at: (f64, f64),
+    at: [f64; 2],
     /// UAVs whose heights are above the ground there, not above their own.
     ids: HashSet<String>,
 }
@@ -117,13 +117,11 @@ impl UavsFound {
     /// E204 if no ground is known there.
     pub(crate) fn over(&self, field: &HeightField) -> Result<Cow<'_, UavsFound>> {
         let Some(Home { at, ids }) = &self.home else { return Ok(Cow::Borrowed(self)) };
-        let height = Height::AboveGround(0.0);
-        let ground = height_over(field, &field.place(at.0, at.1), height);
-        let ground_m = meters(ground.map_err(|why| PlacesError::Receiver { at: *at, height, why })?);
+        let ground = home_ground(field, Some(*at))?;
         let site = |given: &GivenSite| match ids.contains(&given.id) {
             false => given.clone(),
             true => {
-                let height = Height::AboveDatum(ground_m + given.height.value());
+                let height = resolved(VertexHeight::AboveHome(given.height.value()), ground);
                 GivenSite { site: Site { height, ..given.site.clone() }, ..given.clone() }
             }
         };
@@ -235,7 +233,7 @@ impl UavsAsked {
         let mut found = UavsFound { sites: typed.collect(), bad: self.bad, ..UavsFound::default() };
         if let Some(table) = &self.table {
             let first = found.sites.len() + 1;
-            if is_path(table) {
+            if is_path_file(table)? {
                 let (sites, home) = self.read_vertices(table, (grid, first), &mut found.warnings)?;
                 found.sites.extend(sites);
                 found.home = home;
@@ -259,14 +257,9 @@ impl UavsAsked {
         (grid, first): (&GeoRef, usize),
         warnings: &mut Vec<Warning>,
     ) -> Result<(Vec<GivenSite>, Option<Home>)> {
-        let (mut bad, mut odd) = (Vec::new(), Vec::new());
-        let paths = read_paths(table, grid.crs(), (bad_rows(self.skips_bad, &mut bad), &mut odd));
-        warnings.extend(bad.into_iter().chain(odd).map(Warning::from));
-        let Paths { lines, points, home } = paths?;
-        let vertices = match points.is_empty() {
-            true => lines.into_iter().flat_map(|line| line.vertices).collect(),
-            false => points,
-        };
+        let paths = warned(warnings, |odd| read_paths(table, grid.crs(), (self.skips_bad, odd)))?;
+        let home = paths.home;
+        let vertices = paths.into_places();
         let (mut sites, mut ids) = (Vec::new(), HashSet::new());
         for (k, vertex) in vertices.into_iter().enumerate() {
             let id = vertex.name.unwrap_or_else(|| (first + k).to_string());
@@ -280,15 +273,9 @@ impl UavsAsked {
             };
             sites.push(GivenSite { site: Site::new(id, (vertex.x, vertex.y), height), lonlat: vertex.lonlat });
         }
-        let home = home.filter(|_| !ids.is_empty()).map(|[x, y]| Home { at: (x, y), ids });
+        let home = home.filter(|_| !ids.is_empty()).map(|at| Home { at, ids });
         Ok((sites, home))
     }
-}
-
-/// Returns `true` for a file of a path or a mission, by its extension.
-fn is_path(table: &Input) -> bool {
-    let extension = table.as_path().extension().map(|e| e.to_string_lossy().to_lowercase());
-    extension.is_some_and(|extension| ["gpx", "kml", "plan", "waypoints"].contains(&extension.as_str()))
 }
 
 /// Reads a UAV from its words `X,Y,H`.

@@ -255,7 +255,7 @@ impl Answer for Places {
 fn read(path: &Path, looks: Looks, crs: Option<Crs>) -> Result<What> {
     if looks == Looks::Track {
         // Faults that stop nothing are told when the track is used.
-        return Ok(What::Track(read_track(path, crs.as_ref(), (BadRows::Refuse, &mut Vec::new()))?));
+        return Ok(What::Track(read_track(path, crs.as_ref(), (false, &mut Vec::new()))?));
     }
     // Reading needs only the reference system of a scene: places need not lie in one.
     let grid = GeoRef::new((0.0, 0.0), (1.0, 1.0), (1, 1), crs).ok_or(Error::fault("a grid of one cell is valid"))?;

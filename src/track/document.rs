@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::found::{Stretches, Sums, WayStretch};
+use super::found::{Run, Sums, WayStretch};
 use super::{Seen, TrackWalk};
 use crate::answer::{Head, WarningFacts, document_of, warnings_of};
 use crate::coverage::{TrackHeight, TrackPoint};
@@ -191,10 +191,11 @@ impl TrackWalk {
         (position, height)
     }
 
-    fn stretch_row(&self, uav: &str, (first, last): (&WayStretch, &WayStretch), leg: Option<usize>) -> StretchRow {
+    fn stretch_row(&self, uav: &str, run: Run<'_>, leg: Option<usize>) -> StretchRow {
+        let (first, last, [from_m, to_m]) = (run.first(), run.last(), run.along_m());
         let (from, from_z) = self.place_of((first.way, first.leg, first.at[0]));
         let (to, to_z) = self.place_of((last.way, last.leg, last.at[1]));
-        let obstacle = first.obstacle.and_then(|obstacle| self.scene.field.leg_obstacle(obstacle));
+        let obstacle = run.obstacle().and_then(|obstacle| self.scene.field.leg_obstacle(obstacle));
         let facts = obstacle.map(|(kind, _)| ObstacleFacts::of(&self.scene.field, kind));
         let cell = |facts: &ObstacleFacts| facts.cell.map(|(row, col)| format!("{row},{col}"));
         StretchRow {
@@ -203,11 +204,11 @@ impl TrackWalk {
             uav: uav.to_string(),
             leg,
             state: first.state.name(),
-            from_m: first.along_m[0],
-            to_m: last.along_m[1],
-            length_m: last.along_m[1] - first.along_m[0],
-            from_s: first.time_s.map(|time| time[0]),
-            to_s: last.time_s.map(|time| time[1]),
+            from_m,
+            to_m,
+            length_m: run.length_m(),
+            from_s: run.time_s().map(|[from, _]| from),
+            to_s: run.time_s().map(|[_, to]| to),
             from_x: from[0],
             from_y: from[1],
             from_z,
@@ -224,23 +225,26 @@ impl TrackWalk {
     /// Returns the stretches of each UAV leg by leg, then of all together if there are several.
     pub(crate) fn stretch_rows(&self) -> Vec<StretchRow> {
         self.told_stretches()
-            .map(|(uav, stretch)| self.stretch_row(uav, (stretch, stretch), Some(stretch.leg + 1)))
+            .map(|(uav, stretch)| self.stretch_row(uav, Run(std::slice::from_ref(stretch)), Some(stretch.leg + 1)))
             .collect()
     }
 
     /// Returns the stretches leg by leg with the id of their UAV, empty for all together.
     pub(super) fn told_stretches(&self) -> impl Iterator<Item = (&str, &WayStretch)> {
-        let each =
-            self.uavs.iter().zip(&self.each).flat_map(|(uav, seen)| seen.by_leg.0.iter().map(|s| (uav.id.as_str(), s)));
+        let each = self
+            .uavs
+            .iter()
+            .zip(&self.each)
+            .flat_map(|(uav, seen)| seen.stretches.0.iter().map(|s| (uav.id.as_str(), s)));
         let all = (self.uavs.len() > 1)
             .then_some(&self.all)
             .into_iter()
-            .flat_map(|seen| seen.by_leg.0.iter().map(|s| ("", s)));
+            .flat_map(|seen| seen.stretches.0.iter().map(|s| ("", s)));
         each.chain(all)
     }
 
     fn seen_document(&self, uav: &str, seen: &Seen, with_places: bool) -> SeenDocument {
-        let Seen { by_leg, sums, .. } = seen;
+        let Seen { stretches, sums } = seen;
         let p_los = seen.share();
         SeenDocument {
             length_m: Lengths::of(sums.length_m),
@@ -250,19 +254,8 @@ impl TrackWalk {
             reason: p_los.is_none().then_some("no place of the track holds a receiver"),
             longest_without_m: sums.longest_without_m,
             longest_without_s: sums.longest_without_s,
-            stretches: with_places.then(|| self.merged_rows(uav, by_leg)),
+            stretches: with_places.then(|| stretches.runs().map(|run| self.stretch_row(uav, run, None)).collect()),
         }
-    }
-
-    /// Returns stretches across legs: those of one state that abut are one.
-    fn merged_rows(&self, uav: &str, by_leg: &Stretches) -> Vec<StretchRow> {
-        let is_same = |a: &WayStretch, b: &WayStretch| (a.way, a.state) == (b.way, b.state);
-        let row = |run: &[WayStretch]| {
-            let longest = run.iter().max_by(|a, b| a.length_m().total_cmp(&b.length_m()));
-            let first = WayStretch { obstacle: longest.and_then(|of| of.obstacle), ..run[0] };
-            self.stretch_row(uav, (&first, &run[run.len() - 1]), None)
-        };
-        by_leg.0.chunk_by(is_same).map(row).collect()
     }
 
     /// Returns the decided places of all UAVs; none where they cannot be found.

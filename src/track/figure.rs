@@ -1,7 +1,7 @@
 //! Picture of a track: stretches with line of sight, and heights along it.
 
 use super::TrackWalk;
-use super::found::{Stretches, WayStretch};
+use super::found::{Run, Stretches};
 use crate::answer::Answer;
 use crate::coverage::{TrackPoint, TrackState, Uav, class};
 use crate::error::Result;
@@ -24,7 +24,7 @@ pub(super) fn draw(walk: &TrackWalk, format: Format, look: &Look) -> Result<Vec<
     let starts = starts_of(walk);
     let paths = Paths { walk, part: &part, starts: &starts };
     let [all, each] = [vec![&walk.all], walk.each.iter().collect::<Vec<_>>()]
-        .map(|of| of.into_iter().map(|seen| paths.of(&seen.by_leg)).collect::<Vec<_>>());
+        .map(|of| of.into_iter().map(|seen| paths.of(&seen.stretches)).collect::<Vec<_>>());
     let stretches = told(&all[0]);
     let is_one = walk.uavs.len() == 1;
     let named = walk.uavs.iter().zip(&each).filter(|_| !is_one);
@@ -105,16 +105,15 @@ struct Paths<'a> {
 impl Paths<'_> {
     /// Returns stretches as they are drawn: legs of one state that follow each other as one.
     fn of(&self, stretches: &Stretches) -> Vec<Drawn> {
-        let is_same = |a: &WayStretch, b: &WayStretch| (a.way, a.state) == (b.way, b.state);
-        let drawn = |run: &[WayStretch]| {
-            let (first, last) = (&run[0], &run[run.len() - 1]);
+        let drawn = |run: Run<'_>| {
+            let (first, last, along_m) = (run.first(), run.last(), run.along_m());
             let start = self.starts[first.way];
-            let path = run.iter().map(|s| (s, s.at[0])).chain([(last, last.at[1])]);
+            let path = run.0.iter().map(|s| (s, s.at[0])).chain([(last, last.at[1])]);
             let path = path.map(|(s, t)| self.cells(self.walk.place_of((s.way, s.leg, t)).0)).collect();
             let los = first.state.has_receiver().then_some(first.state == TrackState::Los);
-            ([start + first.along_m[0], start + last.along_m[1]], los, path)
+            (along_m.map(|m| start + m), los, path)
         };
-        stretches.0.chunk_by(is_same).map(drawn).collect()
+        stretches.runs().map(drawn).collect()
     }
 
     /// Returns a position as column and row.

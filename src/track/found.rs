@@ -24,13 +24,42 @@ pub(super) struct WayStretch {
     pub(super) obstacle: Option<LegObstacle>,
 }
 
-impl WayStretch {
+/// Stretches of one state that follow each other along a way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Run<'a>(pub(super) &'a [WayStretch]);
+
+impl Run<'_> {
+    pub(super) fn first(&self) -> &WayStretch {
+        &self.0[0]
+    }
+
+    pub(super) fn last(&self) -> &WayStretch {
+        &self.0[self.0.len() - 1]
+    }
+
+    /// Returns its ends along the way \[m\].
+    pub(super) fn along_m(&self) -> [f64; 2] {
+        [self.first().along_m[0], self.last().along_m[1]]
+    }
+
+    /// Returns its ends since the start of the way \[s\].
+    pub(super) fn time_s(&self) -> Option<[f64; 2]> {
+        self.first().time_s.zip(self.last().time_s).map(|([from, _], [_, to])| [from, to])
+    }
+
     pub(super) fn length_m(&self) -> f64 {
-        self.along_m[1] - self.along_m[0]
+        let [from, to] = self.along_m();
+        to - from
     }
 
     pub(super) fn duration_s(&self) -> Option<f64> {
-        self.time_s.map(|[from, to]| to - from)
+        self.time_s().map(|[from, to]| to - from)
+    }
+
+    /// Returns the obstacle of its longest stretch.
+    pub(super) fn obstacle(&self) -> Option<LegObstacle> {
+        let length_m = |of: &WayStretch| of.along_m[1] - of.along_m[0];
+        self.0.iter().max_by(|a, b| length_m(a).total_cmp(&length_m(b)))?.obstacle
     }
 }
 
@@ -63,48 +92,27 @@ impl Sums {
 }
 
 impl Stretches {
-    /// Returns the stretches with those that abut in one state, on a way, as one.
-    pub(super) fn merged(&self) -> Stretches {
-        let mut merged: Vec<WayStretch> = Vec::new();
-        let mut longest = 0.0;
-        for stretch in &self.0 {
-            match merged.last_mut().filter(|last| (last.way, last.state) == (stretch.way, stretch.state)) {
-                Some(last) => {
-                    last.along_m[1] = stretch.along_m[1];
-                    last.time_s = last.time_s.zip(stretch.time_s).map(|([from, _], [_, to])| [from, to]);
-                    if stretch.length_m() > longest {
-                        (last.obstacle, longest) = (stretch.obstacle, stretch.length_m());
-                    }
-                }
-                None => {
-                    longest = stretch.length_m();
-                    merged.push(*stretch);
-                }
-            }
-        }
-        Stretches(merged)
+    /// Returns the runs of one state along a way, which may cross legs.
+    pub(super) fn runs(&self) -> impl Iterator<Item = Run<'_>> {
+        self.0.chunk_by(|a, b| (a.way, a.state) == (b.way, b.state)).map(Run)
     }
 
-    /// Returns the sums of stretches that are [merged](Stretches::merged).
+    /// Returns the runs of a state.
+    pub(super) fn runs_of(&self, state: TrackState) -> impl Iterator<Item = Run<'_>> {
+        self.runs().filter(move |run| run.first().state == state)
+    }
+
     pub(super) fn sums(&self) -> Sums {
-        let mut sums =
-            Sums { time_s: self.0.first().and_then(WayStretch::duration_s).map(|_| [0.0; 4]), ..Sums::default() };
-        for stretch in &self.0 {
-            let k = TrackState::ALL.iter().position(|of| *of == stretch.state).unwrap_or(0);
-            sums.length_m[k] += stretch.length_m();
-            if let Some((times, duration)) = sums.time_s.as_mut().zip(stretch.duration_s()) {
-                times[k] += duration;
-            }
-            if stretch.state == TrackState::Nlos {
-                sums.longest_without_m = sums.longest_without_m.max(stretch.length_m());
-                let longest = sums.longest_without_s.unwrap_or(0.0);
-                sums.longest_without_s = stretch.duration_s().map(|duration| duration.max(longest));
-            }
+        let has_times = self.0.iter().any(|stretch| stretch.time_s.is_some());
+        let length_m = TrackState::ALL.map(|state| self.runs_of(state).map(|run| run.length_m()).sum());
+        let times_s = || TrackState::ALL.map(|state| self.runs_of(state).filter_map(|run| run.duration_s()).sum());
+        let without = || self.runs_of(TrackState::Nlos);
+        Sums {
+            length_m,
+            time_s: has_times.then(times_s),
+            longest_without_m: without().map(|run| run.length_m()).fold(0.0, f64::max),
+            longest_without_s: has_times.then(|| without().filter_map(|run| run.duration_s()).fold(0.0, f64::max)),
         }
-        if sums.time_s.is_some() {
-            sums.longest_without_s = sums.longest_without_s.or(Some(0.0));
-        }
-        sums
     }
 }
 
@@ -125,8 +133,8 @@ impl WayLeg<'_> {
             let (way, leg) = (self.way, self.leg);
             WayStretch { way, leg, at, along_m: [from_m, to_m], time_s, state, obstacle }
         };
-        let has_size = |s: &WayStretch| s.length_m() > 0.0 || s.duration_s().is_some_and(|duration| duration > 0.0);
-        stretches.into_iter().map(of).filter(has_size)
+        let has_size = |run: Run<'_>| run.length_m() > 0.0 || run.duration_s().is_some_and(|duration| duration > 0.0);
+        stretches.into_iter().map(of).filter(move |stretch| has_size(Run(std::slice::from_ref(stretch))))
     }
 }
 

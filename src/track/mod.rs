@@ -15,7 +15,7 @@ use crate::answer::{Answer, CommandFacts, Rows, RunFacts, Spent, add_rows, rows}
 use crate::city::{GivenSite, Site};
 use crate::coverage::{TrackPoint, TrackState, Uav};
 use crate::earth::warn_of_drop;
-use crate::error::{Error, LimitError, OddRun, Result, Warning};
+use crate::error::{Error, LimitError, OddRun, Result, Warning, warned};
 use crate::export::{Batch, Format};
 use crate::height_field::Curvature;
 use crate::link::check_extent;
@@ -26,7 +26,7 @@ use crate::read::{Paths, read_track, source_of};
 use crate::scene::Scene;
 use crate::scene::placing::{place_all, place_uav, warn_of_uavs_outside};
 use crate::sight::SightPlan;
-use crate::uav::{UavsAsked, bad_rows};
+use crate::uav::UavsAsked;
 use crate::words::p_los_words;
 use found::{Stretches, Sums};
 use skyshed_io::Input;
@@ -48,6 +48,8 @@ pub(crate) const STRETCH_FORMATS: [Format; 4] = [Format::Csv, Format::GeoJson, F
 const MOST_PLACES: f64 = 1e6;
 /// Most UAVs that the text tells one by one.
 const MOST_TOLD: usize = 20;
+/// Most parts without a receiver that the text tells one by one.
+const MOST_PLACES_TOLD: usize = 5;
 
 /// Plan of a walk or a flight.
 #[derive(Debug)]
@@ -124,8 +126,8 @@ impl TrackPlan {
         let step = self.every_m / scene.grid().meters_per_unit();
         let curved = curvature.map(|curvature| (curvature, step));
         let (each, all) = found::find(&scene.field, (&ways, &uavs), curved)?;
-        let no_receiver = |s: &&found::WayStretch| !s.state.has_receiver();
-        let off_m: f64 = all.0.iter().filter(no_receiver).map(found::WayStretch::length_m).sum();
+        let none = all.runs().filter(|run| !run.first().state.has_receiver());
+        let off_m: f64 = none.map(|run| run.length_m()).sum();
         if off_m > 0.0 {
             scene.warnings.push(OddRun::OffGround { length: tidy(off_m) }.into());
         }
@@ -136,8 +138,8 @@ impl TrackPlan {
             every_m: self.every_m,
             uavs,
             ways,
-            each: each.iter().map(Seen::of).collect(),
-            all: Seen::of(&all),
+            each: each.into_iter().map(Seen::of).collect(),
+            all: Seen::of(all),
             points: OnceLock::new(),
             stretch_files: self.stretch_files.clone(),
             scene,
@@ -147,10 +149,8 @@ impl TrackPlan {
     /// Reads the track, and refuses a height of receivers beside heights of its own.
     fn read(&self, scene: &mut Scene) -> Result<Paths> {
         let crs = scene.field.grid().crs().cloned();
-        let (mut bad, mut odd) = (Vec::new(), Vec::new());
-        let paths = read_track(&self.track, crs.as_ref(), (bad_rows(self.skips_bad, &mut bad), &mut odd));
-        scene.warnings.extend(bad.into_iter().chain(odd).map(Warning::from));
-        let paths = paths?;
+        let read = |odd: &mut _| read_track(&self.track, crs.as_ref(), (self.skips_bad, odd));
+        let paths = warned(&mut scene.warnings, read)?;
         scene.sources.push(source_of(&self.track, self.hash)?);
         if paths.have_heights() && self.has_rx_height {
             return Err(Error::idle("rx_height", "for a track with heights of its own"));
@@ -187,17 +187,13 @@ impl TrackPlan {
 /// Stretches that one UAV sees, or all together, and their sums.
 #[derive(Debug, Clone)]
 struct Seen {
-    /// Stretches, leg by leg.
-    by_leg: Stretches,
-    /// Stretches across legs.
-    merged: Stretches,
+    stretches: Stretches,
     sums: Sums,
 }
 
 impl Seen {
-    fn of(by_leg: &Stretches) -> Seen {
-        let merged = by_leg.merged();
-        Seen { by_leg: by_leg.clone(), sums: merged.sums(), merged }
+    fn of(stretches: Stretches) -> Seen {
+        Seen { sums: stretches.sums(), stretches }
     }
 
     /// Returns the share of the length in line of sight; `None` without receivers.
@@ -243,9 +239,9 @@ impl TrackWalk {
 
     /// Returns words about the stretches of one UAV or of all.
     fn words(seen: &Seen, who: &str) -> String {
-        let Seen { merged, sums, .. } = seen;
+        let Seen { stretches, sums } = seen;
         let length = |state| tidy(sums.length(state));
-        let n_without = merged.0.iter().filter(|s| s.state == TrackState::Nlos).count();
+        let n_without = stretches.runs_of(TrackState::Nlos).count();
         let share = match seen.share() {
             None => "undefined: no place holds a receiver".to_string(),
             share => p_los_words(share),
@@ -276,20 +272,16 @@ impl TrackWalk {
         for (state, what) in
             [(TrackState::Inside, "inside buildings or below the ground"), (TrackState::Nodata, "without a ground")]
         {
-            if self.all.sums.length(state) > 0.0 {
-                let places: Vec<String> = self
-                    .all
-                    .merged
-                    .0
-                    .iter()
-                    .filter(|stretch| stretch.state == state)
-                    .take(5)
-                    .map(|stretch| format!("{} to {} m", tidy(stretch.along_m[0]), tidy(stretch.along_m[1])))
-                    .collect();
-                let n = self.all.merged.0.iter().filter(|stretch| stretch.state == state).count();
-                let more = if n > places.len() { format!(" and {} more", n - places.len()) } else { String::new() };
-                text += &format!("{} m {what}: {}{more}\n", tidy(self.all.sums.length(state)), places.join(", "));
+            let runs: Vec<[f64; 2]> = self.all.stretches.runs_of(state).map(|run| run.along_m()).collect();
+            if runs.is_empty() {
+                continue;
             }
+            let told =
+                runs.iter().take(MOST_PLACES_TOLD).map(|[from, to]| format!("{} to {} m", tidy(*from), tidy(*to)));
+            let n_more = runs.len().saturating_sub(MOST_PLACES_TOLD);
+            let more = if n_more > 0 { format!(" and {n_more} more") } else { String::new() };
+            let places = told.collect::<Vec<_>>().join(", ");
+            text += &format!("{} m {what}: {places}{more}\n", tidy(self.all.sums.length(state)));
         }
         text
     }

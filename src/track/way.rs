@@ -91,7 +91,7 @@ pub(super) fn ways_of(
     (field, plan): (&HeightField, &TrackPlan),
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Way>> {
-    let home = home_ground(field, &paths)?;
+    let home = home_ground(field, paths.home)?;
     let step = plan.every_m / field.grid().meters_per_unit();
     let resolver = Resolver { field, home, rx_height: plan.sight.rx_height() };
     let mut farthest: Option<Off> = None;
@@ -119,12 +119,12 @@ pub(super) fn ways_of(
     Ok(ways)
 }
 
-/// Returns the ground where a mission begins \[1/1024 m above the datum\], if the paths name its place.
+/// Returns the ground where a mission begins \[1/1024 m above the datum\], if its place is known.
 ///
 /// # Errors
 /// E204 if no ground is known there.
-pub(crate) fn home_ground(field: &HeightField, paths: &Paths) -> Result<Option<i32>> {
-    let Some([x, y]) = paths.home else { return Ok(None) };
+pub(crate) fn home_ground(field: &HeightField, home: Option<[f64; 2]>) -> Result<Option<i32>> {
+    let Some([x, y]) = home else { return Ok(None) };
     let height = Height::AboveGround(0.0);
     let ground = height_over(field, &field.place(x, y), height);
     Ok(Some(ground.map_err(|why| PlacesError::Receiver { at: (x, y), height, why })?))

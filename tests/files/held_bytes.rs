@@ -111,7 +111,7 @@ fn places_in_bytes_are_those_of_the_file() {
     let sites = |input: Input| read_sites(input, &grid, 1, BadRows::Refuse).unwrap();
     let path = maps.join("sites.csv");
     assert_eq!(format!("{:?}", sites(held(&path))), format!("{:?}", sites(Input::path(path))));
-    let track = |input: Input| read_track(input, grid.crs(), (BadRows::Refuse, &mut Vec::new())).unwrap();
+    let track = |input: Input| read_track(input, grid.crs(), (false, &mut Vec::new())).unwrap();
     let path = maps.join("walk.csv");
     assert_eq!(track(held(&path)), track(Input::path(path)));
 }

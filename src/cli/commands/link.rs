@@ -11,15 +11,12 @@ use crate::cli::args::scene::scene_files;
 use crate::cli::args::sight::parse_receiver;
 use crate::cli::failure::{Result, refusal};
 use crate::cli::run::Run;
-use crate::error::{Error, Warning};
+use crate::error::Error;
 use crate::link::{AskedReceiver, FORMATS, LinksPlan, TABLE_FORMATS};
 use crate::picture::Look;
-use crate::quantity::{Height, tidy};
-use crate::read::{Vertex, read_paths, source_of};
-use crate::scene::Scene;
+use crate::quantity::tidy;
 use crate::sight::SightPlan;
-use crate::track::{home_ground, resolved};
-use crate::uav::{Uav, UavsAsked, bad_rows};
+use crate::uav::{Uav, UavsAsked};
 
 /// Answers a request.
 ///
@@ -91,29 +88,9 @@ fn many(
     let found = uavs.read(scene.grid())?;
     let mut receivers = typed;
     if let Some(table) = table {
-        receivers.extend(read_receivers(&table, request, &mut scene)?);
+        let (skips_bad, hash) = (request.uavs.skip_bad, request.reading.options.hash);
+        receivers.extend(plan.read_receivers((&table, skips_bad, hash), receivers.len() + 1, &mut scene)?);
     }
     let links = plan.decide(scene, (&found, &receivers), run.command())?;
     run.emit(&links, &outputs, (&request.out, &look))
-}
-
-/// Reads the receivers of a file; those without a height are at that of the run.
-fn read_receivers(table: &Input, request: &LinkRequest, scene: &mut Scene) -> Result<Vec<AskedReceiver>> {
-    let crs = scene.grid().crs().cloned();
-    let (mut bad, mut odd) = (Vec::new(), Vec::new());
-    let paths = read_paths(table, crs.as_ref(), (bad_rows(request.uavs.skip_bad, &mut bad), &mut odd));
-    scene.warnings.extend(bad.into_iter().chain(odd).map(Warning::from));
-    let paths = paths.map_err(Error::from)?;
-    scene.sources.push(source_of(table, request.reading.options.hash).map_err(Error::from)?);
-    let home = home_ground(&scene.field, &paths)?;
-    let of_lines = paths.lines.into_iter().flat_map(|line| line.vertices);
-    let vertices: Vec<Vertex> = paths.points.into_iter().chain(of_lines).collect();
-    let first = request.link.rx.len() + 1;
-    let receiver = |(k, vertex): (usize, Vertex)| {
-        let own = vertex.height.map(|height| resolved(height, home));
-        let height = own.unwrap_or(Height::AboveGround(request.receiver.rx_height_m()));
-        let id = vertex.name.unwrap_or_else(|| (first + k).to_string());
-        AskedReceiver { id, at: (vertex.x, vertex.y), height }
-    };
-    Ok(vertices.into_iter().enumerate().map(receiver).collect())
 }

@@ -8,15 +8,18 @@ use super::{ObstacleFacts, check_extent, end_of};
 use crate::answer::{CommandFacts, RunFacts};
 use crate::coverage::{self, ExplainedLink, SceneView, place_receiver};
 use crate::earth::warn_of_drop;
-use crate::error::{Error, LimitError, Result};
+use crate::error::{Error, LimitError, Result, warned};
 use crate::export::Format;
 use crate::height_field::{Curvature, Station};
 use crate::los::Method;
 use crate::quantity::Height;
+use crate::read::{Vertex, read_paths, source_of};
 use crate::scene::Scene;
 use crate::scene::placing::{place_uav, warn_of_uavs_outside};
 use crate::sight::SightPlan;
+use crate::track::{home_ground, resolved};
 use crate::uav::UavsFound;
+use skyshed_io::Input;
 
 pub(crate) use files::{LinkRow, LinksDocument};
 
@@ -100,6 +103,30 @@ impl Decided {
 }
 
 impl LinksPlan {
+    /// Reads the receivers of a file, of which nameless ones are numbered from `first`. Those without a
+    /// height are at that of the run.
+    ///
+    /// # Errors
+    /// Errors of the file; E204 for heights above a home without a known ground.
+    pub(crate) fn read_receivers(
+        &self,
+        (table, skips_bad, hash): (&Input, bool, bool),
+        first: usize,
+        scene: &mut Scene,
+    ) -> Result<Vec<AskedReceiver>> {
+        let crs = scene.grid().crs().cloned();
+        let paths = warned(&mut scene.warnings, |odd| read_paths(table, crs.as_ref(), (skips_bad, odd)))?;
+        scene.sources.push(source_of(table, hash)?);
+        let home = home_ground(&scene.field, paths.home)?;
+        let receiver = |(k, vertex): (usize, Vertex)| {
+            let own = vertex.height.map(|height| resolved(height, home));
+            let height = own.unwrap_or(Height::AboveGround(self.sight.rx_height_m()));
+            let id = vertex.name.unwrap_or_else(|| (first + k).to_string());
+            AskedReceiver { id, at: (vertex.x, vertex.y), height }
+        };
+        Ok(paths.into_places().into_iter().enumerate().map(receiver).collect())
+    }
+
     /// Decides the links over a scene. An end that cannot be there has rows without an answer.
     ///
     /// # Errors

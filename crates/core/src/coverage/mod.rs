@@ -49,7 +49,7 @@ pub use sight_numbers::{CheckedNumbers, NumberFault, SightNumbers, check_height_
 pub use stability::{Move, Stability, Turned};
 pub use streamed::StreamedMapper;
 pub use tally::{BAND_DEGREES, ElevationBand, Tally};
-pub use track::{LegStretch, TrackHeight, TrackLeg, TrackPoint, TrackState, TrackVertex, steps_of};
+pub use track::{LegStretch, TrackHeight, TrackLeg, TrackPoint, TrackState, TrackVertex};
 pub use uav::{HoversOver, Uav, height_over, is_nodata_below};
 pub use uav_grid::UavGrid;
 pub use uncertain_heights::{CORRELATION_M, Deciding, RedrawnCounts, RedrawnHeights, Sure};

@@ -8,7 +8,7 @@ mod leg;
 mod sampled;
 
 pub use leg::{LegStretch, TrackLeg};
-pub use sampled::{TrackPoint, steps_of};
+pub use sampled::TrackPoint;
 
 /// A vertex of a track.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -88,7 +88,7 @@ fn length_of(grid: &GeoRef, [from, to]: [&TrackVertex; 2]) -> f64 {
 }
 
 /// Returns the number of steps that a leg is walked in.
-pub fn steps_of(grid: &GeoRef, ends: [&TrackVertex; 2], step: f64) -> u32 {
+fn steps_of(grid: &GeoRef, ends: [&TrackVertex; 2], step: f64) -> u32 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive, and bounded by the caller")]
     let n = (length_of(grid, ends) / step).ceil().max(1.0) as u32;
     n

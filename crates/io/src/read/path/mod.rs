@@ -25,6 +25,11 @@ use crate::input::Input;
 use crate::quantity::Height;
 use crate::raster::{Crs, CrsKind};
 
+/// Bytes of a file that tell what it is.
+const HEAD_BYTES: u64 = 1 << 16;
+/// First words of a mission as plain text.
+const WAYPOINTS: &str = "QGC WPL";
+
 /// A path: its vertices in their order, joined by straight legs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Path {
@@ -76,6 +81,14 @@ impl Paths {
     pub fn have_heights(&self) -> bool {
         self.lines.iter().flat_map(|line| &line.vertices).chain(&self.points).any(|vertex| vertex.height.is_some())
     }
+
+    /// Returns the points, and without any the vertices of the lines.
+    pub fn into_places(self) -> Vec<Vertex> {
+        match self.points.is_empty() {
+            true => self.lines.into_iter().flat_map(|line| line.vertices).collect(),
+            false => self.points,
+        }
+    }
 }
 
 /// A line or loose points of a file, as they stand there.
@@ -110,7 +123,8 @@ struct RawPaths {
 /// Reads the paths of a file into a scene's reference system. `-` is standard input.
 ///
 /// Vertices that repeat the one before them in place, height and time are dropped. A third
-/// coordinate that is 0 everywhere is no height (W386).
+/// coordinate that is 0 everywhere is no height (W386). Bad rows are left out with a warning (W380) if
+/// `skips_bad`.
 ///
 /// # Errors
 /// File errors that name the lines or features; site errors if places cannot be brought into the
@@ -118,7 +132,7 @@ struct RawPaths {
 pub fn read_paths(
     input: impl Into<Input>,
     scene_crs: Option<&Crs>,
-    (bad, warnings): (BadRows<'_>, &mut Vec<Warning>),
+    (skips_bad, warnings): (bool, &mut Vec<Warning>),
 ) -> Result<Paths> {
     let input = &input.into();
     let mut raw = read_raw(input, scene_crs)?;
@@ -154,6 +168,7 @@ pub fn read_paths(
     let home = raw.home.map(place).transpose();
     let home = home.map_err(|fault| bad_rows(input, raw.kind, format!("home: {fault}"), false))?;
     let kind = raw.kind;
+    let bad = if skips_bad { BadRows::LeaveOut(warnings) } else { BadRows::Refuse };
     let vertices = readable(input, rows, bad, |told| refused(input, told, kind, is_degrees))?;
     let mut paths = Paths { home: home.map(<[f64; 2]>::from), ..Paths::default() };
     let mut vertices = vertices.into_iter().peekable();
@@ -176,11 +191,7 @@ pub fn read_paths(
 /// # Errors
 /// As [`read_paths`]; also for fewer than two different places, for paths of which only a part has
 /// heights or times, and for times that go back.
-pub fn read_track(
-    input: impl Into<Input>,
-    scene_crs: Option<&Crs>,
-    told: (BadRows<'_>, &mut Vec<Warning>),
-) -> Result<Paths> {
+pub fn read_track(input: impl Into<Input>, scene_crs: Option<&Crs>, told: (bool, &mut Vec<Warning>)) -> Result<Paths> {
     let input = &input.into();
     let mut paths = read_paths(input, scene_crs, told)?;
     if paths.lines.is_empty() {
@@ -241,12 +252,28 @@ fn drop_zero_heights(paths: &mut [RawPath]) -> bool {
     are_zero
 }
 
+/// Returns `true` for XML or a mission, whose vertices may be UAVs; other places are those of tables and
+/// GeoJSON.
+///
+/// # Errors
+/// E301 if the file cannot be read.
+pub fn is_path_file(input: &Input) -> Result<bool> {
+    // Standard input is a table or GeoJSON, and read once.
+    if input.is_standard_input() {
+        return Ok(false);
+    }
+    let head = input.head(HEAD_BYTES)?;
+    let head = String::from_utf8_lossy(&head);
+    let start = head.trim_start_matches('\u{feff}').trim_start();
+    Ok(start.starts_with('<') || start.starts_with(WAYPOINTS) || mission::is_plan(start))
+}
+
 /// Reads a file as it stands, by its first bytes.
 fn read_raw(input: &Input, scene_crs: Option<&Crs>) -> Result<RawPaths> {
     let text = input.text("a table, or a path, as UTF-8 text")?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let start = text.trim_start();
-    if start.starts_with("QGC WPL") {
+    if start.starts_with(WAYPOINTS) {
         return waypoints::read(input, text);
     }
     if start.starts_with('{') {
