@@ -200,6 +200,19 @@ fn devices_and_pipes_without_an_end_are_no_tables() {
 
 #[cfg(unix)]
 #[test]
+fn a_pipe_of_uavs_is_read_once() {
+    let folder = Folder::new();
+    folder.write("a.asc", GRID);
+    let pipe = folder.join("uavs");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let writer = std::thread::spawn(move || std::fs::write(pipe, "id,x,y,h\nnorth,2,2,9\n").unwrap());
+    let found = folder.type_in("map a.asc --uavs uavs --json");
+    writer.join().unwrap();
+    assert_eq!(found.done().json()["uavs"][0]["id"], "north");
+}
+
+#[cfg(unix)]
+#[test]
 fn a_pipe_is_called_one_and_not_waited_for() {
     let folder = Folder::new();
     let made = std::process::Command::new("mkfifo").arg(folder.join("pipe.asc")).status().unwrap();

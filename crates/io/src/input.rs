@@ -105,6 +105,13 @@ impl Input {
         !self.is_held() && self.path.as_os_str() == "-"
     }
 
+    /// Returns `true` for a pipe or a device, which is read once, from its beginning.
+    pub(crate) fn is_stream(&self) -> bool {
+        let on_disk = !self.is_held() && !self.is_remote();
+        let is_no_file = |path| std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
+        self.is_standard_input() || (on_disk && is_no_file(&self.path))
+    }
+
     /// Returns the extension in lower case, without the point.
     pub(crate) fn extension(&self) -> String {
         self.path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()

@@ -40,7 +40,7 @@ pub(super) fn is_geojson(input: &Input) -> Result<bool> {
 }
 
 /// Returns a source with its hash. The hash is left out above 64 MiB and for files on servers,
-/// unless `always_hash`.
+/// unless `always_hash`, and for a pipe, which is read already.
 ///
 /// # Errors
 /// If the file cannot be read.
@@ -53,7 +53,7 @@ pub fn source_of(input: impl Into<Input>, always_hash: bool) -> Result<Source> {
         return Ok(named(Some(hasher.hex_digits())));
     }
     // A hash would read all of a file on a server.
-    if input.is_remote() && !always_hash {
+    if input.is_stream() || (input.is_remote() && !always_hash) {
         return Ok(named(None));
     }
     let unreadable = |e: std::io::Error| cannot_read(input, &e);

@@ -258,8 +258,8 @@ fn drop_zero_heights(paths: &mut [RawPath]) -> bool {
 /// # Errors
 /// E301 if the file cannot be read.
 pub fn is_path_file(input: &Input) -> Result<bool> {
-    // Standard input is a table or GeoJSON, and read once.
-    if input.is_standard_input() {
+    // A stream is a table or GeoJSON.
+    if input.is_stream() {
         return Ok(false);
     }
     let head = input.head(HEAD_BYTES)?;
