@@ -77,6 +77,8 @@ pub(crate) struct AntennaFacts {
     elevation_deg: Option<[f64; 2]>,
     /// Full angle of a cone straight down [deg].
     beam_deg: Option<f64>,
+    /// Largest distance in space [m], included.
+    slant_range_m: Option<f64>,
 }
 
 /// Returns the limits of an antenna in words, for tables; `None` without limits.
@@ -87,8 +89,9 @@ pub(crate) fn antenna_words(antenna: Antenna) -> Option<String> {
 impl AntennaFacts {
     /// Returns the limits of an antenna; `None` without limits.
     pub(crate) fn of(antenna: Antenna) -> Option<AntennaFacts> {
-        let Antenna { min_radius_m, sector_deg, elevation_deg, beam_deg } = antenna;
-        (antenna != Antenna::default()).then_some(AntennaFacts { min_radius_m, sector_deg, elevation_deg, beam_deg })
+        let Antenna { min_radius_m, sector_deg, elevation_deg, beam_deg, slant_range_m } = antenna;
+        let facts = AntennaFacts { min_radius_m, sector_deg, elevation_deg, beam_deg, slant_range_m };
+        (antenna != Antenna::default()).then_some(facts)
     }
 }
 
@@ -163,11 +166,22 @@ impl SightPlan {
     }
 
     /// Returns the box around everything in range of some places: west, south, east, north \[CRS
-    /// units\]. `None` without a limit, and without a place.
+    /// units\]. `None` if a place has no limit, and without a place.
     pub(crate) fn box_in_range(&self, sites: &[GivenSite], grid: &GeoRef) -> Option<[f64; 4]> {
-        let radius = self.radius_on(grid)?;
-        let boxes = sites.iter().map(|site| [site.x - radius, site.y - radius, site.x + radius, site.y + radius]);
-        boxes.reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])])
+        let around = |site: &GivenSite| {
+            let reach_m = self.reach_m(site.antenna)?;
+            let reach = reach_m / grid.meters_per_unit();
+            Some([site.x - reach, site.y - reach, site.x + reach, site.y + reach])
+        };
+        let boxes: Vec<[f64; 4]> = sites.iter().map(around).collect::<Option<_>>()?;
+        boxes.into_iter().reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])])
+    }
+
+    /// Returns the distance beyond which nothing is in range of a UAV with an antenna \[m\]; `None` without a
+    /// limit.
+    fn reach_m(&self, own: Antenna) -> Option<f64> {
+        let limits = [self.radius_m, own.or(self.antenna).slant_range_m];
+        limits.into_iter().flatten().reduce(f64::min)
     }
 
     /// Returns the options of a map of a scene, without layers of heights. Its zones are found if they

@@ -21,12 +21,12 @@ Uav: TypeAlias = Union[
     "tuple[float, float, Height]", "tuple[float, float, Height, str]", "Mapping[str, Any]", "np.ndarray[Any, Any]"
 ]
 Pair = Union["tuple[float, float]", None]
-#: From which distance [m], azimuths, elevations, the beam [deg].
-AskedAntenna = tuple[Union[float, None], Pair, Pair, Union[float, None]]
+#: From which distance [m], azimuths, elevations, the beam [deg], up to which distance in space [m].
+AskedAntenna = tuple[Union[float, None], Pair, Pair, Union[float, None], Union[float, None]]
 AskedUav = tuple[float, float, Union[float, str], Union[str, None], AskedAntenna]
 
 #: What says so in a mapping or a table of UAVs.
-ANTENNA = ("min_radius", "sector", "elevation", "beam")
+ANTENNA = ("min_radius", "sector", "elevation", "beam", "slant_range")
 
 
 def _number(name: str, value: object) -> float:
@@ -57,8 +57,8 @@ def antenna_of(said: Mapping[str, object]) -> AskedAntenna:
             raise wrong("uav", f"{value!r} as {name}", "two angles, such as (90, 180)", "E102") from None
         return low, high
 
-    min_radius, sector, elevation, beam = ANTENNA
-    return one(min_radius), pair(sector), pair(elevation), one(beam)
+    min_radius, sector, elevation, beam, slant_range = ANTENNA
+    return one(min_radius), pair(sector), pair(elevation), one(beam), one(slant_range)
 
 
 def uav_of(uav: Uav) -> AskedUav:
@@ -94,8 +94,9 @@ def table_of(uavs: Sequence[AskedUav]) -> bytes:
         return "" if pair is None else f"{pair[0]!r},{pair[1]!r}"
 
     rows: list[Sequence[object]] = [("x", "y", "h", "id", *ANTENNA)]
-    for x, y, h, id, (least, sector, elevation, beam) in uavs:
-        rows.append((repr(x), repr(y), h, id, "" if least is None else least, said(sector), said(elevation), "" if beam is None else beam))
+    for x, y, h, id, (least, sector, elevation, beam, slant_range) in uavs:
+        numbers = ["" if number is None else number for number in (least, beam, slant_range)]
+        rows.append((repr(x), repr(y), h, id, numbers[0], said(sector), said(elevation), *numbers[1:]))
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(rows)
     return text.getvalue().encode()
@@ -117,7 +118,7 @@ def is_one_uav(uavs: object) -> bool:
 
 
 def uavs_of(uavs: Any, crs: str | None = None, height: Height | None = None) -> list[AskedUav]:
-    """UAVs of a list, an array of shape (n, 3), or a table with columns x, y, h and, if you like, id, min_radius, sector, elevation, beam.
+    """UAVs of a list, an array of shape (n, 3), or a table with columns x, y, h and, if you like, id and limits of an antenna (``ANTENNA``).
 
     A table of geopandas has points instead of x and y, and is brought into the system ``crs``. What the package answers has
     height_agl_m or height_amsl_m instead of h. ``height`` is that of tables without one.

@@ -219,9 +219,9 @@ class Scene(Grid):
 
         ``rx_height`` is the receivers' height above ground or roof [m], by default 1.5; ``receivers`` are ``ground``, ``street``,
         ``crossroad``, ``courtyard``, ``roof`` or ``all``; ``radius`` is the largest horizontal distance [m]. ``min_radius`` [m], ``sector``
-        (two azimuths, clockwise from grid north), ``elevation`` (two angles from the UAV's horizontal, negative below) and ``beam`` (a full
-        angle straight down) say whom antennas serve [deg]; a UAV may have its own as ``{"x": …, "sector": (90, 180)}``. ``earth_k`` curves the
-        earth: ``"4/3"`` for radio, ``"7/6"`` for light. ``layers`` are ``los``,
+        (two azimuths, clockwise from grid north), ``elevation`` (two angles from the UAV's horizontal, negative below), ``beam`` (a full
+        angle straight down) [deg] and ``slant_range`` (a distance in space) [m] say whom antennas serve; a UAV may have its own as
+        ``{"x": …, "sector": (90, 180)}``. ``earth_k`` curves the earth: ``"4/3"`` for radio, ``"7/6"`` for light. ``layers`` are ``los``,
         ``margin``, ``ceiling``, ``least-height``, ``stability``, ``sure`` and ``p-los``; ``zones`` counts by zone. ``height_error``
         and ``height_bias`` are
         standard deviations of errors of heights of buildings [m], of each alone and of all together: P_LoS has an interval then.

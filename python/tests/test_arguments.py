@@ -68,6 +68,7 @@ HOSTILE: list[tuple[Callable[[], Any], str]] = [
     (lambda: CITY.map(AT, sector=90), "sector"),  # type: ignore[arg-type]
     (lambda: CITY.map(AT, elevation=(10, -10)), "elevation"),
     (lambda: CITY.map(AT, beam=0), "beam"),
+    (lambda: CITY.map(AT, slant_range=0), "slant range"),
     (lambda: CITY.map(AT, min_radius=-1), "least radius"),
     (lambda: CITY.map({"x": 5, "y": 5, "h": 90, "sector": "north"}), "sector"),
     (lambda: CITY.map({"x": 5, "y": 5, "h": 90, "beam": 400}), "beam"),

@@ -43,6 +43,8 @@ def asked(seed: int) -> tuple[tuple[float, float, str], dict[str, Any], list[str
     if seed % 8 == 3:
         options["elevation"] = (-70.0, float(random.uniform(-40, -20)))
         options["beam"] = float(random.uniform(60, 150))
+    if random.random() < 0.3:
+        options["slant_range"] = float(random.uniform(20, 80))
     said = {name: ",".join(map(repr, value)) if isinstance(value, tuple) else repr(value) for name, value in options.items()}
     words = [word for name, value in said.items() for word in (f"--{name.replace('_', '-')}", value)]
     return uav, options, words

@@ -54,6 +54,7 @@ VALUES: dict[str, Any] = {
     "sector": np.array([20, 110]),
     "elevation": (-80, -50),
     "beam": 50,
+    "slant_range": 60,
     "earth_k": 1e-4,
     "curvature_coefficient": 9999,
     # Maps and their files.

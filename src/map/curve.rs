@@ -65,12 +65,12 @@ impl Coverages {
     /// it: from, to, step \[m\]. `None` chooses them.
     ///
     /// # Errors
-    /// E113; E116 for antennas that limit elevations; `Interrupted`.
+    /// E113; E116 for antennas that limit elevations or the slant range; `Interrupted`.
     pub(crate) fn height_curves(&self, asked: Option<[f64; 3]>, progress: &Progress) -> Result<Curves> {
         check_heights(asked)?;
         let run = self.report.sight.antenna();
-        if self.sites.iter().any(|site| site.uav.antenna.or(run).elevations_deg().is_some()) {
-            let why = "with elevations or a beam: who is in range would change with the height";
+        if self.sites.iter().any(|site| site.uav.antenna.or(run).limits_heights()) {
+            let why = "with elevations, a beam or a slant range: who is in range would change with the height";
             return Err(Error::idle("a height curve", why));
         }
         let start = Instant::now();

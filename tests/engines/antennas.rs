@@ -78,17 +78,20 @@ fn compare_elevation(rise: i64, squared: i64, to: Direction) -> Ordering {
     (square(rise) * square(to.steps.0)).cmp(&(square(to.steps.1) * i128::from(squared)))
 }
 
-/// An antenna, and its limits in whole numbers: the least distance in lattice steps, the sector, the elevations.
+/// An antenna, and its limits in whole numbers: the least distance in lattice steps, the sector, the elevations, the slant
+/// range in lattice steps.
 struct Case {
     antenna: Antenna,
     min_radius: i64,
     sector: Option<[Direction; 2]>,
     elevations: [Option<Direction>; 2],
+    slant_range: Option<i64>,
 }
 
 impl Case {
     fn new(random: &mut Random) -> Case {
-        let mut case = Case { antenna: Antenna::default(), min_radius: 0, sector: None, elevations: [None; 2] };
+        let (antenna, elevations) = (Antenna::default(), [None; 2]);
+        let mut case = Case { antenna, min_radius: 0, sector: None, elevations, slant_range: None };
         if random.chance(40) {
             let half_meters = random.within(0, 12);
             case.min_radius = half_meters * 512;
@@ -109,6 +112,12 @@ impl Case {
             // The side of a cone of 90° is 45° below the horizon.
             case.antenna.beam_deg = Some(90.0);
             case.elevations[1] = Some(Direction { degrees: -45.0, steps: (1, -1) });
+        }
+        if random.chance(30) {
+            // Many sums of two squares among whole meters.
+            let half_meters = random.choose(&[5, 10, 13, 20, 25, 26, 34]);
+            case.slant_range = Some(half_meters * 512);
+            case.antenna.slant_range_m = Some(half_meters as f64 / 2.0);
         }
         case
     }
@@ -131,8 +140,9 @@ impl Case {
         let squared = steps.0 * steps.0 + steps.1 * steps.1;
         let [low, high] = self.elevations.map(|end| end.map(|end| compare_elevation(rise, squared, end)));
         let holds = |of: Option<Ordering>, beyond: Ordering| of.is_none_or(|of| of != beyond);
-        let is_in = holds(low, Ordering::Less) && holds(high, Ordering::Greater);
-        (is_in, low.into_iter().chain(high).any(Ordering::is_eq))
+        let far = self.slant_range.map(|range| (squared + rise * rise).cmp(&(range * range)));
+        let is_in = holds(low, Ordering::Less) && holds(high, Ordering::Greater) && holds(far, Ordering::Greater);
+        (is_in, low.into_iter().chain(high).chain(far).any(Ordering::is_eq))
     }
 }
 
@@ -279,12 +289,13 @@ fn uavs_with_antennas_that_are_counted_together_see_what_each_sees() {
 #[test]
 fn tables_give_each_uav_its_own_antenna() {
     let folder = Folder::new();
-    let csv = "id,x,y,h,sector,elevation,beam,min_radius\n\
-               a,100.5,100.5,80,\"0,90\",,,\n\
-               b,100.5,100.5,80,90;360,,,\n\
-               c,100.5,100.5,80,,-60 -30,,\n\
-               d,100.5,100.5,80,,,90,20\n\
-               e,100.5,100.5,80,,,,\n";
+    let csv = "id,x,y,h,sector,elevation,beam,min_radius,slant_range\n\
+               a,100.5,100.5,80,\"0,90\",,,,\n\
+               b,100.5,100.5,80,90;360,,,,\n\
+               c,100.5,100.5,80,,-60 -30,,,\n\
+               d,100.5,100.5,80,,,90,20,\n\
+               e,100.5,100.5,80,,,,,\n\
+               f,100.5,100.5,80,,,,,100\n";
     folder.write("uavs.csv", csv);
     let document = |words: &str| folder.type_in(&format!("map itu:urban --size 200 {words} --json -q")).done().json();
     let receivers = |document: &serde_json::Value, k: usize| document["sites"][k]["receivers"].as_u64().unwrap();
@@ -295,7 +306,9 @@ fn tables_give_each_uav_its_own_antenna() {
         (1, "--sector -270,0"),
         (2, "--elevation -60,-30"),
         (3, "--beam 90 --min-radius 20"),
-        (4, "--sector 0,360 --elevation -90,90 --beam 360 --min-radius 0"),
+        (4, "--sector 0,360 --elevation -90,90 --beam 360 --min-radius 0 --slant-range 400"),
+        // Over flat ground receivers are 78.5 m below the UAV.
+        (5, "--radius 61.95"),
     ] {
         let one = document(&format!("--uav 100.5,100.5,80 {words}"));
         assert_eq!(one["sites"][0]["los"], all["sites"][k]["los"], "{words}");
@@ -341,8 +354,8 @@ fn tables_give_each_uav_its_own_antenna() {
 #[test]
 fn candidates_with_antennas_are_counted_as_maps_count_them() {
     let folder = Folder::new();
-    let table = "x,y,h,min_radius,sector,elevation,beam\n\
-                 60,60,50,,\"0,90\",,\n240,60,50,20,,,\n150,150,60,,,\"-60,-20\",\n60,240,50,,,,80\n240,240,50,,,,\n";
+    let table = "x,y,h,min_radius,sector,elevation,beam,slant_range\n\
+                 60,60,50,,\"0,90\",,,\n240,60,50,20,,,,\n150,150,60,,,\"-60,-20\",,120\n60,240,50,,,,80,\n240,240,50,,,,,\n";
     folder.write("sites.csv", table);
     let scene = "itu:urban --size 300 --seed 4";
     let map = folder.type_in(&format!("map {scene} --uavs sites.csv --json -q")).done().json();

@@ -312,7 +312,7 @@ fn table_document_and_picture_hold_the_same_numbers() {
 }
 
 /// Flags that change the answer: a line without, and the flag.
-const FLAGS: [(&str, &str); 28] = [
+const FLAGS: [(&str, &str); 29] = [
     ("--scenes 2", "--families cell-slits,prism-walls"),
     ("--families cell-slits", "--scenes 3"),
     ("--families cell-slits --scenes 2", "--seed 9"),
@@ -324,6 +324,7 @@ const FLAGS: [(&str, &str); 28] = [
     ("dsm.asc --ground 0 --uav 2.5,2.5,9", "--sector 0,90"),
     ("dsm.asc --ground 0 --uav 2.5,2.5,9", "--elevation -80,-70"),
     ("dsm.asc --ground 0 --uav 2.5,2.5,9", "--beam 20"),
+    ("dsm.asc --ground 0 --uav 2.5,2.5,9", "--slant-range 9"),
     ("dsm.asc --ground 0 --uav 2.5,2.5,9", "--earth-k 4/3"),
     ("dsm.asc --ground 0 --uav 2.5,2.5,9", "--curvature-coefficient 0.75"),
     ("dsm.asc --uav 2.5,2.5,9", "--ground 0"),

@@ -72,7 +72,7 @@ fn maps_strip_by_strip_are_those_in_memory() {
         format!("--ground 70 {over} --curvature-coefficient 3000"),
         format!("--terrain coarse.tif {over} --earth-k 0.0005 --sector 340,80 --elevation -40,-9 --radius 500"),
         format!("{over} --earth-k 0.001"),
-        format!("--terrain coarse.tif {over} --receivers all --beam 120 --min-radius 40"),
+        format!("--terrain coarse.tif {over} --receivers all --beam 120 --min-radius 40 --slant-range 160"),
         format!("--terrain dtm.tif {over} --nodata-as block"),
         format!("--ground 70 {over}"),
         over.to_string(),

@@ -207,7 +207,7 @@ fn what_makes_no_sense_of_a_search_is_refused() {
 }
 
 /// Flags that change what is found: a line without, and the flag.
-const FLAGS: [(&str, &str); 34] = [
+const FLAGS: [(&str, &str); 35] = [
     ("--candidates own.csv", "--height 40"),
     ("--height 10", "--step 10"),
     ("--height 10", "--shard 2/2"),
@@ -233,6 +233,7 @@ const FLAGS: [(&str, &str); 34] = [
     ("--height 10", "--sector 90,200"),
     ("--height 10", "--elevation -50,-20"),
     ("--height 10", "--beam 90"),
+    ("--height 10", "--slant-range 17"),
     ("--height 10", "--missing levels"),
     ("--height 30", "--height-unit ft"),
     ("--height 10", "--height-field tall"),

@@ -392,7 +392,7 @@ fn what_makes_no_sense_is_refused_and_leaves_nothing() {
 }
 
 /// Flags that change the document: a line without it, and the flag.
-const FLAGS: [(&str, &str); 32] = [
+const FLAGS: [(&str, &str); 33] = [
     ("CITY", "--ground 5"),
     ("CITY", "--height-field tall"),
     ("CITY", "--top-field z_top"),
@@ -414,6 +414,7 @@ const FLAGS: [(&str, &str); 32] = [
     ("CITY", "--sector 10,200"),
     ("CITY", "--elevation -60,-20"),
     ("CITY", "--beam 60"),
+    ("CITY", "--slant-range 60"),
     ("CITY", "--height-error 2"),
     ("CITY", "--height-bias 2"),
     ("CITY", "--height-error-field tall"),

@@ -142,7 +142,7 @@ fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
     radius["sight"] = json!({"rx_height": 2.0, "receivers": "street", "radius": 90.0});
     let mut antenna = map(&places[..2]);
     antenna["sight"] = json!({"min_radius": 7.0, "sector": [20.0, 200.0], "elevation": [-80.0, -20.0],
-        "beam": 130.0});
+        "beam": 130.0, "slant_range": 190.0});
     let mut curved = map(&places[..2]);
     curved["sight"] = json!({"rx_height": 60.0, "receivers": "air", "earth_k": 0.0005});
     let mut off = map(&places[..2]);
@@ -218,7 +218,7 @@ fn several_uavs_zones_links_and_curves_are_those_of_the_program() {
         said("map itu:urban --size 300 --uav 150,150,100 --uav 40,220,60 --receivers street --radius 90 --rx-height 2");
     assert_eq!(answers[7]["digest"], near["digest"]);
     let served = said(
-        "map itu:urban --size 300 --uav 150,150,100 --uav 40,220,60 --sector 20,200 --elevation -80,-20 --beam 130 --min-radius 7",
+        "map itu:urban --size 300 --uav 150,150,100 --uav 40,220,60 --sector 20,200 --elevation -80,-20 --beam 130 --min-radius 7 --slant-range 190",
     );
     assert_eq!(answers[13]["digest"], served["digest"]);
     assert!(answers[14].to_string().contains("no curve"), "{}", answers[14]);

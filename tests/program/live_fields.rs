@@ -114,6 +114,8 @@ fn numbers_mean_in_a_page_what_they_mean_to_the_program() {
         ("min_radius", "200", yes(json!(200.0))),
         ("min_radius", "201", NO),
         ("min_radius", "-1", NO),
+        ("slant_range", "90.5", yes(json!(90.5))),
+        ("slant_range", "0", NO),
         ("sector", "20,200", yes(json!([20.0, 200.0]))),
         ("sector", "-20,30", yes(json!([-20.0, 30.0]))),
         ("sector", "20,20", NO),

@@ -29,8 +29,8 @@ pub(crate) enum AskedHeight {
     Said(String),
 }
 
-/// Limits of an antenna: least distance, azimuths, elevations, beam.
-type AskedAntenna = (Option<f64>, Option<[f64; 2]>, Option<[f64; 2]>, Option<f64>);
+/// Limits of an antenna: least distance, azimuths, elevations, beam, slant range.
+type AskedAntenna = (Option<f64>, Option<[f64; 2]>, Option<[f64; 2]>, Option<f64>, Option<f64>);
 
 /// A UAV as it is asked for: east, north, height, name, its own antenna.
 type AskedUav = (f64, f64, AskedHeight, Option<String>, AskedAntenna);
@@ -72,12 +72,12 @@ impl Held<'_> {
 }
 
 fn uavs_of(asked: Vec<AskedUav>) -> Result<Vec<Uav>, Failure> {
-    let uav = |(x, y, height, name, (min_radius_m, sector_deg, elevation_deg, beam_deg)): AskedUav| {
+    let uav = |(x, y, height, name, (min_radius_m, sector_deg, elevation_deg, beam_deg, slant_range_m)): AskedUav| {
         let height = match height {
             AskedHeight::Above(height_m) => Height::agl(height_m),
             AskedHeight::Said(text) => text.parse().map_err(|text: String| cli::Refusal::of_uav(&text))?,
         };
-        let antenna = Antenna { min_radius_m, sector_deg, elevation_deg, beam_deg };
+        let antenna = Antenna { min_radius_m, sector_deg, elevation_deg, beam_deg, slant_range_m };
         let uav = Uav::new(x, y, height).with_antenna(antenna);
         Ok(match name {
             Some(name) => uav.named(name),

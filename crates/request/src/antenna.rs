@@ -13,8 +13,8 @@ part! {
         min_radius: Option<f64>,
         /// Azimuths of receivers in range, clockwise from grid north [deg]: 90,180 is the south-east
         ///
-        /// From the first to before the second, so that 90,180 and 180,90 share no receiver. Like `--min-radius`, `--elevation` and `--beam` it
-        /// says who is in range, never what blocks; columns `min_radius`, `sector`, `elevation` and `beam` of `--uavs` say so of each UAV.
+        /// From the first to before the second, so that 90,180 and 180,90 share no receiver. Like `--min-radius`, `--elevation`, `--beam` and `--slant-range`
+        /// it says who is in range, never what blocks; columns of these names in `--uavs` (`slant_range`) say so of each UAV.
         #[arg(long, value_name = "AZ0,AZ1", value_parser = crate::words::pair, allow_hyphen_values = true, hide_short_help = true)]
         sector: Option<[f64; 2]>,
         /// Elevations of receivers in range, from the UAV's horizontal, negative below [deg]
@@ -23,20 +23,35 @@ part! {
         /// Full angle of a cone straight down with the receivers in range [deg]
         #[arg(long, value_name = "DEG", value_parser = crate::words::number, allow_hyphen_values = true, hide_short_help = true)]
         beam: Option<f64>,
+        /// Largest distance in space from the UAV to a receiver [m]
+        #[arg(long, value_name = "M", value_parser = crate::words::number, allow_hyphen_values = true, hide_short_help = true)]
+        slant_range: Option<f64>,
     }
 }
 
 impl Antenna {
     /// Returns the antenna as the engines take it.
     pub fn served(&self) -> city::Antenna {
-        let Antenna { min_radius, sector, elevation, beam } = *self;
-        city::Antenna { min_radius_m: min_radius, sector_deg: sector, elevation_deg: elevation, beam_deg: beam }
+        let Antenna { min_radius, sector, elevation, beam, slant_range } = *self;
+        city::Antenna {
+            min_radius_m: min_radius,
+            sector_deg: sector,
+            elevation_deg: elevation,
+            beam_deg: beam,
+            slant_range_m: slant_range,
+        }
     }
 }
 
 impl From<city::Antenna> for Antenna {
     fn from(antenna: city::Antenna) -> Self {
-        let city::Antenna { min_radius_m, sector_deg, elevation_deg, beam_deg } = antenna;
-        Antenna { min_radius: min_radius_m, sector: sector_deg, elevation: elevation_deg, beam: beam_deg }
+        let city::Antenna { min_radius_m, sector_deg, elevation_deg, beam_deg, slant_range_m } = antenna;
+        Antenna {
+            min_radius: min_radius_m,
+            sector: sector_deg,
+            elevation: elevation_deg,
+            beam: beam_deg,
+            slant_range: slant_range_m,
+        }
     }
 }

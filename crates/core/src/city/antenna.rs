@@ -21,6 +21,8 @@ pub struct Antenna {
     pub elevation_deg: Option<[f64; 2]>,
     /// Full angle of a cone straight down \[deg\], its surface included.
     pub beam_deg: Option<f64>,
+    /// Largest distance in space to a receiver \[m\], included.
+    pub slant_range_m: Option<f64>,
 }
 
 /// The fault of an antenna: the value's name, what was found and what was wanted.
@@ -44,6 +46,7 @@ impl Antenna {
             sector_deg: self.sector_deg.or(other.sector_deg),
             elevation_deg: self.elevation_deg.or(other.elevation_deg),
             beam_deg: self.beam_deg.or(other.beam_deg),
+            slant_range_m: self.slant_range_m.or(other.slant_range_m),
         }
     }
 
@@ -56,6 +59,10 @@ impl Antenna {
         let pair = |[a, b]: [f64; 2]| format!("{},{}", tidy(a), tidy(b));
         match self.min_radius_m {
             Some(r) if !(r.is_finite() && r >= 0.0) => return fault("the least radius", tidy(r), "0 m or more"),
+            _ => {}
+        }
+        match self.slant_range_m {
+            Some(r) if !(r.is_finite() && r > 0.0) => return fault("the slant range", tidy(r), "above 0 m"),
             _ => {}
         }
         if let Some([from, to]) = self.sector_deg {
@@ -88,6 +95,11 @@ impl Antenna {
         }
     }
 
+    /// Returns `true` if heights of receivers decide who is in range.
+    pub fn limits_heights(&self) -> bool {
+        self.elevations_deg().is_some() || self.slant_range_m.is_some()
+    }
+
     /// Describes the antenna for captions; empty if it serves all receivers.
     pub fn in_words(&self) -> String {
         let mut words = String::new();
@@ -103,6 +115,9 @@ impl Antenna {
         }
         if let Some(b) = self.beam_deg {
             let _ = write!(words, ", beam {}°", deg(b));
+        }
+        if let Some(r) = self.slant_range_m {
+            let _ = write!(words, ", slant range {} m", tidy(r));
         }
         words.trim_start_matches(", ").to_string()
     }

@@ -252,14 +252,14 @@ impl View<'_> {
     }
 
     /// Returns the cells in range, with receivers or without; `None` if all are. A cell without a
-    /// receiver has no elevation, so only distance and azimuth leave it out.
+    /// receiver has no height, so only distance and azimuth leave it out.
     pub fn cells_in_range(&self) -> Option<BitGrid> {
         let range = &self.range;
         if range.is_everywhere() {
             return None;
         }
         let mut cells = range.cut(&self.no_cells().complement());
-        for receivers in self.receivers().filter(|_| range.limits_elevations()) {
+        for receivers in self.receivers().filter(|_| range.limits_heights()) {
             let beyond = (*receivers.receivers.cells).clone().xor(&receivers.in_range());
             cells = cells.and(&beyond.complement());
         }

@@ -11,6 +11,7 @@ pub mod class;
 mod elevation;
 mod explained_link;
 mod height_curve;
+mod height_limits;
 mod idle;
 mod many;
 mod map;

@@ -5,16 +5,15 @@
 //! comparisons after that are of integers: a scene and its mirror image agree. A receiver at just
 //! the radius, the least radius or the end of the elevations is in range.
 
-use std::cmp::Ordering;
-
 use rayon::prelude::*;
 
-use super::bearings::{Elevations, Sector, Steps};
+use super::bearings::{Sector, Steps};
+use super::height_limits::HeightLimits;
 use super::{MapOptions, Uav};
 use crate::city::Antenna;
 use crate::height_field::{GridPositions, Place, Station};
 use crate::los::GridReceivers;
-use crate::quantity::{STEPS_PER_UNIT, whole};
+use crate::quantity::whole;
 use crate::raster::{BitGrid, CellWindow, bits_between, set_bits};
 
 /// The first of some columns and the one after the last.
@@ -26,16 +25,16 @@ pub(super) struct Range<'a> {
     around: Around<'a>,
     limits: Limits,
     /// Cells that distance and azimuth leave in range, and where all receivers stand on flat ground
-    /// their elevations too; `None` if all are.
+    /// their heights too; `None` if all are.
     cells: Option<Spans>,
-    /// Limits of elevations, if there are any.
-    elevations: Option<Elevated>,
+    /// Limits that depend on heights, if there are any.
+    by_height: Option<ByHeight>,
 }
 
-/// Cells that elevations leave in range.
+/// Cells that heights leave in range.
 #[derive(Debug)]
-struct Elevated {
-    elevations: Elevations,
+struct ByHeight {
+    limits: HeightLimits,
     /// The height of the place \[1/1024 m\].
     from: i64,
     /// The cells where some receiver may be in range.
@@ -102,50 +101,50 @@ impl<'a> Range<'a> {
     /// Returns the cells in range of a UAV: in the radius, and where its antenna, or else that of
     /// the run, serves.
     pub(super) fn of(positions: &'a GridPositions, uav: &Uav, options: &MapOptions, heights: Heights) -> Self {
-        let (limits, elevations) = asked(positions, uav.antenna.or(options.antenna), options);
-        let elevations = elevations.map(|elevations| (elevations, uav.station.z, heights));
-        Range::new(positions, &uav.station.place, limits, elevations)
+        let (limits, of_heights) = asked(positions, uav.antenna.or(options.antenna), options);
+        let of_heights = of_heights.map(|limits| (limits, uav.station.z, heights));
+        Range::new(positions, &uav.station.place, limits, of_heights)
     }
 
     /// Returns the places of UAVs at height `z` \[1/1024 m\] that have a receiver in range, with
     /// the antenna of the run.
     pub(super) fn of_uavs(positions: &'a GridPositions, receiver: &Station, z: i64, options: &MapOptions) -> Self {
-        let (mut limits, elevations) = asked(positions, options.antenna, options);
+        let (mut limits, of_heights) = asked(positions, options.antenna, options);
         // As seen from there the azimuths are turned around.
         limits.sector = limits.sector.map(Sector::reversed);
         let around = Around::new(positions, &receiver.place);
         let rise = receiver.z - z;
-        let cells = limits.cells(&around, elevations.as_ref().map(|elevations| (elevations, (rise, rise))));
-        Range { around, limits, cells, elevations: None }
+        let cells = limits.cells(&around, of_heights.as_ref().map(|of_heights| (of_heights, (rise, rise))));
+        Range { around, limits, cells, by_height: None }
     }
 
     fn new(
         positions: &'a GridPositions,
         place: &Place,
         limits: Limits,
-        elevations: Option<(Elevations, i64, Heights)>,
+        of_heights: Option<(HeightLimits, i64, Heights)>,
     ) -> Self {
         let around = Around::new(positions, place);
-        let Some((elevations, from, Heights { lowest, highest, are_flat })) = elevations else {
-            return Range { around, limits, cells: limits.cells(&around, None), elevations: None };
+        let Some((of_heights, from, Heights { lowest, highest, are_flat })) = of_heights else {
+            return Range { around, limits, cells: limits.cells(&around, None), by_height: None };
         };
-        let of_elevations = limits.cells(&around, Some((&elevations, (lowest - from, highest - from))));
-        let cells = if are_flat { of_elevations.clone() } else { limits.cells(&around, None) };
-        Range { around, limits, cells, elevations: Some(Elevated { elevations, from, cells: of_elevations }) }
+        let of_any = limits.cells(&around, Some((&of_heights, (lowest - from, highest - from))));
+        let cells = if are_flat { of_any.clone() } else { limits.cells(&around, None) };
+        Range { around, limits, cells, by_height: Some(ByHeight { limits: of_heights, from, cells: of_any }) }
     }
 
     /// Returns whether no cell is out of range.
     pub(super) fn is_everywhere(&self) -> bool {
-        self.cells.is_none() && self.elevations.is_none()
+        self.cells.is_none() && self.by_height.is_none()
     }
 
-    /// Returns whether receivers may be out of range for their elevation.
-    pub(super) fn limits_elevations(&self) -> bool {
-        self.elevations.is_some()
+    /// Returns whether receivers may be out of range for their height.
+    pub(super) fn limits_heights(&self) -> bool {
+        self.by_height.is_some()
     }
 
-    /// Returns the columns of a row that hold the cells in range, but that receivers not on flat
-    /// ground may be beyond the elevations.
+    /// Returns the columns of a row that hold the cells in range, but that heights of receivers not on flat
+    /// ground may leave them out.
     pub(super) fn cols(&self, row: usize) -> impl Iterator<Item = Span> + Clone + use<'_> {
         let whole = (0, self.around.positions.shape().1);
         let (one, several) = match &self.cells {
@@ -159,22 +158,22 @@ impl<'a> Range<'a> {
     pub(super) fn contains(&self, receivers: &GridReceivers<'_>, (row, col): (usize, usize)) -> bool {
         let z = || receivers.height(row * receivers.cells.n_cols() + col);
         self.cols(row).any(|(first, end)| (first..end).contains(&col))
-            && self.elevations.as_ref().is_none_or(|Elevated { elevations, from, .. }| {
-                elevations.compare(z() - from, self.around.whole_squared(row, col)) == Ordering::Equal
+            && self.by_height.as_ref().is_none_or(|ByHeight { limits, from, .. }| {
+                limits.holds(z() - from, self.around.whole_squared(row, col))
             })
     }
 
     /// Returns a window that holds all cells in range, and all cells between them and the place.
     pub(super) fn window(&self) -> CellWindow {
         let (n_rows, n_cols) = self.around.positions.shape();
-        let cells = self.elevations.as_ref().map_or(&self.cells, |elevated| &elevated.cells);
+        let cells = self.by_height.as_ref().map_or(&self.cells, |by_height| &by_height.cells);
         let Some(cells) = cells else { return CellWindow { row: 0, col: 0, n_rows, n_cols } };
         let (west, east) = (cells.all.iter().map(|s| s.0).min(), cells.all.iter().map(|s| s.1).max());
         let (Some(mut west), Some(mut east)) = (west, east) else {
             return CellWindow { row: 0, col: 0, n_rows: 0, n_cols: 0 };
         };
         let (mut north, mut south) = (cells.first_row, cells.first_row + cells.ends.len());
-        let is_disc = self.elevations.is_none() && self.limits.sector.is_none() && self.limits.min_radius.is_none();
+        let is_disc = self.by_height.is_none() && self.limits.sector.is_none() && self.limits.min_radius.is_none();
         if !is_disc {
             let (row, col) = self.around.nearest;
             (north, south, west, east) = (north.min(row), south.max(row + 1), west.min(col), east.max(col + 1));
@@ -190,8 +189,8 @@ impl<'a> Range<'a> {
         CellWindow { row, col, n_rows: end_row - row, n_cols: end_col - col }
     }
 
-    /// Returns the cells of a set that are in range, but that receivers not on flat ground may be
-    /// beyond the elevations.
+    /// Returns the cells of a set that are in range, but that heights of receivers not on flat ground may
+    /// leave them out.
     pub(super) fn cut(&self, cells: &BitGrid) -> BitGrid {
         match &self.cells {
             None => cells.clone(),
@@ -215,18 +214,18 @@ impl<'a> Range<'a> {
     /// Returns the cells of a set where a receiver between two heights \[1/1024 m above the datum\]
     /// may be in range.
     pub(super) fn cut_between(&self, cells: &BitGrid, (lowest, highest): (i64, i64)) -> BitGrid {
-        let Some(Elevated { elevations, from, .. }) = &self.elevations else { return self.cut(cells) };
+        let Some(ByHeight { limits, from, .. }) = &self.by_height else { return self.cut(cells) };
         let mut kept = BitGrid::new(cells.n_rows(), cells.n_cols());
-        if let Some(spans) = self.limits.cells(&self.around, Some((elevations, (lowest - from, highest - from)))) {
+        if let Some(spans) = self.limits.cells(&self.around, Some((limits, (lowest - from, highest - from)))) {
             spans.keep(cells, &mut kept);
         }
         kept
     }
 
-    /// Drops cells from a set whose receivers are below or above the elevations in range.
+    /// Drops cells from a set whose receivers heights leave out of range.
     /// `receivers` are those of the rows from `first_row` on.
     pub(super) fn drop_beyond(&self, receivers: &GridReceivers<'_>, first_row: usize, cells: &mut BitGrid) {
-        let Some(Elevated { elevations, from, .. }) = &self.elevations else { return };
+        let Some(ByHeight { limits, from, .. }) = &self.by_height else { return };
         let (per_row, n_cols) = (cells.words_per_row(), cells.n_cols());
         let n_rows = receivers.cells.n_rows();
         let words = &mut cells.words_mut()[first_row * per_row..(first_row + n_rows) * per_row];
@@ -236,7 +235,7 @@ impl<'a> Range<'a> {
                 for bit in set_bits(&[*word]) {
                     let col = 64 * k + bit;
                     let rise = receivers.height(own_row * n_cols + col) - from;
-                    if elevations.compare(rise, self.around.whole_squared(row, col)) != Ordering::Equal {
+                    if !limits.holds(rise, self.around.whole_squared(row, col)) {
                         *word &= !(1 << bit);
                     }
                 }
@@ -247,15 +246,14 @@ impl<'a> Range<'a> {
 
 /// Returns the limits of an antenna and of the radius of some options, on the lattice of some
 /// positions.
-fn asked(positions: &GridPositions, antenna: Antenna, options: &MapOptions) -> (Limits, Option<Elevations>) {
+fn asked(positions: &GridPositions, antenna: Antenna, options: &MapOptions) -> (Limits, Option<HeightLimits>) {
     let step_lengths = positions.step_lengths();
     let limits = Limits {
         radius: options.radius.map(|r| in_steps(positions, r)),
         min_radius: antenna.min_radius_m.map(|r| in_steps(positions, r / options.meters_per_unit)),
         sector: antenna.sector_deg.and_then(|sector| Sector::new(sector, step_lengths)),
     };
-    let step = step_lengths.0 * options.meters_per_unit * f64::from(STEPS_PER_UNIT);
-    (limits, antenna.elevations_deg().map(|of| Elevations::new(of, step)))
+    (limits, HeightLimits::of(antenna, step_lengths.0 * options.meters_per_unit))
 }
 
 /// Returns a length in CRS units in steps along x: whole where it is a whole number of them but for
@@ -300,22 +298,16 @@ impl<'a> Around<'a> {
 }
 
 impl Limits {
-    /// Returns the cells of a grid within the limits; `None` where nothing is limited. With
-    /// elevations, cells where some receiver may be in range that is between two heights above the
-    /// place \[1/1024 m\].
-    fn cells(&self, around: &Around<'_>, elevations: Option<(&Elevations, (i64, i64))>) -> Option<Spans> {
+    /// Returns the cells of a grid within the limits; `None` where nothing is limited. With limits of
+    /// heights, cells where some receiver may be in range that is between two heights above the place
+    /// \[1/1024 m\].
+    fn cells(&self, around: &Around<'_>, of_heights: Option<(&HeightLimits, (i64, i64))>) -> Option<Spans> {
         let Limits { radius, min_radius, sector } = *self;
-        if radius.is_none() && min_radius.is_none() && sector.is_none() && elevations.is_none() {
+        if radius.is_none() && min_radius.is_none() && sector.is_none() && of_heights.is_none() {
             return None;
         }
-        // Of receivers below the place elevations rise with the distance, of those above it they
-        // fall.
         let is_beyond = |row: usize, col: usize, far: bool| {
-            elevations.is_some_and(|(elevations, (lowest, highest))| {
-                let squared = around.whole_squared(row, col);
-                let is_too_low = (highest < 0) != far && elevations.compare(highest, squared) == Ordering::Less;
-                is_too_low || (lowest > 0) != far && elevations.compare(lowest, squared) == Ordering::Greater
-            })
+            of_heights.is_some_and(|(limits, rises)| limits.excludes(rises, around.whole_squared(row, col), far))
         };
         let is_too_far = |row: usize, col: usize| {
             radius.is_some_and(|r| around.squared(row, col) > r * r) || is_beyond(row, col, true)
@@ -336,7 +328,7 @@ impl Limits {
         }
         spans.first_row = partition(0..nearest_row, |row| is_too_far(row, nearest));
         let end_row = partition(nearest_row..n_rows, |row| !is_too_far(row, nearest));
-        let (ends, begins) = (radius.is_some() || elevations.is_some(), min_radius.is_some() || elevations.is_some());
+        let (ends, begins) = (radius.is_some() || of_heights.is_some(), min_radius.is_some() || of_heights.is_some());
         let mut of_row = Vec::new();
         for row in spans.first_row..end_row {
             of_row.clear();

@@ -237,7 +237,7 @@ impl<'a, S: WindowedSolids> StreamedMapper<'a, S> {
         let (lowest, highest) = receivers.heights.range();
         let heights = (lowest - view.most_drop(self.scene.grid().window()), highest);
         let mut wanted = range.cut_between(&receivers.cells, heights);
-        if heights.0 < heights.1 && range.limits_elevations() {
+        if heights.0 < heights.1 && range.limits_heights() {
             // The heights of single receivers are in the scene alone.
             for window in strips(self.scene.grid()) {
                 let field = self.band(view, window)?;

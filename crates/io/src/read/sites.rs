@@ -25,6 +25,7 @@ use crate::raster::{Crs, CrsKind, GeoRef};
 /// | `min_radius`, optional | least range of the antenna \[m\] |
 /// | `sector`, `elevation`, optional | two angles of the antenna, as `90,180` \[deg\] |
 /// | `beam`, optional | beam of the antenna \[deg\] |
+/// | `slant_range`, optional | largest distance in space \[m\] |
 ///
 /// GeoJSON points are longitude and latitude (RFC 7946) unless a `crs` member names another system.
 /// Their properties have the names of the columns; two angles may also be `[90, 180]`. The height
@@ -137,7 +138,7 @@ fn site_of(feature: &Value, (crs, grid): (&Crs, &GeoRef), number: usize) -> std:
 pub(super) const HEIGHT_COLUMNS: [&str; 4] = ["h", "h_m", "height", "height_m"];
 
 /// Columns of an antenna.
-const OF_ANTENNA: [&str; 4] = ["min_radius", "sector", "elevation", "beam"];
+const OF_ANTENNA: [&str; 5] = ["min_radius", "sector", "elevation", "beam", "slant_range"];
 
 /// Reads an antenna from the texts of [`OF_ANTENNA`], as far as there are any.
 fn antenna(text: impl Fn(usize) -> Option<String>) -> std::result::Result<Antenna, RowFault> {
@@ -160,8 +161,13 @@ fn antenna(text: impl Fn(usize) -> Option<String>) -> std::result::Result<Antenn
         };
         text(k).map(read).transpose()
     };
-    let antenna =
-        Antenna { min_radius_m: number(0)?, sector_deg: pair(1)?, elevation_deg: pair(2)?, beam_deg: number(3)? };
+    let antenna = Antenna {
+        min_radius_m: number(0)?,
+        sector_deg: pair(1)?,
+        elevation_deg: pair(2)?,
+        beam_deg: number(3)?,
+        slant_range_m: number(4)?,
+    };
     antenna.checked().map_err(|fault| RowFault::Text(fault.to_string()))
 }
 

@@ -32,9 +32,9 @@ struct SeenTogether {
 
 impl Engine {
     pub(super) fn begin_curve(&mut self, which: usize) -> Result<(), String> {
-        if self.mapper.limits_elevations() {
+        if self.mapper.limits_heights() {
             return Err(
-                "Who is within the elevations or the beam changes with the height, so that there is no curve".into()
+                "Who is within the elevations, the beam or the slant range changes with the height, so that there is no curve".into()
             );
         }
         let found = self.found(which)?;

@@ -226,6 +226,7 @@ makeField("min_radius", ["min-radius"], (min_radius) => setSight({ min_radius })
 makeField("sector", ["sector-from", "sector-to"], (sector) => setSight({ sector }), () => pairTexts(state.sight.sector));
 makeField("elevation", ["elevation-from", "elevation-to"], (elevation) => setSight({ elevation }), () => pairTexts(state.sight.elevation));
 makeField("beam", ["beam"], (beam) => setSight({ beam }), () => [fieldText(state.sight.beam)]);
+makeField("slant_range", ["slant-range"], (slant_range) => setSight({ slant_range }), () => [fieldText(state.sight.slant_range)]);
 makeField("earth_k", ["earth-k"], (earth_k) => setSight({ earth_k }), () => [kText(state.sight.earth_k)]);
 makeField("height_error", ["height-error"], (height_error) => setSight({ height_error }), () => [fieldText(state.sight.height_error || null)]);
 

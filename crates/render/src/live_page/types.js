@@ -9,7 +9,7 @@
  * @typedef {{id: string, x: number, y: number, height: Height}} Uav
  * @typedef {'ground' | 'street' | 'crossroad' | 'courtyard' | 'roof' | 'all' | 'air'} Receivers
  * @typedef {{rx_height: number, receivers: Receivers, radius: number | null, min_radius: number | null, sector: [number, number] | null,
- *   elevation: [number, number] | null, beam: number | null, earth_k: number | null, height_error: number | null}} SightSet
+ *   elevation: [number, number] | null, beam: number | null, slant_range: number | null, earth_k: number | null, height_error: number | null}} SightSet
  * @typedef {SightSet & {[option: string]: any}} Sight options of the program, by their names; null is not set
  * @typedef {'one' | 'union' | 'count' | 'who'} Layer
  *

@@ -69,7 +69,7 @@ const withinRange = () =>
 const degrees = (/** @type {number} */ deg) => `${number(deg, 2)}°`;
 
 /** What the antenna of a sight serves, thing by thing. @param {Sight} sight */
-function antennaSays({ min_radius, sector, elevation, beam }) {
+function antennaSays({ min_radius, sector, elevation, beam, slant_range }) {
   const words = say();
   const pair = (/** @type {[number, number]} */ [a, b]) => words.fromTo(degrees(a), degrees(b));
   return [
@@ -77,6 +77,7 @@ function antennaSays({ min_radius, sector, elevation, beam }) {
     sector === null ? "" : `${words.sector} ${pair(sector)}`,
     elevation === null ? "" : `${words.elevations} ${pair(elevation)}`,
     beam === null ? "" : `${words.beamShort} ${degrees(beam)}`,
+    slant_range === null ? "" : `${words.slantRange} ${lengthWords(slant_range)}`,
   ].filter((part) => part);
 }
 

@@ -44,8 +44,8 @@ pub fn least_heights(
             let reaches = score.share().is_some_and(|p| p >= share);
             Result::Ok(LeastHeight { candidate: place[k], score, reaches })
         };
-        let limits_elevations = |k: &usize| candidates[*k].uav.antenna.elevations_deg().is_some();
-        if scorer.mapper.limits_elevations() || place.iter().any(limits_elevations) {
+        let limits_heights = |k: &usize| candidates[*k].uav.antenna.limits_heights();
+        if scorer.mapper.limits_heights() || place.iter().any(limits_heights) {
             for k in 0..place.len() - 1 {
                 control.check()?;
                 let tried = at(k)?;

@@ -103,9 +103,9 @@ impl<'a> Mapper<'a> {
         (self.engine.method(), self.why)
     }
 
-    /// Returns whether the antenna of the run serves some elevations alone.
-    pub fn limits_elevations(&self) -> bool {
-        self.options.antenna.elevations_deg().is_some()
+    /// Returns whether heights of receivers leave some out of range of the antenna of the run.
+    pub fn limits_heights(&self) -> bool {
+        self.options.antenna.limits_heights()
     }
 
     /// Returns the cells that hold receivers, in range or not.

@@ -39,6 +39,7 @@ impl Served {
             sector_deg: Some(self.eighths.map(|eighth| 45.0 * as_f64(eighth))),
             elevation_deg: self.is_flat.then_some([-45.0, 90.0]),
             beam_deg: None,
+            slant_range_m: None,
         }
     }
 }
