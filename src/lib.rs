@@ -239,7 +239,7 @@ mod zone_files;
 
 pub use error::{Error, ErrorKind, Result, Warning};
 pub use jobs::{Job, JobCounts, PlannedUnit};
-pub use link::{Link, LinkObstruction};
+pub use link::{Link, LinkArray, LinkObstruction};
 pub use map::{Coverage, CoverageRequest, Coverages, SiteFacts};
 pub use placements::{Placements, PlacementsRequest};
 pub use plos::{PLos, PLosRequest, PLosValue};
@@ -272,9 +272,9 @@ pub mod prelude {
     pub use crate::{Antenna, Goal, Height, Layer, Progress, Receivers, SaveOptions, Scene, Uav};
     pub use skyshed_request::{
         SetAntenna, SetCandidateOptions, SetCompareOptions, SetEarth, SetFiles, SetGoalOptions, SetHeightCurve,
-        SetHeightErrors, SetLimitsOptions, SetMapForms, SetMapMemory, SetMapOptions, SetMapUnits, SetPictureOptions,
-        SetPlosEffort, SetPlosOptions, SetRange, SetReceiver, SetSampleOptions, SetSceneOptions, SetSceneWord,
-        SetSweepOptions, SetTrackOptions, SetUavs, SetWriting,
+        SetHeightErrors, SetLimitsOptions, SetMapForms, SetMapMemory, SetMapOptions, SetMapUnits, SetOverTime,
+        SetPictureOptions, SetPlosEffort, SetPlosOptions, SetRange, SetReceiver, SetSampleOptions, SetSceneOptions,
+        SetSceneWord, SetSweepOptions, SetTrackOptions, SetUavs, SetWriting,
     };
 }
 

@@ -30,6 +30,7 @@ pub fn documents() -> Vec<(&'static str, Value)> {
     vec![
         document::<map::AnyMapDocument>("map"),
         document::<map::HeightCurveDocument>("height-curve"),
+        document::<map::OverTimeDocument>("over-time"),
         document::<jobs::PlannedUnit>("jobs-plan"),
         document::<jobs::StatusDocument>("jobs-status"),
         document::<jobs::MergeDocument>("jobs-merge"),
@@ -59,6 +60,7 @@ pub fn tables() -> Vec<(&'static str, Vec<Column>)> {
     vec![
         ("map", columns::<map::MapRow>()),
         ("height-curve", columns::<map::CurveRow>()),
+        ("over-time", columns::<map::TimeRow>()),
         ("jobs-merge", columns::<jobs::MergedRow>()),
         ("track", columns::<PointRow>()),
         ("stretches", columns::<StretchRow>()),

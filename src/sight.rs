@@ -179,7 +179,7 @@ impl SightPlan {
 
     /// Returns the distance beyond which nothing is in range of a UAV with an antenna \[m\]; `None` without a
     /// limit.
-    fn reach_m(&self, own: Antenna) -> Option<f64> {
+    pub(crate) fn reach_m(&self, own: Antenna) -> Option<f64> {
         let limits = [self.radius_m, own.or(self.antenna).slant_range_m];
         limits.into_iter().flatten().reduce(f64::min)
     }

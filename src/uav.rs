@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use skyshed_io::Input;
 use skyshed_request::{BadUavs, Position, Shard, Uavs};
 
-use crate::city::{Antenna, GivenSite, Site, Source};
+use crate::city::{Antenna, Clock, GivenSite, Site, Source, UpTime};
 use crate::error::{Error, PlacesError, RequestError, Result, Warning, warned};
 use crate::height_field::HeightField;
 use crate::quantity::Height;
@@ -30,6 +30,7 @@ pub struct Uav {
     y: f64,
     height: Height,
     antenna: Antenna,
+    up: Option<UpTime>,
     lonlat: Option<[f64; 2]>,
 }
 
@@ -39,7 +40,7 @@ impl Uav {
     ///
     /// The place is checked when a question is run: E2xx if the UAV cannot be there.
     pub fn new(x: f64, y: f64, height: Height) -> Uav {
-        Uav { id: None, x, y, height, antenna: Antenna::default(), lonlat: None }
+        Uav { id: None, x, y, height, antenna: Antenna::default(), up: None, lonlat: None }
     }
 
     /// Sets the name in tables and pictures.
@@ -52,6 +53,12 @@ impl Uav {
     #[must_use]
     pub fn with_antenna(self, antenna: Antenna) -> Uav {
         Uav { antenna, ..self }
+    }
+
+    /// Sets the time in which the UAV is up. Without one it always is.
+    #[must_use]
+    pub fn up(self, up: Option<UpTime>) -> Uav {
+        Uav { up, ..self }
     }
 
     /// Returns the name; `None` without one.
@@ -77,15 +84,15 @@ impl Uav {
     /// Returns the site of the `k`-th of several UAVs, counted from 0.
     pub(crate) fn site(&self, k: usize) -> GivenSite {
         let id = self.id.clone().unwrap_or_else(|| (k + 1).to_string());
-        let site = Site { antenna: self.antenna, ..Site::new(id, (self.x, self.y), self.height) };
+        let site = Site { antenna: self.antenna, up: self.up, ..Site::new(id, (self.x, self.y), self.height) };
         GivenSite { site, lonlat: self.lonlat }
     }
 }
 
 impl From<GivenSite> for Uav {
     fn from(given: GivenSite) -> Uav {
-        let GivenSite { site: Site { id, x, y, height, antenna }, lonlat } = given;
-        Uav { id: Some(id), x, y, height, antenna, lonlat }
+        let GivenSite { site: Site { id, x, y, height, antenna, up }, lonlat } = given;
+        Uav { id: Some(id), x, y, height, antenna, up, lonlat }
     }
 }
 
@@ -146,16 +153,27 @@ impl UavsFound {
         self.sites.iter().find(|site| site.id == id)?.lonlat
     }
 
-    /// Refuses two UAVs of one name.
+    /// Refuses two UAVs of one name, and times of different clocks.
     ///
     /// # Errors
-    /// E207.
+    /// E207, E210.
     pub(crate) fn checked(self) -> Result<UavsFound> {
         let mut seen = HashSet::new();
-        match self.sites.iter().find(|site| !seen.insert(site.id.as_str())) {
-            Some(twice) => Err(PlacesError::Twice { what: "sites", id: twice.id.clone() }.into()),
+        if let Some(twice) = self.sites.iter().find(|site| !seen.insert(site.id.as_str())) {
+            return Err(PlacesError::Twice { what: "sites", id: twice.id.clone() }.into());
+        }
+        let mut timed = self.sites.iter().filter_map(|site| Some((&site.id, site.up?.clock)));
+        let first = timed.next();
+        match first.and_then(|(id, clock)| timed.find(|(_, other)| *other != clock).map(|b| [(id, clock), b])) {
+            Some(two) => Err(PlacesError::Clocks(two.map(|(id, clock)| (id.clone(), clock.name()))).into()),
             None => Ok(self),
         }
+    }
+
+    /// Returns the span of the times in which UAVs are up \[s\], and its clock; `None` without two moments.
+    pub(crate) fn span(&self) -> Option<([f64; 2], Clock)> {
+        let all = || self.sites.iter().filter_map(|site| site.up);
+        UpTime::span(all()).zip(all().next().map(|up| up.clock))
     }
 }
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from skyshed._answers import LOS, NLOS, NO_RECEIVER, NODATA, OUT_OF_RANGE, Answer, Coverage, Coverages, Link
+    from skyshed._answers import LOS, NLOS, NO_RECEIVER, NODATA, OUT_OF_RANGE, Answer, Coverage, Coverages, Link, LinkTable
     from skyshed._errors import Error, FileError, SkyshedWarning
     from skyshed._live import LivePage
     from skyshed._scene import Scene, info, plos
@@ -27,6 +27,7 @@ _WHERE = {
     "Coverage": "_answers",
     "Coverages": "_answers",
     "Link": "_answers",
+    "LinkTable": "_answers",
     "LOS": "_answers",
     "NLOS": "_answers",
     "NO_RECEIVER": "_answers",
@@ -53,6 +54,7 @@ __all__ = [
     "Error",
     "FileError",
     "Link",
+    "LinkTable",
     "LivePage",
     "Scene",
     "SkyshedWarning",

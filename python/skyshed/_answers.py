@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from skyshed.keywords import SaveKeywords
-    from skyshed._skyshed import Found, Maps, _Place
+    from skyshed._skyshed import Found, Maps, _Link, _Place
 
 #: Classes of a mask.
 NLOS, LOS, NO_RECEIVER, OUT_OF_RANGE, NODATA = 0, 1, 2, 3, 255
@@ -256,43 +256,47 @@ class Mapper(Protocol):
     """A scene that is mapped once more."""
 
     @property
-    def map(self) -> Any:
-        """Maps one UAV."""
-
-    @property
     def maps(self) -> Any:
         """Maps several."""
 
 
 class Coverages(_Mapped):
     """What several UAVs see, each and together. Iterating makes one map after another, each on the cells in range of its own UAV,
-    and keeps none."""
+    and keeps none. A UAV that was left out has no map; its numbers are NaN, and ``reasons`` says why."""
 
     def __init__(self, maps: Maps, scene: Mapper, uavs: list[Any], asked: dict[str, Any], is_kept: bool) -> None:
         super().__init__(maps)
         self._scene, self._uavs, self._asked, self._is_kept = scene, uavs, asked, is_kept
+        #: Names of UAVs that cannot be at their place and were left out (``bad_uavs="skip"``), and why.
+        self.reasons = dict(maps.left_out)
 
     def __len__(self) -> int:
         return len(self._uavs)
 
     def __iter__(self) -> Iterator[Coverage]:
-        for uav in self._uavs:
-            yield self._scene.map(uav, **self._asked)
+        for uav, name in zip(self._uavs, self.ids):
+            if name not in self.reasons:
+                yield Coverage(self._scene.maps([uav], keep=True, **self._asked)._maps)
 
     @property
     def ids(self) -> list[str]:
-        """The names of the UAVs."""
-        return self._maps.ids
+        """The names of the UAVs; those without one are numbered from 1."""
+        return [name or str(k + 1) for k, (*_, name, _, _) in enumerate(self._uavs)]
 
     @property
     def receivers(self) -> npt.NDArray[np.int64]:
-        """Receivers in range of each UAV."""
-        return np.array(self._maps.receivers(), dtype=np.int64)
+        """Receivers in range of each UAV; 0 of one that was left out."""
+        return np.nan_to_num(self._of_each(self._maps.receivers())).astype(np.int64)
 
     @property
     def p_los(self) -> npt.NDArray[np.float64]:
-        """The share of receivers in range that each UAV sees; NaN without any, and of a UAV over no data."""
-        return np.array(self._maps.p_los())
+        """The share of receivers in range that each UAV sees; NaN without any, of a UAV over no data, and of one that was left out."""
+        return self._of_each(self._maps.p_los())
+
+    def _of_each(self, numbers: Sequence[float]) -> npt.NDArray[np.float64]:
+        """Numbers of the UAVs with a map, in the places of all."""
+        known = iter(numbers)
+        return np.array([np.nan if name in self.reasons else next(known) for name in self.ids], dtype=np.float64)
 
     @property
     def union_p_los(self) -> float:
@@ -309,6 +313,14 @@ class Coverages(_Mapped):
         """How many UAVs see each cell."""
         return self._maps.count()
 
+    def layer(self, name: str) -> npt.NDArray[Any]:
+        """A layer of all UAVs together that ``layers`` asked for: ``all``, ``best-server``, ``uptime`` (share of time in which a UAV that
+        is up sees a cell) or ``gap`` (longest time in which none does [min])."""
+        try:
+            return self._maps.together(name)
+        except IndexError:
+            raise wrong("layer", repr(name), "one of all UAVs together that layers asked for") from None
+
     @cached_property
     def which(self) -> npt.NDArray[np.uint64]:
         """Which UAVs see each cell: bit k is set if UAV k does, of at most 64."""
@@ -317,9 +329,9 @@ class Coverages(_Mapped):
         bits = np.zeros(self.shape, dtype=np.uint64)
         # All on the cells of all: those of one alone may be fewer.
         maps = self._maps if self._is_kept else self._scene.maps(self._uavs, keep=True, **self._asked)._maps
-        for k in range(len(self)):
-            mask = maps.mask(k)
-            bits |= (mask == LOS).astype(np.uint64) << np.uint64(k)
+        mapped = (k for k, name in enumerate(self.ids) if name not in self.reasons)
+        for site, k in enumerate(mapped):
+            bits |= (maps.mask(site) == LOS).astype(np.uint64) << np.uint64(k)
         return bits
 
     def to_xarray(self) -> xarray.Dataset:
@@ -403,37 +415,93 @@ class Answer:
 
 
 class Link(Answer):
-    """One link: whether it is in line of sight, by how much, and what stands in the way."""
+    """One link: whether it is in line of sight, by how much, and what stands in the way.
+
+    The document is made when it is asked for.
+    """
+
+    def __init__(self, link: _Link, ask: Callable[[], Found]) -> None:
+        self._link, self._ask = link, ask
+
+    @cached_property
+    def _found(self) -> Found:  # type: ignore[override]
+        return self._ask()
 
     @property
     def los(self) -> bool:
         """Whether the link is in line of sight."""
-        return bool(self.document["los"])
+        return self._link[0]
 
     @property
     def margin(self) -> float | None:
         """Height of the receiver less the least height in line of sight [m]; ``None`` if no height is enough."""
-        margin: float | None = self.document["margin_m"]
-        return margin
+        return self._link[1]
 
     @property
     def distance(self) -> float:
         """Horizontal distance [m]."""
-        return float(self.document["distance_m"])
+        return self._link[2]
 
     @property
     def elevation(self) -> float:
         """Elevation angle of the UAV from the receiver [deg]."""
-        return float(self.document["elevation_deg"])
+        return self._link[3]
 
     @property
     def obstruction(self) -> dict[str, Any] | None:
         """What stands in the way; ``None`` in line of sight."""
-        found: dict[str, Any] | None = self.document["obstruction"]
-        return found
+        found = self._link[4]
+        if found is None:
+            return None
+        kind, *place, x, y, ray, roof = found
+        named = {name: value for name, value in zip(("id", "row", "col"), place) if value is not None}
+        return {"kind": kind, **named, "x": x, "y": y, "ray_height_m": ray, "roof_height_m": roof}
 
     def __bool__(self) -> bool:
         return self.los
+
+
+class LinkTable:
+    """Links between UAVs and receivers, as arrays of shape (UAVs, receivers), and of pairs (pairs,).
+
+    A UAV or a receiver that cannot be at its place has no answer: ``uav_faults`` and ``rx_faults`` say why.
+    """
+
+    def __init__(self, arrays: dict[str, npt.NDArray[Any]], uav_faults: dict[int, str], rx_faults: dict[int, str]) -> None:
+        self._arrays = arrays
+        #: Why UAVs cannot be at their place, by their places in the list.
+        self.uav_faults = uav_faults
+        #: Why receivers cannot be at their place, by their places in the list.
+        self.rx_faults = rx_faults
+
+    @property
+    def los(self) -> npt.NDArray[np.uint8]:
+        """1 in line of sight, 0 without, 255 without an answer."""
+        return self._arrays["los"]
+
+    @property
+    def p_los(self) -> float:
+        """The share of links with an answer that are in line of sight; NaN without any."""
+        known = self.los[self.los != 255]
+        return float(np.mean(known == 1)) if known.size else float("nan")
+
+    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+        """One of :meth:`keys`; NaN without an answer."""
+        if name not in self._arrays:
+            raise KeyError(f"no array {name!r}, there are: {', '.join(self._arrays)}")
+        return self._arrays[name]
+
+    def keys(self) -> list[str]:
+        """``los``, ``margin_m``, ``distance_m``, ``slant_m``, ``azimuth_deg`` and ``elevation_deg`` of the UAV from the receiver,
+        ``obstacle_x``, ``obstacle_y``, and the places ``uavs`` and ``receivers``: x, y, height above the datum [m]. With ``los_only``
+        ``los`` and the places."""
+        return list(self._arrays)
+
+    def __len__(self) -> int:
+        return int(self.los.size)
+
+    def __repr__(self) -> str:
+        return f"LinkTable({' × '.join(map(str, self.los.shape))} links, p_los={self.p_los:.4f})"
 
 
 def _column(name: str, cells: list[str]) -> npt.NDArray[Any]:

@@ -23,10 +23,32 @@ Uav: TypeAlias = Union[
 Pair = Union["tuple[float, float]", None]
 #: From which distance [m], azimuths, elevations, the beam [deg], up to which distance in space [m].
 AskedAntenna = tuple[Union[float, None], Pair, Pair, Union[float, None], Union[float, None]]
-AskedUav = tuple[float, float, Union[float, str], Union[str, None], AskedAntenna]
+#: From when, to when.
+AskedTime = tuple[Union[str, None], Union[str, None]]
+AskedUav = tuple[float, float, Union[float, str], Union[str, None], AskedAntenna, AskedTime]
 
 #: What says so in a mapping or a table of UAVs.
 ANTENNA = ("min_radius", "sector", "elevation", "beam", "slant_range")
+
+
+#: What says in a mapping or a table when a UAV is up.
+TIMES = ("from", "to")
+
+
+def time_of(said: Mapping[str, object]) -> AskedTime:
+    """The time in which a UAV is up as texts: ISO 8601, or minutes; nothing, and what is no time in a table, is open."""
+
+    def end(value: Any) -> str | None:
+        # NaN and NaT differ from themselves.
+        if value is None or value != value or isinstance(value, str) and not value.strip():
+            return None
+        if isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool):
+            return repr(float(value))
+        if isinstance(value, np.datetime64):
+            return str(value.astype("datetime64[us]"))
+        return str(value.isoformat()) if hasattr(value, "isoformat") else str(value)
+
+    return end(said.get("from")), end(said.get("to"))
 
 
 def _number(name: str, value: object) -> float:
@@ -62,18 +84,19 @@ def antenna_of(said: Mapping[str, object]) -> AskedAntenna:
 
 
 def uav_of(uav: Uav) -> AskedUav:
-    """A UAV as (x, y, height, name, antenna)."""
+    """A UAV as (x, y, height, name, antenna, time)."""
     name: object = None
-    antenna = antenna_of({})
+    antenna, time = antenna_of({}), time_of({})
     if isinstance(uav, Mapping):
         uav = {"h" if name == "height" else name: value for name, value in uav.items()}
-        unknown = set(uav) - {"x", "y", "h", "id", *ANTENNA}
+        unknown = set(uav) - {"x", "y", "h", "id", *ANTENNA, *TIMES}
         if unknown or not {"x", "y", "h"} <= set(uav):
-            wanted = f"x, y, h and, if you like, id, {', '.join(ANTENNA)}"
+            wanted = f"x, y, h and, if you like, id, {', '.join(ANTENNA + TIMES)}"
             raise wrong("uav", f"the keys {sorted(map(str, uav))}", wanted, "E102")
         x, y, h, name, antenna = uav["x"], uav["y"], uav["h"], uav.get("id"), antenna_of(uav)
-    elif isinstance(uav, tuple) and len(uav) == 5 and isinstance(uav[4], tuple):
-        x, y, h, name, antenna = uav
+        time = time_of(uav)
+    elif isinstance(uav, tuple) and len(uav) == 6 and isinstance(uav[4], tuple):
+        x, y, h, name, antenna, time = uav
     elif isinstance(uav, (tuple, list, np.ndarray)) and len(uav) in (3, 4):
         x, y, h, *rest = uav
         name = rest[0] if rest else None
@@ -84,7 +107,7 @@ def uav_of(uav: Uav) -> AskedUav:
     for axis, value in (("x", x), ("y", y), ("height", height)):
         if isinstance(value, float) and not np.isfinite(value):
             raise wrong("uav", f"{value} as {axis}", "a number", "E102")
-    return x, y, height, None if name is None else str(name), antenna
+    return x, y, height, None if name is None else str(name), antenna, time
 
 
 def table_of(uavs: Sequence[AskedUav]) -> bytes:
@@ -93,10 +116,10 @@ def table_of(uavs: Sequence[AskedUav]) -> bytes:
     def said(pair: Pair) -> str:
         return "" if pair is None else f"{pair[0]!r},{pair[1]!r}"
 
-    rows: list[Sequence[object]] = [("x", "y", "h", "id", *ANTENNA)]
-    for x, y, h, id, (least, sector, elevation, beam, slant_range) in uavs:
+    rows: list[Sequence[object]] = [("x", "y", "h", "id", *ANTENNA, *TIMES)]
+    for x, y, h, id, (least, sector, elevation, beam, slant_range), times in uavs:
         numbers = ["" if number is None else number for number in (least, beam, slant_range)]
-        rows.append((repr(x), repr(y), h, id, numbers[0], said(sector), said(elevation), *numbers[1:]))
+        rows.append((repr(x), repr(y), h, id, numbers[0], said(sector), said(elevation), *numbers[1:], *(time or "" for time in times)))
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(rows)
     return text.getvalue().encode()
@@ -118,7 +141,7 @@ def is_one_uav(uavs: object) -> bool:
 
 
 def uavs_of(uavs: Any, crs: str | None = None, height: Height | None = None) -> list[AskedUav]:
-    """UAVs of a list, an array of shape (n, 3), or a table with columns x, y, h and, if you like, id and limits of an antenna (``ANTENNA``).
+    """UAVs of a list, an array of shape (n, 3), or a table with columns x, y, h and, if you like, id, limits of an antenna (``ANTENNA``), and when it is up (``TIMES``).
 
     A table of geopandas has points instead of x and y, and is brought into the system ``crs``. What the package answers has
     height_agl_m or height_amsl_m instead of h. ``height`` is that of tables without one.
@@ -151,9 +174,9 @@ def uavs_of(uavs: Any, crs: str | None = None, height: Height | None = None) -> 
         raise wrong("uavs", f"the columns {columns}", "a column h", "E102")
     ids = [str(name) for name in uavs["id"]] if "id" in columns else [None] * len(uavs)
     rows = [uav_of(uav) for uav in zip(xs, ys, heights, ids)]  # type: ignore[arg-type]
-    told = {name: list(uavs[name]) for name in ANTENNA if name in columns}
-    antennas = [antenna_of({name: values[k] for name, values in told.items()}) for k in range(len(rows))]
-    return [(*row[:4], antenna) for row, antenna in zip(rows, antennas)]
+    told = {name: list(uavs[name]) for name in ANTENNA + TIMES if name in columns}
+    own = [{name: values[k] for name, values in told.items()} for k in range(len(rows))]
+    return [(*row[:4], antenna_of(said), time_of(said)) for row, said in zip(rows, own)]
 
 
 #: An option, the name of its input, and the bytes of that.

@@ -7,14 +7,14 @@ import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
 from skyshed import _skyshed
-from skyshed._answers import Answer, Coverage, Coverages, Grid, Link
+from skyshed._answers import Answer, Coverage, Coverages, Grid, Link, LinkTable
 from skyshed._arrays import Held, crs_text, held, is_xarray, placed
-from skyshed._errors import tell, wrong
+from skyshed._errors import Error, tell, wrong
 from skyshed._inputs import HeldInput, Uav, inputs_of, is_one_uav, table_of, uav_of, uavs_of
 from skyshed._live import LivePage
 from skyshed._options import PathLike, as_json, output_of, plain_options, watch_of
@@ -43,6 +43,8 @@ elif TYPE_CHECKING:
 
 if TYPE_CHECKING:
     import numpy.typing as npt
+
+    from skyshed._skyshed import Found, _Link
 
 
 #: Names of the options that say how a scene is read.
@@ -235,19 +237,22 @@ class Scene(Grid):
         uavs: Iterable[Uav],
         *,
         keep: bool = False,
+        bad_uavs: Literal["fail", "skip", "lift"] = "fail",
         progress: object = None,
         **options: Unpack[MapKeywords],
     ) -> Coverages:
         """What each of several UAVs sees, and all together: a list, an array of shape (n, 3), or a table with columns x, y, h.
 
-        Masks of single UAVs are made and dropped, or kept with ``keep`` (a byte a cell each).
+        Masks of single UAVs are made and dropped, or kept with ``keep`` (a byte a cell each). With ``bad_uavs="skip"`` UAVs that cannot be at
+        their place are left out, with ``"lift"`` lifted to the top of what is there.
         """
         listed = uavs_of(uavs, self.crs)
         if not listed:
             raise wrong("uavs", "none", "at least one", "E108")
-        maps = self._scene.maps(listed, as_json(options), keep, watch_of(progress))
+        asked: dict[str, Any] = dict(options) if bad_uavs == "fail" else {**options, "bad_uavs": bad_uavs}
+        maps = self._scene.maps(listed, as_json(asked), keep, watch_of(progress))
         tell(maps.warnings, self._scene.warnings)
-        return Coverages(maps, self, listed, dict(options), keep)
+        return Coverages(maps, self, listed, asked, keep)
 
     def p_los(self, uavs: Iterable[Uav], *, progress: object = None, **sight: Unpack[SightKeywords]) -> npt.NDArray[np.float64]:
         """P_LoS of each of some UAVs: the share of receivers in range that it sees, NaN without any, and over no data. No mask is made."""
@@ -266,7 +271,51 @@ class Scene(Grid):
         if not isinstance(rx, (tuple, list, np.ndarray)) or len(rx) not in (2, 3):
             raise wrong("rx", repr(rx)[:80], "(x, y) or (x, y, height)", "E103")
         ends = {"uav": [f"{x},{y},{h}"], "rx": [",".join(map(str, rx))]}
-        return self._asked(Link, "link", {**ends, **_of_question(options), **output_of(output)})
+
+        def ask(files: PathLike | Sequence[PathLike] | None = None) -> Found:
+            return self._found("link", {**ends, **_of_question(options), **output_of(files)})
+
+        # All that is asked of most links, without a request in words.
+        if output is None and not options:
+            try:
+                link = self._scene.link((x, y, h), (rx[0], rx[1], rx[2] if len(rx) == 3 else None))  # type: ignore[arg-type]
+                tell(link[5], [], stacklevel=3)
+                return Link(link, ask)
+            except (TypeError, Error):
+                # Told in the words of the request.
+                pass
+        found = ask(output)
+        tell(found.warnings, self._scene.warnings, stacklevel=3)
+        return Link(_quick(json.loads(found.document)), lambda: found)
+
+    def links(
+        self,
+        uavs: Iterable[Uav],
+        receivers: Iterable[Sequence[float | str]],
+        *,
+        pairs: bool = False,
+        los_only: bool = False,
+        rx_height: float | str | None = None,
+        radius: float | None = None,
+        earth_k: float | str | None = None,
+        progress: object = None,
+    ) -> LinkTable:
+        """Links between UAVs and receivers (x, y) or (x, y, height), lists or arrays; with ``pairs`` the k-th of the ones with the k-th
+        of the others. ``rx_height`` is that of receivers without their own [m]; beyond ``radius`` [m] a link has no answer.
+        ``los_only`` leaves out margins and obstacles, which takes half of the time."""
+        listed = receivers.tolist() if isinstance(receivers, np.ndarray) else list(receivers)
+        if any(isinstance(rx, (str, bytes)) or not hasattr(rx, "__len__") or len(rx) not in (2, 3) for rx in listed):
+            raise wrong("receivers", "no places", "[(x, y) or (x, y, height), …] or an array of shape (n, 2) or (n, 3)", "E103")
+        asked = [(rx[0], rx[1], rx[2] if len(rx) == 3 else None) for rx in listed]
+        said = {"pairs": pairs, "los_only": los_only, "rx_height": rx_height, "radius": radius, "earth_k": earth_k}
+        options = {name: value for name, value in said.items() if value is not None and value is not False}
+        try:
+            links = self._scene.links(uavs_of(uavs, self.crs), asked, as_json(options), watch_of(progress))  # type: ignore[arg-type]
+        except TypeError:
+            raise wrong("receivers", "a place that is no number", "(x, y) or (x, y, height)", "E103") from None
+        arrays, uav_faults, rx_faults, warnings = links
+        tell(warnings, [])
+        return LinkTable(arrays, dict(uav_faults), dict(rx_faults))
 
     def place(
         self,
@@ -427,14 +476,24 @@ class Scene(Grid):
         held: Sequence[HeldInput] = (),
     ) -> _Kind:
         """Asks a command of the program over this scene, or over one that it opens itself."""
+        found = self._found(command, asked, progress, is_opened, held)
+        tell(found.warnings, self._scene.warnings, stacklevel=4)
+        return kind(found)
+
+    def _found(
+        self,
+        command: str,
+        asked: Mapping[str, object],
+        progress: object = None,
+        is_opened: bool = False,
+        held: Sequence[HeldInput] = (),
+    ) -> Found:
         # The name of a scene in memory names no file.
         options = {**self._reading, "scene": self._word} if self._origin else {"scene": "memory"}
         if is_opened and self._origin:
             options = {**self._origin.options, "scene": self._origin.word}
         scene = None if is_opened else self._scene
-        found = _skyshed.ask(command, as_json({**options, **asked}), scene, watch_of(progress), list(held))
-        tell(found.warnings, self._scene.warnings, stacklevel=4)
-        return kind(found)
+        return _skyshed.ask(command, as_json({**options, **asked}), scene, watch_of(progress), list(held))
 
     def __reduce__(self) -> tuple[Any, ...]:
         if self._origin:
@@ -444,6 +503,13 @@ class Scene(Grid):
     def __repr__(self) -> str:
         n_rows, n_cols = self.shape
         return f"Scene({self.name!r}, {n_rows}×{n_cols} cells, crs={self.crs!r})"
+
+
+def _quick(document: Mapping[str, Any]) -> _Link:
+    """A link of its document."""
+    of = document["obstruction"]
+    place = of and (of["kind"], of.get("id"), of.get("row"), of.get("col"), of["x"], of["y"], of["ray_height_m"], of["roof_height_m"])
+    return document["los"], document["margin_m"], document["distance_m"], document["elevation_deg"], place, []
 
 
 def _reopened(cls: type[Scene], origin: Origin) -> Scene:

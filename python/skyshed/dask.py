@@ -138,7 +138,7 @@ def _layer_of_tile(asked: Any, tile: Tile, uavs: list[AskedUav], options: Option
     maps = _skyshed.map_tile(of_tile, _cluster.held_scene(asked), table_of(uavs))
     if layer == "union":
         return maps.union()
-    return maps.count() if layer == "count" else maps.best_server()
+    return maps.count() if layer == "count" else maps.together(layer)
 
 
 def _prepare() -> None:

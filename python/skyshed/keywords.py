@@ -90,6 +90,7 @@ class SightKeywords(TypedDict, total=False):
     * ``sector``: Azimuths of receivers in range, clockwise from grid north [deg]: 90,180 is the south-east
     * ``elevation``: Elevations of receivers in range, from the UAV's horizontal, negative below [deg]
     * ``beam``: Full angle of a cone straight down with the receivers in range [deg]
+    * ``slant_range``: Largest distance in space from the UAV to a receiver [m]
     * ``earth_k``: Curved earth of K times its radius: 4/3 for radio, 7/6 for light, 1 without refraction, inf for none
     * ``curvature_coefficient``: 1/K of a curved earth, GDAL's word for it: 0.85714 for light, 0.75 for radio, 0 for none
     """
@@ -102,6 +103,7 @@ class SightKeywords(TypedDict, total=False):
     sector: Sequence[float] | None
     elevation: Sequence[float] | None
     beam: float | None
+    slant_range: float | None
     earth_k: float | str | None
     curvature_coefficient: float | None
 
@@ -123,7 +125,7 @@ class MapKeywords(SightKeywords, total=False):
     height_bias: float | None
     sigma: float | None
     tolerance: float | None
-    layers: Literal["los", "margin", "least-receiver-height", "least-height", "stability", "sure", "p-los", "count", "which", "union", "all", "best-server"] | Sequence[Literal["los", "margin", "least-receiver-height", "least-height", "stability", "sure", "p-los", "count", "which", "union", "all", "best-server"]] | str | None
+    layers: Literal["los", "margin", "least-receiver-height", "least-height", "stability", "sure", "p-los", "count", "which", "union", "all", "best-server", "uptime", "gap"] | Sequence[Literal["los", "margin", "least-receiver-height", "least-height", "stability", "sure", "p-los", "count", "which", "union", "all", "best-server", "uptime", "gap"]] | str | None
     zones: bool | None
 
 

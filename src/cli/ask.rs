@@ -8,10 +8,11 @@ use std::time::Instant;
 
 use serde_json::Value;
 use skyshed_request::{
-    CoverageQuestion, MapOptions, MapRequest, PROGRAM_OPTIONS, Reading, SaveOptions, SceneOptions, Source, json,
+    CoverageQuestion, LinkRequest, MapOptions, MapRequest, PROGRAM_OPTIONS, Reading, SaveOptions, SceneOptions, Source,
+    Uavs, json,
 };
 
-use crate::answer::{CommandFacts, Output};
+use crate::answer::{Answer, CommandFacts, Output};
 use crate::export::Format;
 use crate::picture::Look;
 
@@ -24,11 +25,13 @@ use super::program::Cli;
 use super::run::{Run, check_text, check_use};
 use crate::answer::Spent;
 use crate::coverage::Tally;
-use crate::error::{Error, ErrorKind, Warning};
+use crate::error::{Error, ErrorKind, OddRun, Warning, WarningRepr};
 use crate::jobs::Jobs;
+use crate::link::{AskedReceiver, LinkArray, LinksPlan};
 use crate::map::{Coverages, Held, MapJob, MapPlan, Part, PartOf, Prepared, Purpose, UnitRuns};
 use crate::memory;
 use crate::progress::Progress;
+use crate::quantity::Height;
 use crate::raster::GeoRef;
 use crate::read::surface_grid;
 use crate::scene::{Scene, SceneReader, is_raster_scene};
@@ -150,18 +153,31 @@ pub fn save_options(options: Members, files: &[PathBuf]) -> std::result::Result<
     Ok(options)
 }
 
-/// Returns maps of what some UAVs see of a scene, with options such as `radius`; each mask is kept if that is asked for.
+/// Returns maps of what some UAVs see of a scene, with options such as `radius`; each mask is kept if that is asked for. `bad_uavs` says
+/// what becomes of UAVs that cannot be at their place.
 ///
 /// # Errors
 /// Errors of the options, the UAVs and the method.
 pub fn coverages(
     (scene, uavs): (Scene, &[Uav]),
-    options: Members,
+    mut options: Members,
     keeps_masks: bool,
     progress: &Progress,
 ) -> std::result::Result<Coverages, Refusal> {
+    let bad = options.remove("bad_uavs").into_iter().map(|bad| ("bad_uavs".to_string(), bad)).collect();
+    let Uavs { bad_uavs, .. } = read(bad)?;
+    let found = UavsFound { bad: bad_uavs.unwrap_or_default(), ..UavsFound::of(uavs)? };
     let held = Held { keeps_masks, ..Held::default() };
-    Ok(prepared(scene, uavs, &read(options)?)?.run(held, progress, |_| {}, |_| {})?)
+    Ok(prepared(scene, &found, &read(options)?)?.run(held, progress, |_| {}, |_| {})?)
+}
+
+/// Returns the UAVs of maps that were left out, by their ids, and why.
+pub fn left_out(maps: &Coverages) -> Vec<(String, String)> {
+    let of = |warning: &Warning| match warning.repr() {
+        WarningRepr::Run(OddRun::BadUavs { left_out, .. }) => left_out.clone(),
+        _ => Vec::new(),
+    };
+    maps.warnings().iter().flat_map(of).collect()
 }
 
 /// Returns P_LoS of each UAV; `None` without a receiver in range, and over no data. No mask is made.
@@ -180,12 +196,12 @@ pub fn p_los(
     let names: Members = json::set_members(&counted);
     let names: Vec<&str> = names.keys().map(String::as_str).collect();
     json::refuse_others(&json::set_members(&question), &names, "where P_LoS alone is counted").map_err(Error::from)?;
-    let counts = prepared(scene, uavs, &counted)?.count(progress)?;
+    let counts = prepared(scene, &UavsFound::of(uavs)?, &counted)?.count(progress)?;
     Ok(counts.iter().map(Tally::p_los).collect())
 }
 
-fn prepared(scene: Scene, uavs: &[Uav], question: &CoverageQuestion) -> Result<Prepared> {
-    Ok(MapPlan::of(question)?.prepare(scene, &UavsFound::of(uavs)?, PartOf::default())?)
+fn prepared(scene: Scene, found: &UavsFound, question: &CoverageQuestion) -> Result<Prepared> {
+    Ok(MapPlan::of(question)?.prepare(scene, found, PartOf::default())?)
 }
 
 /// Returns the options of a request that are set, in the one form that documents record.
@@ -289,4 +305,42 @@ pub fn height_curves(
 ) -> std::result::Result<Found, Refusal> {
     let curves = map.height_curves(heights_m, progress)?;
     Ok(Found::of(&curves, Spent::default(), Vec::new()))
+}
+
+/// Links between lists of UAVs and receivers.
+#[derive(Debug, Clone)]
+pub struct Links {
+    /// Arrays by UAV and receiver, of pairs by pair, and the places of both.
+    pub arrays: Vec<(&'static str, LinkArray)>,
+    /// Reasons why UAVs, and why receivers, cannot be at their place, by their places in the lists.
+    pub faults: [Vec<(usize, String)>; 2],
+    /// Warnings.
+    pub warnings: Vec<Warning>,
+}
+
+/// Returns links between UAVs and receivers, with options such as `pairs`. Receivers without a height are at `rx_height`.
+///
+/// # Errors
+/// Errors of the options and the UAVs; E116 for pairs of lists of unequal lengths.
+pub fn links(
+    (scene, uavs): (Scene, &[Uav]),
+    receivers: &[((f64, f64), Option<Height>)],
+    mut options: Members,
+) -> std::result::Result<Links, Refusal> {
+    options.insert("scene".into(), "memory".into());
+    let request: LinkRequest = read(options)?;
+    let known = ["scene", "pairs", "los_only", "rx_height", "radius", "earth_k", "curvature_coefficient"];
+    json::refuse_others(&json::set_members(&request), &known, "for links in memory").map_err(Error::from)?;
+    let plan = LinksPlan::of(&request)?;
+    let typed = Height::AboveGround(plan.sight.rx_height_m());
+    let receiver = |(k, (at, height)): (usize, &((f64, f64), Option<Height>))| AskedReceiver {
+        id: (k + 1).to_string(),
+        at: *at,
+        height: height.unwrap_or(typed),
+    };
+    let receivers: Vec<AskedReceiver> = receivers.iter().enumerate().map(receiver).collect();
+    let n_known = scene.warnings.len();
+    let table = plan.decide(scene, (&UavsFound::of(uavs)?, &receivers), CommandFacts::default())?;
+    let warnings = table.warnings()[n_known..].to_vec();
+    Ok(Links { arrays: table.arrays(), faults: table.faults(), warnings })
 }

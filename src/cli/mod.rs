@@ -40,8 +40,8 @@ use crate::memory;
 use crate::threads::in_pool;
 pub use allocator::Allocator;
 pub use ask::{
-    PlannedUnit, Refusal, ask, coverages, height_curves, hint_of, limit_memory, live_page, map_tile, normalized, p_los,
-    plan_units, raster_grid, save_options, scene_reader,
+    Links, PlannedUnit, Refusal, ask, coverages, height_curves, hint_of, left_out, limit_memory, links, live_page,
+    map_tile, normalized, p_los, plan_units, raster_grid, save_options, scene_reader,
 };
 pub use found::Found;
 pub use keywords::Members;

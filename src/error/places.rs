@@ -36,6 +36,9 @@ pub(crate) enum PlacesError {
     /// E207: two sites or tiles whose files would be one.
     #[error("`{a}` and `{b}` would share {file}")]
     SharedFile { a: String, b: String, file: String },
+    /// E210: times of two UAVs on different clocks; their ids and clocks.
+    #[error("UAV `{}` is up at {}, UAV `{}` at {}, wanted one clock for all", .0[0].0, .0[0].1, .0[1].0, .0[1].1)]
+    Clocks([(String, &'static str); 2]),
     /// E208: weights without a value above 0 in the scene.
     #[error("cannot use {0} as weights: it holds none above 0 in the scene")]
     NoWeights(String),
@@ -78,6 +81,7 @@ impl PlacesError {
             P::NoHeight { .. } | P::NoUsers { .. } | P::NoPlace(_) => 204,
             P::Twice { .. } | P::SharedFile { .. } => 207,
             P::NoWeights(_) => 208,
+            P::Clocks(_) => 210,
             P::NoCandidate { .. } | P::NoWinner(_) => 209,
             P::NoSampledDisc { .. } | P::NoDisc(_) => 216,
         }

@@ -303,7 +303,7 @@ impl Answer for Merged {
             }
             Format::Vrt => {
                 let of_list = (self.layers.as_slice(), self.rows.len());
-                if let Some(style) = style_of(&self.layers, self.rows.len(), &[]) {
+                if let Some(style) = style_of(&self.layers, self.rows.len(), &[], None) {
                     batch.add(&path.with_extension("qml"), style.as_bytes())?;
                 }
                 vrt(path, &self.facts.grid, self.rasters(path)?, of_list)?.into_bytes()

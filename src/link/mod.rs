@@ -25,6 +25,7 @@ use crate::scene::placing::{place_uav, warn_of_uavs_outside};
 use crate::sight::earth_words;
 use crate::uav::Uav;
 
+pub use table::LinkArray;
 pub(crate) use table::{AskedReceiver, LinkRow, LinksDocument, LinksPlan, TABLE_FORMATS};
 
 /// Output formats of a link.

@@ -2,6 +2,7 @@
 
 use skyshed_request::Layer;
 
+use super::over_time::OverTime;
 use super::report::{MapReport, SiteFacts};
 use crate::coverage::{HeightLayers, MapOptions, Mapper, MarginSample, Overlay, SiteCoverage, Tally};
 use crate::error::{Result, Warning};
@@ -26,6 +27,8 @@ pub struct Coverages {
     pub(crate) why: &'static str,
     /// Options that the maps were made with.
     pub(crate) options: MapOptions,
+    /// Counts over time, if they were requested.
+    pub(crate) over_time: Option<OverTime>,
 }
 
 impl Coverages {
@@ -66,6 +69,18 @@ impl Coverages {
     /// none does. Shape as [`Coverages::count`]; `None` without the layer [`Layer::BestServer`].
     pub fn best_server(&self) -> Option<&[u32]> {
         self.overlay.as_ref().and_then(Overlay::best_server)
+    }
+
+    /// Returns the share of the span of time in which some UAV sees each cell, 0 to 1, NaN where there is no
+    /// receiver. Shape as [`Coverages::count`]; `None` without the layer [`Layer::Uptime`].
+    pub fn uptime(&self) -> Option<&[f32]> {
+        self.overlay.as_ref().and_then(Overlay::uptime)
+    }
+
+    /// Returns the longest time in which no UAV sees each cell \[min\], NaN where there is no receiver; the
+    /// whole span where none ever does. Shape as [`Coverages::count`]; `None` without the layer [`Layer::Gap`].
+    pub fn gap(&self) -> Option<&[f32]> {
+        self.overlay.as_ref().and_then(Overlay::gap)
     }
 
     /// Returns the mask of one UAV, if masks were kept: classes of [`crate::class`], shape as

@@ -41,6 +41,8 @@ enum Subject {
     All,
     /// Nearest of a few UAVs that see a cell.
     Best,
+    /// Time in which a cell is seen, or is not.
+    Time,
     /// A layer of each UAV, side by side.
     Each,
 }
@@ -70,7 +72,10 @@ impl Shown<'_> {
 
 /// Returns `true` if the picture of several UAVs shows each of them, so that their masks are kept.
 pub(crate) fn draws_each(layers: &[Layer]) -> bool {
-    !matches!(layers.first(), None | Some(Layer::Los | Layer::Count | Layer::Union | Layer::All | Layer::BestServer))
+    match layers.first() {
+        None | Some(Layer::Los) => false,
+        Some(layer) => *layer == Layer::Which || !layer.is_of_all(),
+    }
 }
 
 impl MapDrawing<'_> {
@@ -88,12 +93,13 @@ impl MapDrawing<'_> {
         let best = self.of.overlay.as_ref().and_then(Overlay::best_server).unwrap_or_default();
         let best = if best.is_empty() { Vec::new() } else { crop(best, n_cols, window) };
         let n_drawn = match subject {
-            Subject::Count | Subject::Any | Subject::All | Subject::Best => 0,
+            Subject::Count | Subject::Any | Subject::All | Subject::Best | Subject::Time => 0,
             Subject::Who => self.of.sites.len(),
             Subject::One | Subject::Each => self.of.sites.len().min(MOST_MAP_PANELS),
         };
         let sites: Vec<SiteCoverage> = self.of.sites[..n_drawn].iter().map(|s| self.cropped(s, window)).collect();
-        let shown = self.shown(subject, &sites, (&count, &best), &union);
+        let time = self.layer_of_time().map_or_else(Vec::new, |values| crop(values, n_cols, window));
+        let shown = self.shown(subject, &sites, (&count, &best, &time), &union);
         let palettes: Vec<Vec<MapClass<'_>>> = shown.iter().map(Shown::palette).collect();
         let layers: Vec<render::Layer<'_>> = shown.iter().zip(&palettes).map(|(map, p)| map.layer(p)).collect();
 
@@ -162,7 +168,7 @@ impl MapDrawing<'_> {
         &self,
         subject: Subject,
         sites: &'b [SiteCoverage],
-        (count, best): (&'b [u32], &[u32]),
+        (count, best, time): (&'b [u32], &[u32], &'b [f32]),
         union: &'b [u8],
     ) -> Vec<Shown<'b>> {
         let who = self.looked_at_by();
@@ -172,6 +178,13 @@ impl MapDrawing<'_> {
                 vec![Shown::Layer(render::Layer::Count { count, mask: union, n_sites })]
             }
             Subject::Any | Subject::All => vec![Shown::Layer(render::Layer::Los(union))],
+            Subject::Time => {
+                let (name, unit) = match self.drawn_layer() {
+                    Layer::Gap => ("Longest time out of sight", "min"),
+                    _ => ("Share of time in line of sight", ""),
+                };
+                vec![Shown::Layer(render::Layer::Field { values: time, name, unit, mask: union })]
+            }
             Subject::Best => {
                 let names: Vec<&str> = self.of.report.sites.iter().map(|site| site.id.as_str()).collect();
                 vec![Shown::Classes(nearest(who, &names, best, union), union)]
@@ -200,6 +213,7 @@ impl MapDrawing<'_> {
 
     fn subject(&self) -> Subject {
         match (self.drawn_layer(), self.of.sites.len()) {
+            (Layer::Uptime | Layer::Gap, _) => Subject::Time,
             (_, 1) if self.of.report.tile.is_none() => Subject::One,
             (Layer::Union, _) => Subject::Any,
             (Layer::All, _) => Subject::All,
@@ -208,6 +222,15 @@ impl MapDrawing<'_> {
             (Layer::Los | Layer::Count, _) => Subject::Count,
             (Layer::Which, n) if n <= MOST_COLORS => Subject::Who,
             _ => Subject::Each,
+        }
+    }
+
+    /// Returns the values of the drawn layer of time; `None` if another one is drawn.
+    fn layer_of_time(&self) -> Option<&[f32]> {
+        match self.drawn_layer() {
+            Layer::Uptime => self.of.uptime(),
+            Layer::Gap => self.of.gap(),
+            _ => None,
         }
     }
 
@@ -246,6 +269,8 @@ impl MapDrawing<'_> {
                 (Layer::Stability, ..) => "Stability of a drone's line of sight over",
                 (Layer::Sure, ..) => "What is sure of a drone's line of sight over",
                 (Layer::PLos, ..) => "Probability of a drone's line of sight over",
+                (Layer::Uptime, ..) => "How much of the time a drone is seen over",
+                (Layer::Gap, ..) => "How long a drone is not seen over",
                 (_, Subject::One, true) => "Where an observer sees a drone over",
                 (_, Subject::One, false) => "Where a UAV sees a drone over",
                 (_, Subject::Any, true) => "Where at least one observer sees a drone over",
@@ -265,6 +290,8 @@ impl MapDrawing<'_> {
             (Layer::Stability, _) => "Stability of line of sight in",
             (Layer::Sure, _) => "What is sure of line of sight in",
             (Layer::PLos, _) => "Probability of line of sight in",
+            (Layer::Uptime, _) => "How much of the time UAVs see each place of",
+            (Layer::Gap, _) => "How long no UAV sees each place of",
             (_, Subject::One) => "What a UAV sees of",
             (Layer::Which, _) => "Which UAV sees what of",
             (_, Subject::Any) => "What at least one UAV sees of",
@@ -274,15 +301,16 @@ impl MapDrawing<'_> {
         }
     }
 
-    /// Returns the cells that may be in range of a UAV, with a border of a tenth of the radius; all
-    /// cells without a radius.
+    /// Returns the cells that may be in range of a UAV, with a border of a tenth of its reach; all cells if
+    /// a UAV has no limit.
     fn window_in_range(&self) -> CellWindow {
         let grid = self.of.scene.field.grid();
-        let Some(radius) = self.of.report.sight.radius_on(grid).map(|r| r * 1.1) else {
-            return grid.window();
+        let around = |s: &SiteFacts| {
+            let reach = 1.1 * self.of.report.sight.reach_m(s.antenna)? / grid.meters_per_unit();
+            Some([s.x - reach, s.y - reach, s.x + reach, s.y + reach])
         };
-        let around = |s: &SiteFacts| [s.x - radius, s.y - radius, s.x + radius, s.y + radius];
-        window_of(grid, self.of.report.sites.iter().map(around))
+        let boxes = self.of.report.sites.iter().map(around).collect::<Option<Vec<_>>>();
+        boxes.map_or_else(|| grid.window(), |boxes| window_of(grid, boxes.into_iter()))
     }
 
     /// Returns the classes of a mask in a window as they are drawn. A map that is drawn smaller
@@ -375,6 +403,10 @@ impl MapDrawing<'_> {
             lines.push(format!(
                 "Of {n} UAVs the nearest is not drawn, but how many see a place; a .tif file holds both"
             ));
+        }
+        if let Some(span) = self.of.report.span.filter(|_| subject == Subject::Time) {
+            let (from, to, minutes) = span.words();
+            lines.push(format!("Of the time from {from} to {to}, {minutes} min, in which UAVs come and go"));
         }
         if let Some(all) = self.of.overlay.as_ref().and_then(Overlay::all).filter(|_| subject == Subject::All) {
             let of = |wanted: u8| all.iter().filter(|class| **class == wanted).count() as u64;

@@ -7,6 +7,7 @@ use skyshed_request::{FilePath, MapRequest, Position, SaveOptions, TileIndex, Ua
 
 use super::curve::{CurvePlan, Curves};
 use super::needs::MapNeeds;
+use super::over_time::{OverTime, OverTimePlan};
 use super::plan::MapPlan;
 use super::report::MapReport;
 use super::tiles::{ROW_AND_COL, Tile, TilesAsked};
@@ -47,6 +48,7 @@ pub(crate) struct MapJob {
     pub(crate) save: SaveOptions,
     pub(crate) outputs: Vec<PathBuf>,
     pub(crate) curve: CurvePlan,
+    pub(crate) over_time: OverTimePlan,
     /// Requested tiles. They are units of work if file names hold `{row}` and `{col}`, or if single
     /// tiles are named.
     pub(crate) tiles: TilesAsked,
@@ -87,6 +89,7 @@ pub(crate) struct Done {
     /// Reason for the choice of the method, in words.
     pub(crate) why: &'static str,
     pub(crate) curves: Option<Curves>,
+    pub(crate) over_time: Option<OverTime>,
     pub(crate) written: Vec<PathBuf>,
     /// All warnings: those of the map, then those of the curves.
     pub(crate) warnings: Vec<Warning>,
@@ -97,12 +100,12 @@ impl Done {
         report: MapReport,
         timing: Timing,
         why: &'static str,
-        curves: Option<Curves>,
+        (curves, over_time): (Option<Curves>, Option<OverTime>),
         written: Vec<PathBuf>,
     ) -> Done {
         let of_curves = curves.as_ref().map_or(&[][..], |curves| curves.warnings());
         let warnings = [&report.facts.warnings, of_curves].concat();
-        Done { report, timing, why, curves, written, warnings }
+        Done { report, timing, why, curves, over_time, written, warnings }
     }
 }
 
@@ -141,6 +144,7 @@ impl Answer for Done {
             self.timing.total
         ));
         notes.extend(self.curves.iter().flat_map(|curves| curves.notes(spent)));
+        notes.extend(self.over_time.iter().flat_map(|over_time| over_time.notes(spent)));
         notes
     }
 
@@ -168,8 +172,9 @@ impl MapJob {
             outputs: paths(&request.curve.height_curve),
             heights: request.curve.curve_heights.map(|range| range.0),
         };
+        let over_time = OverTimePlan { outputs: paths(&request.time.over_time) };
         let uavs = UavsAsked { shard: request.units.shard, ..UavsAsked::some_of(&request.uavs, options.hash)? };
-        let plan = MapPlan::of(&request.coverage)?;
+        let plan = MapPlan { over_time: over_time.is_wanted(), ..MapPlan::of(&request.coverage)? };
         // Curve files count as pictures too; bare .png files do not. Names without a known format
         // are refused later.
         let is_bare = |path: &&PathBuf| request.forms.bare && Format::of(path).is_ok_and(|f| f == Format::Png);
@@ -185,6 +190,7 @@ impl MapJob {
             save: request.save_options(),
             outputs,
             curve,
+            over_time,
             tiles: TilesAsked::of(request.units.tile_size, &request.units.tile),
             command,
             request,
@@ -213,7 +219,12 @@ impl MapJob {
 
     /// Returns `true` if counts are printed: with `--json`, or if no file is written.
     pub(super) fn is_told(&self) -> bool {
-        self.request.out.files.json || self.outputs.is_empty() && self.curve.outputs.is_empty()
+        self.request.out.files.json || self.files().next().is_none()
+    }
+
+    /// Returns all files of the run: those of the map, of its curves and of its counts over time.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        self.outputs.iter().chain(&self.curve.outputs).chain(&self.over_time.outputs)
     }
 
     /// Returns the job of one UAV or of one tile; `files` gives its outputs names of their own.

@@ -46,6 +46,7 @@ impl<'a> MapNeeds<'a> {
             + self.of_outputs()
             + of(self.files.polygons, OF_POLYGONS)
             + of(self.files.curves, OF_CURVES)
+            + of(self.files.over_time, 2.0 * of_stretches(self.n_list))
     }
 
     /// Returns the bytes per cell of masks and of layers for each UAV.
@@ -94,10 +95,19 @@ pub(super) fn overlay_bytes_per_cell(layers: &[Layer], n_uavs: usize) -> f64 {
         Layer::Which => count(4 * n_uavs.div_ceil(32)),
         Layer::BestServer => BEST_SERVER,
         Layer::All => 1.0,
+        // The layer, and stretches of time, of both layers once.
+        Layer::Uptime => 4.0 + of_stretches(n_uavs),
+        Layer::Gap if layers.contains(&Layer::Uptime) => 4.0,
+        Layer::Gap => 4.0 + of_stretches(n_uavs),
         _ => 0.0,
     };
     let of_layers = layers.iter().map(of_layer).sum::<f64>();
     if n_uavs > 1 || of_layers > 0.0 { UNION_AND_COUNT + of_layers } else { 0.0 }
+}
+
+/// Returns the bytes per cell of the stretches of time in which UAVs see it.
+fn of_stretches(n_uavs: usize) -> f64 {
+    count(4 * (2 * n_uavs + 1).div_ceil(32))
 }
 
 /// Returns the number of layers of numbers.

@@ -9,14 +9,16 @@ use skyshed_request::{CoverageQuestion, Layer};
 
 use super::coverages::Coverages;
 use super::needs::{MapNeeds, overlay_bytes_per_cell};
+use super::over_time::{OverTime, Span};
 use super::report::{MapReport, MaskDigest, SiteFacts, zone_tallies};
 use super::tiles::Tile;
 use super::tolerance::{ToleranceFacts, check_tolerance, simplify};
 use crate::answer::Output;
 use crate::coverage::{
-    HeightLayers, KeepMasks, ManyMaps, MapOptions, Mapper, SiteCoverage, Tally, Together, Uav, maps_at_once,
+    HeightLayers, KeepMasks, ManyMaps, MapOptions, Mapper, Overlay, SiteCoverage, Tally, TimeSpan, Together, Uav,
+    maps_at_once,
 };
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::expected::Expected;
 use crate::height_errors::{HeightErrorsPlan, UncertainFacts};
 use crate::memory::check_memory;
@@ -39,6 +41,8 @@ pub(crate) struct MapPlan {
     pub(crate) tolerance: Option<f64>,
     /// `true` if counts are reported by zone.
     pub(crate) tells_zones: bool,
+    /// `true` if receivers are counted over time.
+    pub(crate) over_time: bool,
 }
 
 /// Whole that the scene of a run is a part of.
@@ -59,6 +63,8 @@ pub(crate) struct MapFiles<'a> {
     pub(crate) polygons: bool,
     /// `true` if there are curves of P_LoS by height.
     pub(crate) curves: bool,
+    /// `true` if there are counts over time.
+    pub(crate) over_time: bool,
 }
 
 /// Masks that a run of many UAVs keeps, beside the counts.
@@ -81,7 +87,14 @@ impl MapPlan {
         let CoverageQuestion { sight, heights, map } = question;
         map.check()?;
         let (sight, heights) = (SightPlan::of(sight)?, HeightErrorsPlan::of(heights, map.sigma)?);
-        Ok(MapPlan { sight, heights, layers: map.wanted_layers(), tolerance: map.tolerance, tells_zones: map.zones })
+        Ok(MapPlan {
+            sight,
+            heights,
+            layers: map.wanted_layers(),
+            tolerance: map.tolerance,
+            tells_zones: map.zones,
+            over_time: false,
+        })
     }
 
     /// Returns the layers that are made for each UAV beside its mask.
@@ -97,14 +110,34 @@ impl MapPlan {
     }
 
     /// Returns the sums that are made of the masks of all UAVs.
-    fn together(&self, of_list: Option<(Vec<usize>, usize)>) -> Together {
+    fn together(&self, span: Option<Span>, of_list: Option<(Vec<usize>, usize)>) -> Together {
         Together {
             which: self.layers.contains(&Layer::Which),
             best_server: self.layers.contains(&Layer::BestServer),
             all: self.layers.contains(&Layer::All),
-            even_of_one: self.layers.iter().any(|layer| layer.is_of_all()),
+            uptime: self.layers.contains(&Layer::Uptime),
+            gap: self.layers.contains(&Layer::Gap),
+            time: span.map(|Span { ends_s, .. }| TimeSpan { ends_s, counts: self.over_time }),
+            even_of_one: self.over_time || self.layers.iter().any(|layer| layer.is_of_all()),
             of_list,
         }
+    }
+
+    /// Returns the option that asks about time, if one does.
+    pub(super) fn option_of_time(&self) -> Option<&'static str> {
+        let asked = [("over_time", self.over_time), ("layers", self.layers.iter().any(|layer| layer.is_of_time()))];
+        asked.into_iter().find(|(_, is_asked)| *is_asked).map(|(option, _)| option)
+    }
+
+    /// Returns the span of time that the map tells about, if it is asked about time.
+    ///
+    /// # Errors
+    /// E116 without two moments.
+    fn span(&self, found: &UavsFound) -> Result<Option<Span>> {
+        let Some(option) = self.option_of_time() else { return Ok(None) };
+        let why = "without times of UAVs: two at least in the columns `from` and `to` of `--uavs`";
+        let (ends_s, clock) = found.span().ok_or_else(|| Error::idle(option, why))?;
+        Ok(Some(Span { ends_s, clock }))
     }
 
     /// Returns the bytes per cell of the overlay of all masks, for a list of `n_uavs` UAVs.
@@ -135,6 +168,7 @@ impl MapPlan {
     pub(crate) fn prepare(mut self, mut scene: Scene, found: &UavsFound, part: PartOf<'_>) -> Result<Prepared> {
         self.check()?;
         let found = &*found.over(&scene.field)?;
+        let span = self.span(found)?;
         self.heights = self.heights.over(&scene.field);
         let began = Instant::now();
         let grid = scene.grid().clone();
@@ -164,7 +198,7 @@ impl MapPlan {
             let placed = numbered.filter(|(site, _)| uavs.iter().any(|uav| uav.id == site.id));
             (Tile { uavs: placed.map(|(_, k)| *k).collect(), ..tile.clone() }, n_list)
         });
-        Ok(Prepared { plan: self, scene, uavs, lonlats, zones, options, tolerance, tile, began })
+        Ok(Prepared { plan: self, scene, uavs, lonlats, zones, options, tolerance, tile, span, began })
     }
 }
 
@@ -181,6 +215,8 @@ pub(crate) struct Prepared {
     tolerance: Option<ToleranceFacts>,
     /// Tile to map, with the number of UAVs in the whole list.
     tile: Option<(Tile, usize)>,
+    /// Span of time that the map tells about.
+    span: Option<Span>,
     began: Instant,
 }
 
@@ -219,7 +255,7 @@ impl Prepared {
         mut each_part: impl FnMut(&[u8]) + Send,
         mut each: impl FnMut(&SiteCoverage),
     ) -> Result<Coverages> {
-        let Prepared { plan, mut scene, uavs, lonlats, zones, mut options, tolerance, tile, began } = self;
+        let Prepared { plan, mut scene, uavs, lonlats, zones, mut options, tolerance, tile, span, began } = self;
         let (keep, n_held) = match held {
             Held { is_handed_over: true, .. } => (KeepMasks::Never, 0),
             Held { keeps_masks: true, .. } => (KeepMasks::Always, uavs.len()),
@@ -256,7 +292,7 @@ impl Prepared {
             each(site);
         };
         let of_list = tile.as_ref().map(|(tile, n_list)| (tile.uavs.clone(), *n_list));
-        let together = plan.together(of_list);
+        let together = plan.together(span, of_list);
         let mapped = mapper.map_many(&uavs, (keep, &together), progress.control(), each_part, each_site);
         progress.end();
         let ManyMaps { sites, overlay } = mapped?;
@@ -291,8 +327,11 @@ impl Prepared {
             tolerance,
             tile: tile.map(|(tile, _)| tile.facts(plan.layers.iter().any(|layer| layer.tells_numbers()))),
             idle: (idle.footprints > 0).then_some(idle),
+            span,
             digest: digest.finish(),
         };
-        Ok(Coverages { scene, sites, overlay, layers: plan.layers, report, why, options })
+        let times = overlay.as_ref().and_then(Overlay::times).zip(span).filter(|_| plan.over_time);
+        let over_time = times.map(|times| OverTime::of(&report, times, &uavs));
+        Ok(Coverages { scene, sites, overlay, layers: plan.layers, report, why, options, over_time })
     }
 }

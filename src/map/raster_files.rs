@@ -4,7 +4,7 @@ use std::path::Path;
 
 use skyshed_request::Layer;
 
-use crate::coverage::SiteCoverage;
+use crate::coverage::{Overlay, SiteCoverage};
 use crate::error::Result;
 use crate::export::{Batch, Format, MapResult, MaskValues, add_map, n_bands};
 use crate::render::{FirstBand, qgis_style};
@@ -17,7 +17,7 @@ use crate::render::{FirstBand, qgis_style};
 pub(crate) fn add_raster(batch: &mut Batch, result: &MapResult<'_>, path: &Path, format: Format) -> Result<()> {
     add_map(batch, result, path, format)?;
     let is_styled = format == Format::GeoTiff && result.mask_values == MaskValues::Classes;
-    let style = is_styled.then(|| style_of(result.layers, result.n_uavs, result.sites)).flatten();
+    let style = is_styled.then(|| style_of(result.layers, result.n_uavs, result.sites, result.overlay)).flatten();
     match style {
         Some(style) => Ok(batch.add(&path.with_extension("qml"), style.as_bytes())?),
         None => Ok(()),
@@ -27,7 +27,12 @@ pub(crate) fn add_raster(batch: &mut Batch, result: &MapResult<'_>, path: &Path,
 /// Returns the style for a raster of layers of `n_uavs` UAVs, of which `sites` are the first.
 ///
 /// `None` if no style is known, or none is needed: one band of classes has its colors in the file.
-pub(crate) fn style_of(layers: &[Layer], n_uavs: usize, sites: &[SiteCoverage]) -> Option<String> {
+pub(crate) fn style_of(
+    layers: &[Layer],
+    n_uavs: usize,
+    sites: &[SiteCoverage],
+    overlay: Option<&Overlay>,
+) -> Option<String> {
     let n = u32::try_from(n_uavs).unwrap_or(u32::MAX);
     let first = layers.first()?;
     let values = |of: fn(&SiteCoverage) -> Option<&[f32]>| sites.first().and_then(of).map(FirstBand::Values);
@@ -42,6 +47,8 @@ pub(crate) fn style_of(layers: &[Layer], n_uavs: usize, sites: &[SiteCoverage]) 
         Layer::LeastReceiverHeight => values(|site| site.least_receiver_height.as_deref()),
         Layer::LeastHeight => values(|site| site.least_height.as_deref()),
         Layer::PLos => values(|site| site.p_los.as_deref()),
+        Layer::Uptime => overlay.and_then(Overlay::uptime).map(FirstBand::Values),
+        Layer::Gap => overlay.and_then(Overlay::gap).map(FirstBand::Values),
         _ => None,
     };
     band.map(qgis_style)

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
+use super::over_time::{Span, SpanFacts};
 use super::stability_report::{StabilityDocument, StabilityFacts};
 use super::tiles::TileFacts;
 use super::tolerance::{ToleranceDocument, ToleranceFacts};
@@ -138,6 +139,8 @@ pub(crate) struct MapReport {
     pub(crate) tolerance: Option<ToleranceFacts>,
     /// Tile of the ground, if the map is one.
     pub(crate) tile: Option<TileFacts>,
+    /// Span of time that it tells about, if it was asked about time.
+    pub(crate) span: Option<Span>,
     /// Digest of the masks, see [`MaskDigest`].
     pub(crate) digest: String,
 }
@@ -205,6 +208,7 @@ impl MapReport {
         MapDocument {
             head,
             tile: self.tile.clone(),
+            span: self.span.map(Span::facts),
             tolerance: self.tolerance.as_ref().map(ToleranceFacts::document),
             footprints: self.idle.as_ref().map(IdleDocument::of),
             sight: self.sight.facts(),
@@ -251,6 +255,9 @@ pub(crate) struct MapDocument {
     /// Tile of the ground that the counts belong to; left out for a whole map.
     #[serde(skip_serializing_if = "Option::is_none")]
     tile: Option<TileFacts>,
+    /// Span of time that layers of time refer to; left out if none is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    span: Option<SpanFacts>,
     /// Result of the tolerance, if one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     tolerance: Option<ToleranceDocument>,

@@ -21,6 +21,12 @@ use crate::raster::GeoRef;
 use crate::read::surface_grid;
 use crate::scene::Scene;
 
+/// Files beside those of a map.
+struct Beside {
+    curves: Vec<Output>,
+    over_time: Vec<Output>,
+}
+
 impl MapJob {
     /// Maps all UAVs together, into files that appear together.
     ///
@@ -58,7 +64,7 @@ impl MapJob {
 
     fn run_checked(
         &self,
-        (outputs, curve_outputs): (Vec<Output>, Vec<Output>),
+        (outputs, beside): (Vec<Output>, Beside),
         given: Given<'_>,
         progress: &Progress,
     ) -> Result<Done> {
@@ -100,6 +106,7 @@ impl MapJob {
         let mut map = made?;
         (map.report.facts.command, map.report.facts.unit) = (self.command.clone(), unit);
         let curves = self.curve.make(&map, progress)?;
+        let mut over_time = map.over_time.take();
         let before_write = Instant::now();
         // The time of writing is not known before the files are written.
         let (look, spent) = (&look_of(&self.save), Spent { write: 0.0, total: start.elapsed().as_secs_f64() });
@@ -116,12 +123,16 @@ impl MapJob {
             }
         }
         if let Some(curves) = &curves {
-            add_outputs(curves, &mut batch, &curve_outputs, (look, spent))?;
+            add_outputs(curves, &mut batch, &beside.curves, (look, spent))?;
+        }
+        if let Some(over_time) = &mut over_time {
+            over_time.facts = map.report.facts.clone();
+            add_outputs(over_time, &mut batch, &beside.over_time, (look, spent))?;
         }
         let written = batch.commit()?;
         let write = before_write.elapsed().as_secs_f64();
         let timing = Timing { write, total: start.elapsed().as_secs_f64(), ..map.scene.timing };
-        Ok(Done::of(map.report, timing, map.why, curves, written))
+        Ok(Done::of(map.report, timing, map.why, (curves, over_time), written))
     }
 
     /// Returns how much of a run of some UAVs is held for its files.
@@ -136,27 +147,33 @@ impl MapJob {
                 || self.curve.is_wanted()
                 || outputs.iter().any(|(_, f)| shows_masks(*f)),
             is_handed_over,
-            files: MapFiles { outputs, polygons: self.save.forms.polygons.is_some(), curves: self.curve.is_wanted() },
+            files: MapFiles {
+                outputs,
+                polygons: self.save.forms.polygons.is_some(),
+                curves: self.curve.is_wanted(),
+                over_time: self.over_time.is_wanted(),
+            },
         }
     }
 
-    /// Returns the files of the map and of its curves with their formats, checked before any work.
-    fn checked_outputs(&self) -> Result<(Vec<Output>, Vec<Output>)> {
+    /// Returns the files of the map, and those beside them, with their formats, checked before any work.
+    fn checked_outputs(&self) -> Result<(Vec<Output>, Beside)> {
         let inputs: Vec<PathBuf> = self.inputs.iter().cloned().chain(self.uavs.file()).collect();
         let (overwrite, bare) = (self.save.writing.overwrite, self.save.forms.bare);
         let rules = OutputRules { allowed: &super::FORMATS, inputs: &inputs, overwrite, bare };
         let outputs = check_outputs(&self.outputs, rules)?;
-        let curve_outputs = self.curve.checked(&self.outputs, rules)?;
+        let curves = self.curve.checked(&self.outputs, rules)?;
+        let over_time = self.over_time.checked(self.outputs.iter().chain(&self.curve.outputs), rules)?;
         check_formats(&self.save, &outputs)?;
         let tells =
             |(_, format): &Output| matches!(format, Format::Csv | Format::Json | Format::GeoJson | Format::Stdout);
         if self.plan.layers != [Layer::Los] && outputs.iter().all(tells) {
             return Err(Error::idle("layers", "without a raster or a picture"));
         }
-        if self.plan.tells_zones && !self.is_told() && !outputs.iter().chain(&curve_outputs).any(tells) {
+        if self.plan.tells_zones && !self.is_told() && !outputs.iter().chain(&curves).any(tells) {
             return Err(Error::idle("zones", "without a table or a document"));
         }
-        Ok((outputs, curve_outputs))
+        Ok((outputs, Beside { curves, over_time }))
     }
 
     /// Refuses forms of files that these UAVs or this scene do not allow.

@@ -126,6 +126,7 @@ pub(crate) fn check_strips(job: &MapJob) -> Result<()> {
         ("intervals of errors of heights", job.plan.heights.are_any()),
         ("counts by zone", job.plan.tells_zones),
         ("a height curve", job.curve.is_wanted()),
+        ("counts over time", job.over_time.is_wanted()),
         ("polygons of coverage", job.save.forms.polygons.is_some()),
         ("a picture of cells alone", job.save.forms.bare),
         ("the plain layout of a GeoTIFF", job.save.forms.tif_layout == Some(TiffLayout::Plain)),
@@ -281,6 +282,7 @@ impl StripsRun<'_> {
             heights: plan.heights,
             tolerance: None,
             tile: None,
+            span: None,
             idle: None,
             digest: digest.finish(),
         };
@@ -294,7 +296,7 @@ impl StripsRun<'_> {
         let written = batch.commit()?;
         timing.write = before_write.elapsed().as_secs_f64();
         timing.total = self.start.elapsed().as_secs_f64();
-        Ok(Done::of(report, timing, WHY, None, written))
+        Ok(Done::of(report, timing, WHY, (None, None), written))
     }
 
     fn has_picture(&self) -> bool {
@@ -387,6 +389,7 @@ impl StripFiles<'_> {
             report: report.clone(),
             why: WHY,
             options: MapOptions::default(),
+            over_time: None,
         };
         let drawing = MapDrawing {
             of: &map,

@@ -119,7 +119,7 @@ impl<'a> UnitRuns<'a> {
         given: Option<Scene>,
         (purpose, progress): (Purpose, &'a Progress),
     ) -> Result<Option<UnitRuns<'a>>> {
-        let files: Vec<&PathBuf> = job.outputs.iter().chain(&job.curve.outputs).collect();
+        let files: Vec<&PathBuf> = job.files().collect();
         let holds = |path: &Path, word: &str| path.to_string_lossy().contains(word);
         let names_site = |path: &Path| holds(path, SITE);
         let n_sites = files.iter().filter(|path| names_site(path)).count();
@@ -144,6 +144,9 @@ impl<'a> UnitRuns<'a> {
         let told = |path: &PathBuf| path.display().to_string();
         match kind {
             Kind::Site => {
+                if let Some(option) = job.plan.option_of_time() {
+                    return Err(Error::idle(option, "for single UAVs: it is about all of them"));
+                }
                 if let Some(path) = other(&names_site) {
                     return Err(RequestError::NotNamedAfterUavs(told(path)).into());
                 }
@@ -481,7 +484,7 @@ fn is_made_by_another(job: &MapJob, hash: &str) -> Result<bool> {
 
 /// Creates the missing folders of a unit's files.
 fn make_folders(job: &MapJob) -> Result<()> {
-    for path in job.outputs.iter().chain(&job.curve.outputs) {
+    for path in job.files() {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists());
         if let Some(folder) = folder {
             let refused = |e| WriteFault::Refused(format!("folder {} cannot be made: {e}", folder.display()));

@@ -165,8 +165,9 @@ pub(super) fn check_tiles(job: &MapJob) -> Result<()> {
         ("bare", job.save.forms.bare),
         ("gdal_values", job.save.forms.gdal_values),
     ];
-    if let Some((option, _)) = asked.iter().find(|(_, is_asked)| *is_asked) {
-        return Err(Error::idle(*option, why));
+    let option = asked.iter().find(|(_, is_asked)| *is_asked).map(|(option, _)| *option);
+    if let Some(option) = option.or(job.plan.option_of_time()) {
+        return Err(Error::idle(option, why));
     }
     if matches!(job.plan.sight.method(), MethodChoice::Step(_) | MethodChoice::Xdraw | MethodChoice::R2) {
         return Err(Error::idle(
@@ -204,7 +205,7 @@ pub(super) fn unit_of_all(job: &MapJob, inputs: &str) -> String {
 
 /// Returns all properties of a UAV that its files depend on.
 fn identity_of(given: &GivenSite) -> Value {
-    let GivenSite { site: Site { id, x, y, height, antenna }, lonlat } = given;
+    let GivenSite { site: Site { id, x, y, height, antenna, up: _ }, lonlat } = given;
     let antenna = skyshed_request::Antenna::from(*antenna);
     json!({ "id": id, "x": x, "y": y, "height": height.to_string(), "antenna": antenna, "lonlat": lonlat })
 }
@@ -261,7 +262,7 @@ pub(super) fn inputs(job: &MapJob, with_sites: bool) -> Result<String> {
 /// # Errors
 /// E106 if a file exists that is not of this unit, unless it may be replaced.
 pub(super) fn found(job: &MapJob, unit: &str) -> Result<Found> {
-    let files: Vec<&PathBuf> = job.outputs.iter().chain(&job.curve.outputs).collect();
+    let files: Vec<&PathBuf> = job.files().collect();
     // An empty file belongs to nobody.
     let is_there =
         |file: &Path| std::fs::metadata(file).is_ok_and(|metadata| metadata.len() > 0 || !metadata.is_file());

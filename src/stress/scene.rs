@@ -50,6 +50,7 @@ impl StressScene {
             layers: vec![Layer::Stability],
             tolerance: None,
             tells_zones: false,
+            over_time: false,
         };
         Needs::STABILITY.check(&scene)?;
         let prepared = plan.prepare(scene, found, PartOf::default())?;

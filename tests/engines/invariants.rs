@@ -330,7 +330,14 @@ pub(crate) fn vector_town_on(random: &mut Random, ground: Ground, n: usize) -> H
 
 pub(crate) fn uav_at(field: &HeightField, x: f64, y: f64, z: i64) -> Uav {
     let station = Station { place: field.place(x, y), z };
-    Uav { id: "1".into(), station, height_agl_m: None, placement: HoversOver::Ground, antenna: Antenna::default() }
+    Uav {
+        id: "1".into(),
+        station,
+        height_agl_m: None,
+        placement: HoversOver::Ground,
+        antenna: Antenna::default(),
+        up: None,
+    }
 }
 
 /// A few UAVs over the grid, at its border and outside.

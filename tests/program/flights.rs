@@ -28,7 +28,7 @@ fn near(found: &Value, wanted: f64) {
 }
 
 /// States and ends \[m\] of the stretches of a document.
-fn stretches(of: &Value) -> Vec<(String, f64, f64)> {
+pub(crate) fn stretches(of: &Value) -> Vec<(String, f64, f64)> {
     let number = |s: &Value, name: &str| s[name].as_f64().unwrap();
     let told = |s: &Value| (s["state"].as_str().unwrap().to_string(), number(s, "from_m"), number(s, "to_m"));
     of["stretches"].as_array().unwrap().iter().map(told).collect()

@@ -34,7 +34,7 @@ const VALUES: &str = "\
     --levels-field tall --base-field tall --parts join --height-error-field tall --roofs lod2 --layer a --missing levels --base highest --data-area all --extent 0,0,48,48 --cell 0.5 \
     --crs EPSG:25832 --project EPSG:25832 --size 210 --seed 5 --nodata-as block --band 2 --repairs mended.csv --tile 20 \
     --uav 30,5,45 --uavs sites.csv --bad-uavs skip --rx 41,40 --rxs sites.csv --stretches parts.csv --track other.csv --every 3 --rx-height 9 --receivers all \
-    --radius 25 --earth-k 0.01 --curvature-coefficient 99 --min-radius 15 --sector 20,110 --elevation -80,-50 --beam 50 --slant-range 60 --method ray --tolerance 0.2 --layers los,margin --height-curve curve.csv --curve-heights 10:50:10 \
+    --radius 25 --earth-k 0.01 --curvature-coefficient 99 --min-radius 15 --sector 20,110 --elevation -80,-50 --beam 50 --slant-range 60 --method ray --tolerance 0.2 --layers los,margin --height-curve curve.csv --curve-heights 10:50:10 --over-time times.csv \
     --output more.json --csv more.csv --threads 1 --max-memory 1G --tif-layout plain --polygons los --simplify 2 \
     --scratch . --title Another_title --attribution Somebody --width 900 --dpi 150 --uav-error 2 --height-error 3 --height-bias 2 --sigma 1 \
     --cities 3 --curve mine=curve_of_mine.csv --theta 30 --distance 60 --phi 10 --height 70 --alpha 0.4 --beta 400 \

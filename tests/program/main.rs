@@ -23,6 +23,8 @@ mod cli_zones; // zones of a scene as files and words, P_LoS of a map by zone
 mod cli_plos; // P_LoS studies as tables, documents and plots
 mod cli_place; // where to hover: answers, files and refusals of `place`
 mod flights; // flights and lists: files of paths, missions, observers, links, bad UAVs
+mod stretches; // stretches of flights: single links at their places, a raster and its footprints
+mod over_time; // UAVs that come and go: shares of time, gaps, counts between moments
 mod track; // line of sight along a track: stretches, links, files
 mod height_error_flags; // what the program says of heights that may be off
 mod told; // names and degrees of sites, counts, infinite heights, weights: alike and true in every file

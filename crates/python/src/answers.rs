@@ -101,9 +101,23 @@ impl Maps {
         counts.reshape([grid.n_rows(), grid.n_cols()])
     }
 
-    /// The number of the nearest UAV that sees each cell, if that was asked for.
-    fn best_server<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        Maps::lent(slf, slf.get().0.best_server().ok_or_else(no_such)?)
+    /// A layer of all UAVs together, if that was asked for.
+    fn together<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let maps = &slf.get().0;
+        let measure = match name {
+            "all" => return Ok(Maps::lent(slf, maps.all_mask().ok_or_else(no_such)?)?.into_any()),
+            "best-server" => return Ok(Maps::lent(slf, maps.best_server().ok_or_else(no_such)?)?.into_any()),
+            "uptime" => maps.uptime(),
+            "gap" => maps.gap(),
+            _ => None,
+        };
+        Ok(Maps::lent(slf, measure.ok_or_else(no_such)?)?.into_any())
+    }
+
+    /// UAVs that cannot be at their place and were left out, by their ids, and why.
+    #[getter]
+    fn left_out(&self) -> Vec<(String, String)> {
+        cli::left_out(&self.0)
     }
 
     /// The document as JSON.

@@ -4,6 +4,7 @@
 mod arrays;
 mod answers;
 mod errors;
+mod links;
 mod place;
 mod pool;
 mod scene;

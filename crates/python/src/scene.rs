@@ -14,6 +14,7 @@ use skyshed_io::read::HeldBuilding;
 use crate::answers::{Maps, Told, told};
 use crate::arrays::{Heights, Rows, held};
 use crate::errors::Failure;
+use crate::links::{self, AskedReceiver, LinkTable, QuickLink};
 use crate::members;
 use crate::place::{Place, place_of};
 use crate::pool::{lent, watched};
@@ -30,10 +31,10 @@ pub(crate) enum AskedHeight {
 }
 
 /// Limits of an antenna: least distance, azimuths, elevations, beam, slant range.
-type AskedAntenna = (Option<f64>, Option<[f64; 2]>, Option<[f64; 2]>, Option<f64>, Option<f64>);
+pub(crate) type AskedAntenna = (Option<f64>, Option<[f64; 2]>, Option<[f64; 2]>, Option<f64>, Option<f64>);
 
-/// A UAV as it is asked for: east, north, height, name, its own antenna.
-type AskedUav = (f64, f64, AskedHeight, Option<String>, AskedAntenna);
+/// A UAV as it is asked for: east, north, height, name, its own antenna, from when to when it is up.
+pub(crate) type AskedUav = (f64, f64, AskedHeight, Option<String>, AskedAntenna, [Option<String>; 2]);
 
 /// An array: its name, west edge, width of a cell, north edge, height of a cell, what stands for no height, and whether its
 /// bytes are turned around.
@@ -71,14 +72,21 @@ impl Held<'_> {
     }
 }
 
-fn uavs_of(asked: Vec<AskedUav>) -> Result<Vec<Uav>, Failure> {
-    let uav = |(x, y, height, name, (min_radius_m, sector_deg, elevation_deg, beam_deg, slant_range_m)): AskedUav| {
-        let height = match height {
-            AskedHeight::Above(height_m) => Height::agl(height_m),
-            AskedHeight::Said(text) => text.parse().map_err(|text: String| cli::Refusal::of_uav(&text))?,
-        };
+/// Returns the height that was asked for.
+pub(crate) fn height_of(asked: AskedHeight) -> Result<Height, Failure> {
+    match asked {
+        AskedHeight::Above(height_m) => Ok(Height::agl(height_m)),
+        AskedHeight::Said(text) => Ok(text.parse().map_err(|text: String| cli::Refusal::of_uav(&text))?),
+    }
+}
+
+pub(crate) fn uavs_of(asked: Vec<AskedUav>) -> Result<Vec<Uav>, Failure> {
+    let uav = |(x, y, height, name, (min_radius_m, sector_deg, elevation_deg, beam_deg, slant_range_m), [from, to]): AskedUav| {
+        let height = height_of(height)?;
         let antenna = Antenna { min_radius_m, sector_deg, elevation_deg, beam_deg, slant_range_m };
-        let uav = Uav::new(x, y, height).with_antenna(antenna);
+        let up = skyshed_io::read::up_time(from.as_deref(), to.as_deref());
+        let up = up.map_err(|text| cli::Refusal::of_uav(&text))?;
+        let uav = Uav::new(x, y, height).with_antenna(antenna).up(up);
         Ok(match name {
             Some(name) => uav.named(name),
             None => uav,
@@ -193,6 +201,24 @@ impl Scene {
         let (scene, uavs, options) = (self.0.clone(), uavs_of(uavs)?, members(options)?);
         let p_los = watched(py, watch, move |progress| Ok(cli::p_los((scene, &uavs), options, progress)?))?;
         Ok(PyArray1::from_iter(py, p_los.into_iter().map(|p| p.unwrap_or(f64::NAN))))
+    }
+
+    /// One link.
+    fn link(&self, uav: (f64, f64, AskedHeight), rx: AskedReceiver) -> PyResult<QuickLink> {
+        links::link(&self.0, uav, rx)
+    }
+
+    /// Links between UAVs and receivers.
+    #[pyo3(signature = (uavs, receivers, options, watch=None))]
+    fn links<'py>(
+        &self,
+        py: Python<'py>,
+        uavs: Vec<AskedUav>,
+        receivers: Vec<AskedReceiver>,
+        options: &str,
+        watch: Option<Py<PyAny>>,
+    ) -> PyResult<LinkTable<'py>> {
+        links::links(py, (self.0.clone(), uavs), receivers, options, watch)
     }
 
     /// The live page.

@@ -41,7 +41,7 @@ pub fn question(members: Map<String, Value>) -> Map<String, Value> {
         serde_json::to_value(crate::MapMemory::default()),
     ];
     let is_of_run = |name: &str| {
-        ["height_curve", "overwrite", "resume", "shard"].contains(&name)
+        ["height_curve", "over_time", "overwrite", "resume", "shard"].contains(&name)
             || parts.iter().flatten().any(|part| part.get(name).is_some())
     };
     members.into_iter().filter(|(name, _)| !is_of_run(name)).collect()
@@ -169,7 +169,7 @@ pub fn filled_members<T: Serialize + Default>(question: &T) -> Map<String, Value
 }
 
 /// Members that name files, beside the scene and its list of repairs.
-const FILES: [&str; 14] = [
+const FILES: [&str; 15] = [
     "area",
     "candidates",
     "csv",
@@ -179,6 +179,7 @@ const FILES: [&str; 14] = [
     "map",
     "mask",
     "output",
+    "over_time",
     "terrain",
     "track",
     "uavs",
@@ -186,7 +187,7 @@ const FILES: [&str; 14] = [
     "within",
 ];
 /// Files that are written.
-const WRITTEN: [&str; 4] = ["csv", "height_curve", "map", "output"];
+const WRITTEN: [&str; 5] = ["csv", "height_curve", "map", "output", "over_time"];
 
 /// Returns the files that a request names, beside the scene and its list of repairs.
 pub fn files(members: &Map<String, Value>) -> Vec<&str> {
@@ -218,7 +219,7 @@ pub fn command_line(command: &str, mut members: Map<String, Value>) -> Vec<Strin
 }
 
 /// Lists whose members may hold commas: their flags are repeated.
-const REPEATED: [&str; 6] = ["curve", "height_curve", "mask", "output", "tile", "uav"];
+const REPEATED: [&str; 7] = ["curve", "height_curve", "mask", "output", "over_time", "tile", "uav"];
 
 /// Returns the flags that set members of a request, in their order.
 pub fn words(members: &Map<String, Value>) -> Vec<String> {

@@ -35,13 +35,22 @@ words! {
         /// The nearest UAV that sees the cell, by its number in the order of the UAVs from 1, in three dimensions, the first at
         /// equal distances; 0 where none does, nodata where nobody receives
         BestServer = "best-server",
+        /// Share of the time of the table in which some UAV that is up sees the cell, 0 to 1 (columns `from` and `to` of --uavs)
+        Uptime = "uptime",
+        /// Longest time in which no UAV that is up sees the cell \[min\]; all of the time of the table where none ever does
+        Gap = "gap",
     }
 }
 
 impl Layer {
     /// Returns `true` for a layer of all UAVs together.
     pub fn is_of_all(self) -> bool {
-        matches!(self, Layer::Count | Layer::Which | Layer::Union | Layer::All | Layer::BestServer)
+        matches!(self, Layer::Count | Layer::Which | Layer::Union | Layer::All | Layer::BestServer) || self.is_of_time()
+    }
+
+    /// Returns `true` for a layer of the times in which UAVs are up.
+    pub fn is_of_time(self) -> bool {
+        matches!(self, Layer::Uptime | Layer::Gap)
     }
 
     /// Returns `true` for a layer that refers to UAVs by their places in the list of all.

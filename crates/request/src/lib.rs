@@ -45,8 +45,8 @@ pub use height_errors::{HeightErrors, SetHeightErrors};
 pub use heights::{Heights, have_one_reference, one_unit};
 pub use layers::{Layer, PolygonClasses, TiffLayout};
 pub use map::{
-    CoverageQuestion, HeightCurve, MapForms, MapMemory, MapOptions, MapRequest, MapUnits, SaveOptions, SetHeightCurve,
-    SetMapForms, SetMapMemory, SetMapOptions, SetMapUnits,
+    CoverageQuestion, HeightCurve, MapForms, MapMemory, MapOptions, MapRequest, MapUnits, OverTime, SaveOptions,
+    SetHeightCurve, SetMapForms, SetMapMemory, SetMapOptions, SetMapUnits, SetOverTime,
 };
 pub use numbers::{LengthList, NumberList};
 pub use output::{

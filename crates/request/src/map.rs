@@ -173,6 +173,17 @@ part! {
     }
 }
 
+part! {
+    /// Counts of a map over time.
+    #[cfg_attr(feature = "words", command(next_help_heading = "Time"))]
+    pub struct OverTime, SetOverTime {
+        /// Counts between the moments at which UAVs come and go (columns `from` and `to` of --uavs), and their mean over time: a
+        /// table (.csv) or a document (.json); repeat for more.
+        #[arg(long, value_name = "FILE", hide_short_help = true)]
+        over_time: Vec<FilePath>,
+    }
+}
+
 group! {
     /// Request of a map: the question, and its run.
     #[command(
@@ -197,6 +208,8 @@ group! {
         coverage: CoverageQuestion,
         /// Height curve.
         curve: HeightCurve,
+        /// Counts over time.
+        time: OverTime,
         /// Files and effort.
         out: OutputOptions,
         /// Forms of files.
@@ -212,7 +225,7 @@ group! {
 
 crate::holds!(MapRequest: scene SceneWord, reading.options SceneOptions, reading.list crate::Repairs, uavs Uavs, coverage.sight.receiver Receiver,
     coverage.sight.range Range, coverage.sight.antenna Antenna, coverage.sight.earth Earth, coverage.heights HeightErrors,
-    coverage.map MapOptions, curve HeightCurve, out.files crate::Files, out.writing Writing, out.effort crate::Effort,
+    coverage.map MapOptions, curve HeightCurve, time OverTime, out.files crate::Files, out.writing Writing, out.effort crate::Effort,
     forms MapForms, units MapUnits, memory MapMemory, picture PictureOptions);
 
 impl MapRequest {

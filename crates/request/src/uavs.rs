@@ -59,9 +59,10 @@ part! {
         /// x and y are in the scene's CRS; heights are 120, 120agl, 30roof, 150amsl, 400ft.
         #[arg(long, value_name = "X,Y,H", allow_hyphen_values = true)]
         uav: Vec<String>,
-        /// UAVs from a table (.csv) or points (.geojson)
+        /// UAVs from a table (.csv), points (.geojson, .gpx, .kml) or a mission (.plan, .waypoints)
         ///
-        /// Columns are x,y,h or lon,lat,h; `-` is standard input.
+        /// Columns are x,y,h or lon,lat,h; `-` is standard input. Without points the places of a path are UAVs. Columns from,to are the
+        /// time in which a UAV is up (ISO 8601, or minutes), of which the layers `uptime` and `gap` and --over-time tell.
         #[arg(long, value_name = "FILE")]
         uavs: Option<Source>,
         /// Leave out rows of the table that cannot be read, with a warning that names them

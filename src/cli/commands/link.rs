@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use skyshed_io::Input;
-use skyshed_request::{LinkRequest, Range, Sight, Uavs, json};
+use skyshed_request::{LinkRequest, Uavs, json};
 
 use crate::answer::Answer;
 use crate::cli::args::output::checked_files;
@@ -15,7 +15,6 @@ use crate::error::Error;
 use crate::link::{AskedReceiver, FORMATS, LinksPlan, TABLE_FORMATS};
 use crate::picture::Look;
 use crate::quantity::tidy;
-use crate::sight::SightPlan;
 use crate::uav::{Uav, UavsAsked};
 
 /// Answers a request.
@@ -25,13 +24,13 @@ use crate::uav::{Uav, UavsAsked};
 pub(in crate::cli) fn run(request: &LinkRequest, run: &Run) -> Result<()> {
     run.refuse_data_area(&json::set_members(request))?;
     let link = &request.link;
-    let range = Range { radius: link.radius, ..Range::default() };
-    let sight = SightPlan::of(&Sight { receiver: request.receiver, range, earth: request.earth, ..Sight::default() })?;
+    let plan = LinksPlan::of(request)?;
+    let sight = plan.sight;
     let uavs = UavsAsked::some_of(&uavs_of(request), request.reading.options.hash)?;
     let typed = typed_receivers(request)?;
     let are_lists = uavs.table.is_some() || link.rxs.is_some() || uavs.typed.len() > 1 || typed.len() > 1;
     if are_lists {
-        return many(request, run, (sight, &uavs, typed));
+        return many(request, run, (plan, &uavs, typed));
     }
     for (name, is_set) in [("pairs", link.pairs), ("los_only", link.los_only), ("skip_bad", request.uavs.skip_bad)] {
         if is_set {
@@ -76,14 +75,13 @@ fn typed_receivers(request: &LinkRequest) -> Result<Vec<AskedReceiver>> {
 fn many(
     request: &LinkRequest,
     run: &Run,
-    (sight, uavs, typed): (SightPlan, &UavsAsked, Vec<AskedReceiver>),
+    (plan, uavs, typed): (LinksPlan, &UavsAsked, Vec<AskedReceiver>),
 ) -> Result<()> {
     let table = request.link.rxs.as_ref().map(Input::of);
     let files = uavs.file().into_iter().chain(table.as_ref().and_then(Input::file).map(PathBuf::from));
     let inputs: Vec<PathBuf> = scene_files(request.scene.word(), &request.reading).into_iter().chain(files).collect();
     let outputs = checked_files(&request.out, None, (&TABLE_FORMATS, &inputs))?;
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;
-    let plan = LinksPlan { are_pairs: request.link.pairs, los_only: request.link.los_only, sight };
     let mut scene = run.open_word(request.scene.word(), &request.reading)?;
     let found = uavs.read(scene.grid())?;
     let mut receivers = typed;

@@ -25,7 +25,7 @@ pub(in crate::cli) fn run(request: &MapRequest, run: &Run) -> Result<()> {
     let names_units = |path: &PathBuf| path.to_string_lossy().contains(SITE) || names_tile(path);
     let job = job_of(request, run, run.command())?;
     let runs = UnitRuns::of(&job, run.given.clone(), (Purpose::Map, &run.progress))?;
-    if request.out.files.json && job.outputs.iter().chain(&job.curve.outputs).any(names_units) {
+    if request.out.files.json && job.files().any(names_units) {
         let text = "`--json` has no meaning beside files that are named after UAVs or tiles";
         return Err(refusal_with(
             116,
@@ -65,7 +65,7 @@ fn tell(job: &MapJob, run: &Run, done: &Done) -> Result<()> {
     if is_told(&job.request.out) {
         return say::answer(&pretty(&done.document(None)));
     }
-    if job.outputs.is_empty() && job.curve.outputs.is_empty() {
+    if job.files().next().is_none() {
         return say::answer(&done.text(&plain_look(&job.request.out))?);
     }
     Ok(())

@@ -224,47 +224,77 @@ impl LinkTable {
         pretty(&feature_collection(self.scene.grid(), self.provenance(), lines))
     }
 
-    /// Returns arrays by UAV and receiver, of pairs by pair: `los` is 1 or 0, 255 without an answer.
-    fn arrays(&self) -> Result<Vec<u8>> {
+    /// Returns arrays by UAV and receiver, of pairs by pair, and the places of both. `los` is 1 or 0, 255
+    /// without an answer; others are NaN there, and left out with line of sight alone.
+    pub(crate) fn arrays(&self) -> Vec<(&'static str, LinkArray)> {
         let shape = if self.are_pairs { vec![self.links.len()] } else { vec![self.uavs.len(), self.receivers.len()] };
-        let los: Vec<u8> = self.links.iter().map(|link| link.los().map_or(255, u8::from)).collect();
         let geometry: Vec<Geometry> =
             self.ends().map(|(uav, receiver, link)| self.geometry((uav, receiver), link)).collect();
-        let of = |value: &dyn Fn(&Geometry) -> Option<f64>| -> Vec<f64> {
-            geometry.iter().map(|of| value(of).unwrap_or(f64::NAN)).collect()
+        let array = |values: Vec<f64>| LinkArray::F64(values, shape.clone());
+        let of = |value: &dyn Fn(&Geometry) -> Option<f64>| {
+            array(geometry.iter().map(|of| value(of).unwrap_or(f64::NAN)).collect())
         };
-        let explained = |value: &dyn Fn(&ExplainedLink) -> Option<f64>| -> Vec<f64> {
-            self.links.iter().map(|link| link.explained().and_then(value).unwrap_or(f64::NAN)).collect()
+        let explained = |value: &dyn Fn(&ExplainedLink) -> Option<f64>| {
+            array(self.links.iter().map(|link| link.explained().and_then(value).unwrap_or(f64::NAN)).collect())
         };
-        let numbers = [
-            ("distance_m", of(&|g| Some(g.distance_m))),
-            ("slant_m", of(&|g| g.slant_m)),
-            ("azimuth_deg", of(&|g| Some(g.azimuth_deg))),
-            ("elevation_deg", of(&|g| g.elevation_deg)),
-            ("margin_m", explained(&|link| link.margin_m)),
-            ("obstacle_x", explained(&|link| link.obstruction.map(|o| o.x))),
-            ("obstacle_y", explained(&|link| link.obstruction.map(|o| o.y))),
-        ];
-        let is_explained = self.links.iter().any(|link| link.explained().is_some());
-        let places = |ends: &mut dyn Iterator<Item = ((f64, f64), f64)>| -> Vec<f64> {
-            ends.flat_map(|((x, y), z)| [x, y, z]).collect()
+        let los = self.links.iter().map(|link| link.los().map_or(255, u8::from)).collect();
+        let mut arrays = vec![("los", LinkArray::U8(los, shape.clone()))];
+        if self.links.iter().any(|link| link.explained().is_some()) {
+            arrays.extend([
+                ("distance_m", of(&|g| Some(g.distance_m))),
+                ("slant_m", of(&|g| g.slant_m)),
+                ("azimuth_deg", of(&|g| Some(g.azimuth_deg))),
+                ("elevation_deg", of(&|g| g.elevation_deg)),
+                ("margin_m", explained(&|link| link.margin_m)),
+                ("obstacle_x", explained(&|link| link.obstruction.map(|o| o.x))),
+                ("obstacle_y", explained(&|link| link.obstruction.map(|o| o.y))),
+            ]);
+        }
+        let places = |ends: &mut dyn Iterator<Item = ((f64, f64), f64)>| {
+            let values: Vec<f64> = ends.flat_map(|((x, y), z)| [x, y, z]).collect();
+            let n_ends = values.len() / 3;
+            LinkArray::F64(values, vec![n_ends, 3])
         };
         let uav_z = |uav: &End<coverage::Uav>| uav.placed.as_ref().map_or(f64::NAN, coverage::Uav::height_amsl_m);
         let rx_z = |rx: &End<Station>| rx.placed.as_ref().map_or(f64::NAN, |at| end_of(at).height_amsl_m);
-        let uavs = places(&mut self.uavs.iter().map(|uav| (uav.at, uav_z(uav))));
-        let receivers = places(&mut self.receivers.iter().map(|rx| (rx.at, rx_z(rx))));
-        let mut arrays = vec![("los".to_string(), NpyArray::U8(&los, shape.clone()))];
-        for (name, values) in numbers.iter().filter(|_| is_explained) {
-            arrays.push(((*name).to_string(), NpyArray::F64(values, shape.clone())));
+        arrays.push(("uavs", places(&mut self.uavs.iter().map(|uav| (uav.at, uav_z(uav))))));
+        arrays.push(("receivers", places(&mut self.receivers.iter().map(|rx| (rx.at, rx_z(rx))))));
+        arrays
+    }
+
+    /// Returns the reasons why UAVs, and why receivers, cannot be at their place, by their places in the lists.
+    pub(crate) fn faults(&self) -> [Vec<(usize, String)>; 2] {
+        fn of<T>(ends: &[End<T>]) -> Vec<(usize, String)> {
+            let fault = |(k, end): (usize, &End<T>)| Some((k, end.placed.as_ref().err()?.clone()));
+            ends.iter().enumerate().filter_map(fault).collect()
         }
-        arrays.push(("uavs".into(), NpyArray::F64(&uavs, vec![self.uavs.len(), 3])));
-        arrays.push(("receivers".into(), NpyArray::F64(&receivers, vec![self.receivers.len(), 3])));
-        let meta = self.provenance().to_string();
-        arrays.push(("meta".into(), NpyArray::Text(&meta)));
+        [of(&self.uavs), of(&self.receivers)]
+    }
+
+    /// Encodes the arrays as a file.
+    fn npz(&self) -> Result<Vec<u8>> {
+        let (arrays, meta) = (self.arrays(), self.provenance().to_string());
+        let named = arrays.iter().map(|(name, array)| {
+            let array = match array {
+                LinkArray::U8(values, shape) => NpyArray::U8(values, shape.clone()),
+                LinkArray::F64(values, shape) => NpyArray::F64(values, shape.clone()),
+            };
+            ((*name).to_string(), array)
+        });
+        let named: Vec<(String, NpyArray<'_>)> = named.chain([("meta".into(), NpyArray::Text(&meta))]).collect();
         let mut out = std::io::Cursor::new(Vec::new());
-        write_npz(&mut out, &arrays)?;
+        write_npz(&mut out, &named)?;
         Ok(out.into_inner())
     }
+}
+
+/// Values of links or of their ends, in rows, with their shape.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LinkArray {
+    /// Small whole numbers.
+    U8(Vec<u8>, Vec<usize>),
+    /// Numbers; NaN where there is none.
+    F64(Vec<f64>, Vec<usize>),
 }
 
 impl Answer for LinkTable {
@@ -298,7 +328,7 @@ impl Answer for LinkTable {
 
     fn add(&self, batch: &mut Batch, path: &Path, format: Format, _: &Look) -> Result<()> {
         let bytes = match format {
-            Format::Npz => self.arrays()?,
+            Format::Npz => self.npz()?,
             _ => self.lines().into_bytes(),
         };
         Ok(batch.add(path, &bytes)?)

@@ -20,7 +20,9 @@ use crate::sight::SightPlan;
 use crate::track::{home_ground, resolved};
 use crate::uav::UavsFound;
 use skyshed_io::Input;
+use skyshed_request::{LinkRequest, Range, Sight};
 
+pub use files::LinkArray;
 pub(crate) use files::{LinkRow, LinksDocument};
 
 /// Output formats of many links.
@@ -103,6 +105,17 @@ impl Decided {
 }
 
 impl LinksPlan {
+    /// Checks the question of a request.
+    ///
+    /// # Errors
+    /// E113 for numbers out of range; E116 for two options that set the curve of the earth.
+    pub(crate) fn of(request: &LinkRequest) -> Result<LinksPlan> {
+        let LinkRequest { link, receiver, earth, .. } = request;
+        let range = Range { radius: link.radius, ..Range::default() };
+        let sight = SightPlan::of(&Sight { receiver: *receiver, range, earth: *earth, ..Sight::default() })?;
+        Ok(LinksPlan { are_pairs: link.pairs, los_only: link.los_only, sight })
+    }
+
     /// Reads the receivers of a file, of which nameless ones are numbered from `first`. Those without a
     /// height are at that of the run.
     ///

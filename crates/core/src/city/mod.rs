@@ -13,6 +13,7 @@ mod generated;
 mod height_sources;
 mod scene;
 mod site;
+mod up_time;
 mod windowed;
 
 pub use antenna::{Antenna, AntennaFault};
@@ -24,4 +25,5 @@ pub use generated::BuiltUpCity;
 pub use height_sources::{HeightSource, HeightSources, SourceShare};
 pub use scene::{City, DataArea, Ground, NodataAs, Solids, Source};
 pub use site::{GivenSite, Site};
+pub use up_time::{Clock, UpTime};
 pub use windowed::{STRIP_ROWS, WindowedBase, WindowedSolids, strips};

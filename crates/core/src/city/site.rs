@@ -1,6 +1,6 @@
 //! A site: a position and a height as typed, before a scene is known.
 
-use super::Antenna;
+use super::{Antenna, UpTime};
 use crate::quantity::Height;
 
 /// The record of a UAV: a name, a position in the scene's CRS and a height.
@@ -16,12 +16,14 @@ pub struct Site {
     pub height: Height,
     /// Its own antenna.
     pub antenna: Antenna,
+    /// Time in which it is up; `None` for always.
+    pub up: Option<UpTime>,
 }
 
 impl Site {
-    /// Makes a site without limits of its own, so that it takes the antenna of the run.
+    /// Makes a site without limits of its own, so that it takes the antenna of the run, and is always up.
     pub fn new(id: impl Into<String>, (x, y): (f64, f64), height: Height) -> Self {
-        Site { id: id.into(), x, y, height, antenna: Antenna::default() }
+        Site { id: id.into(), x, y, height, antenna: Antenna::default(), up: None }
     }
 }
 

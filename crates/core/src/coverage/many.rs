@@ -47,9 +47,8 @@ impl Mapper<'_> {
         let is_windowed = self.options.window.is_some();
         let window = self.options.window.unwrap_or_else(|| self.field().grid().window());
         let mut sites: Vec<SiteCoverage> = Vec::with_capacity(uavs.len());
-        let n_list = together.of_list.as_ref().map_or(uavs.len(), |(_, n)| *n);
         let mut overlay = (uavs.len() != 1 || together.even_of_one)
-            .then(|| Overlay::of_cells(self.known_cells(window), together, n_list));
+            .then(|| Overlay::of_cells(self.known_cells(window), together, uavs));
         for chunk in uavs.chunks(maps_at_once()) {
             let maps: Vec<SiteCoverage> = match chunk {
                 [one] if !is_windowed => {
@@ -66,13 +65,16 @@ impl Mapper<'_> {
                 if let Some(overlay) = &mut overlay {
                     let k = together.of_list.as_ref().map_or(sites.len(), |(places, _)| places[sites.len()]);
                     let squared_m2 = self.squared_distances_m2(&site.uav, window);
-                    overlay.add_one_of(k, (&site.mask, window.n_cols), squared_m2);
+                    overlay.add_one_of((k, &site.uav), (&site.mask, window.n_cols), squared_m2);
                 }
                 if keep != KeepMasks::Always {
                     site = SiteCoverage::of_tally(&site.uav, site.tally);
                 }
                 sites.push(site);
             }
+        }
+        if let Some(overlay) = &mut overlay {
+            overlay.finish(together);
         }
         Ok(ManyMaps { sites, overlay })
     }

@@ -27,6 +27,7 @@ mod sight_numbers;
 mod stability;
 mod streamed;
 mod tally;
+mod times;
 mod track;
 mod uav;
 mod uav_grid;
@@ -50,6 +51,7 @@ pub use sight_numbers::{CheckedNumbers, NumberFault, SightNumbers, check_height_
 pub use stability::{Move, Stability, Turned};
 pub use streamed::StreamedMapper;
 pub use tally::{BAND_DEGREES, ElevationBand, Tally};
+pub use times::{TimeCount, TimeSpan, Times};
 pub use track::{LegStretch, TrackHeight, TrackLeg, TrackPoint, TrackState, TrackVertex};
 pub use uav::{HoversOver, Uav, height_over, is_nodata_below};
 pub use uav_grid::UavGrid;

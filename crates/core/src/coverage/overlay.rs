@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::class;
+use super::{TimeSpan, Times, Uav, class};
 
 /// Layers of many masks beside the count of UAVs that see a cell and the union.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Together {
     /// Numbers of the UAVs that see a cell.
     pub which: bool,
@@ -13,6 +13,12 @@ pub struct Together {
     pub best_server: bool,
     /// Cells that every UAV sees.
     pub all: bool,
+    /// Share of time in which a cell is seen.
+    pub uptime: bool,
+    /// Longest time in which a cell is not seen.
+    pub gap: bool,
+    /// Span of time, if one is told about.
+    pub time: Option<TimeSpan>,
     /// `true` for layers over a single UAV, too.
     pub even_of_one: bool,
     /// Place of each UAV in a list of all of them, of which some are mapped here, and its length.
@@ -32,6 +38,12 @@ pub struct Overlay {
     best: Option<BestServer>,
     /// See [`Overlay::all`].
     all: Option<Vec<u8>>,
+    /// See [`Overlay::times`].
+    times: Option<Times>,
+    /// See [`Overlay::uptime`].
+    uptime: Option<Vec<f32>>,
+    /// See [`Overlay::gap`].
+    gap: Option<Vec<f32>>,
 }
 
 /// The nearest UAV of each cell so far.
@@ -53,11 +65,15 @@ impl Overlay {
             which: Vec::new(),
             best: None,
             all: None,
+            times: None,
+            uptime: None,
+            gap: None,
         }
     }
 
-    /// Returns known cells as out of range of anyone, for a list of so many UAVs.
-    pub(super) fn of_cells(known: impl Iterator<Item = bool>, together: &Together, n_uavs: usize) -> Self {
+    /// Returns known cells as out of range of anyone, for some UAVs of a list of `n_uavs`.
+    pub(super) fn of_cells(known: impl Iterator<Item = bool>, together: &Together, uavs: &[Uav]) -> Self {
+        let n_uavs = together.of_list.as_ref().map_or(uavs.len(), |(_, n)| *n);
         let union: Vec<u8> = known.map(|is| if is { class::OUT_OF_RANGE } else { class::NODATA }).collect();
         let n_cells = union.len();
         let n_words = if together.which { n_uavs.div_ceil(32) } else { 0 };
@@ -70,6 +86,8 @@ impl Overlay {
             best: together.best_server.then_some(best),
             // Of no UAV: each mask only makes it worse.
             all: together.all.then(|| vec![class::LOS; n_cells]),
+            times: together.time.map(|span| Times::of(span, uavs, n_cells)),
+            ..Overlay::new(0)
         }
     }
 
@@ -88,17 +106,20 @@ impl Overlay {
         });
     }
 
-    /// Adds the mask of the `k`-th UAV of a list, in rows of `n_cols`, with its squared distances
+    /// Adds the mask of a UAV, the `k`-th of a list, in rows of `n_cols`, with its squared distances
     /// \[m²\] by row and column.
     pub(super) fn add_one_of(
         &mut self,
-        k: usize,
+        (k, uav): (usize, &Uav),
         (mask, n_cols): (&[u8], usize),
         squared_m2: impl Fn((usize, usize)) -> f64 + Sync,
     ) {
         self.add(mask);
         if let Some(all) = &mut self.all {
             all.par_iter_mut().zip(mask).for_each(|(all, class)| *all = worse(*all, *class));
+        }
+        if let Some(times) = &mut self.times {
+            times.add(uav, mask);
         }
         if let Some(word) = self.which.get_mut(k / 32) {
             let seen = word.par_iter_mut().zip(mask).filter(|(_, class)| **class == class::LOS);
@@ -116,6 +137,37 @@ impl Overlay {
                 }
             }
         });
+    }
+
+    /// Makes the layers of time, once all masks are added.
+    pub(super) fn finish(&mut self, together: &Together) {
+        let Some(times) = &self.times else { return };
+        let of_receivers = |mut values: Vec<f32>| {
+            let receives = |class: u8| matches!(class, class::LOS | class::NLOS);
+            let others = values.par_iter_mut().zip(&self.union).filter(|(_, class)| !receives(**class));
+            others.for_each(|(value, _)| *value = f32::NAN);
+            values
+        };
+        let uptime = together.uptime.then(|| of_receivers(times.uptime()));
+        let gap = together.gap.then(|| of_receivers(times.gap()));
+        (self.uptime, self.gap) = (uptime, gap);
+    }
+
+    /// Returns the stretches of time in which cells are seen, if a span was given.
+    pub fn times(&self) -> Option<&Times> {
+        self.times.as_ref()
+    }
+
+    /// Returns the share of the span in which some UAV sees each cell, 0 to 1, NaN where there is no
+    /// receiver of the union; `None` if not wanted.
+    pub fn uptime(&self) -> Option<&[f32]> {
+        self.uptime.as_deref()
+    }
+
+    /// Returns the longest time of the span in which no UAV sees each cell \[min\], NaN where there is no
+    /// receiver of the union; `None` if not wanted.
+    pub fn gap(&self) -> Option<&[f32]> {
+        self.gap.as_deref()
     }
 
     /// Returns the number of UAVs in the list of all; 0 if it is not known.

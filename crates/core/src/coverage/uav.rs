@@ -1,7 +1,7 @@
 //! A UAV placed in a scene: a checked position with its height above the datum and above the
 //! ground.
 
-use crate::city::{Antenna, Site, WindowedSolids};
+use crate::city::{Antenna, Site, UpTime, WindowedSolids};
 use crate::error::{Error, UavAttempt, UavError};
 use crate::height_field::{HeightField, Place, Station, cell_frame};
 use crate::quantity::{BLOCKS_ALL, Frame, Height, MAX_EXTENT_UNITS, STEPS_PER_UNIT, VOID, height_steps, meters};
@@ -20,6 +20,8 @@ pub struct Uav {
     pub placement: HoversOver,
     /// Its own antenna.
     pub antenna: Antenna,
+    /// Time in which it is up; `None` for always.
+    pub up: Option<UpTime>,
 }
 
 /// Surface below a UAV.
@@ -109,7 +111,7 @@ impl Uav {
     /// Returns a site over a place of a scene, or of a part of one with the grid of the whole.
     fn over(site: &Site, (field, whole): (&HeightField, &GeoRef), place: Place) -> Result<Uav, Error> {
         height_over(field, &place, site.height)
-            .and_then(|z| Uav::hovering((&site.id, site.antenna), (field, whole), (place, z)))
+            .and_then(|z| Uav::hovering((&site.id, site.antenna, site.up), (field, whole), (place, z)))
             .map_err(|why| refused(site, why))
     }
 
@@ -123,7 +125,7 @@ impl Uav {
         z.ok_or(UavError::Height { amsl_m })
             .and_then(|z| {
                 check_extent((place.x, place.y), (field.grid(), &units), radius)?;
-                Uav::hovering((&self.id, self.antenna), (field, field.grid()), (place, z))
+                Uav::hovering((&self.id, self.antenna, self.up), (field, field.grid()), (place, z))
             })
             .map_err(|why| Error::Uav {
                 attempt: UavAttempt::Move { id: self.id.clone(), steps: [east, north, up] },
@@ -133,7 +135,7 @@ impl Uav {
 
     /// Returns a UAV at a place and a height, if it is in the clear there.
     fn hovering(
-        (id, antenna): (&str, Antenna),
+        (id, antenna, up): (&str, Antenna, Option<UpTime>),
         (field, whole): (&HeightField, &GeoRef),
         (place, z): (Place, i32),
     ) -> Result<Uav, UavError> {
@@ -165,6 +167,7 @@ impl Uav {
             height_agl_m: ground_m.map(|ground_m| amsl_m - ground_m),
             placement,
             antenna,
+            up,
         })
     }
 

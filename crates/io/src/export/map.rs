@@ -32,7 +32,9 @@ pub fn check_layers(layers: &[Layer], n_sites: usize, path: &Path, format: Forma
         Format::AsciiGrid | Format::Bil if n_bands != 1 => WriteFault::OneLayer(format, n_bands),
         Format::Kmz | Format::FlatGeobuf if !has(Layer::Los) => WriteFault::Without(Layer::Los),
         Format::GeoTiff
-            if has(Layer::Which) && n_sites > MOST_SITES_AS_F32 && layers.iter().any(|l| l.is_measure()) =>
+            if has(Layer::Which)
+                && n_sites > MOST_SITES_AS_F32
+                && layers.iter().any(|layer| layer.is_measure() || layer.is_of_time()) =>
         {
             WriteFault::SetsBesideMeasures
         }

@@ -4,7 +4,8 @@
 //! |---|---|---|
 //! | layers per site | `[n_sites, n_rows, n_cols]` | values of each site |
 //! | `count`, `best_server` | `[n_rows, n_cols]` | 4294967295, the nodata of GeoTIFF, where nobody receives |
-//! | `union` | `[n_rows, n_cols]` | classes |
+//! | `union`, `all` | `[n_rows, n_cols]` | classes |
+//! | `uptime`, `gap` | `[n_rows, n_cols]` | share of time, and minutes |
 //! | `which` | `[n_words, n_rows, n_cols]` | sets of UAVs as bits |
 //! | `x`, `y` | `[n_cols]`, `[n_rows]` | centers of columns and rows \[CRS units\] |
 //! | `sites` | `[n_sites, 3]` | x, y, height \[m above the datum\] per UAV |
@@ -62,6 +63,9 @@ pub(super) fn npz(result: &MapResult<'_>, path: &Path) -> Result<Vec<(PathBuf, V
             Band::Count(values) => arrays.push((name.replace('-', "_"), NpyArray::U32(values, of_grid.clone()))),
             Band::Class(mask) if [Layer::Union, Layer::All].iter().any(|layer| name == layer.name()) => {
                 arrays.push((name.clone(), NpyArray::U8(mask, of_grid.clone())));
+            }
+            Band::Measure(values) if [Layer::Uptime, Layer::Gap].iter().any(|layer| name == layer.name()) => {
+                arrays.push((name.clone(), NpyArray::F32(values, of_grid.clone())));
             }
             _ => {}
         }

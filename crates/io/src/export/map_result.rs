@@ -49,8 +49,8 @@ pub struct MapResult<'a> {
 /// Returns the number of bands that layers of so many UAVs take in a file.
 pub fn n_bands(layers: &[Layer], n_uavs: usize) -> usize {
     let of_layer = |layer: &Layer| match layer {
-        Layer::Count | Layer::Union | Layer::All | Layer::BestServer => 1,
         Layer::Which => n_uavs.div_ceil(32),
+        layer if layer.is_of_all() => 1,
         _ => n_uavs,
     };
     layers.iter().map(of_layer).sum()
@@ -120,6 +120,8 @@ impl<'a> MapResult<'a> {
                 }
                 Layer::Union => bands.push((name(), Band::Class(overlay.union()))),
                 Layer::All => bands.extend(overlay.all().map(|mask| (name(), Band::Class(mask)))),
+                Layer::Uptime => bands.extend(overlay.uptime().map(|values| (name(), Band::Measure(values)))),
+                Layer::Gap => bands.extend(overlay.gap().map(|values| (name(), Band::Measure(values)))),
                 Layer::Which => {
                     let words = overlay.which().iter().enumerate();
                     bands.extend(words.map(|(k, bits)| (format!("which.{k}"), Band::Bits(bits))));

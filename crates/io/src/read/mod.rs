@@ -50,6 +50,7 @@ pub use footprints::{read_footprints, read_footprints_and_repairs};
 pub use held::{HeldBuilding, HeldHeights, footprints_of, surface_of};
 pub use lattice_polygon::{Region, region_of};
 pub use mesh::{MeshOptions, read_mesh, read_mesh_buildings};
+pub use moment::{moment_words, up_time};
 pub use path::{Path, Paths, Vertex, VertexHeight, is_path_file, read_paths, read_track};
 pub use point_cloud::{PointCloudOptions, read_point_cloud};
 pub use projection::Projection;

@@ -3,8 +3,9 @@
 use chrono::{DateTime, NaiveDateTime};
 
 use super::table::RowFault;
+use crate::city::{Clock, UpTime};
 use crate::error::{MOST_FOUND, shortened};
-use crate::quantity::parse_number;
+use crate::quantity::{parse_number, tidy};
 
 /// A moment, and how it is counted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,28 +14,6 @@ pub(super) struct Moment {
     pub(super) seconds: f64,
     /// Clock that it is read from.
     pub(super) clock: Clock,
-}
-
-/// Clock of a moment. Moments of two clocks cannot be compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Clock {
-    /// A number.
-    Number,
-    /// A date and a time with its zone.
-    Zoned,
-    /// A date and a time of a zone that is not named.
-    Local,
-}
-
-impl Clock {
-    /// Returns what a moment of this clock is called.
-    fn name(self) -> &'static str {
-        match self {
-            Clock::Number => "a number",
-            Clock::Zoned => "a time with its zone",
-            Clock::Local => "a time without a zone",
-        }
-    }
 }
 
 impl Moment {
@@ -53,13 +32,50 @@ impl Moment {
             let seconds = seconds(time.timestamp(), time.timestamp_subsec_nanos());
             return Ok(Moment { seconds, clock: Clock::Zoned });
         }
+        let (text_of_zone, clock) = text.strip_suffix('Z').map_or((text, Clock::Local), |text| (text, Clock::Zoned));
         let formats = ["%Y-%m-%dT%H:%M:%S%.f", "%Y-%m-%d %H:%M:%S%.f", "%Y-%m-%dT%H:%M", "%Y-%m-%d %H:%M"];
-        let local = formats.iter().find_map(|format| NaiveDateTime::parse_from_str(text, format).ok());
+        let local = formats.iter().find_map(|format| NaiveDateTime::parse_from_str(text_of_zone, format).ok());
         let utc = local.map(|time| time.and_utc()).ok_or_else(|| {
             format!("found `{}`, wanted a number or a time such as 2026-05-01T14:30:00Z", shortened(text, MOST_FOUND))
         })?;
-        Ok(Moment { seconds: seconds(utc.timestamp(), utc.timestamp_subsec_nanos()), clock: Clock::Local })
+        Ok(Moment { seconds: seconds(utc.timestamp(), utc.timestamp_subsec_nanos()), clock })
     }
+}
+
+/// Reads the time in which a UAV is up from the texts of its columns `from` and `to`; numbers are minutes.
+/// `None` for one that is always up.
+///
+/// # Errors
+/// What was found, and what is wanted.
+pub fn up_time(from: Option<&str>, to: Option<&str>) -> Result<Option<UpTime>, String> {
+    const MINUTE_S: f64 = 60.0;
+    let read = |name: &str, text: Option<&str>| {
+        let moment = text.filter(|text| !text.trim().is_empty()).map(|text| Moment::parse(text, MINUTE_S)).transpose();
+        moment.map_err(|found| format!("`{name}`: {found}"))
+    };
+    let (from, to) = (read("from", from)?, read("to", to)?);
+    let Some(first) = from.or(to) else { return Ok(None) };
+    if let (Some(from), Some(to)) = (from, to) {
+        if from.clock != to.clock {
+            return Err(format!("`to`: found {}, wanted {} as in `from`", to.clock.name(), from.clock.name()));
+        }
+        if from.seconds >= to.seconds {
+            let of = |moment: Moment| moment_words(moment.clock, moment.seconds);
+            return Err(format!("`to`: found {}, wanted a time after {}", of(to), of(from)));
+        }
+    }
+    let end = |moment: Option<Moment>, open: f64| moment.map_or(open, |moment| moment.seconds);
+    let (from_s, to_s) = (end(from, f64::NEG_INFINITY), end(to, f64::INFINITY));
+    Ok(Some(UpTime { from_s, to_s, clock: first.clock }))
+}
+
+/// Returns a moment as tables hold it: minutes, or ISO 8601 (in UTC if its zone is known).
+pub fn moment_words(clock: Clock, seconds: f64) -> String {
+    #[expect(clippy::cast_possible_truncation, reason = "years of four digits")]
+    let micros = (seconds * 1e6).round() as i64;
+    let time = DateTime::from_timestamp_micros(micros).filter(|_| clock != Clock::Number);
+    let format = if clock == Clock::Zoned { "%Y-%m-%dT%H:%M:%S%.fZ" } else { "%Y-%m-%dT%H:%M:%S%.f" };
+    time.map_or_else(|| tidy(seconds / 60.0), |time| time.format(format).to_string())
 }
 
 /// The clock of the moments of a file, which is one for all.
@@ -84,6 +100,29 @@ impl OneClock {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn times_of_uavs_are_half_open_and_of_one_clock() {
+        let of = |from: &str, to: &str| up_time(Some(from), Some(to));
+        let up = of("0", "1.5").expect("a time").expect("limits");
+        assert_eq!((up.from_s, up.to_s, up.clock), (0.0, 90.0, Clock::Number));
+        assert_eq!(of("", " ").expect("no time"), None);
+        let open = of("2026-05-01T14:30:00+02:00", "").expect("a time").expect("a limit");
+        assert_eq!(
+            (moment_words(open.clock, open.from_s).as_str(), open.to_s),
+            ("2026-05-01T12:30:00Z", f64::INFINITY)
+        );
+        for (from, to) in [("1", "1"), ("2", "1"), ("1", "2026-05-01T12:30:00Z"), ("1", "soon")] {
+            assert!(of(from, to).is_err(), "{from} {to}");
+        }
+        assert_eq!(of("2026-05-01T12:30Z", "").expect("a time"), Some(open));
+        let words = ["2026-05-01T12:30:15.25", "1999-12-31T23:59:59"];
+        for text in words {
+            let moment = Moment::parse(text, 1.0).expect("a moment");
+            assert_eq!(moment_words(moment.clock, moment.seconds), text);
+        }
+        assert_eq!(moment_words(Clock::Number, 90.0), "1.5");
+    }
 
     #[test]
     fn moments_are_seconds_of_their_clock() {

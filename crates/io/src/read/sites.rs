@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use super::moment::up_time;
 use super::source::is_geojson;
 use super::table::{BadRows, BadRowsTold, NUMBER, Position, Row, RowFault, Table, height, readable};
 use super::vector::geojson::{features, named_crs, read_document};
@@ -26,6 +27,7 @@ use crate::raster::{Crs, CrsKind, GeoRef};
 /// | `sector`, `elevation`, optional | two angles of the antenna, as `90,180` \[deg\] |
 /// | `beam`, optional | beam of the antenna \[deg\] |
 /// | `slant_range`, optional | largest distance in space \[m\] |
+/// | `from`, `to`, optional | time in which it is up: ISO 8601, or minutes |
 ///
 /// GeoJSON points are longitude and latitude (RFC 7946) unless a `crs` member names another system.
 /// Their properties have the names of the columns; two angles may also be `[90, 180]`. The height
@@ -61,6 +63,7 @@ fn read_csv(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>)
     };
     let (above_column, id_column) = (table.column(&["h_above"]), table.column(&["id", "site", "name"]));
     let antenna_columns = OF_ANTENNA.map(|name| table.column(&[name]));
+    let time_columns = OF_TIME.map(|name| table.column(&[name]));
     let places = RowPlaces::of(input, (&table, position), grid.crs())?;
     let is_degrees = places.position.is_degrees;
 
@@ -72,7 +75,9 @@ fn read_csv(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>)
         let id = id_column.map(|column| row.field(column)).filter(|id| !id.is_empty());
         let id = id.map_or_else(|| (first_number + k).to_string(), str::to_string);
         let field = |k: usize| Some(row.field(antenna_columns[k]?)).filter(|text| !text.is_empty()).map(str::to_string);
-        let site = Site { antenna: antenna(field)?, ..Site::new(id, (x, y), height) };
+        let [from, to] = time_columns.map(|column| column.map(|column| row.field(column)));
+        let up = up_time(from, to).map_err(RowFault::Text)?;
+        let site = Site { antenna: antenna(field)?, up, ..Site::new(id, (x, y), height) };
         Ok(GivenSite { site, lonlat: is_degrees.then_some([xy.0, xy.1]) })
     });
     readable(input, rows, bad, |told| refused(input, told, PlacesIn::SiteTable, is_degrees))
@@ -130,7 +135,9 @@ fn site_of(feature: &Value, (crs, grid): (&Crs, &GeoRef), number: usize) -> std:
     let id = id.unwrap_or_else(|| number.to_string());
     let is_degrees = from.is_some_and(|crs| matches!(crs.kind(), CrsKind::Geographic));
     let of_antenna = |k: usize| property(&[OF_ANTENNA[k]]).map(|text| text.replace(['[', ']'], ""));
-    let site = Site { antenna: antenna(of_antenna)?, ..Site::new(id, (x, y), height) };
+    let [from, to] = OF_TIME.map(|name| property(&[name]));
+    let up = up_time(from.as_deref(), to.as_deref()).map_err(RowFault::Text)?;
+    let site = Site { antenna: antenna(of_antenna)?, up, ..Site::new(id, (x, y), height) };
     Ok(GivenSite { site, lonlat: is_degrees.then_some([given.0, given.1]) })
 }
 
@@ -139,6 +146,9 @@ pub(super) const HEIGHT_COLUMNS: [&str; 4] = ["h", "h_m", "height", "height_m"];
 
 /// Columns of an antenna.
 const OF_ANTENNA: [&str; 5] = ["min_radius", "sector", "elevation", "beam", "slant_range"];
+
+/// Columns of the time in which a UAV is up.
+const OF_TIME: [&str; 2] = ["from", "to"];
 
 /// Reads an antenna from the texts of [`OF_ANTENNA`], as far as there are any.
 fn antenna(text: impl Fn(usize) -> Option<String>) -> std::result::Result<Antenna, RowFault> {
