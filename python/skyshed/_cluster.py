@@ -169,7 +169,7 @@ def _shared(cluster: Cluster, asked: Asked) -> Any:
 
 def named(uavs: list[AskedUav]) -> list[AskedUav]:
     """UAVs that all have names: those of the program."""
-    return [(x, y, h, id if id is not None else str(k + 1), antenna) for k, (x, y, h, id, antenna) in enumerate(uavs)]
+    return [(x, y, h, str(k + 1) if id is None else id, antenna, time) for k, (x, y, h, id, antenna, time) in enumerate(uavs)]
 
 
 def _listed(sites: Iterable[Any], crs: str | None) -> list[AskedUav]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Union
@@ -83,11 +84,18 @@ def antenna_of(said: Mapping[str, object]) -> AskedAntenna:
     return one(min_radius), pair(sector), pair(elevation), one(beam), one(slant_range)
 
 
+#: What is not said.
+_ANY_ANTENNA, _ANY_TIME = antenna_of({}), time_of({})
+
+
 def uav_of(uav: Uav) -> AskedUav:
     """A UAV as (x, y, height, name, antenna, time)."""
     name: object = None
-    antenna, time = antenna_of({}), time_of({})
-    if isinstance(uav, Mapping):
+    antenna, time = _ANY_ANTENNA, _ANY_TIME
+    if isinstance(uav, tuple) and len(uav) in (3, 4):
+        x, y, h, *rest = uav
+        name = rest[0] if rest else None
+    elif isinstance(uav, Mapping):
         uav = {"h" if name == "height" else name: value for name, value in uav.items()}
         unknown = set(uav) - {"x", "y", "h", "id", *ANTENNA, *TIMES}
         if unknown or not {"x", "y", "h"} <= set(uav):
@@ -97,7 +105,7 @@ def uav_of(uav: Uav) -> AskedUav:
         time = time_of(uav)
     elif isinstance(uav, tuple) and len(uav) == 6 and isinstance(uav[4], tuple):
         x, y, h, name, antenna, time = uav
-    elif isinstance(uav, (tuple, list, np.ndarray)) and len(uav) in (3, 4):
+    elif isinstance(uav, (list, np.ndarray)) and len(uav) in (3, 4):
         x, y, h, *rest = uav
         name = rest[0] if rest else None
     else:
@@ -105,7 +113,7 @@ def uav_of(uav: Uav) -> AskedUav:
     height = h if isinstance(h, str) else _number("height", h)
     x, y = _number("x", x), _number("y", y)
     for axis, value in (("x", x), ("y", y), ("height", height)):
-        if isinstance(value, float) and not np.isfinite(value):
+        if isinstance(value, float) and not math.isfinite(value):
             raise wrong("uav", f"{value} as {axis}", "a number", "E102")
     return x, y, height, None if name is None else str(name), antenna, time
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
@@ -278,7 +279,9 @@ class Scene(Grid):
         # All that is asked of most links, without a request in words.
         if output is None and not options:
             try:
-                link = self._scene.link((x, y, h), (rx[0], rx[1], rx[2] if len(rx) == 3 else None))  # type: ignore[arg-type]
+                if not all(map(math.isfinite, rx)):
+                    raise TypeError
+                link = self._scene.link((x, y, h), (rx[0], rx[1], rx[2] if len(rx) == 3 else None))
                 tell(link[5], [], stacklevel=3)
                 return Link(link, ask)
             except (TypeError, Error):
@@ -304,8 +307,10 @@ class Scene(Grid):
         of the others. ``rx_height`` is that of receivers without their own [m]; beyond ``radius`` [m] a link has no answer.
         ``los_only`` leaves out margins and obstacles, which takes half of the time."""
         listed = receivers.tolist() if isinstance(receivers, np.ndarray) else list(receivers)
-        if any(isinstance(rx, (str, bytes)) or not hasattr(rx, "__len__") or len(rx) not in (2, 3) for rx in listed):
-            raise wrong("receivers", "no places", "[(x, y) or (x, y, height), …] or an array of shape (n, 2) or (n, 3)", "E103")
+        for rx in listed:
+            is_place = isinstance(rx, (tuple, list, np.ndarray)) and len(rx) in (2, 3)
+            if not is_place or not all(math.isfinite(value) for value in rx if not isinstance(value, str)):
+                raise wrong("receivers", repr(rx)[:80], "(x, y) or (x, y, height)", "E103")
         asked = [(rx[0], rx[1], rx[2] if len(rx) == 3 else None) for rx in listed]
         said = {"pairs": pairs, "los_only": los_only, "rx_height": rx_height, "radius": radius, "earth_k": earth_k}
         options = {name: value for name, value in said.items() if value is not None and value is not False}

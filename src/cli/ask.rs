@@ -327,9 +327,10 @@ pub fn links(
     receivers: &[((f64, f64), Option<Height>)],
     mut options: Members,
 ) -> std::result::Result<Links, Refusal> {
-    options.insert("scene".into(), "memory".into());
+    // A request needs both; the scene and the receivers are given.
+    options.extend([("scene".into(), "memory".into()), ("rx".into(), vec!["0,0"].into())]);
     let request: LinkRequest = read(options)?;
-    let known = ["scene", "pairs", "los_only", "rx_height", "radius", "earth_k", "curvature_coefficient"];
+    let known = ["scene", "rx", "pairs", "los_only", "rx_height", "radius", "earth_k", "curvature_coefficient"];
     json::refuse_others(&json::set_members(&request), &known, "for links in memory").map_err(Error::from)?;
     let plan = LinksPlan::of(&request)?;
     let typed = Height::AboveGround(plan.sight.rx_height_m());

@@ -406,7 +406,7 @@ impl MapDrawing<'_> {
         }
         if let Some(span) = self.of.report.span.filter(|_| subject == Subject::Time) {
             let (from, to, minutes) = span.words();
-            lines.push(format!("Of the time from {from} to {to}, {minutes} min, in which UAVs come and go"));
+            lines.push(format!("Time from {from} to {to} ({minutes} min), in which UAVs come and go"));
         }
         if let Some(all) = self.of.overlay.as_ref().and_then(Overlay::all).filter(|_| subject == Subject::All) {
             let of = |wanted: u8| all.iter().filter(|class| **class == wanted).count() as u64;

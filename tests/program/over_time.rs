@@ -59,6 +59,7 @@ fn shares_of_time_and_gaps_are_those_of_single_masks() {
             let longest = seen.split(|is| *is).map(<[bool]>::len).max().unwrap_or(0);
             assert!((f64::from(uptime[cell]) - n_seen as f64 / 75.0).abs() < 1e-6, "cell {cell}: {}", uptime[cell]);
             assert!((f64::from(gap[cell]) - longest as f64).abs() < 1e-4, "cell {cell}: {}", gap[cell]);
+            assert!(uptime[cell].is_sign_positive(), "cell {cell}: {}", uptime[cell]);
             n_never += usize::from(n_seen == 0);
             n_some += usize::from(n_seen > 0 && n_seen < 75);
         }
@@ -160,7 +161,7 @@ fn what_has_no_time_is_refused_in_words() {
             ("--uavs uavs.csv --over-time a.png", "E105", "a.png"),
             ("--uavs uavs.csv --over-time a.csv -o a.csv", "E105", "a.csv"),
             ("--uavs uavs.csv --layers los,uptime -o {site}.npz", "E116", "single UAVs"),
-            ("--uavs uavs.csv --layers uptime --tile-size 100 -o {row}_{col}.tif", "E116", "with tiles"),
+            ("--uavs uavs.csv --layers uptime --tile-size 96 -o {row}_{col}.tif", "E116", "with tiles"),
         ],
     );
 }

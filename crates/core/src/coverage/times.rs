@@ -70,7 +70,7 @@ impl Times {
         #[expect(clippy::cast_possible_truncation, reason = "a layer of f32")]
         self.of_cells(|cell| {
             let seen = (0..self.moments_s.len() - 1).filter(|k| self.sees(cell, *k));
-            (seen.map(|k| self.length_s(k, k + 1)).sum::<f64>() / whole) as f32
+            (seen.fold(0.0, |sum, k| sum + self.length_s(k, k + 1)) / whole) as f32
         })
     }
 
