@@ -379,6 +379,12 @@ fn links_of_lists_are_single_links() {
     assert_eq!(folder.text("l.csv").lines().count(), 10);
     assert_eq!(folder.json("l.geojson")["features"].as_array().unwrap().len(), 9);
     assert_eq!(folder.json("l.json")["schema"], "skyshed/links/1");
+    // Several receivers of one flag are told one by one; a file of receivers is one that is read.
+    let typed = folder.type_in("link itu:urban --size 200 --uav 50,50,60 --rx 70,0 --rx 90,5 --json -q").done().json();
+    let words: Vec<&str> = typed["command"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    assert!(words.join(" ").ends_with("--rx 70,0 --rx 90,5 --json -q"), "{words:?}");
+    assert_eq!(typed["request"]["rx"], json!(["70,0", "90,5"]));
+    folder.type_in("link itu:urban --size 200 --uav 50,50,60 --rxs bare.csv --hash -q").done();
     let refused = [
         ("--uavs uavs.csv --rx 70,0 --rx 90,5 --pairs", "E116", "3 UAVs and 2 receivers"),
         ("--uav 0,0,60 --rx 70,0 --pairs", "E116", "for a single link"),

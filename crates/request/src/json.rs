@@ -169,7 +169,7 @@ pub fn filled_members<T: Serialize + Default>(question: &T) -> Map<String, Value
 }
 
 /// Members that name files, beside the scene and its list of repairs.
-const FILES: [&str; 15] = [
+const FILES: [&str; 17] = [
     "area",
     "candidates",
     "csv",
@@ -180,6 +180,8 @@ const FILES: [&str; 15] = [
     "mask",
     "output",
     "over_time",
+    "rxs",
+    "stretches",
     "terrain",
     "track",
     "uavs",
@@ -187,7 +189,7 @@ const FILES: [&str; 15] = [
     "within",
 ];
 /// Files that are written.
-const WRITTEN: [&str; 5] = ["csv", "height_curve", "map", "output", "over_time"];
+const WRITTEN: [&str; 6] = ["csv", "height_curve", "map", "output", "over_time", "stretches"];
 
 /// Returns the files that a request names, beside the scene and its list of repairs.
 pub fn files(members: &Map<String, Value>) -> Vec<&str> {
@@ -219,7 +221,7 @@ pub fn command_line(command: &str, mut members: Map<String, Value>) -> Vec<Strin
 }
 
 /// Lists whose members may hold commas: their flags are repeated.
-const REPEATED: [&str; 7] = ["curve", "height_curve", "mask", "output", "over_time", "tile", "uav"];
+const REPEATED: [&str; 9] = ["curve", "height_curve", "mask", "output", "over_time", "rx", "stretches", "tile", "uav"];
 
 /// Returns the flags that set members of a request, in their order.
 pub fn words(members: &Map<String, Value>) -> Vec<String> {

@@ -116,7 +116,7 @@ mod tests {
             assert!(of(from, to).is_err(), "{from} {to}");
         }
         assert_eq!(of("2026-05-01T12:30Z", "").expect("a time"), Some(open));
-        let words = ["2026-05-01T12:30:15.25", "1999-12-31T23:59:59"];
+        let words = ["2026-05-01T12:30:15.250", "1999-12-31T23:59:59"];
         for text in words {
             let moment = Moment::parse(text, 1.0).expect("a moment");
             assert_eq!(moment_words(moment.clock, moment.seconds), text);
