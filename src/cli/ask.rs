@@ -153,8 +153,8 @@ pub fn save_options(options: Members, files: &[PathBuf]) -> std::result::Result<
     Ok(options)
 }
 
-/// Returns maps of what some UAVs see of a scene, with options such as `radius`; each mask is kept if that is asked for. `bad_uavs` says
-/// what becomes of UAVs that cannot be at their place.
+/// Returns maps of what some UAVs see of a scene, with options such as `radius`; each mask is kept if that is asked for. The option
+/// `bad_uavs` says what becomes of UAVs that cannot be at their place.
 ///
 /// # Errors
 /// Errors of the options, the UAVs and the method.

@@ -12,10 +12,10 @@ use crate::members;
 use crate::pool::watched;
 use crate::scene::{AskedHeight, AskedUav, height_of, uavs_of};
 
-/// What stands in the way: kind, id, row, column, east, north, height of the ray, height of the obstacle.
+/// Obstruction: kind, id, row, column, east, north, height of the ray, height of the obstacle.
 type Obstruction = (&'static str, Option<String>, Option<usize>, Option<usize>, f64, f64, f64, Option<f64>);
 
-/// Whether there is line of sight, margin, distance, elevation, what stands in the way, warnings.
+/// Line of sight, margin, distance, elevation, obstruction, warnings.
 pub(crate) type QuickLink = (bool, Option<f64>, f64, f64, Option<Obstruction>, Vec<Told>);
 
 /// A receiver as it is asked for: east, north, height.

@@ -177,8 +177,9 @@ part! {
     /// Counts of a map over time.
     #[cfg_attr(feature = "words", command(next_help_heading = "Time"))]
     pub struct OverTime, SetOverTime {
-        /// Counts between the moments at which UAVs come and go (columns `from` and `to` of --uavs), and their mean over time: a
-        /// table (.csv) or a document (.json); repeat for more.
+        /// Counts between the moments at which UAVs come and go (columns `from` and `to` of --uavs), and their mean over time
+        ///
+        /// A table (.csv) or a document (.json); repeat for more.
         #[arg(long, value_name = "FILE", hide_short_help = true)]
         over_time: Vec<FilePath>,
     }

@@ -224,8 +224,8 @@ impl LinkTable {
         pretty(&feature_collection(self.scene.grid(), self.provenance(), lines))
     }
 
-    /// Returns arrays by UAV and receiver, of pairs by pair, and the places of both. `los` is 1 or 0, 255
-    /// without an answer; others are NaN there, and left out with line of sight alone.
+    /// Returns arrays by UAV and receiver, of pairs by pair, and the places of both. Those of `los` are 1 or 0,
+    /// 255 without an answer. Others are NaN there, and left out with line of sight alone.
     pub(crate) fn arrays(&self) -> Vec<(&'static str, LinkArray)> {
         let shape = if self.are_pairs { vec![self.links.len()] } else { vec![self.uavs.len(), self.receivers.len()] };
         let geometry: Vec<Geometry> =
