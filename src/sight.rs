@@ -166,8 +166,11 @@ impl SightPlan {
     }
 
     /// Returns the box around everything in range of some places: west, south, east, north \[CRS
-    /// units\]. `None` if a place has no limit, and without a place.
+    /// units\]. `None` without a limit of the run, and without a place.
     pub(crate) fn box_in_range(&self, sites: &[GivenSite], grid: &GeoRef) -> Option<[f64; 4]> {
+        if !self.is_near() {
+            return None;
+        }
         let around = |site: &GivenSite| {
             let reach_m = self.reach_m(site.antenna)?;
             let reach = reach_m / grid.meters_per_unit();
@@ -175,6 +178,11 @@ impl SightPlan {
         };
         let boxes: Vec<[f64; 4]> = sites.iter().map(around).collect::<Option<_>>()?;
         boxes.into_iter().reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])])
+    }
+
+    /// Returns `true` if the run limits distances, whatever the antennas of single UAVs.
+    pub(crate) fn is_near(&self) -> bool {
+        self.reach_m(Antenna::default()).is_some()
     }
 
     /// Returns the distance beyond which nothing is in range of a UAV with an antenna \[m\]; `None` without a

@@ -259,9 +259,9 @@ impl MapJob {
     }
 
     /// Returns `true` if only the part of the scene in range is read: of a raster in its own
-    /// system, with a radius and without zones.
+    /// system, with a radius or a slant range and without zones.
     pub(super) fn reads_range_alone(&self) -> bool {
-        let is_limited = self.plan.sight.radius_m().is_some() && !self.plan.needs_zones();
+        let is_limited = self.plan.sight.is_near() && !self.plan.needs_zones();
         is_limited && is_raster_scene(&self.word) && self.scene.options.project.is_none()
     }
 

@@ -208,7 +208,7 @@ fn a_pipe_of_uavs_is_read_once() {
     let writer = std::thread::spawn(move || std::fs::write(pipe, "id,x,y,h\nnorth,2,2,9\n").unwrap());
     let found = folder.type_in("map a.asc --uavs uavs --json");
     writer.join().unwrap();
-    assert_eq!(found.done().json()["uavs"][0]["id"], "north");
+    assert_eq!(found.done().json()["sites"][0]["id"], "north");
 }
 
 #[cfg(unix)]
