@@ -110,7 +110,10 @@ fn rows_between_moments_count_what_a_map_of_the_uavs_that_are_up_counts() {
 
 #[test]
 fn dates_are_times_too_and_names_of_one_clock() {
-    let at = |m: f64| format!("2026-05-01T{:02}:{:02}:00+02:00", 14 + (m as u32) / 60, (m as u32) % 60);
+    let at = |m: f64| {
+        let minutes: u32 = m.to_string().parse().unwrap();
+        format!("2026-05-01T{:02}:{:02}:00+02:00", 14 + minutes / 60, minutes % 60)
+    };
     let (dated, counted) = (folder(at), in_minutes());
     let line = format!("map {SCENE} --uavs uavs.csv --layers uptime,gap -o m.npz --over-time t.json -q");
     let [dated_at, counted_at] = [&dated, &counted].map(|folder| {
