@@ -246,7 +246,7 @@ pub use plos::{PLos, PLosRequest, PLosValue};
 pub use progress::Progress;
 pub use report::{Report, ReportRequest, Track};
 pub use scene::{Scene, SceneReader};
-pub use skyshed_core::city::{Antenna, AntennaFault};
+pub use skyshed_core::city::{Antenna, AntennaFault, Clock, UpTime};
 pub use skyshed_core::coverage::Tally;
 pub use skyshed_core::coverage::class;
 pub use skyshed_core::los::{MethodChoice, StepLength};

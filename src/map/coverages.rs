@@ -2,7 +2,6 @@
 
 use skyshed_request::Layer;
 
-use super::over_time::OverTime;
 use super::report::{MapReport, SiteFacts};
 use crate::coverage::{HeightLayers, MapOptions, Mapper, MarginSample, Overlay, SiteCoverage, Tally};
 use crate::error::{Result, Warning};
@@ -27,8 +26,6 @@ pub struct Coverages {
     pub(crate) why: &'static str,
     /// Options that the maps were made with.
     pub(crate) options: MapOptions,
-    /// Counts over time, if they were requested.
-    pub(crate) over_time: Option<OverTime>,
 }
 
 impl Coverages {

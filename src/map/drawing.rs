@@ -7,14 +7,14 @@ use super::coverages::Coverages;
 use super::report::SiteFacts;
 use super::tolerance::in_words as tolerance_in_words;
 use crate::city::Antenna;
-use crate::coverage::{Overlay, SiteCoverage, Stability, Tally, Uav, class};
+use crate::coverage::{Overlay, SiteCoverage, Stability, Tally, Uav};
 use crate::error::Result;
 use crate::export::Format;
 use crate::picture::{Look, crop, mark, shown_classes, window_of, written};
 use crate::quantity::tidy;
 use crate::raster::CellWindow;
 use crate::render::{self, MOST_MAP_PANELS, MOST_WITH_HEIGHTS, MapClass, MapPanel, MapPanels, MapPicture, Mark};
-use crate::words::{capitalized, p_los_words, unbreakable};
+use crate::words::{capitalized, unbreakable};
 
 /// Map to draw.
 pub(crate) struct MapDrawing<'a> {
@@ -408,16 +408,6 @@ impl MapDrawing<'_> {
             let (from, to, minutes) = span.words();
             lines.push(format!("Time from {from} to {to} ({minutes} min), in which UAVs come and go"));
         }
-        if let Some(all) = self.of.overlay.as_ref().and_then(Overlay::all).filter(|_| subject == Subject::All) {
-            let of = |wanted: u8| all.iter().filter(|class| **class == wanted).count() as u64;
-            let (los, nlos) = (of(class::LOS), of(class::NLOS));
-            let share = p_los_words((los + nlos > 0).then(|| los as f64 / (los + nlos) as f64));
-            lines.push(format!(
-                "Of {} receivers in range of every UAV, {} are seen by every one: {share}",
-                los + nlos,
-                los
-            ));
-        }
         if subject == Subject::Each && n > MOST_MAP_PANELS {
             let rest = if self.drawn_layer() == Layer::Which { "; the rest are among the others" } else { "" };
             lines.push(format!("Of {n} UAVs the first {MOST_MAP_PANELS} are drawn{rest}; a .tif file holds all"));
@@ -439,6 +429,10 @@ impl MapDrawing<'_> {
         };
         let mut lines: Vec<String> = Vec::new();
         // The first line is emphasized, which suits no single one of several UAVs.
+        if let Some(all) = self.of.overlay.as_ref().and_then(Overlay::all).filter(|_| subject == Subject::All) {
+            let tally = self.of.sites.iter().fold(Tally::of_mask(all), |tally, site| tally.of_uav(&site.uav));
+            lines.push(format!("Seen by every {}: {}", self.looked_at_by(), share(&tally)));
+        }
         if self.of.report.sites.len() > 1 {
             lines.push(format!("Seen by at least one: {}", share(&self.of.report.union)));
         }

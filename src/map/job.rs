@@ -199,7 +199,8 @@ impl MapJob {
         Ok(job)
     }
 
-    /// Refuses options of strips where the scene allows none, and options of tiles without tiles.
+    /// Refuses options of strips where the scene allows none, options of tiles without tiles, and questions of
+    /// time to a shard.
     fn check_units(&self) -> Result<()> {
         let (memory, units) = (&self.request.memory, &self.request.units);
         if !is_raster_scene(&self.word) || self.scene.options.project.is_some() {
@@ -210,6 +211,9 @@ impl MapJob {
             if memory.scratch.is_some() {
                 return Err(Error::idle("scratch", WHY));
             }
+        }
+        if let Some(option) = self.plan.option_of_time().filter(|_| units.shard.is_some()) {
+            return Err(Error::idle(option, "with a shard: it is about all UAVs"));
         }
         if units.tile_size.is_some() && units.tile.is_empty() && !self.outputs.iter().any(|path| names_tile(path)) {
             return Err(Error::idle("tile_size", "without tiles"));

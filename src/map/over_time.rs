@@ -7,10 +7,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::report::MapReport;
+use super::coverages::Coverages;
 use crate::answer::{Answer, Head, Output, Rows, RunFacts, Spent, WarningFacts, document_of, rows, warnings_of};
 use crate::city::Clock;
-use crate::coverage::{TimeCount, Times, Uav};
+use crate::coverage::{Tally, TimeCount, Uav};
 use crate::error::Result;
 use crate::export::{Batch, Format, OutputRules, check_outputs};
 use crate::picture::Look;
@@ -44,6 +44,11 @@ impl OverTimePlan {
     /// Returns `true` if files are requested.
     pub(crate) fn is_wanted(&self) -> bool {
         !self.outputs.is_empty()
+    }
+
+    /// Makes the counts of a map; `None` if none are wanted.
+    pub(crate) fn make(&self, map: &Coverages) -> Option<OverTime> {
+        if self.is_wanted() { OverTime::of(map) } else { None }
     }
 }
 
@@ -97,17 +102,17 @@ pub(crate) struct TimeRow {
     receivers: u64,
     /// Receivers in line of sight of one of them.
     los: u64,
-    /// Share of the receivers in line of sight; empty without a receiver in range.
+    /// Share of the receivers in line of sight; empty without a receiver in range, and for a UAV over no data.
     p_los: Option<f64>,
-    /// Receivers in line of sight as a share of the receivers of all UAVs together, 0 while none is up; empty
-    /// without such a receiver.
+    /// Receivers in line of sight as a share of the receivers of all UAVs together, 0 while none is up. Empty
+    /// without such a receiver, and if one of the UAVs is over no data.
     share: Option<f64>,
 }
 
 /// Counts over time.
 #[derive(Debug, Clone)]
 pub(crate) struct OverTime {
-    pub(crate) facts: RunFacts,
+    facts: RunFacts,
     sight: SightPlan,
     span: Span,
     /// Receivers of all UAVs together.
@@ -117,33 +122,35 @@ pub(crate) struct OverTime {
 }
 
 impl OverTime {
-    /// Returns the counts of a map.
-    pub(crate) fn of(report: &MapReport, (times, span): (&Times, Span), uavs: &[Uav]) -> OverTime {
-        let receivers = report.union.receivers;
-        let share = |los: u64, of: u64| (of > 0).then(|| los as f64 / of as f64);
+    /// Returns the counts of a map; `None` if it is not about time.
+    fn of(map: &Coverages) -> Option<OverTime> {
+        let (report, times) = (&map.report, map.overlay.as_ref()?.times()?);
+        let (span, union) = (report.span?, report.union);
         let row = |count: TimeCount| {
-            let TimeCount { from_s, to_s, receivers: in_range, los } = count;
+            let TimeCount { from_s, to_s, receivers, los } = count;
             let is_up = |uav: &&Uav| uav.up.is_none_or(|up| up.from_s <= from_s && to_s <= up.to_s);
-            let up: Vec<&str> = uavs.iter().filter(is_up).map(|uav| uav.id.as_str()).collect();
+            let up: Vec<&Uav> = map.sites.iter().map(|site| &site.uav).filter(is_up).collect();
+            let names: Vec<&str> = up.iter().map(|uav| uav.id.as_str()).collect();
+            let tally = up.iter().fold(Tally::of_receivers(receivers, los), |tally, uav| tally.of_uav(uav));
             TimeRow {
                 from: moment_words(span.clock, from_s),
                 to: moment_words(span.clock, to_s),
                 minutes: (to_s - from_s) / 60.0,
                 n_up: up.len(),
-                up: up.join("; "),
-                receivers: in_range,
+                up: names.join("; "),
+                receivers,
                 los,
-                p_los: share(los, in_range),
-                share: share(los, receivers),
+                p_los: tally.p_los(),
+                share: union.p_los().map(|_| los as f64 / union.receivers as f64),
             }
         };
         let rows = times.counts().into_iter().map(row).collect();
-        let (facts, sight, digest) = (report.facts.clone(), report.sight, report.digest.clone());
-        OverTime { facts, sight, span, receivers, rows, digest }
+        let (facts, digest) = (report.facts.clone(), report.digest.clone());
+        Some(OverTime { facts, sight: report.sight, span, receivers: union.receivers, rows, digest })
     }
 
     /// Returns the mean share of the receivers of all UAVs together that are in line of sight, weighted by
-    /// time; `None` without a receiver.
+    /// time; `None` where shares are not known.
     fn mean_share(&self) -> Option<f64> {
         let weighted = self.rows.iter().map(|row| Some(row.share? * row.minutes)).sum::<Option<f64>>();
         Some(weighted? / self.span.facts().minutes)
@@ -198,7 +205,7 @@ pub(crate) struct OverTimeDocument {
     span: SpanFacts,
     /// Receivers of all UAVs together.
     receivers: u64,
-    /// Mean of the rows' `share`, weighted by time; null without a receiver.
+    /// Mean of the rows' `share`, weighted by time; null where these are.
     mean_share: Option<f64>,
     /// Rows between moments, in order; left out beside a table.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -9,14 +9,13 @@ use skyshed_request::{CoverageQuestion, Layer};
 
 use super::coverages::Coverages;
 use super::needs::{MapNeeds, overlay_bytes_per_cell};
-use super::over_time::{OverTime, Span};
+use super::over_time::Span;
 use super::report::{MapReport, MaskDigest, SiteFacts, zone_tallies};
 use super::tiles::Tile;
 use super::tolerance::{ToleranceFacts, check_tolerance, simplify};
 use crate::answer::Output;
 use crate::coverage::{
-    HeightLayers, KeepMasks, ManyMaps, MapOptions, Mapper, Overlay, SiteCoverage, Tally, TimeSpan, Together, Uav,
-    maps_at_once,
+    HeightLayers, KeepMasks, ManyMaps, MapOptions, Mapper, SiteCoverage, Tally, TimeSpan, Together, Uav, maps_at_once,
 };
 use crate::error::{Error, Result};
 use crate::expected::Expected;
@@ -330,8 +329,6 @@ impl Prepared {
             span,
             digest: digest.finish(),
         };
-        let times = overlay.as_ref().and_then(Overlay::times).zip(span).filter(|_| plan.over_time);
-        let over_time = times.map(|times| OverTime::of(&report, times, &uavs));
-        Ok(Coverages { scene, sites, overlay, layers: plan.layers, report, why, options, over_time })
+        Ok(Coverages { scene, sites, overlay, layers: plan.layers, report, why, options })
     }
 }

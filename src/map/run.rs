@@ -106,7 +106,7 @@ impl MapJob {
         let mut map = made?;
         (map.report.facts.command, map.report.facts.unit) = (self.command.clone(), unit);
         let curves = self.curve.make(&map, progress)?;
-        let mut over_time = map.over_time.take();
+        let over_time = self.over_time.make(&map);
         let before_write = Instant::now();
         // The time of writing is not known before the files are written.
         let (look, spent) = (&look_of(&self.save), Spent { write: 0.0, total: start.elapsed().as_secs_f64() });
@@ -125,8 +125,7 @@ impl MapJob {
         if let Some(curves) = &curves {
             add_outputs(curves, &mut batch, &beside.curves, (look, spent))?;
         }
-        if let Some(over_time) = &mut over_time {
-            over_time.facts = map.report.facts.clone();
+        if let Some(over_time) = &over_time {
             add_outputs(over_time, &mut batch, &beside.over_time, (look, spent))?;
         }
         let written = batch.commit()?;

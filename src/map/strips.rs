@@ -389,7 +389,6 @@ impl StripFiles<'_> {
             report: report.clone(),
             why: WHY,
             options: MapOptions::default(),
-            over_time: None,
         };
         let drawing = MapDrawing {
             of: &map,

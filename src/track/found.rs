@@ -104,8 +104,10 @@ impl Stretches {
 
     pub(super) fn sums(&self) -> Sums {
         let has_times = self.0.iter().any(|stretch| stretch.time_s.is_some());
-        let length_m = TrackState::ALL.map(|state| self.runs_of(state).map(|run| run.length_m()).sum());
-        let times_s = || TrackState::ALL.map(|state| self.runs_of(state).filter_map(|run| run.duration_s()).sum());
+        // The sum of no numbers at all is −0.
+        let sum = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |sum, value| sum + value);
+        let length_m = TrackState::ALL.map(|state| sum(&mut self.runs_of(state).map(|run| run.length_m())));
+        let times_s = || TrackState::ALL.map(|state| sum(&mut self.runs_of(state).filter_map(|run| run.duration_s())));
         let without = || self.runs_of(TrackState::Nlos);
         Sums {
             length_m,

@@ -28,7 +28,7 @@ use crate::scene::placing::{place_all, place_uav, warn_of_uavs_outside};
 use crate::sight::SightPlan;
 use crate::uav::UavsAsked;
 use crate::words::p_los_words;
-use found::{Stretches, Sums};
+use found::{Run, Stretches, Sums};
 use skyshed_io::Input;
 use skyshed_request::{Earth, Receiver, Sight, TrackOptions, filled};
 use way::{Way, places, ways_of};
@@ -263,27 +263,38 @@ impl TrackWalk {
     /// Returns words about what the best UAV at each place sees.
     fn words_of_all(&self) -> String {
         let who = if self.uavs.len() > 1 { " from one of them or more" } else { "" };
-        TrackWalk::words(&self.all, who)
+        let text = TrackWalk::words(&self.all, who);
+        match self.places_of(TrackState::Nlos) {
+            Some(places) => format!("{text}line of sight is lost at {places}\n"),
+            None => text,
+        }
     }
 
     /// Returns words about the parts without a receiver.
     fn words_of_none(&self) -> String {
-        let mut text = String::new();
-        for (state, what) in
-            [(TrackState::Inside, "inside buildings or below the ground"), (TrackState::Nodata, "without a ground")]
-        {
-            let runs: Vec<[f64; 2]> = self.all.stretches.runs_of(state).map(|run| run.along_m()).collect();
-            if runs.is_empty() {
-                continue;
-            }
-            let told =
-                runs.iter().take(MOST_PLACES_TOLD).map(|[from, to]| format!("{} to {} m", tidy(*from), tidy(*to)));
-            let n_more = runs.len().saturating_sub(MOST_PLACES_TOLD);
-            let more = if n_more > 0 { format!(" and {n_more} more") } else { String::new() };
-            let places = told.collect::<Vec<_>>().join(", ");
-            text += &format!("{} m {what}: {places}{more}\n", tidy(self.all.sums.length(state)));
-        }
-        text
+        let parts =
+            [(TrackState::Inside, "inside buildings or below the ground"), (TrackState::Nodata, "without a ground")];
+        let told = parts.into_iter().filter_map(|(state, what)| {
+            let places = self.places_of(state)?;
+            Some(format!("{} m {what}: {places}\n", tidy(self.all.sums.length(state))))
+        });
+        told.collect()
+    }
+
+    /// Returns the ends of the first runs of a state along the track, and in time, in words; `None` without any.
+    fn places_of(&self, state: TrackState) -> Option<String> {
+        let rounded = |value: f64| tidy((value * 100.0).round() / 100.0);
+        let of = |run: Run<'_>| {
+            let [from, to] = run.along_m().map(rounded);
+            let times = run.time_s().map(|times| times.map(rounded));
+            let times = times.map_or(String::new(), |[from, to]| format!(" ({from} to {to} s)"));
+            format!("{from} to {to} m{times}")
+        };
+        let runs: Vec<String> = self.all.stretches.runs_of(state).map(of).collect();
+        let n_more = runs.len().saturating_sub(MOST_PLACES_TOLD);
+        let more = if n_more > 0 { format!(" and {n_more} more") } else { String::new() };
+        let told = runs.len().min(MOST_PLACES_TOLD);
+        (!runs.is_empty()).then(|| runs[..told].join(", ") + &more)
     }
 }
 

@@ -49,6 +49,9 @@ fn a_flight_is_hidden_where_a_hand_computes_it() {
     assert_eq!((&climb["p_los"], &climb["p_los_by_time"]), (&json!(0.5), &json!(0.5)));
     assert_eq!((&climb["longest_without_m"], &climb["longest_without_s"]), (&json!(40.0), &json!(20.0)));
     assert_eq!(climb["stretches"][0]["obstacle"], "building");
+    assert!(climb["length_m"]["inside"].as_f64().unwrap().is_sign_positive(), "{climb}");
+    let told = folder.type_in(&format!("track {SCENE} --uav 0,0,0 --track climb.csv -q")).done().out;
+    assert!(told.contains("line of sight is lost at 0 to 40 m (0 to 20 s)\n"), "{told}");
     assert_eq!((&climb["exact_stretches"], &climb["rx_height_m"]), (&json!(true), &Value::Null));
     // Through the wall at 10 m: inside from x = 40 to 50. Beyond, the wall hides it; before, nothing does.
     folder.write("through.csv", "x,y,h\n30,0,10\n60,0,10\n");

@@ -117,3 +117,20 @@ fn a_uav_over_a_hole_of_a_raster_has_no_p_los() {
         assert_eq!((&site["p_los"], &site["placement"]), (&1.0.into(), &"ground".into()), "{site}");
     }
 }
+
+#[test]
+fn times_in_which_a_uav_over_no_data_is_up_have_no_p_los() {
+    let folder = Folder::new();
+    write_town(&folder);
+    folder.write("uavs.csv", "id,x,y,h,from,to\nin,100,150,60,0,10\nbeyond,500,150,60,5,15\n");
+    folder.type_in("map town.geojson --uavs uavs.csv --over-time t.json -q").done();
+    let document = folder.json("t.json");
+    let rows = document["rows"].as_array().unwrap();
+    let alone = folder.type_in("map town.geojson --uav 100,150,60 --json -q").done().json();
+    assert_eq!((rows.len(), &rows[0]["p_los"]), (3, &alone["union"]["p_los"]));
+    for row in &rows[1..] {
+        assert!(row["receivers"].as_u64() > Some(0) && row["p_los"].is_null(), "{row}");
+    }
+    // Nor is there a share of the receivers of both, one of whom is over no data.
+    assert!(rows.iter().all(|row| row["share"].is_null()) && document["mean_share"].is_null(), "{document}");
+}

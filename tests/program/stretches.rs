@@ -117,6 +117,21 @@ fn a_raster_and_its_footprints_have_the_same_stretches() {
     assert!(n_stretches > 40, "{n_stretches}");
 }
 
+#[test]
+fn places_along_a_flight_are_uavs_of_a_map() {
+    let folder = Folder::new();
+    write_flight(&folder, "flight.csv", &[[50, 50, 90], [150, 60, 95], [120, 150, 110]]);
+    let scene = "itu:urban --size 200";
+    folder.type_in(&format!("track {scene} --uav 20,20,80 --track flight.csv --every 10 -o places.csv -q")).done();
+    let heights = column(&folder, "places.csv", "height_amsl_m");
+    let map = folder.type_in(&format!("map {scene} --uavs places.csv --layers all -o m.png --json -q")).done().json();
+    let sites = map["sites"].as_array().unwrap();
+    let found: Vec<f64> = sites.iter().map(|site| site["height_amsl_m"].as_f64().unwrap()).collect();
+    let wanted: Vec<f64> =
+        heights.iter().map(|text| (text.parse::<f64>().unwrap() * 1024.0).round() / 1024.0).collect();
+    assert!(found == wanted && found.len() > 20, "{found:?}\n{wanted:?}");
+}
+
 /// The texts of a column of a table without quoted cells.
 fn column(folder: &Folder, file: &str, name: &str) -> Vec<String> {
     let text = folder.text(file);

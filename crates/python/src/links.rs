@@ -4,6 +4,7 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use skyshed::cli;
+use skyshed::request::Receiver;
 use skyshed::{Height, LinkArray, Uav};
 
 use crate::answers::{Told, told};
@@ -21,16 +22,14 @@ pub(crate) type QuickLink = (bool, Option<f64>, f64, f64, Option<Obstruction>, V
 /// A receiver as it is asked for: east, north, height.
 pub(crate) type AskedReceiver = (f64, f64, Option<AskedHeight>);
 
-/// Height of receivers where none is said.
-const RECEIVER: Height = Height::AboveGround(1.5);
-
 /// Arrays by their names, faults of UAVs and of receivers by their places, warnings.
 pub(crate) type LinkTable<'py> = (Bound<'py, PyDict>, Vec<(usize, String)>, Vec<(usize, String)>, Vec<Told>);
 
 /// Decides one link, in this thread.
 pub(crate) fn link(scene: &skyshed::Scene, uav: (f64, f64, AskedHeight), rx: AskedReceiver) -> PyResult<QuickLink> {
     let uav = Uav::new(uav.0, uav.1, height_of(uav.2)?);
-    let height = rx.2.map_or(Ok(RECEIVER), height_of)?;
+    let default = || Ok(Height::agl(Receiver::default().rx_height_m()));
+    let height = rx.2.map_or_else(default, height_of)?;
     let link = scene.link(uav, (rx.0, rx.1), height).map_err(Failure::from)?;
     let obstruction = link
         .obstruction()

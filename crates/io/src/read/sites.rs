@@ -21,6 +21,7 @@ use crate::raster::{Crs, CrsKind, GeoRef};
 /// |---|---|
 /// | `x,y` or `lon,lat` | position in the scene's CRS, or in degrees |
 /// | `h`, `height`, `h_m` or `height_m` | height such as `120`, `30roof`, `400ft` |
+/// | `height_amsl_m`, without these | height above the datum \[m\], as this program writes it |
 /// | `h_above`, optional | `ground`, `roof` or `amsl` |
 /// | `id`, `site` or `name`, optional | name of the site |
 /// | `min_radius`, optional | least range of the antenna \[m\] |
@@ -31,8 +32,7 @@ use crate::raster::{Crs, CrsKind, GeoRef};
 ///
 /// GeoJSON points are longitude and latitude (RFC 7946) unless a `crs` member names another system.
 /// Their properties have the names of the columns; two angles may also be `[90, 180]`. The height
-/// may also be `height_amsl_m`, as written by this program, or a third coordinate other than 0, which is above the
-/// datum. Sites without an id are numbered from `first_number` by their row.
+/// may also be a third coordinate other than 0, which is above the datum. Sites without an id are numbered from `first_number` by their row.
 ///
 /// # Errors
 /// File errors naming the lines or features; site errors if positions cannot be brought into the
@@ -58,9 +58,10 @@ fn read_csv(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>)
     let refuse = |found: String| bad_rows(input, PlacesIn::SiteTable, found, false);
     let table = Table::parse(&input.text("a table as UTF-8 text")?).map_err(refuse)?;
     let position = table.position().map_err(refuse)?;
-    let Some(h_column) = table.column(&HEIGHT_COLUMNS) else {
+    let (h_column, amsl_column) = (table.column(&HEIGHT_COLUMNS), table.column(&[AMSL_COLUMN]));
+    if h_column.or(amsl_column).is_none() {
         return Err(refuse(format!("line 1: found columns `{}`, wanted a height", table.found())));
-    };
+    }
     let (above_column, id_column) = (table.column(&["h_above"]), table.column(&["id", "site", "name"]));
     let antenna_columns = OF_ANTENNA.map(|name| table.column(&[name]));
     let time_columns = OF_TIME.map(|name| table.column(&[name]));
@@ -69,7 +70,10 @@ fn read_csv(input: &Input, grid: &GeoRef, first_number: usize, bad: BadRows<'_>)
 
     let rows = table.rows(|k, row| {
         table.check_complete(row)?;
-        let height = table.height(row, h_column, above_column)?;
+        let height = match (h_column, amsl_column) {
+            (None, Some(column)) => height(row.field(column), Some("amsl")).map_err(RowFault::Text)?,
+            (column, _) => table.height(row, column.unwrap_or_default(), above_column)?,
+        };
         let RowPlace { given: xy, place: (x, y) } = places.of_row(row)?;
         refuse_swapped((xy, (x, y)), (places.from(), grid))?;
         let id = id_column.map(|column| row.field(column)).filter(|id| !id.is_empty());
@@ -118,7 +122,7 @@ fn site_of(feature: &Value, (crs, grid): (&Crs, &GeoRef), number: usize) -> std:
         names.iter().find_map(|n| feature.get("properties")?.get(n)).filter(|v| !v.is_null()).map(text)
     };
     let above = property(&["h_above"]);
-    let height = match (property(&HEIGHT_COLUMNS), property(&["height_amsl_m"])) {
+    let height = match (property(&HEIGHT_COLUMNS), property(&[AMSL_COLUMN])) {
         (Some(h), _) => height(&h, above.as_deref()),
         (None, Some(h)) => height(&h, Some("amsl")),
         (None, None) => match feature["geometry"]["coordinates"].get(2).and_then(Value::as_f64) {
@@ -143,6 +147,9 @@ fn site_of(feature: &Value, (crs, grid): (&Crs, &GeoRef), number: usize) -> std:
 
 /// Names of the column or property with the height of a place.
 pub(super) const HEIGHT_COLUMNS: [&str; 4] = ["h", "h_m", "height", "height_m"];
+
+/// Name of the column or property with a height above the datum \[m\], as this program writes it.
+const AMSL_COLUMN: &str = "height_amsl_m";
 
 /// Columns of an antenna.
 const OF_ANTENNA: [&str; 5] = ["min_radius", "sector", "elevation", "beam", "slant_range"];
