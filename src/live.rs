@@ -8,6 +8,7 @@ use std::time::Instant;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value, json};
+use skyshed_io::Input;
 use skyshed_live::pack::{MOST_CELLS, MOST_FOOTPRINTS, PackedZones, is_small_enough, pack};
 use skyshed_live::{MOST_UAVS, questions};
 
@@ -17,6 +18,7 @@ use crate::coverage;
 use crate::crs::wkt_of;
 use crate::error::{Error, FitsPage, LimitError, RequestError, Result, Warning};
 use crate::export::{Batch, Format};
+use crate::link::check_extent;
 use crate::memory::Needs;
 use crate::picture::{Look, program};
 use crate::quantity::{Height, counted, meters};
@@ -25,10 +27,11 @@ use crate::read::surface_grid;
 use crate::render;
 use crate::scene::{Scene, SceneReader, built_up, is_raster_scene};
 use crate::sight::{SightFacts, SightPlan};
+use crate::track::{self, TrackAsked};
 use crate::uav::{Uav, UavsAsked, UavsFound};
 use crate::words::title_of;
 use skyshed_request::json::set_members;
-use skyshed_request::{SetSceneOptions, Sight};
+use skyshed_request::{SetSceneOptions, Sight, Source, TrackOptions};
 
 /// Output formats of a page.
 pub(crate) const FORMATS: [Format; 3] = [Format::Html, Format::Json, Format::Stdout];
@@ -43,6 +46,8 @@ const START_HEIGHT_M: f64 = 120.0;
 pub(crate) struct LivePlan {
     /// UAVs; without any there is one in the middle.
     pub(crate) uavs: UavsAsked,
+    /// Walk or flight that the page shows.
+    pub(crate) track: Option<TrackAsked>,
     /// Receivers, range and antenna.
     pub(crate) sight: SightPlan,
     /// Words of the scene and of its options, for a command line.
@@ -60,8 +65,17 @@ pub(crate) struct LivePage {
     is_part: bool,
     packed: Vec<u8>,
     uavs: Vec<questions::Uav>,
+    tracks: Tracks,
     sight: SightPlan,
     scene_words: Vec<String>,
+}
+
+/// Tracks that a page shows.
+#[derive(Debug, Default)]
+struct Tracks {
+    paths: Vec<questions::PageTrack>,
+    /// Step by which they are decided over a curved earth \[m\].
+    every_m: f64,
 }
 
 impl Scene {
@@ -69,15 +83,20 @@ impl Scene {
     /// follows.
     ///
     /// Engine and scene are in the page, so no server is needed. Without a UAV there is one in the
-    /// middle. `words` are the options of the scene, for the command line that the page shows.
-    /// Footprints need [`SceneReader::keeps_footprints`].
+    /// middle. The page shows a walk or a flight from the side, if there is a file of one. `words`
+    /// are the options of the scene, for the command line that the page shows. Footprints need
+    /// [`SceneReader::keeps_footprints`].
     ///
     /// # Errors
-    /// E2xx for UAVs that cannot be there; E505 for a scene that is too large.
-    pub fn live_page(&self, uavs: &[Uav], words: Vec<String>) -> Result<String> {
+    /// E2xx for UAVs or a track that cannot be there; errors of the track's file; E505 for a scene
+    /// that is too large.
+    pub fn live_page(&self, uavs: &[Uav], track: Option<Source>, words: Vec<String>) -> Result<String> {
         let sight = SightPlan::of(&Sight::default())?;
-        let page = LivePage::with_uavs(&mut self.clone(), UavsFound::of(uavs)?, sight, words)?;
-        page.html(&Look::default())
+        let scene = &mut self.clone();
+        let asked = track.map(|file| TrackAsked::of((Input::of(&file), false, false), &TrackOptions::default()));
+        let tracks = Tracks::read(asked.transpose()?.as_ref(), scene, sight.rx_height())?;
+        let page = LivePage::with_uavs(scene, UavsFound::of(uavs)?, sight, words)?;
+        LivePage { tracks, ..page }.html(&Look::default())
     }
 }
 
@@ -127,8 +146,10 @@ impl LivePage {
         }
         let mut scene = Scene::built(options, (word, city), warnings, start)?;
         let found = plan.uavs.read(scene.grid())?;
+        let tracks = Tracks::read(plan.track.as_ref(), &mut scene, plan.sight.rx_height())?;
         let page = LivePage::with_uavs(&mut scene, found, plan.sight, plan.scene_words)?;
-        Ok(LivePage { facts: RunFacts { command: plan.command, ..page.facts }, is_part: part.is_some(), ..page })
+        let facts = RunFacts { command: plan.command, ..page.facts };
+        Ok(LivePage { facts, is_part: part.is_some(), tracks, ..page })
     }
 
     /// Returns the page of a scene with some UAVs, or with one in the middle.
@@ -170,7 +191,8 @@ impl LivePage {
         let packed = pack(scene.grid(), &solids, zones.as_ref());
         let scene = Scene { solids: None, ..scene.clone() };
         let uavs = uavs.iter().map(asked).collect();
-        Ok(LivePage { facts: scene.facts(None), scene, is_part: false, packed, uavs, sight, scene_words })
+        let (facts, tracks) = (scene.facts(None), Tracks::default());
+        Ok(LivePage { facts, scene, is_part: false, packed, uavs, tracks, sight, scene_words })
     }
 
     /// Returns the page.
@@ -223,6 +245,8 @@ impl LivePage {
             "most_uavs": MOST_UAVS,
             "defaults": defaults,
             "start": {"uavs": self.uavs, "sight": sight, "layer": layer},
+            "tracks": self.tracks.paths,
+            "track_every_m": self.tracks.every_m,
         })
     }
 }
@@ -255,6 +279,25 @@ impl Answer for LivePage {
 
     fn add(&self, batch: &mut Batch, path: &Path, _: Format, look: &Look) -> Result<()> {
         Ok(batch.add(path, self.html(look)?.as_bytes())?)
+    }
+}
+
+impl Tracks {
+    /// Reads a track over a scene, if there is one; a walk is `rx_height` above the ground \[1/1024 m\].
+    ///
+    /// # Errors
+    /// Errors of the file; E2xx for a vertex that cannot be there, or too far from the scene.
+    fn read(asked: Option<&TrackAsked>, scene: &mut Scene, rx_height: i32) -> Result<Tracks> {
+        let Some(asked) = asked else { return Ok(Tracks::default()) };
+        let grid = scene.field.grid().clone();
+        let paths = asked.read(&grid, &mut scene.warnings)?;
+        scene.sources.push(asked.source()?);
+        for corner in [(grid.x_min(), grid.y_min()), (grid.x_max(), grid.y_max())] {
+            let site = Site::new("1", corner, Height::agl(0.0));
+            track::places(&paths.lines).try_for_each(|[x, y]| check_extent(scene, &site, (x, y)))?;
+        }
+        let ways = track::ways_of(paths, (&scene.field, asked), rx_height, &mut scene.warnings)?;
+        Ok(Tracks { paths: ways.iter().map(questions::PageTrack::from).collect(), every_m: asked.every_m })
     }
 }
 
@@ -303,8 +346,11 @@ fn part_in_range(options: &SceneReader, word: &OsStr, plan: &LivePlan) -> Result
     let reach = plan.sight.radius_on(&grid);
     let found = plan.uavs.read(&grid)?;
     let around = |s: &GivenSite| reach.map(|r| [s.x - r, s.y - r, s.x + r, s.y + r]);
-    let boxes = found.sites.iter().filter_map(around);
-    let part = boxes.reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]);
+    let paths = plan.track.as_ref().map(|track| track.read(&grid, &mut Vec::new())).transpose()?;
+    let below = paths.iter().flat_map(|paths| track::places(&paths.lines)).map(|[x, y]| [x, y, x, y]);
+    let join = |a: [f64; 4], b: [f64; 4]| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])];
+    let in_range = found.sites.iter().filter_map(around).reduce(join);
+    let part = in_range.map(|of_uavs| below.fold(of_uavs, join));
     let most_cells_a_side = (MOST_CELLS as f64).sqrt();
     // The window in range may be a cell or two larger.
     let radius_m = ((most_cells_a_side / 2.0 - 2.0) * meters_per_cell(&grid)).floor();

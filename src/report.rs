@@ -23,7 +23,7 @@ use crate::progress::Progress;
 use crate::sample::{self, SamplePlan};
 use crate::scene::{Scene, SceneReader};
 use crate::survey;
-use crate::track::{self, TrackPlan};
+use crate::track::{self, TrackAsked, TrackPlan};
 use crate::uav::{Uav, UavsAsked, UavsFound};
 use crate::zone_files::{self, ZoneFiles};
 
@@ -288,7 +288,8 @@ impl ReportRequest<Track> {
     pub fn run(self) -> Result<Report> {
         let Track { uavs, places, options } = &self.options;
         let of_user = (&self.sight.receiver, &self.sight.earth);
-        let plan = TrackPlan::of(UavsAsked::held(uavs)?, (places.clone(), false, false), options, of_user)?;
+        let track = TrackAsked::of((places.clone(), false, false), options)?;
+        let plan = TrackPlan::of(UavsAsked::held(uavs)?, track, of_user)?;
         Ok(Report::new(plan.walk(self.scene, CommandFacts::default())?, &track::FORMATS))
     }
 }

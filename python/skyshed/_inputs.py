@@ -228,3 +228,18 @@ def _collection(name: str, area: Any, crs: str | None) -> Mapping[str, Any]:
             features.append(mapping if is_feature else {"type": "Feature", "properties": {}, "geometry": mapping})
     system = {"crs": {"type": "name", "properties": {"name": crs}}} if crs else {}
     return {"type": "FeatureCollection", **system, "features": features}
+
+
+def track_of(track: Any) -> tuple[str, bytes | None]:
+    """A track as a path, or as a name and a table in memory: a path, a line of shapely, or places in order."""
+    # A line of shapely has its points apart, with heights above the datum.
+    above = "amsl" if hasattr(track, "coords") else "agl"
+    track = getattr(track, "coords", track)
+    if isinstance(track, (str, os.PathLike)):
+        return os.fspath(track), None
+    places = np.asarray(track, dtype=np.float64)
+    if places.ndim != 2 or places.shape[1] not in (2, 3):
+        raise wrong("track", f"an array of shape {places.shape}", "(n, 2): x, y, or (n, 3): x, y, height", "E103")
+    rows = [",".join(map(repr, place)) + (above if len(place) == 3 else "") for place in places.tolist()]
+    columns = "x,y" if places.shape[1] == 2 else "x,y,h"
+    return "track.csv", "\n".join([columns, *rows, ""]).encode()

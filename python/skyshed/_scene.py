@@ -16,7 +16,7 @@ from skyshed import _skyshed
 from skyshed._answers import Answer, Coverage, Coverages, Grid, Link, LinkTable
 from skyshed._arrays import Held, crs_text, held, is_xarray, placed
 from skyshed._errors import Error, tell, wrong
-from skyshed._inputs import HeldInput, Uav, inputs_of, is_one_uav, table_of, uav_of, uavs_of
+from skyshed._inputs import HeldInput, Uav, inputs_of, is_one_uav, table_of, track_of, uav_of, uavs_of
 from skyshed._live import LivePage
 from skyshed._options import PathLike, as_json, output_of, plain_options, watch_of
 from skyshed.keywords import (
@@ -398,18 +398,10 @@ class Scene(Grid):
         held: list[HeldInput] = []
         listed = uavs_of([uav] if is_one_uav(uav) else uav, self.crs, None)
         observers = {"uav": [f"{x},{y},{h}" for x, y, h, *_ in listed]}
-        # A line of shapely has its points apart.
-        above = "amsl" if hasattr(track, "coords") else "agl"
-        track = getattr(track, "coords", track)
-        if not isinstance(track, (str, os.PathLike)):
-            places = np.asarray(track, dtype=np.float64)
-            if places.ndim != 2 or places.shape[1] not in (2, 3):
-                raise wrong("track", f"an array of shape {places.shape}", "(n, 2): x, y, or (n, 3): x, y, height", "E103")
-            rows = [",".join(map(repr, place)) + (above if len(place) == 3 else "") for place in places.tolist()]
-            columns = "x,y" if places.shape[1] == 2 else "x,y,h"
-            held.append(("track", "track.csv", "\n".join([columns, *rows, ""]).encode()))
-            track = "track.csv"
-        asked = {**observers, "track": track, **_of_question(options), **output_of(output)}
+        path, table = track_of(track)
+        if table is not None:
+            held.append(("track", path, table))
+        asked = {**observers, "track": path, **_of_question(options), **output_of(output)}
         return self._asked(Answer, "track", asked, held=held)
 
     def limits(
@@ -458,10 +450,11 @@ class Scene(Grid):
             raise wrong("uavs", "none", "at least one", "E108")
         return {"uavs": "uavs.csv"}, [("uavs", "uavs.csv", table_of(listed))]
 
-    def live(self, path: PathLike | None = None, *, uavs: Iterable[Uav] = ()) -> LivePage:
+    def live(self, path: PathLike | None = None, *, uavs: Iterable[Uav] = (), track: Any = None) -> LivePage:
         """A page in which UAVs are dragged over the scene and the exact coverage follows; it is written to ``path``, and shown by a
-        notebook."""
-        page = LivePage(self._scene.live_page(uavs_of(uavs, self.crs), self._word, as_json(self._reading)))
+        notebook. A ``track``, as of :meth:`track`, is shown from the side in its stretches with line of sight and without."""
+        asked = None if track is None else track_of(track)
+        page = LivePage(self._scene.live_page(uavs_of(uavs, self.crs), asked, self._word, as_json(self._reading)))
         if path is not None:
             page.save(path)
         return page

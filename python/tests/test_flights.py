@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import skyshed
-from skyshed import Scene
+from skyshed import LivePage, Scene
 
 pytestmark = pytest.mark.filterwarnings("ignore::skyshed.SkyshedWarning")
 
@@ -150,3 +151,19 @@ def test_bad_uavs_of_a_batch_are_nan_with_a_reason() -> None:
         city.maps([uavs[bad[0]]], bad_uavs="skip")
     with pytest.raises(skyshed.Error, match="bad_uavs"):
         city.maps(uavs, bad_uavs="drop")  # type: ignore[arg-type]
+
+
+def test_a_page_shows_the_flight_of_a_file_or_of_an_array(tmp_path: Path) -> None:
+    city = Scene.itu("urban", size=200)
+    file = tmp_path / "flight.csv"
+    file.write_text("x,y,h\n" + "".join(f"{x},{y},{h}\n" for x, y, h in FLIGHT))
+
+    def tracks(page: LivePage) -> object:
+        facts = json.loads(page.html.split('id="facts">')[1].split("</script>")[0])
+        return facts["tracks"]
+
+    wanted = [{"name": None, "vertices": [[x, y, h, None] for x, y, h in FLIGHT]}]
+    assert tracks(city.live(track=file)) == tracks(city.live(track=np.array(FLIGHT))) == wanted
+    assert tracks(city.live()) == []
+    with pytest.raises(skyshed.Error, match="E103"):
+        city.live(track=[1.0, 2.0])

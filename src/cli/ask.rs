@@ -116,11 +116,12 @@ pub fn scene_reader(options: Members) -> std::result::Result<SceneReader, Refusa
 /// # Errors
 /// As [`Scene::live_page`]; E101 for options that cannot be.
 pub fn live_page(
-    (scene, uavs): (&Scene, &[Uav]),
+    scene: &Scene,
+    (uavs, track): (&[Uav], Option<Source>),
     (word, options): (&OsStr, Members),
 ) -> std::result::Result<String, Refusal> {
     let reading = Reading { options: read(options)?, ..Reading::default() };
-    Ok(scene.live_page(uavs, scene_words(word, &reading))?)
+    Ok(scene.live_page(uavs, track, scene_words(word, &reading))?)
 }
 
 /// Returns the grid of a raster that can be read in parts; `None` for other scenes.

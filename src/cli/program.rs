@@ -136,6 +136,7 @@ impl Cli {
             (Command::Limits(limits), "uavs") => limits.uavs.uavs = Some(source),
             (Command::Track(track), "track") => track.track.track = Some(source),
             (Command::Live(live), "uavs") => live.uavs.uavs = Some(source),
+            (Command::Live(live), "track") => live.track.track = Some(source),
             (Command::Place(place), _) => {
                 let PlaceQuestion { candidates, goal, .. } = &mut place.question;
                 match option {

@@ -268,12 +268,9 @@ impl Answer for Link {
 
 /// Checks that the link fits the lattice.
 pub(crate) fn check_extent(scene: &Scene, site: &Site, (x, y): (f64, f64)) -> Result<()> {
-    let frames = [scene.field.prisms_frame(), scene.field.columns_frame()];
-    for frame in frames.into_iter().flatten() {
-        let span = ((x - site.x) / frame.unit_x).abs().max(((y - site.y) / frame.unit_y).abs());
-        if span > MAX_EXTENT_UNITS {
-            return Err(PlacesError::LongLink { from: (site.x, site.y), to: (x, y), span }.into());
-        }
+    let span = scene.field.span_units((site.x, site.y), (x, y));
+    if span > MAX_EXTENT_UNITS {
+        return Err(PlacesError::LongLink { from: (site.x, site.y), to: (x, y), span }.into());
     }
     Ok(())
 }

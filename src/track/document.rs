@@ -4,10 +4,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::found::{Run, Sums, WayStretch};
 use super::{Seen, TrackWalk};
 use crate::answer::{Head, WarningFacts, document_of, warnings_of};
-use crate::coverage::{TrackHeight, TrackPoint};
+use crate::coverage::{StretchSums, TrackPoint, WayRun, WayStretch};
 use crate::height_field::Curvature;
 use crate::link::{EndFacts, ObstacleFacts};
 use crate::quantity::meters;
@@ -178,23 +177,10 @@ impl TrackWalk {
         EndFacts { x: place.x, y: place.y, height_amsl_m: uav.height_amsl_m() }
     }
 
-    /// Returns the place of a way at a fraction of a leg: x, y and height above the datum \[m\].
-    pub(super) fn place_of(&self, (way, leg, t): (usize, usize, f64)) -> ([f64; 2], Option<f64>) {
-        let ends = [0, 1].map(|k| self.ways[way].vertices[leg + k].vertex);
-        let between = |from: f64, to: f64| if t >= 1.0 { to } else { from + t * (to - from) };
-        let position = [0, 1].map(|k| between(ends[0].position[k], ends[1].position[k]));
-        let height_m = |height: TrackHeight| match height {
-            TrackHeight::AboveDatum(z) => i32::try_from(z).ok().map(meters),
-            TrackHeight::AboveGround(_) => None,
-        };
-        let height = height_m(ends[0].height).zip(height_m(ends[1].height)).map(|(a, b)| between(a, b));
-        (position, height)
-    }
-
-    fn stretch_row(&self, uav: &str, run: Run<'_>, leg: Option<usize>) -> StretchRow {
+    fn stretch_row(&self, uav: &str, run: WayRun<'_>, leg: Option<usize>) -> StretchRow {
         let (first, last, [from_m, to_m]) = (run.first(), run.last(), run.along_m());
-        let (from, from_z) = self.place_of((first.way, first.leg, first.at[0]));
-        let (to, to_z) = self.place_of((last.way, last.leg, last.at[1]));
+        let (from, from_z) = self.ways[first.way].place(first.leg, first.at[0]);
+        let (to, to_z) = self.ways[last.way].place(last.leg, last.at[1]);
         let obstacle = run.obstacle().and_then(|obstacle| self.scene.field.leg_obstacle(obstacle));
         let facts = obstacle.map(|(kind, _)| ObstacleFacts::of(&self.scene.field, kind));
         let cell = |facts: &ObstacleFacts| facts.cell.map(|(row, col)| format!("{row},{col}"));
@@ -225,7 +211,7 @@ impl TrackWalk {
     /// Returns the stretches of each UAV leg by leg, then of all together if there are several.
     pub(crate) fn stretch_rows(&self) -> Vec<StretchRow> {
         self.told_stretches()
-            .map(|(uav, stretch)| self.stretch_row(uav, Run(std::slice::from_ref(stretch)), Some(stretch.leg + 1)))
+            .map(|(uav, stretch)| self.stretch_row(uav, WayRun(std::slice::from_ref(stretch)), Some(stretch.leg + 1)))
             .collect()
     }
 
@@ -250,7 +236,7 @@ impl TrackWalk {
             length_m: Lengths::of(sums.length_m),
             time_s: sums.time_s.map(Lengths::of),
             p_los,
-            p_los_by_time: sums.time_s.and_then(Sums::share),
+            p_los_by_time: sums.time_s.and_then(StretchSums::share),
             reason: p_los.is_none().then_some("no place of the track holds a receiver"),
             longest_without_m: sums.longest_without_m,
             longest_without_s: sums.longest_without_s,

@@ -1,13 +1,12 @@
 //! Picture of a track: stretches with line of sight, and heights along it.
 
 use super::TrackWalk;
-use super::found::{Run, Stretches};
 use crate::answer::Answer;
-use crate::coverage::{TrackPoint, TrackState, Uav, class};
+use crate::coverage::{TrackPoint, TrackState, Uav, Way, WayHeights, WayRun, WayStretches, class};
 use crate::error::Result;
 use crate::export::Format;
 use crate::picture::{Look, crop, mark, picture_provenance, program, window_of, written};
-use crate::quantity::{VOID, counted, meters, tidy};
+use crate::quantity::{counted, tidy};
 use crate::raster::{CellWindow, GeoRef};
 use crate::render::{self, FlightHeights, Mark, OPEN_GROUND, TrackHeights, TrackPlan, TrackProfile, TrackStretch};
 use crate::words::title_of;
@@ -21,7 +20,7 @@ pub(super) fn draw(walk: &TrackWalk, format: Format, look: &Look) -> Result<Vec<
     let part = grid.part(window);
     let mask = classes(walk, window);
     let surface = crop(&walk.scene.field.above_ground_m(), grid.n_cols(), window);
-    let starts = starts_of(walk);
+    let starts = Way::starts(&walk.ways, unit);
     let paths = Paths { walk, part: &part, starts: &starts };
     let [all, each] = [vec![&walk.all], walk.each.iter().collect::<Vec<_>>()]
         .map(|of| of.into_iter().map(|seen| paths.of(&seen.stretches)).collect::<Vec<_>>());
@@ -37,7 +36,7 @@ pub(super) fn draw(walk: &TrackWalk, format: Format, look: &Look) -> Result<Vec<
     caption.extend(walk.scene.last_lines(look));
     let (enough, flight) = match walk.rx_height_m {
         Some(user_m) if is_one => (enough_of(walk, user_m, &starts)?, Vec::new()),
-        _ => (Vec::new(), flight_of(walk, &starts)),
+        _ => (Vec::new(), flight_of(walk)),
     };
     let heights = match walk.rx_height_m {
         Some(user_m) if is_one => TrackHeights::Walk { enough: &enough, user_m },
@@ -83,16 +82,6 @@ fn words_of(walk: &TrackWalk) -> String {
     format!("{uavs}; {user}; {decided}; {}", program())
 }
 
-/// Returns where each way begins along all of them one after the other \[m\], and where the last ends.
-fn starts_of(walk: &TrackWalk) -> Vec<f64> {
-    let mut starts = vec![0.0];
-    for way in &walk.ways {
-        let length = way.spans(walk.facts.unit_m()).last().map_or(0.0, |span| span.along_m[1]);
-        starts.push(starts[starts.len() - 1] + length);
-    }
-    starts
-}
-
 /// A stretch along all ways one after the other, with its path on the plan.
 type Drawn = ([f64; 2], Option<bool>, Vec<[f64; 2]>);
 
@@ -104,12 +93,12 @@ struct Paths<'a> {
 
 impl Paths<'_> {
     /// Returns stretches as they are drawn: legs of one state that follow each other as one.
-    fn of(&self, stretches: &Stretches) -> Vec<Drawn> {
-        let drawn = |run: Run<'_>| {
+    fn of(&self, stretches: &WayStretches) -> Vec<Drawn> {
+        let drawn = |run: WayRun<'_>| {
             let (first, last, along_m) = (run.first(), run.last(), run.along_m());
             let start = self.starts[first.way];
             let path = run.0.iter().map(|s| (s, s.at[0])).chain([(last, last.at[1])]);
-            let path = path.map(|(s, t)| self.cells(self.walk.place_of((s.way, s.leg, t)).0)).collect();
+            let path = path.map(|(s, t)| self.cells(self.walk.ways[s.way].place(s.leg, t).0)).collect();
             let los = first.state.has_receiver().then_some(first.state == TrackState::Los);
             (along_m.map(|m| start + m), los, path)
         };
@@ -142,31 +131,10 @@ fn enough_of(walk: &TrackWalk, user_m: f64, starts: &[f64]) -> Result<Vec<(f64, 
 }
 
 /// Returns the heights along a flight, and of what is below.
-fn flight_of(walk: &TrackWalk, starts: &[f64]) -> Vec<FlightHeights> {
-    let field = &walk.scene.field;
-    let total = starts.last().copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
-    let known = |z: Option<i32>| z.filter(|z| *z != VOID).map_or(f64::NAN, meters);
-    let mut heights = Vec::new();
-    for (way, of_way) in walk.ways.iter().enumerate() {
-        for (leg, span) in of_way.spans(walk.facts.unit_m()).iter().enumerate() {
-            let n = (PLACES * (span.along_m[1] - span.along_m[0]) / total).ceil().max(1.0);
-            let mut k = 0.0;
-            while k <= n {
-                let t = k / n;
-                k += 1.0;
-                let ([x, y], user) = walk.place_of((way, leg, t));
-                let place = field.place(x, y);
-                let ground_m = known(Some(field.ground_at(&place)));
-                let on_foot = || ground_m + walk.rx_height_m.unwrap_or(0.0);
-                let user_m = user.unwrap_or_else(on_foot);
-                if user_m.is_finite() {
-                    let (along_m, roof_m) = (starts[way] + span.at(t).0, known(field.roof_at(&place)));
-                    heights.push(FlightHeights { along_m, user_m, ground_m, roof_m });
-                }
-            }
-        }
-    }
-    heights
+fn flight_of(walk: &TrackWalk) -> Vec<FlightHeights> {
+    let walk_m = walk.rx_height_m.unwrap_or(0.0);
+    let of = |WayHeights { along_m, user_m, ground_m, roof_m, .. }| FlightHeights { along_m, user_m, ground_m, roof_m };
+    WayHeights::sample(&walk.scene.field, &walk.ways, (walk_m, PLACES)).into_iter().map(of).collect()
 }
 
 /// Returns the cells around the track and the UAVs, with a border of a twelfth.

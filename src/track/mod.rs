@@ -2,7 +2,6 @@
 
 mod document;
 mod figure;
-mod found;
 mod stretch_files;
 mod way;
 
@@ -12,8 +11,8 @@ use std::sync::OnceLock;
 use serde_json::Value;
 
 use crate::answer::{Answer, CommandFacts, Rows, RunFacts, Spent, add_rows, rows};
-use crate::city::{GivenSite, Site};
-use crate::coverage::{TrackPoint, TrackState, Uav};
+use crate::city::{GivenSite, Site, Source};
+use crate::coverage::{StretchSums, TrackPoint, TrackState, TrackStretches, Uav, Way, WayRun, WayStretches};
 use crate::earth::warn_of_drop;
 use crate::error::{Error, LimitError, OddRun, Result, Warning, warned};
 use crate::export::{Batch, Format};
@@ -22,18 +21,17 @@ use crate::link::check_extent;
 use crate::los::Method;
 use crate::picture::Look;
 use crate::quantity::{counted, tidy};
-use crate::read::{Paths, read_track, source_of};
+use crate::raster::GeoRef;
+use crate::read::{self, Paths, read_track, source_of};
 use crate::scene::Scene;
 use crate::scene::placing::{place_all, place_uav, warn_of_uavs_outside};
 use crate::sight::SightPlan;
 use crate::uav::UavsAsked;
 use crate::words::p_los_words;
-use found::{Run, Stretches, Sums};
 use skyshed_io::Input;
 use skyshed_request::{Earth, Receiver, Sight, TrackOptions, filled};
-use way::{Way, places, ways_of};
 
-pub(crate) use way::{home_ground, resolved};
+pub(crate) use way::{home_ground, places, resolved, ways_of};
 
 pub(crate) use document::{PointRow, StretchRow, TrackDocument};
 
@@ -51,20 +49,68 @@ const MOST_TOLD: usize = 20;
 /// Most parts without a receiver that the text tells one by one.
 const MOST_PLACES_TOLD: usize = 5;
 
-/// Plan of a walk or a flight.
-#[derive(Debug)]
-pub(crate) struct TrackPlan {
-    pub(crate) uavs: UavsAsked,
+/// A track that is asked for.
+#[derive(Debug, Clone)]
+pub(crate) struct TrackAsked {
+    /// Places of the track: a table, a line or a mission.
+    pub(crate) file: Input,
     /// `true` if rows of the track that cannot be read are left out.
     pub(crate) skips_bad: bool,
-    /// Places of the track: a table, a line or a mission.
-    pub(crate) track: Input,
     /// `true` if the track is hashed, however large it is.
     pub(crate) hash: bool,
     /// Longest step between two decided places \[m\].
     pub(crate) every_m: f64,
     /// `true` if legs between heights above the ground follow it.
     pub(crate) follows_ground: bool,
+}
+
+impl TrackAsked {
+    /// Fills in the defaults of a question about a track.
+    ///
+    /// # Errors
+    /// E113.
+    pub(crate) fn of((file, skips_bad, hash): (Input, bool, bool), options: &TrackOptions) -> Result<TrackAsked> {
+        let every_m = filled(options.every, TrackOptions::defaults().every);
+        if every_m <= 0.0 {
+            return Err(Error::number("the step along a track", every_m, "above 0 m"));
+        }
+        Ok(TrackAsked { file, skips_bad, hash, every_m, follows_ground: options.follow_ground })
+    }
+
+    /// Reads the paths of the track.
+    ///
+    /// # Errors
+    /// Errors of the file; E116 for a walk that is to follow the ground; E502 for too many steps.
+    pub(crate) fn read(&self, grid: &GeoRef, warnings: &mut Vec<Warning>) -> Result<Paths> {
+        let read = |odd: &mut _| read_track(&self.file, grid.crs(), (self.skips_bad, odd));
+        let paths = warned(warnings, read)?;
+        if self.follows_ground && !paths.have_heights() {
+            return Err(Error::idle("follow_ground", "for a walk: it follows the ground"));
+        }
+        let length = |path: &read::Path| -> f64 {
+            path.vertices.windows(2).map(|e| (e[1].x - e[0].x).hypot(e[1].y - e[0].y)).sum()
+        };
+        let length_m = paths.lines.iter().map(length).sum::<f64>() * grid.meters_per_unit();
+        if length_m / self.every_m > MOST_PLACES {
+            return Err(LimitError::Track { length: tidy(length_m), every_m: self.every_m }.into());
+        }
+        Ok(paths)
+    }
+
+    /// Returns the file among the sources of an answer.
+    ///
+    /// # Errors
+    /// Errors of the file.
+    pub(crate) fn source(&self) -> Result<Source> {
+        Ok(source_of(&self.file, self.hash)?)
+    }
+}
+
+/// Plan of a walk or a flight.
+#[derive(Debug)]
+pub(crate) struct TrackPlan {
+    pub(crate) uavs: UavsAsked,
+    pub(crate) track: TrackAsked,
     /// `true` if a height of the receivers was asked for.
     pub(crate) has_rx_height: bool,
     /// Height of the user, and the shape of the earth.
@@ -74,32 +120,14 @@ pub(crate) struct TrackPlan {
 }
 
 impl TrackPlan {
-    /// Fills in the defaults of a question about UAVs and the places of a track.
+    /// Fills in the defaults of a question about UAVs and a track.
     ///
     /// # Errors
     /// E113.
-    pub(crate) fn of(
-        uavs: UavsAsked,
-        (track, skips_bad, hash): (Input, bool, bool),
-        options: &TrackOptions,
-        (receiver, earth): (&Receiver, &Earth),
-    ) -> Result<TrackPlan> {
+    pub(crate) fn of(uavs: UavsAsked, track: TrackAsked, (receiver, earth): (&Receiver, &Earth)) -> Result<TrackPlan> {
         let sight = Sight { receiver: *receiver, earth: *earth, ..Sight::default() };
-        let plan = TrackPlan {
-            uavs,
-            skips_bad,
-            track,
-            hash,
-            every_m: filled(options.every, TrackOptions::defaults().every),
-            follows_ground: options.follow_ground,
-            has_rx_height: receiver.rx_height.is_some(),
-            sight: SightPlan::of(&sight)?,
-            stretch_files: options.stretches.iter().map(|path| path.0.clone()).collect(),
-        };
-        if plan.every_m <= 0.0 {
-            return Err(Error::number("the step along a track", plan.every_m, "above 0 m"));
-        }
-        Ok(plan)
+        let sight = SightPlan::of(&sight)?;
+        Ok(TrackPlan { uavs, track, has_rx_height: receiver.rx_height.is_some(), sight, stretch_files: Vec::new() })
     }
 
     /// Finds the stretches of the track over a scene.
@@ -114,18 +142,18 @@ impl TrackPlan {
         scene.sources.extend(found.sources.iter().cloned());
         warn_of_uavs_outside(&found.sites, scene.field.grid(), &mut scene.warnings);
         let paths = self.read(&mut scene)?;
-        let (reach, farthest_m) = self.check_reach(&scene, (&found.sites, &paths))?;
+        let (reach, farthest_m) = TrackPlan::check_reach(&scene, (&found.sites, &paths))?;
         let place = |site: &Site| place_uav(site, &scene.field, scene.field.grid(), Some(reach));
         let uavs = place_all(&found, place, &mut scene.warnings)?;
         let has_heights = paths.have_heights();
-        let ways = ways_of(paths, (&scene.field, self), &mut scene.warnings)?;
+        let ways = ways_of(paths, (&scene.field, &self.track), self.sight.rx_height(), &mut scene.warnings)?;
         let curvature = self.sight.curvature();
         if curvature.is_none() {
             warn_of_drop(farthest_m, &mut scene.warnings);
         }
-        let step = self.every_m / scene.grid().meters_per_unit();
+        let step = self.track.every_m / scene.grid().meters_per_unit();
         let curved = curvature.map(|curvature| (curvature, step));
-        let (each, all) = found::find(&scene.field, (&ways, &uavs), curved)?;
+        let TrackStretches { each, all } = TrackStretches::find(&scene.field, (&ways, &uavs), curved)?;
         let none = all.runs().filter(|run| !run.first().state.has_receiver());
         let off_m: f64 = none.map(|run| run.length_m()).sum();
         if off_m > 0.0 {
@@ -135,7 +163,7 @@ impl TrackPlan {
             facts: RunFacts { command, ..scene.facts(Some(Method::Ray)) },
             rx_height_m: (!has_heights).then(|| self.sight.rx_height_m()),
             curvature,
-            every_m: self.every_m,
+            every_m: self.track.every_m,
             uavs,
             ways,
             each: each.into_iter().map(Seen::of).collect(),
@@ -148,30 +176,17 @@ impl TrackPlan {
 
     /// Reads the track, and refuses a height of receivers beside heights of its own.
     fn read(&self, scene: &mut Scene) -> Result<Paths> {
-        let crs = scene.field.grid().crs().cloned();
-        let read = |odd: &mut _| read_track(&self.track, crs.as_ref(), (self.skips_bad, odd));
-        let paths = warned(&mut scene.warnings, read)?;
-        scene.sources.push(source_of(&self.track, self.hash)?);
+        let paths = self.track.read(scene.field.grid(), &mut scene.warnings)?;
+        scene.sources.push(self.track.source()?);
         if paths.have_heights() && self.has_rx_height {
             return Err(Error::idle("rx_height", "for a track with heights of its own"));
-        }
-        if self.follows_ground && !paths.have_heights() {
-            return Err(Error::idle("follow_ground", "for a walk: it follows the ground"));
         }
         Ok(paths)
     }
 
-    /// Checks the lengths of links and of the track. Returns how far places of the track are from the
-    /// UAVs at most: along an axis \[CRS units\], and in the plane \[m\].
-    fn check_reach(&self, scene: &Scene, (sites, paths): (&[GivenSite], &Paths)) -> Result<(f64, f64)> {
-        let unit = scene.grid().meters_per_unit();
-        let mut length = 0.0;
-        for path in &paths.lines {
-            length += path.vertices.windows(2).map(|e| (e[1].x - e[0].x).hypot(e[1].y - e[0].y)).sum::<f64>();
-        }
-        if length * unit / self.every_m > MOST_PLACES {
-            return Err(LimitError::Track { length: tidy(length * unit), every_m: self.every_m }.into());
-        }
+    /// Checks the lengths of links. Returns how far places of the track are from the UAVs at most: along
+    /// an axis \[CRS units\], and in the plane \[m\].
+    fn check_reach(scene: &Scene, (sites, paths): (&[GivenSite], &Paths)) -> Result<(f64, f64)> {
         let (mut reach, mut farthest) = (1.0_f64, 0.0_f64);
         for site in sites {
             for [x, y] in places(&paths.lines) {
@@ -180,25 +195,25 @@ impl TrackPlan {
                 farthest = farthest.max((x - site.x).hypot(y - site.y));
             }
         }
-        Ok((reach, farthest * unit))
+        Ok((reach, farthest * scene.grid().meters_per_unit()))
     }
 }
 
 /// Stretches that one UAV sees, or all together, and their sums.
 #[derive(Debug, Clone)]
 struct Seen {
-    stretches: Stretches,
-    sums: Sums,
+    stretches: WayStretches,
+    sums: StretchSums,
 }
 
 impl Seen {
-    fn of(stretches: Stretches) -> Seen {
+    fn of(stretches: WayStretches) -> Seen {
         Seen { sums: stretches.sums(), stretches }
     }
 
     /// Returns the share of the length in line of sight; `None` without receivers.
     fn share(&self) -> Option<f64> {
-        Sums::share(self.sums.length_m)
+        StretchSums::share(self.sums.length_m)
     }
 }
 
@@ -232,8 +247,8 @@ impl TrackWalk {
             return Ok(points);
         }
         let step = self.every_m / self.scene.grid().meters_per_unit();
-        let of = |uav: &Uav| found::points(&self.scene.field, (&self.ways, uav), (self.curvature, step));
-        let found = self.uavs.iter().map(of).collect::<Result<_>>()?;
+        let of = |uav: &Uav| TrackPoint::along(&self.scene.field, (&self.ways, uav), (self.curvature, step));
+        let found = self.uavs.iter().map(of).collect::<skyshed_core::Result<_>>()?;
         Ok(self.points.get_or_init(|| found))
     }
 
@@ -246,7 +261,7 @@ impl TrackWalk {
             None => "undefined: no place holds a receiver".to_string(),
             share => p_los_words(share),
         };
-        let by_time = match sums.time_s.map(Sums::share) {
+        let by_time = match sums.time_s.map(StretchSums::share) {
             Some(share @ Some(_)) => format!(", {} by time", p_los_words(share)),
             _ => String::new(),
         };
@@ -284,7 +299,7 @@ impl TrackWalk {
     /// Returns the ends of the first runs of a state along the track, and in time, in words; `None` without any.
     fn places_of(&self, state: TrackState) -> Option<String> {
         let rounded = |value: f64| tidy((value * 100.0).round() / 100.0);
-        let of = |run: Run<'_>| {
+        let of = |run: WayRun<'_>| {
             let [from, to] = run.along_m().map(rounded);
             let times = run.time_s().map(|times| times.map(rounded));
             let times = times.map_or(String::new(), |[from, to]| format!(" ({from} to {to} s)"));

@@ -5,9 +5,8 @@ use std::path::Path;
 use serde_json::json;
 
 use super::TrackWalk;
-use super::found::WayStretch;
 use crate::answer::{Answer, feature, feature_collection};
-use crate::coverage::TrackState;
+use crate::coverage::{TrackState, WayStretch};
 use crate::crs::{from_epsg, transform};
 use crate::error::RequestError;
 use crate::error::Result;
@@ -28,7 +27,7 @@ pub(super) fn geojson(walk: &TrackWalk) -> Result<String> {
 
 /// Returns both ends of a stretch: x, y and height above the datum \[m\].
 fn ends_of(walk: &TrackWalk, stretch: &WayStretch) -> [([f64; 2], Option<f64>); 2] {
-    stretch.at.map(|t| walk.place_of((stretch.way, stretch.leg, t)))
+    stretch.at.map(|t| walk.ways[stretch.way].place(stretch.leg, t))
 }
 
 /// A stretch in degrees.

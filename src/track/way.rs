@@ -1,76 +1,11 @@
 //! Ways through a scene: paths of a file with heights on its lattice.
 
-use super::TrackPlan;
-use crate::coverage::{TrackHeight, TrackVertex, height_over};
+use super::TrackAsked;
+use crate::coverage::{TrackHeight, TrackVertex, Way, WayVertex, height_over};
 use crate::error::{OddRun, PlacesError, Result, Warning};
 use crate::height_field::HeightField;
-use crate::quantity::{Height, STEPS_PER_UNIT, VOID, meters, tidy};
+use crate::quantity::{Height, VOID, meters, tidy};
 use crate::read::{Path, Paths, Vertex, VertexHeight};
-
-/// A path through a scene: vertices that are joined by straight legs.
-#[derive(Debug, Clone)]
-pub(crate) struct Way {
-    pub(super) name: Option<String>,
-    pub(super) vertices: Vec<WayVertex>,
-}
-
-/// A vertex of a way.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct WayVertex {
-    pub(super) vertex: TrackVertex,
-    pub(super) time_s: Option<f64>,
-    /// `false` for one that was put between those of the file, to follow the ground.
-    pub(super) is_given: bool,
-}
-
-/// A leg of a way: where it begins and ends along it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct LegSpan {
-    /// Distances in space \[m\].
-    pub(super) along_m: [f64; 2],
-    /// Times since the start of the way \[s\].
-    pub(super) time_s: Option<[f64; 2]>,
-}
-
-impl LegSpan {
-    /// Returns distance and time at a fraction of the leg.
-    pub(super) fn at(&self, t: f64) -> (f64, Option<f64>) {
-        let between = |[from, to]: [f64; 2]| if t >= 1.0 { to } else { from + t * (to - from) };
-        (between(self.along_m), self.time_s.map(between))
-    }
-}
-
-impl Way {
-    /// Returns the legs of the way.
-    pub(super) fn legs(&self) -> impl Iterator<Item = [&TrackVertex; 2]> {
-        self.vertices.windows(2).map(|ends| [&ends[0].vertex, &ends[1].vertex])
-    }
-
-    /// Returns where each leg begins and ends along the way.
-    pub(super) fn spans(&self, meters_per_unit: f64) -> Vec<LegSpan> {
-        let mut along = 0.0;
-        let start = self.vertices.first().and_then(|first| first.time_s).unwrap_or(0.0);
-        let span = |ends: &[WayVertex]| {
-            let from = along;
-            along += length_m([&ends[0].vertex, &ends[1].vertex], meters_per_unit);
-            let times = ends[0].time_s.zip(ends[1].time_s);
-            LegSpan { along_m: [from, along], time_s: times.map(|(a, b)| [a - start, b - start]) }
-        };
-        self.vertices.windows(2).map(span).collect()
-    }
-}
-
-/// Returns the length of a leg in space \[m\].
-fn length_m([from, to]: [&TrackVertex; 2], meters_per_unit: f64) -> f64 {
-    let across = (to.position[0] - from.position[0]).hypot(to.position[1] - from.position[1]) * meters_per_unit;
-    match (from.height, to.height) {
-        #[expect(clippy::cast_precision_loss, reason = "heights are at most 2^28 steps")]
-        (TrackHeight::AboveDatum(a), TrackHeight::AboveDatum(b)) => {
-            across.hypot((b - a) as f64 / f64::from(STEPS_PER_UNIT))
-        }
-        _ => across,
-    }
-}
 
 /// Largest difference between a straight leg and one at the same height above the ground that is
 /// told of nobody \[m\].
@@ -82,18 +17,20 @@ struct Off {
     at: [f64; 2],
 }
 
-/// Returns the ways of paths. Heights are resolved at the vertices; a walk has none of its own.
+/// Returns the ways of paths. Heights are resolved at the vertices; a walk, which has none of its own, is `rx_height`
+/// above the ground \[1/1024 m\].
 ///
 /// # Errors
 /// E2xx for a vertex whose height cannot be resolved.
-pub(super) fn ways_of(
+pub(crate) fn ways_of(
     paths: Paths,
-    (field, plan): (&HeightField, &TrackPlan),
+    (field, asked): (&HeightField, &TrackAsked),
+    rx_height: i32,
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Way>> {
     let home = home_ground(field, paths.home)?;
-    let step = plan.every_m / field.grid().meters_per_unit();
-    let resolver = Resolver { field, home, rx_height: plan.sight.rx_height() };
+    let step = asked.every_m / field.grid().meters_per_unit();
+    let resolver = Resolver { field, home, rx_height };
     let mut farthest: Option<Off> = None;
     let mut ways = Vec::new();
     for path in paths.lines {
@@ -103,7 +40,7 @@ pub(super) fn ways_of(
             if let Some(before) = k.checked_sub(1).map(|k| &path.vertices[k])
                 && let Some(heights) = above_ground([before, vertex])
             {
-                if plan.follows_ground {
+                if asked.follows_ground {
                     resolver.follow([before, vertex], heights, step, &mut vertices)?;
                 } else if let Some(off) = resolver.farthest_off([before, vertex], heights, step)? {
                     farthest = Some(off).into_iter().chain(farthest).max_by(|a, b| a.by_m.total_cmp(&b.by_m));
@@ -214,6 +151,6 @@ impl Resolver<'_> {
 }
 
 /// Returns the places of all paths, for bounds.
-pub(super) fn places(paths: &[Path]) -> impl Iterator<Item = [f64; 2]> {
+pub(crate) fn places(paths: &[Path]) -> impl Iterator<Item = [f64; 2]> {
     paths.iter().flat_map(|path| &path.vertices).map(|vertex| [vertex.x, vertex.y])
 }

@@ -45,6 +45,7 @@ mod pictures; // one picture of each kind, pixel by pixel
 
 mod live; // the live page: digests, sizes, hostile words, a browser
 mod live_claims; // what pages say: fields, commands, links, marks, shares, places over no data
+mod live_tracks; // tracks on the live page: stretches, side view, refusals
 mod live_fields; // fields and addresses of the live page: what is typed means what it means to the program
 
 mod docs; // every command of the manual runs

@@ -154,6 +154,67 @@ pub struct Step {
     pub kind: &'static str,
 }
 
+/// Stretches of the tracks of a page.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct TrackFacts {
+    /// Stretches in order; none if no UAV hovers.
+    pub stretches: Vec<StretchFacts>,
+    /// Lengths in line of sight, without it, inside buildings or below the ground, and over no data \[m\].
+    pub lengths_m: [f64; 4],
+    /// Times alike \[s\]; `None` if the tracks have none.
+    pub times_s: Option<[f64; 4]>,
+    /// Longest stretch without line of sight \[m\].
+    pub longest_without_m: f64,
+    /// Longest time without line of sight \[s\].
+    pub longest_without_s: Option<f64>,
+    /// Step by which stretches are decided over a curved earth \[m\]; otherwise they are exact.
+    pub every_m: Option<f64>,
+}
+
+/// Stretch of one state of a track.
+#[derive(Debug, Clone, Serialize)]
+pub struct StretchFacts {
+    /// `los`, `nlos`, `inside` or `nodata`.
+    pub state: &'static str,
+    /// Distances along all tracks, which follow each other, at which it begins and ends \[m\].
+    pub along_m: [f64; 2],
+    /// Times since the start of its track \[s\].
+    pub time_s: Option<[f64; 2]>,
+    /// Positions of its beginning, of the vertices in it, and of its end.
+    pub places: Vec<[f64; 2]>,
+    /// Obstacle that hides most of it from one UAV.
+    pub obstacle: Option<StretchObstacle>,
+}
+
+/// Obstacle of a stretch, at its middle.
+#[derive(Debug, Clone, Serialize)]
+#[expect(missing_docs, reason = "named as in the program's documents")]
+pub struct StretchObstacle {
+    pub kind: &'static str,
+    pub name: Option<String>,
+    pub x: f64,
+    pub y: f64,
+}
+
+/// Heights at a place of a track.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct TrackPlace {
+    /// Distance along all tracks, which follow each other \[m\].
+    pub along_m: f64,
+    /// Time since the start of its track \[s\].
+    pub time_s: Option<f64>,
+    /// East.
+    pub x: f64,
+    /// North.
+    pub y: f64,
+    /// Height of the user above the datum \[m\].
+    pub user_m: f64,
+    /// Ground above the datum, if it is known \[m\].
+    pub ground_m: Option<f64>,
+    /// Roof above the datum, where there is a building \[m\].
+    pub roof_m: Option<f64>,
+}
+
 /// P_LoS against height, or the progress of its making.
 #[derive(Debug, Clone, Serialize)]
 #[serde(untagged)]

@@ -6,8 +6,9 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Map, Value};
 use skyshed_core::city::Site;
+use skyshed_core::coverage::{TrackHeight, TrackVertex, Way, WayVertex};
 use skyshed_core::height_field::Curvature;
-use skyshed_core::quantity::Height;
+use skyshed_core::quantity::{Height, height_steps, meters};
 use skyshed_core::raster::GeoRef;
 use skyshed_request::json::{MemberFault, from_members};
 use skyshed_request::{HeightErrors, Range, Receiver, Receivers, Sight};
@@ -62,6 +63,20 @@ pub enum Question {
         /// North.
         y: f64,
     },
+    /// Replaces the tracks of the page.
+    Tracks {
+        /// Tracks, in order.
+        tracks: Vec<PageTrack>,
+    },
+    /// Stretches of the tracks that a UAV of the last map sees, or at least one of them.
+    Stretches {
+        /// Index of the UAV; all together without one.
+        which: Option<usize>,
+        /// Step by which stretches are decided over a curved earth.
+        every_m: f64,
+    },
+    /// Heights along the tracks, and of what is below.
+    TrackHeights,
     /// Begins P_LoS against the height of a UAV of the last map; `curve_rows` continues.
     Curve {
         /// Index of the UAV.
@@ -112,6 +127,47 @@ impl Uav {
     /// Returns the site of the UAV, as engines know it.
     pub(crate) fn site(&self) -> Site {
         Site::new(self.id.clone(), (self.x, self.y), self.height.into())
+    }
+}
+
+/// Walk or flight of a user.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PageTrack {
+    /// Name.
+    pub name: Option<String>,
+    /// East, north, height above the datum \[m\], time \[s\]; a walk has no heights and follows the ground.
+    pub vertices: Vec<(f64, f64, Option<f64>, Option<f64>)>,
+}
+
+impl From<&Way> for PageTrack {
+    fn from(way: &Way) -> PageTrack {
+        let vertex = |of: &WayVertex| {
+            let TrackVertex { position: [x, y], height } = of.vertex;
+            let height_m = match height {
+                TrackHeight::AboveDatum(z) => i32::try_from(z).ok().map(meters),
+                TrackHeight::AboveGround(_) => None,
+            };
+            (x, y, height_m, of.time_s)
+        };
+        PageTrack { name: way.name.clone(), vertices: way.vertices.iter().map(vertex).collect() }
+    }
+}
+
+impl PageTrack {
+    /// Returns the way; a walk is at a height above the ground \[1/1024 m\]. `None` with heights
+    /// beyond the lattice, or at some vertices alone.
+    pub(crate) fn way(&self, walk: i32) -> Option<Way> {
+        let has_heights = self.vertices.iter().all(|(_, _, height_m, _)| height_m.is_some());
+        let vertex = |&(x, y, height_m, time_s): &(f64, f64, Option<f64>, Option<f64>)| {
+            let height = match height_m {
+                Some(m) if has_heights => TrackHeight::AboveDatum(i64::from(height_steps(m)?)),
+                Some(_) => return None,
+                None => TrackHeight::AboveGround(walk),
+            };
+            Some(WayVertex { vertex: TrackVertex { position: [x, y], height }, time_s, is_given: true })
+        };
+        let vertices = self.vertices.iter().map(vertex).collect::<Option<_>>()?;
+        Some(Way { name: self.name.clone(), vertices })
     }
 }
 

@@ -7,7 +7,7 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use skyshed::cli;
-use skyshed::{Antenna, Height, SceneReader, Uav};
+use skyshed::{Antenna, Height, SceneReader, Source, Uav};
 use skyshed_core::raster::GeoRef;
 use skyshed_io::read::HeldBuilding;
 
@@ -221,10 +221,21 @@ impl Scene {
         links::links(py, (self.0.clone(), uavs), receivers, options, watch)
     }
 
-    /// The live page.
-    fn live_page(&self, py: Python<'_>, uavs: Vec<AskedUav>, word: OsString, options: &str) -> PyResult<String> {
+    /// The live page, with a track by its path, or by a name and bytes.
+    fn live_page(
+        &self,
+        py: Python<'_>,
+        uavs: Vec<AskedUav>,
+        track: Option<(OsString, Option<Vec<u8>>)>,
+        word: OsString,
+        options: &str,
+    ) -> PyResult<String> {
         let (scene, uavs, options) = (self.0.clone(), uavs_of(uavs)?, members(options)?);
-        watched(py, None, move |_| Ok(cli::live_page((&scene, &uavs), (&word, options))?))
+        let track = track.map(|(name, bytes)| match bytes {
+            Some(bytes) => Source::held(name, bytes),
+            None => Source::from(name),
+        });
+        watched(py, None, move |_| Ok(cli::live_page(&scene, (&uavs, track), (&word, options))?))
     }
 
     #[getter]

@@ -11,7 +11,7 @@ use super::web_page::{SHARES, filled, gzip, in_script, policy};
 const TEMPLATE: &str = include_str!("live_page/page.html");
 const STYLE: &str = include_str!("live_page/page.css");
 /// Parts of the script, each of which uses parts before it.
-const SCRIPTS: [&str; 29] = [
+const SCRIPTS: [&str; 30] = [
     include_str!("live_page/types.js"),
     SHARES,
     include_str!("live_page/texts.js"),
@@ -30,6 +30,7 @@ const SCRIPTS: [&str; 29] = [
     include_str!("live_page/readout.js"),
     include_str!("live_page/chart.js"),
     include_str!("live_page/side_view.js"),
+    include_str!("live_page/track_view.js"),
     include_str!("live_page/fields.js"),
     include_str!("live_page/curve.js"),
     include_str!("live_page/best.js"),

@@ -65,7 +65,8 @@ pub use questions::{
     ChartOptions, ChartRequest, CityRequest, CompareOptions, CompareRequest, InfoOptions, InfoRequest, LimitsOptions,
     LimitsRequest, LinkOptions, LinkRequest, LiveRequest, SampleOptions, SampleRequest, SetChartOptions,
     SetCompareOptions, SetInfoOptions, SetLimitsOptions, SetLinkOptions, SetSampleOptions, SetStressOptions,
-    SetTrackOptions, StressOptions, StressRequest, TrackOptions, TrackRequest, ZonesRequest,
+    SetStretchOptions, SetTrackOptions, StressOptions, StressRequest, StretchOptions, TrackOptions, TrackRequest,
+    ZonesRequest,
 };
 pub use scene::band::Band;
 pub use scene::missing_heights::{HeightRule, MissingHeights, WithoutHeight};

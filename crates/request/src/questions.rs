@@ -68,11 +68,8 @@ part! {
         ///
         /// A table has columns x,y or lon,lat, and for a flight h, for times t (seconds or ISO 8601); `-` is standard input. A
         /// track without heights is a walk at --rx-height.
-        #[arg(long, value_name = "FILE", required = true)]
-        track: Option<Source>,
-        /// File of stretches, leg by leg: .csv .geojson .gpx .kml; repeat for more
         #[arg(long, value_name = "FILE")]
-        stretches: Vec<FilePath>,
+        track: Option<Source>,
         /// Cut legs between heights above the ground at --every, to follow it
         #[arg(long)]
         follow_ground: bool,
@@ -82,12 +79,22 @@ part! {
     }
 }
 
+part! {
+    /// Files of stretches.
+    pub struct StretchOptions, SetStretchOptions {
+        /// File of stretches, leg by leg: .csv .geojson .gpx .kml; repeat for more
+        #[arg(long, value_name = "FILE")]
+        stretches: Vec<FilePath>,
+    }
+}
+
 group! {
     /// Request of line of sight along a walk or a flight.
     #[command(
         mut_arg("output", |a| a.help("File to write: .png .svg .pdf .csv .json; repeat for more").long_help(
             "A strip of line of sight below the height that would be enough (.png, .svg, .pdf), the document (.json), a table \
              (.csv), `-` for JSON on standard output; repeat for more")),
+        mut_arg("track", |a| a.required(true)),
         after_help = "Example: skyshed track itu:urban --uav 500,500,100 --track walk.csv -o walk.png"
     )]
     pub struct TrackRequest {
@@ -101,6 +108,9 @@ group! {
         /// Track.
         #[heading = "Track"]
         track: TrackOptions,
+        /// Files of stretches.
+        #[heading = "Track"]
+        stretches: StretchOptions,
         /// Height of the receiver.
         #[heading = "Track"]
         receiver: Receiver,
@@ -352,6 +362,9 @@ group! {
         /// Receivers, range, antennas and earth.
         #[heading = "Start"]
         sight: Sight,
+        /// Walk or flight that the page shows.
+        #[heading = "Track"]
+        track: TrackOptions,
         /// Files and effort.
         out: OutputOptions,
         /// Looks of pictures.

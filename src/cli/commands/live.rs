@@ -3,7 +3,8 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use skyshed_request::{LiveRequest, json};
+use skyshed_io::Input;
+use skyshed_request::{LiveRequest, Uavs, json};
 
 use crate::cli::args::output::checked_files;
 use crate::cli::args::scene::{scene_files, scene_words};
@@ -15,6 +16,7 @@ use crate::export::Format;
 use crate::live::{FORMATS, LivePage, LivePlan};
 use crate::picture::Look;
 use crate::sight::SightPlan;
+use crate::track::TrackAsked;
 use crate::uav::UavsAsked;
 
 /// Answers a request.
@@ -26,15 +28,29 @@ pub(in crate::cli) fn run(request: &LiveRequest, run: &Run) -> Result<()> {
         .map_err(Error::from)?;
     json::refuse(&json::set_members(request), &["width", "dpi"], "for a page, which is as wide as its window")
         .map_err(Error::from)?;
-    let mut outputs =
-        checked_files(&request.out, None, (&FORMATS, &scene_files(request.scene.word(), &request.reading)))?;
+    let hash = request.reading.options.hash;
+    let track = match &request.track.track {
+        Some(file) => Some(TrackAsked::of((Input::of(file), request.uavs.skip_bad, hash), &request.track)?),
+        None => {
+            json::refuse(&json::set_members(&request.track), &["every", "follow_ground"], "without a track")
+                .map_err(Error::from)?;
+            None
+        }
+    };
+    // Bad rows may be those of the track alone.
+    let skip_bad = request.uavs.skip_bad && (track.is_none() || request.uavs.uavs.is_some());
+    let uavs = UavsAsked::of(&Uavs { skip_bad, ..request.uavs.clone() }, hash)?;
+    let files = uavs.file().into_iter().chain(track.iter().filter_map(|track| track.file.file().map(PathBuf::from)));
+    let inputs: Vec<PathBuf> = scene_files(request.scene.word(), &request.reading).into_iter().chain(files).collect();
+    let mut outputs = checked_files(&request.out, None, (&FORMATS, &inputs))?;
     let opens = outputs.is_empty() && !request.out.files.json;
     if opens {
         outputs.push((temporary(request.scene.word())?, Format::Html));
     }
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;
     let plan = LivePlan {
-        uavs: UavsAsked::of(&request.uavs, request.reading.options.hash)?,
+        uavs,
+        track,
         sight: SightPlan::of(&request.sight)?,
         scene_words: scene_words(request.scene.word(), &request.reading),
         command: run.command(),

@@ -11,7 +11,7 @@ use crate::cli::failure::Result;
 use crate::cli::run::Run;
 use crate::export::{OutputRules, check_outputs};
 use crate::picture::Look;
-use crate::track::{FORMATS, STRETCH_FORMATS, TrackPlan};
+use crate::track::{FORMATS, STRETCH_FORMATS, TrackAsked, TrackPlan};
 use crate::uav::UavsAsked;
 
 /// Answers a request.
@@ -27,8 +27,10 @@ pub(in crate::cli) fn run(request: &TrackRequest, run: &Run) -> Result<()> {
     let uavs = UavsAsked::some_of(&asked, hash)?;
     let track = options.track.as_ref().map_or_else(|| Input::path(""), Input::of);
     let of_user = (&request.receiver, &request.earth);
-    let plan = TrackPlan::of(uavs, (track, skips_bad, hash), options, of_user)?;
-    let files = plan.uavs.file().into_iter().chain(plan.track.file().map(PathBuf::from));
+    let track = TrackAsked::of((track, skips_bad, hash), options)?;
+    let mut plan = TrackPlan::of(uavs, track, of_user)?;
+    plan.stretch_files = request.stretches.stretches.iter().map(|path| path.0.clone()).collect();
+    let files = plan.uavs.file().into_iter().chain(plan.track.file.file().map(PathBuf::from));
     let inputs: Vec<PathBuf> = scene_files(request.scene.word(), &request.reading).into_iter().chain(files).collect();
     let mut outputs = checked_files(&request.out, None, (&FORMATS, &inputs))?;
     let look = Look::checked(&request.picture, &request.out.writing, &outputs)?;

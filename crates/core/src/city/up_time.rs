@@ -12,7 +12,7 @@ pub enum Clock {
 }
 
 impl Clock {
-    /// Returns what a moment of this clock is called.
+    /// Returns the words for a moment of this clock in messages.
     pub fn name(self) -> &'static str {
         match self {
             Clock::Number => "a number",

@@ -52,7 +52,10 @@ pub use stability::{Move, Stability, Turned};
 pub use streamed::StreamedMapper;
 pub use tally::{BAND_DEGREES, ElevationBand, Tally};
 pub use times::{TimeCount, TimeSpan, Times};
-pub use track::{LegStretch, TrackHeight, TrackLeg, TrackPoint, TrackState, TrackVertex};
+pub use track::{
+    LegSpan, LegStretch, StretchSums, TrackHeight, TrackLeg, TrackPoint, TrackState, TrackStretches, TrackVertex, Way,
+    WayHeights, WayRun, WayStretch, WayStretches, WayVertex,
+};
 pub use uav::{HoversOver, Uav, height_over, is_nodata_below};
 pub use uav_grid::UavGrid;
 pub use uncertain_heights::{CORRELATION_M, Deciding, RedrawnCounts, RedrawnHeights, Sure};

@@ -32,9 +32,9 @@ pub struct TimeCount {
 pub struct Times {
     /// Moments at which a UAV comes or goes, in order, with both ends of the span \[s\].
     moments_s: Vec<f64>,
-    /// Stretches in which a cell is seen: a bit each, 32 to the number, numbers of one cell apart.
+    /// Stretches in which cells are seen: layers of one number a cell, whose bits are 32 stretches each.
     seen: Vec<Vec<u32>>,
-    /// Stretches in which a cell is a receiver in range, if these are counted.
+    /// Stretches in which cells are receivers in range, alike, if these are counted.
     received: Vec<Vec<u32>>,
 }
 

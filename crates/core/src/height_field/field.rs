@@ -160,6 +160,12 @@ impl HeightField {
         self.solid.columns().map(|(_, frame)| frame)
     }
 
+    /// Returns the longer side of the box around two positions, in lattice units of the scene.
+    pub fn span_units(&self, from: (f64, f64), to: (f64, f64)) -> f64 {
+        let span = |frame: Frame| ((to.0 - from.0) / frame.unit_x).abs().max(((to.1 - from.1) / frame.unit_y).abs());
+        [self.prisms_frame(), self.columns_frame()].into_iter().flatten().map(span).fold(0.0, f64::max)
+    }
+
     /// Returns the id of a building of the prisms.
     pub fn building_id(&self, building: u32) -> &str {
         self.solid.vector().map_or("", |vector| &vector.building_ids[building as usize])

@@ -3,6 +3,7 @@
 mod fields;
 mod places;
 mod studies;
+mod tracks;
 
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -21,7 +22,7 @@ use crate::backdrop::backdrop;
 use crate::best_place::Search;
 use crate::cell_picture::{CellPicture, seen_by};
 use crate::pack::{NotPacked, PackedCity, unpack};
-use crate::questions::{Layer, PageSight, Question, Shown, Uav};
+use crate::questions::{Layer, PageSight, PageTrack, Question, Shown, Uav};
 
 /// Largest number of UAVs of a page: the picture of counts can tell apart no more.
 pub const MOST_UAVS: usize = 32;
@@ -45,6 +46,7 @@ pub struct Engine {
     picture: Vec<u8>,
     curve: Option<studies::Curve>,
     search: Option<Search>,
+    tracks: Vec<PageTrack>,
 }
 
 /// Zones of the scene, and the cells of each.
@@ -105,6 +107,7 @@ impl Engine {
             picture: Vec::new(),
             curve: None,
             search: None,
+            tracks: Vec::new(),
         })
     }
 
@@ -147,6 +150,9 @@ impl Engine {
             Question::Read { field, text, .. } => Ok(self.read_number(&field, &text)),
             Question::Cell { x, y, which } => Ok(json!(self.cell(x, y, which))),
             Question::Link { which, x, y } => Ok(json!(self.link(which, x, y))),
+            Question::Tracks { tracks } => self.take_tracks(tracks).map(|()| json!({})),
+            Question::Stretches { which, every_m } => self.stretches(which, every_m).map(|facts| json!(facts)),
+            Question::TrackHeights => self.track_heights().map(|places| json!({ "places": places })),
             Question::Curve { which } => self.begin_curve(which).map(|()| json!({ "share": 0.0 })),
             Question::CurveRows { rows } => self.curve_rows(rows).map(|facts| json!(facts)),
             Question::Best { which, radius_m } => self.begin_search(which, radius_m).map(|()| json!({ "share": 0.0 })),

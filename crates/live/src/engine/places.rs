@@ -59,6 +59,18 @@ impl Engine {
         place_receiver(self.field, (x, y), height).map_err(|why| why.to_string())
     }
 
+    /// Returns the kind of an obstacle in a word, and its name.
+    pub(super) fn named(&self, kind: ObstacleKind) -> (&'static str, Option<String>) {
+        let of_cell = |(row, col): (usize, usize)| Some(format!("{row}, {col}"));
+        match kind {
+            ObstacleKind::Building(k) => ("building", Some(self.field.building_id(k).to_string())),
+            ObstacleKind::Terrain(cell) => ("terrain", of_cell(cell)),
+            ObstacleKind::Cell(cell) => ("cell", of_cell(cell)),
+            ObstacleKind::Nodata(cell) => ("nodata", of_cell(cell)),
+            ObstacleKind::Horizon => ("horizon", None),
+        }
+    }
+
     /// Returns a link, its side view and its receiver, at the heights at which the UAV sees them.
     /// Over a curved earth these are lower than the true heights.
     fn seen_link(&self, uav: &Uav, receiver: &Station) -> Result<(ExplainedLink, Vec<ProfileStep>, Station)> {
@@ -99,14 +111,7 @@ impl Engine {
             uav: end(&uav.station),
             receiver: end(&receiver),
             obstruction: found.obstruction.map(|obstacle| {
-                let of_cell = |(row, col): (usize, usize)| Some(format!("{row}, {col}"));
-                let (kind, name) = match obstacle.kind {
-                    ObstacleKind::Building(k) => ("building", Some(self.field.building_id(k).to_string())),
-                    ObstacleKind::Terrain(cell) => ("terrain", of_cell(cell)),
-                    ObstacleKind::Cell(cell) => ("cell", of_cell(cell)),
-                    ObstacleKind::Nodata(cell) => ("nodata", of_cell(cell)),
-                    ObstacleKind::Horizon => ("horizon", None),
-                };
+                let (kind, name) = self.named(obstacle.kind);
                 let (x, y, ray_height_m) = (obstacle.x, obstacle.y, obstacle.ray_height_m);
                 Obstruction { kind, name, x, y, ray_height_m, roof_height_m: obstacle.top_m }
             }),

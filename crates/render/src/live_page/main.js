@@ -42,6 +42,7 @@ function follow(change, since) {
   if (change === "selected") {
     if (coverage.answer) showResults(coverage.answer);
     refreshLink();
+    refreshTrack();
     void refreshCurve();
   }
   if (saveDialog.open) showSave();
@@ -62,7 +63,7 @@ function showRoles() {
   if (areObservers() !== saysObservers) {
     saysObservers = areObservers();
     showLook();
-  } else if (isInAir() && state.uavs.some((uav, k) => marks[k]?.classList.contains("observer") !== isObserver(uav))) {
+  } else if ((isInAir() || hasTrack()) && state.uavs.some((uav, k) => marks[k]?.classList.contains("observer") !== isObserver(uav))) {
     makeMarks();
     makeUavList();
   }
@@ -81,6 +82,7 @@ function showLook() {
   drawCurve();
   if (coverage.answer) showResults(coverage.answer);
   if (lastLink && linkPlace) showLink(lastLink);
+  showTrack();
   showCursorHint();
   showAbout();
   placeOverlay();
@@ -118,11 +120,13 @@ Object.assign(window, { skyshed: { state, facts, ready, idle }, skyshedTimes: ti
 
 async function start() {
   const wrong = readAddress(location.hash.slice(1));
+  const hasView = state.view !== null;
   saysObservers = areObservers();
   listeners.push(follow);
   new ResizeObserver(() => {
     measure();
     if (lastLink && linkPlace) showLink(lastLink);
+    showTrack();
   }).observe(mapBox);
   measure();
   showLook();
@@ -132,6 +136,7 @@ async function start() {
   listenToBest();
   listenToKept();
   listenToSave();
+  listenToTrack();
   listenToRest();
   showProgress("engine", null);
   try {
@@ -141,6 +146,7 @@ async function start() {
     const opened = await openScene(showProgress);
     painter.hand.setTone(new Uint8Array(opened.tone));
     showOpened(opened);
+    await openTrack(!hasView);
     wantMap(performance.now());
     await idle();
     tellWrong(wrong);
@@ -185,6 +191,7 @@ function listenToRest() {
     settleNewcomer(answer);
     if (answer.uavs[state.selected]?.ok === false) askBelow();
     refreshLink();
+    refreshTrack();
     askCell();
   });
   onRest.push(() => {

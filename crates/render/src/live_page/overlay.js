@@ -13,6 +13,8 @@ const overlay = {
   /** @type {LinkSeen | null} */ link: null,
   /** The circle that is searched. @type {{x: number, y: number, radius_m: number} | null} */ search: null,
   /** The best place so far. @type {Candidate | null} */ best: null,
+  /** The place of the track that is pointed at, and what hides it. @type {TrackPlace | null} */ trackPlace: null,
+  /** @type {Stretch['obstacle']} */ trackObstacle: null,
   /** Whether somebody has done anything on the map. */ isUsed: false,
 };
 
@@ -59,6 +61,7 @@ function placeOverlay() {
   });
   placeTags();
   placeHint();
+  placeTrack();
   placeLines();
   placeScale();
 }
@@ -112,12 +115,15 @@ lines.append(draw("clipPath", { id: "map-clip" }, mapClip));
 const lineParts = {
   frame: draw("rect", { class: "map-frame" }),
   circles: draw("g", { class: "range", "clip-path": "url(#map-clip)" }),
+  track: draw("g", { class: "track" }),
   search: draw("circle", { class: "search" }),
   best: draw("path", { class: "best", d: "M0 -15L4.2 -5.2L14.6 -4.3L6.7 2.6L9.1 12.7L0 7.3L-9.1 12.7L-6.7 2.6L-14.6 -4.3L-4.2 -5.2Z" }),
   casing: draw("line", { class: "casing" }),
   clear: draw("line", { class: "clear" }),
   blocked: draw("line", { class: "blocked" }),
   receiver: draw("circle", { class: "receiver", r: 6 }),
+  trackPlace: draw("circle", { class: "receiver", r: 6 }),
+  trackObstacle: draw("path", { class: "obstruction", d: "M0 -10L10 0L0 10L-10 0Z" }),
   obstruction: draw("path", { class: "obstruction", id: "obstruction", d: "M0 -10L10 0L0 10L-10 0Z" }),
 };
 lines.append(...Object.values(lineParts));
@@ -166,6 +172,32 @@ function placeLines() {
   place(lineParts.blocked, link?.los ? null : between(met, to));
   place(lineParts.receiver, to && { cx: to.x, cy: to.y });
   place(lineParts.obstruction, stop ? { transform: `translate(${stop.x} ${stop.y})` } : null);
+}
+
+/** The lines of the track and of its stretches as paths in pixels. @param {(x: number) => number} ofX @param {(y: number) => number} ofY */
+function trackPaths(ofX, ofY) {
+  const path = (/** @type {number[][]} */ places) => `M${places.map(([x, y]) => `${ofX(x).toFixed(1)} ${ofY(y).toFixed(1)}`).join("L")}`;
+  const whole = facts.tracks.filter(({ vertices }) => vertices.length > 1).map(({ vertices }) => path(vertices.map(([x, y]) => [x, y]))).join("");
+  return { whole, stretches: (track.seen?.stretches ?? []).map(({ state: name, places }) => ({ name, d: path(places) })) };
+}
+
+/** Puts the lines of the track where the view has them. */
+function placeTrack() {
+  if (!hasTrack()) return;
+  const { whole, stretches } = trackPaths(pxOfX, pxOfY);
+  const wanted = [["track-casing", whole], ...(stretches.length > 0 ? [] : [["track-unknown", whole]]), ...stretches.map(({ name, d }) => [`track-${name}`, d])];
+  const { track: group } = lineParts;
+  while (group.childElementCount > wanted.length) group.lastElementChild?.remove();
+  while (group.childElementCount < wanted.length) group.append(draw("path"));
+  wanted.forEach(([kind, d], k) => place(/** @type {SVGElement} */ (group.children[k]), { class: kind, d }));
+  placeTrackPlace();
+}
+
+/** Puts the marks of what is pointed at in the side view of the track. */
+function placeTrackPlace() {
+  const { trackPlace, trackObstacle } = overlay;
+  place(lineParts.trackPlace, trackPlace && { cx: pxOfX(trackPlace.x), cy: pxOfY(trackPlace.y) });
+  place(lineParts.trackObstacle, trackObstacle && { transform: `translate(${pxOfX(trackObstacle.x)} ${pxOfY(trackObstacle.y)})` });
 }
 
 /** A scale bar of a round length of at most 120 pixels. */

@@ -124,6 +124,7 @@ function pictureMarks(context, view, width, height) {
     context.stroke();
     context.setLineDash([]);
   };
+  if (hasTrack()) pictureTrack(context, x, y);
   const { link } = overlay;
   if (link) {
     const [from, to] = [link.uav, link.receiver].map((p) => [x(p.x), y(p.y)]);
@@ -136,6 +137,25 @@ function pictureMarks(context, view, width, height) {
     if (link.obstruction) diamond(context, x(link.obstruction.x), y(link.obstruction.y), 12);
   }
   state.uavs.forEach((uav, k) => pictureUav(context, uav, k, x(uav.x), y(uav.y), width));
+}
+
+/** Colors and dashes of the stretches of a track. @type {Record<TrackState, [string, number[]]>} */
+const TRACK_LINES = { los: [hex(LOS), []], nlos: ["#d55e00", [12, 8]], inside: ["#882255", [3, 5]], nodata: ["#6b7178", []] };
+
+/** The track in its stretches. @param {CanvasRenderingContext2D} context @param {(x: number) => number} x @param {(y: number) => number} y */
+function pictureTrack(context, x, y) {
+  const { whole, stretches } = trackPaths(x, y);
+  const line = (/** @type {string} */ d, /** @type {string} */ color, /** @type {number} */ thick, /** @type {number[]} */ dashes) => {
+    context.strokeStyle = color;
+    context.lineWidth = thick;
+    context.lineJoin = "round";
+    context.setLineDash(dashes);
+    context.stroke(new Path2D(d));
+    context.setLineDash([]);
+  };
+  line(whole, "#ffffff", 11, []);
+  if (stretches.length === 0) line(whole, TRACK_LINES.nodata[0], 5, []);
+  for (const { name, d } of stretches) line(d, TRACK_LINES[name][0], 5, TRACK_LINES[name][1]);
 }
 
 /** @param {CanvasRenderingContext2D} context @param {number} x @param {number} y @param {number} r @param {string} fill @param {string} [stroke] */
@@ -305,6 +325,7 @@ function captionLines(answer) {
   });
   const { all } = answer;
   if (state.uavs.length > 1 && all.receivers > 0 && !all.reason) uavs.push(words.captionAll(fixed(all.los / all.receivers, 4)));
+  const ofTrack = hasTrack() && track.seen && track.seen.stretches.length > 0 ? [[`${trackShare(track.seen)} (${words.trackLines})`, ...trackRows(track.seen).map((row) => row.words)].join("; ")] : [];
   const cell = number(grid.cell_width * grid.meters_per_unit, 3);
   const { rx_height, radius } = state.sight;
   const how = [
@@ -312,5 +333,5 @@ function captionLines(answer) {
     facts.crs ? facts.crs.label : words.localCoordinates,
     facts.program,
   ];
-  return [...uavs, how.join("; "), ...facts.limits, ...(facts.attribution ? [facts.attribution] : [])];
+  return [...uavs, ...ofTrack, how.join("; "), ...facts.limits, ...(facts.attribution ? [facts.attribution] : [])];
 }

@@ -39,6 +39,7 @@ function openLink(x, y) {
   closeLink();
   if (!engine.opened || x < grid.x_min || x > X_MAX || y < Y_MIN || y > grid.y_max) return;
   linkPlace = { x, y };
+  showTrack();
   refreshLink();
   // The map moves after a second click would have come, which zooms about its place.
   roomTimer = setTimeout(makeRoomForLink, DOUBLE_CLICK.ms + 30);
@@ -48,10 +49,15 @@ function openLink(x, y) {
 function makeRoomForLink() {
   const { link } = overlay;
   if (!link || drawer.hidden || presses.size > 0) return;
+  glideToPlaces([link.uav, link.receiver], roomAbove(drawer));
+}
+
+/** The part of the map between its buttons and a side view [px]. @param {HTMLElement} side */
+function roomAbove(side) {
   const edge = (/** @type {HTMLElement} */ box) => box.getBoundingClientRect();
   const { top } = edge(mapBox);
-  const room = { left: 40, right: screenSize.width - 40, top: edge(htmlById("actions")).bottom - top + 32, bottom: edge(drawer).top - top - 32 };
-  glideToPlaces([link.uav, link.receiver], room);
+  const bottom = side.hidden ? screenSize.height : edge(side).top - top;
+  return { left: 40, right: screenSize.width - 40, top: edge(htmlById("actions")).bottom - top + 32, bottom: bottom - 32 };
 }
 
 function closeLink() {
@@ -59,6 +65,7 @@ function closeLink() {
   linkPlace = linkCell = lastLink = overlay.link = null;
   drawer.hidden = true;
   placeLines();
+  showTrack();
 }
 
 /** The newest answer, drawn anew when the language or the size changes. @type {LinkAnswer | null} */
@@ -117,7 +124,7 @@ function clearPart(link) {
 const goesOn = (link, at_m, height_m, end) => link.steps.some((step) => step.kind === "building"
   && Math.abs([step.from_m, step.to_m][end] - at_m) < 1e-6 && Math.abs(step.heights_m[end] - height_m) < 1e-3);
 
-/** @param {Obstruction | null} obstruction */
+/** @param {Pick<Obstruction, "kind" | "name"> | null} obstruction */
 function blockedWords(obstruction) {
   const words = say();
   if (!obstruction) return words.linkBlocked;

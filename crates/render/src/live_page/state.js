@@ -44,12 +44,15 @@ const say = () => (areObservers() ? OBSERVER_TEXTS : TEXTS)[state.language];
 /** Whether receivers are places of a drone, which someone looks at. */
 const isInAir = () => state.sight.receivers === "air";
 
+/** Whether the page has a track: someone below it may look at it. */
+const hasTrack = () => facts.tracks.length > 0;
+
 /** Who looks at a drone from less than this above the ground or roof below is an observer there, all others are UAVs [m]. */
 const OBSERVER_BELOW = 20;
 
 /** Whether someone looks at a drone from the ground or a roof. @param {Uav} uav */
 function isObserver(uav) {
-  if (!isInAir()) return false;
+  if (!isInAir() && !hasTrack()) return false;
   const seen = coverage.answer?.uavs[state.uavs.indexOf(uav)];
   const known = seen?.ok ? seen.above_m ?? Infinity : 0;
   // An answer may be about the place before.

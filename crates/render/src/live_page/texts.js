@@ -131,6 +131,15 @@ const ENGLISH = {
   heightAboveDatum: "Height above the datum [m]",
   roof: "roof", groundWord: "ground", ray: "ray",
 
+  track: "Track from the side", trackShort: "Track",
+  trackSeen: (/** @type {string} */ who, /** @type {string} */ share) => `${who}: ${share} of the track in line of sight`,
+  trackNone: "No place of the track holds a receiver.",
+  trackStates: { los: "in line of sight", nlos: "no line of sight", inside: "inside a building or below the ground", nodata: "no data" },
+  trackLongest: (/** @type {number} */ n, /** @type {string} */ size) => `${n} stretches, the longest ${size}`,
+  trackSteps: (/** @type {string} */ step) => `decided every ${step}`,
+  trackLines: "line: full in line of sight, dashed without",
+  trackAxis: "Distance along the track [m]",
+
   cursorTouch: "Tap the ground to see the link from the side.",
   cursorHint: "Point at the map to read a cell; click it to see the link from the side.",
   outside: "outside the map",
@@ -349,6 +358,15 @@ const GERMAN = {
   roof: "Dach", groundWord: "Boden", ray: "Strahl",
 
   cursorTouch: "Tipp auf den Boden: Verbindung von der Seite.",
+  track: "Strecke von der Seite", trackShort: "Strecke",
+  trackSeen: (who, share) => `${who}: ${share} der Strecke in Sicht`,
+  trackNone: "Kein Ort der Strecke kann einen Empfänger haben.",
+  trackStates: { los: "in Sicht", nlos: "nicht in Sicht", inside: "in einem Gebäude oder unter dem Boden", nodata: "keine Daten" },
+  trackLongest: (n, size) => `${n} Abschnitte, der längste ${size}`,
+  trackSteps: (step) => `alle ${step} entschieden`,
+  trackLines: "Linie: durchgezogen in Sicht, gestrichelt nicht",
+  trackAxis: "Entfernung entlang der Strecke [m]",
+
   cursorHint: "Zeig auf die Karte, um eine Zelle zu lesen; ein Klick zeigt die Verbindung von der Seite.",
   outside: "außerhalb der Karte",
   cellSees: "in Sichtverbindung", cellBlocked: "keine Sichtverbindung", cellNone: "kein Empfänger", cellVoid: "keine Daten",

@@ -37,6 +37,14 @@
  * @typedef {{ok: true, los: boolean, margin_m: number | null, distance_m: number, elevation_deg: number, uav: Place,
  *   receiver: Place, obstruction: Obstruction | null, steps: ProfileStep[]}} LinkSeen
  * @typedef {LinkSeen | {ok: false, words: string}} LinkAnswer
+ * @typedef {{name: string | null, vertices: [number, number, number | null, number | null][]}} Track x, y, height above the datum, time [s]
+ * @typedef {'los' | 'nlos' | 'inside' | 'nodata'} TrackState
+ * @typedef {{state: TrackState, along_m: [number, number], time_s: [number, number] | null, places: [number, number][],
+ *   obstacle: {kind: Obstruction['kind'], name: string | null, x: number, y: number} | null}} Stretch
+ * @typedef {{stretches: Stretch[], lengths_m: [number, number, number, number], times_s: [number, number, number, number] | null,
+ *   longest_without_m: number, longest_without_s: number | null, every_m: number | null}} StretchesAnswer lengths and times by state
+ * @typedef {{along_m: number, time_s: number | null, x: number, y: number, user_m: number, ground_m: number | null,
+ *   roof_m: number | null}} TrackPlace
  * @typedef {{done?: boolean, stopped?: boolean, share: number, receivers: number, ground_m: number | null,
  *   lowest_m: number, heights_m: number[], los: number[]}} CurveAnswer heights above the datum, ascending
  * @typedef {{x: number, y: number, los: number, receivers: number}} Candidate
@@ -48,7 +56,8 @@
  *   meters_per_unit: number}} Grid
  * @typedef {{label: string, name: string, epsg: number | null, wkt: string | null, geographic: boolean}} Crs
  * @typedef {{name: string, word: string, title: string, program: string, command: string[], grid: Grid, crs: Crs | null,
- *   limits: string[], is_part: boolean, surface_only: boolean, most_uavs: number, attribution: string | null, defaults: {[option: string]: any}, start: {uavs: Uav[], sight: Sight, layer: Layer}}} Facts
+ *   limits: string[], is_part: boolean, surface_only: boolean, most_uavs: number, attribution: string | null, defaults: {[option: string]: any}, start: {uavs: Uav[], sight: Sight, layer: Layer},
+ *   tracks: Track[], track_every_m: number}} Facts
  *
  * @typedef {{name: string, uavs: Uav[], sight: Sight}} Kept a placement that is kept
  * @typedef {{x: number, y: number, scale: number}} View the place in the middle, and CSS pixels per unit

@@ -35,6 +35,12 @@ const points = (part, whole) => fixed(tenthsOf(part, Math.max(1, whole)) / 10, 1
 /** A length in meters, or in kilometers from 1 km on. @param {number} m */
 const lengthWords = (m) => (m >= 1000 ? `${number(m / 1000, 2)}${THIN}km` : `${number(m, m < 10 ? 1 : 0)}${THIN}m`);
 
+/** A time: seconds, or minutes and seconds from two minutes on. @param {number} s */
+function timeWords(s) {
+  const whole = Math.round(s);
+  return s < 120 ? `${number(s, 1)}${THIN}s` : `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}${THIN}min`;
+}
+
 const meters = (/** @type {number} */ m, decimals = 1) => `${number(m, decimals)}${THIN}m`;
 
 /** A height with what it is measured from. @param {Height} height */

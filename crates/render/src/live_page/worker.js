@@ -17,7 +17,7 @@
 /** Long work looks this often at what else was asked [ms]. */
 const PIECE_MS = 12;
 /** Questions that take no time, and are answered between two pieces of long work; any other ends that. */
-const LIGHT = new Set(['cell', 'link', 'digest', 'read']);
+const LIGHT = new Set(['cell', 'link', 'digest', 'read', 'stretches', 'track_heights']);
 
 /** @type {Exports} */
 let engine;

@@ -6,9 +6,13 @@
 
 mod leg;
 mod sampled;
+mod stretches;
+mod way;
 
 pub use leg::{LegStretch, TrackLeg};
 pub use sampled::TrackPoint;
+pub use stretches::{StretchSums, TrackStretches, WayRun, WayStretch, WayStretches};
+pub use way::{LegSpan, Way, WayHeights, WayVertex};
 
 /// A vertex of a track.
 #[derive(Debug, Clone, Copy, PartialEq)]
