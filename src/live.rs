@@ -83,9 +83,8 @@ impl Scene {
     /// follows.
     ///
     /// Engine and scene are in the page, so no server is needed. Without a UAV there is one in the
-    /// middle. The page shows a walk or a flight from the side, if there is a file of one. `words`
-    /// are the options of the scene, for the command line that the page shows. Footprints need
-    /// [`SceneReader::keeps_footprints`].
+    /// middle. A walk or a flight is shown from the side. The command line that the page shows has
+    /// the options `words` of the scene. Footprints need [`SceneReader::keeps_footprints`].
     ///
     /// # Errors
     /// E2xx for UAVs or a track that cannot be there; errors of the track's file; E505 for a scene

@@ -189,9 +189,9 @@ class TrackKeywords(TypedDict, total=False):
     """Question of a walk or a flight.
 
     * ``bad_uavs``: UAVs inside a building or below the ground: refuse them, leave them out, or lift them to the top of what is there
-    * ``stretches``: File of stretches, leg by leg: .csv .geojson .gpx .kml; repeat for more
     * ``follow_ground``: Cut legs between heights above the ground at --every, to follow it
     * ``every``: Longest step between two places in tables and pictures [m]; over a curved earth what begins and ends within one is missed
+    * ``stretches``: File of stretches, leg by leg: .csv .geojson .gpx .kml; repeat for more
     * ``rx_height``: Height of the receivers above ground or roof [m]
     * ``earth_k``: Curved earth of K times its radius: 4/3 for radio, 7/6 for light, 1 without refraction, inf for none
     * ``curvature_coefficient``: 1/K of a curved earth, GDAL's word for it: 0.85714 for light, 0.75 for radio, 0 for none
@@ -204,9 +204,9 @@ class TrackKeywords(TypedDict, total=False):
     """
 
     bad_uavs: Literal["fail", "skip", "lift"] | None
-    stretches: PathLike | Sequence[PathLike] | None
     follow_ground: bool | None
     every: float | None
+    stretches: PathLike | Sequence[PathLike] | None
     rx_height: float | str | None
     earth_k: float | str | None
     curvature_coefficient: float | None

@@ -30,6 +30,7 @@ mod questions;
 mod scene;
 mod sight;
 mod source;
+mod track;
 mod uavs;
 mod units;
 mod values;
@@ -65,8 +66,7 @@ pub use questions::{
     ChartOptions, ChartRequest, CityRequest, CompareOptions, CompareRequest, InfoOptions, InfoRequest, LimitsOptions,
     LimitsRequest, LinkOptions, LinkRequest, LiveRequest, SampleOptions, SampleRequest, SetChartOptions,
     SetCompareOptions, SetInfoOptions, SetLimitsOptions, SetLinkOptions, SetSampleOptions, SetStressOptions,
-    SetStretchOptions, SetTrackOptions, StressOptions, StressRequest, StretchOptions, TrackOptions, TrackRequest,
-    ZonesRequest,
+    StressOptions, StressRequest, ZonesRequest,
 };
 pub use scene::band::Band;
 pub use scene::missing_heights::{HeightRule, MissingHeights, WithoutHeight};
@@ -76,6 +76,7 @@ pub use scene::{
 };
 pub use sight::{Earth, Range, Receiver, Receivers, SetEarth, SetRange, SetReceiver, Sight};
 pub use source::Source;
+pub use track::{SetStretchOptions, SetTrackOptions, StretchOptions, TrackOptions, TrackRequest};
 pub use uavs::{BadUavs, Position, SetUavs, Uavs};
 pub use units::{Shard, TileIndex, ZoneCount};
 pub use values::{EarthFactor, FilePath, HeightRange, Meters};

@@ -1,7 +1,7 @@
 // @ts-check
 // The other end of the worker: requests and their answers.
 
-/** @typedef {{settle: (answer: any) => void, refuse: (error: Error) => void, progress?: (answer: any) => void}} Waiting */
+/** @typedef {{what: string, settle: (answer: any) => void, refuse: (error: Error) => void, progress?: (answer: any) => void}} Waiting */
 
 const engine = {
   /** @type {Worker | null} */ worker: null,
@@ -78,11 +78,17 @@ function ask(request, progress) {
   const id = engine.nextId;
   engine.nextId += 1;
   return new Promise((settle, refuse) => {
-    engine.waiting.set(id, { settle, refuse, progress });
+    engine.waiting.set(id, { what: request.do, settle, refuse, progress });
     if (IN_PARTS.has(request.do)) engine.long.add(id);
     engine.worker?.postMessage({ ...request, id });
   });
 }
+
+/** Questions about tracks, whose answers belong to the map. */
+const OF_TRACKS = new Set(["stretches", "track_heights"]);
+
+/** Whether an answer about tracks is on its way. */
+const waitsForTrack = () => [...engine.waiting.values()].some(({ what }) => OF_TRACKS.has(what));
 
 /** What went wrong, in words. @param {unknown} error */
 const wordsOf = (error) => (error instanceof Error ? error.message : String(error));
@@ -113,6 +119,7 @@ function newestOnly(request, onAnswer) {
     }
     isAsking = false;
     if (isStale) void send();
+    settle();
   };
   return () => {
     if (isAsking) isStale = true;

@@ -106,13 +106,13 @@ async function rest() {
   if (isNewest()) for (const listener of onRest) listener();
 }
 
-/** Whether the last map is exact and drawn, and all fields are read. */
-const isSettled = () => coverage.answer !== null && !coverage.isAsking && !frame.isWaiting && fieldsInReading.size === 0;
+/** Whether the last map and its track are exact and drawn, and all fields are read. */
+const isSettled = () => coverage.answer !== null && !coverage.isAsking && !frame.isWaiting && fieldsInReading.size === 0 && !waitsForTrack();
 
 /** Tells who waits, once all is settled. */
 function settle() {
   if (coverage.idle.length > 0 && isSettled()) for (const resolve of coverage.idle.splice(0)) resolve();
 }
 
-/** Resolves when the last map is exact and drawn, and all fields are read. @returns {Promise<void>} */
+/** Resolves when the last map and its track are exact and drawn, and all fields are read. @returns {Promise<void>} */
 const idle = () => (isSettled() ? Promise.resolve() : new Promise((resolve) => coverage.idle.push(resolve)));

@@ -2,7 +2,7 @@
 //!
 //! Lengths in the file are compared with it before anything is reserved.
 
-use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use bytes::Bytes;
@@ -51,22 +51,28 @@ impl Chunks {
     }
 
     pub(super) fn at(&self, start: u64) -> BufReader<Chunk> {
-        BufReader::new(Chunk { reader: Arc::clone(&self.reader), at: start })
+        BufReader::new(Chunk { reader: Arc::clone(&self.reader), at: start, has_ended: false })
     }
 }
 
 /// A part of a file from some byte on.
 pub(super) struct Chunk {
-    pub(super) reader: Arc<Mutex<Reader>>,
-    pub(super) at: u64,
+    reader: Arc<Mutex<Reader>>,
+    at: u64,
+    has_ended: bool,
 }
 
 impl Read for Chunk {
     fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        // Descriptions of pages announce lists, whose elements are skipped one by one beyond the end, too.
+        if self.has_ended {
+            return Err(ErrorKind::UnexpectedEof.into());
+        }
         let mut reader = self.reader.lock().unwrap_or_else(PoisonError::into_inner);
         reader.seek(SeekFrom::Start(self.at))?;
         let n = reader.read(bytes)?;
         self.at += n as u64;
+        self.has_ended = n == 0 && !bytes.is_empty();
         Ok(n)
     }
 }
@@ -129,7 +135,19 @@ fn page_sizes(header: &[u8]) -> Option<(u64, u64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::page_sizes;
+    use std::io::{ErrorKind, Read};
+
+    use super::{Chunks, page_sizes};
+    use crate::Input;
+
+    #[test]
+    fn the_end_of_a_file_is_told_once() {
+        let chunks = Chunks::of(&Input::bytes("a.parquet", b"PAR1".to_vec())).unwrap();
+        let (mut part, mut bytes) = (chunks.at(2), [0; 8]);
+        assert_eq!(part.read(&mut bytes).unwrap(), 2);
+        assert_eq!(part.read(&mut bytes).unwrap(), 0);
+        assert_eq!(part.read(&mut bytes).unwrap_err().kind(), ErrorKind::UnexpectedEof);
+    }
 
     #[test]
     fn sizes_stand_at_the_beginning_of_a_page() {
