@@ -19,7 +19,7 @@ fn tracks_of(page: &str) -> Value {
 /// States and ends of stretches, along all paths one after the other.
 fn stretches_of(document: &Value, starts: &[f64]) -> Vec<(String, f64, f64)> {
     let told = |of: &Value| {
-        let start = starts[of["path"].as_u64().unwrap() as usize - 1];
+        let start = starts[usize::try_from(of["path"].as_u64().unwrap()).unwrap() - 1];
         let along = |name: &str| start + of[name].as_f64().unwrap();
         (of["state"].as_str().unwrap().to_string(), along("from_m"), along("to_m"))
     };
