@@ -101,14 +101,18 @@ fn a_raster_and_its_footprints_have_the_same_stretches() {
         let rows: String =
             heights.chunks(60).map(|row| row.iter().map(i64::to_string).collect::<Vec<_>>().join(" ") + "\n").collect();
         folder.write("town.asc", &format!("ncols 60\nnrows 60\nxllcorner 0\nyllcorner 0\ncellsize 1\n{rows}"));
-        write_flight(&folder, "flight.csv", &flight(&mut random, [0, 0, 60, 60], 6));
+        // No leg runs along walls: places on a wall are in a cell of the raster, and in no building.
+        let runs_along = |flight: &[[i64; 3]]| flight.windows(2).any(|ends| (0..2).any(|k| ends[0][k] == ends[1][k]));
+        let mut flights = std::iter::repeat_with(|| flight(&mut random, [0, 0, 60, 60], 6));
+        let flight = flights.find(|flight| !runs_along(flight)).unwrap();
+        write_flight(&folder, "flight.csv", &flight);
         let (x, y, z) = (random.within(0, 59), random.within(0, 59), random.within(41, 60));
         let of = |scene: &str| {
             let line = format!("track {scene} --uav {x}.5,{y}.5,{z}amsl --track flight.csv --json -q");
             stretches(&folder.type_in(&line).done().json())
         };
         let (prisms, columns) = (of("town.geojson --extent 0,0,60,60"), of("town.asc --ground 0"));
-        assert_eq!(prisms.len(), columns.len(), "{n}: {prisms:?}\n{columns:?}");
+        assert_eq!(prisms.len(), columns.len(), "{n}, {flight:?}: {prisms:?}\n{columns:?}");
         for (a, b) in prisms.iter().zip(&columns) {
             assert!(a.0 == b.0 && (a.1 - b.1).abs() < 1e-6 && (a.2 - b.2).abs() < 1e-6, "{n}: {a:?} {b:?}");
         }
