@@ -9,7 +9,9 @@
 
 mod chunks;
 mod columns;
+mod compact;
 mod footer;
+mod shapes;
 
 use std::ops::Range;
 
