@@ -9,9 +9,7 @@ use bytes::Bytes;
 use parquet::errors::ParquetError;
 use parquet::file::reader::{ChunkReader, Length};
 
-use super::compact::{Words, is_number};
 use super::footer;
-use super::shapes::PAGE;
 use crate::error::Result;
 use crate::input::{Input, Reader};
 
@@ -19,11 +17,6 @@ use crate::input::{Input, Reader};
 const END_BYTES: u64 = 8;
 /// Most bytes of a page, and beside them for each packed byte. Writers make pages of 1 MiB.
 const MOST_UNPACKED: (u64, u64) = (64 << 20, 150);
-/// Most bytes of the header of a page, which holds an extreme value or two.
-const MOST_HEADER: u64 = 16 << 20;
-/// Numbers of fields of the header of a page: its bytes unpacked and packed.
-const UNPACKED: i16 = 2;
-const PACKED: i16 = 3;
 
 /// File that is read by parts.
 pub(super) struct Chunks {
@@ -49,23 +42,6 @@ impl Chunks {
             return Err(found(format!("it announces {length} bytes of description at its end")));
         };
         footer::check(&self.get_bytes(start, length as usize)?).map_err(found)
-    }
-
-    /// Refuses a page whose header is none, or that would take too much memory unpacked. Its
-    /// first bytes are given.
-    fn check_page(&self, start: u64, first: &[u8]) -> Result<(), String> {
-        let whole = || -> Result<[u64; 2], String> {
-            let mut header = Vec::new();
-            self.at(start).take(MOST_HEADER).read_to_end(&mut header).map_err(|e| e.to_string())?;
-            page_sizes(&header)
-        };
-        // A header with long statistics is longer than what was read first.
-        let [unpacked, packed] = page_sizes(first).or_else(|_| whole())?;
-        let packed = packed.min(self.length - start);
-        if unpacked > MOST_UNPACKED.0.saturating_add(MOST_UNPACKED.1.saturating_mul(packed)) {
-            return Err(format!("a page of {unpacked} bytes packed into {packed}"));
-        }
-        Ok(())
     }
 
     /// Returns the most bytes that its values may take, packed or not.
@@ -112,9 +88,11 @@ impl ChunkReader for Chunks {
 
     fn get_read(&self, start: u64) -> parquet::errors::Result<Self::T> {
         let mut reader = self.at(start);
-        // A page is read from here on, or the end of the file.
-        if start.saturating_add(END_BYTES) < self.length {
-            self.check_page(start, reader.fill_buf()?).map_err(ParquetError::General)?;
+        // Pages are read from here on. What one takes is reserved before it is unpacked.
+        if let Some((unpacked, packed)) = page_sizes(reader.fill_buf()?)
+            && unpacked > MOST_UNPACKED.0.saturating_add(MOST_UNPACKED.1.saturating_mul(packed))
+        {
+            return Err(ParquetError::General(format!("a page of {unpacked} bytes packed into {packed}")));
         }
         Ok(reader)
     }
@@ -133,20 +111,26 @@ impl ChunkReader for Chunks {
     }
 }
 
-/// Returns the sizes of a page \[bytes\], unpacked and packed, by its header.
-fn page_sizes(header: &[u8]) -> Result<[u64; 2], String> {
-    let (mut words, mut last, mut sizes) = (Words::of(header), 0, [0; 2]);
-    while let Some((number, kind)) = words.field(last)? {
-        last = number;
-        match number {
-            UNPACKED..=PACKED if is_number(kind) => {
-                let size = u64::try_from(words.signed()?).map_err(|_| "a page of less than no bytes")?;
-                sizes[usize::from(number == PACKED)] = size;
+/// Returns the sizes of a page \[bytes\], unpacked and packed, that its header begins with.
+fn page_sizes(header: &[u8]) -> Option<(u64, u64)> {
+    let mut rest = header;
+    let mut field = || {
+        // A field of 32 bits with the next number.
+        let (0x15, mut bytes) = rest.split_first().map(|(head, rest)| (*head, rest))? else { return None };
+        let mut number = 0;
+        for shift in (0..35).step_by(7) {
+            let (byte, after) = bytes.split_first()?;
+            bytes = after;
+            number |= u64::from(byte & 0x7F) << shift;
+            if byte & 0x80 == 0 {
+                break;
             }
-            _ => words.walk_field(&PAGE, (number, kind))?,
         }
-    }
-    Ok(sizes)
+        rest = bytes;
+        Some(number >> 1)
+    };
+    let [_kind, unpacked, packed] = [field()?, field()?, field()?];
+    Some((unpacked, packed))
 }
 
 #[cfg(test)]
@@ -166,13 +150,9 @@ mod tests {
     }
 
     #[test]
-    fn sizes_stand_in_the_header_of_a_page() {
-        assert_eq!(page_sizes(&[0x15, 4, 0x15, 0xFE, 0xFF, 0xFF, 0xFF, 0x0F, 0x15, 80, 0]), Ok([2_147_483_647, 40]));
-        // The other way round, by numbers of their own.
-        assert_eq!(page_sizes(&[0x05, 6, 80, 0x05, 4, 22, 0]), Ok([11, 40]));
-        assert!(page_sizes(&[0x15, 0, 0x15, 0x80, 1, 0x15]).is_err());
-        assert!(page_sizes(b"PAR1").is_err());
-        // Two billion truths in a field that nobody knows.
-        assert!(page_sizes(&[0x15, 4, 0x15, 2, 0x15, 2, 0x69, 0xF1, 0xFF, 0xFF, 0xFF, 0xFF, 0x07, 0]).is_err());
+    fn sizes_stand_at_the_beginning_of_a_page() {
+        assert_eq!(page_sizes(&[0x15, 4, 0x15, 0xFE, 0xFF, 0xFF, 0xFF, 0x0F, 0x15, 80, 0]), Some((2_147_483_647, 40)));
+        assert_eq!(page_sizes(&[0x15, 0, 0x15, 0x80, 1, 0x15]), None);
+        assert_eq!(page_sizes(b"PAR1"), None);
     }
 }

@@ -9,9 +9,7 @@
 
 mod chunks;
 mod columns;
-mod compact;
 mod footer;
-mod shapes;
 
 use std::ops::Range;
 
